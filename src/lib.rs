@@ -29,9 +29,9 @@
 //! let white = builder.add_material(Material::diffuse(Vec3::splat(0.8)));
 //! let glass = builder.add_material(Material::dielectric(1.5, Vec3::ZERO));
 //! builder
-//!     .plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO)
-//!     .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), glass, Vec3::ZERO)
-//!     .delta_light(
+//!     .add_plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO)
+//!     .add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), glass, Vec3::ZERO)
+//!     .add_delta_light(
 //!         DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 0.0) },
 //!         LightStrength::Power(Vec3::splat(200.0)),
 //!     );

@@ -16,7 +16,7 @@ mod forecasts;
 
 use caustica::format::SceneFile;
 use caustica::image::RelativeErrorWeights;
-use caustica::integrate::{Algorithm, FinalGathering, Settings, SilentMonitor};
+use caustica::integrate::{Algorithm, FinalGathering, IndirectPhotons, Settings, SilentMonitor};
 use caustica::plan::{Effect, EffectOverrides, Plan};
 use caustica::render::error_estimate::{Confidence, ErrorEstimator};
 use caustica::render::{ErrorTarget, Film, StopCriteria, render};
@@ -97,6 +97,8 @@ fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
     let radii = Algorithm::Hybrid.prepare(scene, settings.clone()).gather_radii();
     settings.radius = radii.map(|radii| radii.caustic / 10.0);
     (settings.alpha, settings.gather_k) = (1.0, Some(0));
+    // Camera paths find indirect light without bias.
+    settings.indirect_photons = IndirectPhotons::Off;
     (settings.photons, settings.caustic_photons) = (4 * PHOTONS, 4 * PHOTONS);
     let stop = StopCriteria {
         min_passes: 1,

@@ -8,7 +8,7 @@ use super::number::{
 use super::{ConvertArguments, DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, ExrPrecision, ToneCurve};
-use crate::integrate::{Algorithm, FinalGathering, LightTracing, VolumeEstimator};
+use crate::integrate::{Algorithm, FinalGathering, IndirectPhotons, LightTracing, VolumeEstimator};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 use crate::render::error_estimate::Confidence;
@@ -120,6 +120,10 @@ pub struct MethodArguments {
     /// estimates, per pixel) or full
     #[arg(long, value_enum, default_value = "weighted", value_name = "NAME")]
     pub light_tracing: LightTracing,
+
+    /// Photon estimates of indirect light by hybrid: off, weighted (against camera paths) or full
+    #[arg(long, value_enum, default_value = "weighted", value_name = "NAME")]
+    pub indirect_photons: IndirectPhotons,
 
     /// Photon estimate in media: beams, beam-radiance or points
     #[arg(long, value_enum, default_value = "beams", value_name = "NAME")]

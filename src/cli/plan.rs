@@ -48,6 +48,7 @@ pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay
     progress.print_line(&simulated_effects_line(integrator.plan()));
     integrator.ray_photon_balance().iter().for_each(|balance| progress.print_line(&pass_counts_line(balance)));
     prefix_rays_line(integrator.prefix_rays_per_pixel()).iter().for_each(|line| progress.print_line(line));
+    indirect_photons_line(integrator).iter().for_each(|line| progress.print_line(line));
     omitted_effect_warnings(integrator.plan()).for_each(|line| print_message(&line));
     if integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
         print_message(UNSAMPLED_CAUSTICS);
@@ -79,6 +80,15 @@ fn prefix_rays_line(mean: f64) -> Option<String> {
     (mean > 0.0).then(|| format!("and {mean:.2} rays per pixel up to the first diffuse surface, {reason}"))
 }
 
+/// Returns a line with the shares of indirect light that photon estimates carry in the first pass
+/// and in pass 100; `None` if camera paths carry all of it.
+fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
+    let percent = |pass| (100.0 * integrator.indirect_photon_share(pass)).round();
+    let (first, later) = (percent(0), percent(99));
+    let text = format!("photon estimates carry {first} % of the indirect light in pass 1, {later} % in pass 100");
+    (integrator.indirect_photon_share(0) > 0.0).then_some(text)
+}
+
 /// Returns a count with its noun in the singular or plural, such as `2 passes`.
 pub(super) fn count_with_noun(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
@@ -107,6 +117,7 @@ fn plan_table(algorithm: Algorithm, integrator: &dyn Integrator, work: &Expected
     }
     balance.iter().for_each(|balance| text += &format!("{}\n", pass_counts_line(balance)));
     prefix_rays_line(integrator.prefix_rays_per_pixel()).iter().for_each(|line| text += &format!("{line}\n"));
+    indirect_photons_line(integrator).iter().for_each(|line| text += &format!("{line}\n"));
     let _ = writeln!(text, "total about {} per pass", work_counts_text(work.whole, count_text));
     omitted_effect_warnings(plan).for_each(|line| text += &format!("{line}\n"));
     text
@@ -140,6 +151,8 @@ struct PlanReport {
     /// Mean number of prefix rays per pixel: extra camera rays that end at the first diffuse
     /// surface.
     prefix_rays_per_pixel: f64,
+    /// Share in \[0, 1] of the indirect light that photon estimates carry in the first pass.
+    indirect_photon_share: f64,
     effects: Vec<EffectCostReport>,
 }
 
@@ -197,6 +210,7 @@ impl PlanReport {
             features: plan.features,
             balance: integrator.ray_photon_balance(),
             prefix_rays_per_pixel: integrator.prefix_rays_per_pixel(),
+            indirect_photon_share: integrator.indirect_photon_share(0),
             rays: work.whole.rays,
             gathered_photons: work.whole.gathered_photons,
             effects: plan_effect_reports(plan).into_iter().zip(&plan.decisions).map(costed).collect(),

@@ -2,7 +2,9 @@
 
 use super::args::MethodArguments;
 use crate::camera::{Filter, FilterKind};
-use crate::integrate::{ALPHA, Algorithm, CameraPathSettings, FinalGathering, LightTracing, Settings, VolumeEstimator};
+use crate::integrate::{
+    ALPHA, Algorithm, CameraPathSettings, FinalGathering, IndirectPhotons, LightTracing, Settings, VolumeEstimator,
+};
 use crate::photon::Kernel;
 use crate::plan::{Effect, EffectOverrides};
 use clap::ValueEnum;
@@ -57,6 +59,20 @@ impl ValueEnum for LightTracing {
     }
 }
 
+impl ValueEnum for IndirectPhotons {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Off, Self::Weighted, Self::Full]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(match self {
+            Self::Off => PossibleValue::new("off").help("Camera paths carry all indirect light"),
+            Self::Weighted => PossibleValue::new("weighted").help("Both techniques with weights that a pilot finds"),
+            Self::Full => PossibleValue::new("full").help("Photon estimates carry all of it"),
+        })
+    }
+}
+
 impl ValueEnum for VolumeEstimator {
     fn value_variants<'a>() -> &'a [Self] {
         &[Self::Beams, Self::BeamRadiance, Self::Points]
@@ -94,6 +110,7 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
         volume: arguments.volume,
         prefix_rays: !arguments.no_prefix_rays,
         light_tracing: arguments.light_tracing,
+        indirect_photons: arguments.indirect_photons,
         final_gathering: arguments.final_gathering,
     }
 }
@@ -102,7 +119,9 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
 ///
 /// `effects_flag` is the name of the flag for `overrides`: `--effects` or `--simulate`.
 pub(super) fn method_flags(arguments: &MethodArguments, effects_flag: &str, overrides: EffectOverrides) -> Vec<String> {
-    let MethodArguments { kernel, final_gathering, volume, light_tracing, max_bounces, filter, .. } = *arguments;
+    let MethodArguments {
+        kernel, final_gathering, volume, light_tracing, indirect_photons, max_bounces, filter, ..
+    } = *arguments;
     let number = |n: Option<u32>| n.map(|n| n.to_string());
     let unless_default = |is: bool, value: String| (!is).then_some(value);
     let named = [
@@ -119,6 +138,10 @@ pub(super) fn method_flags(arguments: &MethodArguments, effects_flag: &str, over
             unless_default(final_gathering == FinalGathering::default(), value_enum_name(final_gathering)),
         ),
         ("--light-tracing", unless_default(light_tracing == LightTracing::default(), value_enum_name(light_tracing))),
+        (
+            "--indirect-photons",
+            unless_default(indirect_photons == IndirectPhotons::default(), value_enum_name(indirect_photons)),
+        ),
         ("--volume", unless_default(volume == VolumeEstimator::default(), value_enum_name(volume))),
         (
             "--max-bounces",

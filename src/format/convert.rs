@@ -1,7 +1,7 @@
 //! Converts an imported scene to scene text, and embedded meshes and pictures to files.
 
 use super::description::{
-    DensityDescription, Group, GroupItem, ObjectDescription, SceneDescription, ShapeDescription, Spanned,
+    DensityDescription, GroupItem, ObjectDescription, ObjectGroup, SceneDescription, ShapeDescription, Spanned,
     TextureKindDescription,
 };
 use super::file::SceneFile;
@@ -104,7 +104,7 @@ fn visit_file_paths(description: &mut SceneDescription, visit: &mut impl FnMut(&
     visit_group_paths(&mut description.root, visit);
 }
 
-fn visit_group_paths(group: &mut Group, visit: &mut impl FnMut(&mut String)) {
+fn visit_group_paths(group: &mut ObjectGroup, visit: &mut impl FnMut(&mut String)) {
     for item in &mut group.items {
         match item {
             GroupItem::Object(object) => visit_object_paths(&mut object.value, visit),

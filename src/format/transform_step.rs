@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_are_right_handed() {
+    fn rotations_are_right_handed() {
         assert!(is_close(TransformStep::RotateX(90.0).matrix().transform_point3(DVec3::Y), DVec3::Z));
         assert!(is_close(TransformStep::RotateY(90.0).matrix().transform_point3(DVec3::Z), DVec3::X));
         assert!(is_close(TransformStep::RotateZ(90.0).matrix().transform_point3(DVec3::X), DVec3::Y));

@@ -2,7 +2,7 @@
 
 use super::SourceText;
 use super::description::{
-    Group, GroupItem, MaterialDescription, ObjectDescription, SceneDescription, ShapeDescription, Span, Spanned,
+    GroupItem, MaterialDescription, ObjectDescription, ObjectGroup, SceneDescription, ShapeDescription, Span, Spanned,
 };
 use super::import::EmbeddedAssets;
 use super::mesh::{self, MeshReport};
@@ -84,7 +84,7 @@ fn boundary_defect(report: &MeshReport) -> Option<String> {
 /// Materials, textures and dielectric meshes that the objects of a scene use.
 #[derive(Default)]
 struct SceneUses<'a> {
-    /// Indices of materials that objects have directly, not as a part of a mix.
+    /// Indices of the materials assigned to objects, without the components of mixes.
     materials: BTreeSet<usize>,
     /// Names of textures that a material refers to.
     textures: BTreeSet<&'a str>,
@@ -103,7 +103,7 @@ impl<'a> SceneUses<'a> {
     }
 
     /// Collects the uses of a group; `material` is the index of the current material.
-    fn collect_group_uses(&mut self, description: &'a SceneDescription, group: &'a Group, material: &mut usize) {
+    fn collect_group_uses(&mut self, description: &'a SceneDescription, group: &'a ObjectGroup, material: &mut usize) {
         for item in &group.items {
             match item {
                 GroupItem::MaterialIndex(index) => *material = index.value as usize,
@@ -144,7 +144,7 @@ impl<'a> SceneUses<'a> {
         let materials = &description.materials;
         let name = materials[index].name.as_deref();
         let part_of = |mix: &Spanned<MaterialDescription>| {
-            mix.kind.mix_parts().is_some_and(|parts| parts.iter().any(|part| Some(part.as_str()) == name))
+            mix.kind.mix_material_names().is_some_and(|parts| parts.iter().any(|part| Some(part.as_str()) == name))
         };
         // The parts of a mix stand before it, so the recursion ends.
         let in_mix = |(mix, _): (usize, &Spanned<MaterialDescription>)| mix > index && self.is_used(description, mix);

@@ -6,6 +6,7 @@
 
 mod media;
 
+use super::indirect_division::{IndirectTechnique, IndirectWeights};
 use super::nee::NextEventEstimator;
 use super::photon_maps::{PhotonMapChoice, PhotonMaps};
 use super::policy::{DirectionSampling, PathContinuation, PathPolicy, PhotonLookups};
@@ -53,6 +54,8 @@ pub(super) struct PathContext<'a> {
     pub pass: u32,
     /// Number of bounces after which a path ends.
     pub max_bounces: u32,
+    /// Division of indirect light at diffuse first receivers.
+    indirect: IndirectTechnique<'a>,
     /// Smallest length of a gather ray that reads the indirect map \[length].
     min_gather_distance: f32,
 }
@@ -65,6 +68,10 @@ pub(super) struct PathState<I> {
     throughput: Rgb,
     bounce: u32,
     history: PathHistory,
+    /// Weight of indirect light, applied after the vertex where the path may find direct light.
+    indirect_weight: f32,
+    /// True if photon estimates share the indirect light of the path's first receiver.
+    shares_indirect: bool,
     /// Previous vertex if next-event estimation there could have sampled the light that the path
     /// hits now. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
     /// shadow rays.
@@ -91,6 +98,7 @@ pub(super) fn radiance<I: Interior>(
 ) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let mut radiance = Rgb::ZERO;
+    let indirect = paths.indirect.weights(worker.film_position);
     let mut branch = Some(PathState::from_camera_ray(paths, ray, sampler));
     while let Some(mut path) = branch {
         loop {
@@ -114,7 +122,7 @@ pub(super) fn radiance<I: Interior>(
                 PathEvent::Escaped { crossed } => {
                     path.note_crossed_boundaries(crossed);
                     let escaped = path.throughput * escaped_radiance(paths, &path);
-                    radiance += weigh_found_light(escaped, path.history, worker);
+                    radiance += weigh_found_light(escaped, &path, worker);
                     break;
                 }
             };
@@ -125,9 +133,11 @@ pub(super) fn radiance<I: Interior>(
             if hit.surface.emission != Rgb::ZERO && counts_hit_emission(policy, &path) {
                 let weight = path.prev.map_or(1.0, |prev| emission_mis_weight(nee, &prev, &hit.surface));
                 let found = path.throughput * hit.surface.emission * weight;
-                radiance += weigh_found_light(found, path.history, worker);
+                radiance += weigh_found_light(found, &path, worker);
             }
             let interior = path.path_ray.interior;
+            path.throughput *= path.indirect_weight;
+            path.indirect_weight = 1.0;
 
             // Reflect and refract at casters.
             if !hit.surface.bsdf.stores_photons() {
@@ -154,7 +164,9 @@ pub(super) fn radiance<I: Interior>(
             let SurfaceVertex { surface, distance, .. } = &hit;
             let vertex = path.vertex_at_surface(paths, surface, &interior, *distance);
             let ends_gather_ray = ends_gather_ray(paths, &vertex);
+            let shares_indirect = shares_indirect_light(&indirect, &vertex);
             let continues = path.bounce < paths.max_bounces
+                && (!shares_indirect || is_path_continued(&indirect, &vertex))
                 && !worker.prefix.ends_at_receiver
                 && match policy.continuation {
                     PathContinuation::Never => false,
@@ -174,13 +186,21 @@ pub(super) fn radiance<I: Interior>(
             };
 
             // Add the photon estimate.
-            let reflected = direct + photon_radiance(paths, &vertex, ends_gather_ray, worker);
+            let reflected = direct + photon_radiance(paths, &vertex, &indirect, ends_gather_ray, worker);
             radiance += path.throughput * reflected;
+            if path.shares_indirect {
+                worker.indirect_light.paths += path.throughput * reflected;
+            }
 
             // Continue in a sampled direction.
             path.history = PathHistory { receivers: path.history.receivers + 1, casters: 0 };
             if !(continues && continue_path(policy, &mut path, &vertex, worker)) {
                 break;
+            }
+            if shares_indirect {
+                let (_, samples) = vertex.sampler.sample_index_and_count();
+                path.indirect_weight = indirect.path_weight(samples);
+                path.shares_indirect = true;
             }
         }
         branch = stack.pop();
@@ -211,7 +231,7 @@ fn scatter_at_caster<I: Interior>(
     // caster.
     if !surface.bsdf.is_specular() && policy.direct_light && counts_found_light(policy, path.history) {
         let direct = path.throughput * nee.estimate(&vertex, continues, worker);
-        *radiance += weigh_found_light(direct, path.history, worker);
+        *radiance += weigh_found_light(direct, path, worker);
     }
     if !continues {
         return false;
@@ -266,6 +286,7 @@ fn continue_path<I: Interior>(
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     vertex: &PathVertex<'_, I>,
+    indirect: &IndirectWeights,
     ends_gather_ray: bool,
     worker: &mut PathWorker,
 ) -> Rgb {
@@ -286,15 +307,40 @@ fn photon_radiance<I: Interior>(
     let before_gather_ray = paths.policy.photons == PhotonLookups::GatherRays && !ends_gather_ray;
     let lookup = if before_gather_ray { PhotonMapChoice::Caustic } else { PhotonMapChoice::Both };
     let estimate = paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, samples, worker));
+    let interreflection = if shares_indirect_light(indirect, vertex) {
+        let samples = samples * indirect.photons;
+        paths.maps.map_or(Rgb::ZERO, |maps| maps.interreflection(vertex, samples, worker))
+    } else {
+        Rgb::ZERO
+    };
+    let estimate = estimate + interreflection;
     worker.prefix.photons += vertex.throughput * estimate;
     estimate
 }
 
-/// Returns `light` that a path with `history` found, with the weight of its prefix if the path has
+/// True if camera paths and photon estimates share the indirect light that `vertex` reflects.
+///
+/// They share it at the first receiver.
+#[inline]
+fn shares_indirect_light<I>(indirect: &IndirectWeights, vertex: &PathVertex<'_, I>) -> bool {
+    indirect.photons > 0.0 && vertex.history.receivers == 0
+}
+
+/// True if the camera path continues at `vertex`, where photon estimates share the indirect light.
+#[inline]
+fn is_path_continued<I>(indirect: &IndirectWeights, vertex: &PathVertex<'_, I>) -> bool {
+    let u = vertex.sampler.get_1d(Dimension::ChosenLobe);
+    indirect.is_continued(vertex.sampler.sample_index_and_count(), u)
+}
+
+/// Returns `light` that `path` found, with the weight of its prefix if the path has
 /// no receiver yet.
 #[inline]
-fn weigh_found_light(light: Rgb, history: PathHistory, worker: &mut PathWorker) -> Rgb {
-    if history.receivers > 0 {
+fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, worker: &mut PathWorker) -> Rgb {
+    if path.history.receivers > 0 {
+        if path.history.receivers > 1 && path.shares_indirect {
+            worker.indirect_light.paths += light;
+        }
         return light;
     }
     let weighted = light * worker.prefix.found_weight;
@@ -370,9 +416,15 @@ impl<'a> PathContext<'a> {
         maps: Option<&'a PhotonMaps<'a>>,
         pass: u32,
         max_bounces: u32,
+        indirect: IndirectTechnique<'a>,
     ) -> Self {
         let radius = maps.map_or(NO_MAP_RADIUS, |maps| maps.indirect.radius());
-        Self { scene, policy, nee, maps, pass, max_bounces, min_gather_distance: MIN_GATHER_RADII * radius }
+        Self { scene, policy, nee, maps, pass, max_bounces, indirect, min_gather_distance: MIN_GATHER_RADII * radius }
+    }
+
+    /// Returns this context with `technique` for indirect light at diffuse first receivers.
+    pub fn with_indirect_technique(self, technique: IndirectTechnique<'a>) -> Self {
+        Self { indirect: technique, ..self }
     }
 }
 
@@ -381,7 +433,16 @@ impl<I: Interior> PathState<I> {
     fn from_camera_ray(paths: &PathContext<'_>, ray: &Ray, sampler: Sampler) -> Self {
         let path_ray = paths.scene.start_camera_path(*ray, paths.policy.effects);
         let history = PathHistory::default();
-        Self { path_ray, throughput: Rgb::ONE, bounce: 0, history, prev: None, sampler }
+        Self {
+            path_ray,
+            throughput: Rgb::ONE,
+            bounce: 0,
+            history,
+            indirect_weight: 1.0,
+            shares_indirect: false,
+            prev: None,
+            sampler,
+        }
     }
 
     /// If `crossed`, records that the segment crossed a boundary that blocks shadow rays but not

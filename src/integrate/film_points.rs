@@ -5,7 +5,8 @@ use super::worker::PathWorker;
 use crate::color::Rgb;
 use crate::plan::Effect;
 use crate::sampling::{Dimension, Sampler};
-use crate::scene::{Interior, for_interior};
+use crate::scene::for_interior;
+use crate::stats::Counters;
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -20,23 +21,49 @@ pub(super) type FilmPoint = (Vec2, Sampler);
 /// Returns the radiance at each point \[W/(m² sr)], and the workers with their ray counts and
 /// visible points.
 pub(super) fn trace_camera_paths_through(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<PathWorker>) {
-    for_interior!(paths.policy.effects, <I> trace_camera_paths_with_interior::<I>(paths, points))
+    let (radiance, workers) = trace_chunks(paths, points, false, &|radiance, _| radiance);
+    (radiance, workers)
 }
 
-fn trace_camera_paths_with_interior<I: Interior>(
+/// Traces camera paths through `points` of the film, with nested photon estimates if `nested`.
+///
+/// Returns for each point what `result` makes of its radiance \[W/(m² sr)] and its worker, and the
+/// ray counts of all paths.
+pub(super) fn trace_each_camera_path_through<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
-) -> (Vec<Rgb>, Vec<PathWorker>) {
+    nested: bool,
+    result: impl Fn(Rgb, &mut PathWorker) -> T + Sync,
+) -> (Vec<T>, Counters) {
+    let (results, workers) = trace_chunks(paths, points, nested, &result);
+    let mut counters = Counters::default();
+    workers.iter().for_each(|worker| counters += worker.counters);
+    (results, counters)
+}
+
+/// Traces camera paths in parallel. Returns the result of each path, and the worker of each chunk.
+fn trace_chunks<T: Send>(
+    paths: &PathContext<'_>,
+    points: &[FilmPoint],
+    nested: bool,
+    result: &(impl Fn(Rgb, &mut PathWorker) -> T + Sync),
+) -> (Vec<T>, Vec<PathWorker>) {
     let has_lens = paths.policy.effects.has(Effect::Lens);
-    let chunks = points.par_chunks(CHUNK).map(|chunk| {
-        let (mut worker, mut stack) = (PathWorker::default(), Vec::<PathState<I>>::new());
-        let values = chunk.iter().map(|(film, sampler)| {
-            worker.counters.camera_rays += 1;
-            let lens = has_lens.then(|| sampler.get_2d(Dimension::Lens));
-            radiance(paths, &paths.scene.camera().generate_ray(*film, lens), *sampler, &mut worker, &mut stack)
+    for_interior!(paths.policy.effects, <I> {
+        let chunks = points.par_chunks(CHUNK).map(|chunk| {
+            let mut worker = PathWorker { nests_estimates: nested, ..PathWorker::default() };
+            let mut stack = Vec::<PathState<I>>::new();
+            let values = chunk.iter().map(|(film, sampler)| {
+                worker.counters.camera_rays += 1;
+                worker.film_position = *film;
+                let lens = has_lens.then(|| sampler.get_2d(Dimension::Lens));
+                let ray = paths.scene.camera().generate_ray(*film, lens);
+                let radiance = radiance(paths, &ray, *sampler, &mut worker, &mut stack);
+                result(radiance, &mut worker)
+            });
+            (values.collect::<Vec<T>>(), worker)
         });
-        (values.collect::<Vec<Rgb>>(), worker)
-    });
-    let (radiance, workers): (Vec<Vec<Rgb>>, Vec<PathWorker>) = chunks.collect::<Vec<_>>().into_iter().unzip();
-    (radiance.concat(), workers)
+        let (results, workers): (Vec<Vec<T>>, Vec<PathWorker>) = chunks.collect::<Vec<_>>().into_iter().unzip();
+        (results.into_iter().flatten().collect(), workers)
+    })
 }

@@ -2,13 +2,14 @@
 //!
 //! # Algorithm
 //! - **Prepare**: aim photon emission at caustic casters, guide it to what the camera sees, find
-//!   gather radii, balance camera rays against photons, and find the weights of light tracing and
-//!   the numbers of prefix rays.
+//!   gather radii, divide indirect light between camera paths and photons, balance camera rays
+//!   against photons, and find the weights of light tracing and the numbers of prefix rays.
 //! - **Each pass**: trace the aimed photons. At their first receiver, connect them to the camera
-//!   and store them in the caustic map. At later receivers, store them in the indirect map. Then
-//!   trace camera paths. All paths do next-event estimation and continue at receivers. One path of
-//!   each pixel reads both maps at its first receiver. Then trace prefix rays, which end at their
-//!   first receiver, in the pixels that need them.
+//!   and store them in the caustic map. At later receivers, store them in the indirect map. Trace
+//!   unaimed photons, and store those that receivers reflected in the interreflection map. Then
+//!   trace camera paths. All paths do next-event estimation. At first receivers, some of each
+//!   pixel's paths continue, with the weight of camera paths, and one reads the maps. Then trace
+//!   prefix rays, which end at their first receiver, in the pixels that need them.
 //!
 //! [`PhotonKind`](crate::photon::PhotonKind) defines casters and receivers. A light path over
 //! casters to a receiver is a caustic. Only photons carry caustics, so a camera path ignores the
@@ -35,5 +36,6 @@ pub(super) fn policy(effects: Effects, settings: &Settings) -> PathPolicy {
         photons: PhotonLookups::OncePerPixel,
         shrinking_radii: true,
         light_tracing: settings.light_tracing,
+        indirect_photons: settings.indirect_photons,
     }
 }

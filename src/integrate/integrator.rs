@@ -37,6 +37,12 @@ pub trait Integrator: Sync {
         0.0
     }
 
+    /// Returns the share in \[0, 1] of the indirect light at first receivers that photon estimates
+    /// carry in pass `pass`. It is the mean of their weights over the picture.
+    fn indirect_photon_share(&self, _pass: u32) -> f64 {
+        0.0
+    }
+
     /// Returns the largest gather radius of each photon map in the first pass; `None` without
     /// photons.
     fn gather_radii(&self) -> Option<GatherRadii> {

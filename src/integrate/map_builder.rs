@@ -1,5 +1,6 @@
 //! Construction of the photon maps of a pass.
 
+use super::indirect_division::{IndirectDivision, IndirectTechnique};
 use super::pass::{ExpectedPhotons, Pass, PassStage, PhotonReport, ProgressMonitor};
 use super::photon_maps::{PhotonEstimator, PhotonMaps};
 use super::policy::{PathPolicy, PhotonMapRequest};
@@ -8,7 +9,7 @@ use super::radius_pilot::{
     EmissionGuidingReportPerMap, GatherRadii, VolumeKernelRadii, find_gather_radius, find_volume_kernel_radii,
     min_gather_radius, pilot_path_count,
 };
-use super::settings::{CameraPathSettings, LightTracing, Settings};
+use super::settings::{CameraPathSettings, IndirectPhotons, LightTracing, Settings};
 use super::visible_pilot::find_visible_points;
 use super::volume_estimate::{BeamAndPointMaps, VolumeEstimator};
 use crate::photon::{
@@ -176,6 +177,12 @@ pub(super) struct PhotonMapBuilder<'a> {
     pub counts: PhotonPathCounts,
     /// Largest gather radii of the first pass; `None` without maps.
     pub radii: Option<GatherRadii>,
+    /// Gather radius of the interreflection map in the first pass \[length].
+    interreflection_radius: f32,
+    /// Division of indirect light at diffuse first receivers; `None` leaves it to camera paths.
+    pub indirect_division: Option<Arc<IndirectDivision>>,
+    /// True for a pilot that compares photon estimates of indirect light with camera paths.
+    pub compares_indirect_techniques: bool,
     /// Kernel radii in media in the first pass \[length].
     volume_radii: VolumeKernelRadiiPerMap,
     /// Smallest gather radius of the first pass \[length].
@@ -191,7 +198,11 @@ impl<'a> PhotonMapBuilder<'a> {
     ///
     /// Pilots guide photon emission, and find the gather radii if `settings` give none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
-        let request = policy.photon_map_request();
+        let mut request = policy.photon_map_request();
+        if policy.indirect_photons != IndirectPhotons::Off && has_scattering_or_emitting_media(scene, policy.effects) {
+            // Photon estimates at receivers know nothing of the light in media.
+            request.unaimed = StoreMask::NONE;
+        }
         let source = |mask: StoreMask, paths: u32, new_source: &dyn Fn() -> Option<PhotonSource<'a>>| {
             if paths == 0 || mask == StoreMask::NONE {
                 return None;
@@ -214,6 +225,9 @@ impl<'a> PhotonMapBuilder<'a> {
             caustic_source,
             counts,
             radii: None,
+            interreflection_radius: 0.0,
+            indirect_division: None,
+            compares_indirect_techniques: false,
             volume_radii: VolumeKernelRadiiPerMap::default(),
             min_radius: 0.0,
             emission_guiding_reports: EmissionGuidingReportPerMap::default(),
@@ -223,7 +237,9 @@ impl<'a> PhotonMapBuilder<'a> {
             builder.min_radius = min_gather_radius(scene);
         }
         builder.guide_emission();
-        builder.radii = builder.traces_photons().then(|| builder.find_gather_radii());
+        if builder.traces_photons() {
+            builder.radii = Some(builder.find_gather_radii());
+        }
         if builder.stores_volume_photons() {
             builder.volume_radii = builder.find_volume_kernel_radii();
         }
@@ -241,6 +257,7 @@ impl<'a> PhotonMapBuilder<'a> {
         Self {
             settings: self.settings.clone(),
             density_estimate_shares: self.density_estimate_shares.clone(),
+            indirect_division: self.indirect_division.clone(),
             policy: *policy,
             request,
             unaimed_source: keep(&self.unaimed_source, request.unaimed),
@@ -257,6 +274,7 @@ impl<'a> PhotonMapBuilder<'a> {
             scene,
             settings: self.settings.clone(),
             density_estimate_shares: self.density_estimate_shares.clone(),
+            indirect_division: self.indirect_division.clone(),
             unaimed_source: placed(&self.unaimed_source),
             caustic_source: placed(&self.caustic_source),
             ..*self
@@ -291,7 +309,7 @@ impl<'a> PhotonMapBuilder<'a> {
     }
 
     /// Returns gather radii within which most density estimates find enough photons \[length].
-    fn find_gather_radii(&self) -> GatherRadii {
+    fn find_gather_radii(&mut self) -> GatherRadii {
         let settings = &self.settings;
         let radius = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32, default_k: u32| {
             let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(default_k);
@@ -304,21 +322,70 @@ impl<'a> PhotonMapBuilder<'a> {
             // A pilot may find no photon although passes will, for example if objects move.
             settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
         };
+        let interreflection = if self.holds_interreflection_map() {
+            radius(&self.unaimed_source, self.request.unaimed, self.settings.photons, INDIRECT_COUNT)
+        } else {
+            0.0
+        };
         let (source, mask, paths) = self.indirect_map_inputs();
         let default_k = if self.request.aimed.separates_after_caustic { AFTER_CAUSTIC_COUNT } else { INDIRECT_COUNT };
         let indirect = radius(source, mask, paths, default_k);
         let caustic = radius(&self.caustic_source, StoreMask::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
+        self.interreflection_radius = interreflection;
         GatherRadii { indirect, caustic }
     }
 
     /// Returns the photon source of the indirect map, the photons to store, and the number of paths
     /// that reach the map.
     fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
-        if self.request.aimed.separates_after_caustic {
+        if self.request.aimed.separates_after_caustic || self.holds_interreflection_map() {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
             (&self.caustic_source, mask, self.settings.caustic_photons / AFTER_CAUSTIC_THINNING)
         } else {
             (&self.unaimed_source, self.request.unaimed, self.settings.photons)
+        }
+    }
+
+    /// True if a pass may build an interreflection map.
+    pub fn holds_interreflection_map(&self) -> bool {
+        self.policy.indirect_photons != IndirectPhotons::Off && self.unaimed_source.is_some()
+    }
+
+    /// Returns the area of gather discs in pass `pass`, relative to the first pass.
+    pub fn relative_disc_area(&self, pass: u32) -> f64 {
+        squared_radius_ratio(self.radius_law().alpha, pass)
+    }
+
+    /// Sets the division of indirect light, and its number of photon paths. `None` leaves the light
+    /// to camera paths, so no unaimed photon paths are traced.
+    pub fn set_indirect_division(&mut self, division: Option<IndirectDivision>) {
+        if let Some(division) = &division {
+            self.counts.photons = division.photons;
+        } else {
+            self.unaimed_source = None;
+            self.emission_guiding_reports.indirect = None;
+        }
+        self.indirect_division = division.map(Arc::new);
+    }
+
+    /// Returns the technique for indirect light at diffuse first receivers in pass `pass`.
+    pub fn indirect_technique(&self, pass: u32) -> IndirectTechnique<'_> {
+        if !self.holds_interreflection_map() {
+            return IndirectTechnique::Paths;
+        }
+        if self.compares_indirect_techniques {
+            return IndirectTechnique::Comparison;
+        }
+        if self.policy.indirect_photons == IndirectPhotons::Full {
+            return IndirectTechnique::Photons;
+        }
+        match self.indirect_division.as_deref() {
+            Some(division) if pass < division.passes => IndirectTechnique::Both {
+                division,
+                number: pass as f32 + 1.0,
+                area: self.relative_disc_area(pass) as f32,
+            },
+            _ => IndirectTechnique::Paths,
         }
     }
 
@@ -444,8 +511,9 @@ impl<'a> PhotonMapBuilder<'a> {
         // Paths are traced in this order: aimed, unaimed, guides.
         let (caustic, aimed) = self.build_caustic_map(budget, monitor, out);
         let indirect = self.build_indirect_map(aimed.after_caustic, budget, monitor, out);
+        let interreflection = self.build_interreflection_map(budget, monitor, out);
         let guides = PhotonMap::build(self.trace_guide_photons(budget, monitor, out));
-        PhotonMaps { guides, caustic, indirect, splats: aimed.splats }
+        PhotonMaps { guides, caustic, indirect, interreflection, splats: aimed.splats }
     }
 
     /// Traces the paths aimed at casters, and builds the caustic map. Returns the map and the other
@@ -493,24 +561,45 @@ impl<'a> PhotonMapBuilder<'a> {
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
     ) -> PhotonEstimator<'a> {
-        let photons = if self.request.aimed.separates_after_caustic {
+        let photons = if self.request.aimed.separates_after_caustic || self.holds_interreflection_map() {
             after_caustic
         } else {
-            let task = PhotonTracingTask {
-                source: self.unaimed_source.as_ref(),
-                mask: self.request.unaimed,
-                paths: self.counts.divided_by(budget.part).photons,
-                key: budget.key_for(Purpose::UnaimedPhotons),
-                light_tracer: None,
-            };
-            let traced = self.trace_photons(task, monitor, out);
-            out.unaimed = photon_report(&traced);
-            MapPhotons { surface: traced.deposits.photons, volume: traced.deposits.volume }
+            self.trace_unaimed_photons(budget, monitor, out)
         };
         let k = photon_limit(self.settings.gather_k.unwrap_or(0), budget.part);
         let surface = self.radii.map_or(1.0, |radii| radii.indirect);
         let limits = EstimateLimits { radii: MapRadii { surface, volume: self.volume_radii.indirect }, k };
         self.index_photons(photons, limits, budget, monitor, out)
+    }
+
+    /// Builds the interreflection map of `hybrid`; `None` if camera paths carry all of its light.
+    fn build_interreflection_map(
+        &self,
+        budget: &PassBudget,
+        monitor: &dyn ProgressMonitor,
+        out: &mut Pass,
+    ) -> Option<PhotonEstimator<'a>> {
+        if matches!(self.indirect_technique(budget.pass), IndirectTechnique::Paths) {
+            return None;
+        }
+        let photons = self.trace_unaimed_photons(budget, monitor, out);
+        let k = photon_limit(self.settings.gather_k.unwrap_or(0), budget.part);
+        let radii = MapRadii { surface: self.interreflection_radius, volume: self.volume_radii.indirect };
+        Some(self.index_photons(photons, EstimateLimits { radii, k }, budget, monitor, out))
+    }
+
+    /// Traces the paths that start in all directions.
+    fn trace_unaimed_photons(&self, budget: &PassBudget, monitor: &dyn ProgressMonitor, out: &mut Pass) -> MapPhotons {
+        let task = PhotonTracingTask {
+            source: self.unaimed_source.as_ref(),
+            mask: self.request.unaimed,
+            paths: self.counts.divided_by(budget.part).photons,
+            key: budget.key_for(Purpose::UnaimedPhotons),
+            light_tracer: None,
+        };
+        let traced = self.trace_photons(task, monitor, out);
+        out.unaimed = photon_report(&traced);
+        MapPhotons { surface: traced.deposits.photons, volume: traced.deposits.volume }
     }
 
     /// Traces the photons that guide gather rays; returns none if the policy does not guide them.
@@ -587,6 +676,11 @@ impl<'a> PhotonMapBuilder<'a> {
         out.seconds.photons += start.elapsed().as_secs_f64();
         traced
     }
+}
+
+/// True if simulated media scatter or emit light.
+pub(super) fn has_scattering_or_emitting_media(scene: &Scene, effects: Effects) -> bool {
+    effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.scatters() || medium.emits())
 }
 
 /// Returns `source` without the light of effects that are off; `None` if no light is left.

@@ -88,7 +88,15 @@ impl<'a> PassRenderer<'a> {
     /// Returns the inputs that all camera paths of pass `pass` share.
     pub fn path_context<'b>(&'b self, maps: Option<&'b PhotonMaps<'b>>, pass: u32) -> PathContext<'b> {
         let max_bounces = self.settings.camera_paths.max_bounces;
-        PathContext::new(self.scene, &self.policy, &self.nee, maps, pass, max_bounces)
+        PathContext::new(
+            self.scene,
+            &self.policy,
+            &self.nee,
+            maps,
+            pass,
+            max_bounces,
+            self.map_builder.indirect_technique(pass),
+        )
     }
 
     /// Returns the random key of the camera paths of pass `pass`.

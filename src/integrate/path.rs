@@ -6,7 +6,7 @@
 //!   continues in a direction sampled from the BSDF. The balance heuristic combines both.
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
-use super::settings::{LightTracing, Settings};
+use super::settings::{IndirectPhotons, LightTracing, Settings};
 use crate::plan::{Effect, Effects};
 
 /// Returns the rules of camera paths for path tracing.
@@ -25,5 +25,6 @@ pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
         photons: PhotonLookups::Never,
         shrinking_radii: true,
         light_tracing: LightTracing::Off,
+        indirect_photons: IndirectPhotons::Off,
     }
 }

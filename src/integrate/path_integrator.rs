@@ -3,6 +3,8 @@
 use super::balance::RayPhotonBalance;
 use super::camera_path::{self, PathContext};
 use super::density_pilot::find_relative_ray_counts;
+use super::indirect_division::IndirectDivision;
+use super::indirect_pilot::divide_indirect_light;
 use super::integrator::Integrator;
 use super::pass::{ExpectedPhotons, Pass, ProgressMonitor, SilentMonitor};
 use super::pass_renderer::PassRenderer;
@@ -11,7 +13,7 @@ use super::prefix_pilot::find_prefix_ray_counts;
 use super::prefix_rays::PrefixRayCounts;
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
-use super::settings::Settings;
+use super::settings::{IndirectPhotons, Settings};
 use super::tiles::{self, FilmImage, FilmSampling};
 use super::work_pilot::{find_ray_photon_balance, measure_pass_work};
 use crate::photon::add_splats;
@@ -19,6 +21,7 @@ use crate::plan::{Effect, Effects, Plan};
 use crate::sampling::{Dimension, Key, Purpose};
 use crate::scene::{Scene, for_interior};
 use crate::stats::Counters;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Integrator of all algorithms whose camera paths follow a
@@ -102,6 +105,10 @@ impl Integrator for PathIntegrator<'_> {
         self.renderer.prefix_rays.as_ref().map_or(0.0, PrefixRayCounts::mean)
     }
 
+    fn indirect_photon_share(&self, pass: u32) -> f64 {
+        self.renderer.map_builder.indirect_technique(pass).mean_photon_weight()
+    }
+
     fn gather_radii(&self) -> Option<GatherRadii> {
         self.renderer.map_builder.radii
     }
@@ -129,6 +136,19 @@ impl<'a> PathIntegrator<'a> {
         let policy = make_policy(effects, &settings);
         let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
 
+        // Divide indirect light between camera paths and photons.
+        let weighs = policy.indirect_photons == IndirectPhotons::Weighted;
+        let division = if weighs && renderer.map_builder.holds_interreflection_map() {
+            let division = if needed == effects {
+                divide_indirect_light(&renderer)
+            } else {
+                divide_indirect_light(&renderer.with_policy(make_policy(needed, &settings)))
+            };
+            renderer.map_builder.set_indirect_division(division.clone());
+            division
+        } else {
+            None
+        };
         // Balance camera rays against photons. Effects that add nothing must not matter: the
         // picture is the same with them.
         let balances =
@@ -138,7 +158,9 @@ impl<'a> PathIntegrator<'a> {
             (true, true) => find_ray_photon_balance(&renderer),
             (true, false) => {
                 let policy = make_policy(needed, &settings);
-                find_ray_photon_balance(&PassRenderer::new(scene, settings.clone(), policy))
+                let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
+                renderer.map_builder.set_indirect_division(division.clone());
+                find_ray_photon_balance(&renderer)
             }
         };
         if let Some(RayPhotonBalance { samples, photons, caustic_photons }) = balance {
@@ -146,6 +168,10 @@ impl<'a> PathIntegrator<'a> {
             let counts = &mut renderer.map_builder.counts;
             counts.photons = photons.unwrap_or(counts.photons);
             counts.caustic_photons = caustic_photons.unwrap_or(counts.caustic_photons);
+            let photons = counts.photons;
+            if let Some(division) = &mut renderer.map_builder.indirect_division {
+                *division = Arc::new(IndirectDivision { samples, photons, ..(**division).clone() });
+            }
         }
 
         // Divide directly visible caustics between photon estimates and light tracing.

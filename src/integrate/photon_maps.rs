@@ -45,6 +45,9 @@ pub(super) struct PhotonMaps<'a> {
     /// In `hybrid`, it holds only light that a caustic has reflected: camera paths find the rest.
     /// If gather rays read the map, it also holds direct light.
     pub indirect: PhotonEstimator<'a>,
+    /// Interreflection map of `hybrid`: photons that left a light towards a receiver, and that
+    /// receivers reflected since. `None` if camera paths carry all of this light.
+    pub interreflection: Option<PhotonEstimator<'a>>,
     /// Photons of a small number of paths. Their directions guide gather rays.
     pub guides: PhotonMap,
     /// Splats of caustic photons on the film; empty without light tracing.
@@ -73,6 +76,23 @@ impl PhotonMaps<'_> {
             }
         };
         (caustic + indirect) * samples
+    }
+
+    /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the
+    /// interreflection map \[W/(m² sr)], times `samples`.
+    #[inline]
+    pub fn interreflection<I: Interior>(
+        &self,
+        vertex: &PathVertex<'_, I>,
+        samples: f32,
+        worker: &mut PathWorker,
+    ) -> Rgb {
+        let Some(map) = &self.interreflection else { return Rgb::ZERO };
+        worker.photon_step = Rgb::ZERO;
+        let radiance = map.radiance(vertex, samples, |w| (&mut w.interreflection, &mut w.nested.indirect), worker);
+        worker.indirect_light.photons += vertex.throughput * radiance * samples;
+        worker.indirect_light.photon_step += vertex.throughput * worker.photon_step * samples;
+        radiance * samples
     }
 
     /// Estimates from photons the radiance that a medium scatters to the start of a segment \[W/(m²
@@ -174,6 +194,7 @@ impl PhotonEstimator<'_> {
             radiance.iter_mut().zip(levels).for_each(|(radiance, covered)| *radiance /= covered);
         }
         worker.nested.add(vertex.throughput * samples, radiance);
+        worker.photon_step = radiance[0] - radiance[1];
         estimate
     }
 }

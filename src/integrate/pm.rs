@@ -11,7 +11,7 @@
 //!     the blur of the indirect map. A path continues where a gather ray is too short for that.
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
-use super::settings::{FinalGathering, LightTracing, Settings};
+use super::settings::{FinalGathering, IndirectPhotons, LightTracing, Settings};
 use crate::plan::{Effect, Effects};
 
 /// Returns the rules of camera paths for photon mapping with fixed radii.
@@ -46,5 +46,6 @@ pub(super) fn policy(effects: Effects, settings: &Settings) -> PathPolicy {
         photons,
         shrinking_radii: false,
         light_tracing: LightTracing::Off,
+        indirect_photons: IndirectPhotons::Off,
     }
 }

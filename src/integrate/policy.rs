@@ -4,7 +4,7 @@
 //! from the simulated effects. The policy also decides which photon maps are built: see
 //! [`PathPolicy::photon_map_request`].
 
-use super::settings::{LightTracing, Settings};
+use super::settings::{IndirectPhotons, LightTracing, Settings};
 use crate::photon::StoreMask;
 use crate::plan::{Effect, Effects};
 
@@ -38,6 +38,9 @@ pub(super) struct PathPolicy {
     pub shrinking_radii: bool,
     /// How directly visible caustics are divided between photon estimates and light tracing.
     pub light_tracing: LightTracing,
+    /// How indirect light at diffuse first receivers is divided between camera paths and photon
+    /// estimates.
+    pub indirect_photons: IndirectPhotons,
 }
 
 /// Number and targets of the shadow rays of next-event estimation.
@@ -146,7 +149,10 @@ impl PathPolicy {
             PhotonLookups::Never | PhotonLookups::RecordVisible => {
                 return PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, guides: false };
             }
-            PhotonLookups::OncePerPixel => (bounces, StoreMask::NONE),
+            PhotonLookups::OncePerPixel => {
+                let merges = self.indirect_photons != IndirectPhotons::Off;
+                (bounces, StoreMask { after_direct: merges && interreflection, ..StoreMask::NONE })
+            }
             PhotonLookups::FirstReceiver => (false, unaimed(false)),
             // Gather rays do no next-event estimation where they end.
             PhotonLookups::GatherRays => (false, unaimed(true)),
@@ -170,7 +176,11 @@ mod tests {
         let none = PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, guides: false };
         assert_eq!(maps(path::policy, Effects::ALL), none);
         let aimed = StoreMask { after_caustic: true, separates_after_caustic: true, ..StoreMask::CAUSTIC };
-        assert_eq!(maps(hybrid::policy, Effects::ALL), PhotonMapRequest { aimed, ..none });
+        let unaimed = StoreMask { after_direct: true, ..StoreMask::NONE };
+        assert_eq!(maps(hybrid::policy, Effects::ALL), PhotonMapRequest { aimed, unaimed, ..none });
+        let settings = Settings { indirect_photons: IndirectPhotons::Off, ..settings.clone() };
+        let without = hybrid::policy(Effects::ALL, &settings).photon_map_request();
+        assert_eq!(without, PhotonMapRequest { aimed, ..none });
         let sppm = PhotonMapRequest { aimed: StoreMask::CAUSTIC, unaimed: StoreMask::INDIRECT, guides: false };
         assert_eq!(maps(sppm::policy, Effects::ALL), sppm);
         let gathering = StoreMask { direct: true, ..StoreMask::INDIRECT };

@@ -70,6 +70,8 @@ pub struct Settings {
     pub prefix_rays: bool,
     /// Light tracing of [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
     pub light_tracing: LightTracing,
+    /// Photon estimates of indirect light in [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
+    pub indirect_photons: IndirectPhotons,
     /// Estimator of the light that media scatter, from photons.
     pub volume: VolumeEstimator,
     /// Final gathering of [`Algorithm::Pm`](super::Algorithm::Pm).
@@ -88,6 +90,18 @@ pub enum FinalGathering {
     /// At the end of a gather ray. Its direction is sampled from the BSDF or from the directions of
     /// nearby photons, with equal probability.
     Importance,
+}
+
+/// Division of indirect light at diffuse first receivers between camera paths and photon estimates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum IndirectPhotons {
+    /// Camera paths carry all indirect light.
+    Off,
+    /// Both techniques carry a share, which a pilot finds.
+    #[default]
+    Weighted,
+    /// Photon estimates carry all indirect light.
+    Full,
 }
 
 /// Division of directly visible caustics between photon estimates and light tracing.
@@ -115,6 +129,7 @@ impl Default for Settings {
             kernel: Kernel::default(),
             prefix_rays: true,
             light_tracing: LightTracing::default(),
+            indirect_photons: IndirectPhotons::default(),
             volume: VolumeEstimator::default(),
             final_gathering: FinalGathering::default(),
         }

@@ -9,7 +9,7 @@
 //!   and reads both maps. Gather radii shrink from pass to pass.
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
-use super::settings::{LightTracing, Settings};
+use super::settings::{IndirectPhotons, LightTracing, Settings};
 use crate::plan::Effects;
 
 /// Returns the rules of camera paths for stochastic progressive photon mapping.
@@ -27,5 +27,6 @@ pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
         photons: PhotonLookups::FirstReceiver,
         shrinking_radii: true,
         light_tracing: LightTracing::Off,
+        indirect_photons: IndirectPhotons::Off,
     }
 }

@@ -160,6 +160,7 @@ pub(super) fn render_tiles<T: Default>(
             let (samples, prefix) = (sampling.ray_count(index), sampling.prefix_ray_count(index));
             let mut sum = PixelSum::default();
             worker.prefix = PrefixLight::of_camera_paths(samples, prefix);
+            worker.film_position = corner + 0.5;
             for sample in 0..samples {
                 // Trace one camera ray.
                 let sampler = Sampler::new(pixel, sample, samples);

@@ -2,9 +2,10 @@
 
 use super::camera_path::PathContext;
 use super::film_points::trace_camera_paths_through;
+use super::indirect_division::IndirectTechnique;
 use super::nee::NextEventEstimator;
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
-use super::settings::{CameraPathSettings, LightTracing};
+use super::settings::{CameraPathSettings, IndirectPhotons, LightTracing};
 use crate::math::Bounds;
 use crate::photon::{VisiblePoint, VisiblePointMap};
 use crate::plan::Effects;
@@ -33,7 +34,7 @@ pub(super) fn find_visible_points(
 ) -> VisiblePointMap {
     let policy = policy(effects);
     let nee = NextEventEstimator::new(scene, &policy);
-    let paths = PathContext::new(scene, &policy, &nee, None, 0, settings.max_bounces);
+    let paths = PathContext::new(scene, &policy, &nee, None, 0, settings.max_bounces, IndirectTechnique::Paths);
     let key = Key::new(settings.seed).purpose_key(Purpose::VisiblePoints);
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
@@ -62,5 +63,6 @@ fn policy(effects: Effects) -> PathPolicy {
         photons: PhotonLookups::RecordVisible,
         shrinking_radii: true,
         light_tracing: LightTracing::Off,
+        indirect_photons: IndirectPhotons::Off,
     }
 }

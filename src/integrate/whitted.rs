@@ -7,7 +7,7 @@
 //!   it is too deep or too faint.
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
-use super::settings::{LightTracing, Settings};
+use super::settings::{IndirectPhotons, LightTracing, Settings};
 use crate::plan::Effects;
 
 /// Throughput below which a branch ends: 1/256, one level of an 8-bit picture.
@@ -28,5 +28,6 @@ pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
         photons: PhotonLookups::Never,
         shrinking_radii: true,
         light_tracing: LightTracing::Off,
+        indirect_photons: IndirectPhotons::Off,
     }
 }

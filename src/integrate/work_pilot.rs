@@ -59,7 +59,11 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
         std::mem::swap(&mut maps.indirect, &mut other_maps.indirect);
     }
     let other_caustic = estimate_at_points(renderer, Some(&maps), &points);
-    let other_unaimed = if one_source { None } else { Some(estimate_at_points(renderer, Some(&other_maps), &points)) };
+    let has_unaimed = !one_source || other_maps.interreflection.is_some();
+    let other_unaimed = has_unaimed.then(|| estimate_at_points(renderer, Some(&other_maps), &points));
+    // Photons of the caustic map and of the indirect map of `hybrid` come from aimed paths.
+    maps.interreflection = None;
+    let gathered_aimed = estimate_at_points(renderer, Some(&maps), &points).counters;
 
     // Measure the noise of each source, relative to the mean radiance.
     let mean: Vec<f64> = (0..points.len())
@@ -75,14 +79,18 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let pixel_count = pixel_count(renderer.scene);
     let points = f64::from(POINTS);
     // An estimate of a pass gathers more photons than one of the pilot, by the same factor.
-    let gathered = balance::gathering_work(&reference.counters) / points * pixel_count * f64::from(PILOT_DIVISOR);
+    let gathering =
+        |counters: &Counters| balance::gathering_work(counters) / points * pixel_count * f64::from(PILOT_DIVISOR);
+    let gathered = gathering(&reference.counters);
+    let gathered_unaimed =
+        if other_maps.interreflection.is_some() { gathered - gathering(&gathered_aimed) } else { 0.0 };
     let paths = (made.unaimed.emitted + made.aimed.emitted) as f64;
     let rays = made.counters.photon_rays as f64;
-    let photons = |noise: f64, report: &PhotonReport, count: u32| {
+    let photons = |noise: f64, report: &PhotonReport, count: u32, gathered: f64, gathered_paths: f64| {
         let emitted = report.emitted as f64;
         let cost = rays / paths
             + balance::photon_storage_work(report.stored) / emitted.max(1.0)
-            + gathered / (paths * f64::from(PILOT_DIVISOR));
+            + gathered / (gathered_paths * f64::from(PILOT_DIVISOR));
         NoiseSource { variance: noise * emitted, cost, count: f64::from(count) }
     };
     let tracing = balance::camera_path_work(&reference.counters) / points * pixel_count;
@@ -91,9 +99,19 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
         cost: if renderer.policy.reads_photons_each_sample() { tracing + gathered } else { tracing },
         count: f64::from(renderer.samples),
     };
-    let caustic = photons(noise(&other_caustic), &made.aimed, counts.caustic_photons);
     let unaimed_noise = other_unaimed.map_or(0.0, |other| noise(&other));
-    let unaimed = photons(unaimed_noise, &made.unaimed, counts.photons);
+    let (unaimed, caustic) = if other_maps.interreflection.is_some() {
+        let (aimed, all) = (made.aimed.emitted as f64, made.unaimed.emitted as f64);
+        (
+            photons(unaimed_noise, &made.unaimed, counts.photons, gathered_unaimed, all),
+            photons(noise(&other_caustic), &made.aimed, counts.caustic_photons, gathered - gathered_unaimed, aimed),
+        )
+    } else {
+        (
+            photons(unaimed_noise, &made.unaimed, counts.photons, gathered, paths),
+            photons(noise(&other_caustic), &made.aimed, counts.caustic_photons, gathered, paths),
+        )
+    };
 
     // Divide the work between the sources.
     let [samples, photons, caustic_photons] = balance::balance_sample_counts(&[camera, unaimed, caustic]);
@@ -165,12 +183,13 @@ fn pilot_film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
 #[cfg(test)]
 mod tests {
     use crate::camera::Camera;
-    use crate::integrate::{Algorithm, Settings};
+    use crate::integrate::{Algorithm, IndirectPhotons, Settings};
     use crate::scene::{DeltaLightKind, LightStrength, Material, SceneBuilder};
     use crate::shape::{Plane, Shape, Sphere};
     use glam::{DVec3, Vec3};
 
-    /// `hybrid` traces no unaimed photon paths, so the setting of their number must change nothing.
+    /// Without photon estimates of indirect light, `hybrid` traces no unaimed photon paths. So the
+    /// setting of their number must change nothing.
     #[test]
     fn untraced_photons_do_not_change_the_balance() {
         let mut builder = SceneBuilder::new();
@@ -184,7 +203,8 @@ mod tests {
             Camera::perspective(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 64, 48).unwrap();
         let scene = builder.build(eye).unwrap();
         let balance = |photons| {
-            let settings = Settings { photons, caustic_photons: 20_000, ..Settings::default() };
+            let indirect_photons = IndirectPhotons::Off;
+            let settings = Settings { photons, caustic_photons: 20_000, indirect_photons, ..Settings::default() };
             Algorithm::Hybrid.prepare(&scene, settings).ray_photon_balance().unwrap()
         };
         let found = balance(1);

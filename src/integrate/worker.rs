@@ -1,11 +1,14 @@
 //! Counters and buffers of one parallel task that traces camera paths.
 
 use super::gather_guide::GatherGuide;
+use super::indirect_division::IndirectLight;
 use super::nested_estimates::NestedEstimateSum;
 use super::prefix_rays::PrefixLight;
+use crate::color::Rgb;
 use crate::medium::TransmittanceCurve;
 use crate::photon::{PhotonSearchBuffers, VisiblePoint};
 use crate::stats::Counters;
+use glam::Vec2;
 
 /// Counters and reusable buffers of one parallel task that traces camera paths, such as a tile.
 ///
@@ -17,6 +20,8 @@ pub(super) struct PathWorker {
     pub caustic: PhotonSearchBuffers,
     /// Buffers of photon searches in the indirect map.
     pub indirect: PhotonSearchBuffers,
+    /// Buffers of photon searches in the interreflection map.
+    pub interreflection: PhotonSearchBuffers,
     /// Buffers of searches for photons that guide gather rays.
     pub guide_lookup: PhotonSearchBuffers,
     /// Distribution of gather-ray directions at the last receiver.
@@ -25,10 +30,16 @@ pub(super) struct PathWorker {
     pub nests_estimates: bool,
     /// Sum of the nested photon estimates of the current pixel.
     pub nested: NestedEstimateSum,
+    /// Difference between the last photon estimate and that with half its disc area \[W/(m² sr)].
+    pub photon_step: Rgb,
     /// Transmittance along the current segment of a medium.
     pub transmittance: TransmittanceCurve,
     /// Visible points that a pilot records.
     pub visible: Vec<VisiblePoint>,
     /// Weights and sums of the light that paths find up to their first receiver.
     pub prefix: PrefixLight,
+    /// Film position of the current pixel's center or camera ray \[pixels from the top left].
+    pub film_position: Vec2,
+    /// Indirect light that the current camera path of a pilot finds by each technique.
+    pub indirect_light: IndirectLight,
 }

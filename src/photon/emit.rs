@@ -136,8 +136,8 @@ impl<'a> PhotonSource<'a> {
         Self { effects, ..self }
     }
 
-    /// What each photon path must track about the interiors that contain it: nested bodies, medium,
-    /// wavelength.
+    /// Returns the kind of [`Interior`](crate::scene::Interior) that photon paths carry. It tracks
+    /// the nested bodies, the medium and the wavelength, as far as the effects need them.
     pub(super) fn interior_kind(&self) -> InteriorKind {
         self.effects.interior_kind()
     }

@@ -69,6 +69,8 @@ pub enum Purpose {
     DensityEstimateShares,
     /// Camera rays that end at their first surface that stores photons, for example a diffuse one.
     PrefixRays,
+    /// Pilot simulation that divides indirect light between camera paths and photons.
+    IndirectDivision,
 }
 
 /// A random decision at one vertex of a path. Each decision has its own random numbers.

@@ -99,7 +99,7 @@ impl Scene {
     }
 
     /// True if the scene has dielectric bodies or an ambient medium, so that paths must track an
-    /// [`Interior`](super::Interior).
+    /// [`Interior`].
     #[must_use]
     pub fn has_interiors(&self) -> bool {
         self.ambient_medium.is_some() || self.bodies().next().is_some()

@@ -6,7 +6,9 @@
 use crate::support::course_data_folder;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
-use caustica::format::description::{CurveBasis, Group, GroupItem, ObjectDescription, ProfileCurve, ShapeDescription};
+use caustica::format::description::{
+    CurveBasis, GroupItem, ObjectDescription, ObjectGroup, ProfileCurve, ShapeDescription,
+};
 use caustica::format::mesh::{self, MeshRepairs};
 use caustica::format::{SceneFile, parse};
 use caustica::image::{self, Image, RgbBytes, ToneCurve, ToneMap, WriteOptions};
@@ -84,7 +86,7 @@ fn scenes_08_to_10_show_surfaces_of_revolution() {
 }
 
 /// Returns the first profile of a group.
-fn profile(group: &Group) -> Option<ProfileCurve> {
+fn profile(group: &ObjectGroup) -> Option<ProfileCurve> {
     group.items.iter().find_map(|item| match item {
         GroupItem::Object(object) => profile_of(&object.value),
         _ => None,

@@ -4,21 +4,21 @@ use glam::DVec3;
 
 use super::{DirectionOrTarget, Spanned, TransformStep};
 
-/// A light of a description.
+/// A light as the scene file describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LightDescription {
     /// A point light with equal intensity in all directions.
     Point {
         /// Position of the point light.
         position: DVec3,
-        /// Strength of the light.
+        /// Strength of the light: a legacy color, a radiant intensity or a flux.
         strength: PointLightStrength,
     },
     /// A directional light: parallel light from infinity.
     Directional {
         /// Direction in which the light travels, of any length.
         direction: DVec3,
-        /// Strength of the light.
+        /// Strength of the light: a legacy color or an irradiance.
         strength: DirectionalLightStrength,
     },
     /// A spotlight: a point light limited to a cone.
@@ -31,7 +31,7 @@ pub enum LightDescription {
         angle: f64,
         /// Angular width of the soft rim inside the cone in degrees, at most half of `angle`.
         penumbra: f64,
-        /// Strength; an intensity or color is that along the axis.
+        /// Strength of the light. An intensity or color is the value along the cone's axis.
         strength: PointLightStrength,
     },
     /// A sphere that emits outward.
@@ -40,7 +40,7 @@ pub enum LightDescription {
         center: DVec3,
         /// Radius of the sphere, above 0.
         radius: f64,
-        /// Strength of the light.
+        /// Strength of the light: radiance or flux.
         strength: AreaLightStrength,
     },
     /// A disc that emits on the side of its normal.
@@ -51,7 +51,7 @@ pub enum LightDescription {
         normal: DVec3,
         /// Radius of the disc, above 0.
         radius: f64,
-        /// Strength of the light.
+        /// Strength of the light: radiance or flux.
         strength: AreaLightStrength,
     },
     /// A parallelogram that emits on the side of `edge0 × edge1`.
@@ -62,30 +62,31 @@ pub enum LightDescription {
         edge0: DVec3,
         /// Edge vector from the corner to the other neighbor.
         edge1: DVec3,
-        /// Strength of the light.
+        /// Strength of the light: radiance or flux.
         strength: AreaLightStrength,
     },
     /// A point light with an orientation: a projector or a goniometric light.
     Oriented {
         /// Position of the light.
         position: DVec3,
-        /// Axis of the projector or profile, or the center direction of the map.
+        /// Axis of the projector or intensity profile, or the center direction of the intensity
+        /// map.
         aim: DirectionOrTarget,
         /// Up direction of the pattern; `None` for +y, or for −z if `aim` is parallel to y.
         up: Option<DVec3>,
         /// Relative intensity by direction.
         pattern: LightPattern,
-        /// Intensity at pattern value 1, or flux; never a legacy color.
+        /// Strength of the light: the intensity where the pattern is 1, or the flux. Legacy colors
+        /// are not allowed.
         strength: PointLightStrength,
     },
     /// A light that moves while the shutter is open.
     Moving {
         /// Steps of the motion about the light's own position.
         ///
-        /// They compose like those of
-        /// [`ObjectDescription::Moving`](super::ObjectDescription::Moving).
+        /// The first listed step is applied last.
         maps: Vec<TransformStep>,
-        /// The light at its position when the shutter opens.
+        /// The light as it is when the shutter opens.
         light: Box<Spanned<LightDescription>>,
     },
     /// An environment light: radiance from infinity in all directions. A scene has at most one.
@@ -114,7 +115,7 @@ impl LightDescription {
         }
     }
 
-    /// True if the light comes from infinity.
+    /// True if the light is infinitely far away: a directional or environment light.
     #[must_use]
     pub fn is_infinite(&self) -> bool {
         match self {
@@ -167,7 +168,8 @@ pub enum LightPattern {
 /// Strength of a point light or spotlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointLightStrength {
-    /// Color in the shading model of MIT 6.837, which does not fall off with distance.
+    /// Color in the shading model of the course MIT 6.837, where light does not fall off with
+    /// distance.
     Color(DVec3),
     /// Radiant intensity in W/sr.
     Intensity(DVec3),
@@ -178,7 +180,7 @@ pub enum PointLightStrength {
 /// Strength of a directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DirectionalLightStrength {
-    /// Color in the shading model of MIT 6.837.
+    /// Color in the shading model of the course MIT 6.837.
     Color(DVec3),
     /// Irradiance in W/m² of a surface perpendicular to the light.
     Irradiance(DVec3),

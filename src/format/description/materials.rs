@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::{EmissionDescription, NormalPerturbationDescription, Spanned, TexturedValue};
 
-/// A material of a description.
+/// A material as the scene file describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialDescription {
     /// Name that objects and mixes refer to: not empty, without line breaks.
@@ -23,7 +23,7 @@ pub struct MaterialDescription {
 /// Reflection and transmission of a material.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialKindDescription {
-    /// The Phong model of MIT 6.837.
+    /// The Phong model of the course MIT 6.837.
     Phong {
         /// Diffuse color kd.
         diffuse: TexturedValue<DVec3>,
@@ -77,9 +77,9 @@ pub enum MaterialKindDescription {
     },
     /// Stochastic mix: one of two materials, chosen at random at each point.
     Mix {
-        /// Name of a material that stands before the mix.
+        /// Name of the first material, which the scene file defines before the mix.
         first: Spanned<String>,
-        /// Name of a material that stands before the mix.
+        /// Name of the second material, which the scene file defines before the mix.
         second: Spanned<String>,
         /// Probability of the second material, inside [0, 1].
         amount: TexturedValue<f64>,
@@ -120,7 +120,7 @@ impl MaterialDescription {
 }
 
 impl MaterialKindDescription {
-    /// Returns the names of the textures of all parameters.
+    /// Returns the names of the textures that the material's parameters use.
     fn texture_names(&self) -> Vec<&Spanned<String>> {
         match self {
             Self::Phong { diffuse, specular, texture, .. } => {
@@ -137,6 +137,8 @@ impl MaterialKindDescription {
     }
 
     /// Returns the field that holds either the name of a texture or the path of a picture.
+    ///
+    /// Only a `Phong` material may have such a field.
     fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
         match self {
             Self::Phong { texture, .. } => texture.as_mut(),
@@ -152,7 +154,7 @@ impl MaterialKindDescription {
 
     /// Returns the names of the two materials of a mix; `None` for other kinds.
     #[must_use]
-    pub fn mix_parts(&self) -> Option<[&Spanned<String>; 2]> {
+    pub fn mix_material_names(&self) -> Option<[&Spanned<String>; 2]> {
         match self {
             Self::Mix { first, second, .. } => Some([first, second]),
             Self::Phong { .. }

@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use super::{Spanned, TransformStep};
 
-/// A participating medium of a description.
+/// A participating medium as the scene file describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MediumDescription {
-    /// Name that materials and the background refer to: not empty, without line breaks.
+    /// Name that materials and the scene's ambient medium refer to: not empty, without line breaks.
     pub name: String,
     /// Absorption and scattering in 1/length at density 1.
     pub coefficients: MediumCoefficients,
@@ -15,7 +15,7 @@ pub struct MediumDescription {
     pub emission: DVec3,
     /// Phase function of the medium.
     pub phase: PhaseFunctionDescription,
-    /// Density, a factor of coefficients and emission.
+    /// Density by position. It multiplies the coefficients and the emission.
     pub density: DensityDescription,
 }
 
@@ -49,7 +49,7 @@ pub enum PhaseFunctionDescription {
     HenyeyGreenstein(f64),
 }
 
-/// Density of a medium by position, a factor of its coefficients.
+/// Density of a medium by position. It multiplies the medium's coefficients.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DensityDescription {
     /// Density 1 everywhere.
@@ -58,7 +58,7 @@ pub enum DensityDescription {
     Grid {
         /// Path as written: not empty, without line breaks.
         path: Spanned<String>,
-        /// Factor of the file's densities, above 0.
+        /// Factor that multiplies the file's densities, above 0.
         scale: f64,
         /// Box that the grid fills.
         extent: TransformedBoxDescription,
@@ -77,7 +77,7 @@ pub enum DensityDescription {
         seed: u32,
         /// Number of grid cells along the longest side of the box, from 2 to 512.
         resolution: u32,
-        /// Box that the grid fills.
+        /// Box that contains the cloud's ellipsoid.
         extent: TransformedBoxDescription,
     },
 }

@@ -39,10 +39,9 @@ pub struct Span {
     pub len: usize,
 }
 
-/// A value with the span of the text that it was read from. Equality ignores the span.
+/// A value with the span of the scene text that it was read from. Equality ignores the span.
 ///
-/// The span of a block (camera, light, material, object) is that of its keyword. The span of a name
-/// or number is that of the name or number itself.
+/// A camera, light, material or object has the span of its keyword.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Spanned<T> {
     /// The value that was read.
@@ -90,10 +89,10 @@ pub struct SceneDescription {
     /// Materials, in the order of the file; `MaterialIndex` counts them from 0.
     pub materials: Vec<Spanned<MaterialDescription>>,
     /// Objects, with the materials that apply to them.
-    pub root: Group,
+    pub root: ObjectGroup,
 }
 
-/// A camera of a description.
+/// A camera as the scene file describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraDescription {
     /// Position of the pinhole, of the lens center, or of the center of an orthographic picture.
@@ -108,9 +107,9 @@ pub struct CameraDescription {
     pub width: u32,
     /// Picture height in pixels.
     pub height: u32,
-    /// Steps of the motion while the shutter is open, about the camera's own position.
+    /// Steps of the motion about the camera's own position, while the shutter is open.
     ///
-    /// They compose like those of [`ObjectDescription::Moving`].
+    /// The first listed step is applied last.
     pub motion: Vec<TransformStep>,
 }
 
@@ -181,7 +180,7 @@ pub enum DirectionOrTarget {
 /// In a parsed scene, groups and transforms nest at most
 /// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Group {
+pub struct ObjectGroup {
     /// Entries in the order of the file. A material applies to all objects after it, even beyond
     /// the end of the group.
     pub items: Vec<GroupItem>,
@@ -190,9 +189,9 @@ pub struct Group {
 /// Entry of a group: an object, or the material of the objects that follow.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GroupItem {
-    /// Index, from 0, of the material of the objects that follow.
+    /// Index of the material, from 0, for the objects that follow in the file.
     MaterialIndex(Spanned<u32>),
-    /// Name of the material of the objects that follow.
+    /// Name of the material for the objects that follow in the file.
     MaterialName(Spanned<String>),
     /// An object or a nested group.
     Object(Spanned<ObjectDescription>),
@@ -202,21 +201,20 @@ pub enum GroupItem {
 #[derive(Clone, Debug, PartialEq)]
 pub enum ObjectDescription {
     /// A nested group of objects.
-    Group(Group),
+    Group(ObjectGroup),
     /// An object under an affine transform.
     Transform {
-        /// Steps that [`TransformStep::composed_matrix`] composes: the first listed is applied
-        /// last.
+        /// Steps of the transform. The first listed step is applied last.
         maps: Vec<TransformStep>,
         /// Object before the steps are applied.
         object: Box<Spanned<ObjectDescription>>,
     },
     /// An object that moves while the shutter is open.
     Moving {
-        /// Steps of the motion: none is a matrix, and scales are above 0.
+        /// Steps of the motion: rotations, translations, and scales above 0, but no matrices.
         ///
         /// Each step grows from the identity, when the shutter opens, to its full size, when the
-        /// shutter closes. The first listed is applied last.
+        /// shutter closes. The first listed step is applied last.
         maps: Vec<TransformStep>,
         /// Object before the steps are applied.
         object: Box<Spanned<ObjectDescription>>,

@@ -30,7 +30,7 @@ impl<T> TexturedValue<T> {
     }
 }
 
-/// A texture of a description.
+/// A texture as the scene file describes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureDescription {
     /// Name that materials refer to: not empty, without line breaks.
@@ -46,7 +46,8 @@ pub enum TextureKindDescription {
     Image {
         /// Path as written: not empty, without line breaks.
         path: Spanned<String>,
-        /// Encoding of values in integer formats such as PNG; others are linear.
+        /// Encoding of pictures with integer values, such as PNG. Floating-point pictures are
+        /// linear.
         encoding: PictureEncoding,
         /// Rule for texture coordinates beyond the picture's edges.
         wrap: WrapMode,
@@ -68,7 +69,8 @@ pub enum TextureKindDescription {
         colors: [DVec3; 2],
         /// Number of noise octaves, from 1 to 16.
         octaves: u32,
-        /// Frequency of the first octave, and of veins and rings, in 1/length, above 0.
+        /// Frequency in 1/length, above 0: of the first noise octave, of marble veins or of wood
+        /// rings.
         frequency: f64,
         /// Amplitude of the noise, at least 0.
         amplitude: f64,
@@ -136,11 +138,11 @@ pub enum EmissionDescription {
 pub enum NormalPerturbationDescription {
     /// Bump map (Blinn 1978): heights along the surface normal.
     Bump {
-        /// Texture of heights.
+        /// Name or picture path of the texture that holds the heights.
         texture: Spanned<String>,
         /// Height of texture value 1 in world units; may be negative.
         height: f64,
     },
-    /// Normal map in tangent space.
+    /// Tangent-space normal map, by texture name or picture path.
     NormalMap(Spanned<String>),
 }

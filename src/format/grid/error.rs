@@ -29,9 +29,9 @@ pub enum GridError {
         path: PathBuf,
         /// Cells along x, y and z.
         size: [u32; 3],
-        /// Bytes that the values of all cells take.
+        /// Bytes that the densities of all cells should take.
         expected: u64,
-        /// Bytes that follow the header.
+        /// Bytes that actually follow the header.
         found: u64,
     },
     /// A density is negative or not finite.
@@ -42,7 +42,7 @@ pub enum GridError {
     Cell {
         /// Path of the file.
         path: PathBuf,
-        /// Column, row and layer of the cell, from 0.
+        /// Cell coordinates along x, y and z, from 0.
         cell: [u32; 3],
         /// The invalid density.
         value: f32,

@@ -25,7 +25,7 @@ use std::path::Path;
 /// Largest accepted number of cells of a grid.
 pub const MAX_CELLS: u64 = 1 << 30;
 
-/// Memory per cell \[bytes]: 4 for its density, and 4 for majorants and unused list capacity.
+/// Memory per grid cell \[bytes]: 4 for the density, and 4 for majorants and unused list capacity.
 pub(super) const BYTES_PER_CELL: u64 = 8;
 
 /// Largest accepted size of a header, with its empty line \[bytes].
@@ -57,9 +57,9 @@ struct GridHeader {
     size: [u32; 3],
     cells: usize,
     encoding: GridEncoding,
-    /// Number of lines, with the empty line.
+    /// Number of header lines, including the empty line that ends the header.
     lines: usize,
-    /// Number of bytes, with the empty line.
+    /// Number of header bytes, including the empty line that ends the header.
     bytes: u64,
 }
 
@@ -193,13 +193,13 @@ fn parse_grid_size(words: [&str; 3]) -> Result<([u32; 3], usize), MessageAndReme
     }
 }
 
-/// Column, row and layer, from 0, of the cell whose value has index `i`.
+/// Returns the cell coordinates (x, y, z), from 0, of the grid value with index `i`.
 fn grid_cell_coordinates(size: [u32; 3], i: usize) -> [u32; 3] {
     let (row, layer) = (size[0] as usize, size[0] as usize * size[1] as usize);
     [i % row, i % layer / row, i / layer].map(|i| i as u32)
 }
 
-/// Context for reading the values that follow the header of a grid file.
+/// Reader of the densities that follow the header of a grid file.
 struct GridBodyReader<'a> {
     path: &'a Path,
     header: &'a GridHeader,
@@ -210,7 +210,9 @@ struct GridBodyReader<'a> {
 }
 
 impl GridBodyReader<'_> {
-    /// Empty list with capacity for all values; fails unless they and `more` bytes fit into memory.
+    /// Returns an empty list with capacity for the densities of all cells.
+    ///
+    /// Fails if the list and `more` bytes do not fit into memory.
     fn reserve_values(&self, more: u64) -> Result<Vec<f32>, GridError> {
         let Self { path, header, free, .. } = *self;
         let needed = BYTES_PER_CELL * header.cells as u64 + more;

@@ -3,19 +3,19 @@
 use super::*;
 use proptest::prelude::*;
 
-fn call_with_file_of<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
+fn call_with_temporary_file<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.grid");
     std::fs::write(&path, bytes).unwrap();
     then(&path)
 }
 
-fn read_from_bytes(bytes: &[u8]) -> Result<DensityGrid, GridError> {
-    call_with_file_of(bytes, read)
+fn read_grid_bytes(bytes: &[u8]) -> Result<DensityGrid, GridError> {
+    call_with_temporary_file(bytes, read)
 }
 
-fn encoded_bytes(grid: &DensityGrid, encoding: GridEncoding) -> Vec<u8> {
-    call_with_file_of(&[], |path| {
+fn grid_file_bytes(grid: &DensityGrid, encoding: GridEncoding) -> Vec<u8> {
+    call_with_temporary_file(&[], |path| {
         write(path, grid, encoding).unwrap();
         std::fs::read(path).unwrap()
     })
@@ -24,7 +24,7 @@ fn encoded_bytes(grid: &DensityGrid, encoding: GridEncoding) -> Vec<u8> {
 /// Asserts that reading `bytes` fails and that the error names file, problem and remedy.
 #[track_caller]
 fn assert_refused(bytes: &[u8], place: &str, message: &str, remedy: &str) {
-    let error = read_from_bytes(bytes).unwrap_err().to_string();
+    let error = read_grid_bytes(bytes).unwrap_err().to_string();
     assert!(error.contains(&format!("a.grid:{place}")), "`{place}` is not in `{error}`");
     assert!(error.contains(message) && error.contains(remedy), "{error}");
 }
@@ -33,13 +33,13 @@ fn assert_refused(bytes: &[u8], place: &str, message: &str, remedy: &str) {
 fn grid_values_are_text_or_f32_x_fastest() {
     let grid = DensityGrid { size: [3, 2, 1], values: vec![0.0, 1.0, 2.5, 3.0, 1e-30, 5e7] };
     let text = b"caustica-grid 1\r\n# smoke\r\ntype text\r\nsize 3 2 1\r\n\r\n0 1 2.5\n3\t1e-30\r\n\n  5e7 ";
-    assert_eq!(read_from_bytes(text).unwrap(), grid);
+    assert_eq!(read_grid_bytes(text).unwrap(), grid);
     let mut singles = b"caustica-grid 1\nsize 3 2 1\ntype f32\n\n".to_vec();
     singles.extend(grid.values.iter().flat_map(|v| v.to_le_bytes()));
-    assert_eq!(read_from_bytes(&singles).unwrap(), grid);
-    assert_eq!(encoded_bytes(&grid, GridEncoding::F32), singles);
+    assert_eq!(read_grid_bytes(&singles).unwrap(), grid);
+    assert_eq!(grid_file_bytes(&grid, GridEncoding::F32), singles);
     assert_eq!(
-        read_from_bytes(b"caustica-grid 1\ntype text\nsize 1 1 1\n\n7").unwrap(),
+        read_grid_bytes(b"caustica-grid 1\ntype text\nsize 1 1 1\n\n7").unwrap(),
         DensityGrid { size: [1; 3], values: vec![7.0] }
     );
 }
@@ -102,7 +102,7 @@ fn invalid_densities_are_reported_by_cell() {
         // (1, 2, 3) of 2 × 3 × 4.
         values[1 + 2 * (2 + 3 * 3)] = bad;
         for encoding in [GridEncoding::F32, GridEncoding::Text] {
-            let bytes = encoded_bytes(&DensityGrid { size: [2, 3, 4], values: values.clone() }, encoding);
+            let bytes = grid_file_bytes(&DensityGrid { size: [2, 3, 4], values: values.clone() }, encoding);
             assert_refused(&bytes, " the density of cell (1, 2, 3)", &format!("is {shown}"), "finite and at least 0");
         }
     }
@@ -129,34 +129,34 @@ fn any_grid() -> impl Strategy<Value = DensityGrid> {
     })
 }
 
-fn any_encoding() -> impl Strategy<Value = GridEncoding> {
+fn any_grid_encoding() -> impl Strategy<Value = GridEncoding> {
     prop_oneof![Just(GridEncoding::F32), Just(GridEncoding::Text)]
 }
 
 proptest! {
     #[test]
-    fn grids_read_back_bit_for_bit(grid in any_grid(), encoding in any_encoding()) {
-        prop_assert_eq!(read_from_bytes(&encoded_bytes(&grid, encoding)).unwrap(), grid);
+    fn grids_read_back_bit_for_bit(grid in any_grid(), encoding in any_grid_encoding()) {
+        prop_assert_eq!(read_grid_bytes(&grid_file_bytes(&grid, encoding)).unwrap(), grid);
     }
 
-    /// A text that lacks only its last digits still has all its values; any other damaged file is
+    /// Text files that lose only their last digits still hold all values. All other damage is
     /// refused.
     #[test]
-    fn truncated_or_longer_grid_files_are_refused(grid in any_grid(), encoding in any_encoding(), at in any::<prop::sample::Index>()) {
-        let bytes = encoded_bytes(&grid, encoding);
-        let cut = read_from_bytes(&bytes[..at.index(bytes.len())]);
+    fn truncated_or_longer_grid_files_are_refused(grid in any_grid(), encoding in any_grid_encoding(), at in any::<prop::sample::Index>()) {
+        let bytes = grid_file_bytes(&grid, encoding);
+        let cut = read_grid_bytes(&bytes[..at.index(bytes.len())]);
         prop_assert!(cut.is_err() || (encoding == GridEncoding::Text && cut.unwrap().values.len() == grid.values.len()));
         let more: &[u8] = if encoding == GridEncoding::F32 { &[0] } else { b" 1" };
-        prop_assert!(read_from_bytes(&[&bytes, more].concat()).is_err());
+        prop_assert!(read_grid_bytes(&[&bytes, more].concat()).is_err());
     }
 
     #[test]
-    fn the_reader_never_panics(grid in any_grid(), encoding in any_encoding(), at in any::<prop::sample::Index>(), new in any::<[u8; 3]>()) {
-        let mut bytes = encoded_bytes(&grid, encoding);
+    fn the_reader_never_panics(grid in any_grid(), encoding in any_grid_encoding(), at in any::<prop::sample::Index>(), new in any::<[u8; 3]>()) {
+        let mut bytes = grid_file_bytes(&grid, encoding);
         let at = at.index(bytes.len());
         let end = bytes.len().min(at + 3);
         bytes[at..end].copy_from_slice(&new[..end - at]);
-        match read_from_bytes(&bytes) {
+        match read_grid_bytes(&bytes) {
             Ok(read) => prop_assert!(read.values.iter().all(|v| v.is_finite() && *v >= 0.0)),
             Err(error) => prop_assert!(error.to_string().contains("a.grid")),
         }

@@ -1,4 +1,4 @@
-//! Tables, parsing and printing of cameras, and of the aim of cameras and lights.
+//! Cameras in scene text: schemas, parsing and printing. Also viewing directions of lights.
 
 use std::fmt;
 
@@ -43,12 +43,13 @@ const PICTURE_SIZE_RANGE: FieldRange = FieldRange::Within(1.0, 65_536.0);
 static VIEW_FIELDS: &[FieldSchema] = &[
     field_schema("center", FieldKind::Point, "the pinhole, the lens center, or the center of an orthographic picture")
         .make_required()
-        .mark_course_syntax(),
-    field_schema("direction", FieldKind::Direction, "direction of view; give this or `lookAt`").mark_course_syntax(),
+        .mark_as_mit_course_syntax(),
+    field_schema("direction", FieldKind::Direction, "direction of view; give this or `lookAt`")
+        .mark_as_mit_course_syntax(),
     field_schema("lookAt", FieldKind::Point, "point that the camera looks at"),
     field_schema("up", FieldKind::Direction, "direction that appears upward; not parallel to the view")
         .with_default_numbers(&[0.0, 1.0, 0.0])
-        .mark_course_syntax(),
+        .mark_as_mit_course_syntax(),
 ];
 
 static PICTURE_SIZE_FIELDS: &[FieldSchema] = &[
@@ -56,12 +57,12 @@ static PICTURE_SIZE_FIELDS: &[FieldSchema] = &[
         .with_range(PICTURE_SIZE_RANGE)
         .with_default_numbers(&[960.0])
         .with_unit("pixels")
-        .mark_course_syntax(),
+        .mark_as_mit_course_syntax(),
     field_schema("height", FieldKind::Whole, "picture height")
         .with_range(PICTURE_SIZE_RANGE)
         .with_default_numbers(&[720.0])
         .with_unit("pixels")
-        .mark_course_syntax(),
+        .mark_as_mit_course_syntax(),
 ];
 
 static PERSPECTIVE: BlockSchema = block_schema("PerspectiveCamera", "perspective through a pinhole or a thin lens")
@@ -70,25 +71,25 @@ static PERSPECTIVE: BlockSchema = block_schema("PerspectiveCamera", "perspective
             .with_range(FieldRange::Between(0.0, 180.0))
             .make_required()
             .with_unit("degrees")
-            .mark_course_syntax(),
+            .mark_as_mit_course_syntax(),
         field_schema("aperture", FieldKind::Number, "lens radius")
             .with_range(FieldRange::NonNegative)
-            .with_absence_text("0: a pinhole"),
+            .with_default_description("0: a pinhole"),
         field_schema("fNumber", FieldKind::Number, "instead of `aperture`: focal length over lens diameter")
             .with_range(FieldRange::Positive),
         field_schema("sensorHeight", FieldKind::Number, "with `fNumber`: sensor height; sets the focal length")
             .with_range(FieldRange::Positive)
-            .with_absence_text("0.024: 24 mm if the unit is the metre"),
+            .with_default_description("0.024: 24 mm if the unit is the metre"),
         field_schema("focusDistance", FieldKind::Number, "distance along the view of the plane in focus, 10⁻¹² … 10¹²")
             .with_range(FieldRange::Positive),
         field_schema("focusAt", FieldKind::Point, "instead of `focusDistance`: a point of the plane in focus")
-            .with_absence_text("the point of `lookAt`"),
+            .with_default_description("the point of `lookAt`"),
         field_schema("blades", FieldKind::Whole, "edges of the lens opening, visible in blurred highlights")
             .with_range(FieldRange::Special("0 or 3 … 64"))
-            .with_absence_text("0: round"),
+            .with_default_description("0: round"),
     ])
     .with_shared_fields(&[VIEW_FIELDS, PICTURE_SIZE_FIELDS])
-    .mark_course_syntax();
+    .mark_as_mit_course_syntax();
 
 static ORTHOGRAPHIC: BlockSchema = block_schema("OrthographicCamera", "parallel projection")
     .with_fields(&[field_schema("size", FieldKind::Number, "height of the visible region")
@@ -107,15 +108,15 @@ static ENVIRONMENT: BlockSchema = block_schema(
         .with_unit("pixels"),
     field_schema("height", FieldKind::Whole, "picture height")
         .with_range(PICTURE_SIZE_RANGE)
-        .with_absence_text("half of the width")
+        .with_default_description("half of the width")
         .with_unit("pixels"),
 ])
 .with_shared_fields(&[VIEW_FIELDS]);
 
-/// Default sensor height: that of a sensor of 36 × 24 mm if the unit of length is the metre.
+/// Default sensor height \[length]: 24 mm if scene lengths are in metres.
 const DEFAULT_SENSOR_HEIGHT: f64 = 0.024;
 
-/// Parses a `Moving` block with a camera, which cannot be scaled.
+/// Parses a `Moving` block with a camera. Scaling the camera is an error.
 pub(super) fn parse_moving_camera<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,

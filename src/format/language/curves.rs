@@ -6,18 +6,19 @@ use super::schema::{BlockSchema, FieldKind, FieldSchema, block_schema, field_sch
 pub(super) const BEZIER_CONTROLS: FieldSchema =
     field_schema("controls", FieldKind::Points, "control points, at least 2: a curve of degree n − 1")
         .make_required()
-        .mark_course_syntax();
+        .mark_as_mit_course_syntax();
 
 /// Field with the control points of a uniform cubic B-spline.
 pub(super) const BSPLINE_CONTROLS: FieldSchema =
     field_schema("controls", FieldKind::Points, "control points, at least 4: cubic, with knots i/(n + 3), unclamped")
         .make_required()
-        .mark_course_syntax();
+        .mark_as_mit_course_syntax();
 
 /// Bézier curve as a profile.
 pub(super) static BEZIER_PROFILE: BlockSchema =
-    block_schema("BezierCurve", "one Bézier curve").with_fields(&[BEZIER_CONTROLS]).mark_course_syntax();
+    block_schema("BezierCurve", "one Bézier curve").with_fields(&[BEZIER_CONTROLS]).mark_as_mit_course_syntax();
 
 /// Uniform cubic B-spline as a profile.
-pub(super) static BSPLINE_PROFILE: BlockSchema =
-    block_schema("BsplineCurve", "a uniform cubic B-spline").with_fields(&[BSPLINE_CONTROLS]).mark_course_syntax();
+pub(super) static BSPLINE_PROFILE: BlockSchema = block_schema("BsplineCurve", "a uniform cubic B-spline")
+    .with_fields(&[BSPLINE_CONTROLS])
+    .mark_as_mit_course_syntax();

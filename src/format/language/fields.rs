@@ -15,7 +15,7 @@ use super::transforms::parse_transform_steps;
 /// Parsed value of a field. The [`FieldKind`] of the field determines which members are set.
 #[derive(Default)]
 pub(super) struct FieldValue {
-    /// One, two or three numbers; the others are 0.
+    /// One, two or three parsed numbers in x, y, z; unused components are 0.
     numbers: DVec3,
     /// A name, path or word, or the name of the texture that replaces numbers.
     name: String,
@@ -79,7 +79,7 @@ impl FromFieldValue for Vec<TransformStep> {
     }
 }
 
-/// Name of a color field, and the constructor of the value that the color gives.
+/// Name of a color field, and the function that converts the color to a `T`.
 pub(super) type ColorVariant<'a, T> = (&'a str, fn(DVec3) -> T);
 
 /// Fields of a parsed block.
@@ -90,9 +90,9 @@ pub(super) struct BlockFields<'a> {
     list: Vec<(&'static FieldSchema, Token<'a>, Spanned<FieldValue>)>,
 }
 
-/// A field that the text of a block sets, with its value.
+/// A field that is written in a block of scene text, with its parsed value.
 #[derive(Clone, Copy)]
-pub(super) struct PresentField<'f, 'a> {
+pub(super) struct ParsedField<'f, 'a> {
     block: &'f BlockFields<'a>,
     field: &'static FieldSchema,
     /// The field's keyword or alias in the text.
@@ -125,7 +125,7 @@ pub(super) fn parse_block_fields<'a>(
     parser.open_block(keyword)?;
     let words: Vec<&str> = block.field_keywords().collect();
     loop {
-        let mark = parser.nesting_mark();
+        let mark = parser.current_block_nesting();
         let (word, error) = match parser.next_word() {
             Ok(None) => break,
             Ok(Some(word)) => match parse_field(parser, &mut fields, word, &words) {
@@ -150,7 +150,7 @@ pub(super) fn parse_block_fields<'a>(
     last_error.map_or(Ok(fields), Err)
 }
 
-/// True if `word` starts with a capital and resembles none of the words `fields`.
+/// True if `word` starts with a capital letter and is not a misspelling of a name in `fields`.
 fn looks_like_block_keyword(word: &str, fields: &[&str]) -> bool {
     word.starts_with(|c: char| c.is_ascii_uppercase()) && nearest_word(word, fields.iter().copied()).is_none()
 }
@@ -174,7 +174,7 @@ fn parse_field<'a>(
     let value = parse_field_value(parser, word, field)?;
     fields.list.push((field, word, value));
     let (_, _, value) = &fields.list[fields.list.len() - 1];
-    PresentField { block: fields, field, word, value }.check_value()
+    ParsedField { block: fields, field, word, value }.check_field_value()
 }
 
 /// Parses the value of `field` after its keyword `word`.
@@ -312,17 +312,17 @@ impl<'a> BlockFields<'a> {
     }
 
     /// Returns the field `name` if it is present.
-    pub fn get(&self, name: &str) -> Option<PresentField<'_, 'a>> {
+    pub fn get(&self, name: &str) -> Option<ParsedField<'_, 'a>> {
         debug_assert!(self.block.find_field(name).is_some(), "`{}` has no field `{name}`", self.block.keyword);
         let (field, word, value) = self.list.iter().find(|(field, ..)| field.name == name)?;
-        Some(PresentField { block: self, field, word: *word, value })
+        Some(ParsedField { block: self, field, word: *word, value })
     }
 
     /// Returns the field `name`.
     ///
     /// # Errors
     /// If the field is absent.
-    pub fn require_field(&self, name: &str) -> Result<PresentField<'_, 'a>, SceneError> {
+    pub fn require_field(&self, name: &str) -> Result<ParsedField<'_, 'a>, SceneError> {
         self.get(name).ok_or_else(|| {
             let alias = self.block.find_field(name).map_or("", |field| field.alias);
             let listed = if alias.is_empty() { format!("`{name}`") } else { format!("`{name}` or `{alias}`") };
@@ -331,11 +331,11 @@ impl<'a> BlockFields<'a> {
         })
     }
 
-    /// Returns the only present field of `names`.
+    /// Returns the field of `names` that the block contains.
     ///
     /// # Errors
-    /// If none of them or several are present.
-    pub fn require_one_field_of(&self, names: &[&str]) -> Result<PresentField<'_, 'a>, SceneError> {
+    /// If no field or more than one field of `names` is present.
+    pub fn require_one_field_of(&self, names: &[&str]) -> Result<ParsedField<'_, 'a>, SceneError> {
         let mut found = self.list.iter().filter(|(field, ..)| names.contains(&field.name));
         let block = self.keyword.text;
         let listed = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(" or ");
@@ -347,7 +347,7 @@ impl<'a> BlockFields<'a> {
             let message = format!("`{block}` has both `{}` and `{}`", word.text, second.text);
             return Err(self.error_at(second.span(), message, "the second", format!("keep one of {listed}")));
         }
-        Ok(PresentField { block: self, field, word: *word, value })
+        Ok(ParsedField { block: self, field, word: *word, value })
     }
 
     /// Returns the color of the only present field among `variants`.
@@ -396,8 +396,8 @@ impl<'a> BlockFields<'a> {
         self.get(name).map(|field| field.value())
     }
 
-    /// Returns the word of the field `name`, or its default word.
-    pub fn word_value(&self, name: &str) -> Result<&str, SceneError> {
+    /// Returns the value of the field `name` of kind [`FieldKind::Word`], or its default word.
+    pub fn field_word_or_default(&self, name: &str) -> Result<&str, SceneError> {
         match (self.get(name), self.block.find_field(name).map(|field| field.default)) {
             (Some(found), _) => Ok(&found.value.value.name),
             (None, Some(FieldDefault::Word(word))) => Ok(word),
@@ -406,7 +406,7 @@ impl<'a> BlockFields<'a> {
     }
 }
 
-impl<'f, 'a> PresentField<'f, 'a> {
+impl<'f, 'a> ParsedField<'f, 'a> {
     /// Returns the field's keyword or alias in the text.
     pub fn name(&self) -> &'a str {
         self.word.text
@@ -465,7 +465,7 @@ impl<'f, 'a> PresentField<'f, 'a> {
     }
 
     /// Checks the value against the range and the words of the field's schema.
-    fn check_value(&self) -> Result<(), SceneError> {
+    fn check_field_value(&self) -> Result<(), SceneError> {
         let violated_rule = match self.field.kind {
             FieldKind::Word(words) if !words.contains(&self.value.name.as_str()) => {
                 let listed: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();

@@ -39,7 +39,7 @@ impl<'a> Lexer<'a> {
         Self { name, text, position }
     }
 
-    pub fn source(&self) -> SourceText {
+    pub fn source_text(&self) -> SourceText {
         SourceText::new(self.name, self.text)
     }
 
@@ -48,7 +48,7 @@ impl<'a> Lexer<'a> {
     }
 
     pub fn error_at(&self, span: Span, message: String, label: &str, help: String) -> SceneError {
-        SceneError::at_span(&self.source(), span, message, label, help)
+        SceneError::at_span(&self.source_text(), span, message, label, help)
     }
 
     /// Returns the next word or punctuation, which stays unread.
@@ -84,7 +84,7 @@ impl<'a> Lexer<'a> {
         self.take_prefix(integer_prefix_length)
     }
 
-    /// Reads the first bytes of the unread text; `length` returns their number.
+    /// Reads a token of `length(text)` bytes from the start of the unread `text`.
     fn take_prefix(&mut self, length: fn(&[u8]) -> usize) -> Token<'a> {
         let rest = &self.text[self.position..];
         let token = Token { text: &rest[..length(rest.as_bytes())], start: self.position };

@@ -7,7 +7,7 @@ use super::super::description::{
     NormalPerturbationDescription, Spanned, TexturedValue,
 };
 use super::super::error::SceneError;
-use super::fields::{BlockFields, PresentField, parse_block_by_keyword};
+use super::fields::{BlockFields, ParsedField, parse_block_by_keyword};
 use super::lexer::Token;
 use super::names::parse_block_name;
 use super::parser::Parser;
@@ -54,7 +54,7 @@ const PRIORITY_FIELD: FieldSchema =
 
 static EMISSION_FIELDS: &[FieldSchema] = &[
     field_schema("emission", FieldKind::ColorOrTexture, "emitted radiance; not for `Clear`")
-        .with_absence_text("0 0 0")
+        .with_default_description("0 0 0")
         .with_unit("W/(m² sr)"),
     field_schema("emissionScale", FieldKind::Number, "with a texture as `emission`: factor of its values")
         .with_range(FieldRange::NonNegative)
@@ -62,33 +62,34 @@ static EMISSION_FIELDS: &[FieldSchema] = &[
 ];
 
 static NORMAL_PERTURBATION_FIELDS: &[FieldSchema] = &[
-    field_schema("bump", FieldKind::Name, "texture or picture of heights; not for `Clear`").with_absence_text("none"),
+    field_schema("bump", FieldKind::Name, "texture or picture of heights; not for `Clear`")
+        .with_default_description("none"),
     field_schema("bumpHeight", FieldKind::Number, "height of the value 1 of `bump`, required with it")
         .with_range(FieldRange::Single)
         .with_unit("length"),
     field_schema("normalMap", FieldKind::Name, "instead of `bump`: texture or picture of normals")
-        .with_absence_text("none"),
+        .with_default_description("none"),
 ];
 
 static PHONG: BlockSchema = block_schema("PhongMaterial", "Phong's reflection model")
     .with_fields(&[
         field_schema("diffuseColor", FieldKind::ColorOrTexture, "diffuse reflectance kd")
             .with_default_numbers(&[1.0, 1.0, 1.0])
-            .mark_course_syntax(),
+            .mark_as_mit_course_syntax(),
         field_schema("specularColor", FieldKind::ColorOrTexture, "specular coefficient ks")
             .with_default_numbers(&[0.0, 0.0, 0.0])
-            .mark_course_syntax(),
+            .mark_as_mit_course_syntax(),
         field_schema("shininess", FieldKind::Number, "Phong exponent")
             .with_range(FieldRange::NonNegative)
             .with_default_numbers(&[0.0])
-            .mark_course_syntax(),
+            .mark_as_mit_course_syntax(),
         field_schema("texture", FieldKind::Name, "texture or picture that `diffuseColor` is multiplied by")
-            .with_absence_text("none")
-            .mark_course_syntax(),
+            .with_default_description("none")
+            .mark_as_mit_course_syntax(),
     ])
     .with_aliases(&["Material", "Phong"])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS])
-    .mark_course_syntax();
+    .mark_as_mit_course_syntax();
 
 static DIFFUSE: BlockSchema = block_schema("Diffuse", "Lambertian reflection")
     .with_fields(&[field_schema("reflectance", FieldKind::ColorOrTexture, "albedo")
@@ -107,7 +108,7 @@ static DIELECTRIC: BlockSchema = block_schema("Dielectric", "boundary of a body 
         INDEX_FIELD,
         field_schema("abbe", FieldKind::Number, "with `indexOfRefraction`: Abbe number")
             .with_range(FieldRange::Positive)
-            .with_absence_text("none: no dispersion"),
+            .with_default_description("none: no dispersion"),
         field_schema("glass", FieldKind::Name, "instead of `indexOfRefraction`: a glass by name"),
         field_schema("cauchy", FieldKind::Numbers, "instead of `indexOfRefraction`: Cauchy's equation; C is optional")
             .with_range(FieldRange::Special("A, B \\[µm²], C \\[µm⁴]")),
@@ -118,7 +119,7 @@ static DIELECTRIC: BlockSchema = block_schema("Dielectric", "boundary of a body 
             .with_unit("µm²"),
         field_schema("absorption", FieldKind::Color, "absorption coefficient of the inside")
             .with_range(COEFFICIENT_RANGE)
-            .with_absence_text("0 0 0")
+            .with_default_description("0 0 0")
             .with_unit("1/length"),
         field_schema("tint", FieldKind::Color, "instead of `absorption`: transmittance over `tintDistance`")
             .with_range(TRANSMITTANCE_RANGE),
@@ -128,13 +129,13 @@ static DIELECTRIC: BlockSchema = block_schema("Dielectric", "boundary of a body 
             .with_unit("length"),
         ROUGHNESS_FIELD,
         PRIORITY_FIELD,
-        field_schema("medium", FieldKind::Name, "medium that fills the body").with_absence_text("none"),
+        field_schema("medium", FieldKind::Name, "medium that fills the body").with_default_description("none"),
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
 static NULL_INTERFACE: BlockSchema = block_schema("Clear", "null interface: boundary of a region without a surface")
     .with_fields(&[
-        field_schema("medium", FieldKind::Name, "medium that fills the region").with_absence_text("none"),
+        field_schema("medium", FieldKind::Name, "medium that fills the region").with_default_description("none"),
         PRIORITY_FIELD,
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
@@ -228,13 +229,13 @@ fn parse_material<'a>(
     Ok(MaterialDescription { name, kind, emission: parse_emission(f)?, normal_perturbation, medium })
 }
 
-/// Fields beside `emission` that several kinds of material share, and that a kind accepts.
+/// Flags that tell which optional fields a kind of material accepts.
 struct AcceptedSharedFields {
     medium: bool,
     normal_perturbation: bool,
 }
 
-/// Returns the shared fields that materials of kind `kind` accept.
+/// Returns whether materials of this `kind` accept a medium and a bump or normal map.
 fn accepted_shared_fields(kind: &MaterialKindDescription) -> AcceptedSharedFields {
     match kind {
         MaterialKindDescription::Dielectric { .. } | MaterialKindDescription::NullInterface { .. } => {
@@ -356,7 +357,7 @@ fn parse_mix_material<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<Ma
 }
 
 /// Parses the name of a material that stands before the mix.
-fn parse_mix_component<'a>(parser: &Parser<'a>, field: PresentField<'_, 'a>) -> Result<Spanned<String>, SceneError> {
+fn parse_mix_component<'a>(parser: &Parser<'a>, field: ParsedField<'_, 'a>) -> Result<Spanned<String>, SceneError> {
     let name: Spanned<String> = field.value();
     let help = "a mix is made of materials that stand before it";
     parser.scope.check_material_exists(parser.lexer, &name, help)?;

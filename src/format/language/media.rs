@@ -50,7 +50,7 @@ static OPTICAL_FIELDS: &[FieldSchema] = &[
         .with_default_numbers(&[0.0, 0.0, 0.0])
         .with_unit("W/(m² sr)/length"),
     field_schema("phase", FieldKind::Word(&["isotropic", "rayleigh", "henyey-greenstein"]), "phase function")
-        .with_absence_text("`isotropic`; with `anisotropy`, `henyey-greenstein`"),
+        .with_default_description("`isotropic`; with `anisotropy`, `henyey-greenstein`"),
     field_schema("anisotropy", FieldKind::Number, "mean cosine g; above 0 scatters forward")
         .with_range(FieldRange::Special("−1 < g < 1")),
 ];
@@ -59,12 +59,13 @@ static EXTENT_FIELDS: &[FieldSchema] = &[
     field_schema("min", FieldKind::Point, "least corner of the box; required, but for a `Medium` without `grid`"),
     field_schema("max", FieldKind::Point, "greatest corner, above `min` in each component"),
     field_schema("Transform", FieldKind::TransformSteps, "maps from the space of the box to the world")
-        .with_absence_text("none"),
+        .with_default_description("none"),
 ];
 
 static MEDIUM: BlockSchema = block_schema("Medium", "a medium of constant density, or with the densities of a grid")
     .with_fields(&[
-        field_schema("grid", FieldKind::Name, "file of densities").with_absence_text("none: density 1 everywhere"),
+        field_schema("grid", FieldKind::Name, "file of densities")
+            .with_default_description("none: density 1 everywhere"),
         field_schema("densityScale", FieldKind::Number, "with `grid`: factor of its densities")
             .with_range(FieldRange::Positive)
             .with_default_numbers(&[1.0]),

@@ -29,7 +29,7 @@ use std::fmt::{self, Display, Formatter};
 
 use glam::DVec3;
 
-use super::description::{CameraDescription, Group, LightDescription, SceneDescription, Span, Spanned};
+use super::description::{CameraDescription, LightDescription, ObjectGroup, SceneDescription, Span, Spanned};
 use super::error::{SceneError, SourceText};
 use camera::{CAMERAS, parse_camera, parse_moving_camera, write_camera};
 use fields::parse_block_fields;
@@ -50,13 +50,13 @@ static BACKGROUND: BlockSchema = block_schema("Background", "what lies behind al
         field_schema("color", FieldKind::Color, "radiance of rays that leave the scene")
             .with_default_numbers(&[0.5, 0.5, 0.5])
             .with_unit("W/(m² sr)")
-            .mark_course_syntax(),
+            .mark_as_mit_course_syntax(),
         field_schema("medium", FieldKind::Name, "medium that fills the space outside all bodies")
-            .with_absence_text("none"),
+            .with_default_description("none"),
     ])
-    .mark_course_syntax();
+    .mark_as_mit_course_syntax();
 
-/// Keywords of the blocks of a file, except cameras and `Background`.
+/// Keywords of top-level blocks of scene text, except cameras and `Background`.
 const FILE_BLOCK_KEYWORDS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];
 
 /// Returns the sections of the language reference: name and blocks.
@@ -135,18 +135,18 @@ pub fn parse_scene_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, S
 /// Camera, background, lights and objects of a scene text; the parser's scope holds its textures,
 /// media and materials.
 #[derive(Default)]
-struct FileBlocks {
+struct SceneFileBlocks {
     camera: Option<Spanned<CameraDescription>>,
     /// Radiance of the background \[W/(m² sr)], and the medium outside all bodies.
     background: Option<(DVec3, Option<Spanned<String>>)>,
     lights: Vec<Spanned<LightDescription>>,
-    root: Option<Group>,
+    root: Option<ObjectGroup>,
 }
 
 /// Parses all blocks of a file.
 fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
     let allowed = [&block_keywords(&[], CAMERAS)[..], &[BACKGROUND.keyword], &FILE_BLOCK_KEYWORDS].concat();
-    let mut blocks = FileBlocks::default();
+    let mut blocks = SceneFileBlocks::default();
     loop {
         let word = parser.lexer.peek_token();
         if word.is_end() {
@@ -160,7 +160,7 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
         let help = "put all materials into one block before the Group".to_owned();
         return Err(parser.lexer.error_at(block.span(), message, "too late", help));
     }
-    let FileBlocks { camera, background, lights, root } = blocks;
+    let SceneFileBlocks { camera, background, lights, root } = blocks;
     let (background, ambient_medium) = background.unwrap_or((DVec3::splat(0.5), None));
     if let Some(name) = &ambient_medium {
         parser.scope.check_medium_exists(parser.lexer, name, "in the file")?;
@@ -171,11 +171,11 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
     }
     let camera = camera.ok_or_else(|| {
         let help = "add `PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }`";
-        SceneError::for_whole_file(&parser.lexer.source(), "the file has no camera", help)
+        SceneError::for_whole_file(&parser.lexer.source_text(), "the file has no camera", help)
     })?;
     let root = root.ok_or_else(|| {
         let help = "add `Group { … }` with the objects of the scene";
-        SceneError::for_whole_file(&parser.lexer.source(), "the file has no Group", help)
+        SceneError::for_whole_file(&parser.lexer.source_text(), "the file has no Group", help)
     })?;
     let scope = std::mem::take(&mut parser.scope);
     let (textures, media, materials) = (scope.textures, scope.media, scope.materials);
@@ -187,7 +187,7 @@ fn parse_file_block<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
     allowed: &[&str],
-    blocks: &mut FileBlocks,
+    blocks: &mut SceneFileBlocks,
 ) -> Result<(), SceneError> {
     match word.text {
         "Moving" => blocks.camera = Some(parse_moving_camera(parser, word)?),

@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-use super::super::description::{Group, GroupItem, ObjectDescription, Spanned, TransformStep};
+use super::super::description::{GroupItem, ObjectDescription, ObjectGroup, Spanned, TransformStep};
 use super::super::error::SceneError;
 use super::lexer::Token;
 use super::materials::{parse_material_index, parse_material_reference};
-use super::parser::{NestingMark, Parser};
+use super::parser::{Parser, SavedBlockNesting};
 use super::schema::block_keywords;
 use super::shapes::{SHAPES, parse_shape, write_shape};
 use super::transforms::{parse_moving_block, parse_transform_block, write_transform_steps};
@@ -23,13 +23,13 @@ fn object_keywords() -> Vec<&'static str> {
 }
 
 /// Parses a `Group` block.
-pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Group, SceneError> {
+pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<ObjectGroup, SceneError> {
     parser.open_nested_block(keyword)?;
     let mut items = Vec::new();
     let mut objects = 0;
     let mut count = None;
     while let Some(word) = parser.next_word()? {
-        let mark = parser.nesting_mark();
+        let mark = parser.current_block_nesting();
         let error = match word.text {
             "numObjects" => parser.parse_count(word, &mut count).err(),
             "MaterialIndex" => {
@@ -51,7 +51,7 @@ pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Re
     }
     parser.leave_nested_block();
     parser.check_entry_count("numObjects", count, objects, "object")?;
-    Ok(Group { items })
+    Ok(ObjectGroup { items })
 }
 
 // The functions below are not inlined into `parse_group`: it recurses, and its stack frame must
@@ -71,7 +71,7 @@ fn push_item_or_return_error(item: Result<GroupItem, SceneError>, items: &mut Ve
 
 /// Records `error`, and skips to the next entry of the group that is open at `mark`.
 #[inline(never)]
-fn skip_to_next_item(parser: &mut Parser<'_>, error: SceneError, mark: NestingMark) -> Result<(), SceneError> {
+fn skip_to_next_item(parser: &mut Parser<'_>, error: SceneError, mark: SavedBlockNesting) -> Result<(), SceneError> {
     parser.record_error(error)?;
     parser.skip_to_next_entry(mark, &[&OTHER_ITEM_KEYWORDS[..], &object_keywords()].concat());
     Ok(())
@@ -115,7 +115,7 @@ fn parse_object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spann
 }
 
 /// Writes a group as scene text.
-pub(super) fn write_group(out: &mut SceneWriter<'_, '_>, group: &Group) -> fmt::Result {
+pub(super) fn write_group(out: &mut SceneWriter<'_, '_>, group: &ObjectGroup) -> fmt::Result {
     out.begin_block("Group")?;
     let objects = group.items.iter().filter(|item| matches!(item, GroupItem::Object(_))).count();
     out.write_line(format_args!("numObjects {objects}"))?;

@@ -26,9 +26,9 @@ pub(super) struct Parser<'a> {
     has_unclosed_block: bool,
 }
 
-/// Block nesting at the start of an entry. The parser returns to it after an error.
+/// Block nesting at the start of a field or object; restored after a syntax error.
 #[derive(Clone, Copy)]
-pub(super) struct NestingMark {
+pub(super) struct SavedBlockNesting {
     open_blocks: usize,
     nesting_depth: usize,
     closed_blocks: usize,
@@ -68,7 +68,7 @@ impl<'a> Parser<'a> {
         allowed: &[&str],
         parse_entry: impl FnOnce(&mut Self) -> Result<(), SceneError>,
     ) -> Result<(), SceneError> {
-        let mark = self.nesting_mark();
+        let mark = self.current_block_nesting();
         if let Err(error) = parse_entry(self) {
             self.record_error(error)?;
             self.skip_to_next_entry(mark, allowed);
@@ -87,20 +87,20 @@ impl<'a> Parser<'a> {
     }
 
     /// Returns the current block nesting, for [`skip_to_next_entry`](Self::skip_to_next_entry).
-    pub fn nesting_mark(&self) -> NestingMark {
-        NestingMark {
+    pub fn current_block_nesting(&self) -> SavedBlockNesting {
+        SavedBlockNesting {
             open_blocks: self.open_blocks.len(),
             nesting_depth: self.nesting_depth,
             closed_blocks: self.closed_blocks,
         }
     }
 
-    /// Skips the rest of an entry with an error, which started at `mark`.
+    /// Skips the rest of a field or object that has a syntax error and started at `mark`.
     ///
     /// If blocks are open since `mark`, skips past their ends. Else, if a block was closed since
     /// `mark`, skips nothing. Else skips to a word of `allowed` or a `}`, or past one block.
     #[inline(never)]
-    pub fn skip_to_next_entry(&mut self, mark: NestingMark, allowed: &[&str]) {
+    pub fn skip_to_next_entry(&mut self, mark: SavedBlockNesting, allowed: &[&str]) {
         let mut braces = self.open_blocks.len().saturating_sub(mark.open_blocks);
         let has_open_blocks = braces > 0;
         self.open_blocks.truncate(mark.open_blocks);

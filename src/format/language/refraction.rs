@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::super::description::RefractiveIndexDescription;
 use super::super::error::SceneError;
-use super::fields::{BlockFields, PresentField};
+use super::fields::{BlockFields, ParsedField};
 use super::schema::{FieldKind, FieldRange, FieldSchema, field_schema};
 use super::writer::{SceneWriter, SpacedNumbers};
 use crate::color::DispersionFormula;
@@ -53,7 +53,7 @@ fn parse_index_and_abbe(f: &BlockFields<'_>) -> Result<RefractiveIndexDescriptio
     Ok(RefractiveIndexDescription::Abbe { index, abbe })
 }
 
-fn parse_cauchy(coefficients: &PresentField<'_, '_>) -> Result<RefractiveIndexDescription, SceneError> {
+fn parse_cauchy(coefficients: &ParsedField<'_, '_>) -> Result<RefractiveIndexDescription, SceneError> {
     let list = coefficients.number_list();
     let rule = "must be A, B in µm² and, unless 0, C in µm⁴, of n = A + B/λ² + C/λ⁴";
     coefficients.ensure_valid((2..=3).contains(&list.len()), rule)?;
@@ -64,8 +64,8 @@ fn parse_cauchy(coefficients: &PresentField<'_, '_>) -> Result<RefractiveIndexDe
 }
 
 fn parse_sellmeier(
-    strength_field: &PresentField<'_, '_>,
-    wavelength_field: &PresentField<'_, '_>,
+    strength_field: &ParsedField<'_, '_>,
+    wavelength_field: &ParsedField<'_, '_>,
 ) -> Result<RefractiveIndexDescription, SceneError> {
     let (strengths, wavelengths) = (strength_field.number_list(), wavelength_field.number_list());
     let terms = strengths.len();
@@ -83,7 +83,7 @@ fn parse_sellmeier(
 /// Returns an error at `field` if the index of `glass` leaves the accepted range.
 ///
 /// The error's help text is the name of the field, then `advice` and the range.
-fn check_index_range(glass: &DispersionFormula, field: &PresentField<'_, '_>, advice: &str) -> Result<(), SceneError> {
+fn check_index_range(glass: &DispersionFormula, field: &ParsedField<'_, '_>, advice: &str) -> Result<(), SceneError> {
     let within = glass
         .refractive_index_range()
         .is_some_and(|ends| ends.iter().all(|n| (MIN_REFRACTIVE_INDEX..=MAX_REFRACTIVE_INDEX).contains(n)));

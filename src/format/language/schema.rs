@@ -74,7 +74,7 @@ pub(super) enum FieldRange {
     Special(&'static str),
 }
 
-/// Meaning of a field's absence.
+/// Value or meaning of a field that the scene text omits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FieldDefault {
     /// The field must be present.
@@ -174,8 +174,8 @@ impl FieldSchema {
         self
     }
 
-    /// Sets the reference's text about the field's absence.
-    pub const fn with_absence_text(mut self, meaning: &'static str) -> Self {
+    /// Sets the text that the language reference prints as the field's default.
+    pub const fn with_default_description(mut self, meaning: &'static str) -> Self {
         self.default = FieldDefault::Absent(meaning);
         self
     }
@@ -193,7 +193,7 @@ impl FieldSchema {
     }
 
     /// Marks the field as one that the scene format of MIT 6.837 has.
-    pub const fn mark_course_syntax(mut self) -> Self {
+    pub const fn mark_as_mit_course_syntax(mut self) -> Self {
         self.is_course_syntax = true;
         self
     }
@@ -220,11 +220,11 @@ impl FieldSchema {
             FieldRange::Between(least, most) => all(&|x| x > least && x < most),
             FieldRange::UpTo(least, most) => all(&|x| x > least && x <= most),
         };
-        (!ok).then(|| self.rule_of_range(numbers))
+        (!ok).then(|| self.describe_violated_range(numbers))
     }
 
-    /// Returns the allowed range in words, as a rule that `numbers` break.
-    fn rule_of_range(&self, numbers: &[f64]) -> String {
+    /// Returns the error text for `numbers` outside the allowed range: "must be above 0".
+    fn describe_violated_range(&self, numbers: &[f64]) -> String {
         let each = if numbers.len() > 1 { " in each component" } else { "" };
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
         let is_too_large = numbers.iter().any(|x| x.abs() > MAX_SINGLE);
@@ -323,7 +323,7 @@ impl BlockSchema {
     }
 
     /// Marks the block as one that the scene format of MIT 6.837 has.
-    pub const fn mark_course_syntax(mut self) -> Self {
+    pub const fn mark_as_mit_course_syntax(mut self) -> Self {
         self.is_course_syntax = true;
         self
     }

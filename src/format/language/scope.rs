@@ -19,7 +19,7 @@ pub(super) struct ParserScope<'a> {
     pub materials: Vec<Spanned<MaterialDescription>>,
     /// Index of each named material, by name.
     pub material_indices: HashMap<String, usize>,
-    /// Mix summary of each material, by index.
+    /// [`MixSummary`] of each material, by material index.
     mix_summaries: Vec<MixSummary>,
     /// True if the last `Group` refers to a material.
     pub group_uses_materials: bool,
@@ -27,10 +27,10 @@ pub(super) struct ParserScope<'a> {
     pub late_materials: Option<Token<'a>>,
 }
 
-/// Nesting depth of a `Mix` material, and the index of the dielectric among its leaf materials.
+/// Nesting depth of a material's mixes, and the material index of its dielectric, if any.
 #[derive(Clone, Copy, Default)]
 pub(super) struct MixSummary {
-    /// Index of the `Dielectric` among its leaf materials, if there is one.
+    /// Material index of the `Dielectric` that is the material or a leaf of the mix, if any.
     pub dielectric: Option<usize>,
     /// Depth of nested mixes; 0 for a material that is no mix.
     pub mix_depth: u8,
@@ -44,10 +44,10 @@ impl ParserScope<'_> {
         self.mix_summaries.clear();
     }
 
-    /// Appends a material, without its name.
+    /// Appends a material and its [`MixSummary`]. Does not register the name of the material.
     pub fn add_material(&mut self, material: Spanned<MaterialDescription>) {
         let kind = &material.value.kind;
-        let summary = match kind.mix_parts() {
+        let summary = match kind.mix_material_names() {
             Some([first, second]) => {
                 let (a, b) = (self.mix_summary(&first.value), self.mix_summary(&second.value));
                 MixSummary { dielectric: a.dielectric.or(b.dielectric), mix_depth: a.mix_depth.max(b.mix_depth) + 1 }

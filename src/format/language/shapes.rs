@@ -39,7 +39,7 @@ const DEGREE_RANGE: FieldRange = FieldRange::Within(1.0, MAX_DEGREE as f64);
 
 static EMISSION_FIELDS: &[FieldSchema] =
     &[field_schema("emission", FieldKind::Color, "radiance instead of the material's; not for a `Plane`")
-        .with_absence_text("the material's")
+        .with_default_description("the material's")
         .with_unit("W/(m² sr)")];
 
 static DEGREE_FIELDS: &[FieldSchema] = &[
@@ -49,26 +49,26 @@ static DEGREE_FIELDS: &[FieldSchema] = &[
 
 static SPHERE: BlockSchema = block_schema("Sphere", "all points at distance `radius` from `center`")
     .with_fields(&[
-        field_schema("center", FieldKind::Point, "center").make_required().mark_course_syntax(),
+        field_schema("center", FieldKind::Point, "center").make_required().mark_as_mit_course_syntax(),
         field_schema("radius", FieldKind::Number, "radius")
             .with_range(FieldRange::Positive)
             .make_required()
-            .mark_course_syntax(),
+            .mark_as_mit_course_syntax(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_course_syntax();
+    .mark_as_mit_course_syntax();
 
 static PLANE: BlockSchema = block_schema("Plane", "infinite plane")
     .with_fields(&[
         field_schema("normal", FieldKind::Direction, "normal; its length scales `offset`")
             .make_required()
-            .mark_course_syntax(),
+            .mark_as_mit_course_syntax(),
         field_schema("offset", FieldKind::Number, "normal · x of the points x of the plane")
             .make_required()
-            .mark_course_syntax(),
+            .mark_as_mit_course_syntax(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_course_syntax();
+    .mark_as_mit_course_syntax();
 
 static DISC: BlockSchema = block_schema("Disc", "flat disc")
     .with_fields(&[
@@ -120,26 +120,27 @@ static CONE: BlockSchema =
 
 static TRIANGLE: BlockSchema = block_schema("Triangle", "triangle; its area may be 0")
     .with_fields(&[
-        field_schema("vertex0", FieldKind::Point, "first vertex").make_required().mark_course_syntax(),
-        field_schema("vertex1", FieldKind::Point, "second vertex").make_required().mark_course_syntax(),
-        field_schema("vertex2", FieldKind::Point, "third vertex").make_required().mark_course_syntax(),
+        field_schema("vertex0", FieldKind::Point, "first vertex").make_required().mark_as_mit_course_syntax(),
+        field_schema("vertex1", FieldKind::Point, "second vertex").make_required().mark_as_mit_course_syntax(),
+        field_schema("vertex2", FieldKind::Point, "third vertex").make_required().mark_as_mit_course_syntax(),
         field_schema("normal0", FieldKind::Direction, "shading normal at the first vertex; give all three or none"),
         field_schema("normal1", FieldKind::Direction, "shading normal at the second vertex"),
         field_schema("normal2", FieldKind::Direction, "shading normal at the third vertex"),
         field_schema("uv0", FieldKind::Pair, "texture coordinates at the first vertex; give all three or none")
-            .with_absence_text("0 0"),
-        field_schema("uv1", FieldKind::Pair, "texture coordinates at the second vertex").with_absence_text("1 0"),
-        field_schema("uv2", FieldKind::Pair, "texture coordinates at the third vertex").with_absence_text("0 1"),
+            .with_default_description("0 0"),
+        field_schema("uv1", FieldKind::Pair, "texture coordinates at the second vertex")
+            .with_default_description("1 0"),
+        field_schema("uv2", FieldKind::Pair, "texture coordinates at the third vertex").with_default_description("0 1"),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_course_syntax();
+    .mark_as_mit_course_syntax();
 
 static MESH: BlockSchema = block_schema("TriangleMesh", "triangle mesh in a file of its own")
     .with_fields(&[
         field_schema("obj_file", FieldKind::Name, "OBJ or PLY file")
             .with_alias("file")
             .make_required()
-            .mark_course_syntax(),
+            .mark_as_mit_course_syntax(),
         field_schema(
             "materials",
             FieldKind::Word(&["scene", "file"]),
@@ -150,31 +151,31 @@ static MESH: BlockSchema = block_schema("TriangleMesh", "triangle mesh in a file
             .with_default_word("file"),
         field_schema("smoothAngle", FieldKind::Number, "greatest angle between faces that are smoothed")
             .with_range(FieldRange::Within(0.0, 180.0))
-            .with_absence_text("faces without normals are flat")
+            .with_default_description("faces without normals are flat")
             .with_unit("degrees"),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_course_syntax();
+    .mark_as_mit_course_syntax();
 
 static REVOLUTION: BlockSchema =
     block_schema("RevSurface", "surface of revolution: the points (x cos θ, y, x sin θ) of a profile")
         .with_fields(&[field_schema("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
             .make_required()
-            .mark_course_syntax()])
+            .mark_as_mit_course_syntax()])
         .with_shared_fields(&[EMISSION_FIELDS])
-        .mark_course_syntax();
+        .mark_as_mit_course_syntax();
 
 static BEZIER_CURVE: BlockSchema =
     block_schema("BezierCurve", "one Bézier curve; without `profile` it has no surface and is not visible")
         .with_fields(&[BEZIER_CONTROLS])
         .with_shared_fields(&[EMISSION_FIELDS])
-        .mark_course_syntax();
+        .mark_as_mit_course_syntax();
 
 static BSPLINE_CURVE: BlockSchema =
     block_schema("BsplineCurve", "a uniform cubic B-spline; without `profile` it has no surface and is not visible")
         .with_fields(&[BSPLINE_CONTROLS])
         .with_shared_fields(&[EMISSION_FIELDS])
-        .mark_course_syntax();
+        .mark_as_mit_course_syntax();
 
 static BEZIER_PATCH: BlockSchema = block_schema("BezierPatch", "one or more Bézier patches of the same degrees")
     .with_fields(&[field_schema(
@@ -195,10 +196,10 @@ static NURBS: BlockSchema = block_schema("NurbsSurface", "rational B-spline surf
             .make_required(),
         field_schema("knotsU", FieldKind::Numbers, "`countU` + `degreeU` + 1 knots along u")
             .with_range(FieldRange::Special("nondecreasing"))
-            .with_absence_text("uniform"),
+            .with_default_description("uniform"),
         field_schema("knotsV", FieldKind::Numbers, "`countV` + `degreeV` + 1 knots along v")
             .with_range(FieldRange::Special("nondecreasing"))
-            .with_absence_text("uniform"),
+            .with_default_description("uniform"),
         field_schema("controls", FieldKind::WeightedPoints, "control points, those along v first").make_required(),
     ])
     .with_shared_fields(&[DEGREE_FIELDS, EMISSION_FIELDS]);
@@ -249,8 +250,8 @@ fn parse_cone(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
 
 fn parse_mesh(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
     let options = MeshOptions {
-        uses_file_materials: f.word_value("materials")? == "file",
-        ignores_normals: f.word_value("normals")? == "none",
+        uses_file_materials: f.field_word_or_default("materials")? == "file",
+        ignores_normals: f.field_word_or_default("normals")? == "none",
         max_smoothing_angle: f.optional_value("smoothAngle"),
     };
     Ok(ShapeDescription::Mesh { path: f.value("obj_file")?, options })
@@ -281,7 +282,7 @@ pub(super) fn parse_parallelogram(f: &BlockFields<'_>) -> Result<(DVec3, DVec3, 
 fn parse_ends_and_caps(f: &BlockFields<'_>) -> Result<([DVec3; 2], bool), SceneError> {
     let ends = [f.value("bottom")?, f.value("top")?];
     f.require_field("top")?.ensure_valid(ends[0] != ends[1], "must differ from `bottom`")?;
-    Ok((ends, f.word_value("caps")? == "yes"))
+    Ok((ends, f.field_word_or_default("caps")? == "yes"))
 }
 
 fn parse_triangle(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {

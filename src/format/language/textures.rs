@@ -60,7 +60,7 @@ static PATTERN_FIELDS: &[FieldSchema] = &[
         .with_range(FieldRange::NonNegative)
         .with_default_numbers(&[1.0]),
     field_schema("Transform", FieldKind::TransformSteps, "maps from the pattern's space to the object's")
-        .with_absence_text("none"),
+        .with_default_description("none"),
 ];
 
 static IMAGE: BlockSchema = block_schema("Image", "a picture, which covers the unit square of texture coordinates")
@@ -119,8 +119,12 @@ fn parse_texture<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Texture
 fn parse_image_texture(f: &BlockFields<'_>) -> Result<TextureKindDescription, SceneError> {
     Ok(TextureKindDescription::Image {
         path: f.value("file")?,
-        encoding: if f.word_value("encoding")? == "linear" { PictureEncoding::Linear } else { PictureEncoding::Srgb },
-        wrap: match f.word_value("wrap")? {
+        encoding: if f.field_word_or_default("encoding")? == "linear" {
+            PictureEncoding::Linear
+        } else {
+            PictureEncoding::Srgb
+        },
+        wrap: match f.field_word_or_default("wrap")? {
             "clamp" => WrapMode::Clamp,
             "mirror" => WrapMode::Mirror,
             _ => WrapMode::Repeat,

@@ -89,7 +89,7 @@ pub enum MeshError {
         /// Remedy.
         remedy: &'static str,
     },
-    /// Crate `tobj` refuses lines that Caustica's own check has accepted.
+    /// The parser crate `tobj` refuses a file that Caustica's own line check accepted.
     #[error("cannot read the mesh {}: {source}: export it anew as plain triangles", path.display())]
     Malformed {
         /// Path of the file.

@@ -7,23 +7,25 @@ use hashbrown::HashTable;
 use hashbrown::hash_table::Entry;
 use std::hash::Hash;
 
-/// List of values with distinct keys, and a hash table that finds the index of a key.
-pub(in crate::format) struct KeyIndexer<T> {
+/// List of values with distinct keys. A hash table finds the index of the value with a given key.
+pub(in crate::format) struct DeduplicatedList<T> {
     hasher: RandomState,
     table: HashTable<u32>,
     list: Vec<T>,
 }
 
-impl<T> KeyIndexer<T> {
+impl<T> DeduplicatedList<T> {
     pub fn with_capacity(n: usize) -> Self {
         // Indices depend only on the order of values, so any seed works.
         let hasher = RandomState::with_seeds(1, 2, 3, 4);
         Self { hasher, table: HashTable::with_capacity(n), list: Vec::with_capacity(n) }
     }
 
-    /// Index of the value whose key equals the key of `value`. Appends `value` if there is none.
+    /// Returns the index of the value in the list that has the key of `value`.
+    ///
+    /// Appends `value` if the list has none.
     #[inline]
-    pub fn index_of<K: Hash + Eq>(&mut self, value: T, key: impl Fn(&T) -> K) -> u32 {
+    pub fn find_or_append<K: Hash + Eq>(&mut self, value: T, key: impl Fn(&T) -> K) -> u32 {
         let Self { hasher, table, list } = self;
         let own = key(&value);
         let equal = |i: &u32| key(&list[*i as usize]) == own;
@@ -38,7 +40,7 @@ impl<T> KeyIndexer<T> {
         }
     }
 
-    /// The values in the order of their indices.
+    /// Returns the values in the order of their indices.
     pub fn into_values(self) -> Vec<T> {
         self.list
     }
@@ -60,7 +62,7 @@ pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
     let normals = mesh.normals.as_deref();
     let mut known: Vec<u32> = vec![UNASSIGNED; mesh.positions.len()];
     // Index of a vertex, and true if it loses its normal.
-    let mut numbers: KeyIndexer<(u32, bool)> = KeyIndexer::with_capacity(mesh.positions.len());
+    let mut numbers: DeduplicatedList<(u32, bool)> = DeduplicatedList::with_capacity(mesh.positions.len());
     let key = |&(v, flat): &(u32, bool)| {
         let normal = normals.filter(|_| !flat).map_or(DVec3::ZERO, |n| n[v as usize]);
         let texcoord = mesh.texcoords.as_ref().map_or(DVec2::ZERO, |t| t[v as usize]);
@@ -74,7 +76,7 @@ pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
                 *v = seen;
                 continue;
             }
-            let number = numbers.index_of((*v, flat), key);
+            let number = numbers.find_or_append((*v, flat), key);
             if !flat {
                 known[*v as usize] = number;
             }
@@ -90,7 +92,7 @@ pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
     select_vertices(mesh, vertices.iter().map(|(v, _)| *v));
 }
 
-/// Replaces the vertices of `mesh` by those with the indices in `list`.
+/// Replaces the vertices of `mesh` by its vertices with the indices in `list`.
 ///
 /// Only positions and texture coordinates are replaced. The caller must replace normals and
 /// triangles.
@@ -101,15 +103,15 @@ pub(super) fn select_vertices(mesh: &mut TriangleMesh, list: impl Iterator<Item 
 }
 
 pub(super) fn position_indices(mesh: &TriangleMesh) -> (Vec<u32>, usize) {
-    let mut numbers = KeyIndexer::with_capacity(mesh.positions.len());
-    let places = mesh.positions.iter().map(|p| numbers.index_of(position_bits(*p), |key| *key)).collect();
+    let mut numbers = DeduplicatedList::with_capacity(mesh.positions.len());
+    let places = mesh.positions.iter().map(|p| numbers.find_or_append(position_bits(*p), |key| *key)).collect();
     (places, numbers.into_values().len())
 }
 
 pub(super) fn distinct_position_count(mesh: &TriangleMesh) -> usize {
-    let mut numbers = KeyIndexer::with_capacity(mesh.positions.len());
+    let mut numbers = DeduplicatedList::with_capacity(mesh.positions.len());
     mesh.positions.iter().for_each(|p| {
-        numbers.index_of(coordinate_bits(*p), |key| *key);
+        numbers.find_or_append(coordinate_bits(*p), |key| *key);
     });
     numbers.into_values().len()
 }

@@ -18,7 +18,7 @@ mod write;
 
 pub use error::MeshError;
 pub(in crate::format) use error::{check_memory, read_file_bytes};
-pub(in crate::format) use merge::{KeyIndexer, coordinate_bits};
+pub(in crate::format) use merge::{DeduplicatedList, coordinate_bits};
 pub use repair::{MeshRepairs, RepairCounts};
 pub use report::MeshReport;
 pub use solid::{SOLID_CHECK_BYTES, SolidDefect};
@@ -42,13 +42,17 @@ pub struct TriangleMesh {
     ///
     /// Reading keeps triangles without area.
     pub triangles: Vec<[u32; 3]>,
-    /// Unit shading normal of each vertex; zero for all corners of a triangle without normals.
+    /// Unit shading normals of the vertices.
+    ///
+    /// A zero normal at all corners of a triangle means that the triangle has no normals.
     pub normals: Option<Vec<DVec3>>,
-    /// Texture coordinates of each vertex; zero for vertices without.
+    /// Texture coordinates of the vertices; zero for a vertex that has none.
     pub texcoords: Option<Vec<DVec2>>,
     /// Names of the materials. After reading, at least one triangle uses each of them.
     pub materials: Vec<String>,
-    /// Index into `materials`, or [`NO_MATERIAL`], of each triangle; empty if `materials` is empty.
+    /// Material index of each triangle: an index into `materials`, or [`NO_MATERIAL`].
+    ///
+    /// The list is empty if `materials` is empty.
     pub triangle_materials: Vec<u32>,
 }
 
@@ -61,7 +65,7 @@ impl TriangleMesh {
         merge::merge_equal_vertices(self);
     }
 
-    /// Index of each vertex's position among the distinct positions, and the number of those.
+    /// Returns the index of each vertex's position among the distinct positions, and their number.
     ///
     /// Coordinates −0 and 0 are equal here.
     #[must_use]
@@ -69,9 +73,10 @@ impl TriangleMesh {
         merge::position_indices(self)
     }
 
-    /// Moves each vertex to the first vertex within `tolerance` \[length], and merges equal ones.
+    /// Moves each vertex to the first vertex within `tolerance` \[length], and merges equal
+    /// vertices.
     ///
-    /// Returns the decrease of the number of distinct positions.
+    /// Returns by how many the number of distinct positions decreases.
     pub fn weld_vertices(&mut self, tolerance: f64) -> usize {
         weld::weld_vertices(self, tolerance)
     }
@@ -94,9 +99,9 @@ impl TriangleMesh {
     /// Makes the windings of each connected component consistent and outward.
     ///
     /// Returns the number of flipped triangles. Closed components face outward by the sign of their
-    /// volume. A closed component is the wall of a cavity, and faces inward, if an odd number of
-    /// others of the same material contain it. Open components keep the winding of most of their
-    /// triangles. Non-orientable components are not changed.
+    /// volume, but inward if an odd number of closed components of their material contain them.
+    /// Open components keep the winding of most of their triangles. Non-orientable components are
+    /// not changed.
     pub fn orient_outward(&mut self) -> usize {
         orient::orient_outward(self)
     }
@@ -115,7 +120,7 @@ impl TriangleMesh {
         split::split_by_material(self)
     }
 
-    /// Measures the mesh.
+    /// Returns the mesh's size, area, volume, and topological counts.
     #[must_use]
     pub fn mesh_report(&self) -> MeshReport {
         report::mesh_report(self)
@@ -133,11 +138,10 @@ impl TriangleMesh {
         report::triangle_area(self, triangle)
     }
 
-    /// First defect that keeps the mesh from bounding a solid body; `None` if the mesh is closed
-    /// and faces outward.
+    /// Returns the first defect that keeps the mesh from bounding a solid body.
     ///
-    /// Shading normals decide which side of a triangle is outside, and the winding decides for
-    /// triangles without normals. The renderer uses this rule too. Triangles with two corners at
+    /// `None` means that the mesh is closed and faces outward. Shading normals decide which side of
+    /// a triangle is outside; without normals the winding decides. Triangles with two corners at
     /// one position are ignored.
     #[must_use]
     pub fn solid_defect(&self) -> Option<SolidDefect> {
@@ -168,14 +172,12 @@ pub struct LoadedMesh {
     pub vertices: usize,
     /// Number of vertices in the file that no face uses. `mesh` does not contain them.
     pub isolated: usize,
-    /// True if a vertex of the file is only a position, as in OBJ files.
-    ///
-    /// Such files index normals and texture coordinates separately.
+    /// True if the file indexes normals and texture coordinates separately from positions, as OBJ.
     pub has_separate_indices: bool,
 }
 
 impl LoadedMesh {
-    /// Number of vertices in the file that repeat another one bit for bit.
+    /// Returns the number of vertices in the file that repeat another vertex bit for bit.
     #[must_use]
     pub fn repeated_vertices(&self) -> usize {
         let used = self.vertices - self.isolated;
@@ -266,7 +268,7 @@ fn point_bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
 }
 
-/// `v` scaled to unit length; zero if its squared length is zero, subnormal or not finite.
+/// Returns `v` scaled to unit length; zero if its squared length is zero, subnormal or not finite.
 ///
 /// A vector whose length differs from 1 by rounding only is returned unchanged. So normals that
 /// were written to a file read back bit for bit.

@@ -1,7 +1,7 @@
 //! Smooth shading normals for meshes without normals.
 
 use super::TriangleMesh;
-use super::merge::{KeyIndexer, select_vertices};
+use super::merge::{DeduplicatedList, select_vertices};
 use super::topology::{MeshTopology, ParityUnionFind};
 use glam::DVec3;
 
@@ -34,7 +34,8 @@ pub(super) fn face_normal(mesh: &TriangleMesh, triangle: [u32; 3]) -> DVec3 {
     normalize_without_overflow(normalize_without_overflow(b - a).cross(normalize_without_overflow(c - a)))
 }
 
-/// Angle of a triangle at one corner \[radians]. Corner 3t + k is corner k of triangle t.
+/// Returns the angle at one corner of a triangle \[radians]. Corner 3t + k is corner k of triangle
+/// t.
 fn corner_angle(mesh: &TriangleMesh, corner: usize) -> f64 {
     let triangle = mesh.triangles[corner / 3];
     let [p, q, r] = [0, 1, 2].map(|k| mesh.positions[triangle[(corner + k) % 3] as usize]);
@@ -42,7 +43,7 @@ fn corner_angle(mesh: &TriangleMesh, corner: usize) -> f64 {
     libm::atan2(e.cross(f).length(), e.dot(f))
 }
 
-/// Smoothing group of each corner; corners of a group share one normal.
+/// Returns the smoothing group of each triangle corner. Corners of a group share one normal.
 ///
 /// Corner 3t + k is corner k of triangle t. Groups are numbered in the order of first use.
 fn smoothing_groups(mesh: &TriangleMesh, faces: &[DVec3], angle: f64) -> Vec<u32> {
@@ -76,11 +77,11 @@ fn smoothing_groups(mesh: &TriangleMesh, faces: &[DVec3], angle: f64) -> Vec<u32
 /// `sums` holds the weighted sum of face normals of each group.
 fn assign_group_normals(mesh: &mut TriangleMesh, missing: &[bool], groups: &[u32], sums: &[DVec3]) {
     const KEEPS_NORMAL: u32 = u32::MAX;
-    let mut numbers: KeyIndexer<(u32, u32)> = KeyIndexer::with_capacity(mesh.positions.len());
+    let mut numbers: DeduplicatedList<(u32, u32)> = DeduplicatedList::with_capacity(mesh.positions.len());
     for (t, triangle) in mesh.triangles.iter_mut().enumerate() {
         for (k, v) in triangle.iter_mut().enumerate() {
             let group = if missing[t] { groups[3 * t + k] } else { KEEPS_NORMAL };
-            *v = numbers.index_of((*v, group), |key| *key);
+            *v = numbers.find_or_append((*v, group), |key| *key);
         }
     }
     let vertices = numbers.into_values();

@@ -1,6 +1,6 @@
 //! Consistent windings with outward normals.
 
-use super::merge::{KeyIndexer, select_vertices};
+use super::merge::{DeduplicatedList, select_vertices};
 use super::normals::face_normal;
 use super::topology::{MeshTopology, ParityUnionFind};
 use super::{NO_MATERIAL, TriangleMesh};
@@ -13,7 +13,7 @@ const MAX_NESTED_COMPONENTS: usize = 256;
 
 /// Connected component of a mesh: triangles that are connected by edges of exactly two triangles.
 #[derive(Debug, Default)]
-struct SurfaceComponent {
+struct ConnectedMeshComponent {
     faces: Vec<u32>,
     /// True if every edge has exactly two triangles.
     is_closed: bool,
@@ -36,11 +36,11 @@ pub(super) fn orient_outward(mesh: &mut TriangleMesh) -> usize {
         }
     }
     let mut turn = vec![false; mesh.triangles.len()];
-    let mut components: BTreeMap<usize, SurfaceComponent> = BTreeMap::new();
+    let mut components: BTreeMap<usize, ConnectedMeshComponent> = BTreeMap::new();
     for (t, turn) in turn.iter_mut().enumerate().filter(|(t, _)| topology.has_distinct_positions(mesh.triangles[*t])) {
         let (root, against) = windings.find_root(t);
         *turn = against;
-        components.entry(root).or_insert_with(|| new_surface_component(mesh, t)).add_triangle(mesh, t);
+        components.entry(root).or_insert_with(|| new_mesh_component(mesh, t)).add_triangle(mesh, t);
     }
     for t in twisted {
         components.entry(windings.find_root(t).0).and_modify(|component| component.is_orientable = false);
@@ -52,7 +52,7 @@ pub(super) fn orient_outward(mesh: &mut TriangleMesh) -> usize {
                 .and_modify(|component| component.is_closed = false);
         }
     }
-    let components: Vec<SurfaceComponent> = components.into_values().collect();
+    let components: Vec<ConnectedMeshComponent> = components.into_values().collect();
     let depths = nesting_depths(mesh, &components, &turn);
     for (component, depth) in components.iter().zip(depths) {
         let turned = component.faces.iter().filter(|t| turn[**t as usize]).count();
@@ -75,8 +75,8 @@ pub(super) fn reverse_orientation(mesh: &mut TriangleMesh) {
     mesh.normals.iter_mut().flatten().for_each(|n| *n = -*n);
 }
 
-fn new_surface_component(mesh: &TriangleMesh, first: usize) -> SurfaceComponent {
-    SurfaceComponent {
+fn new_mesh_component(mesh: &TriangleMesh, first: usize) -> ConnectedMeshComponent {
+    ConnectedMeshComponent {
         is_closed: true,
         is_orientable: true,
         low: DVec3::INFINITY,
@@ -93,7 +93,7 @@ fn corner_positions(mesh: &TriangleMesh, triangle: u32) -> [DVec3; 3] {
 /// Six times the signed volume of a closed component \[length³].
 ///
 /// Triangles marked in `turn` count as flipped.
-fn six_times_signed_volume(mesh: &TriangleMesh, component: &SurfaceComponent, turn: &[bool]) -> f64 {
+fn six_times_signed_volume(mesh: &TriangleMesh, component: &ConnectedMeshComponent, turn: &[bool]) -> f64 {
     let middle = 0.5 * (component.low + component.high);
     let six = |t: &u32| {
         let [a, b, c] = corner_positions(mesh, *t).map(|p| p - middle);
@@ -103,12 +103,12 @@ fn six_times_signed_volume(mesh: &TriangleMesh, component: &SurfaceComponent, tu
     component.faces.iter().map(six).sum()
 }
 
-/// Nesting depth of each component: how many closed components of its material contain it.
+/// Returns the number of closed components of the same material that contain each component.
 ///
-/// Triangles marked in `turn` count as flipped. All numbers are 0 if there are more than
-/// [`MAX_NESTED_COMPONENTS`] closed components, and for open components.
-fn nesting_depths(mesh: &TriangleMesh, components: &[SurfaceComponent], turn: &[bool]) -> Vec<usize> {
-    let closed = |component: &SurfaceComponent| component.is_closed && component.is_orientable;
+/// Triangles marked in `turn` count as flipped. Open components have depth 0. All depths are 0 if
+/// there are more than [`MAX_NESTED_COMPONENTS`] closed components.
+fn nesting_depths(mesh: &TriangleMesh, components: &[ConnectedMeshComponent], turn: &[bool]) -> Vec<usize> {
+    let closed = |component: &ConnectedMeshComponent| component.is_closed && component.is_orientable;
     let mut depths = vec![0; components.len()];
     if components.iter().filter(|component| closed(component)).count() > MAX_NESTED_COMPONENTS {
         return depths;
@@ -116,14 +116,14 @@ fn nesting_depths(mesh: &TriangleMesh, components: &[SurfaceComponent], turn: &[
     for (depth, inner) in depths.iter_mut().zip(components).filter(|(_, inner)| closed(inner)) {
         let [a, b, c] = corner_positions(mesh, inner.faces[0]);
         let middle = (a + b + c) / 3.0;
-        let around = |outer: &&SurfaceComponent| {
+        let around = |outer: &&ConnectedMeshComponent| {
             let other = !std::ptr::eq(*outer, inner);
             let near = middle.cmpgt(outer.low).all() && middle.cmplt(outer.high).all();
             other
                 && closed(outer)
                 && near
                 && outer.material == inner.material
-                && component_contains(mesh, outer, turn, middle)
+                && mesh_component_contains_point(mesh, outer, turn, middle)
         };
         *depth = components.iter().filter(around).count();
     }
@@ -134,7 +134,12 @@ fn nesting_depths(mesh: &TriangleMesh, components: &[SurfaceComponent], turn: &[
 ///
 /// The test sums the solid angles of its triangles (van Oosterom and Strackee 1983, "The solid
 /// angle of a plane triangle"). Triangles marked in `turn` count as flipped.
-fn component_contains(mesh: &TriangleMesh, component: &SurfaceComponent, turn: &[bool], p: DVec3) -> bool {
+fn mesh_component_contains_point(
+    mesh: &TriangleMesh,
+    component: &ConnectedMeshComponent,
+    turn: &[bool],
+    p: DVec3,
+) -> bool {
     let angle = |t: &u32| {
         let [a, b, c] = corner_positions(mesh, *t).map(|q| q - p);
         let [la, lb, lc] = [a, b, c].map(DVec3::length);
@@ -148,7 +153,7 @@ fn component_contains(mesh: &TriangleMesh, component: &SurfaceComponent, turn: &
 
 /// Flips the triangles marked in `turn`.
 ///
-/// A shading normal of such a triangle is reversed if it would point to the back.
+/// Reverses a shading normal of a flipped triangle if the normal would point to the back.
 fn flip_marked_triangles(mesh: &mut TriangleMesh, turn: &[bool]) {
     let Some(normals) = &mesh.normals else {
         for (triangle, _) in mesh.triangles.iter_mut().zip(turn).filter(|(_, turn)| **turn) {
@@ -156,13 +161,15 @@ fn flip_marked_triangles(mesh: &mut TriangleMesh, turn: &[bool]) {
         }
         return;
     };
-    let mut numbers: KeyIndexer<(u32, bool)> = KeyIndexer::with_capacity(mesh.positions.len());
+    let mut numbers: DeduplicatedList<(u32, bool)> = DeduplicatedList::with_capacity(mesh.positions.len());
     let mut triangles = Vec::with_capacity(mesh.triangles.len());
     for (triangle, turn) in mesh.triangles.iter().zip(turn) {
         let [a, b, c] = *triangle;
         let turned = if *turn { [a, c, b] } else { *triangle };
         let face = face_normal(mesh, turned);
-        triangles.push(turned.map(|v| numbers.index_of((v, *turn && normals[v as usize].dot(face) < 0.0), |key| *key)));
+        triangles.push(
+            turned.map(|v| numbers.find_or_append((v, *turn && normals[v as usize].dot(face) < 0.0), |key| *key)),
+        );
     }
     let vertices = numbers.into_values();
     let normal = |&(v, turned): &(u32, bool)| if turned { -normals[v as usize] } else { normals[v as usize] };
@@ -172,7 +179,7 @@ fn flip_marked_triangles(mesh: &mut TriangleMesh, turn: &[bool]) {
     mesh.merge_equal_vertices();
 }
 
-impl SurfaceComponent {
+impl ConnectedMeshComponent {
     fn add_triangle(&mut self, mesh: &TriangleMesh, t: usize) {
         self.faces.push(t as u32);
         for p in corner_positions(mesh, t as u32) {

@@ -5,7 +5,7 @@ use super::report::duplicate_triangles;
 use super::topology::MeshTopology;
 use serde::Serialize;
 
-/// Selection of the repairs to make on a mesh. They are made in the order of the fields.
+/// Selection of repairs to make on a mesh. They are made in the order of the fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshRepairs {
     /// Distance \[length] within which vertices are merged; 0 merges equal positions.
@@ -34,7 +34,7 @@ pub struct RepairCounts {
     pub duplicates: usize,
     /// Number of removed triangles without area.
     pub degenerate: usize,
-    /// Number of flipped triangles.
+    /// Number of triangles flipped to face outward.
     pub turned: usize,
 }
 

@@ -46,7 +46,7 @@ pub struct MeshReport {
     pub non_manifold_edges: usize,
     /// Number of positions whose triangles are not all connected by edges.
     pub non_manifold_vertices: usize,
-    /// Number of edges whose two triangles have opposite windings.
+    /// Number of edges whose two triangles have inconsistent windings.
     pub inconsistent_edges: usize,
     /// Number of triangles without area.
     pub degenerate_faces: usize,
@@ -112,9 +112,9 @@ pub(super) fn triangle_area(mesh: &TriangleMesh, triangle: [u32; 3]) -> f64 {
     0.5 * (b - a).cross(c - a).length()
 }
 
-/// Signed volume of a closed mesh \[length³], by the divergence theorem.
+/// Returns the signed volume of a closed mesh \[length³], by the divergence theorem.
 ///
-/// `about` is the origin of the sum; a point near the mesh keeps cancellation small.
+/// `about` is the origin of the sum. A point near the mesh reduces cancellation.
 fn signed_volume(mesh: &TriangleMesh, about: DVec3) -> f64 {
     let six = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize] - about);
@@ -143,10 +143,10 @@ pub(super) fn duplicate_triangles(mesh: &TriangleMesh, topology: &MeshTopology) 
 
 /// Numbers of topological elements and defects of a mesh; see [`MeshReport`].
 struct TopologyCounts {
-    /// Positions that triangles use.
+    /// Number of distinct positions that triangles use.
     positions: usize,
     edges: usize,
-    /// Triangles with three different positions.
+    /// Number of triangles with three different positions.
     faces: usize,
     boundary_edges: usize,
     non_manifold_edges: usize,

@@ -16,10 +16,10 @@ pub enum SolidDefect {
     },
     /// Triangles that share an edge disagree about which side is outside.
     InconsistentWinding {
-        /// Number of edges where they disagree.
+        /// Number of edges whose triangles disagree.
         edges: usize,
     },
-    /// All triangles agree, but their outer side faces the enclosed volume.
+    /// All windings agree, but the outer side faces the enclosed volume.
     InsideOut,
 }
 

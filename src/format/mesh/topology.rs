@@ -72,12 +72,12 @@ impl MeshTopology {
     }
 }
 
-/// Union-find (Tarjan 1975) of triangles. Each element has a parity: whether its winding is flipped
-/// relative to the root of its set.
+/// Union-find of triangles (Tarjan 1975). Each triangle has a parity: whether its winding is
+/// flipped relative to the root of its set.
 #[derive(Debug)]
 pub(super) struct ParityUnionFind {
     parent: Vec<u32>,
-    /// True for each element that is flipped relative to its parent.
+    /// True for each triangle that is flipped relative to its parent.
     turned: Vec<bool>,
 }
 
@@ -86,7 +86,7 @@ impl ParityUnionFind {
         Self { parent: (0..n as u32).collect(), turned: vec![false; n] }
     }
 
-    /// Root of the set of `i`, and true if `i` is flipped relative to it.
+    /// Returns the root of the set that contains `i`, and true if `i` is flipped relative to it.
     ///
     /// The root is the lowest element of the set.
     pub fn find_root(&mut self, i: usize) -> (usize, bool) {

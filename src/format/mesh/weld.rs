@@ -21,13 +21,14 @@ pub(super) fn weld_vertices(mesh: &mut TriangleMesh, tolerance: f64) -> usize {
     before.saturating_sub(after)
 }
 
-/// Hash grid of the positions that are kept. Its cells are twice as wide as the tolerance.
+/// Hash grid of the vertex positions that are not merged into earlier ones. Its cells are twice as
+/// wide as the merge tolerance.
 struct WeldGrid {
     tolerance: f64,
     low: DVec3,
     cell: f64,
     first: HashMap<[i64; 3], u32, RandomState>,
-    /// Each kept position, and the index of the previous one in its cell or [`NO_POINT`].
+    /// Positions in the grid, each with the index of the previous one in its cell or [`NO_POINT`].
     points: Vec<(DVec3, u32)>,
 }
 
@@ -45,7 +46,9 @@ impl WeldGrid {
         }
     }
 
-    /// First kept position within the tolerance of `p`. If there is none, keeps `p` and returns it.
+    /// Returns the first position in the grid within the tolerance of `p`.
+    ///
+    /// If there is none, adds `p` and returns it.
     fn find_or_insert(&mut self, p: DVec3) -> DVec3 {
         let at = (p - self.low) / self.cell;
         let corner = at.floor();

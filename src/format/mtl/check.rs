@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 const REPAIR_REMEDY: &str = "repair it or export the materials anew";
 
-/// Valid lines of `text`, rewritten for `tobj`; lines with unknown keywords are dropped.
+/// Returns the valid lines of an MTL file, rewritten for `tobj`, without unknown keywords.
 ///
 /// An error holds the number of the first invalid line, from 1, and the problem.
 pub(super) fn check_mtl_lines(text: &str) -> Result<String, (usize, MessageAndRemedy)> {
@@ -107,7 +107,7 @@ fn parse_color_or_grey(keyword: &str, rest: &str) -> Result<[f64; 3], MessageAnd
     }
 }
 
-/// The picture path in the arguments of a texture line, after its options.
+/// Returns the picture path at the end of the arguments of an MTL texture line.
 fn picture_path_after_options(mut rest: &str) -> &str {
     let next = |text: &str| text.split_ascii_whitespace().next().unwrap_or_default().to_owned();
     let after = |text: &'_ str, word: &str| text[word.len()..].trim_start().len();

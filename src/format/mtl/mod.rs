@@ -15,15 +15,15 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 pub use write::write;
 
-/// Bound of the memory for parsing, per byte of the file.
+/// Upper bound of the memory for parsing an MTL file, per byte of the file.
 ///
-/// A file that consists of lines `newmtl a` takes 76 bytes per byte (measured).
+/// The worst case measured, a file of lines `newmtl a`, takes 76.
 const MEMORY_PER_FILE_BYTE: u64 = 100;
 
 /// Material of an MTL file. A property that the file does not define is `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MtlMaterial {
-    /// Name, which lines `usemtl` of the mesh file use.
+    /// Name that the `usemtl` lines of the mesh file refer to.
     pub name: String,
     /// Diffuse reflectance (Kd).
     pub diffuse: Option<DVec3>,
@@ -48,9 +48,9 @@ pub struct MtlMaterial {
 /// Reads the material files of a mesh, in the order of `libraries`.
 ///
 /// `mesh` is the path of the mesh file, and `libraries` its `mtllib` arguments. An argument is one
-/// path, or several paths separated by spaces if the first reading names no file. If a
-/// material is defined several times, the last definition counts. Fails before allocating if a
-/// file takes more than `free` bytes; `None` sets no limit.
+/// path. If no file has that path, it is a list of paths separated by spaces. The last definition
+/// of a material counts. Fails before allocating if a file takes more than `free` bytes; `None`
+/// sets no limit.
 ///
 /// # Errors
 /// [`MeshError`], which names the file.

@@ -65,7 +65,8 @@ impl MtlMaterial {
     }
 }
 
-/// Absolute path of a picture. The scene language takes relative paths as relative to the scene.
+/// Returns the absolute path of a picture, because a relative path in a scene would be relative to
+/// the scene file.
 fn absolute_texture_path(path: &PathBuf) -> Spanned<String> {
     let whole = absolute(path).unwrap_or_else(|_| path.clone());
     Spanned::new(whole.display().to_string(), Span::default())

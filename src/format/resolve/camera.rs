@@ -42,8 +42,8 @@ const MAX_DIRECTION_ERROR: f64 = 1.0 / 16_777_216.0;
 
 /// Greatest tangent of the angle between the picture's center and corner.
 ///
-/// There, `MAX_DIRECTION_ERROR` moves the corner by 1/256 of its distance from the picture's
-/// center.
+/// At this angle, a rounding error of a direction moves the corner by 1/256 of its distance from
+/// the picture's center.
 const MAX_CORNER_TANGENT: f64 = 65_536.0;
 
 /// Returns an error if single precision cannot distinguish the pixels of a perspective picture.
@@ -69,7 +69,9 @@ fn check_field_of_view(angle: f64, (width, height): (u32, u32)) -> Result<(), Me
 /// Least focus distance. Squares of shorter lengths underflow in single precision.
 const MIN_FOCUS_DISTANCE: f64 = 1e-12;
 
-/// Greatest lens radius and focus distance whose squares and products single precision can hold.
+/// Greatest lens radius and focus distance, in scene units.
+///
+/// Single precision can hold their squares and products.
 const MAX_LENS_LENGTH: f64 = 1e12;
 
 /// Returns an error if single precision cannot hold the lens.

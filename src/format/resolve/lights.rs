@@ -145,7 +145,7 @@ fn parse_profile(text: &str) -> Option<Vec<(f64, f64)>> {
     (pairs.len() >= 2 && ascending && in_range).then_some(pairs)
 }
 
-/// Adds a light without extent.
+/// Adds a point, spot, directional or oriented light, which has no area.
 fn add_delta_light(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) {
     if motion.is_constant() {
         r.builder.add_delta_light(kind, strength);
@@ -154,7 +154,7 @@ fn add_delta_light(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightSt
     }
 }
 
-/// Adds a black emitting surface, which moves by `motion` about the point `center`.
+/// Adds a light-emitting shape that reflects nothing. It moves by `motion` about `center`.
 fn add_area_light(
     r: &mut Resolver<'_>,
     shape: Shape,

@@ -12,7 +12,8 @@ use crate::format::description::{
 use crate::format::language::nearest_word;
 use crate::scene::{Body, Material};
 
-/// Adds all materials under the indices of the description; a white diffuse one if there is none.
+/// Adds all materials of the description, with the same indices; a white diffuse one if there are
+/// none.
 pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     for (index, described) in r.description.materials.iter().enumerate() {
         let mut requirements = TextureRequirements::default();
@@ -22,7 +23,7 @@ pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
         if let Some(EmissionDescription::Texture { name, .. }) = &described.emission {
             requirements.add_texture_requirements(&r.texture_by_name(name, &ANY_TEXTURE_VALUE)?);
         }
-        for part in described.kind.mix_parts().into_iter().flatten() {
+        for part in described.kind.mix_material_names().into_iter().flatten() {
             if let Some(part) = r.material_indices.get(part.as_str()).map(|i| r.texture_requirements[*i as usize]) {
                 requirements.uses_textures |= part.uses_textures;
                 requirements.needs_texcoords |= part.needs_texcoords;

@@ -135,7 +135,8 @@ pub(super) fn add_ambient_medium(r: &mut Resolver<'_>) -> Result<(), SceneError>
 
 /// Returns `material` with the medium that its description names, if it bounds a body.
 ///
-/// If the body has its own absorption coefficient, a copy of the medium with the sum is added.
+/// If the body has an absorption coefficient of its own, adds a copy of the medium whose absorption
+/// includes it.
 pub(super) fn with_body_medium(
     r: &mut Resolver<'_>,
     material: scene::Material,

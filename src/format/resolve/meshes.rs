@@ -2,7 +2,7 @@
 
 use super::materials::resolve_material;
 use super::placement::{
-    NormalizedMesh, ObjectEmission, Placement, add_instance, add_still_mesh, set_emission_texture, set_mapping,
+    NormalizedMesh, ObjectEmission, ObjectPlacement, add_instance, add_still_mesh, set_emission_texture, set_mapping,
     set_texcoords,
 };
 use super::textures::TextureRequirements;
@@ -19,12 +19,12 @@ use crate::stats::format_bytes;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Least number of triangles that must be saved for copies of a mesh to become instances.
+/// Least number of triangles that sharing must save before still meshes become instances.
 const MIN_SHARED_TRIANGLES: usize = 50_000;
 
 const MESH_REMEDY: &str = "repair the mesh or name another";
 
-/// Bytes per triangle of the scene while its hierarchy is built, including its share of vertices.
+/// Memory per triangle while the scene's BVH is built \[bytes], including vertices.
 ///
 /// Measured: 436 to 482, on grids of a million triangles with normals and texture coordinates.
 const MEMORY_PER_TRIANGLE: u64 = 500;
@@ -36,7 +36,7 @@ pub(super) type MeshKey = (PathBuf, bool, bool, Option<u64>);
 /// Triangles of a mesh file that have one material.
 pub(super) struct MeshPart {
     mesh: Rc<TriangleMesh>,
-    /// Material of the mesh's file; `None` for the scene's current material.
+    /// Material defined by the mesh's file; `None` for the scene's current material.
     file_material: Option<AddedFileMaterial>,
 }
 
@@ -51,7 +51,7 @@ pub(super) struct AddedFileMaterial {
 /// Adds the mesh of a file.
 pub(super) fn add_mesh(
     r: &mut Resolver<'_>,
-    placement: &Placement<'_>,
+    placement: &ObjectPlacement<'_>,
     path: &Spanned<String>,
     options: MeshOptions,
     object_emission: &ObjectEmission,
@@ -77,10 +77,10 @@ pub(super) fn add_mesh(
 
 /// Adds triangles that have the current material and emit radiance `emission`.
 ///
-/// They become an instance if they move, or if copies of a large mesh can share them.
+/// The triangles become an instance if they move, or if copies of a large mesh can share them.
 fn add_mesh_part(
     r: &mut Resolver<'_>,
-    placement: &Placement<'_>,
+    placement: &ObjectPlacement<'_>,
     path: &Spanned<String>,
     mesh: &Rc<TriangleMesh>,
     emission: Rgb,
@@ -99,14 +99,14 @@ fn add_mesh_part(
         let normalized = Rc::clone(r.shared_meshes.entry(key).or_insert_with(normalize));
         add_instance(r, placement, &normalized, emission)?;
     } else {
-        add_still_mesh(r, &placement.at_open, &mesh.positions, normals, &mesh.triangles, emission);
+        add_still_mesh(r, &placement.at_shutter_open, &mesh.positions, normals, &mesh.triangles, emission);
         set_texcoords(r, texcoords);
     }
     set_mapping(r, TextureMappingKind::Uv, placement.to_world);
     Ok(())
 }
 
-/// Counts triangles towards the memory limit; an error if their hierarchies would exceed it.
+/// Adds `triangles` to the scene's count; an error if building BVHs over all would exceed memory.
 fn check_triangle_memory(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
     r.triangles += triangles as u64;
     let needed = MEMORY_PER_TRIANGLE * r.triangles;
@@ -158,9 +158,9 @@ fn load_mesh_parts(
     Ok(parts)
 }
 
-/// Adds the materials that a mesh names; those of each file are added once.
+/// Adds the materials that a mesh names. Each mesh file's materials are added only once.
 ///
-/// Returns them in the order in which the mesh counts its materials.
+/// Returns the materials in the order of the mesh's material indices.
 fn add_file_materials(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,

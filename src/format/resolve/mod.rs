@@ -13,8 +13,8 @@ mod tests;
 mod textures;
 
 use super::description::{
-    DirectionOrTarget, EmissionDescription, Group, GroupItem, ObjectDescription, SceneDescription, ShapeDescription,
-    Span, Spanned, TransformStep,
+    DirectionOrTarget, EmissionDescription, GroupItem, ObjectDescription, ObjectGroup, SceneDescription,
+    ShapeDescription, Span, Spanned, TransformStep,
 };
 use super::error::MAX_ERRORS;
 use super::import::{EmbeddedAssets, is_unread_mesh_format, lowercase_extension};
@@ -112,7 +112,7 @@ const SINGULAR_REMEDY: &str = "no scale may be zero, and no axis of a matrix may
 
 const MEMORY_REMEDY: &str = "use a smaller file, or let the scene have more memory (--memory)";
 
-/// State of resolving: the scene so far, and what names and paths refer to.
+/// State of resolving a description: the scene built so far, and what names and paths refer to.
 struct Resolver<'a> {
     source: &'a SourceText,
     folder: &'a Path,
@@ -133,11 +133,11 @@ struct Resolver<'a> {
     texture_requirements: Vec<TextureRequirements>,
     monitor: &'a dyn MeshReadMonitor,
     memory: MemoryLimit,
-    /// Number of triangles so far over which hierarchies will be built; shared ones count once.
+    /// Number of triangles so far that BVHs will hold. Triangles of a shared mesh count once.
     triangles: u64,
     /// Parts of the meshes that were read, by file and options.
     meshes: HashMap<meshes::MeshKey, Rc<[meshes::MeshPart]>>,
-    /// Materials of mesh files, in the order in which the meshes name them.
+    /// Materials of each mesh file, in the order in which the mesh names them.
     file_materials: HashMap<PathBuf, Rc<[meshes::AddedFileMaterial]>>,
     /// Number of objects that name each mesh path.
     mesh_uses: HashMap<&'a str, usize>,
@@ -184,7 +184,7 @@ impl Resolver<'_> {
     }
 
     /// Adds the objects of a group under the motion `to_world`.
-    fn add_group(&mut self, group: &Group, to_world: &Motion) -> Result<(), SceneError> {
+    fn add_group(&mut self, group: &ObjectGroup, to_world: &Motion) -> Result<(), SceneError> {
         for item in &group.items {
             match item {
                 GroupItem::MaterialIndex(index) => self.material = index.value,
@@ -224,8 +224,9 @@ impl Resolver<'_> {
         }
     }
 
-    /// Returns the emission of an object that has the current material: `own` if given, else that
-    /// of the material.
+    /// Returns the emission of an object with the current material.
+    ///
+    /// `own` is the radiance set on the object; `None` selects the emission of the material.
     fn object_emission(&self, own: Option<DVec3>) -> Result<ObjectEmission, SceneError> {
         let material = self.description.materials.get(self.material as usize);
         let (radiance, texture) = match (own, material.and_then(|m| m.emission.as_ref())) {
@@ -295,8 +296,10 @@ impl Resolver<'_> {
         })
     }
 
-    /// Returns an error at a file's path. If the file exceeds the memory limit, the error is marked
-    /// so and has a remedy of its own; otherwise `help` is the remedy.
+    /// Returns an error at the place in the scene text that names a file.
+    ///
+    /// `help` is the remedy. If the file exceeds the memory limit, the error is marked as out of
+    /// memory and has another remedy.
     fn file_or_memory_error(
         &self,
         path: &Spanned<String>,
@@ -311,7 +314,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Returns an error at a file's path.
+    /// Returns an error at the place in the scene text that names a file.
     fn file_error(&self, path: &Spanned<String>, message: &impl ToString, help: &str) -> SceneError {
         SceneError::at_span(self.source, path.span, message.to_string(), "named here", help)
     }
@@ -327,8 +330,8 @@ pub(super) fn file_candidates<'a>(folder: &'a Path, path: &'a Path) -> impl Iter
 }
 
 /// Returns the number of objects that name each mesh path.
-fn count_mesh_uses(group: &Group) -> HashMap<&str, usize> {
-    fn count_mesh_uses_in_group<'a>(group: &'a Group, uses: &mut HashMap<&'a str, usize>) {
+fn count_mesh_uses(group: &ObjectGroup) -> HashMap<&str, usize> {
+    fn count_mesh_uses_in_group<'a>(group: &'a ObjectGroup, uses: &mut HashMap<&'a str, usize>) {
         for item in &group.items {
             if let GroupItem::Object(object) = item {
                 count_mesh_uses_in_object(object, uses);

@@ -12,20 +12,20 @@ use std::sync::Arc;
 
 /// Emission of an object, from the object itself or from its material.
 pub(super) struct ObjectEmission {
-    /// Radiance in W/(m² sr); that of a texture is its mean.
+    /// Radiance in W/(m² sr); the mean radiance if a texture varies it.
     pub radiance: Rgb,
     /// True if the radiance is set on the object, not on its material.
     pub is_of_object: bool,
-    /// Texture index, and the factor from texture values to radiance.
+    /// Index of the emission texture, and the factor from its values to radiance.
     pub texture: Option<(u32, Rgb)>,
 }
 
 /// Position of an object in the world, and in the scene's text.
-pub(super) struct Placement<'p> {
+pub(super) struct ObjectPlacement<'p> {
     /// Motion from object space to world space.
     pub to_world: &'p Motion,
-    /// Transform to world space at the time when the shutter opens.
-    pub at_open: Transform,
+    /// Transform from object space to world space at the time when the shutter opens.
+    pub at_shutter_open: Transform,
     /// Span of the object, for errors.
     pub span: Span,
 }
@@ -73,12 +73,12 @@ pub(super) fn set_emission_texture(r: &mut Resolver<'_>, emission: &ObjectEmissi
 /// Adds a shape that has the current material and emits radiance `emission`.
 pub(super) fn add_placed_shape(
     r: &mut Resolver<'_>,
-    placement: &Placement<'_>,
+    placement: &ObjectPlacement<'_>,
     shape: Shape,
     emission: Rgb,
 ) -> Result<(), SceneError> {
     let flat = || r.error_at(placement.span, "this shape is squeezed flat", "scale it less");
-    let placed = shape.transformed(&placement.at_open).ok_or_else(flat)?;
+    let placed = shape.transformed(&placement.at_shutter_open).ok_or_else(flat)?;
     if placement.to_world.is_constant() {
         r.builder.add_shape(placed, r.material, emission);
     } else {
@@ -106,14 +106,14 @@ pub(super) fn set_texcoords(r: &mut Resolver<'_>, texcoords: Option<&[DVec2]>) {
     }
 }
 
-/// Adds a mesh that shares its triangles with copies, or that moves.
+/// Adds an instance of a mesh that moves or shares its triangles with copies.
 pub(super) fn add_instance(
     r: &mut Resolver<'_>,
-    placement: &Placement<'_>,
+    placement: &ObjectPlacement<'_>,
     mesh: &NormalizedMesh,
     emission: Rgb,
 ) -> Result<(), SceneError> {
-    let Placement { to_world, span, .. } = *placement;
+    let ObjectPlacement { to_world, span, .. } = *placement;
     if emission != Rgb::ZERO {
         let is_similarity =
             |time| Transform::new(to_world.at_time(time)).is_ok_and(|map| map.uniform_scale().is_some());

@@ -3,8 +3,8 @@
 use super::Resolver;
 use super::meshes::add_mesh;
 use super::placement::{
-    NormalizedMesh, ObjectEmission, Placement, add_instance, add_placed_shape, add_still_mesh, set_emission_texture,
-    set_mapping, set_texcoords,
+    NormalizedMesh, ObjectEmission, ObjectPlacement, add_instance, add_placed_shape, add_still_mesh,
+    set_emission_texture, set_mapping, set_texcoords,
 };
 use crate::color::Rgb;
 use crate::format::SceneError;
@@ -25,7 +25,8 @@ pub(super) fn add_shape(
     object_emission: &ObjectEmission,
 ) -> Result<(), SceneError> {
     let emission = object_emission.radiance;
-    let placement = Placement { to_world, at_open: r.invertible_transform(to_world.at_time(0.0), span)?, span };
+    let placement =
+        ObjectPlacement { to_world, at_shutter_open: r.invertible_transform(to_world.at_time(0.0), span)?, span };
     match shape {
         ShapeDescription::Sphere { center, radius } => {
             add_placed_shape(r, &placement, Shape::Sphere(Sphere::new(*center, *radius)), emission)?;
@@ -39,7 +40,7 @@ pub(super) fn add_shape(
             let point = *normal * (*offset / normal.length_squared());
             let plane = Plane::new(point, *normal);
             if to_world.is_constant() {
-                r.builder.add_plane(plane.transformed(&placement.at_open), r.material, emission);
+                r.builder.add_plane(plane.transformed(&placement.at_shutter_open), r.material, emission);
             } else {
                 r.builder.add_moving_plane(plane, to_world.clone(), r.material, emission);
             }
@@ -69,7 +70,7 @@ pub(super) fn add_shape(
             let normals = normals.as_ref().map(|n| n.as_slice());
             let uv = uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
             if to_world.is_constant() {
-                add_still_mesh(r, &placement.at_open, vertices, normals, &[[0, 1, 2]], emission);
+                add_still_mesh(r, &placement.at_shutter_open, vertices, normals, &[[0, 1, 2]], emission);
                 set_texcoords(r, Some(&uv));
             } else {
                 let mesh = NormalizedMesh::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
@@ -107,10 +108,10 @@ pub(super) fn add_shape(
     Ok(())
 }
 
-/// Adds a box, cylinder or cone; an error if it is `None`, because it has no extent.
+/// Adds a box, cylinder or cone. `None` stands for a solid without volume and is an error.
 fn add_solid(
     r: &mut Resolver<'_>,
-    placement: &Placement<'_>,
+    placement: &ObjectPlacement<'_>,
     solid: Option<Shape>,
     emission: Rgb,
 ) -> Result<(), SceneError> {
@@ -120,10 +121,10 @@ fn add_solid(
     Ok(())
 }
 
-/// Adds Bézier patches of one degree, each as a shape with its own emission texture.
+/// Adds Bézier patches, each as a shape of its own with the emission texture of the object.
 fn add_patches(
     r: &mut Resolver<'_>,
-    placement: &Placement<'_>,
+    placement: &ObjectPlacement<'_>,
     degree: [u32; 2],
     controls: &[DVec4],
     object_emission: &ObjectEmission,

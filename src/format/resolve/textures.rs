@@ -15,7 +15,7 @@ use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-/// A texture of the scene, by its index there.
+/// A texture as added to the scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AddedTexture {
     pub index: u32,
@@ -25,11 +25,11 @@ pub(super) struct AddedTexture {
     range: (f32, f32),
     /// True if the texture varies in space, not with texture coordinates.
     is_solid_texture: bool,
-    /// True for a picture whose description declares the sRGB encoding.
+    /// True for a picture that the scene file declares as sRGB-encoded.
     is_srgb: bool,
 }
 
-/// Requirements of a material's textures on the surfaces that have the material.
+/// Properties that a surface needs so that the textures of its material can be looked up.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TextureRequirements {
     /// True if the material uses any texture.
@@ -38,10 +38,10 @@ pub(super) struct TextureRequirements {
     pub needs_texcoords: bool,
 }
 
-/// The range of parameters without an upper bound, such as radiance.
+/// Allowed texture values of parameters without an upper bound, such as radiance.
 pub(super) const ANY_TEXTURE_VALUE: RangeInclusive<f32> = 0.0..=f32::MAX;
 
-/// The range of reflectance, transmittance, roughness and mix amounts.
+/// Allowed texture values of reflectance, transmittance, roughness and mix amounts.
 const UNIT_RANGE: RangeInclusive<f32> = 0.0..=1.0;
 
 impl<'a> Resolver<'a> {

@@ -75,7 +75,9 @@ pub fn random_media() -> impl Strategy<Value = Vec<Spanned<MediumDescription>>> 
     })
 }
 
-/// Fills random bodies with `media`, and makes some bodies that no mix contains `Clear`.
+/// Fills random dielectric bodies with `media`, and turns some bodies into null interfaces.
+///
+/// Bodies whose material is part of a mix stay dielectrics.
 pub fn fill_random_bodies(
     materials: &mut [Spanned<MaterialDescription>],
     media: &[Spanned<MediumDescription>],

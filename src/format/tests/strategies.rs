@@ -126,14 +126,14 @@ fn random_environment_light() -> impl Strategy<Value = LightDescription> {
     prop_oneof![random_color().prop_map(EnvironmentRadiance::Constant), picture].prop_map(LightDescription::Environment)
 }
 
-fn random_pair() -> impl Strategy<Value = DVec2> {
+fn random_vec2() -> impl Strategy<Value = DVec2> {
     [random_finite(), random_finite()].prop_map(DVec2::from_array)
 }
 
 fn random_texture_kind() -> impl Strategy<Value = TextureKindDescription> {
     let part = || prop_oneof![-1e3..-1e-3, 1e-3..1e3];
     let coordinates = || {
-        ([part(), part()].prop_map(DVec2::from_array), random_finite(), random_pair())
+        ([part(), part()].prop_map(DVec2::from_array), random_finite(), random_vec2())
             .prop_map(|(scale, rotate, offset)| TexcoordTransformDescription { scale, rotate, offset })
     };
     let encoding = prop_oneof![Just(PictureEncoding::Srgb), Just(PictureEncoding::Linear)];
@@ -335,7 +335,7 @@ fn random_shape() -> impl Strategy<Value = ShapeDescription> {
         (
             [random_point(), random_point(), random_point()],
             option::of([random_direction(), random_direction(), random_direction()]),
-            option::of([random_pair(), random_pair(), random_pair()].prop_map(Box::new))
+            option::of([random_vec2(), random_vec2(), random_vec2()].prop_map(Box::new))
         )
             .prop_map(|(vertices, normals, uv)| ShapeDescription::Triangle { vertices, normals, uv }),
         (random_mesh_path(), any::<bool>(), any::<bool>(), option::of(0.0..=180.0)).prop_map(
@@ -407,7 +407,7 @@ fn random_group_item() -> impl Strategy<Value = GroupItem> {
             1 => any::<u32>().prop_map(|i| GroupItem::MaterialIndex(with_empty_span(i))),
         ];
         prop_oneof![
-            vec(grouped, 0..4).prop_map(|items| ObjectDescription::Group(Group { items })),
+            vec(grouped, 0..4).prop_map(|items| ObjectDescription::Group(ObjectGroup { items })),
             (vec(random_transform_step(), 0..3), inner.clone()).prop_map(|(maps, object)| {
                 ObjectDescription::Transform { maps, object: Box::new(with_empty_span(object)) }
             }),
@@ -423,8 +423,8 @@ fn random_group_item() -> impl Strategy<Value = GroupItem> {
     ]
 }
 
-/// Replaces material numbers by indices and names of `materials`.
-fn replace_material_numbers(group: &mut Group, materials: &[Spanned<MaterialDescription>]) {
+/// Replaces the random material numbers in `group` by valid indices and names of `materials`.
+fn replace_material_numbers(group: &mut ObjectGroup, materials: &[Spanned<MaterialDescription>]) {
     fn replace_material_numbers_in_object(object: &mut ObjectDescription, materials: &[Spanned<MaterialDescription>]) {
         match object {
             ObjectDescription::Group(group) => replace_material_numbers(group, materials),
@@ -450,11 +450,13 @@ fn replace_material_numbers(group: &mut Group, materials: &[Spanned<MaterialDesc
     }
 }
 
-/// Name and parts of a material, and the components and amount of an optional mix.
+/// Draft of a material: its name and parts, and the two components and amount of an optional mix.
 type MaterialDraft =
     (Option<String>, MaterialParts, Option<(prop::sample::Index, prop::sample::Index, TexturedValue<f64>)>);
 
-/// Returns the materials of `drafts`. A requested mix replaces the kind if its components allow it.
+/// Returns the materials of `drafts`.
+///
+/// A draft with a mix becomes a mix of two earlier materials, if they allow it.
 fn build_materials(
     drafts: Vec<MaterialDraft>,
     textures: &[Spanned<TextureDescription>],
@@ -504,7 +506,7 @@ pub fn random_description() -> impl Strategy<Value = SceneDescription> {
         fill_random_bodies(&mut materials, &media, &fills);
         let ambient_medium =
             ambient_medium.filter(|_| !media.is_empty()).map(|i| with_empty_span(i.get(&media).value.name.clone()));
-        let mut root = Group { items };
+        let mut root = ObjectGroup { items };
         replace_material_numbers(&mut root, &materials);
         let lights = lights.into_iter().map(with_empty_span).collect();
         SceneDescription {

@@ -55,7 +55,7 @@ fn add_shape_names(object: &ObjectDescription, names: &mut BTreeSet<&'static str
     }
 }
 
-fn add_shape_names_of_group(group: &Group, names: &mut BTreeSet<&'static str>) {
+fn add_shape_names_of_group(group: &ObjectGroup, names: &mut BTreeSet<&'static str>) {
     for item in &group.items {
         if let GroupItem::Object(object) = item {
             add_shape_names(&object.value, names);

@@ -3,8 +3,8 @@
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::integrate::{
-    ALPHA, Algorithm, CameraPathSettings, FinalGathering, Integrator, LightTracing, Settings, SilentMonitor,
-    VolumeEstimator,
+    ALPHA, Algorithm, CameraPathSettings, FinalGathering, IndirectPhotons, Integrator, LightTracing, Settings,
+    SilentMonitor, VolumeEstimator,
 };
 use caustica::photon::Kernel;
 use caustica::scene::Scene;
@@ -81,6 +81,7 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
         kernel: Kernel::Epanechnikov,
         prefix_rays: true,
         light_tracing: LightTracing::Weighted,
+        indirect_photons: IndirectPhotons::Weighted,
         volume: match method {
             Method::SppmBeamRadiance => VolumeEstimator::BeamRadiance,
             Method::SppmPoints => VolumeEstimator::Points,

@@ -13,6 +13,7 @@ mod dispersion;
 mod edges;
 mod focus;
 mod furnace;
+mod indirect_photons;
 mod invariance;
 mod irradiance;
 mod lens;

@@ -8,7 +8,7 @@ mod similar;
 use crate::support::render_one_pass;
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
-use caustica::format::description::{Group, GroupItem, ObjectDescription, ShapeDescription};
+use caustica::format::description::{GroupItem, ObjectDescription, ObjectGroup, ShapeDescription};
 use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, VolumeEstimator};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
@@ -233,7 +233,7 @@ fn fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
 }
 
 /// Returns true if the group holds an unbounded plane.
-fn unbounded(group: &Group) -> bool {
+fn unbounded(group: &ObjectGroup) -> bool {
     fn is(object: &ObjectDescription) -> bool {
         match object {
             ObjectDescription::Group(group) => unbounded(group),

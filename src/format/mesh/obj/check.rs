@@ -29,7 +29,7 @@ const LIST_NAMES: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 pub(super) struct CheckedObjFile {
     /// Valid lines `v`, `vt`, `vn` and `f` in the order of the file, one text per chunk.
     ///
-    /// Lines `g` divide the faces into groups. Within a group, all faces have one material, and all
+    /// Added lines `g` divide the faces into groups. The faces of a group have one material. Their
     /// corners have the same kinds of indices.
     pub texts: Vec<String>,
     /// Name of each group's material; empty for groups without material.
@@ -49,10 +49,10 @@ pub(super) struct CheckedObjFile {
 /// Checks all lines of an OBJ file; fails at the first invalid line.
 pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Result<CheckedObjFile, InvalidObjLine> {
     let chunks = line_chunks(text);
-    let chunk_counts: Vec<LineCounts> =
-        chunks.par_iter().map(|chunk| LineCounts::count_lines(&text[chunk.clone()])).collect();
+    let chunk_counts: Vec<ObjLineCounts> =
+        chunks.par_iter().map(|chunk| ObjLineCounts::count_lines(&text[chunk.clone()])).collect();
     let mut before = Vec::with_capacity(chunks.len());
-    let mut total = LineCounts::default();
+    let mut total = ObjLineCounts::default();
     for counts in &chunk_counts {
         before.push(total);
         total.add(counts);
@@ -62,7 +62,7 @@ pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Resu
         .par_iter()
         .zip(&before)
         .map(|(range, before)| {
-            let checked = ChunkChecker::check_chunk(&text[range.clone()], before, &used);
+            let checked = ObjChunkChecker::check_obj_chunk(&text[range.clone()], before, &used);
             monitor.on_bytes_parsed(range.len() as u64 / 2);
             checked
         })
@@ -71,7 +71,7 @@ pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Resu
     let mut result = CheckedObjFile { vertices: v, numbers: 3 * v + 2 * vt + 3 * vn, ..CheckedObjFile::default() };
     let mut material = String::new();
     for chunk in checked {
-        let mut chunk: ChunkChecker<'_> = chunk?;
+        let mut chunk: ObjChunkChecker<'_> = chunk?;
         let name = |number: &usize| number.checked_sub(1).map_or(&material, |i| &chunk.names[i]).clone();
         result.groups.extend(chunk.groups.iter().map(name));
         material = chunk.names.pop().unwrap_or(material);
@@ -101,16 +101,16 @@ fn line_chunks(text: &str) -> Vec<Range<usize>> {
     chunks
 }
 
-/// Numbers of lines in a part of an OBJ file.
+/// Numbers of lines in a section of an OBJ file.
 #[derive(Clone, Copy, Default)]
-struct LineCounts {
-    /// All lines.
+struct ObjLineCounts {
+    /// Number of all lines.
     all: usize,
-    /// Lines `v`, `vt` and `vn`.
+    /// Numbers of lines `v`, `vt` and `vn`, in this order.
     lists: [usize; 3],
 }
 
-impl LineCounts {
+impl ObjLineCounts {
     fn count_lines(text: &str) -> Self {
         let mut counts = Self::default();
         for_each_statement(text, |_, line| {
@@ -137,8 +137,8 @@ impl LineCounts {
 
 /// Calls `visit` with the index, from 0, and the text of each line that may hold a statement.
 ///
-/// Lines that end with a backslash are joined with the next line. Lines that begin with other
-/// letters than the known keywords are skipped.
+/// A line that ends with a backslash is joined with the next line. Lines that do not begin with
+/// `v`, `f`, `m` or `u` are skipped.
 fn for_each_statement<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Result<(), E>) -> Result<(), E> {
     let mut lines = text.lines().enumerate();
     while let Some((i, first)) = lines.next() {
@@ -157,27 +157,29 @@ fn for_each_statement<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Resul
     Ok(())
 }
 
-/// State of checking one chunk of the file.
-struct ChunkChecker<'u> {
+/// State of checking one chunk of an OBJ file.
+struct ObjChunkChecker<'u> {
     valid_lines: String,
-    /// Lines `v`, `vt` and `vn` so far, counted from the start of the file.
+    /// Numbers of lines `v`, `vt` and `vn` read so far, counted from the start of the file.
     list_lengths: [usize; 3],
-    /// Kinds of indices of the last face's corners, and the index of its material.
+    /// Kinds of indices at the corners of the last face, and the index of its material in `names`
+    /// plus 1.
     group: Option<(PresentIndices, usize)>,
     /// Names of the materials of the chunk; name i has index i + 1. Index 0 is the material that
     /// the previous chunk ends with.
     names: Vec<String>,
-    /// Index of the material of each group.
+    /// Material index of each face group: 1 plus an index into `names`, or 0 for the material that
+    /// the previous chunk ends with.
     groups: Vec<usize>,
     libraries: Vec<String>,
     /// Number of corners of the chunk's faces.
     corners: usize,
-    /// True for each position that a face uses, for the whole file.
+    /// True for each position of the file that a face uses. All chunks share this list.
     used: &'u [AtomicBool],
 }
 
-impl<'u> ChunkChecker<'u> {
-    fn check_chunk(text: &str, before: &LineCounts, used: &'u [AtomicBool]) -> Result<Self, InvalidObjLine> {
+impl<'u> ObjChunkChecker<'u> {
+    fn check_obj_chunk(text: &str, before: &ObjLineCounts, used: &'u [AtomicBool]) -> Result<Self, InvalidObjLine> {
         let mut chunk = Self {
             valid_lines: String::with_capacity(text.len()),
             list_lengths: before.lists,
@@ -189,22 +191,22 @@ impl<'u> ChunkChecker<'u> {
             used,
         };
         for_each_statement(text, |i, line| {
-            chunk.check_line(line).map_err(|wrong| InvalidObjLine { line: before.all + i + 1, wrong })
+            chunk.check_obj_line(line).map_err(|wrong| InvalidObjLine { line: before.all + i + 1, wrong })
         })?;
         Ok(chunk)
     }
 
-    fn check_line(&mut self, line: &str) -> Result<(), MessageAndRemedy> {
+    fn check_obj_line(&mut self, line: &str) -> Result<(), MessageAndRemedy> {
         let line = line.trim_ascii_start();
         let end = line.find(|c: char| c.is_ascii_whitespace()).unwrap_or(line.len());
         let (keyword, rest) = line.split_at(end);
         // A comment may follow the numbers; names may contain `#`.
         let words = || rest.split('#').next().unwrap_or_default().split_ascii_whitespace();
         match keyword {
-            "v" => self.copy_numbers(0, "v", 3, 3, words()),
-            "vt" => self.copy_numbers(1, "vt", 1, 2, words()),
-            "vn" => self.copy_numbers(2, "vn", 3, 3, words()),
-            "f" => self.check_face(words()),
+            "v" => self.copy_obj_numbers(0, "v", 3, 3, words()),
+            "vt" => self.copy_obj_numbers(1, "vt", 1, 2, words()),
+            "vn" => self.copy_obj_numbers(2, "vn", 3, 3, words()),
+            "f" => self.check_obj_face(words()),
             "usemtl" => {
                 self.names.push(rest.trim().to_owned());
                 Ok(())
@@ -217,10 +219,11 @@ impl<'u> ChunkChecker<'u> {
         }
     }
 
-    /// Copies a line of a list with exactly `most` numbers.
+    /// Copies the numbers of a line `v`, `vt` or `vn`, so that the copy has exactly `most` numbers.
     ///
-    /// At least `fewest` must be present. Missing numbers become 0, and further ones are dropped.
-    fn copy_numbers<'w>(
+    /// The line must hold at least `fewest`. Missing numbers become 0, and surplus ones are
+    /// dropped.
+    fn copy_obj_numbers<'w>(
         &mut self,
         list: usize,
         keyword: &str,
@@ -251,10 +254,10 @@ impl<'u> ChunkChecker<'u> {
         Ok(())
     }
 
-    fn check_face<'w>(&mut self, words: impl Iterator<Item = &'w str>) -> Result<(), MessageAndRemedy> {
+    fn check_obj_face<'w>(&mut self, words: impl Iterator<Item = &'w str>) -> Result<(), MessageAndRemedy> {
         let mut corners = 0;
         for word in words {
-            let indices = self.parse_corner(word)?;
+            let indices = self.parse_obj_corner(word)?;
             let named = indices.map(|index| index != 0);
             let group = Some((named, self.names.len()));
             if corners == 0 && self.group != group {
@@ -295,7 +298,7 @@ impl<'u> ChunkChecker<'u> {
     ///
     /// Returns the indices of position, texture coordinate and normal, counted from 1; 0 for an
     /// omitted index.
-    fn parse_corner(&self, word: &str) -> Result<[usize; 3], MessageAndRemedy> {
+    fn parse_obj_corner(&self, word: &str) -> Result<[usize; 3], MessageAndRemedy> {
         let mut indices = [0; 3];
         for (k, part) in word.split('/').enumerate() {
             if k > 2 || (part.is_empty() && k == 0) {

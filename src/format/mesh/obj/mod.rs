@@ -17,7 +17,7 @@ use std::io::{BufRead, Read};
 use std::path::Path;
 pub(super) use write::write;
 
-/// Memory per coordinate \[bytes]: 8 each in a list of `tobj`, in its mesh and in [`TriangleMesh`].
+/// Memory per coordinate \[bytes]: 8 in a list of `tobj`, 8 in its mesh, 8 in [`TriangleMesh`].
 const BYTES_PER_COORDINATE: u64 = 8 * 3;
 
 /// Memory per corner of a face \[bytes]: three indices in `tobj` (24), one in its mesh (4), and

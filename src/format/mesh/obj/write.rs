@@ -1,6 +1,6 @@
 //! Writes meshes as OBJ text.
 
-use crate::format::mesh::{KeyIndexer, NO_MATERIAL, ShortestDecimal, TriangleMesh, coordinate_bits};
+use crate::format::mesh::{DeduplicatedList, NO_MATERIAL, ShortestDecimal, TriangleMesh, coordinate_bits};
 use glam::DVec3;
 use std::io::{Result, Write};
 
@@ -11,7 +11,7 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
     for library in libraries {
         writeln!(out, "mtllib {library}")?;
     }
-    let (places, positions) = index_distinct_keys(mesh.positions.iter().map(|p| coordinate_bits(*p)));
+    let (places, positions) = deduplicate_keys(mesh.positions.iter().map(|p| coordinate_bits(*p)));
     for [x, y, z] in positions {
         writeln!(
             out,
@@ -22,12 +22,12 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
         )?;
     }
     let texcoords = mesh.texcoords.as_deref().unwrap_or_default();
-    let (mapped, texcoords) = index_distinct_keys(texcoords.iter().map(|t| t.to_array().map(f64::to_bits)));
+    let (mapped, texcoords) = deduplicate_keys(texcoords.iter().map(|t| t.to_array().map(f64::to_bits)));
     for [s, t] in texcoords {
         writeln!(out, "vt {} {}", shortest_decimal_from_bits(s), shortest_decimal_from_bits(t))?;
     }
     let normals = mesh.normals.as_deref().unwrap_or_default();
-    let (facing, unique) = index_distinct_keys(normals.iter().map(|n| coordinate_bits(*n)));
+    let (facing, unique) = deduplicate_keys(normals.iter().map(|n| coordinate_bits(*n)));
     for [x, y, z] in unique {
         writeln!(
             out,
@@ -60,10 +60,10 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
     Ok(())
 }
 
-/// Returns the index of each key among the distinct keys, and the distinct keys.
-fn index_distinct_keys<const N: usize>(keys: impl ExactSizeIterator<Item = [u64; N]>) -> (Vec<u32>, Vec<[u64; N]>) {
-    let mut numbers = KeyIndexer::with_capacity(keys.len());
-    let list = keys.map(|key| numbers.index_of(key, |key| *key)).collect();
+/// Returns the index of each key in the list of distinct keys, and that list.
+fn deduplicate_keys<const N: usize>(keys: impl ExactSizeIterator<Item = [u64; N]>) -> (Vec<u32>, Vec<[u64; N]>) {
+    let mut numbers = DeduplicatedList::with_capacity(keys.len());
+    let list = keys.map(|key| numbers.find_or_append(key, |key| *key)).collect();
     (list, numbers.into_values())
 }
 

@@ -12,7 +12,7 @@ pub(super) enum PlyEncoding {
 
 /// Number type of a PLY property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum NumberType {
+pub(super) enum PlyNumberType {
     I8,
     U8,
     I16,
@@ -23,7 +23,7 @@ pub(super) enum NumberType {
     F64,
 }
 
-impl NumberType {
+impl PlyNumberType {
     fn from_type_name(name: &str) -> Option<Self> {
         Some(match name {
             "char" | "int8" => Self::I8,
@@ -53,10 +53,10 @@ impl NumberType {
     }
 }
 
-/// Use of a property when a mesh is read.
+/// Meaning of a PLY property for the mesh that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum PropertyRole {
-    /// Coordinate of a vertex: 0–2 of the position, 3–5 of the normal, 6–7 texture coordinates.
+pub(super) enum PlyPropertyRole {
+    /// Vertex coordinate, by its place in the list x, y, z, nx, ny, nz, u, v.
     Slot(usize),
     /// Vertex indices of a face.
     Corners,
@@ -67,15 +67,15 @@ pub(super) enum PropertyRole {
 /// Property of a PLY element: a number, or a list of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PlyProperty {
-    pub role: PropertyRole,
+    pub role: PlyPropertyRole,
     /// Type of the list's length; `None` if the property is a number.
-    pub list: Option<NumberType>,
+    pub list: Option<PlyNumberType>,
     /// Type of the number, or of each number of the list.
-    pub item: NumberType,
+    pub item: PlyNumberType,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ElementKind {
+pub(super) enum PlyElementKind {
     Vertex,
     Face,
     Other,
@@ -84,7 +84,7 @@ pub(super) enum ElementKind {
 /// Declaration of a PLY element, such as `element vertex 8` and its properties.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PlyElement {
-    pub kind: ElementKind,
+    pub kind: PlyElementKind,
     pub name: String,
     /// Number of elements of this kind in the body.
     pub count: u64,
@@ -110,7 +110,7 @@ pub(super) type HeaderError = (usize, MessageAndRemedy);
 /// Remedy for files that violate the PLY format.
 const EXPORT_ANEW: &str = "export it anew as PLY";
 
-/// Names of vertex properties with their [`PropertyRole::Slot`].
+/// Names of vertex properties with their [`PlyPropertyRole::Slot`].
 const VERTEX_PROPERTY_SLOTS: [(&str, usize); 14] = [
     ("x", 0),
     ("y", 1),
@@ -159,15 +159,15 @@ impl PlyHeader {
                     });
                 }
                 Some("element") => {
-                    let element = parse_element(words, number).map_err(|e| (number, e))?;
-                    if element.kind != ElementKind::Other && header.elements.iter().any(|e| e.kind == element.kind) {
+                    let element = parse_ply_element(words, number).map_err(|e| (number, e))?;
+                    if element.kind != PlyElementKind::Other && header.elements.iter().any(|e| e.kind == element.kind) {
                         return wrong(format!("`{}` is declared twice", element.name), EXPORT_ANEW);
                     }
                     header.elements.push(element);
                 }
                 Some("property") => match header.elements.last_mut() {
                     Some(element) => {
-                        let property = parse_property(words, element.kind).map_err(|e| (number, e))?;
+                        let property = parse_ply_property(words, element.kind).map_err(|e| (number, e))?;
                         element.properties.push(property);
                     }
                     None => return wrong("a property stands before any element".to_owned(), EXPORT_ANEW),
@@ -183,13 +183,13 @@ impl PlyHeader {
             return Err((header.lines, ("the header names no format".to_owned(), EXPORT_ANEW)));
         };
         header.encoding = encoding;
-        header.elements.iter().try_for_each(PlyElement::check_properties)?;
-        header.check_counts_fit(bytes.len())?;
+        header.elements.iter().try_for_each(PlyElement::check_required_properties)?;
+        header.check_counts_fit_file(bytes.len())?;
         Ok(header)
     }
 
     /// Fails if a declared count exceeds what a file of `bytes` bytes can hold.
-    fn check_counts_fit(&self, bytes: usize) -> Result<(), HeaderError> {
+    fn check_counts_fit_file(&self, bytes: usize) -> Result<(), HeaderError> {
         // The last number of a text may lack white space after it.
         let mut left = bytes - self.bytes + usize::from(self.encoding == PlyEncoding::Ascii);
         for element in &self.elements {
@@ -215,7 +215,7 @@ impl PlyElement {
     pub fn min_element_bytes(&self, encoding: PlyEncoding) -> usize {
         let one = |p: &PlyProperty| {
             // A face has at least three corners.
-            let items = if p.role == PropertyRole::Corners { 3 } else { 0 };
+            let items = if p.role == PlyPropertyRole::Corners { 3 } else { 0 };
             match encoding {
                 PlyEncoding::Ascii => 2 + 2 * items,
                 _ => p.list.unwrap_or(p.item).byte_size() + items * p.item.byte_size(),
@@ -225,16 +225,16 @@ impl PlyElement {
     }
 
     pub fn has_property_slot(&self, slot: usize) -> bool {
-        self.properties.iter().any(|p| p.role == PropertyRole::Slot(slot))
+        self.properties.iter().any(|p| p.role == PlyPropertyRole::Slot(slot))
     }
 
-    fn check_properties(&self) -> Result<(), HeaderError> {
+    fn check_required_properties(&self) -> Result<(), HeaderError> {
         let wrong = |message: &str, remedy| Err((self.line, (message.to_owned(), remedy)));
         match self.kind {
-            ElementKind::Vertex if !(0..3).all(|slot| self.has_property_slot(slot)) => {
+            PlyElementKind::Vertex if !(0..3).all(|slot| self.has_property_slot(slot)) => {
                 wrong("`vertex` lacks one of the properties x, y and z", "export it with positions")
             }
-            ElementKind::Face if !self.properties.iter().any(|p| p.role == PropertyRole::Corners) => {
+            PlyElementKind::Face if !self.properties.iter().any(|p| p.role == PlyPropertyRole::Corners) => {
                 wrong("`face` has no list `vertex_indices`", "export it with the corners of its faces")
             }
             _ => Ok(()),
@@ -242,27 +242,30 @@ impl PlyElement {
     }
 }
 
-fn parse_element<'w>(mut words: impl Iterator<Item = &'w str>, line: usize) -> Result<PlyElement, MessageAndRemedy> {
+fn parse_ply_element<'w>(
+    mut words: impl Iterator<Item = &'w str>,
+    line: usize,
+) -> Result<PlyElement, MessageAndRemedy> {
     let (name, count) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
     let Ok(count) = count.parse::<u64>() else {
         return Err((format!("`{}` is no count of elements", escaped_excerpt(count)), "write `element name count`"));
     };
     let kind = match name {
-        "vertex" => ElementKind::Vertex,
-        "face" => ElementKind::Face,
-        _ => ElementKind::Other,
+        "vertex" => PlyElementKind::Vertex,
+        "face" => PlyElementKind::Face,
+        _ => PlyElementKind::Other,
     };
     Ok(PlyElement { kind, name: escaped_excerpt(name), count, properties: Vec::new(), line })
 }
 
-fn parse_property<'w>(
+fn parse_ply_property<'w>(
     mut words: impl Iterator<Item = &'w str>,
-    kind: ElementKind,
+    kind: PlyElementKind,
 ) -> Result<PlyProperty, MessageAndRemedy> {
     let mut next = || words.next().unwrap_or_default();
     let known = |name: &str| {
         let message = || format!("`{}` is no type of a number", escaped_excerpt(name));
-        NumberType::from_type_name(name)
+        PlyNumberType::from_type_name(name)
             .ok_or_else(|| (message(), "known are char to uint, int8 to uint32, float and double"))
     };
     let first = next();
@@ -276,18 +279,18 @@ fn parse_property<'w>(
         return Err((message, "give it an integer type, such as uchar"));
     }
     let role = match (kind, name, list) {
-        (ElementKind::Vertex, _, None) => VERTEX_PROPERTY_SLOTS
+        (PlyElementKind::Vertex, _, None) => VERTEX_PROPERTY_SLOTS
             .iter()
             .find(|(known, _)| *known == name)
-            .map_or(PropertyRole::Other, |(_, slot)| PropertyRole::Slot(*slot)),
-        (ElementKind::Face, "vertex_indices" | "vertex_index", Some(_)) => {
+            .map_or(PlyPropertyRole::Other, |(_, slot)| PlyPropertyRole::Slot(*slot)),
+        (PlyElementKind::Face, "vertex_indices" | "vertex_index", Some(_)) => {
             if !item.is_integer() {
                 let message = format!("the indices `{name}` are not whole numbers");
                 return Err((message, "give them an integer type, such as int"));
             }
-            PropertyRole::Corners
+            PlyPropertyRole::Corners
         }
-        _ => PropertyRole::Other,
+        _ => PlyPropertyRole::Other,
     };
     Ok(PlyProperty { role, list, item })
 }

@@ -9,8 +9,8 @@ mod write;
 use super::{LoadedMesh, MeshError, MeshReadMonitor, check_memory, unit_normal};
 use crate::format::line_error::{MessageAndRemedy, strip_byte_order_mark};
 use glam::{DVec2, DVec3};
-use header::{ElementKind, NumberType, PlyElement, PlyEncoding, PlyHeader, PropertyRole};
-use numbers::{BinaryNumberReader, NumberReader, TextNumberReader};
+use header::{PlyElement, PlyElementKind, PlyEncoding, PlyHeader, PlyNumberType, PlyPropertyRole};
+use numbers::{PlyBinaryReader, PlyNumberReader, PlyTextReader};
 use std::path::Path;
 pub(super) use write::write;
 
@@ -42,52 +42,52 @@ pub(super) fn read(
     let bytes = strip_byte_order_mark(bytes);
     let header = PlyHeader::parse(bytes).map_err(|(line, problem)| MeshError::at_line(path, line, problem))?;
     let count = |kind| header.elements.iter().find(|e| e.kind == kind).map_or(0, |e| e.count);
-    if count(ElementKind::Vertex) > i32::MAX as u64 {
+    if count(PlyElementKind::Vertex) > i32::MAX as u64 {
         return Err(MeshError::TooLarge { path: path.into() });
     }
     // The file can hold the header's counts, so the products do not overflow.
-    let needed = BYTES_PER_VERTEX * count(ElementKind::Vertex) + BYTES_PER_TRIANGLE * count(ElementKind::Face);
+    let needed = BYTES_PER_VERTEX * count(PlyElementKind::Vertex) + BYTES_PER_TRIANGLE * count(PlyElementKind::Face);
     check_memory(path, needed, free)?;
-    let mut reader = MeshReader {
+    let mut reader = PlyMeshReader {
         loaded: LoadedMesh::default(),
         used: Vec::new(),
-        vertices: count(ElementKind::Vertex),
+        vertices: count(PlyElementKind::Vertex),
         monitor,
         free,
     };
     let offset = header.bytes;
     match header.encoding {
         PlyEncoding::Ascii => {
-            let numbers = TextNumberReader { bytes, offset, line: header.lines + 1 };
-            reader.read_elements(&header, numbers).map_err(|e| e.into_line_error(path))?;
+            let numbers = PlyTextReader { bytes, offset, line: header.lines + 1 };
+            reader.read_ply_elements(&header, numbers).map_err(|e| e.into_line_error(path))?;
         }
         PlyEncoding::Little => {
-            let numbers = BinaryNumberReader::<false> { bytes, offset };
-            reader.read_elements(&header, numbers).map_err(|e| e.into_byte_error(path))?;
+            let numbers = PlyBinaryReader::<false> { bytes, offset };
+            reader.read_ply_elements(&header, numbers).map_err(|e| e.into_byte_error(path))?;
         }
         PlyEncoding::Big => {
-            let numbers = BinaryNumberReader::<true> { bytes, offset };
-            reader.read_elements(&header, numbers).map_err(|e| e.into_byte_error(path))?;
+            let numbers = PlyBinaryReader::<true> { bytes, offset };
+            reader.read_ply_elements(&header, numbers).map_err(|e| e.into_byte_error(path))?;
         }
     }
-    let MeshReader { mut loaded, used, .. } = reader;
+    let PlyMeshReader { mut loaded, used, .. } = reader;
     loaded.vertices = used.len();
     loaded.isolated = used.iter().filter(|used| !**used).count();
     loaded.mesh.merge_equal_vertices();
     Ok(loaded)
 }
 
-/// Error: one element of the body cannot be read.
-struct ElementError {
-    /// Line number in text files, byte offset in binary files.
+/// Error in one element of a PLY body, such as a face.
+struct PlyElementError {
+    /// Line number in text files, from 1; byte offset in binary files.
     position: usize,
-    /// Name and index of the element, such as `face 12`.
+    /// Name and index, from 0, of the invalid element, such as `face 12`.
     element: String,
-    cause: ElementErrorCause,
+    cause: PlyElementErrorCause,
 }
 
-/// Cause of an [`ElementError`].
-enum ElementErrorCause {
+/// Cause of an [`PlyElementError`].
+enum PlyElementErrorCause {
     Malformed(MessageAndRemedy),
     /// The mesh would need `needed` bytes, and `free` are available.
     Memory {
@@ -96,32 +96,32 @@ enum ElementErrorCause {
     },
 }
 
-impl From<MessageAndRemedy> for ElementErrorCause {
+impl From<MessageAndRemedy> for PlyElementErrorCause {
     fn from(problem: MessageAndRemedy) -> Self {
         Self::Malformed(problem)
     }
 }
 
-impl ElementError {
+impl PlyElementError {
     fn into_line_error(self, path: &Path) -> MeshError {
         match self.cause {
-            ElementErrorCause::Malformed(problem) => MeshError::at_line(path, self.position, problem),
-            ElementErrorCause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
+            PlyElementErrorCause::Malformed(problem) => MeshError::at_line(path, self.position, problem),
+            PlyElementErrorCause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
         }
     }
 
     fn into_byte_error(self, path: &Path) -> MeshError {
         match self.cause {
-            ElementErrorCause::Malformed((message, remedy)) => {
+            PlyElementErrorCause::Malformed((message, remedy)) => {
                 MeshError::Byte { path: path.into(), byte: self.position, element: self.element, message, remedy }
             }
-            ElementErrorCause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
+            PlyElementErrorCause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
         }
     }
 }
 
 /// State of reading a PLY body into a mesh.
-struct MeshReader<'m> {
+struct PlyMeshReader<'m> {
     loaded: LoadedMesh,
     /// True for each vertex that a face uses.
     used: Vec<bool>,
@@ -132,22 +132,30 @@ struct MeshReader<'m> {
     free: Option<u64>,
 }
 
-impl MeshReader<'_> {
-    fn read_elements<R: NumberReader>(&mut self, header: &PlyHeader, mut numbers: R) -> Result<(), ElementError> {
+impl PlyMeshReader<'_> {
+    fn read_ply_elements<R: PlyNumberReader>(
+        &mut self,
+        header: &PlyHeader,
+        mut numbers: R,
+    ) -> Result<(), PlyElementError> {
         // The header check has ensured that the file holds at least one byte per vertex.
         self.used = vec![false; self.vertices as usize];
         let mut reported = 0;
         for element in header.elements.iter().filter(|e| !e.properties.is_empty()) {
             let mut corners = Vec::new();
-            self.reserve_lists(element);
+            self.reserve_mesh_memory(element);
             for i in 0..element.count {
                 let start = numbers.error_position();
                 let read = match element.kind {
-                    ElementKind::Vertex => self.read_vertex(element, &mut numbers).map_err(ElementErrorCause::from),
-                    ElementKind::Face => self.read_face(element, &mut numbers, &mut corners),
-                    ElementKind::Other => skip_element(element, &mut numbers).map_err(ElementErrorCause::from),
+                    PlyElementKind::Vertex => {
+                        self.read_ply_vertex(element, &mut numbers).map_err(PlyElementErrorCause::from)
+                    }
+                    PlyElementKind::Face => self.read_ply_face(element, &mut numbers, &mut corners),
+                    PlyElementKind::Other => {
+                        skip_ply_element(element, &mut numbers).map_err(PlyElementErrorCause::from)
+                    }
                 };
-                read.map_err(|cause| ElementError {
+                read.map_err(|cause| PlyElementError {
                     // Errors in text name the line of the last word. Errors in binary files name
                     // the first byte of the element.
                     position: if header.encoding == PlyEncoding::Ascii { numbers.error_position() } else { start },
@@ -163,29 +171,34 @@ impl MeshReader<'_> {
         Ok(())
     }
 
-    /// Reserves memory for the element's count. The header check has ensured that the file can
-    /// hold so many elements.
-    fn reserve_lists(&mut self, element: &PlyElement) {
+    /// Reserves memory in the mesh for all vertices or faces that `element` declares.
+    ///
+    /// The header check has ensured that the file can hold that many.
+    fn reserve_mesh_memory(&mut self, element: &PlyElement) {
         let mesh = &mut self.loaded.mesh;
         let n = element.count as usize;
         match element.kind {
-            ElementKind::Vertex => {
+            PlyElementKind::Vertex => {
                 mesh.positions.reserve_exact(n);
                 mesh.normals = (3..6).all(|slot| element.has_property_slot(slot)).then(|| Vec::with_capacity(n));
                 mesh.texcoords = (6..8).all(|slot| element.has_property_slot(slot)).then(|| Vec::with_capacity(n));
             }
-            ElementKind::Face => mesh.triangles.reserve(n),
-            ElementKind::Other => {}
+            PlyElementKind::Face => mesh.triangles.reserve(n),
+            PlyElementKind::Other => {}
         }
     }
 
     #[inline]
-    fn read_vertex<R: NumberReader>(&mut self, element: &PlyElement, numbers: &mut R) -> Result<(), MessageAndRemedy> {
+    fn read_ply_vertex<R: PlyNumberReader>(
+        &mut self,
+        element: &PlyElement,
+        numbers: &mut R,
+    ) -> Result<(), MessageAndRemedy> {
         let mut slots = [0.0; 8];
         for property in &element.properties {
             match (property.role, property.list) {
-                (_, Some(length)) => skip_list(numbers, length, property.item)?,
-                (PropertyRole::Slot(slot), None) => {
+                (_, Some(length)) => skip_ply_list(numbers, length, property.item)?,
+                (PlyPropertyRole::Slot(slot), None) => {
                     let number = numbers.read_number(property.item)?;
                     if !number.is_finite() {
                         let names = ["x", "y", "z", "nx", "ny", "nz", "s", "t"];
@@ -194,7 +207,7 @@ impl MeshReader<'_> {
                     }
                     slots[slot] = number;
                 }
-                (PropertyRole::Corners | PropertyRole::Other, None) => {
+                (PlyPropertyRole::Corners | PlyPropertyRole::Other, None) => {
                     numbers.read_number(property.item)?;
                 }
             }
@@ -207,33 +220,35 @@ impl MeshReader<'_> {
         Ok(())
     }
 
-    /// Fails if a face of `n` corners, which becomes `n − 2` triangles, would exceed the memory.
+    /// Fails if the mesh with another face of `n` corners would exceed the memory limit.
+    ///
+    /// The face becomes `n − 2` triangles.
     #[inline]
-    fn check_face_memory(&self, n: u64) -> Result<(), ElementErrorCause> {
+    fn check_face_memory(&self, n: u64) -> Result<(), PlyElementErrorCause> {
         let triangles = self.loaded.mesh.triangles.len() as u64 + n - 2;
         let needed = BYTES_PER_VERTEX * self.vertices + BYTES_PER_TRIANGLE * triangles + BYTES_PER_CORNER * n;
         match self.free {
-            Some(free) if needed > free => Err(ElementErrorCause::Memory { needed, free }),
+            Some(free) if needed > free => Err(PlyElementErrorCause::Memory { needed, free }),
             _ => Ok(()),
         }
     }
 
     #[inline]
-    fn read_face<R: NumberReader>(
+    fn read_ply_face<R: PlyNumberReader>(
         &mut self,
         element: &PlyElement,
         numbers: &mut R,
         corners: &mut Vec<u32>,
-    ) -> Result<(), ElementErrorCause> {
+    ) -> Result<(), PlyElementErrorCause> {
         for property in &element.properties {
             match (property.role, property.list) {
-                (PropertyRole::Corners, Some(length)) => {
+                (PlyPropertyRole::Corners, Some(length)) => {
                     corners.clear();
                     let n = numbers.read_integer(length)?;
                     if n < 3 {
                         return Err((format!("a face with {n} corners"), "a face needs at least 3").into());
                     }
-                    check_list_length(numbers, n as u64, property.item)?;
+                    check_ply_list_length(numbers, n as u64, property.item)?;
                     self.check_face_memory(n as u64)?;
                     for _ in 0..n {
                         let index = numbers.read_integer(property.item)?;
@@ -248,8 +263,8 @@ impl MeshReader<'_> {
                     let fan = corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]);
                     self.loaded.mesh.triangles.extend(fan);
                 }
-                (PropertyRole::Slot(_) | PropertyRole::Other, Some(length)) => {
-                    skip_list(numbers, length, property.item)?;
+                (PlyPropertyRole::Slot(_) | PlyPropertyRole::Other, Some(length)) => {
+                    skip_ply_list(numbers, length, property.item)?;
                 }
                 (_, None) => {
                     numbers.read_number(property.item)?;
@@ -260,10 +275,10 @@ impl MeshReader<'_> {
     }
 }
 
-fn skip_element<R: NumberReader>(element: &PlyElement, numbers: &mut R) -> Result<(), MessageAndRemedy> {
+fn skip_ply_element<R: PlyNumberReader>(element: &PlyElement, numbers: &mut R) -> Result<(), MessageAndRemedy> {
     for property in &element.properties {
         match property.list {
-            Some(length) => skip_list(numbers, length, property.item)?,
+            Some(length) => skip_ply_list(numbers, length, property.item)?,
             None => {
                 numbers.read_number(property.item)?;
             }
@@ -272,12 +287,16 @@ fn skip_element<R: NumberReader>(element: &PlyElement, numbers: &mut R) -> Resul
     Ok(())
 }
 
-fn skip_list<R: NumberReader>(numbers: &mut R, length: NumberType, item: NumberType) -> Result<(), MessageAndRemedy> {
+fn skip_ply_list<R: PlyNumberReader>(
+    numbers: &mut R,
+    length: PlyNumberType,
+    item: PlyNumberType,
+) -> Result<(), MessageAndRemedy> {
     let n = numbers.read_integer(length)?;
     if n < 0 {
         return Err((format!("a list of {n} entries"), "the length of a list is at least 0"));
     }
-    check_list_length(numbers, n as u64, item)?;
+    check_ply_list_length(numbers, n as u64, item)?;
     for _ in 0..n {
         numbers.read_number(item)?;
     }
@@ -286,7 +305,7 @@ fn skip_list<R: NumberReader>(numbers: &mut R, length: NumberType, item: NumberT
 
 /// Fails if the rest of the file cannot hold a list of `n` entries of type `item`.
 #[inline]
-fn check_list_length<R: NumberReader>(numbers: &R, n: u64, item: NumberType) -> Result<(), MessageAndRemedy> {
+fn check_ply_list_length<R: PlyNumberReader>(numbers: &R, n: u64, item: PlyNumberType) -> Result<(), MessageAndRemedy> {
     let most = numbers.remaining_capacity(item);
     if n > most {
         let message = format!("a list of {n} entries, but the rest of the file holds at most {most}");

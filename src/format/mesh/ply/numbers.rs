@@ -1,32 +1,33 @@
 //! Sequential readers of the numbers in a PLY body: one for binary files, one for text.
 
-use super::header::NumberType;
+use super::header::PlyNumberType;
 use crate::format::line_error::{MessageAndRemedy, escaped_excerpt};
 
 const TRUNCATED_REMEDY: &str = "the file is cut short, or its counts are wrong";
 
 /// Sequential reader of the numbers in a PLY body.
-pub(super) trait NumberReader {
+pub(super) trait PlyNumberReader {
     /// Returns the next number of the body.
-    fn read_number(&mut self, kind: NumberType) -> Result<f64, MessageAndRemedy>;
+    fn read_number(&mut self, kind: PlyNumberType) -> Result<f64, MessageAndRemedy>;
     /// Returns the next number of the body; `kind` is an integer type.
-    fn read_integer(&mut self, kind: NumberType) -> Result<i64, MessageAndRemedy>;
-    /// Returns the position for errors: a byte offset in binary files, a line number in text.
+    fn read_integer(&mut self, kind: PlyNumberType) -> Result<i64, MessageAndRemedy>;
+    /// Returns the reader's position for error messages: a byte offset in binary files, a line
+    /// number in text files.
     fn error_position(&self) -> usize;
     /// Returns the offset of the next byte from the start of the file.
     fn bytes_read(&self) -> usize;
     /// Returns the largest number of values of type `kind` that fit into the rest of the file.
-    fn remaining_capacity(&self, kind: NumberType) -> u64;
+    fn remaining_capacity(&self, kind: PlyNumberType) -> u64;
 }
 
 /// Reader of a binary PLY body, which is big-endian if `BIG` is true.
-pub(super) struct BinaryNumberReader<'b, const BIG: bool> {
+pub(super) struct PlyBinaryReader<'b, const BIG: bool> {
     pub bytes: &'b [u8],
     /// Offset of the next byte.
     pub offset: usize,
 }
 
-impl<const BIG: bool> BinaryNumberReader<'_, BIG> {
+impl<const BIG: bool> PlyBinaryReader<'_, BIG> {
     #[inline]
     fn take_bytes<const N: usize>(&mut self) -> Result<[u8; N], MessageAndRemedy> {
         let next = self.bytes.get(self.offset..).and_then(|rest| rest.first_chunk::<N>());
@@ -39,29 +40,32 @@ impl<const BIG: bool> BinaryNumberReader<'_, BIG> {
     }
 }
 
-impl<const BIG: bool> NumberReader for BinaryNumberReader<'_, BIG> {
+impl<const BIG: bool> PlyNumberReader for PlyBinaryReader<'_, BIG> {
     #[inline]
-    fn read_number(&mut self, kind: NumberType) -> Result<f64, MessageAndRemedy> {
+    fn read_number(&mut self, kind: PlyNumberType) -> Result<f64, MessageAndRemedy> {
         match kind {
-            NumberType::F32 => Ok(f64::from(f32::from_le_bytes(self.take_bytes()?))),
-            NumberType::F64 => Ok(f64::from_le_bytes(self.take_bytes()?)),
-            NumberType::I8 | NumberType::U8 | NumberType::I16 | NumberType::U16 | NumberType::I32 | NumberType::U32 => {
-                self.read_integer(kind).map(|n| n as f64)
-            }
+            PlyNumberType::F32 => Ok(f64::from(f32::from_le_bytes(self.take_bytes()?))),
+            PlyNumberType::F64 => Ok(f64::from_le_bytes(self.take_bytes()?)),
+            PlyNumberType::I8
+            | PlyNumberType::U8
+            | PlyNumberType::I16
+            | PlyNumberType::U16
+            | PlyNumberType::I32
+            | PlyNumberType::U32 => self.read_integer(kind).map(|n| n as f64),
         }
     }
 
     #[inline]
-    fn read_integer(&mut self, kind: NumberType) -> Result<i64, MessageAndRemedy> {
+    fn read_integer(&mut self, kind: PlyNumberType) -> Result<i64, MessageAndRemedy> {
         Ok(match kind {
-            NumberType::I8 => i8::from_le_bytes(self.take_bytes()?).into(),
-            NumberType::U8 => u8::from_le_bytes(self.take_bytes()?).into(),
-            NumberType::I16 => i16::from_le_bytes(self.take_bytes()?).into(),
-            NumberType::U16 => u16::from_le_bytes(self.take_bytes()?).into(),
-            NumberType::I32 => i32::from_le_bytes(self.take_bytes()?).into(),
-            NumberType::U32 => u32::from_le_bytes(self.take_bytes()?).into(),
+            PlyNumberType::I8 => i8::from_le_bytes(self.take_bytes()?).into(),
+            PlyNumberType::U8 => u8::from_le_bytes(self.take_bytes()?).into(),
+            PlyNumberType::I16 => i16::from_le_bytes(self.take_bytes()?).into(),
+            PlyNumberType::U16 => u16::from_le_bytes(self.take_bytes()?).into(),
+            PlyNumberType::I32 => i32::from_le_bytes(self.take_bytes()?).into(),
+            PlyNumberType::U32 => u32::from_le_bytes(self.take_bytes()?).into(),
             // The header check accepts lists and indices of integer types only.
-            NumberType::F32 | NumberType::F64 => return Err(invalid_number_problem("")),
+            PlyNumberType::F32 | PlyNumberType::F64 => return Err(invalid_number_problem("")),
         })
     }
 
@@ -74,13 +78,13 @@ impl<const BIG: bool> NumberReader for BinaryNumberReader<'_, BIG> {
     }
 
     #[inline]
-    fn remaining_capacity(&self, kind: NumberType) -> u64 {
+    fn remaining_capacity(&self, kind: PlyNumberType) -> u64 {
         ((self.bytes.len() - self.offset) / kind.byte_size()) as u64
     }
 }
 
 /// Reader of a text PLY body, whose numbers are separated by white space.
-pub(super) struct TextNumberReader<'b> {
+pub(super) struct PlyTextReader<'b> {
     pub bytes: &'b [u8],
     /// Offset of the next byte.
     pub offset: usize,
@@ -88,7 +92,7 @@ pub(super) struct TextNumberReader<'b> {
     pub line: usize,
 }
 
-impl TextNumberReader<'_> {
+impl PlyTextReader<'_> {
     #[inline]
     fn next_word(&mut self) -> Result<&str, MessageAndRemedy> {
         let mut end = self.offset;
@@ -116,25 +120,25 @@ fn invalid_number_problem(word: &str) -> MessageAndRemedy {
     (message, "repair it or export the mesh anew")
 }
 
-impl NumberReader for TextNumberReader<'_> {
+impl PlyNumberReader for PlyTextReader<'_> {
     #[inline]
-    fn read_number(&mut self, kind: NumberType) -> Result<f64, MessageAndRemedy> {
+    fn read_number(&mut self, kind: PlyNumberType) -> Result<f64, MessageAndRemedy> {
         let word = self.next_word()?;
         let number = match kind {
-            NumberType::F32 => word.parse::<f32>().map(f64::from),
-            NumberType::I8
-            | NumberType::U8
-            | NumberType::I16
-            | NumberType::U16
-            | NumberType::I32
-            | NumberType::U32
-            | NumberType::F64 => word.parse::<f64>(),
+            PlyNumberType::F32 => word.parse::<f32>().map(f64::from),
+            PlyNumberType::I8
+            | PlyNumberType::U8
+            | PlyNumberType::I16
+            | PlyNumberType::U16
+            | PlyNumberType::I32
+            | PlyNumberType::U32
+            | PlyNumberType::F64 => word.parse::<f64>(),
         };
         number.map_err(|_| invalid_number_problem(word))
     }
 
     #[inline]
-    fn read_integer(&mut self, _: NumberType) -> Result<i64, MessageAndRemedy> {
+    fn read_integer(&mut self, _: PlyNumberType) -> Result<i64, MessageAndRemedy> {
         let word = self.next_word()?;
         word.parse::<i64>().map_err(|_| invalid_number_problem(word))
     }
@@ -148,7 +152,7 @@ impl NumberReader for TextNumberReader<'_> {
     }
 
     #[inline]
-    fn remaining_capacity(&self, _: NumberType) -> u64 {
+    fn remaining_capacity(&self, _: PlyNumberType) -> u64 {
         // A number takes at least a digit and a separator.
         ((self.bytes.len() - self.offset) / 2) as u64
     }

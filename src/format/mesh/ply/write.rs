@@ -4,15 +4,15 @@ use crate::format::mesh::{ShortestDecimal, TriangleMesh};
 use std::io::{Result, Write};
 
 /// Vertex properties of one kind, such as the position.
-struct VertexPropertyColumns<'m> {
+struct PlyVertexProperty<'m> {
     names: &'static [&'static str],
     /// True if all values are exact in single precision, so they are written as `float`.
     is_single_precision: bool,
-    /// Values at the vertex with a given index.
+    /// Returns the property's values at the vertex with a given index.
     get: Box<dyn Fn(usize) -> [f64; 3] + 'm>,
 }
 
-impl<'m> VertexPropertyColumns<'m> {
+impl<'m> PlyVertexProperty<'m> {
     fn new(names: &'static [&'static str], n: usize, get: impl Fn(usize) -> [f64; 3] + 'm) -> Self {
         let fits = |x: f64| f64::from(x as f32).to_bits() == x.to_bits();
         let is_single_precision = (0..n).all(|v| get(v)[..names.len()].iter().all(|x| fits(*x)));
@@ -23,12 +23,12 @@ impl<'m> VertexPropertyColumns<'m> {
 /// Writes a mesh as PLY: as text if `text` is true, else as little-endian binary.
 pub(in crate::format) fn write(mesh: &TriangleMesh, text: bool, out: &mut impl Write) -> Result<()> {
     let n = mesh.positions.len();
-    let mut columns = vec![VertexPropertyColumns::new(&["x", "y", "z"], n, |v| mesh.positions[v].to_array())];
+    let mut columns = vec![PlyVertexProperty::new(&["x", "y", "z"], n, |v| mesh.positions[v].to_array())];
     if let Some(normals) = &mesh.normals {
-        columns.push(VertexPropertyColumns::new(&["nx", "ny", "nz"], n, |v| normals[v].to_array()));
+        columns.push(PlyVertexProperty::new(&["nx", "ny", "nz"], n, |v| normals[v].to_array()));
     }
     if let Some(texcoords) = &mesh.texcoords {
-        columns.push(VertexPropertyColumns::new(&["s", "t"], n, |v| [texcoords[v].x, texcoords[v].y, 0.0]));
+        columns.push(PlyVertexProperty::new(&["s", "t"], n, |v| [texcoords[v].x, texcoords[v].y, 0.0]));
     }
     let encoding = if text { "ascii" } else { "binary_little_endian" };
     writeln!(out, "ply\nformat {encoding} 1.0\ncomment Caustica {}", env!("CARGO_PKG_VERSION"))?;

@@ -4,7 +4,7 @@ use super::super::normals::face_normal;
 use super::super::{MeshRepairs, MeshReport};
 use super::*;
 
-fn all_repairs(mesh: &TriangleMesh) -> MeshRepairs {
+fn all_mesh_repairs(mesh: &TriangleMesh) -> MeshRepairs {
     MeshRepairs {
         weld: Some(MeshRepairs::DEFAULT_WELD_TOLERANCE * mesh.bounds_diagonal()),
         removes_duplicates: true,
@@ -16,7 +16,7 @@ fn all_repairs(mesh: &TriangleMesh) -> MeshRepairs {
 #[track_caller]
 fn repaired_mesh(mut broken: TriangleMesh, whole: &MeshReport) -> TriangleMesh {
     assert_ne!(broken.mesh_report(), *whole, "nothing is broken");
-    let repair = all_repairs(&broken);
+    let repair = all_mesh_repairs(&broken);
     broken.repair(&repair);
     let report = broken.mesh_report();
     // Sums may be taken in another order.
@@ -66,7 +66,7 @@ fn an_intact_mesh_stays_unchanged() {
     for mut whole in [cube_mesh(), torus_mesh(12, 8), sphere_mesh(4), moebius_band_mesh(9)] {
         whole.merge_equal_vertices();
         let before = whole.clone();
-        let repair = all_repairs(&whole);
+        let repair = all_mesh_repairs(&whole);
         assert_eq!(whole.repair(&repair), Default::default());
         assert_eq!(whole, before);
     }
@@ -148,7 +148,7 @@ fn a_degenerate_triangle_that_closes_a_slit_stays() {
     let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0]];
     let mut slit = triangle_mesh(&points, &[[0, 1, 2], [0, 4, 3], [3, 4, 1], [0, 3, 1]]);
     let before = slit.mesh_report();
-    let repair = all_repairs(&slit);
+    let repair = all_mesh_repairs(&slit);
     assert_eq!((slit.repair(&repair).degenerate, before.boundary_edges), (0, 4));
     assert_eq!(slit.mesh_report(), before);
 }

@@ -15,13 +15,13 @@ fn text_with_media(media: &str, materials: &str) -> String {
     format!("Media {{ {media} }}\nMaterials {{ {materials} }} {BALL}")
 }
 
-fn material_body(scene: &Scene, material: usize) -> Body {
+fn body_of_material(scene: &Scene, material: usize) -> Body {
     *scene.materials()[material].bounded_body().unwrap()
 }
 
 /// Returns the medium inside bodies of the first material.
 fn first_medium(scene: &Scene) -> &Medium {
-    &scene.media()[material_body(scene, 0).medium.unwrap() as usize]
+    &scene.media()[body_of_material(scene, 0).medium.unwrap() as usize]
 }
 
 fn first_medium_density(scene: &Scene, p: DVec3) -> f32 {
@@ -57,8 +57,8 @@ fn media_fill_bodies_and_regions() {
     ));
     let glass = Body { medium: Some(1), priority: 3, ..Body::new(1.5) };
     assert_eq!(found.materials()[0], Material::rough_boundary(glass, 0.5));
-    assert_eq!(material_body(&found, 1), Body { priority: 7, ..Body::body_filled_with_medium(0) });
-    assert_eq!(material_body(&found, 2), Body { medium: None, ..Body::body_filled_with_medium(0) });
+    assert_eq!(body_of_material(&found, 1), Body { priority: 7, ..Body::body_filled_with_medium(0) });
+    assert_eq!(body_of_material(&found, 2), Body { medium: None, ..Body::body_filled_with_medium(0) });
     assert_eq!(found.ambient_medium(), None);
     let found =
         resolve_text("Background { medium fog } Media { Medium no { } Medium fog { scattering 1 1 1 } } Group { }");
@@ -74,8 +74,11 @@ fn body_absorption_adds_to_a_homogeneous_medium() {
     ));
     let medium = first_medium(&found);
     assert_eq!((medium.absorption, medium.scattering), (vec3(1.5, 2.0, 4.0), Vec3::splat(9.0)));
-    assert_eq!((medium.phase, material_body(&found, 0).absorption), (PhaseFunction::HenyeyGreenstein(0.5), Vec3::ZERO));
-    let plain = &found.media()[material_body(&found, 1).medium.unwrap() as usize];
+    assert_eq!(
+        (medium.phase, body_of_material(&found, 0).absorption),
+        (PhaseFunction::HenyeyGreenstein(0.5), Vec3::ZERO)
+    );
+    let plain = &found.media()[body_of_material(&found, 1).medium.unwrap() as usize];
     assert_eq!(plain.absorption, vec3(1.0, 2.0, 3.0), "the medium itself stays as it is");
 
     let cloud = "Cloud c { scattering 1 1 1 resolution 4 min 0 0 0 max 1 1 1 }";

@@ -5,9 +5,9 @@ use crate::image::{self, Image, WriteOptions};
 
 const OBJ_VERTICES: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 1\nv 2 1 1\nv 0 2 0\n";
 
-struct MeshFolder(tempfile::TempDir);
+struct TemporaryMeshFolder(tempfile::TempDir);
 
-impl MeshFolder {
+impl TemporaryMeshFolder {
     fn new(obj: &str, mtl: &str) -> Self {
         let folder = Self(tempfile::tempdir().unwrap());
         folder.write_file("a.obj", &format!("mtllib a.mtl\n{OBJ_VERTICES}{obj}"));
@@ -30,12 +30,12 @@ impl MeshFolder {
     }
 }
 
-/// Returns the surface at (x, y) as seen from +z, and the hit point.
-fn front_surface_at(scene: &Scene, x: f64, y: f64) -> (SurfaceInteraction<'_>, DVec3) {
+/// Returns the surface that a ray in direction −z hits first at (x, y), and the hit point.
+fn surface_seen_from_front(scene: &Scene, x: f64, y: f64) -> (SurfaceInteraction<'_>, DVec3) {
     visible_surface(scene, dvec3(x, y, 9.0), Vec3::NEG_Z).unwrap()
 }
 
-fn reflectance_at(scene: &Scene, x: f64) -> Vec3 {
+fn reflectance_seen_from_front(scene: &Scene, x: f64) -> Vec3 {
     visible_reflectance(scene, dvec3(x, 0.25, 9.0), Vec3::NEG_Z)
 }
 
@@ -44,16 +44,22 @@ const MTL_TEXT: &str = "newmtl red\nKd .9 .1 .1\nillum 1\nnewmtl lamp\nKe 3 2 1\
 
 #[test]
 fn a_mesh_uses_scene_or_file_materials() {
-    let folder = MeshFolder::new(OBJ_FACES, MTL_TEXT);
+    let folder = TemporaryMeshFolder::new(OBJ_FACES, MTL_TEXT);
     let plain = folder.resolve_body("TriangleMesh { obj_file a.obj }");
     assert_eq!((plain.materials().len(), plain.lights().len(), plain.triangle_count()), (2, 0, 5));
-    assert_eq!((reflectance_at(&plain, 0.5), reflectance_at(&plain, 1.5)), (Vec3::splat(0.2), Vec3::splat(0.2)));
+    assert_eq!(
+        (reflectance_seen_from_front(&plain, 0.5), reflectance_seen_from_front(&plain, 1.5)),
+        (Vec3::splat(0.2), Vec3::splat(0.2))
+    );
     assert_eq!(visible_reflectance(&plain, dvec3(0.1, 0.8, 9.0), Vec3::NEG_Z), Vec3::splat(0.2));
     let own = folder.resolve_body("TriangleMesh { file a.obj materials file } Sphere { center 9 0 0 radius 1 }");
     assert_eq!((own.materials().len(), own.triangle_count()), (4, 5));
     // Faces without a file material, and the objects that follow, keep the scene's material.
-    assert_eq!((reflectance_at(&own, 0.5), reflectance_at(&own, 1.5)), (Vec3::splat(0.2), vec3(0.9, 0.1, 0.1)));
-    assert_eq!(reflectance_at(&own, 9.0), Vec3::splat(0.2));
+    assert_eq!(
+        (reflectance_seen_from_front(&own, 0.5), reflectance_seen_from_front(&own, 1.5)),
+        (Vec3::splat(0.2), vec3(0.9, 0.1, 0.1))
+    );
+    assert_eq!(reflectance_seen_from_front(&own, 9.0), Vec3::splat(0.2));
     assert_eq!(visible_reflectance(&own, dvec3(0.1, 0.8, 9.0), Vec3::NEG_Z), Vec3::splat(0.5));
     let [Light::Area(lamp)] = own.lights() else { panic!("{:?}", own.lights()) };
     assert_eq!(lamp.radiance, vec3(3.0, 2.0, 1.0));
@@ -64,7 +70,7 @@ fn a_mesh_uses_scene_or_file_materials() {
 
 #[test]
 fn object_emission_overrides_file_emission() {
-    let folder = MeshFolder::new(OBJ_FACES, MTL_TEXT);
+    let folder = TemporaryMeshFolder::new(OBJ_FACES, MTL_TEXT);
     let scene = folder.resolve_body("TriangleMesh { file a.obj materials file emission 7 7 7 }");
     assert_eq!(scene.lights().len(), 3);
     let emits = |light: &Light| matches!(light, Light::Area(area) if area.radiance == Vec3::splat(7.0));
@@ -75,19 +81,22 @@ fn object_emission_overrides_file_emission() {
 
 #[test]
 fn moving_and_instanced_meshes_use_file_materials() {
-    let folder = MeshFolder::new(OBJ_FACES, MTL_TEXT);
+    let folder = TemporaryMeshFolder::new(OBJ_FACES, MTL_TEXT);
     let still = "Transform { Scale 2 2 2 TriangleMesh { file a.obj materials file emission 0 0 0 } }";
     let moving = still.replace("Transform { Scale", "Moving { Translate 0 0 -.001 Scale");
     for body in [still, &moving] {
         let scene = folder.resolve_body(body);
-        assert_eq!((reflectance_at(&scene, 1.0), reflectance_at(&scene, 3.0)), (Vec3::splat(0.2), vec3(0.9, 0.1, 0.1)));
+        assert_eq!(
+            (reflectance_seen_from_front(&scene, 1.0), reflectance_seen_from_front(&scene, 3.0)),
+            (Vec3::splat(0.2), vec3(0.9, 0.1, 0.1))
+        );
     }
 }
 
 #[test]
 fn invalid_file_materials_are_reported_at_the_mesh() {
     let body = "TriangleMesh { file a.obj materials file }";
-    let folder = MeshFolder::new(OBJ_FACES, "newmtl red\n");
+    let folder = TemporaryMeshFolder::new(OBJ_FACES, "newmtl red\n");
     let message = folder.error_message(body);
     assert!(message.contains("names a material `lamp` that its material files do not hold"), "{message}");
     folder.write_file("a.mtl", "newmtl red\nd 0\nNi 0\nnewmtl lamp\n");
@@ -102,10 +111,10 @@ fn invalid_file_materials_are_reported_at_the_mesh() {
 
 #[test]
 fn mesh_options_select_the_normals() {
-    let folder = MeshFolder::new("vn 0 1 1\nf 1//1 2//1 3//1\nf 2 5 6 3\n", "");
+    let folder = TemporaryMeshFolder::new("vn 0 1 1\nf 1//1 2//1 3//1\nf 2 5 6 3\n", "");
     let normal = |options: &str, x: f64| {
         let scene = folder.resolve_body(&format!("TriangleMesh {{ file a.obj {options} }}"));
-        front_surface_at(&scene, x, 0.25).0.point.ns
+        surface_seen_from_front(&scene, x, 0.25).0.point.ns
     };
     let (written, flat) = (Vec3::new(0.0, 1.0, 1.0).normalize(), Vec3::new(-1.0, 0.0, 1.0).normalize());
     assert!(is_close(normal("", 0.9), written) && is_close(normal("", 1.5), flat));
@@ -121,11 +130,11 @@ fn mesh_options_select_the_normals() {
 
 #[test]
 fn ply_files_are_read_as_meshes() {
-    let folder = MeshFolder::new(OBJ_FACES, MTL_TEXT);
+    let folder = TemporaryMeshFolder::new(OBJ_FACES, MTL_TEXT);
     let mesh = crate::format::mesh::load(&folder.0.path().join("a.obj"), &()).unwrap().mesh;
     mesh.write(&folder.0.path().join("a.ply"), crate::format::mesh::MeshFormat::Ply, &[]).unwrap();
     let scene = folder.resolve_body("TriangleMesh { file a.ply materials file }");
-    assert_eq!((scene.triangle_count(), reflectance_at(&scene, 1.5)), (5, Vec3::splat(0.2)));
+    assert_eq!((scene.triangle_count(), reflectance_seen_from_front(&scene, 1.5)), (5, Vec3::splat(0.2)));
     // A PLY file is recognized by its content.
     std::fs::rename(folder.0.path().join("a.ply"), folder.0.path().join("b.obj")).unwrap();
     assert_eq!(folder.resolve_body("TriangleMesh { obj_file b.obj }").triangle_count(), 5);
@@ -134,7 +143,7 @@ fn ply_files_are_read_as_meshes() {
 #[test]
 fn file_materials_can_have_textures() {
     let faces = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl tile\nf 1/1 2/2 3/3 4/4\n";
-    let folder = MeshFolder::new(faces, "newmtl tile\nKd .5 .5 .5\nmap_Kd pictures/tile.exr\nillum 1\n");
+    let folder = TemporaryMeshFolder::new(faces, "newmtl tile\nKd .5 .5 .5\nmap_Kd pictures/tile.exr\nillum 1\n");
     std::fs::create_dir(folder.0.path().join("pictures")).unwrap();
     let picture = Image::from_pixels(2, 1, vec![Vec3::X, Vec3::Y]).unwrap();
     let path = folder.0.path().join("pictures/tile.exr");
@@ -142,13 +151,14 @@ fn file_materials_can_have_textures() {
     let body = "TriangleMesh { file a.obj materials file }";
     // At the middles of the two texels and off the edge between the triangles, with and without
     // materials of the scene, still and moving.
-    let reflectance_at = |scene: &Scene, x: f64| visible_reflectance(scene, dvec3(x, 0.3, 9.0), Vec3::NEG_Z);
+    let reflectance_seen_from_front =
+        |scene: &Scene, x: f64| visible_reflectance(scene, dvec3(x, 0.3, 9.0), Vec3::NEG_Z);
     for text in [body.to_owned(), format!("Moving {{ Translate 0 0 -.001 {body} }}")] {
         for materials in ["", MATERIALS] {
             let scene = resolve_in_folder(folder.0.path(), &format!("{materials}Group {{ {text} }}")).unwrap();
             assert!(
-                is_close(reflectance_at(&scene, 0.25), vec3(0.5, 0.0, 0.0))
-                    && is_close(reflectance_at(&scene, 0.75), vec3(0.0, 0.5, 0.0))
+                is_close(reflectance_seen_from_front(&scene, 0.25), vec3(0.5, 0.0, 0.0))
+                    && is_close(reflectance_seen_from_front(&scene, 0.75), vec3(0.0, 0.5, 0.0))
             );
         }
     }
@@ -162,7 +172,7 @@ fn file_materials_can_have_textures() {
 
 #[test]
 fn textured_emission_applies_to_its_material_only() {
-    let folder = MeshFolder::new(OBJ_FACES, "newmtl red\nKd .9 .1 .1\nillum 1\nnewmtl lamp\nKd .5\n");
+    let folder = TemporaryMeshFolder::new(OBJ_FACES, "newmtl red\nKd .9 .1 .1\nillum 1\nnewmtl lamp\nKd .5\n");
     let textures = "Textures { Marble veins { color0 1 1 1 color1 2 2 2 } }";
     let materials = "Materials { Diffuse b { reflectance .2 .2 .2 emission veins } }";
     let text = format!("{textures}{materials}Group {{ TriangleMesh {{ file a.obj materials file }} }}");

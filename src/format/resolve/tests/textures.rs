@@ -15,7 +15,7 @@ fn write_picture(path: &Path, value: f32) {
     image::write(path, &pixels, &WriteOptions::default()).unwrap();
 }
 
-fn front_bsdf(scene: &Scene) -> Bsdf {
+fn bsdf_seen_from_front(scene: &Scene) -> Bsdf {
     visible_surface(scene, dvec3(0.0, 0.0, 5.0), Vec3::NEG_Z).unwrap().0.bsdf
 }
 
@@ -37,10 +37,11 @@ fn pictures_are_decoded_as_color_or_numbers() {
     write_picture(&folder.path().join("half.png"), 0.5);
     write_picture(&folder.path().join("half.exr"), 0.5);
     let with = |textures: &str, material: &str| resolve_in_folder(folder.path(), &ball_scene_text(textures, material));
-    let front_reflectance = |textures: &str, material: &str| match front_bsdf(&with(textures, material).unwrap()) {
-        Bsdf::Diffuse(reflectance) => reflectance.x,
-        other => panic!("{other:?}"),
-    };
+    let front_reflectance =
+        |textures: &str, material: &str| match bsdf_seen_from_front(&with(textures, material).unwrap()) {
+            Bsdf::Diffuse(reflectance) => reflectance.x,
+            other => panic!("{other:?}"),
+        };
     // Eight bits are off by half a level; .5 is level 188 of the sRGB curve.
     assert!((front_reflectance("Image t { file half.png }", "Diffuse { reflectance t }") - 0.5).abs() < 0.003);
     let numbers = front_reflectance("Image t { file half.png encoding linear }", "Diffuse { reflectance t }");
@@ -119,7 +120,8 @@ fn solid_textures_move_with_their_objects() {
     }
 }
 
-/// Each patch emits by the texture. A curve does not pass its texture on to the object before it.
+/// Each patch of an object emits by the texture. An object without a surface does not set the
+/// emission texture of the previous object.
 #[test]
 fn each_part_of_an_object_emits_by_its_texture() {
     let net = |x: f64| {

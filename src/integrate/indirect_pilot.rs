@@ -1,0 +1,348 @@
+//! Pilot that divides indirect light between camera paths and photon estimates.
+//!
+//! It traces camera paths through each cell of a grid over the film, with both techniques and no
+//! weights, twice with independent random numbers. The differences between the two trials measure
+//! the variance of each technique. The photon estimate's bias is proportional to the area of its
+//! disc, so the difference to a disc of half the area measures it. The product of the differences
+//! in both trials is an unbiased estimate of its square.
+//!
+//! No pass uses photons or rays of the pilot, so the mean of the passes stays unbiased.
+
+use super::balance;
+use super::film_points::{FilmPoint, trace_each_camera_path_through};
+use super::indirect_division::{IndirectDivision, IndirectErrors, IndirectTechnique};
+use super::map_builder::PassBudget;
+use super::pass::{Pass, SilentMonitor};
+use super::pass_renderer::PassRenderer;
+use super::photon_maps::PhotonMaps;
+use super::worker::PathWorker;
+use crate::color::{self, Rgb};
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::stats::Counters;
+use glam::Vec2;
+
+/// Number of cells along the longer side of the film.
+const CELLS: u32 = 24;
+
+/// Number of camera paths through each cell.
+const CELL_POINTS: u32 = 16;
+
+/// Smallest divisor of the number of photon paths.
+const MIN_DIVISOR: u32 = 8;
+
+/// Most photon paths of a trial.
+const MAX_PATHS: u32 = 1 << 17;
+
+/// Number of the pass, counted from 1, for whose error the price of camera paths is chosen.
+const TYPICAL_PASS: u32 = 4;
+
+/// Most passes in which photons may take part.
+const MAX_PASSES: u32 = 1 << 16;
+
+/// Largest error times work, relative to path tracing, at which photons take part.
+const MAX_COST: f64 = 0.8;
+
+/// Numbers of photon paths that the pilot may choose, relative to the setting.
+const PHOTON_PARTS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
+
+/// Number of steps of the search for the price of a camera path.
+const SEARCH_STEPS: u32 = 12;
+
+/// Work of a density estimate beside its photons, relative to tracing a photon ray.
+const LOOKUP_WORK: f64 = 20.0;
+
+/// Work of one photon in a density estimate, with the search, relative to tracing a photon ray.
+const LOOKUP_PHOTON_WORK: f64 = 0.3;
+
+/// Ratio of the bias of a density estimate to its difference from one with half the disc area.
+const BIAS_FACTOR: f64 = 2.0;
+
+/// Light of one camera path, averaged over RGB \[W/(m² sr)].
+#[derive(Clone, Copy, Debug, Default)]
+struct PointLight {
+    /// Direct light at the first receiver.
+    direct: f64,
+    /// Emission that the path finds up to its first receiver, and the caustics there. Other pilots
+    /// look after their noise.
+    apart: f64,
+    /// Indirect light by the continued path.
+    paths: f64,
+    /// Indirect light by the photon estimate.
+    photons: f64,
+    /// Bias of the photon estimate, with noise.
+    bias: f64,
+}
+
+/// Work of a pass per pixel, in photon rays of equal work, and its noise beside indirect light.
+#[derive(Clone, Copy, Debug, Default)]
+struct PassCost {
+    /// Relative variance of the direct light of one camera path.
+    direct_variance: f64,
+    /// Work of one camera path up to its first receiver.
+    prefix: f64,
+    /// Work of the rest of a camera path.
+    continuation: f64,
+    /// Work of tracing, storing and gathering photons.
+    photons: f64,
+    /// Work of one photon estimate beside its photons.
+    lookup: f64,
+}
+
+/// Returns the division of indirect light with the least error times work; `None` if camera paths
+/// alone are as good.
+pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<IndirectDivision> {
+    let photons = renderer.map_builder.counts.photons;
+    let mut pilot = renderer.with_one_sample();
+    pilot.map_builder.compares_indirect_techniques = true;
+    let divisor = photons.div_ceil(MAX_PATHS).max(MIN_DIVISOR);
+    let (cell_size, grid) = film_grid(renderer.scene.camera().size());
+    let points = |trial: u32| -> Vec<FilmPoint> {
+        let key = pilot_key(&pilot).pilot_trial_key(trial).purpose_key(Purpose::Camera);
+        let cell_points = |cell: u32| {
+            let corner = Vec2::new((cell % grid.0) as f32, (cell / grid.0) as f32) * cell_size;
+            let key = key.film_point_key(0, cell);
+            (0..CELL_POINTS).map(move |i| {
+                let sampler = Sampler::new(key, i, CELL_POINTS);
+                (corner + sampler.get_2d(Dimension::Film) * cell_size, Sampler::new(sampler.sample_key(), 0, 1))
+            })
+        };
+        (0..grid.0 * grid.1).flat_map(cell_points).collect()
+    };
+
+    // Trace both trials.
+    let (trial, other_trial) = (Trial::new(&pilot, 0, divisor), Trial::new(&pilot, 1, divisor));
+    let (film_points, other_film_points) = (points(0), points(1));
+    let (light, counters) = trial.trace(&pilot, &film_points, IndirectTechnique::Comparison);
+    let (other_light, _) = other_trial.trace(&pilot, &other_film_points, IndirectTechnique::Comparison);
+    let trial_photons = f64::from(photons) / f64::from(divisor);
+    let (cells, direct_variance) = cell_errors(&light, &other_light, grid.0, trial_photons)?;
+
+    // Measure the work of each part of a pass.
+    let work = trial.measure_work(&pilot, &film_points, &counters);
+    let paths = light.len() as f64;
+    let (width, height) = renderer.scene.camera().size();
+    let pixels = f64::from(width) * f64::from(height);
+    let cost = PassCost {
+        direct_variance,
+        prefix: work.prefixes / paths,
+        continuation: ((work.paths - work.prefixes) / paths).max(1.0),
+        photons: f64::from(divisor) * (work.photons / pixels + work.gathering / paths),
+        lookup: LOOKUP_WORK,
+    };
+    let division = IndirectDivision {
+        columns: grid.0,
+        cells,
+        cell_size,
+        samples: renderer.samples,
+        photons,
+        path_price: 0.0,
+        passes: MAX_PASSES,
+    };
+    let parts = if renderer.settings.balance { &PHOTON_PARTS[..] } else { &PHOTON_PARTS[..1] };
+    choose(&division, parts, &cost, |pass| renderer.map_builder.relative_disc_area(pass))
+}
+
+fn pilot_key(pilot: &PassRenderer<'_>) -> Key {
+    Key::new(pilot.settings.camera_paths.seed).purpose_key(Purpose::IndirectDivision)
+}
+
+/// Returns the edge length of a cell \[pixels], and the numbers of columns and rows.
+fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
+    let size = (width.max(height) as f32 / CELLS as f32).max(1.0);
+    let cells = |pixels: u32| ((pixels as f32 / size).ceil() as u32).max(1);
+    (size, (cells(width), cells(height)))
+}
+
+/// Work of the parts of a trial, in photon rays of equal work.
+struct TrialWork {
+    /// Work of the camera paths.
+    paths: f64,
+    /// Work of the same camera paths up to their first receiver.
+    prefixes: f64,
+    /// Work of tracing and storing the photons of the interreflection map.
+    photons: f64,
+    /// Work of the photons of that map that the camera paths gathered.
+    gathering: f64,
+}
+
+/// Photon maps of one trial, and the pass that reports their photons.
+struct Trial<'a> {
+    maps: PhotonMaps<'a>,
+    report: Pass,
+}
+
+impl<'a> Trial<'a> {
+    /// Traces 1/`divisor` of the photon paths of a pass.
+    fn new(pilot: &PassRenderer<'a>, trial: u32, divisor: u32) -> Self {
+        let key = pilot_key(pilot).pilot_trial_key(trial);
+        let budget = PassBudget { key, pass: 0, part: divisor, limited: true, connects: false };
+        let mut report = Pass::default();
+        let maps = pilot.map_builder.build_with_budget(&budget, &SilentMonitor, &mut report);
+        Self { maps, report }
+    }
+
+    /// Traces camera paths through `points` with `technique` for indirect light. Returns the light
+    /// of each path, and the counters of all paths.
+    fn trace(
+        &self,
+        pilot: &PassRenderer<'_>,
+        points: &[FilmPoint],
+        technique: IndirectTechnique<'_>,
+    ) -> (Vec<PointLight>, Counters) {
+        let nests_estimates = matches!(technique, IndirectTechnique::Comparison);
+        let paths = pilot.path_context(Some(&self.maps), 0).with_indirect_technique(technique);
+        trace_each_camera_path_through(&paths, points, nests_estimates, PointLight::take_from)
+    }
+
+    /// Measures the work of camera paths through `points`, whose counters with both techniques are
+    /// `both`, and of the photons of the interreflection map.
+    fn measure_work(&self, pilot: &PassRenderer<'_>, points: &[FilmPoint], both: &Counters) -> TrialWork {
+        let (_, alone) = self.trace(pilot, points, IndirectTechnique::Paths);
+        let (_, prefixes) = self.trace(pilot, points, IndirectTechnique::Photons);
+        let Pass { aimed, unaimed, counters, .. } = &self.report;
+        let rays_per_path = counters.photon_rays as f64 / (unaimed.emitted + aimed.emitted).max(1) as f64;
+        TrialWork {
+            paths: balance::camera_path_work(both),
+            prefixes: balance::camera_path_work(&prefixes),
+            photons: rays_per_path * unaimed.emitted as f64 + balance::photon_storage_work(unaimed.stored),
+            gathering: LOOKUP_PHOTON_WORK * both.gathered_photons.saturating_sub(alone.gathered_photons) as f64,
+        }
+    }
+}
+
+impl PointLight {
+    /// Takes the light of the camera path of radiance `radiance` from `worker`.
+    fn take_from(radiance: Rgb, worker: &mut PathWorker) -> Self {
+        let light = std::mem::take(&mut worker.indirect_light);
+        let prefix = std::mem::take(&mut worker.prefix);
+        let [total, found, all_photons, paths, photons, step] =
+            [radiance, prefix.found, prefix.photons, light.paths, light.photons, light.photon_step]
+                .map(|v| f64::from(color::channel_mean(v)));
+        Self {
+            direct: total - found - all_photons - paths,
+            apart: found + all_photons - photons,
+            paths,
+            photons,
+            bias: BIAS_FACTOR * step,
+        }
+    }
+}
+
+/// Returns the relative errors of both techniques in each cell, and the mean variance of the direct
+/// light of a camera path; `None` if all is black.
+///
+/// `paths` is the number of photon paths of a trial.
+fn cell_errors(
+    one: &[PointLight],
+    other: &[PointLight],
+    columns: u32,
+    paths: f64,
+) -> Option<(Vec<IndirectErrors>, f64)> {
+    let size = CELL_POINTS as usize;
+    let light = |p: &PointLight| p.direct + p.apart + 0.5 * (p.paths + p.photons);
+    let cells: Vec<(&[PointLight], &[PointLight])> = one.chunks(size).zip(other.chunks(size)).collect();
+    let cell_light: Vec<f64> =
+        cells.iter().map(|(a, b)| a.iter().chain(*b).map(light).sum::<f64>() / (2 * size) as f64).collect();
+    let mut sorted: Vec<f64> = cell_light.iter().copied().filter(|l| *l > 0.0).collect();
+    sorted.sort_by(f64::total_cmp);
+    let median = *sorted.get(sorted.len() / 2)?;
+    // Relative to the light of a cell: variances of direct light, of paths and of photons, squared
+    // bias, and the mean light that each technique finds.
+    let raw: Vec<[f64; 6]> = cells
+        .iter()
+        .zip(&cell_light)
+        .map(|((a, b), light)| {
+            let scale = 1.0 / (light * light + 0.01 * median * median) / size as f64;
+            let mut sums = [0.0; 6];
+            for (a, b) in a.iter().zip(*b) {
+                let half = |a: f64, b: f64| 0.5 * (a - b) * (a - b);
+                sums[0] += half(a.direct, b.direct) * scale;
+                sums[1] += half(a.paths, b.paths) * scale;
+                sums[2] += half(a.photons, b.photons) * scale;
+                sums[3] += a.bias * b.bias * scale;
+                sums[4] += 0.5 * (a.paths + b.paths) * (scale / size as f64).sqrt();
+                sums[5] += 0.5 * (a.photons + b.photons) * (scale / size as f64).sqrt();
+            }
+            sums
+        })
+        .collect();
+    let (columns, rows) = (columns as usize, cells.len() / columns as usize);
+    // Means over neighbouring cells reduce the noise.
+    let smoothed = |i: usize, value: usize| {
+        let (x, y) = (i % columns, i / columns);
+        let (xs, ys) = (x.saturating_sub(1)..columns.min(x + 2), y.saturating_sub(1)..rows.min(y + 2));
+        let count = (xs.len() * ys.len()) as f64;
+        ys.flat_map(|y| xs.clone().map(move |x| y * columns + x)).map(|i| raw[i][value]).sum::<f64>() / count
+    };
+    let errors = |i: usize| {
+        let (by_paths, by_photons) = (smoothed(i, 4), smoothed(i, 5));
+        // Where photons are too rare for the pilot, a pass finds few.
+        let missed = (by_paths - by_photons).max(0.0);
+        let rare = if missed > 0.5 * by_paths { by_paths * by_paths } else { 0.0 };
+        IndirectErrors {
+            path_variance: smoothed(i, 1) as f32,
+            photon_variance: (smoothed(i, 2).max(rare) * paths) as f32,
+            squared_bias: smoothed(i, 3).max(0.0) as f32,
+        }
+    };
+    let mut direct: Vec<f64> = raw.iter().map(|sums| sums[0]).collect();
+    // A few cells with rare bright light say nothing about the others.
+    direct.sort_by(f64::total_cmp);
+    let kept = direct.len() - direct.len() / 20;
+    let direct = direct[..kept].iter().sum::<f64>() / kept as f64;
+    Some(((0..cells.len()).map(errors).collect(), direct))
+}
+
+/// Completes `division` by the numbers of photon paths and of passes, and by the price of camera
+/// paths, for which error times work is least. Returns `None` if camera paths alone are as good.
+///
+/// `parts` are the numbers of photon paths to choose from, relative to that of `division`. `area`
+/// returns the relative disc area of a pass.
+fn choose(
+    division: &IndirectDivision,
+    parts: &[f64],
+    cost: &PassCost,
+    area: impl Fn(u32) -> f64,
+) -> Option<IndirectDivision> {
+    let n = f64::from(division.samples);
+    let cells = division.cells.len().max(1) as f64;
+    let path_variance = division.cells.iter().map(|c| f64::from(c.path_variance)).sum::<f64>() / cells;
+    let alone = (cost.direct_variance + path_variance) * (cost.prefix + cost.continuation);
+    let error_and_work = |division: &IndirectDivision, part: f64, number: u32| {
+        let (error, paths) = division.mean_error_and_paths(number as f32, area(number - 1) as f32);
+        let work = n * cost.prefix + paths * cost.continuation + part * cost.photons + cost.lookup;
+        (cost.direct_variance / n + error, work)
+    };
+    let priced = |part: f64| {
+        let photons = (f64::from(division.photons) * part).max(1.0) as u32;
+        let mut division =
+            IndirectDivision { photons, path_price: (path_variance / (n * n)) as f32, ..division.clone() };
+        for _ in 0..SEARCH_STEPS {
+            let (error, work) = error_and_work(&division, part, TYPICAL_PASS);
+            division.path_price = (error / work * cost.continuation) as f32;
+        }
+        (division, part)
+    };
+    let product = |(division, part): &(IndirectDivision, f64), number: u32| {
+        let (error, work) = error_and_work(division, *part, number);
+        error * work
+    };
+    let best = parts
+        .iter()
+        .map(|part| priced(*part))
+        .min_by(|a, b| product(a, TYPICAL_PASS).total_cmp(&product(b, TYPICAL_PASS)))?;
+    let pays = |number: u32| product(&best, number) < MAX_COST * alone;
+    if !pays(1) {
+        return None;
+    }
+    // The cost grows from pass to pass.
+    let (mut passes, mut limit) = (1, MAX_PASSES);
+    while passes + 1 < limit {
+        let middle = passes + (limit - passes) / 2;
+        if pays(middle) { passes = middle } else { limit = middle }
+    }
+    Some(IndirectDivision { passes, ..best.0 })
+}
+
+#[cfg(test)]
+mod tests;

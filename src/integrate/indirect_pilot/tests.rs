@@ -1,0 +1,76 @@
+use super::*;
+use std::f64::consts::TAU;
+
+const COST: PassCost = PassCost { direct_variance: 0.01, prefix: 4.0, continuation: 16.0, photons: 20.0, lookup: 20.0 };
+
+fn division(path_variance: f32, photon_variance: f32, squared_bias: f32) -> IndirectDivision {
+    let cell = IndirectErrors { path_variance, photon_variance: photon_variance * 1e5, squared_bias };
+    IndirectDivision {
+        columns: 2,
+        cells: vec![cell; 4],
+        cell_size: 10.0,
+        samples: 8,
+        photons: 100_000,
+        path_price: 0.0,
+        passes: MAX_PASSES,
+    }
+}
+
+fn area(pass: u32) -> f64 {
+    libm::pow(f64::from(pass) + 1.0, -1.0 / 3.0)
+}
+
+#[test]
+fn photons_take_part_where_they_pay() {
+    let precise = choose(&division(0.4, 0.002, 1e-4), &PHOTON_PARTS, &COST, area).unwrap();
+    assert!(precise.passes > 100, "{}", precise.passes);
+    let biased = choose(&division(0.4, 0.002, 2e-3), &PHOTON_PARTS, &COST, area).unwrap();
+    assert!(biased.passes < precise.passes, "{}", biased.passes);
+    assert_eq!(choose(&division(0.4, 2.0, 1e-4), &PHOTON_PARTS, &COST, area), None);
+    assert_eq!(choose(&division(0.4, 0.002, 3.0), &PHOTON_PARTS, &COST, area), None);
+    // Photons must not cost more than the camera paths that they save.
+    assert_eq!(choose(&division(0.4, 0.002, 1e-4), &PHOTON_PARTS, &PassCost { photons: 1e4, ..COST }, area), None);
+    assert_eq!(choose(&division(0.0, 0.0, 0.0), &PHOTON_PARTS, &COST, area), None);
+}
+
+#[test]
+fn fewer_photons_are_traced_where_few_suffice() {
+    let photons = |variance| choose(&division(0.4, variance, 0.0), &PHOTON_PARTS, &COST, area).unwrap().photons;
+    assert!(photons(1e-6) < photons(5e-3), "{} {}", photons(1e-6), photons(5e-3));
+}
+
+/// Trials with normal noise of known variance and a constant bias give both back. With 400 cells
+/// of 16 paths, the standard errors are 2 % of the variances and 6 % of the squared bias.
+#[test]
+fn trials_measure_variances_and_bias() {
+    let (columns, cells) = (20, 400);
+    let normal = |key: Key, i: u64| {
+        let u = key.child_key(i).uniform_2d(Dimension::Film);
+        (-2.0 * libm::log(1.0 - f64::from(u.x))).sqrt() * libm::cos(TAU * f64::from(u.y))
+    };
+    let trial = |seed: u64| -> Vec<PointLight> {
+        let keys = [0, 1, 2, 3].map(|i| Key::new(seed).child_key(i));
+        let point = |i: u64| PointLight {
+            direct: 1.0 + 0.2 * normal(keys[0], i),
+            apart: 0.0,
+            paths: 1.0 + 0.5 * normal(keys[1], i),
+            photons: 1.0 + 0.1 * normal(keys[2], i),
+            bias: 0.05 + 0.05 * normal(keys[3], i),
+        };
+        (0..u64::from(cells * CELL_POINTS)).map(point).collect()
+    };
+    let (errors, direct) = cell_errors(&trial(1), &trial(2), columns, 1000.0).unwrap();
+    let mean = |value: fn(&IndirectErrors) -> f32| {
+        errors.iter().map(|cell| f64::from(value(cell))).sum::<f64>() / f64::from(cells)
+    };
+    // The light of a cell is 2, its square 4.04 with the floor.
+    let scale = 1.0 / 4.04;
+    let near = |name: &str, found: f64, expected: f64, tolerance: f64| {
+        assert!((found / (expected * scale) - 1.0).abs() < tolerance, "{name}: {found} for {}", expected * scale);
+    };
+    near("paths", mean(|cell| cell.path_variance), 0.25, 0.1);
+    near("photons", mean(|cell| cell.photon_variance) / 1000.0, 0.01, 0.1);
+    near("bias", mean(|cell| cell.squared_bias), 0.0025, 0.3);
+    // The noisiest 5 % of the cells are left out.
+    near("direct light", direct, 0.04, 0.15);
+}
