@@ -78,7 +78,7 @@
 //! 1. `render_tiles` in [`integrate`] renders the tiles of the picture in parallel. For each sample
 //!    of a pixel, the reconstruction filter chooses a point, and
 //!    [`Camera::generate_ray`] makes a ray through it.
-//! 2. `camera_path::radiance` returns the radiance along this ray. It calls
+//! 2. `camera_path::trace_camera_path` returns the radiance along this ray. It calls
 //!    [`PathRay::next_vertex`](scene::PathRay::next_vertex), for each vertex of the path. It
 //!    asks `Geometry::intersect`, and so `Hierarchy::closest_hit`, for the nearest surface.
 //! 3. At casters, for example glass and mirrors

@@ -80,16 +80,16 @@ pub(super) struct PathState<I> {
     sampler: Sampler,
 }
 
-/// Returns the function that [`tiles::render_tiles`](super::tiles::render_tiles) calls for each
-/// camera ray. It returns the radiance along the ray \[W/(m² sr)].
-pub(super) fn radiance_function<'a, I: Interior>(
+/// Returns [`trace_camera_path`] with its first argument bound, for
+/// [`tiles::render_tiles`](super::tiles::render_tiles).
+pub(super) fn camera_path_tracer<'a, I: Interior>(
     paths: &'a PathContext<'a>,
 ) -> impl Fn(&Ray, Sampler, &mut PathWorker, &mut Vec<PathState<I>>) -> Rgb + Sync {
-    |ray, sampler, worker, stack| radiance(paths, ray, sampler, worker, stack)
+    |ray, sampler, worker, stack| trace_camera_path(paths, ray, sampler, worker, stack)
 }
 
 /// Returns the radiance along camera ray `ray` \[W/(m² sr)]. `stack` is empty before and after.
-pub(super) fn radiance<I: Interior>(
+pub(super) fn trace_camera_path<I: Interior>(
     paths: &PathContext<'_>,
     ray: &Ray,
     sampler: Sampler,

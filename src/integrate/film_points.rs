@@ -1,6 +1,6 @@
 //! Camera paths through chosen points of the film, for pilots.
 
-use super::camera_path::{PathContext, PathState, radiance};
+use super::camera_path::{PathContext, PathState, trace_camera_path};
 use super::worker::PathWorker;
 use crate::color::Rgb;
 use crate::plan::Effect;
@@ -58,7 +58,7 @@ fn trace_chunks<T: Send>(
                 worker.film_position = *film;
                 let lens = has_lens.then(|| sampler.get_2d(Dimension::Lens));
                 let ray = paths.scene.camera().generate_ray(*film, lens);
-                let radiance = radiance(paths, &ray, *sampler, &mut worker, &mut stack);
+                let radiance = trace_camera_path(paths, &ray, *sampler, &mut worker, &mut stack);
                 result(radiance, &mut worker)
             });
             (values.collect::<Vec<T>>(), worker)

@@ -163,6 +163,10 @@ struct VolumeKernelRadiiPerMap {
 }
 
 /// Builder of the photon maps of any pass. It holds the photon sources and gather radii.
+///
+/// *Aimed* photon paths start towards casters. They fill the caustic map, and in `hybrid` the
+/// indirect map too. *Unaimed* paths start in all directions. They fill the interreflection map of
+/// `hybrid`, and the indirect map of other algorithms.
 #[derive(Debug)]
 pub(super) struct PhotonMapBuilder<'a> {
     scene: &'a Scene,

@@ -200,7 +200,7 @@ fn render_camera_paths(
     monitor: &dyn ProgressMonitor,
 ) -> FilmImage {
     for_interior!(paths.policy.effects, <I> {
-        tiles::render_tiles(sampling, key, monitor, camera_path::radiance_function::<I>(paths))
+        tiles::render_tiles(sampling, key, monitor, camera_path::camera_path_tracer::<I>(paths))
     })
 }
 

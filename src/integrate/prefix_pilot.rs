@@ -215,7 +215,7 @@ fn render_light_parts(
     let (paths, key) = (pilot.path_context(maps, pass), pilot.prefix_ray_key(pass));
     let sampling = tiles::FilmSampling { nested: false, ..pilot.film_sampling(pass) };
     for_interior!(pilot.policy.effects, <I> {
-        let radiance = camera_path::radiance_function::<I>(&paths);
+        let radiance = camera_path::camera_path_tracer::<I>(&paths);
         tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, stack| {
             worker.prefix = PrefixLight {
                 ends_at_receiver: parts != PathParts::Whole,
