@@ -115,11 +115,11 @@ fn passes_rendered_backwards_give_same_image() {
 
 #[test]
 fn means_of_largest_floats_stay_finite() {
-    let mut film = Film::new(1, 1);
-    let largest = Rgb::new(f32::MAX, -f32::MAX, f32::MIN_POSITIVE);
-    (0..100_000).for_each(|_| film.add(&[largest]));
-    assert_eq!(film.mean(), [largest]);
-    film.add(&[Rgb::new(f32::INFINITY, 0.0, f32::NAN)]);
+    let mut film = Film::new(2, 1);
+    let extremes = [Rgb::new(f32::MAX, -f32::MAX, 0.0), Rgb::splat(f32::MIN_POSITIVE)];
+    (0..100_000).for_each(|_| film.add(&extremes));
+    assert_eq!(film.mean(), extremes);
+    film.add(&[Rgb::new(f32::INFINITY, 0.0, f32::NAN), Rgb::ZERO]);
     let mean = film.mean()[0];
     assert!(mean.x == f32::INFINITY && mean.y.is_finite() && mean.z.is_nan(), "{mean}: what is not finite stays seen");
 }
