@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// Reader of scenes in one file format.
 ///
-/// To add a format, implement this trait and add the type to [`IMPORTERS`](super::IMPORTERS). A
+/// To add a format, implement this trait. Then add the type to [`IMPORTERS`](super::IMPORTERS). A
 /// file goes to the first importer that lists its extension.
 pub trait SceneImporter: Sync {
     /// Returns the format's name, for messages.

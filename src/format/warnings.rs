@@ -30,7 +30,7 @@ pub(super) fn scene_warnings(
                 .and_then(|file| mesh::load(&file, &()).ok())
                 .map(|loaded| loaded.mesh.mesh_report()),
         };
-        if let Some(defect) = report.as_ref().and_then(boundary_defect) {
+        if let Some(defect) = report.as_ref().and_then(dielectric_mesh_defect) {
             let remedy = "`caustica mesh --repair` may repair it";
             found.push((*span, format!("the dielectric mesh `{path}` {defect}; {remedy}")));
         }
@@ -67,7 +67,7 @@ fn unused_item_messages(description: &SceneDescription, uses: &UsedSceneItems<'_
 }
 
 /// Returns why a mesh is not a valid boundary of a body; `None` if it is valid or empty.
-fn boundary_defect(report: &MeshReport) -> Option<String> {
+fn dielectric_mesh_defect(report: &MeshReport) -> Option<String> {
     if report.triangles == 0 {
         return None;
     }

@@ -147,7 +147,7 @@ impl GridDensity {
         size_of::<GridData>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
     }
 
-    /// Returns the first `distance` of `ray` in grid space, where cells have side 1.
+    /// Transforms the part of `ray` from 0 to `distance` to grid space, where cells have side 1.
     pub(super) fn ray_in_grid(&self, ray: &Ray, distance: f32) -> GridRay<'_> {
         let cells = self.grid.cells_per_axis();
         let inverse = self.placement.inverse();

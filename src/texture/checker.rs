@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use glam::DVec2;
 
-/// Finite-difference step of bump maps, relative to the side of a square.
+/// Finite-difference step of bump maps, relative to the side of a square of the checkerboard.
 pub(super) const BUMP_STEP: f64 = 1e-3;
 
 /// A checkerboard of unit squares: the first colour where ⌊u⌋ + ⌊v⌋ is even, else the second.

@@ -63,7 +63,7 @@ impl SolidTexture {
         self.colors[0].lerp(self.colors[1], t as f32)
     }
 
-    /// The mean of both colours, because the pattern is symmetric about ½.
+    /// Mean colour over all space: that of both colours, because the pattern is symmetric about ½.
     pub(super) fn mean(&self) -> Rgb {
         (self.colors[0] + self.colors[1]) * 0.5
     }

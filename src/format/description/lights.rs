@@ -137,7 +137,7 @@ pub enum EnvironmentRadiance {
     Constant(DVec3),
     /// An equirectangular picture of all directions.
     Picture {
-        /// Path as written: not empty, without line breaks.
+        /// Path of the picture as the text writes it: not empty, without line breaks.
         path: Spanned<String>,
         /// Factor from picture values to radiance in W/(m² sr), at least 0.
         scale: f64,

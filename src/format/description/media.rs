@@ -57,7 +57,7 @@ pub enum DensityDescription {
     Homogeneous,
     /// Densities from a grid file.
     Grid {
-        /// Path as written: not empty, without line breaks.
+        /// Path of the grid file as the text writes it: not empty, without line breaks.
         path: Spanned<String>,
         /// Factor that multiplies the file's densities, above 0.
         scale: f64,

@@ -301,7 +301,7 @@ pub enum ShapeDescription {
     },
     /// A mesh in a file of its own.
     Mesh {
-        /// Path as written: not empty, without line breaks.
+        /// Path of the mesh file as the text writes it: not empty, without line breaks.
         path: Spanned<String>,
         /// Use of the materials and normals of the mesh's file.
         options: MeshOptions,

@@ -44,7 +44,7 @@ pub struct TextureDescription {
 pub enum TextureKindDescription {
     /// A picture in a file of its own.
     Image {
-        /// Path as written: not empty, without line breaks.
+        /// Path of the picture as the text writes it: not empty, without line breaks.
         path: Spanned<String>,
         /// Encoding of pictures with integer values, such as PNG. Floating-point pictures are
         /// linear.

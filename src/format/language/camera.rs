@@ -27,7 +27,7 @@ pub(super) static CAMERAS: &[BlockParser<ParseProjection>] = &[
     BlockParser { block: &ENVIRONMENT, parse: parse_environment_projection },
 ];
 
-/// Function that converts a camera's fields to its projection.
+/// Function that converts the parsed fields of a camera block to the camera's projection.
 type ParseProjection = fn(&BlockFields<'_>, &CameraPose) -> Result<ProjectionDescription, SceneError>;
 
 /// Position and viewing direction of a camera.

@@ -17,7 +17,8 @@ use super::transforms::parse_transform_steps;
 pub(super) struct ParsedFieldValue {
     /// One, two or three parsed numbers in x, y, z; unused components are 0.
     numbers: DVec3,
-    /// Text of a name, path or word. In a field of numbers, the name of a texture given instead.
+    /// Text of a name, path or word. In a field of numbers: name of the texture that replaces them,
+    /// or empty.
     name: String,
     steps: Vec<TransformStep>,
     /// Polynomial basis of a `profile` curve, whose control points are in `points`.
@@ -320,7 +321,7 @@ impl<'a> BlockFields<'a> {
         self.lexer.error_at(span, message, label, help)
     }
 
-    /// Returns the field `name` if it is present.
+    /// Returns the block's field `name`; `None` if the field is absent.
     pub fn get(&self, name: &str) -> Option<ParsedField<'_, 'a>> {
         debug_assert!(self.block.find_field(name).is_some(), "`{}` has no field `{name}`", self.block.keyword);
         let (field, word, value) = self.list.iter().find(|(field, ..)| field.name == name)?;
@@ -341,6 +342,9 @@ impl<'a> BlockFields<'a> {
     }
 
     /// Returns the one field among `names` that the block contains.
+    ///
+    /// # Errors
+    /// If no field or more than one field of `names` is present.
     pub fn require_one_field_of(&self, names: &[&str]) -> Result<ParsedField<'_, 'a>, SceneError> {
         let mut found = self.list.iter().filter(|(field, ..)| names.contains(&field.name));
         let block = self.keyword.text;
@@ -385,6 +389,9 @@ impl<'a> BlockFields<'a> {
 
     /// Returns the value of the field `name`, or the schema's default numbers if the field is
     /// absent.
+    ///
+    /// # Errors
+    /// If the field is absent and has no default numbers.
     pub fn value<T: FromFieldValue>(&self, name: &str) -> Result<T, SceneError> {
         let default = self.block.find_field(name).map(|field| field.default);
         if let (None, Some(FieldDefault::Numbers(default))) = (self.get(name), default) {
@@ -430,7 +437,7 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         T::from_field_value(self.value)
     }
 
-    /// Returns the curve of a field of kind [`FieldKind::Curve`].
+    /// Returns the curve in a field of kind [`FieldKind::Curve`].
     pub fn profile_curve(&self) -> ProfileCurve {
         ProfileCurve { basis: self.value.basis, controls: self.value.points.clone() }
     }
@@ -473,7 +480,7 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         Err(self.block.error_at(self.value.span, message, "not allowed", format!("`{name}` {rule}")))
     }
 
-    /// Returns an error if the value is outside the range, or not in the word list, of the schema.
+    /// Returns an error if the schema does not allow the value, by its range or list of words.
     fn check_field_value(&self) -> Result<(), SceneError> {
         let violated_rule = match self.field.kind {
             FieldKind::Word(words) if !words.contains(&self.value.name.as_str()) => {

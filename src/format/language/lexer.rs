@@ -62,12 +62,12 @@ impl<'a> Lexer<'a> {
         Token { text: &rest[..len], start: self.position }
     }
 
-    /// Moves past `token`.
+    /// Continues reading after `token`.
     pub fn consume_token(&mut self, token: Token<'_>) {
         self.position = token.start + token.text.len();
     }
 
-    /// Moves back to the start of `token`.
+    /// Continues reading at the start of `token`, which was consumed before.
     pub fn rewind_to_token(&mut self, token: Token<'_>) {
         self.position = token.start;
     }

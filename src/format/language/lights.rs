@@ -253,7 +253,7 @@ fn parse_spot_light(f: &BlockFields<'_>) -> Result<LightDescription, SceneError>
     Ok(LightDescription::Spot { position, aim, angle, penumbra, strength: parse_point_strength(f)? })
 }
 
-/// Converts the fields of a projector or goniometric light, except those of its `pattern`.
+/// Returns a projector or goniometric light with this `pattern`, and parses its other fields.
 fn parse_oriented_light(f: &BlockFields<'_>, pattern: LightPattern) -> Result<LightDescription, SceneError> {
     let position = f.value("position")?;
     let (aim, direction) = parse_direction_or_target(f, "position", position)?;

@@ -229,7 +229,7 @@ fn parse_material<'a>(
     Ok(MaterialDescription { name, kind, emission: parse_emission(f)?, normal_perturbation, medium })
 }
 
-/// True or false for each field that only some kinds of materials accept.
+/// Flags: whether a kind of material accepts the field `medium`, and a bump or normal map.
 struct AcceptedMaterialFields {
     medium: bool,
     normal_perturbation: bool,

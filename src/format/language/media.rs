@@ -111,7 +111,8 @@ pub(super) fn parse_media_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -
     })
 }
 
-/// Returns a medium without any effect, which replaces a medium that has errors.
+/// Returns a medium without any effect. It stands for a medium that has errors, so that materials
+/// can refer to its name.
 fn placeholder_medium(name: &str) -> MediumDescription {
     let coefficients = MediumCoefficients::AbsorptionScattering { absorption: DVec3::ZERO, scattering: DVec3::ZERO };
     let (emission, phase, density) =

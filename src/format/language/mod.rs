@@ -186,7 +186,8 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
 
 /// Parses a top-level block after its keyword `word`, and stores its content.
 ///
-/// The content goes to `blocks` or to the parser's `scope`, and replaces that of an earlier block.
+/// The content goes to `blocks` or to the parser's `scope`. It replaces that of an earlier block of
+/// the same kind.
 fn parse_file_block<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,

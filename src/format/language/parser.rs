@@ -26,7 +26,8 @@ pub(super) struct Parser<'a> {
     has_unclosed_block: bool,
 }
 
-/// Numbers of open and closed blocks at one position, to which the parser returns after an error.
+/// Numbers of open and closed blocks at the start of an entry. After an error in the entry, the
+/// parser leaves the blocks that were opened since.
 #[derive(Clone, Copy)]
 pub(super) struct SavedBlockNesting {
     open_blocks: usize,
@@ -164,13 +165,13 @@ impl<'a> Parser<'a> {
         self.check_entry_count(count, stated, found, what)
     }
 
-    /// Parses the `{` after a block's keyword.
+    /// Parses the `{` after a block's `keyword`, and marks the block as open.
     pub fn open_block(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {
         self.open_blocks.push(keyword);
         self.expect_punctuation("{")
     }
 
-    /// Parses the `}` of a block.
+    /// Parses the `}` of the innermost block, and marks the block as closed.
     pub fn close_block(&mut self) -> Result<(), SceneError> {
         self.expect_punctuation("}")?;
         self.open_blocks.pop();
@@ -178,7 +179,8 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Parses the `{` of a `Group`, `Transform` or `Moving` block, whose nesting is limited.
+    /// Parses the `{` of a `Group`, `Transform` or `Moving` block; an error if the nesting is too
+    /// deep.
     pub fn open_nested_block(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {
         if self.nesting_depth == MAX_NESTING_DEPTH {
             let message = format!("groups and transforms nest more than {MAX_NESTING_DEPTH} deep");

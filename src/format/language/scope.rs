@@ -28,7 +28,8 @@ pub(super) struct ParserScope<'a> {
     pub late_materials: Option<Token<'a>>,
 }
 
-/// Properties of a material that limit its use in a mix: depth of nested mixes, and dielectric.
+/// Properties of a material that limit its use in a mix: depth of nested mixes, and its
+/// `Dielectric`.
 #[derive(Clone, Copy, Default)]
 pub(super) struct MixSummary {
     /// Index of the material itself if it is a `Dielectric`, else of the `Dielectric` that it

@@ -102,7 +102,7 @@ pub(super) fn select_vertices(mesh: &mut TriangleMesh, list: impl Iterator<Item 
     mesh.texcoords = mesh.texcoords.take().map(texcoord);
 }
 
-pub(super) fn position_indices(mesh: &TriangleMesh) -> (Vec<u32>, usize) {
+pub(super) fn distinct_position_indices(mesh: &TriangleMesh) -> (Vec<u32>, usize) {
     let mut numbers = DeduplicatedList::with_capacity(mesh.positions.len());
     let places = mesh.positions.iter().map(|p| numbers.find_or_append(position_bits(*p), |key| *key)).collect();
     (places, numbers.into_values().len())

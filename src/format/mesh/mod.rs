@@ -70,8 +70,8 @@ impl TriangleMesh {
     ///
     /// Coordinates −0 and 0 are equal here.
     #[must_use]
-    pub fn position_indices(&self) -> (Vec<u32>, usize) {
-        merge::position_indices(self)
+    pub fn distinct_position_indices(&self) -> (Vec<u32>, usize) {
+        merge::distinct_position_indices(self)
     }
 
     /// Moves each vertex to the first vertex within `tolerance` \[length], and merges equal

@@ -40,7 +40,7 @@ pub(super) struct MeshPart {
     file_material: Option<AddedMeshFileMaterial>,
 }
 
-/// A material of a mesh's file, as added to the scene.
+/// Name, index and emission of a material that comes from a mesh's MTL file, in the scene.
 #[derive(Clone, Debug)]
 pub(super) struct AddedMeshFileMaterial {
     name: Rc<str>,
@@ -136,7 +136,7 @@ fn load_mesh_parts(
         Some(mesh) => Ok(LoadedMesh { mesh: (**mesh).clone(), ..LoadedMesh::default() }),
         None => mesh::load_with_memory_limit(&file, r.monitor, r.memory.available_bytes()),
     };
-    let mut loaded = loaded.map_err(|e| mesh_error(r, path, &e))?;
+    let mut loaded = loaded.map_err(|e| mesh_error_at_path(r, path, &e))?;
     if ignores_normals {
         loaded.mesh.normals = None;
     }
@@ -170,8 +170,8 @@ fn add_mesh_file_materials(
     if let Some(materials) = r.file_materials.get(file) {
         return Ok(materials.clone());
     }
-    let library =
-        mtl::load_mesh_materials(file, loaded, r.memory.available_bytes()).map_err(|e| mesh_error(r, path, &e))?;
+    let library = mtl::load_mesh_materials(file, loaded, r.memory.available_bytes())
+        .map_err(|e| mesh_error_at_path(r, path, &e))?;
     let mut materials = Vec::with_capacity(library.len());
     for material in library {
         let bad = |(message, remedy)| MeshError::BadMaterial { path: file.into(), message, remedy };
@@ -205,6 +205,6 @@ fn add_mesh_file_material(
     Ok(AddedMeshFileMaterial { name: description.name.unwrap_or_default().into(), index, emission })
 }
 
-fn mesh_error(r: &Resolver<'_>, path: &Spanned<String>, error: &MeshError) -> SceneError {
+fn mesh_error_at_path(r: &Resolver<'_>, path: &Spanned<String>, error: &MeshError) -> SceneError {
     r.file_or_memory_error(path, error, matches!(error, MeshError::Memory { .. }), MESH_REMEDY)
 }

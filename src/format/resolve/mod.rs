@@ -133,7 +133,7 @@ struct Resolver<'a> {
     pictures: HashMap<(PathBuf, bool), AddedTexture>,
     /// Media with their indices, by name.
     media: HashMap<&'a str, (u32, Medium)>,
-    /// What each material's textures need from a surface, by material index.
+    /// Surface properties that the textures of each material need, by material index.
     texture_requirements: Vec<TextureRequirements>,
     monitor: &'a dyn MeshReadMonitor,
     memory: MemoryLimit,

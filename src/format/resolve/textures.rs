@@ -15,7 +15,7 @@ use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-/// A texture as added to the scene.
+/// Index and properties of a texture that was added to the scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AddedTexture {
     pub index: u32,

@@ -65,7 +65,7 @@ fn write_and_load(mesh: &TriangleMesh, folder: &Path, (form, name): (MeshFormat,
     load(&path, &()).unwrap()
 }
 
-fn mesh_bits(mesh: &TriangleMesh) -> Vec<u64> {
+fn bit_patterns_of_mesh(mesh: &TriangleMesh) -> Vec<u64> {
     let points = mesh.positions.iter().chain(mesh.normals.iter().flatten()).flat_map(|p| p.to_array());
     let texcoords = mesh.texcoords.iter().flatten().flat_map(|t| t.to_array());
     points.chain(texcoords).map(f64::to_bits).collect()
@@ -85,7 +85,7 @@ proptest! {
                 (expected.materials, expected.triangle_materials) = (Vec::new(), Vec::new());
                 prop_assert_eq!(read.vertices, mesh.positions.len());
             }
-            prop_assert_eq!(mesh_bits(&read.mesh), mesh_bits(&expected));
+            prop_assert_eq!(bit_patterns_of_mesh(&read.mesh), bit_patterns_of_mesh(&expected));
             prop_assert_eq!(read.mesh, expected);
         }
     }
