@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// A scene converted to scene text. Its embedded meshes and pictures become separate files.
 #[derive(Clone, Debug)]
 pub struct ConvertedScene {
-    /// The scene in the scene language.
+    /// Text of the scene in the scene language.
     pub text: String,
     /// Embedded meshes, each with the path of the PLY file to write.
     pub meshes: Vec<(PathBuf, Arc<TriangleMesh>)>,

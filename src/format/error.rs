@@ -7,12 +7,12 @@ use miette::{Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCod
 
 use super::description::Span;
 
-/// Greatest number of errors that are reported at once.
+/// Greatest number of errors of one scene file that are reported at once.
 pub(super) const MAX_ERRORS: usize = 20;
 
 /// Greatest number of bytes shown on either side of an error, because a file may be one long line.
 const CONTEXT_BYTES: usize = 200;
-/// Greatest number of bytes that are underlined.
+/// Greatest number of bytes that an error message underlines.
 const MAX_UNDERLINED_BYTES: usize = 80;
 
 /// Name and text of a scene file; cheap to clone.
@@ -29,13 +29,13 @@ impl SourceText {
         Self { name: name.into(), text: text.into() }
     }
 
-    /// Returns the file's name.
+    /// Returns the name of the scene file.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Returns the file's text.
+    /// Returns the text of the scene file.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
@@ -224,7 +224,7 @@ impl SceneError {
         &self.0.message
     }
 
-    /// Returns the remedy.
+    /// Returns advice on how to correct the defect.
     #[must_use]
     pub fn remedy(&self) -> &str {
         &self.0.help

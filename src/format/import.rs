@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// To add a format, implement this trait. Then add the type to [`IMPORTERS`](super::IMPORTERS). A
 /// file goes to the first importer that lists its extension.
 pub trait SceneImporter: Sync {
-    /// Returns the format's name, for messages.
+    /// Returns the name of the scene format, for messages.
     fn name(&self) -> &'static str;
 
     /// Returns the file extensions of the format, in lower case and without the dot.
@@ -74,7 +74,7 @@ pub enum SceneReadError {
     #[error("cannot read the scene `{}`", path.display())]
     #[diagnostic(help("check the path and its permissions"))]
     Unreadable {
-        /// Path of the file.
+        /// Path of the scene file.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
@@ -83,7 +83,7 @@ pub enum SceneReadError {
     #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), format_bytes(*needed), format_bytes(*free))]
     #[diagnostic(help("put large parts into meshes, or allow more memory (--memory)"))]
     Memory {
-        /// Path of the file.
+        /// Path of the scene file.
         path: PathBuf,
         /// Estimated memory of the scene \[bytes].
         needed: u64,

@@ -9,7 +9,7 @@ pub(in crate::format) type MessageAndRemedy = (String, &'static str);
 #[derive(Debug, thiserror::Error)]
 #[error("{}:{line}: {message}: {remedy}", path.display())]
 pub struct LineError {
-    /// Path of the file.
+    /// Path of the input file.
     pub path: PathBuf,
     /// Line number, from 1.
     pub line: usize,

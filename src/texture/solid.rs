@@ -23,7 +23,7 @@ pub enum SolidPattern {
 /// before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidTexture {
-    /// The pattern.
+    /// Function of position that blends the two colours.
     pub kind: SolidPattern,
     /// Colours for pattern values 0 and 1.
     pub colors: [Rgb; 2],

@@ -201,13 +201,13 @@ impl MaterialKindDescription {
 /// Index of refraction of a dielectric, relative to air.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RefractiveIndexDescription {
-    /// One index for all wavelengths.
+    /// One refractive index for all wavelengths.
     Index(f64),
     /// Name of a glass with a known dispersion formula.
     Named(Spanned<String>),
     /// Two-term Cauchy equation, given by index and Abbe number.
     Abbe {
-        /// Index at the d line, 587.56 nm.
+        /// Refractive index at the d line, 587.56 nm.
         index: f64,
         /// Abbe number, above 0; a smaller one means more dispersion.
         abbe: f64,
@@ -247,7 +247,7 @@ pub enum DielectricAbsorption {
     Tint {
         /// Transmittance over `distance`, inside (0, 1].
         color: DVec3,
-        /// Distance in scene units, above 0.
+        /// Distance over which `color` is the transmittance, in scene units, above 0.
         distance: f64,
     },
 }

@@ -39,7 +39,7 @@ pub struct TextureDescription {
     pub kind: TextureKindDescription,
 }
 
-/// Kind of a texture, with its parameters.
+/// Picture, checkerboard or solid texture, with its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TextureKindDescription {
     /// A picture in a file of its own.
@@ -65,7 +65,7 @@ pub enum TextureKindDescription {
     Solid {
         /// Function of the position.
         pattern: SolidPatternDescription,
-        /// Colors at pattern values 0 and 1.
+        /// Colors where the pattern has the values 0 and 1.
         colors: [DVec3; 2],
         /// Number of noise octaves, from 1 to 16.
         octaves: u32,
@@ -90,7 +90,7 @@ pub enum SolidPatternDescription {
     Wood,
 }
 
-/// Encoding of integer picture values.
+/// Encoding of the integer values of a picture, such as a PNG file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PictureEncoding {
     /// Values encoded by the sRGB transfer function.

@@ -46,9 +46,9 @@ pub struct DensityGrid {
 /// Encoding of the values in a grid file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GridEncoding {
-    /// Little-endian single precision.
+    /// Binary numbers: little-endian single precision.
     F32,
-    /// Decimal numbers.
+    /// Decimal numbers as text, separated by white space.
     Text,
 }
 
@@ -203,7 +203,7 @@ fn grid_cell_coordinates(size: [u32; 3], i: usize) -> [u32; 3] {
 struct GridBodyReader<'a> {
     path: &'a Path,
     header: &'a GridHeader,
-    /// Bytes of the whole file.
+    /// Size of the whole file \[bytes].
     length: u64,
     /// Bytes of memory that are free, if known.
     free: Option<u64>,

@@ -432,7 +432,7 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         self.value.span
     }
 
-    /// Returns the value as a `T`.
+    /// Returns the field's value, converted to `T`.
     pub fn value<T: FromFieldValue>(&self) -> T {
         T::from_field_value(self.value)
     }

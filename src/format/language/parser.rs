@@ -10,7 +10,7 @@ use super::text::clip_for_message;
 
 /// Parser of a scene text: holds the position, and the definitions and errors found so far.
 pub(super) struct Parser<'a> {
-    /// Text and current position.
+    /// Lexer, with the scene text and the current position.
     pub lexer: Lexer<'a>,
     /// Textures, media and materials defined so far.
     pub scope: ParserScope<'a>,

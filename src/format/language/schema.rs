@@ -94,9 +94,9 @@ pub(super) struct FieldSchema {
     pub name: &'static str,
     /// Second accepted keyword; empty if there is none.
     pub alias: &'static str,
-    /// Type of the value.
+    /// Type of the field's value.
     pub kind: FieldKind,
-    /// Allowed values.
+    /// Range that the field's value must lie in.
     pub range: FieldRange,
     /// Unit of the numbers; empty if they have none.
     pub unit: &'static str,

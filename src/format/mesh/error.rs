@@ -12,19 +12,19 @@ pub enum MeshError {
     /// The mesh file does not exist.
     #[error("there is no mesh file {}: check the path, which counts from the scene file's folder or the one above it", path.display())]
     Missing {
-        /// Path of the file.
+        /// Path of the mesh file.
         path: PathBuf,
     },
     /// The material file does not exist.
     #[error("there is no material file {}: put it beside the mesh that names it", path.display())]
     NoLibrary {
-        /// Path of the file.
+        /// Path of the material file.
         path: PathBuf,
     },
     /// The file exists but cannot be read.
     #[error("cannot read the mesh {}: check that it is a file and that you may read it", path.display())]
     Unreadable {
-        /// Path of the file.
+        /// Path of the mesh or material file.
         path: PathBuf,
         /// Cause reported by the system.
         source: std::io::Error,
@@ -35,7 +35,7 @@ pub enum MeshError {
     /// A binary file holds invalid data.
     #[error("{}: byte {byte}, {element}: {message}: {remedy}", path.display())]
     Byte {
-        /// Path of the file.
+        /// Path of the mesh file.
         path: PathBuf,
         /// Offset of the invalid data from the start of the file \[bytes].
         byte: usize,
@@ -49,13 +49,13 @@ pub enum MeshError {
     /// The mesh has no faces.
     #[error("the mesh {} has no faces: export it with faces", path.display())]
     NoFaces {
-        /// Path of the file.
+        /// Path of the mesh file.
         path: PathBuf,
     },
     /// The mesh has more vertices than a signed 32-bit index can count.
     #[error("the mesh {} has more than 2147483647 vertices: split it", path.display())]
     TooLarge {
-        /// Path of the file.
+        /// Path of the mesh file.
         path: PathBuf,
     },
     /// The mesh takes more memory than is free.
@@ -64,7 +64,7 @@ pub enum MeshError {
         path.display(), format_bytes(*needed), format_bytes(*free)
     )]
     Memory {
-        /// Path of the file.
+        /// Path of the mesh or material file.
         path: PathBuf,
         /// Bytes that reading the mesh takes.
         needed: u64,
@@ -74,7 +74,7 @@ pub enum MeshError {
     /// Faces name a material that no material file defines.
     #[error("the mesh {} names a material `{name}` that its material files do not hold: add it to one of them", path.display())]
     NoMaterial {
-        /// Path of the file.
+        /// Path of the mesh file.
         path: PathBuf,
         /// Name of the material.
         name: String,
@@ -92,7 +92,7 @@ pub enum MeshError {
     /// The parser crate `tobj` refuses a file that Caustica's own line check accepted.
     #[error("cannot read the mesh {}: {source}: export it anew as plain triangles", path.display())]
     Malformed {
-        /// Path of the file.
+        /// Path of the mesh file.
         path: PathBuf,
         /// Cause reported by `tobj`.
         source: tobj::LoadError,

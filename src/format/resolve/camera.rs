@@ -75,7 +75,7 @@ const MIN_FOCUS_DISTANCE: f64 = 1e-12;
 /// Single precision can hold their squares and products.
 const MAX_LENS_LENGTH: f64 = 1e12;
 
-/// Returns an error if single precision cannot hold the lens.
+/// Returns an error if single precision cannot hold the squares of lens radius and focus distance.
 fn check_lens(lens: &Lens) -> Result<(), MessageAndRemedy> {
     if !(lens.radius < MAX_LENS_LENGTH && lens.focus < MAX_LENS_LENGTH) {
         let message = "the lens is larger, or focused farther, than single precision can hold";

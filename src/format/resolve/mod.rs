@@ -143,7 +143,7 @@ struct Resolver<'a> {
     meshes: HashMap<meshes::MeshKey, Rc<[meshes::MeshPart]>>,
     /// Materials of each mesh file, in the order in which the mesh names them.
     file_materials: HashMap<PathBuf, Rc<[meshes::AddedMeshFileMaterial]>>,
-    /// Number of objects that name each mesh path.
+    /// Number of objects that refer to each mesh file, by its path in the description.
     mesh_uses: HashMap<&'a str, usize>,
     /// Geometry that instances of a mesh share.
     shared_meshes: HashMap<*const TriangleMesh, Rc<NormalizedMesh>>,
@@ -333,7 +333,7 @@ pub(super) fn file_candidates<'a>(folder: &'a Path, path: &'a Path) -> impl Iter
     [folder.join(path), above.join(path)].into_iter().take(if path.is_absolute() { 1 } else { 2 })
 }
 
-/// Returns the number of objects that name each mesh path.
+/// Counts the objects that refer to each mesh file, by its path in the description.
 fn count_mesh_uses(group: &ObjectGroup) -> HashMap<&str, usize> {
     fn count_mesh_uses_in_group<'a>(group: &'a ObjectGroup, uses: &mut HashMap<&'a str, usize>) {
         for item in &group.items {

@@ -14,7 +14,7 @@ pub fn random_positive() -> impl Strategy<Value = f64> {
     any.prop_map(|x| if x > f64::from(f32::MAX) { 1.0 / x } else { x })
 }
 
-/// Random coefficients in 1/length.
+/// Random absorption or scattering coefficients in 1/length.
 pub fn random_coefficients() -> impl Strategy<Value = DVec3> {
     let one = || prop_oneof![Just(0.0), 0.0..=1e12, 0.0..1.0];
     [one(), one(), one()].prop_map(DVec3::from_array)

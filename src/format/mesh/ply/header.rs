@@ -58,7 +58,7 @@ impl PlyNumberType {
 pub(super) enum PlyPropertyRole {
     /// Vertex coordinate: index into the list x, y, z, nx, ny, nz, u, v.
     Slot(usize),
-    /// Vertex indices of a face.
+    /// List of a face's vertex indices.
     Corners,
     /// Unused property, which is skipped.
     Other,
@@ -224,14 +224,14 @@ impl PlyElement {
         self.properties.iter().map(one).sum()
     }
 
-    pub fn has_property_slot(&self, slot: usize) -> bool {
+    pub fn has_vertex_coordinate(&self, slot: usize) -> bool {
         self.properties.iter().any(|p| p.role == PlyPropertyRole::Slot(slot))
     }
 
     fn check_required_properties(&self) -> Result<(), HeaderError> {
         let wrong = |message: &str, remedy| Err((self.line, (message.to_owned(), remedy)));
         match self.kind {
-            PlyElementKind::Vertex if !(0..3).all(|slot| self.has_property_slot(slot)) => {
+            PlyElementKind::Vertex if !(0..3).all(|slot| self.has_vertex_coordinate(slot)) => {
                 wrong("`vertex` lacks one of the properties x, y and z", "export it with positions")
             }
             PlyElementKind::Face if !self.properties.iter().any(|p| p.role == PlyPropertyRole::Corners) => {

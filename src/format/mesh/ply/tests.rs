@@ -273,7 +273,7 @@ proptest::proptest! {
     }
 }
 
-/// A face corner takes one byte in this file but 32 bytes in memory.
+/// Reads a file in which a face corner takes one byte, but 32 bytes in memory.
 #[test]
 fn face_memory_is_checked_before_allocation() {
     let head = format!("ply\nformat binary_little_endian 1.0\nelement vertex 4\n{VERTEX}element face 1\n");
