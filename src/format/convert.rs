@@ -6,7 +6,7 @@ use super::description::{
 };
 use super::file::SceneFile;
 use super::mesh::TriangleMesh;
-use super::resolve::file_candidates;
+use super::resolve::candidate_file_paths;
 use crate::image::Image;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ impl ConvertedScene {
                 path.clone_from(name);
                 return;
             }
-            let Some(file) = file_candidates(scene.folder(), Path::new(path.as_str())).find(|file| file.is_file())
+            let Some(file) = candidate_file_paths(scene.folder(), Path::new(path.as_str())).find(|file| file.is_file())
             else {
                 return;
             };

@@ -6,7 +6,7 @@ use super::description::{
 };
 use super::import::EmbeddedAssets;
 use super::mesh::{self, MeshReport};
-use super::resolve::file_candidates;
+use super::resolve::candidate_file_paths;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -25,7 +25,7 @@ pub(super) fn scene_warnings(
     for (path, span) in &uses.dielectric_meshes {
         let report = match assets.meshes.get(*path) {
             Some(mesh) => Some(mesh.mesh_report()),
-            None => file_candidates(folder, Path::new(path))
+            None => candidate_file_paths(folder, Path::new(path))
                 .find(|file| file.is_file())
                 .and_then(|file| mesh::load(&file, &()).ok())
                 .map(|loaded| loaded.mesh.mesh_report()),

@@ -89,14 +89,14 @@ pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
         let normals: Vec<DVec3> = vertices.iter().map(normal).collect();
         mesh.normals = normals.iter().any(|n| *n != DVec3::ZERO).then_some(normals);
     }
-    select_vertices(mesh, vertices.iter().map(|(v, _)| *v));
+    keep_listed_vertices(mesh, vertices.iter().map(|(v, _)| *v));
 }
 
 /// Replaces the vertices of `mesh` by its vertices with the indices in `list`.
 ///
 /// Only positions and texture coordinates are replaced. The caller must replace normals and
 /// triangles.
-pub(super) fn select_vertices(mesh: &mut TriangleMesh, list: impl Iterator<Item = u32> + Clone) {
+pub(super) fn keep_listed_vertices(mesh: &mut TriangleMesh, list: impl Iterator<Item = u32> + Clone) {
     mesh.positions = list.clone().map(|v| mesh.positions[v as usize]).collect();
     let texcoord = |texcoords: Vec<DVec2>| list.map(|v| texcoords[v as usize]).collect();
     mesh.texcoords = mesh.texcoords.take().map(texcoord);

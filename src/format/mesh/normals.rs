@@ -1,7 +1,7 @@
 //! Smooth shading normals for meshes without normals.
 
 use super::TriangleMesh;
-use super::merge::{DeduplicatedList, select_vertices};
+use super::merge::{DeduplicatedList, keep_listed_vertices};
 use super::topology::{MeshTopology, ParityUnionFind};
 use glam::DVec3;
 
@@ -90,7 +90,7 @@ fn assign_smoothing_group_normals(mesh: &mut TriangleMesh, missing: &[bool], gro
         _ => sums.get(group as usize).copied().unwrap_or_default().normalize_or_zero(),
     };
     mesh.normals = Some(vertices.iter().map(normal).collect());
-    select_vertices(mesh, vertices.iter().map(|(v, _)| *v));
+    keep_listed_vertices(mesh, vertices.iter().map(|(v, _)| *v));
     mesh.merge_equal_vertices();
 }
 

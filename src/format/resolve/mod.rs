@@ -289,12 +289,12 @@ impl Resolver<'_> {
             let message = format!("meshes of the format `.{extension}` are not read");
             return Err(self.file_error(path, &message, "convert it to OBJ or PLY, which are read"));
         }
-        let found = file_candidates(self.folder, written)
+        let found = candidate_file_paths(self.folder, written)
             .find(|p| p.is_file())
             .inspect(|file| self.monitor.on_input_file_found(file));
         found.ok_or_else(|| {
             let places: Vec<String> =
-                file_candidates(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
+                candidate_file_paths(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
             let message = format!("the {kind} `{}` does not exist", path.value);
             self.file_error(path, &message, &format!("put the file at {}", places.join(" or ")))
         })
@@ -328,7 +328,7 @@ impl Resolver<'_> {
 /// parent.
 ///
 /// An absolute path has one candidate.
-pub(super) fn file_candidates<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf> {
+pub(super) fn candidate_file_paths<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf> {
     let above = if folder.as_os_str().is_empty() { Path::new("..").to_owned() } else { folder.join("..") };
     [folder.join(path), above.join(path)].into_iter().take(if path.is_absolute() { 1 } else { 2 })
 }

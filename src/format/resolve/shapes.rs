@@ -56,15 +56,15 @@ pub(super) fn add_shape(
             set_texture_mapping_if_needed(r, TextureMappingKind::rectangle_mapping(*corner, *edge0, *edge1), to_world);
         }
         ShapeDescription::Box { min, max } => {
-            add_solid(r, &placement, Cuboid::new(*min, *max).map(Shape::Cuboid), emission)?;
+            add_solid_shape(r, &placement, Cuboid::new(*min, *max).map(Shape::Cuboid), emission)?;
         }
         ShapeDescription::Cylinder { ends: [bottom, top], radius, is_capped } => {
             let cylinder = Frustum::cylinder(*bottom, *top, *radius, *is_capped);
-            add_solid(r, &placement, cylinder.map(Shape::Frustum), emission)?;
+            add_solid_shape(r, &placement, cylinder.map(Shape::Frustum), emission)?;
         }
         ShapeDescription::Cone { ends: [bottom, top], radii, is_capped } => {
             let cone = Frustum::new(*bottom, *top, *radii, *is_capped);
-            add_solid(r, &placement, cone.map(Shape::Frustum), emission)?;
+            add_solid_shape(r, &placement, cone.map(Shape::Frustum), emission)?;
         }
         ShapeDescription::Triangle { vertices, normals, uv } => {
             let normals = normals.as_ref().map(|n| n.as_slice());
@@ -109,7 +109,7 @@ pub(super) fn add_shape(
 }
 
 /// Adds a box, cylinder or cone. `None` stands for a solid without volume and is an error.
-fn add_solid(
+fn add_solid_shape(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
     solid: Option<Shape>,

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use proptest::prelude::*;
 
-pub fn random_finite() -> impl Strategy<Value = f64> {
+pub fn random_finite_number() -> impl Strategy<Value = f64> {
     use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
     POSITIVE | NEGATIVE | NORMAL | SUBNORMAL | ZERO
 }
@@ -21,7 +21,7 @@ pub fn random_coefficients() -> impl Strategy<Value = DVec3> {
 }
 
 pub fn random_point() -> impl Strategy<Value = DVec3> {
-    [random_finite(), random_finite(), random_finite()].prop_map(DVec3::from_array)
+    [random_finite_number(), random_finite_number(), random_finite_number()].prop_map(DVec3::from_array)
 }
 
 /// A random vector whose squared length neither overflows nor underflows.

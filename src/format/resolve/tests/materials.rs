@@ -1,6 +1,6 @@
 //! Tests of resolved materials.
 
-use super::{CAMERA, is_nearly_equal, resolve_error, resolve_text};
+use super::{CAMERA, is_nearly_equal, resolve_error, resolve_scene_text};
 use crate::bsdf::{METALS, conductor_reflectance, metal_refractive_index};
 use crate::color::{DispersionFormula, GLASSES};
 use crate::format::description::MaterialKindDescription;
@@ -12,7 +12,7 @@ use std::path::Path;
 const BALL: &str = "Group { Sphere { center 0 0 0 radius 1 } }";
 
 fn resolve_materials(materials: &str) -> Scene {
-    resolve_text(&format!("Materials {{ {materials} }} {BALL}"))
+    resolve_scene_text(&format!("Materials {{ {materials} }} {BALL}"))
 }
 
 #[test]
@@ -24,7 +24,7 @@ fn materials_are_resolved() {
         Mirror { reflectance .9 .8 .7 }
         Phong { diffuseColor .1 .2 .3 specularColor .4 .5 .6 shininess 7 }
     }";
-    let scene = resolve_text(&format!("{materials} Group {{ Sphere {{ center 0 0 0 radius 1 }} }}"));
+    let scene = resolve_scene_text(&format!("{materials} Group {{ Sphere {{ center 0 0 0 radius 1 }} }}"));
     let absorption = |i: usize| scene.materials()[i].bounded_body().unwrap().absorption;
     let body = Body { priority: 7, ..Body::new(1.7) };
     assert_eq!(scene.materials()[0], Material::rough_boundary(body, 0.25));

@@ -1,6 +1,6 @@
 //! Tests of resolved media: coefficients, density grids, bodies and the ambient medium.
 
-use super::{CAMERA, resolve_error, resolve_in_folder, resolve_text};
+use super::{CAMERA, resolve_error, resolve_in_folder, resolve_scene_text};
 use crate::format::grid::{self, DensityGrid, GridEncoding};
 use crate::format::{SourceText, parse, resolve};
 use crate::medium::{Medium, PhaseFunction};
@@ -32,8 +32,9 @@ fn density_of_first_material(scene: &Scene, p: DVec3) -> f32 {
 
 #[test]
 fn coefficients_and_phase_functions_are_resolved() {
-    let of =
-        |fields: &str| resolve_text(&scene_text_with_media(&format!("Medium a {{ {fields} }}"), "Clear { medium a }"));
+    let of = |fields: &str| {
+        resolve_scene_text(&scene_text_with_media(&format!("Medium a {{ {fields} }}"), "Clear { medium a }"))
+    };
     let found = of("absorption 1 2 3 scattering 4 5 6 emission 7 8 9");
     let medium = medium_of_first_material(&found);
     assert_eq!((medium.absorption, medium.scattering), (vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0)));
@@ -54,7 +55,7 @@ fn coefficients_and_phase_functions_are_resolved() {
 #[test]
 fn media_fill_bodies_and_regions() {
     let media = "Medium a { absorption 1 1 1 } Medium b { scattering 1 1 1 }";
-    let found = resolve_text(&scene_text_with_media(
+    let found = resolve_scene_text(&scene_text_with_media(
         media,
         "Dielectric { medium b priority 3 roughness .5 } Clear { medium a priority 7 } Clear { }",
     ));
@@ -63,15 +64,16 @@ fn media_fill_bodies_and_regions() {
     assert_eq!(body_of_material(&found, 1), Body { priority: 7, ..Body::body_filled_with_medium(0) });
     assert_eq!(body_of_material(&found, 2), Body { medium: None, ..Body::body_filled_with_medium(0) });
     assert_eq!(found.ambient_medium(), None);
-    let found =
-        resolve_text("Background { medium fog } Media { Medium no { } Medium fog { scattering 1 1 1 } } Group { }");
+    let found = resolve_scene_text(
+        "Background { medium fog } Media { Medium no { } Medium fog { scattering 1 1 1 } } Group { }",
+    );
     assert_eq!(found.ambient_medium(), Some(1));
 }
 
 #[test]
 fn body_absorption_adds_to_a_homogeneous_medium() {
     let media = "Medium milk { scattering 9 9 9 absorption 1 2 3 anisotropy .5 }";
-    let found = resolve_text(&scene_text_with_media(
+    let found = resolve_scene_text(&scene_text_with_media(
         media,
         "Dielectric { medium milk absorption .5 0 1 } Dielectric { medium milk absorption 0 0 0 }",
     ));
@@ -88,7 +90,7 @@ fn body_absorption_adds_to_a_homogeneous_medium() {
     let error = resolve_error(&scene_text_with_media(cloud, "Dielectric { tint .5 1 1 medium c }"));
     assert_eq!((error.line(), error.text()), (3, "c"), "{error}");
     assert!(error.message().contains("absorbs") && error.remedy().contains("`tint`"), "{error}");
-    resolve_text(&scene_text_with_media(cloud, "Dielectric { medium c absorption 0 0 0 }"));
+    resolve_scene_text(&scene_text_with_media(cloud, "Dielectric { medium c absorption 0 0 0 }"));
 }
 
 /// The centers of 2 × 1 × 1 cells in a box of length 8 are at 2 and 6.
@@ -144,7 +146,7 @@ fn unreadable_grids_are_reported_at_their_path() {
 fn clouds_fill_the_inscribed_ellipsoid() {
     let of = |fields: &str| {
         let cloud = format!("Cloud c {{ scattering 1 1 1 min -2 -1 -1 max 2 1 1 resolution 32 {fields} }}");
-        resolve_text(&scene_text_with_media(&cloud, "Clear { medium c }"))
+        resolve_scene_text(&scene_text_with_media(&cloud, "Clear { medium c }"))
     };
     let mean = |scene: &Scene, size: f64| {
         let points =
@@ -176,7 +178,7 @@ fn invalid_ambient_media_are_refused() {
     let bright = resolve_error(&of("Medium a { absorption 1 0 1 emission 1 1 1 }", ""));
     assert_eq!((bright.line(), bright.text()), (2, "a"), "{bright}");
     assert!(bright.message().contains("infinitely bright") && bright.remedy().contains("absorb"), "{bright}");
-    resolve_text(&of("Medium a { absorption 1 0 1 emission 1 0 1 }", ""));
+    resolve_scene_text(&of("Medium a { absorption 1 0 1 emission 1 0 1 }", ""));
 
     let sun = "DirectionalLight { direction 0 -1 0 irradiance 1 1 1 }";
     let (sky, lamp) = ("EnvironmentLight { radiance 1 1 1 }", "PointLight { position 0 5 0 power 1 1 1 }");
@@ -184,8 +186,8 @@ fn invalid_ambient_media_are_refused() {
         let error = resolve_error(&of(&format!("Medium a {{ {fog} }}"), &format!("{lamp} {light}")));
         assert_eq!((error.line(), error.text()), (3, light.split(' ').next().unwrap()), "{error}");
         assert!(error.message().contains("light from infinity") && error.remedy().contains("`Clear {"), "{error}");
-        resolve_text(&of("Medium a { }", light));
-        resolve_text(&of(&format!("Medium a {{ {fog} }}"), lamp));
+        resolve_scene_text(&of("Medium a { }", light));
+        resolve_scene_text(&of(&format!("Medium a {{ {fog} }}"), lamp));
     }
     let error = resolve_error(&of("Medium a { absorption 1 1 1 }", &format!("Moving {{ XRotate 9 {sun} }}")));
     assert_eq!((error.line(), error.text()), (3, "DirectionalLight"), "{error}");
@@ -200,7 +202,7 @@ fn clear_objects_cannot_emit() {
     let error = resolve_error(&of("1 0 0"));
     assert_eq!((error.line(), error.column(), error.text()), (3, 25, "Sphere"), "{error}");
     assert!(error.message().contains("no surface") && error.remedy().contains("`emission` to its medium"), "{error}");
-    resolve_text(&of("0 0 0"));
+    resolve_scene_text(&of("0 0 0"));
 }
 
 #[test]
