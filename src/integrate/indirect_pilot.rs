@@ -9,9 +9,9 @@
 //! No pass uses photons or rays of the pilot, so the mean of the passes stays unbiased.
 
 use super::balance;
-use super::film_points::{FilmPoint, trace_each_camera_path_through};
+use super::film_points::{FilmPoint, map_paths_through_film_points};
 use super::indirect_division::{IndirectDivision, IndirectErrors, IndirectTechnique};
-use super::map_builder::PassBudget;
+use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
@@ -178,9 +178,9 @@ impl<'a> Trial<'a> {
     /// Traces 1/`divisor` of the photon paths of a pass.
     fn new(pilot: &PassRenderer<'a>, trial: u32, divisor: u32) -> Self {
         let key = pilot_key(pilot).pilot_trial_key(trial);
-        let budget = PassBudget { key, pass: 0, part: divisor, limited: true, connects: false };
+        let budget = MapBuildOptions { key, pass: 0, part: divisor, limited: true, connects: false };
         let mut report = Pass::default();
-        let maps = pilot.map_builder.build_with_budget(&budget, &SilentMonitor, &mut report);
+        let maps = pilot.map_builder.build_with_options(&budget, &SilentMonitor, &mut report);
         Self { maps, report }
     }
 
@@ -194,7 +194,7 @@ impl<'a> Trial<'a> {
     ) -> (Vec<PointLight>, Counters) {
         let nests_estimates = matches!(technique, IndirectTechnique::Comparison);
         let paths = pilot.path_context(Some(&self.maps), 0).with_indirect_technique(technique);
-        trace_each_camera_path_through(&paths, points, nests_estimates, PointLight::take_from)
+        map_paths_through_film_points(&paths, points, nests_estimates, PointLight::take_from)
     }
 
     /// Measures the work of camera paths through `points`, whose counters with both techniques are

@@ -17,7 +17,7 @@
 
 use super::balance;
 use super::camera_path;
-use super::map_builder::PassBudget;
+use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
@@ -134,8 +134,8 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let counts = renderer.map_builder.counts;
     let divisor = counts.photons.max(counts.caustic_photons).div_ceil(MAX_PATHS).max(MIN_DIVISOR);
     let maps = renderer.map_builder.traces_photons().then(|| {
-        let budget = PassBudget { key, pass: 0, part: divisor, limited: true, connects: true };
-        renderer.map_builder.build_with_budget(&budget, &SilentMonitor, &mut out)
+        let budget = MapBuildOptions { key, pass: 0, part: divisor, limited: true, connects: true };
+        renderer.map_builder.build_with_options(&budget, &SilentMonitor, &mut out)
     });
     let (width, height) = scene.camera().size();
     let mut light = vec![PixelLight::default(); width as usize * height as usize];
