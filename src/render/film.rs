@@ -7,9 +7,9 @@ use glam::DVec3;
 
 /// Sums of the pass images by pixel.
 ///
-/// The sums are functions of the set of passes. No order of adding and no grouping into merged
-/// films changes a bit, see [`BinnedSums`]. A sum with infinite values is infinite, or NaN if their
-/// signs differ.
+/// The sums depend only on the set of passes, to the bit; see [`BinnedSums`]. Neither the order of
+/// passes nor the merging of films changes them. A sum with infinite values is infinite, or NaN if
+/// their signs differ.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Film {
     width: u32,
@@ -31,7 +31,7 @@ impl Film {
         self.passes += 1;
     }
 
-    /// Adds the passes of `other`, which must be other passes than those of this film.
+    /// Adds the passes of `other`. No pass may be in both films.
     ///
     /// # Errors
     /// [`MergeError`] if the sizes differ or there are too many passes. The film then stays as it
@@ -40,7 +40,7 @@ impl Film {
         if self.size() != other.size() {
             return Err(MergeError::Size { own: self.size(), other: other.size() });
         }
-        self.passes = merged_passes(self.passes, other.passes)?;
+        self.passes = total_pass_count(self.passes, other.passes)?;
         self.sums.merge(&other.sums);
         Ok(())
     }
@@ -72,7 +72,7 @@ impl Film {
     }
 
     /// Returns the sums of radiance over the passes.
-    pub(super) fn sums(&self) -> &BinnedSums<3> {
+    pub(super) fn radiance_sums(&self) -> &BinnedSums<3> {
         &self.sums
     }
 }
@@ -81,6 +81,6 @@ impl Film {
 ///
 /// # Errors
 /// [`MergeError::Passes`] if it exceeds `u32::MAX`.
-pub(super) fn merged_passes(own: u32, other: u32) -> Result<u32, MergeError> {
+pub(super) fn total_pass_count(own: u32, other: u32) -> Result<u32, MergeError> {
     own.checked_add(other).ok_or(MergeError::Passes { own, other })
 }

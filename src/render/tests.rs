@@ -1,4 +1,4 @@
-//! Merged films and error estimators equal those of one run, bit for bit.
+//! Tests that merged films and error estimators equal those of a single render, bit for bit.
 
 use super::error_estimate::{ErrorEstimate, ErrorEstimator};
 use super::{Film, MergeError};
@@ -13,7 +13,7 @@ const LAW: RadiusLaw = RadiusLaw { alpha: 0.7, kernel: Kernel::Epanechnikov };
 
 type Render = (Film, ErrorEstimator);
 
-fn uniform(key: Key) -> f64 {
+fn uniform_random_number(key: Key) -> f64 {
     key.uniform_1d(Dimension::Film).into()
 }
 
@@ -22,8 +22,8 @@ fn uniform(key: Key) -> f64 {
 fn noisy_pass(number: u32, decades: f64) -> Pass {
     let key = Key::new(8).purpose_key(Purpose::Test).child_key(number.into());
     let value = |key: Key| {
-        let size = libm::pow(10.0, decades * (2.0 * uniform(key.child_key(0)) - 1.0));
-        (size * (0.5 + uniform(key.child_key(1)))) as f32
+        let size = libm::pow(10.0, decades * (2.0 * uniform_random_number(key.child_key(0)) - 1.0));
+        (size * (0.5 + uniform_random_number(key.child_key(1)))) as f32
     };
     let color = |pixel: u32, which: u64| {
         let key = key.child_key(pixel.into()).child_key(which);
@@ -57,15 +57,15 @@ fn render_in_parts(passes: &[Pass], seed: u64) -> Render {
     let key = Key::new(seed).purpose_key(Purpose::Test);
     let mut parts: Vec<Render> = (0..=seed % 9).map(|_| empty_render()).collect();
     let mut order: Vec<u32> = (0..passes.len() as u32).collect();
-    let rank = |i: &u32| uniform(key.child_key(u64::from(*i)));
+    let rank = |i: &u32| uniform_random_number(key.child_key(u64::from(*i)));
     order.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     for number in order {
-        let part = uniform(key.child_key(1 << 32 | u64::from(number))) * parts.len() as f64;
+        let part = uniform_random_number(key.child_key(1 << 32 | u64::from(number))) * parts.len() as f64;
         add_pass(&mut parts[part as usize], number, &passes[number as usize]);
     }
     while parts.len() > 1 {
         let (film, estimator) = parts.pop().unwrap();
-        let at = uniform(key.child_key(2 << 32 | parts.len() as u64)) * parts.len() as f64;
+        let at = uniform_random_number(key.child_key(2 << 32 | parts.len() as u64)) * parts.len() as f64;
         let (own, own_estimator) = &mut parts[at as usize];
         own.merge(&film).unwrap();
         own_estimator.merge(&estimator).unwrap();
@@ -74,7 +74,7 @@ fn render_in_parts(passes: &[Pass], seed: u64) -> Render {
 }
 
 /// Returns the bits of the picture and of its noise and bias maps, and the error estimate.
-fn bits_and_estimate((film, estimator): &Render) -> (Vec<u64>, Vec<u32>, ErrorEstimate) {
+fn result_bits_and_error((film, estimator): &Render) -> (Vec<u64>, Vec<u32>, ErrorEstimate) {
     let means = film.pixel_means().flat_map(|mean| mean.to_array().map(f64::to_bits)).collect();
     let maps = estimator.error_maps(film);
     let maps = maps.noise.iter().chain(&maps.bias).flat_map(|value| value.to_array().map(f32::to_bits)).collect();
@@ -87,13 +87,13 @@ fn partitions_and_orders_change_no_bit() {
         let passes: Vec<Pass> = (0..count).map(|number| noisy_pass(number, decades)).collect();
         let mut whole = empty_render();
         (0..count).zip(&passes).for_each(|(number, pass)| add_pass(&mut whole, number, pass));
-        let expected = bits_and_estimate(&whole);
+        let expected = result_bits_and_error(&whole);
         assert!(expected.2.error > 0.0 && expected.2.low < expected.2.high, "{:?}", expected.2);
         let forecast = format!("{:?}", whole.1.forecast(&expected.2));
         for seed in 0..40 {
             let merged = render_in_parts(&passes, seed);
             assert_eq!(merged.0, whole.0, "{decades} decades, seed {seed}");
-            assert_eq!(bits_and_estimate(&merged), expected, "{decades} decades, seed {seed}");
+            assert_eq!(result_bits_and_error(&merged), expected, "{decades} decades, seed {seed}");
             assert_eq!(format!("{:?}", merged.1.forecast(&expected.2)), forecast);
         }
     }
@@ -115,7 +115,7 @@ fn infinities_and_nan_survive_merging() {
     for seed in 0..40 {
         let merged = render_in_parts(&passes, seed);
         assert_eq!(merged.0, whole.0, "seed {seed}");
-        assert_eq!(bits_and_estimate(&merged).1, bits_and_estimate(&whole).1);
+        assert_eq!(result_bits_and_error(&merged).1, result_bits_and_error(&whole).1);
         assert_eq!(format!("{:?}", merged.1.estimate(&merged.0)), format!("{:?}", whole.1.estimate(&whole.0)));
     }
 }

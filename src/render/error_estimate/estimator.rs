@@ -3,40 +3,41 @@
 use super::blur::{BlurEstimate, NestedDifferenceMoments};
 use super::confidence::Confidence;
 use super::estimate::ErrorEstimate;
-use super::fireflies::Fireflies;
+use super::fireflies::FireflyHistogram;
 use super::forecast::ErrorForecast;
 use super::leading_passes::LeadingPasses;
-use super::pixel_scatter::PixelScatter;
+use super::pixel_variance::PixelVarianceSums;
 use super::shared_paths::SharedPathErrorSums;
 use crate::image::RelativeErrorWeights;
 use crate::integrate::{MeanGatherDisc, NestedEstimates, Pass, RadiusLaw};
 use crate::math::BinnedSums;
 use crate::render::MergeError;
-use crate::render::film::{Film, merged_passes};
+use crate::render::film::{Film, total_pass_count};
 use glam::{DVec3, Vec3};
 
-/// Least number of passes for an error estimate.
+/// Smallest number of passes for which the error is estimated.
 pub const MIN_PASSES: u32 = 4;
 
-/// Number of leading passes from which the effective sample count of the noise is measured.
+/// Number of passes, those with the lowest numbers, from which the effective sample count of the
+/// noise is measured.
 const LEADING_PASSES: usize = 8;
 
-/// Number of leading passes from which the effective sample count of D₀ is measured.
-/// [`error_estimate`](super) defines D₀.
+/// Number of passes, those with the lowest numbers, from which the effective sample count of a
+/// difference is measured: between density estimates with full and half disc area.
 const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
 
 /// Accumulates the passes of a render, and estimates the error of their mean.
 ///
-/// All state is a function of the set of passes. No order of adding and no grouping into merged
-/// estimators changes a bit of an error estimate. Only the mean gather discs of [`ErrorMaps`] depend
-/// on the order, by rounding.
+/// An error estimate depends only on the set of passes, to the bit. Neither their order nor the
+/// merging of estimators changes it. Only the mean gather discs of [`ErrorMaps`] depend on the
+/// order, by rounding.
 #[derive(Clone, Debug)]
 pub struct ErrorEstimator {
     /// Law by which gather radii shrink from pass to pass; `None` without photon density estimates.
     radius_law: Option<RadiusLaw>,
     /// Number of added passes.
     passes: u32,
-    scatter: PixelScatter,
+    variances: PixelVarianceSums,
     photon_estimates: Option<NestedEstimateSums>,
     shared_paths: SharedPathErrorSums,
     leading: LeadingPasses,
@@ -45,16 +46,19 @@ pub struct ErrorEstimator {
 /// Sums over passes of the differences between photon estimates with nested discs, for each pixel.
 #[derive(Clone, Debug)]
 struct NestedEstimateSums {
-    /// Sums over passes of the differences D₀ and D₁ that [`error_estimate`](super) defines, for
-    /// each pixel and channel.
+    /// Sums over passes, for each pixel and channel, of D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) −
+    /// L(r/2), where L(r) is the density estimate with disc radius r.
     differences: [BinnedSums<3>; 2],
     /// Sums over passes and channels of D₀², D₀·D₁ and D₁², for each pixel.
-    /// [`error_estimate`](super) defines D₀ and D₁.
+    ///
+    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
+    /// radius r.
     products: BinnedSums<3>,
     /// Sums over passes of gather radius and photon count of each pixel: from the caustic map, and
     /// from the indirect map.
     discs: Vec<[GatherDiscTotals; 2]>,
-    /// Leading passes of D₀.
+    /// Pictures, for the passes with the lowest numbers, of the difference between density
+    /// estimates with full and half disc area.
     leading: LeadingPasses,
 }
 
@@ -88,7 +92,7 @@ impl ErrorEstimator {
         Self {
             radius_law,
             passes: 0,
-            scatter: PixelScatter::default(),
+            variances: PixelVarianceSums::default(),
             photon_estimates: None,
             shared_paths: SharedPathErrorSums::default(),
             leading: LeadingPasses::default(),
@@ -97,7 +101,7 @@ impl ErrorEstimator {
 
     /// Adds the pass with number `number`. No two added passes may have the same number.
     pub fn add(&mut self, number: u32, pass: &Pass) {
-        self.scatter.add(&pass.image);
+        self.variances.add(&pass.image);
         self.leading.add(number, LEADING_PASSES, pass.image.iter().copied());
         if !pass.nested.is_empty() {
             let estimates = self.photon_estimates.get_or_insert_with(|| NestedEstimateSums::new(pass.nested.len()));
@@ -107,38 +111,38 @@ impl ErrorEstimator {
         self.passes += 1;
     }
 
-    /// Adds the passes of `other`, which must be other passes than those of this estimator.
+    /// Adds the passes of `other`. No pass may be in both estimators.
     ///
     /// # Errors
     /// [`MergeError`] if the estimators belong to different pictures or integrators, or have too
     /// many passes. This estimator then stays as it is.
     pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
-        let passes = merged_passes(self.passes, other.passes)?;
+        let passes = total_pass_count(self.passes, other.passes)?;
         if self.radius_law != other.radius_law {
             return Err(MergeError::Estimator);
         }
         if self.passes == 0 {
             self.clone_from(other);
         } else if other.passes > 0 {
-            if !self.has_pixels_of(other) {
+            if !self.has_same_pixels(other) {
                 return Err(MergeError::Estimator);
             }
             if let (Some(own), Some(other)) = (&mut self.photon_estimates, &other.photon_estimates) {
                 own.merge(other);
             }
             self.shared_paths.merge(&other.shared_paths);
-            self.scatter.merge(&other.scatter);
+            self.variances.merge(&other.variances);
             self.leading.merge(&other.leading, LEADING_PASSES);
             self.passes = passes;
         }
         Ok(())
     }
 
-    /// True if both estimators have passes with sums of the same pixels.
-    fn has_pixels_of(&self, other: &Self) -> bool {
+    /// True if the sums of both estimators belong to the same pixels.
+    fn has_same_pixels(&self, other: &Self) -> bool {
         let photon_pixels =
             |estimator: &Self| estimator.photon_estimates.as_ref().map(|estimates| estimates.discs.len());
-        self.scatter.pixels() == other.scatter.pixels()
+        self.variances.pixels() == other.variances.pixels()
             && photon_pixels(self) == photon_pixels(other)
             && self.shared_paths.pixels() == other.shared_paths.pixels()
     }
@@ -166,11 +170,11 @@ impl ErrorEstimator {
         }
         let n = f64::from(passes);
         let scale = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
-        let mut fireflies = Fireflies::default();
+        let mut fireflies = FireflyHistogram::default();
         let fraction = 1.0 / scale.pixel_weights().len() as f64;
         // Sums over pixels of the squared noise, of its square, and of its square times the kurtosis − 1.
         let (mut noise2, mut fourth, mut tails) = (0.0, 0.0, 0.0);
-        for (deviations, weight) in self.scatter.deviations(film).zip(scale.pixel_weights()) {
+        for (deviations, weight) in self.variances.deviations(film).zip(scale.pixel_weights()) {
             let square = weight * deviations.squares.element_sum() / (n * (n - 1.0));
             if square > 1.0 {
                 fireflies.add(square, fraction);
@@ -227,7 +231,7 @@ impl ErrorEstimator {
     pub fn error_maps(&self, film: &Film) -> ErrorMaps {
         let n = f64::from(self.passes.max(1));
         let over = (n * (n - 1.0)).max(1.0);
-        let deviations = self.scatter.deviations(film);
+        let deviations = self.variances.deviations(film);
         let noise = deviations.map(|pixel| (pixel.squares / over).map(f64::sqrt).as_vec3()).collect();
         let Some(estimates) = &self.photon_estimates else { return ErrorMaps { noise, ..ErrorMaps::default() } };
         let factor = self.estimate(film).extrapolation / n;
@@ -278,15 +282,16 @@ impl NestedEstimateSums {
         self.leading.merge(&other.leading, LEADING_PASSES_OF_DIFFERENCES);
     }
 
-    /// Returns the sums of D₀ and D₁ of pixel `i`. [`error_estimate`](super) defines them.
+    /// Returns the sums over passes of two differences at pixel `i`: D₀ = L(r) − L(r/√2) and D₁ =
+    /// L(r/√2) − L(r/2), where L(r) is the density estimate with disc radius r.
     fn difference_sums(&self, i: usize) -> [DVec3; 2] {
         self.differences.each_ref().map(|sums| DVec3::from_array(sums.value(i)))
     }
 
-    /// Returns the means over the picture of the squares and the product of D₀ and D₁, for `n`
-    /// passes.
+    /// Returns the means over the picture of D₀², D₀·D₁ and D₁², for `n` passes.
     ///
-    /// Each product combines two different passes. [`error_estimate`](super) defines D₀ and D₁.
+    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
+    /// radius r. Each product combines two different passes, so its noise has mean zero.
     fn nested_difference_moments(&self, scale: &RelativeErrorWeights, n: f64) -> NestedDifferenceMoments {
         let pixels = scale.pixel_weights().len();
         let (mut square, mut variance) = ([0.0; 3], 0.0);

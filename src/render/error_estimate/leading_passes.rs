@@ -62,8 +62,9 @@ impl LeadingPasses {
         2.0 * ((relative * count + PRIOR_PRODUCTS / PRIOR_SAMPLES) / (count + PRIOR_PRODUCTS)).min(1.0)
     }
 
-    /// Returns the mean square of the differences, the mean squared product of differences without
-    /// a common pass, and the number of independent products.
+    /// Returns three values for the differences between two leading passes: their mean square, the
+    /// mean squared product of two differences without a common pass, and the number of independent
+    /// products.
     fn variance_and_squared_product(&self, weights: &[f64], max: f64) -> (f64, f64, f64) {
         let n = self.pictures.len();
         let products = self.deviation_products(weights, max);
@@ -91,8 +92,8 @@ impl LeadingPasses {
         (variance, if count > 0.0 { sum / count } else { 0.0 }, independent)
     }
 
-    /// Returns the scalar products of the passes' deviations from their mean, divided by the number
-    /// of pixels.
+    /// Returns the scalar product of each two passes' deviations from the mean of all passes,
+    /// divided by the number of pixels.
     fn deviation_products(&self, weights: &[f64], max: f64) -> [[f64; MAX_PASSES]; MAX_PASSES] {
         let mut products = [[0.0; MAX_PASSES]; MAX_PASSES];
         let share = 1.0 / self.pictures.len() as f64;
@@ -128,7 +129,7 @@ mod tests {
     use crate::sampling::{Dimension, Key, Purpose};
 
     /// Returns `passes` passes of uniform noise, in which each run of `block` pixels is equal.
-    fn block_noise(block: usize, pixels: usize, passes: u32, seed: u64) -> LeadingPasses {
+    fn passes_of_block_noise(block: usize, pixels: usize, passes: u32, seed: u64) -> LeadingPasses {
         let mut leading = LeadingPasses::default();
         for pass in 0..passes {
             let key = Key::new(seed).purpose_key(Purpose::Test).child_key(pass.into());
@@ -146,7 +147,7 @@ mod tests {
         for block in [1, 4, 24] {
             let (mut mean_variance, mut mean_square) = (0.0, 0.0);
             for seed in 0..100 {
-                let noise = block_noise(block, 240, 8, seed);
+                let noise = passes_of_block_noise(block, 240, 8, seed);
                 let (variance, square, count) = noise.variance_and_squared_product(&weights, f64::INFINITY);
                 assert_eq!(count, 20.0);
                 mean_variance += variance / 100.0;
@@ -174,8 +175,9 @@ mod tests {
 
     #[test]
     fn few_passes_give_the_prior_and_black_gives_zero() {
-        let variance =
-            |passes, block| block_noise(block, 10, passes, 9).squared_error_variance(&[1.0; 10], f64::INFINITY);
+        let variance = |passes, block| {
+            passes_of_block_noise(block, 10, passes, 9).squared_error_variance(&[1.0; 10], f64::INFINITY)
+        };
         assert_eq!([variance(0, 1), variance(1, 1), variance(2, 1)], [2.0 / PRIOR_SAMPLES; 3]);
         assert!(variance(8, 10) > 10.0 * 2.0 / PRIOR_SAMPLES);
         let mut black = LeadingPasses::default();

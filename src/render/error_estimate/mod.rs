@@ -16,7 +16,7 @@ mod estimator;
 mod fireflies;
 mod forecast;
 mod leading_passes;
-mod pixel_scatter;
+mod pixel_variance;
 mod shared_paths;
 
 pub use confidence::Confidence;

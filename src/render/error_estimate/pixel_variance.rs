@@ -1,4 +1,4 @@
-//! Scatter of each pixel between passes: variance and a bound of the kurtosis.
+//! Variance of each pixel between passes, and a bound of its kurtosis.
 
 use crate::color::Rgb;
 use crate::math::BinnedSums;
@@ -8,9 +8,9 @@ use glam::DVec3;
 /// Kurtosis of Gaussian noise.
 const GAUSSIAN_KURTOSIS: f64 = 3.0;
 
-/// Sums over passes from which the scatter of each pixel is computed.
+/// Sums over passes from which the variance of each pixel is computed.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct PixelScatter {
+pub(super) struct PixelVarianceSums {
     /// Sums of squared radiance over passes, by channel.
     squares: BinnedSums<3>,
     /// Largest absolute radiance of all passes and channels.
@@ -26,7 +26,7 @@ pub(super) struct PixelDeviations {
     pub kurtosis: f64,
 }
 
-impl PixelScatter {
+impl PixelVarianceSums {
     /// Adds the image of a pass.
     pub fn add(&mut self, image: &[Rgb]) {
         if self.squares.is_empty() {
@@ -59,12 +59,13 @@ impl PixelScatter {
         let n = f64::from(film.passes());
         let pixels = self.peaks.iter().enumerate();
         pixels.map(move |(i, peak)| {
-            let sum = DVec3::from_array(film.sums().value(i));
+            let sum = DVec3::from_array(film.radiance_sums().value(i));
             let squares = DVec3::from_array(self.squares.value(i));
             let mean = sum / n;
             // Errors of the sum of squares, of the mean and of f64 numbers.
-            let rounding =
-                0.5 * n * self.squares.quantum(i) + sum.abs() * film.sums().quantum(i) + squares * (4.0 * f64::EPSILON);
+            let rounding = 0.5 * n * self.squares.quantum(i)
+                + sum.abs() * film.radiance_sums().quantum(i)
+                + squares * (4.0 * f64::EPSILON);
             let deviations = squares - sum * mean;
             let squares = DVec3::select(deviations.cmple(rounding), DVec3::ZERO, deviations);
             let variance = squares.max_element() / n;
