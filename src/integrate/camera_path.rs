@@ -81,11 +81,12 @@ pub(super) struct PathState<I> {
 }
 
 /// Returns [`trace_camera_path`] with its first argument bound, for
-/// [`tiles::render_tiles`](super::tiles::render_tiles).
+/// [`tiles::render_tiles`](super::tiles::render_tiles). `slices` holds this argument for each slice
+/// of the shutter interval.
 pub(super) fn camera_path_tracer<'a, I: Interior>(
-    paths: &'a PathContext<'a>,
+    slices: &'a [PathContext<'a>],
 ) -> impl Fn(&Ray, Sampler, &mut PathWorker, &mut Vec<PathState<I>>) -> Rgb + Sync {
-    |ray, sampler, worker, stack| trace_camera_path(paths, ray, sampler, worker, stack)
+    |ray, sampler, worker, stack| trace_camera_path(&slices[worker.slice], ray, sampler, worker, stack)
 }
 
 /// Returns the radiance along camera ray `ray` \[W/(m² sr)]. `stack` is empty before and after.

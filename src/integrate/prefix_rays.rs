@@ -8,15 +8,16 @@ use std::sync::Arc;
 ///
 /// The *prefix* of a camera path is its part up to the first receiver. A pixel's n camera paths and
 /// its m prefix rays, which trace nothing but prefixes, share the emission that they find. One
-/// camera path and l of the prefix rays share the photon estimate at the first receiver.
+/// camera path and l of the prefix rays share the photon estimate at the first receiver. If the pass
+/// has slices of the shutter interval, k of the camera paths read maps: one for each slice.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrefixLight {
     /// Weight n/(n + m) of emission, environment light and direct light at casters.
     pub found_weight: f32,
     /// Number of the rays that read photon maps: the first ones by sample index.
     pub lookups: u32,
-    /// Factor of the photon estimate, relative to the number of stratified samples: 1/(1 + l) for
-    /// camera paths, n/(m·(1 + l)) for prefix rays.
+    /// Factor of the photon estimate, relative to the number of stratified samples: 1/(k + l) for
+    /// camera paths, n/(m·(k + l)) for prefix rays, where k is 1 without slices.
     pub lookup_weight: f32,
     /// True for prefix rays: they end at their first receiver.
     pub ends_at_receiver: bool,
@@ -48,16 +49,19 @@ impl Default for PrefixLight {
 }
 
 impl PrefixLight {
-    /// Returns the weights of `samples` camera paths beside `prefix` prefix rays.
-    pub fn of_camera_paths(samples: u32, prefix: PrefixRayCount) -> Self {
+    /// Returns the weights of `samples` camera paths beside `prefix` prefix rays. The first
+    /// `lookups` camera paths read photon maps.
+    pub fn of_camera_paths(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.rays));
-        Self { found_weight: n / (n + m), lookup_weight: 1.0 / (1.0 + f32::from(prefix.lookups)), ..Self::default() }
+        let lookup_weight = 1.0 / (lookups as f32 + f32::from(prefix.lookups));
+        Self { found_weight: n / (n + m), lookups, lookup_weight, ..Self::default() }
     }
 
-    /// Returns the weights of `prefix` prefix rays, at least one, beside `samples` camera paths.
-    pub fn of_prefix_rays(samples: u32, prefix: PrefixRayCount) -> Self {
+    /// Returns the weights of `prefix` prefix rays, at least one, beside `samples` camera paths. The
+    /// first `lookups` of these paths read photon maps.
+    pub fn of_prefix_rays(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.rays));
-        let weights = Self::of_camera_paths(samples, prefix);
+        let weights = Self::of_camera_paths(samples, lookups, prefix);
         let lookup_weight = weights.lookup_weight * n / m;
         Self { lookups: prefix.lookups.into(), lookup_weight, ends_at_receiver: true, ..weights }
     }

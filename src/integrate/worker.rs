@@ -40,6 +40,8 @@ pub(super) struct PathWorker {
     pub prefix: PrefixLight,
     /// Film position of the current pixel's center or camera ray \[pixels from the top left].
     pub film_position: Vec2,
+    /// Slice of the shutter interval of the current camera ray.
+    pub slice: usize,
     /// Indirect light that the current camera path of a pilot finds by each technique.
     pub indirect_light: IndirectLight,
 }
