@@ -6,7 +6,7 @@ use super::photon_maps::{PhotonEstimator, PhotonMaps};
 use super::policy::{PathPolicy, PhotonMapRequest};
 use super::radius_law::{RadiusLaw, kernel_radius_ratio, squared_radius_ratio};
 use super::radius_pilot::{
-    EmissionGuidingReportPerMap, GatherRadii, VolumeKernelRadii, find_gather_radius, find_volume_kernel_radii,
+    self, EmissionGuidingReportPerMap, GatherRadii, VolumeKernelRadii, find_gather_radius, find_volume_kernel_radii,
     min_gather_radius, pilot_path_count,
 };
 use super::settings::{CameraPathSettings, IndirectPhotons, LightTracing, Settings};
@@ -42,6 +42,11 @@ const VISIBLE_RADIUS: f32 = 0.01;
 
 /// Gather radius if the pilot stores no photon, relative to the scene radius.
 const DEFAULT_RADIUS: f32 = 0.01;
+
+/// Largest number of photon paths of the pilot that guides emission for the interreflection map.
+///
+/// Many of its photons are visible, so few paths suffice.
+const MAX_INTERREFLECTION_GUIDING_PATHS: u32 = 1 << 15;
 
 /// Smallest efficiency gain at which guided emission is used. Guided paths take longer to sample.
 const MIN_GUIDING_GAIN: f64 = 1.5;
@@ -298,28 +303,33 @@ impl<'a> PhotonMapBuilder<'a> {
         let (scene, settings) = (self.scene, &self.settings);
         let radius = scene.photon_domain().radius * VISIBLE_RADIUS;
         let visible = find_visible_points(scene, &settings.camera_paths, self.policy.effects, radius);
-        let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
+        let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32, max_paths: u32| {
             let unguided = source.take()?;
             let CameraPathSettings { max_bounces, seed, .. } = settings.camera_paths;
-            let paths = pilot_path_count(paths, EmissionGuidingPilot::PATHS);
+            let paths = pilot_path_count(paths, max_paths);
             let pilot = EmissionGuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
             let (guided, report) = unguided.clone().with_guided_emission(&pilot);
             *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
             Some(report)
         };
         self.emission_guiding_reports.caustic =
-            guide(&mut self.caustic_source, self.request.aimed, settings.caustic_photons);
+            guide(&mut self.caustic_source, self.request.aimed, settings.caustic_photons, EmissionGuidingPilot::PATHS);
         // Gather rays read the indirect map everywhere.
         if !self.request.unaimed.direct {
+            let max_paths = if self.policy.indirect_photons == IndirectPhotons::Off {
+                EmissionGuidingPilot::PATHS
+            } else {
+                MAX_INTERREFLECTION_GUIDING_PATHS
+            };
             self.emission_guiding_reports.indirect =
-                guide(&mut self.unaimed_source, self.request.unaimed, settings.photons);
+                guide(&mut self.unaimed_source, self.request.unaimed, settings.photons, max_paths);
         }
     }
 
     /// Returns gather radii within which most density estimates find enough photons \[length].
     fn find_gather_radii(&mut self) -> GatherRadii {
         let settings = &self.settings;
-        let radius = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32, default_k: u32| {
+        let radius = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: (u32, u32), default_k: u32| {
             let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(default_k);
             let found = || {
                 let source = source.as_ref()?;
@@ -331,14 +341,20 @@ impl<'a> PhotonMapBuilder<'a> {
             settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
         };
         let interreflection = if self.holds_interreflection_map() {
-            radius(&self.unaimed_source, self.request.unaimed, self.settings.photons, INDIRECT_COUNT)
+            let paths = (self.settings.photons, radius_pilot::MAX_INDIRECT_PATHS);
+            radius(&self.unaimed_source, self.request.unaimed, paths, INDIRECT_COUNT)
         } else {
             0.0
         };
         let (source, mask, paths) = self.indirect_map_inputs();
-        let default_k = if self.request.aimed.separates_after_caustic { AFTER_CAUSTIC_COUNT } else { INDIRECT_COUNT };
-        let indirect = radius(source, mask, paths, default_k);
-        let caustic = radius(&self.caustic_source, StoreMask::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
+        let (default_k, max_pilot_paths) = if self.request.aimed.separates_after_caustic {
+            (AFTER_CAUSTIC_COUNT, radius_pilot::MAX_INDIRECT_PATHS)
+        } else {
+            (INDIRECT_COUNT, radius_pilot::MAX_PATHS)
+        };
+        let indirect = radius(source, mask, (paths, max_pilot_paths), default_k);
+        let paths = (settings.caustic_photons, radius_pilot::MAX_PATHS);
+        let caustic = radius(&self.caustic_source, StoreMask::CAUSTIC, paths, CAUSTIC_K);
         self.interreflection_radius = interreflection;
         GatherRadii { indirect, caustic }
     }

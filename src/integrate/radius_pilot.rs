@@ -12,7 +12,11 @@ use glam::Vec2;
 
 /// Largest number of photon paths of a pilot. The radii that it finds are scaled to the paths of a
 /// pass.
-const MAX_PATHS: u32 = 1 << 16;
+pub(super) const MAX_PATHS: u32 = 1 << 16;
+
+/// Largest number of photon paths of a pilot for a map of indirect light, whose density varies
+/// little between neighbouring photons.
+pub(super) const MAX_INDIRECT_PATHS: u32 = 1 << 14;
 
 /// Largest number of photon paths of a pilot, as a multiple of the paths of a pass.
 const MAX_PASSES: u32 = 4;
@@ -82,12 +86,18 @@ pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
 /// Returns the gather radius \[length] within which three of four stored photons have `k`
 /// neighbours.
 ///
-/// The radius is for a pass of `paths` photon paths, and at least `min_radius`. Returns `None` if
-/// the pilot stores no photon.
-pub(super) fn find_gather_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, min_radius: f32) -> Option<f32> {
+/// The radius is for a pass of `paths` photon paths, and at least `min_radius`. The pilot traces at
+/// most `max_pilot_paths`. Returns `None` if it stores no photon.
+pub(super) fn find_gather_radius(
+    pass: &PhotonPass<'_>,
+    (paths, max_pilot_paths): (u32, u32),
+    k: u32,
+    seed: u64,
+    min_radius: f32,
+) -> Option<f32> {
     let scene = pass.scene;
     let key = Key::new(seed).purpose_key(Purpose::Pilot);
-    let pilot = pilot_path_count(paths, MAX_PATHS);
+    let pilot = pilot_path_count(paths, max_pilot_paths);
     let traced = pass.trace(key, pilot, &|_| {});
     let photons = &traced.deposits.photons;
     if photons.is_empty() {

@@ -124,9 +124,10 @@ pub fn render(
     };
     let mut next_estimate = 0.0;
     loop {
-        let pass = integrator.render_pass(rendered.film.passes(), monitor);
+        let number = rendered.film.passes();
+        let pass = integrator.render_pass(number, monitor);
         if let Some(estimator) = &mut rendered.estimator {
-            estimator.add(&rendered.film, &pass);
+            estimator.add(number, &pass);
         }
         rendered.film.add(&pass.image);
         rendered.counters += pass.counters;
