@@ -6,6 +6,7 @@
 
 use super::pass_renderer::PassRenderer;
 use crate::camera::Camera;
+use crate::math::gcd;
 use crate::sampling::{Dimension, Key, Purpose};
 
 /// Way on the film that the fastest part of the scene moves in one slice \[pixels]. The times of
@@ -18,10 +19,6 @@ const MAX_SLICES: u32 = 64;
 /// Largest number of slices of a pass that traces photons. The photon maps of more slices would
 /// cost more to search, and hold too few photons for an estimate.
 const MAX_PHOTON_SLICES: u32 = 8;
-
-/// Number of slices for which pixels with few camera rays have two slices for each ray. Then each
-/// pixel sees a part of the slices in each pass.
-const FEW_SLICES: u32 = 8;
 
 /// One slice of the shutter interval of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -116,12 +113,8 @@ impl SlicedCameras<'_> {
 
 /// Returns a number coprime to `count`, near `count` over the golden ratio.
 fn spreading_stride(count: u32) -> u32 {
-    let near = (u64::from(count) * 0x9e37_79b9 >> 32) as u32;
+    let near = ((u64::from(count) * 0x9e37_79b9) >> 32) as u32;
     (near.max(1)..).find(|stride| gcd(*stride, count) == 1).unwrap_or(1)
-}
-
-fn gcd(a: u32, b: u32) -> u32 {
-    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// Returns the number of slices of each pass of `renderer`: one for each [`SLICE_PIXELS`] pixels
@@ -136,14 +129,15 @@ pub(super) fn find_slice_count(renderer: &PassRenderer<'_>) -> u32 {
     let (width, height) = scene.camera().size();
     let rays = u64::from(width) * u64::from(height) * u64::from(renderer.samples);
     let affordable = rays / (scene.unshared_part_count() as u64).max(1);
-    let (samples, traces_photons) = (renderer.samples, renderer.map_builder.traces_photons());
-    let most = if traces_photons && renderer.policy.reads_photons_each_sample() {
+    let samples = renderer.samples;
+    let most = if !renderer.map_builder.traces_photons() {
+        MAX_SLICES
+    } else if renderer.policy.reads_photons_each_sample() {
         // All indirect light is that of photons, and a ray meets those of its slice only.
-        samples
+        samples.min(MAX_PHOTON_SLICES)
     } else {
-        samples.max(FEW_SLICES.min(samples.saturating_mul(2)))
+        samples.saturating_mul(2).min(MAX_PHOTON_SLICES)
     };
-    let most = most.min(if traces_photons { MAX_PHOTON_SLICES } else { MAX_SLICES });
     (wanted as u32).min(most).min(u32::try_from(affordable).unwrap_or(u32::MAX)).max(1)
 }
 
@@ -176,7 +170,7 @@ mod tests {
             let (all, distinct) = rays_in_slices(slices, rays, pass);
             assert!(distinct, "{slices} slices, {rays} rays");
             let expected = 4096.0 * f64::from(rays) / slices as f64;
-            let tolerance = if rays as usize % slices == 0 { 0.0 } else { 5.0 * (0.25 * 4096.0f64).sqrt() };
+            let tolerance = if (rays as usize).is_multiple_of(slices) { 0.0 } else { 5.0 * (0.25 * 4096.0f64).sqrt() };
             assert!(all.iter().all(|n| (f64::from(*n) - expected).abs() <= tolerance), "{all:?}");
         }
     }

@@ -7,7 +7,7 @@ use super::shutter::{RaySlices, SlicedCameras};
 use super::worker::PathWorker;
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
-use crate::math::{CompensatedSum, Ray};
+use crate::math::{CompensatedSum, Ray, gcd};
 use crate::sampling::{Dimension, Key, Sampler};
 use crate::stats::Counters;
 use glam::{DVec3, Vec2};
@@ -247,10 +247,6 @@ fn is_tile_rendered(tile: u32, columns: u32, every: u32) -> bool {
     // A slant that shares a factor with the interval would leave columns out.
     let slant = (1..=every.div_ceil(2)).rev().find(|slant| gcd(*slant, every) == 1).unwrap_or(1);
     (tile % columns + tile / columns * slant).is_multiple_of(every)
-}
-
-fn gcd(a: u32, b: u32) -> u32 {
-    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// Returns the column and row of each pixel of a tile.

@@ -75,7 +75,7 @@ fn step_time(step: u32) -> f64 {
 /// Corners of the box with the corners `min` and `max`.
 fn box_corners((min, max): (DVec3, DVec3)) -> impl Iterator<Item = DVec3> {
     (0..8).map(move |i| {
-        let pick = |bit: u32, low: f64, high: f64| if i >> bit & 1 == 0 { low } else { high };
+        let pick = |bit: u32, low: f64, high: f64| if (i >> bit) & 1 == 0 { low } else { high };
         DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z))
     })
 }
