@@ -520,8 +520,8 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Traces the photons of slice `slice` of pass `pass` and builds its maps. Adds ray counts,
     /// reports and times to `out`.
     ///
-    /// The gather radii are those of the whole pass: the mean of the estimates of all slices has the
-    /// noise and bias of one estimate with the photons of all.
+    /// The gather radii are those of the whole pass: the mean of the estimates of all slices has
+    /// the noise and bias of one estimate with the photons of all.
     pub fn build(
         &self,
         pass: u32,

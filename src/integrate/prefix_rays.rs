@@ -8,8 +8,8 @@ use std::sync::Arc;
 ///
 /// The *prefix* of a camera path is its part up to the first receiver. A pixel's n camera paths and
 /// its m prefix rays, which trace nothing but prefixes, share the emission that they find. One
-/// camera path and l of the prefix rays share the photon estimate at the first receiver. If the pass
-/// has slices of the shutter interval, k of the camera paths read maps: one for each slice.
+/// camera path and l of the prefix rays share the photon estimate at the first receiver. If the
+/// pass has slices of the shutter interval, k of the camera paths read maps: one for each slice.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrefixLight {
     /// Weight n/(n + m) of emission, environment light and direct light at casters.
@@ -57,8 +57,8 @@ impl PrefixLight {
         Self { found_weight: n / (n + m), lookups, lookup_weight, ..Self::default() }
     }
 
-    /// Returns the weights of `prefix` prefix rays, at least one, beside `samples` camera paths. The
-    /// first `lookups` of these paths read photon maps.
+    /// Returns the weights of `prefix` prefix rays, at least one, beside `samples` camera paths.
+    /// The first `lookups` of these paths read photon maps.
     pub fn of_prefix_rays(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.rays));
         let weights = Self::of_camera_paths(samples, lookups, prefix);

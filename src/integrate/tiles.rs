@@ -102,7 +102,8 @@ impl FilmSampling<'_> {
         self.prefix_rays.map_or(PrefixRayCount::default(), |rays| rays.counts[pixel])
     }
 
-    /// Makes the camera ray of `sampler` in slice `slice` of the shutter interval, through the pixel whose upper left corner is `corner`.
+    /// Makes the camera ray of `sampler` in slice `slice` of the shutter interval, through the
+    /// pixel whose upper left corner is `corner`.
     ///
     /// Returns the ray and its filter weight.
     #[inline]

@@ -17,8 +17,8 @@ use std::sync::Arc;
 /// Time for which a scene is built: the middle of the shutter interval, which runs from 0 to 1.
 pub(super) const MID_SHUTTER: f64 = 0.5;
 
-/// The moving shapes, planes, lights, camera, texture mappings and media of a scene, each before its
-/// motion. Each motion maps to coordinates relative to [`Scene::origin`].
+/// The moving shapes, planes, lights, camera, texture mappings and media of a scene, each before
+/// its motion. Each motion maps to coordinates relative to [`Scene::origin`].
 #[derive(Debug, Default)]
 pub(super) struct Animation {
     /// Moving shapes, which the scene lists after the shapes at rest.
@@ -32,8 +32,8 @@ pub(super) struct Animation {
     pub camera: Option<(Camera, Motion)>,
     /// Moving texture mappings: index in the mappings of [`Scene`], kind and motion.
     pub mappings: Vec<(usize, TextureMappingKind, Motion)>,
-    /// Media whose density grid moves: index in [`Scene::media`], medium when the shutter opens, and
-    /// motion of its body.
+    /// Media whose density grid moves: index in [`Scene::media`], medium when the shutter opens,
+    /// and motion of its body.
     pub media: Vec<(usize, Medium, Motion)>,
 }
 

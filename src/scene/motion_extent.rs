@@ -44,8 +44,8 @@ impl FilmMeasure {
         }
     }
 
-    /// Returns the length of the path of a point on the film \[pixels]. Parts beyond the edge of the
-    /// film count as moving along it. `position` returns the point at the end of a step.
+    /// Returns the length of the path of a point on the film \[pixels]. Parts beyond the edge of
+    /// the film count as moving along it. `position` returns the point at the end of a step.
     fn length_on_film(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
         let film = |(step, camera): (u32, &Camera)| {
             let at = camera.connect_to_point(position(step).as_vec3(), None)?.film;

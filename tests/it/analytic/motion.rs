@@ -16,8 +16,8 @@ fn moving_disc() -> Scene {
 }
 
 /// The disc covers a point at distance y from its path for 2√(R² − y²)/L of the time. The sum over
-/// a column of pixels is πR²/L, wherever the whole disc passes. The filter of pixels does not change
-/// it.
+/// a column of pixels is πR²/L, wherever the whole disc passes. The filter of pixels does not
+/// change it.
 ///
 /// Let p = 2R/L be the largest share of time. n rays of a pixel that are independent or stratified
 /// have a variance of at most p(1 − p)/n. A column has 2R + 3 pixels that may see the disc, as the
@@ -56,7 +56,6 @@ fn moving_disc_leaves_an_even_streak() {
     let bound = most * (1.0 + 5.0 / (2.0 * count).sqrt());
     assert!(found < bound, "columns differ by {found}, more than {bound} of noise");
     assert!(told < 2.0 * found, "passes tell an error of {told}, not {found}");
-    eprintln!("{mean} {expected} {found} {told} {bound}");
 }
 
 /// The grid of a medium moves with the sphere that it fills, and with its turn.
