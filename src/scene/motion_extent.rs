@@ -80,8 +80,8 @@ fn box_corners((min, max): (DVec3, DVec3)) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Returns the points that `motion` moves `points` to, as functions of the step. `points` are
-/// positions at mid-shutter.
+/// Returns the position to which `motion` moves `point`, as a function of the step. `point` is a
+/// position at mid-shutter.
 fn moved_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec3 + use<'_> {
     let before = motion.at_time(MID_SHUTTER).inverse().transform_point3(point);
     move |step| motion.at_time(step_time(step)).transform_point3(before)
