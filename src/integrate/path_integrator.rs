@@ -205,7 +205,13 @@ impl<'a> PathIntegrator<'a> {
 
         // Distribute camera rays over the pixels.
         renderer.density = if settings.camera_paths.adaptive { find_relative_ray_counts(&renderer) } else { None };
-        let slices = find_slice_count(&renderer);
+
+        // Divide the shutter interval.
+        let slices = if needed == effects {
+            find_slice_count(&renderer)
+        } else {
+            find_slice_count(&renderer.with_policy(make_policy(needed, &settings)))
+        };
         Self { renderer, plan, make_policy, balance, slices }
     }
 }
