@@ -89,12 +89,13 @@ pub(super) struct PathState<I> {
     sampler: Sampler,
 }
 
-/// Returns a closure that calls [`trace_camera_path`] with `paths`, for
-/// [`tiles::render_tiles`](super::tiles::render_tiles).
+/// Returns a closure that calls [`trace_camera_path`], for
+/// [`tiles::render_tiles`](super::tiles::render_tiles). `slices` holds its first argument for each
+/// slice of the shutter interval.
 pub(super) fn camera_path_tracer<'a, I: Interior>(
-    paths: &'a PathContext<'a>,
+    slices: &'a [PathContext<'a>],
 ) -> impl Fn(&Ray, Sampler, &mut PathWorker, &mut Vec<PathState<I>>) -> Rgb + Sync {
-    |ray, sampler, worker, stack| trace_camera_path(paths, ray, sampler, worker, stack)
+    |ray, sampler, worker, stack| trace_camera_path(&slices[worker.slice], ray, sampler, worker, stack)
 }
 
 /// Traces the camera path that starts with `ray`, and returns its radiance \[W/(m² sr)].

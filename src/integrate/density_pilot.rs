@@ -9,6 +9,7 @@ use super::camera_path;
 use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
+use super::shutter::ShutterSlice;
 use super::tiles;
 use crate::color;
 use crate::sampling::{Key, Purpose};
@@ -33,7 +34,14 @@ const MAX_DENSITY: f64 = 8.0;
 /// noise. Returns `None` if they have no noise.
 pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
-    let options = MapBuildOptions { key, pass: 0, part: PILOT_DIVISOR, limited: true, connects: false };
+    let options = MapBuildOptions {
+        key,
+        pass: 0,
+        part: PILOT_DIVISOR,
+        slice: ShutterSlice::WHOLE,
+        limited: true,
+        connects: false,
+    };
     let maps = renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut Pass::default());
     // Moving objects rest at one time, as in a pass.
     let pilot = renderer.with_one_sample();
@@ -44,7 +52,8 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
             let (paths, sampling, key) =
                 (pilot.path_context(Some(&maps), pass), pilot.film_sampling(pass), pilot.camera_path_key(pass));
             let picture = for_interior!(pilot.policy.effects, <I> {
-                tiles::render_tiles(&sampling, key, &SilentMonitor, camera_path::camera_path_tracer::<I>(&paths))
+                let radiance = camera_path::camera_path_tracer::<I>(std::slice::from_ref(&paths));
+                tiles::render_tiles(&sampling, key, &SilentMonitor, radiance)
             });
             picture.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
         })

@@ -15,6 +15,7 @@ use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
+use super::shutter::ShutterSlice;
 use super::worker::PathWorker;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
@@ -178,7 +179,8 @@ impl<'a> Trial<'a> {
     /// Traces 1/`divisor` of the photon paths of a pass.
     fn new(pilot: &PassRenderer<'a>, trial: u32, divisor: u32) -> Self {
         let key = pilot_key(pilot).pilot_trial_key(trial);
-        let budget = MapBuildOptions { key, pass: 0, part: divisor, limited: true, connects: false };
+        let budget =
+            MapBuildOptions { key, pass: 0, part: divisor, slice: ShutterSlice::WHOLE, limited: true, connects: false };
         let mut report = Pass::default();
         let maps = pilot.map_builder.build_with_options(&budget, &SilentMonitor, &mut report);
         Self { maps, report }

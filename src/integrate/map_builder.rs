@@ -10,6 +10,7 @@ use super::radius_pilot::{
     min_gather_radius, pilot_path_count,
 };
 use super::settings::{CameraPathSettings, IndirectPhotons, LightTracing, Settings};
+use super::shutter::ShutterSlice;
 use super::visible_pilot::find_visible_points;
 use super::volume_estimate::{BeamAndPointMaps, VolumeEstimator};
 use crate::photon::{
@@ -106,8 +107,11 @@ pub(super) struct MapBuildOptions {
     pub key: Key,
     /// Number of the pass, counted from 0.
     pub pass: u32,
-    /// Divisor of the number of photon paths: 1 for a pass, larger for a pilot.
+    /// Divisor of the number of photon paths: 1 for a pass, larger for a pilot or for a slice of
+    /// the shutter interval.
     pub part: u32,
+    /// Slice of the shutter interval whose photons are traced.
+    pub slice: ShutterSlice,
     /// True if density estimates use at most the k nearest photons; false if all within the radius.
     pub limited: bool,
     /// True if light tracing connects caustic photons to the camera.
@@ -117,7 +121,7 @@ pub(super) struct MapBuildOptions {
 impl MapBuildOptions {
     /// Returns the random key of the photon paths that are traced for `purpose` in this pass.
     fn photon_path_key(&self, purpose: Purpose) -> Key {
-        self.key.purpose_key(purpose).pass_key(self.pass)
+        self.slice.photon_key(self.key.purpose_key(purpose).pass_key(self.pass))
     }
 }
 
@@ -533,11 +537,21 @@ impl<'a> PhotonMapBuilder<'a> {
         })
     }
 
-    /// Traces the photons of pass `pass` and builds its maps. Adds ray counts, reports and times to
-    /// `out`.
-    pub fn build(&self, pass: u32, monitor: &dyn ProgressMonitor, out: &mut Pass) -> PhotonMaps<'a> {
+    /// Traces the photons of slice `slice` of pass `pass` and builds its maps. Adds ray counts,
+    /// reports and times to `out`.
+    ///
+    /// The gather radii are those of the whole pass: the mean of the estimates of all slices has
+    /// the noise and bias of one estimate with the photons of all.
+    pub fn build(
+        &self,
+        pass: u32,
+        slice: ShutterSlice,
+        monitor: &dyn ProgressMonitor,
+        out: &mut Pass,
+    ) -> PhotonMaps<'a> {
         let key = Key::new(self.settings.camera_paths.seed);
-        self.build_with_options(&MapBuildOptions { key, pass, part: 1, limited: true, connects: true }, monitor, out)
+        let options = MapBuildOptions { key, pass, part: slice.count, slice, limited: true, connects: true };
+        self.build_with_options(&options, monitor, out)
     }
 
     /// Traces the photons that `options` describe, and builds their maps. Adds ray counts, reports
@@ -574,7 +588,7 @@ impl<'a> PhotonMapBuilder<'a> {
             light_tracer: light_tracer.as_ref(),
         };
         let traced = self.trace_photons(task, monitor, out);
-        out.aimed = photon_report(&traced);
+        out.aimed += photon_report(&traced);
         let deposits = traced.deposits;
 
         // The limit grows with the number of paths, so that discs keep their size.
@@ -644,7 +658,7 @@ impl<'a> PhotonMapBuilder<'a> {
             light_tracer: None,
         };
         let traced = self.trace_photons(task, monitor, out);
-        out.unaimed = photon_report(&traced);
+        out.unaimed += photon_report(&traced);
         MapPhotons { surface: traced.deposits.photons, volume: traced.deposits.volume }
     }
 

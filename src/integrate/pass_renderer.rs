@@ -7,6 +7,7 @@ use super::photon_maps::PhotonMaps;
 use super::policy::PathPolicy;
 use super::prefix_rays::PrefixRayCounts;
 use super::settings::Settings;
+use super::shutter::SlicedCameras;
 use super::tiles::{self, FilmSampling, PrefixRays};
 use crate::plan::Effect;
 use crate::sampling::{Key, Purpose};
@@ -125,6 +126,7 @@ impl<'a> PassRenderer<'a> {
                 .as_ref()
                 .map(|rays| PrefixRays { counts: &rays.counts, key: self.prefix_ray_key(pass) }),
             nested: self.settings.camera_paths.estimate_error && self.policy.reads_photons(),
+            slices: None,
             every: 1,
         }
     }
@@ -134,8 +136,12 @@ impl<'a> PassRenderer<'a> {
     ///
     /// These paths measure the error of camera paths that all passes share. `None` if passes share
     /// no paths, or if the error is not estimated.
-    pub fn unshared_path_sampling(&self, pass: u32) -> Option<(FilmSampling<'_>, Key)> {
-        let sampling = self.film_sampling(pass);
+    pub fn unshared_path_sampling<'b>(
+        &'b self,
+        pass: u32,
+        slices: Option<SlicedCameras<'b>>,
+    ) -> Option<(FilmSampling<'b>, Key)> {
+        let sampling = FilmSampling { slices, ..self.film_sampling(pass) };
         if !(sampling.nested && self.policy.shares_paths) {
             return None;
         }

@@ -22,6 +22,7 @@ use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::prefix_rays::{PrefixLight, PrefixRayCount, PrefixRayCounts};
+use super::shutter::ShutterSlice;
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
 use crate::plan::Effect;
@@ -134,7 +135,8 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let counts = renderer.map_builder.counts;
     let divisor = counts.photons.max(counts.caustic_photons).div_ceil(MAX_PATHS).max(MIN_DIVISOR);
     let maps = renderer.map_builder.traces_photons().then(|| {
-        let budget = MapBuildOptions { key, pass: 0, part: divisor, limited: true, connects: true };
+        let budget =
+            MapBuildOptions { key, pass: 0, part: divisor, slice: ShutterSlice::WHOLE, limited: true, connects: true };
         renderer.map_builder.build_with_options(&budget, &SilentMonitor, &mut out)
     });
     let (width, height) = scene.camera().size();
@@ -252,7 +254,7 @@ fn render_light_parts(
     let (paths, key) = (pilot.path_context(maps, pass), pilot.prefix_ray_key(pass));
     let sampling = tiles::FilmSampling { nested: false, ..pilot.film_sampling(pass) };
     for_interior!(pilot.policy.effects, <I> {
-        let radiance = camera_path::camera_path_tracer::<I>(&paths);
+        let radiance = camera_path::camera_path_tracer::<I>(std::slice::from_ref(&paths));
         tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, stack| {
             if !is_rendered(worker.film_position) {
                 return Rgb::ZERO;

@@ -9,7 +9,8 @@ use std::sync::Arc;
 ///
 /// The *prefix* of a camera path is its part up to the first receiver. *Prefix rays* trace only
 /// prefixes. A pixel's n camera paths and m prefix rays find the same emission, so they share it by
-/// weights. One camera path and l prefix rays share the photon estimate at the first receiver.
+/// weights. One camera path and l prefix rays share the photon estimate at the first receiver. If
+/// the pass has slices of the shutter interval, one camera path of each slice reads photon maps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrefixLight {
     /// Weight n/(n + m) for n camera paths and m prefix rays. It applies to emission, environment
@@ -20,8 +21,8 @@ pub(super) struct PrefixLight {
     pub lookups: u32,
     /// Factor of the photon estimate beside its multiplication by the number of samples.
     ///
-    /// With n camera paths, m prefix rays, and l prefix rays that read maps, it is 1/(1 + l) for
-    /// camera paths and n/(m·(1 + l)) for prefix rays.
+    /// With n camera paths, k of which read maps, m prefix rays, and l prefix rays that read maps,
+    /// it is 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.
     pub lookup_weight: f32,
     /// True for prefix rays, which end at the first surface that stores photons.
     pub ends_at_receiver: bool,
@@ -57,17 +58,18 @@ impl Default for PrefixLight {
 
 impl PrefixLight {
     /// Returns the weights of a pixel's `samples` camera paths if `prefix` prefix rays are traced
-    /// too.
-    pub fn camera_path_weights(samples: u32, prefix: PrefixRayCount) -> Self {
+    /// too. The first `lookups` camera paths read photon maps.
+    pub fn camera_path_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.rays));
-        Self { found_weight: n / (n + m), lookup_weight: 1.0 / (1.0 + f32::from(prefix.lookups)), ..Self::default() }
+        let lookup_weight = 1.0 / (lookups as f32 + f32::from(prefix.lookups));
+        Self { found_weight: n / (n + m), lookups, lookup_weight, ..Self::default() }
     }
 
     /// Returns the weights of `prefix` prefix rays, at least one, in a pixel with `samples` camera
-    /// paths.
-    pub fn prefix_ray_weights(samples: u32, prefix: PrefixRayCount) -> Self {
+    /// paths. The first `lookups` of these paths read photon maps.
+    pub fn prefix_ray_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.rays));
-        let weights = Self::camera_path_weights(samples, prefix);
+        let weights = Self::camera_path_weights(samples, lookups, prefix);
         let lookup_weight = weights.lookup_weight * n / m;
         Self { lookups: prefix.lookups.into(), lookup_weight, ends_at_receiver: true, ..weights }
     }

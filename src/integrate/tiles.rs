@@ -3,10 +3,11 @@
 use super::nested_estimates::NestedEstimates;
 use super::pass::{PassStage, ProgressMonitor};
 use super::prefix_rays::{PrefixLight, PrefixRayCount};
+use super::shutter::{RaySlices, SlicedCameras};
 use super::worker::PathWorker;
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
-use crate::math::{CompensatedSum, Ray};
+use crate::math::{CompensatedSum, Ray, gcd};
 use crate::sampling::{Dimension, Key, Sampler};
 use crate::stats::Counters;
 use glam::{DVec3, Vec2};
@@ -31,6 +32,9 @@ pub(super) struct FilmSampling<'a> {
     pub prefix_rays: Option<PrefixRays<'a>>,
     /// True if photon estimates are also made with smaller nested discs, to measure their bias.
     pub nested: bool,
+    /// Slices of the shutter interval among which camera rays are divided; `None` sends all rays
+    /// through `camera`.
+    pub slices: Option<SlicedCameras<'a>>,
     /// Interval of rendered tiles: 1 renders all tiles, n renders one of n tiles and leaves the
     /// others black.
     pub every: u32,
@@ -102,14 +106,22 @@ impl FilmSampling<'_> {
         self.prefix_rays.map_or(PrefixRayCount::default(), |rays| rays.counts[pixel])
     }
 
-    /// Makes the camera ray of one sample of the pixel whose upper left corner is `corner`.
+    /// Makes the camera ray of `sampler` in slice `slice` of the shutter interval, through the
+    /// pixel whose upper left corner is `corner`.
     ///
     /// Returns the ray and its filter weight.
     #[inline]
-    fn generate_ray(&self, corner: Vec2, sampler: Sampler) -> (Ray, f32) {
+    fn generate_ray(&self, slice: usize, corner: Vec2, sampler: Sampler) -> (Ray, f32) {
         let (film, weight) = self.film_position(corner, sampler);
         let lens = self.lens.then(|| sampler.get_2d(Dimension::Lens));
-        (self.camera.generate_ray(film, lens), weight)
+        let camera = self.slices.as_ref().map_or(self.camera, |slices| slices.cameras[slice]);
+        (camera.generate_ray(film, lens), weight)
+    }
+
+    /// Returns the division of the `rays` rays of the pixel in column `x`, row `y` among the slices
+    /// of the shutter interval.
+    fn divide_rays(&self, x: u32, y: u32, rays: u32) -> RaySlices {
+        self.slices.as_ref().map_or(RaySlices::WHOLE, |slices| slices.divide_rays(x, y, rays))
     }
 
     /// Samples a film position around the pixel whose upper left corner is `corner`, by the pixel
@@ -163,12 +175,14 @@ pub(super) fn render_tiles<T: Default>(
             let index = y as usize * width as usize + x as usize;
             let (samples, prefix) = (sampling.ray_count(index), sampling.prefix_ray_count(index));
             let mut sum = PixelSum::default();
-            worker.prefix = PrefixLight::camera_path_weights(samples, prefix);
+            let slices = sampling.divide_rays(x, y, samples);
+            worker.prefix = PrefixLight::camera_path_weights(samples, slices.distinct(), prefix);
             worker.film_position = corner + 0.5;
             for sample in 0..samples {
                 // Trace one camera ray.
                 let sampler = Sampler::new(pixel, sample, samples);
-                let (ray, weight) = sampling.generate_ray(corner, sampler);
+                worker.slice = slices.slice(sample);
+                let (ray, weight) = sampling.generate_ray(worker.slice, corner, sampler);
                 worker.counters.camera_rays += 1;
                 let value = radiance(&ray, sampler, &mut worker, &mut tile_state);
 
@@ -187,11 +201,13 @@ pub(super) fn render_tiles<T: Default>(
             if let Some(PrefixRays { key, .. }) = sampling.prefix_rays
                 && prefix.rays > 0
             {
-                worker.prefix = PrefixLight::prefix_ray_weights(samples, prefix);
-                for ray in 0..prefix.rays {
+                worker.prefix = PrefixLight::prefix_ray_weights(samples, slices.distinct(), prefix);
+                let slices = sampling.divide_rays(x, y, prefix.rays.into());
+                for ray in 0..u32::from(prefix.rays) {
                     // Trace one prefix ray and add its light.
-                    let sampler = Sampler::new(key.pixel_key(x, y), ray.into(), prefix.rays.into());
-                    let (ray, weight) = sampling.generate_ray(corner, sampler);
+                    let sampler = Sampler::new(key.pixel_key(x, y), ray, prefix.rays.into());
+                    worker.slice = slices.slice(ray);
+                    let (ray, weight) = sampling.generate_ray(worker.slice, corner, sampler);
                     worker.counters.camera_rays += 1;
                     let value = radiance(&ray, sampler, &mut worker, &mut tile_state);
                     let finite = value.is_finite();
@@ -235,10 +251,6 @@ fn is_tile_rendered(tile: u32, columns: u32, every: u32) -> bool {
     // A slant that shares a factor with the interval would leave columns out.
     let slant = (1..=every.div_ceil(2)).rev().find(|slant| gcd(*slant, every) == 1).unwrap_or(1);
     (tile % columns + tile / columns * slant).is_multiple_of(every)
-}
-
-fn gcd(a: u32, b: u32) -> u32 {
-    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// Returns the column and row of each pixel of a tile.

@@ -7,6 +7,7 @@ use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, PhotonReport, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
+use super::shutter::ShutterSlice;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::Scene;
@@ -41,6 +42,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
             key: key.pilot_trial_key(trial),
             pass: 0,
             part: PILOT_DIVISOR,
+            slice: ShutterSlice::WHOLE,
             limited: false,
             connects: false,
         };
@@ -128,7 +130,14 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
 pub(super) fn measure_pass_work(renderer: &PassRenderer<'_>) -> Counters {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let mut out = Pass::default();
-    let options = MapBuildOptions { key, pass: 0, part: PILOT_DIVISOR, limited: true, connects: true };
+    let options = MapBuildOptions {
+        key,
+        pass: 0,
+        part: PILOT_DIVISOR,
+        slice: ShutterSlice::WHOLE,
+        limited: true,
+        connects: true,
+    };
     let maps = renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out);
     let counters = estimate_at_points(renderer, Some(&maps), &pilot_film_points(renderer.scene, key, 0)).counters;
     let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;

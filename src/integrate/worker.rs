@@ -41,6 +41,8 @@ pub(super) struct PathWorker {
     pub prefix: PrefixLight,
     /// Film position of the current pixel's center or camera ray \[pixels from the top left].
     pub film_position: Vec2,
+    /// Slice of the shutter interval of the current camera ray.
+    pub slice: usize,
     /// Contribution to the pixel of the indirect light that each technique finds along the current
     /// camera path of a pilot.
     pub indirect_light: IndirectLight,

@@ -115,6 +115,13 @@ impl GridDensity {
         Self { grid: Arc::clone(&self.grid), placement: self.placement.translated(by) }
     }
 
+    /// Copy of the grid, moved by `map`; `None` if the map is singular.
+    #[must_use]
+    pub fn transformed(&self, map: DAffine3) -> Option<Self> {
+        let placement = Transform::new(map * *self.placement.forward()).ok()?;
+        Some(Self { grid: Arc::clone(&self.grid), placement })
+    }
+
     /// Density at point `p` in scene coordinates; 0 outside the grid.
     #[must_use]
     pub fn density(&self, p: Vec3) -> f32 {

@@ -11,9 +11,11 @@ mod error;
 mod geometry;
 mod interiors;
 mod material;
+mod motion_extent;
 mod path_ray;
 mod queries;
 mod ray_cone;
+mod shape_list;
 mod surface_interaction;
 mod textured;
 

@@ -74,7 +74,7 @@ impl Scene {
             material: attributes.material,
             has_emission_texture: self.has_emission_texture(attributes),
         };
-        let shapes = geometry.shapes.iter().zip(&geometry.objects).map(move |(shape, attributes)| {
+        let shapes = geometry.shapes.iter().zip(&*geometry.objects).map(move |(shape, attributes)| {
             let plane = shape.point_if_planar().map(|point| (point.p, point.ng));
             summary(attributes, Some(shape.bounding_sphere()), plane)
         });
