@@ -191,8 +191,8 @@ fn mean_pictures(scene: &Scene, effects: EffectOverrides, samples: u32) -> Vec<D
     (0..PASSES).map(|pass| mean(render_pass(scene, effects, samples, pass))).collect()
 }
 
-/// In a white room, each camera path through a pane of flint is worth r + (1 − r)·w(λ): w is the
-/// weight of its wavelength, and r the reflectance of the first face, which stays white.
+/// Between two white lamps, each camera path through a pane of flint is worth r + (1 − r)·w(λ): w
+/// is the weight of its wavelength, and r the reflectance of the first face, which stays white.
 ///
 /// The mean over many passes is white. In one pass, a pixel has n stratified wavelengths. By
 /// Koksma's inequality, the pixel is off by at most V/n, with the total variation V of w. With n
@@ -206,10 +206,11 @@ fn stratified_wavelengths_keep_pixels_white() {
          Materials { Diffuse lamp { reflectance 0 0 0  emission 1 1 1 }  Dielectric slab { cauchy 1.7 .02 } }
          Group {
              MaterialName lamp
-             Sphere { center 0 0 0  radius 9 }
+             Rectangle { corner -90 -90 -5  edge0 180 0 0  edge1 0 180 0 }
+             Rectangle { corner -90 -90 9  edge0 0 180 0  edge1 180 0 0 }
              MaterialName slab
-             Rectangle { corner -2 -2 0  edge0 4 0 0  edge1 0 4 0 }
-             Rectangle { corner -2 -2 -.4  edge0 0 4 0  edge1 4 0 0 }
+             Rectangle { corner -90 -90 0  edge0 180 0 0  edge1 0 180 0 }
+             Rectangle { corner -90 -90 -.4  edge0 0 180 0  edge1 180 0 0 }
          }",
     );
     for samples in [1, 3] {
