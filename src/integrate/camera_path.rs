@@ -459,7 +459,8 @@ impl<'a> PathContext<'a> {
 impl<I: Interior> PathState<I> {
     /// Starts a path with camera ray `ray`.
     fn from_camera_ray(paths: &PathContext<'_>, ray: &Ray, sampler: Sampler) -> Self {
-        let path_ray = paths.scene.start_camera_path(*ray, paths.policy.effects);
+        let mut path_ray: PathRay<I> = paths.scene.start_camera_path(*ray, paths.policy.effects);
+        path_ray.interior.set_wavelength_sample(paths.scene, || sampler.get_1d(Dimension::Wavelength));
         let history = PathHistory::default();
         Self {
             path_ray,

@@ -155,19 +155,21 @@ impl<'a> PhotonSource<'a> {
     ///
     /// Returns the ray and its flux \[W], or `None` if the sample carries no flux. Lights are
     /// chosen by systematic sampling over path indices. Positions and directions are Sobol' points,
-    /// scrambled with `pass_key`.
+    /// scrambled with `pass_key`. The wavelengths of each light's paths are stratified, jointly with
+    /// the positions and with the directions.
     #[must_use]
     pub fn emit_photon_path<I: Interior>(&self, pass_key: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
         let point = self.primary_emission_sample(pass_key, index, paths);
-        let (ray, flux) = self.start_photon_path(&point)?;
+        let (mut ray, flux) = self.start_photon_path::<I>(&point)?;
+        let wavelength_sample = || self.wavelength_sample(pass_key, index, paths, point.light);
+        ray.interior.set_wavelength_sample(self.scene, wavelength_sample);
         Some((ray, flux / (point.probability * paths as f32 * point.pdf)))
     }
 
     /// Samples the light, position and direction of photon path `index` in a pass of `paths` paths.
     #[inline]
     pub(super) fn primary_emission_sample(&self, pass_key: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
-        let u = (f64::from(index) + f64::from(pass_key.uniform_1d(Dimension::Light))) / f64::from(paths);
-        let (light, probability) = self.light_distribution.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
+        let (light, probability) = self.light_distribution.sample(systematic_light_sample(pass_key, index, paths));
         let position = sobol_2d(index, pass_key, Dimension::LightPosition);
         let direction = sobol_2d(index, pass_key, Dimension::LightDirection);
         let (position, direction, pdf) = match self.guiding.get(light) {
@@ -175,6 +177,18 @@ impl<'a> PhotonSource<'a> {
             Some(None) | None => (position, direction, 1.0),
         };
         PrimaryEmissionSample { light, probability, position, direction, pdf }
+    }
+
+    /// Returns the primary sample in \[0, 1) of the wavelength of photon path `index`, which starts
+    /// at light number `light`, in a pass of `paths` paths.
+    ///
+    /// It is the position of the path in the run of indices that start at the light. Aligned runs of
+    /// Sobol' points fill the unit square evenly, so each range of wavelengths has its share of
+    /// paths in each part of the square, as in a Hammersley set. The rotation by one number per pass
+    /// makes each wavelength uniform, whatever the number of paths (Cranley and Patterson 1976).
+    fn wavelength_sample(&self, pass_key: Key, index: u32, paths: u32, light: usize) -> f32 {
+        let u = systematic_light_sample(pass_key, index, paths);
+        (self.light_distribution.remapped_sample(u, light) + pass_key.uniform_1d(Dimension::Wavelength)).fract()
     }
 
     /// Starts the photon path that `point` determines; returns its ray and flux \[W].
@@ -200,6 +214,14 @@ impl<'a> PhotonSource<'a> {
         };
         Some((self.scene.start_light_path(point.light, ray, self.effects), emission.flux))
     }
+}
+
+/// Primary sample in \[0, 1) that chooses the light of photon path `index` in a pass of `paths`
+/// paths. It grows with the index: systematic sampling.
+#[inline]
+fn systematic_light_sample(pass_key: Key, index: u32, paths: u32) -> f32 {
+    let u = (f64::from(index) + f64::from(pass_key.uniform_1d(Dimension::Light))) / f64::from(paths);
+    (u as f32).min(1.0 - f32::EPSILON / 2.0)
 }
 
 /// All effects, but without [`Effect::Interiors`] if no object of `scene` has an interior.

@@ -108,7 +108,8 @@ pub enum Dimension {
     Lens,
     /// Time of a pass or of a camera ray while the shutter is open.
     Time,
-    /// Wavelength that a path keeps after its first dispersive interface.
+    /// Wavelength that a path keeps after its first dispersive interface. The key is that of the
+    /// camera path's pixel, of the photon path's pass, or, for later wavelengths, of the vertex.
     Wavelength,
     /// Direction after scattering in a medium.
     Phase,
