@@ -181,7 +181,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                     (Film::new(SIZE.0, SIZE.1), ErrorEstimator::new(integrator.radius_law()));
                 for pass in 0..*arguments.passes.iter().max().ok_or("no passes")? {
                     let made = integrator.render_pass(pass, &SilentMonitor);
-                    estimator.add(&film, &made);
+                    estimator.add(pass, &made);
                     film.add(&made.image);
                     let Some(at) = arguments.passes.iter().position(|n| *n == pass + 1) else { continue };
                     rows[at].push((estimator.estimate(&film), square(&film.mean()).max(0.0).sqrt()));

@@ -13,13 +13,11 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 use std::sync::Arc;
 
-/// If all passes share camera paths: number of tiles that a pass also renders with paths of its
-/// own.
-///
-/// These tiles measure the error that the shared paths cause.
+/// Number of tiles that a pass renders a second time, with camera paths of its own, if all passes
+/// share camera paths. The difference measures the error that the shared paths cause.
 const FRESH_TILE_COUNT: u32 = 48;
 
-/// Scene, rules and sample counts from which passes are rendered.
+/// Scene, path policy, settings and sample counts from which passes are rendered.
 #[derive(Debug)]
 pub(super) struct PassRenderer<'a> {
     pub scene: &'a Scene,
@@ -32,13 +30,16 @@ pub(super) struct PassRenderer<'a> {
     /// Number of camera rays of each pixel relative to `samples`; `None` gives all pixels the mean.
     pub density: Option<Arc<[f32]>>,
     /// Number of prefix rays of each pixel, and their work; `None` traces none.
+    ///
+    /// Prefix rays are extra camera paths that end at the first surface that stores photons.
     pub prefix_rays: Option<PrefixRayCounts>,
 }
 
 impl<'a> PassRenderer<'a> {
-    /// Makes a renderer with default numbers of camera rays and photons.
+    /// Makes a renderer with the numbers of camera rays and photon paths of `settings`.
     ///
-    /// Pilots guide photon emission, and find the gather radii if `settings` give none.
+    /// Pilots (small simulations) guide photon emission, and find gather radii if `settings` give
+    /// none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         Self {
             scene,
@@ -52,8 +53,8 @@ impl<'a> PassRenderer<'a> {
         }
     }
 
-    /// Returns a renderer for `scene`, the same scene at another shutter time. It keeps the results
-    /// of pilots.
+    /// Returns a renderer for `scene`, the same scene at another shutter time. The new renderer
+    /// keeps what pilots found.
     pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PassRenderer<'b> {
         PassRenderer {
             scene,
@@ -67,15 +68,15 @@ impl<'a> PassRenderer<'a> {
         }
     }
 
-    /// Returns a renderer for `policy`, the same policy with fewer effects. It keeps the results of
-    /// pilots.
+    /// Returns a renderer for `policy`, the same policy with fewer effects of light. The new
+    /// renderer keeps what pilots found.
     pub fn with_policy(&self, policy: PathPolicy) -> Self {
         let nee = NextEventEstimator::new(self.scene, &policy);
         let map_builder = self.map_builder.with_policy(&policy);
         Self { policy, nee, map_builder, ..self.for_scene_at_time(self.scene) }
     }
 
-    /// Returns this renderer with one camera ray per pixel.
+    /// Returns this renderer with one camera ray per pixel and no prefix rays.
     pub fn with_one_sample(&self) -> Self {
         Self { samples: 1, density: None, prefix_rays: None, ..self.for_scene_at_time(self.scene) }
     }
@@ -105,7 +106,8 @@ impl<'a> PassRenderer<'a> {
         if self.policy.shares_paths { key.shared_paths_key() } else { key.pass_key(pass) }
     }
 
-    /// Returns the random key of the prefix rays of pass `pass`.
+    /// Returns the random key of the prefix rays of pass `pass`: extra camera paths that end at the
+    /// first surface that stores photons.
     pub fn prefix_ray_key(&self, pass: u32) -> Key {
         Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::PrefixRays).pass_key(pass)
     }
@@ -127,11 +129,11 @@ impl<'a> PassRenderer<'a> {
         }
     }
 
-    /// Returns the camera rays and the random key of the tiles that pass `pass` also renders with
-    /// camera paths of its own.
+    /// Returns the camera rays and the random key of the tiles that pass `pass` renders a second
+    /// time, with camera paths of its own.
     ///
-    /// They measure the error of camera paths that all passes share. `None` if passes share no
-    /// paths, or if the error is not estimated.
+    /// These paths measure the error of camera paths that all passes share. `None` if passes share
+    /// no paths, or if the error is not estimated.
     pub fn unshared_path_sampling(&self, pass: u32) -> Option<(FilmSampling<'_>, Key)> {
         let sampling = self.film_sampling(pass);
         if !(sampling.nested && self.policy.shares_paths) {

@@ -24,8 +24,7 @@ use crate::stats::Counters;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Integrator of all algorithms whose camera paths follow a
-/// [`PathPolicy`](super::policy::PathPolicy).
+/// Integrator of all algorithms that a [`PathPolicy`](super::policy::PathPolicy) describes.
 #[derive(Debug)]
 pub(super) struct PathIntegrator<'a> {
     renderer: PassRenderer<'a>,
@@ -102,7 +101,7 @@ impl Integrator for PathIntegrator<'_> {
     }
 
     fn prefix_rays_per_pixel(&self) -> f64 {
-        self.renderer.prefix_rays.as_ref().map_or(0.0, PrefixRayCounts::mean)
+        self.renderer.prefix_rays.as_ref().map_or(0.0, PrefixRayCounts::mean_rays_per_pixel)
     }
 
     fn indirect_photon_share(&self, pass: u32) -> f64 {
@@ -130,7 +129,8 @@ impl Integrator for PathIntegrator<'_> {
 impl<'a> PathIntegrator<'a> {
     /// Makes an integrator for `scene`.
     ///
-    /// Pilots guide photon emission, find gather radii, and balance camera rays against photons.
+    /// Pilots (small simulations) guide photon emission, find gather radii, and balance camera rays
+    /// against photons.
     pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, make_policy: PolicyFn) -> Self {
         let (effects, needed) = (plan.simulated_effects(), plan.needed_and_simulated_effects());
         let policy = make_policy(effects, &settings);
@@ -138,7 +138,7 @@ impl<'a> PathIntegrator<'a> {
 
         // Divide indirect light between camera paths and photons.
         let weighs = policy.indirect_photons == IndirectPhotons::Weighted;
-        let division = if weighs && renderer.map_builder.holds_interreflection_map() {
+        let division = if weighs && renderer.map_builder.may_build_interreflection_map() {
             let division = if needed == effects {
                 divide_indirect_light(&renderer)
             } else {

@@ -10,11 +10,14 @@
 //! variance of the picture times the work of a pass, which is the inverse of efficiency (Pharr,
 //! Jakob and Humphreys 2023, section 2.2.1).
 //!
+//! Two pictures of whole camera paths show which pixels may need prefix rays at all. Only these
+//! pixels are rendered again, by prefix rays.
+//!
 //! No pass uses rays of the pilot, so the mean stays unbiased.
 
 use super::balance;
 use super::camera_path;
-use super::map_builder::PassBudget;
+use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
@@ -25,6 +28,7 @@ use crate::plan::Effect;
 use crate::sampling::{Key, Purpose};
 use crate::scene::for_interior;
 use crate::stats::Counters;
+use glam::Vec2;
 use rayon::prelude::*;
 
 /// Number of pictures of whole camera paths, with one path per pixel each.
@@ -54,6 +58,12 @@ const MAX_WORK: f64 = 0.3;
 /// Mean number of prefix rays per pixel below which none are traced.
 const MIN_MEAN_COUNT: f64 = 1e-3;
 
+/// Variance of the light that a prefix finds, relative to the mean variance of whole camera paths,
+/// above which the pilot traces prefix rays in a pixel.
+///
+/// A pass traces prefix rays from about eight times this variance on.
+const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
+
 /// Work of a density estimate beside its photons, relative to tracing a photon ray.
 const LOOKUP_WORK: f64 = 20.0;
 
@@ -63,17 +73,23 @@ const LOOKUP_PHOTON_WORK: f64 = 1.0;
 /// Running mean and sum of squared differences from it (Welford 1962).
 #[derive(Clone, Copy, Debug, Default)]
 struct RunningVariance {
+    count: u32,
     mean: f32,
     squares: f64,
 }
 
 impl RunningVariance {
-    /// Adds `value`, which is the `count`-th one.
-    fn add(&mut self, value: f32, count: f32) {
+    fn add(&mut self, value: f32) {
+        self.count += 1;
         let before = value - self.mean;
-        self.mean += before / count;
+        self.mean += before / self.count as f32;
         // The square of a small f32 could underflow.
         self.squares += f64::from(before) * f64::from(value - self.mean);
+    }
+
+    /// Returns the unbiased variance of at least two values.
+    fn variance(&self) -> f64 {
+        self.squares / f64::from(self.count - 1)
     }
 }
 
@@ -118,43 +134,49 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let counts = renderer.map_builder.counts;
     let divisor = counts.photons.max(counts.caustic_photons).div_ceil(MAX_PATHS).max(MIN_DIVISOR);
     let maps = renderer.map_builder.traces_photons().then(|| {
-        let budget = PassBudget { key, pass: 0, part: divisor, limited: true, connects: true };
-        renderer.map_builder.build_with_budget(&budget, &SilentMonitor, &mut out)
+        let budget = MapBuildOptions { key, pass: 0, part: divisor, limited: true, connects: true };
+        renderer.map_builder.build_with_options(&budget, &SilentMonitor, &mut out)
     });
     let (width, height) = scene.camera().size();
     let mut light = vec![PixelLight::default(); width as usize * height as usize];
     let mut whole_work = Counters::default();
     for i in 0..WHOLE_PICTURES {
-        let picture = render_light_parts(renderer, maps.as_ref(), i, PathParts::Whole);
-        let count = (i + 1) as f32;
+        let picture = render_light_parts(renderer, maps.as_ref(), i, PathParts::Whole, |_| true);
         light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
             let before = parts.x - light.rest.mean;
-            light.rest.add(parts.x, count);
-            light.found.add(parts.y, count);
-            light.photons.add(parts.z, count);
+            light.rest.add(parts.x);
+            light.found.add(parts.y);
+            light.photons.add(parts.z);
             light.products += f64::from(before) * f64::from(parts.y - light.found.mean);
         });
         whole_work += picture.counters;
+    }
+    let candidates = find_candidates(&pixel_variances(&light, width as usize, height as usize)?, renderer.samples);
+    let candidate_count = candidates.iter().filter(|candidate| **candidate).count() as u64;
+    if candidate_count == 0 {
+        return None;
     }
     let (mut ray_work, mut lookup_work) = (Counters::default(), Counters::default());
     for i in WHOLE_PICTURES..WHOLE_PICTURES + PREFIX_PICTURES {
         let looks_up = i < WHOLE_PICTURES + LOOKUP_PICTURES;
         let parts = if looks_up { PathParts::PrefixWithLookup } else { PathParts::Prefix };
-        let picture = render_light_parts(renderer, maps.as_ref(), i, parts);
-        let count = (i + 1) as f32;
-        light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
-            light.found.add(parts.y, count);
+        let is_candidate = |center: Vec2| candidates[center.y as usize * width as usize + center.x as usize];
+        let picture = render_light_parts(renderer, maps.as_ref(), i, parts, is_candidate);
+        let pixels = light.par_iter_mut().zip(&picture.image).zip(&candidates);
+        pixels.filter(|(_, candidate)| **candidate).for_each(|((light, parts), _)| {
+            light.found.add(parts.y);
             if looks_up {
-                light.photons.add(parts.z, count);
+                light.photons.add(parts.z);
             }
         });
         let Counters { gathers, gathered_photons, .. } = picture.counters;
         lookup_work += Counters { gathers, gathered_photons, ..Counters::default() };
-        ray_work += Counters { gathers: 0, gathered_photons: 0, ..picture.counters };
+        ray_work += Counters { gathers: 0, gathered_photons: 0, camera_rays: candidate_count, ..picture.counters };
     }
 
     // Measure the work of the camera paths and photons of a pass, of a prefix ray and of a lookup.
     let pixels = f64::from(width) * f64::from(height);
+    let candidate_pixels = candidate_count as f64;
     let part = f64::from(divisor);
     let lookup = |counters: &Counters| {
         LOOKUP_WORK * counters.gathers as f64 + LOOKUP_PHOTON_WORK * part * counters.gathered_photons as f64
@@ -166,8 +188,8 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let work = PassWork {
         camera: camera / pixels,
         photons: (photons + lookup(&whole_work) / whole_pictures) / pixels,
-        prefix_ray: balance::camera_path_work(&ray_work) / (pixels * f64::from(PREFIX_PICTURES)),
-        lookup: lookup(&lookup_work) / (pixels * f64::from(LOOKUP_PICTURES)),
+        prefix_ray: balance::camera_path_work(&ray_work) / (candidate_pixels * f64::from(PREFIX_PICTURES)),
+        lookup: lookup(&lookup_work) / (candidate_pixels * f64::from(LOOKUP_PICTURES)),
     };
 
     let variances = pixel_variances(&light, width as usize, height as usize)?;
@@ -175,8 +197,9 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let (rays, lookups) = counts
         .iter()
         .fold((0, 0), |(rays, lookups), count| (rays + u64::from(count.rays), lookups + u64::from(count.lookups)));
-    let scaled =
-        |n: u64, total: u64, pictures: u32| (n as f64 * total as f64 / (pixels * f64::from(pictures))).round() as u64;
+    let scaled = |n: u64, total: u64, pictures: u32| {
+        (n as f64 * total as f64 / (candidate_pixels * f64::from(pictures))).round() as u64
+    };
     let expected_work = Counters {
         camera_rays: rays,
         continuation_rays: scaled(ray_work.continuation_rays, rays, PREFIX_PICTURES),
@@ -199,7 +222,20 @@ enum PathParts {
     Prefix,
 }
 
-/// Renders picture `i` of the pilot, with one ray per pixel.
+/// Returns for each pixel whether the pilot traces prefix rays there.
+///
+/// `variances` come from whole camera paths, of which a pass traces `samples` per pixel. Only one of
+/// these n paths reads photon maps. A further estimate pays if its variance is above about 1/n² of
+/// that of a camera path.
+fn find_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool> {
+    let n = f64::from(samples);
+    let total: f64 = variances.iter().map(|v| v.rest + v.found).sum();
+    let least = CANDIDATE_VARIANCE * total / variances.len() as f64;
+    variances.iter().map(|v| v.found > least || v.photons * n * n > least).collect()
+}
+
+/// Renders picture `i` of the pilot, with one ray per pixel whose center \[pixels] fulfils
+/// `is_rendered`. The other pixels are black.
 ///
 /// The channels of a pixel are the light after the first receiver, emission found by the prefix,
 /// and the photon estimate, each averaged over RGB.
@@ -208,6 +244,7 @@ fn render_light_parts(
     maps: Option<&PhotonMaps<'_>>,
     i: u32,
     parts: PathParts,
+    is_rendered: impl Fn(Vec2) -> bool + Sync,
 ) -> FilmImage {
     // No render reaches these passes, so no random number is used twice.
     let pass = u32::MAX - i;
@@ -217,6 +254,9 @@ fn render_light_parts(
     for_interior!(pilot.policy.effects, <I> {
         let radiance = camera_path::camera_path_tracer::<I>(&paths);
         tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, stack| {
+            if !is_rendered(worker.film_position) {
+                return Rgb::ZERO;
+            }
             worker.prefix = PrefixLight {
                 ends_at_receiver: parts != PathParts::Whole,
                 lookups: u32::from(parts != PathParts::Prefix),
@@ -253,11 +293,11 @@ fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<
     let variance = |i: usize| {
         let brightness = box_mean(&|i| f64::from(mean[i]), i, 1);
         let scale = 1.0 / (median * (brightness + median));
-        let found = smoothed(&|i| light[i].found.squares, i) / f64::from(WHOLE_PICTURES + PREFIX_PICTURES - 1);
+        let found = smoothed(&|i| light[i].found.variance(), i);
         let covariance = smoothed(&|i| light[i].products, i) / f64::from(WHOLE_PICTURES - 1);
-        let photons = smoothed(&|i| light[i].photons.squares, i) / f64::from(WHOLE_PICTURES + LOOKUP_PICTURES - 1);
+        let photons = smoothed(&|i| light[i].photons.variance(), i);
         PixelVariance {
-            rest: box_mean(&|i| light[i].rest.squares, i, 1) / f64::from(WHOLE_PICTURES - 1) * scale,
+            rest: box_mean(&|i| light[i].rest.variance(), i, 1) * scale,
             found: (found + 2.0 * covariance.min(0.0)).max(0.0) * scale,
             photons: photons * scale,
         }

@@ -26,16 +26,19 @@ pub(super) struct FilmSampling<'a> {
     pub lens: bool,
     /// Number of rays of each pixel relative to the mean; `None` gives all pixels the mean.
     pub density: Option<&'a [f32]>,
-    /// Prefix rays, which follow camera paths up to their first receiver; `None` traces none.
+    /// Prefix rays: extra camera paths that end at the first surface that stores photons. `None`
+    /// traces none.
     pub prefix_rays: Option<PrefixRays<'a>>,
-    /// True if photon estimates are also made with nested smaller discs.
+    /// True if photon estimates are also made with smaller nested discs, to measure their bias.
     pub nested: bool,
     /// Interval of rendered tiles: 1 renders all tiles, n renders one of n tiles and leaves the
     /// others black.
     pub every: u32,
 }
 
-/// Numbers of the prefix rays of a picture's pixels, and the key of their random numbers.
+/// Number of prefix rays of each pixel of a picture, and the key of their random numbers.
+///
+/// Prefix rays are extra camera paths that end at the first surface that stores photons.
 #[derive(Clone, Copy)]
 pub(super) struct PrefixRays<'a> {
     /// Numbers of prefix rays of each pixel, by rows from the top.
@@ -45,7 +48,7 @@ pub(super) struct PrefixRays<'a> {
 
 /// Rendered picture with the counters of its camera rays.
 pub(super) struct FilmImage {
-    /// Radiance by rows from the top \[W/(m² sr)].
+    /// Radiance of each pixel, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
     /// Nested photon estimates of each pixel; empty unless requested.
     pub nested: Vec<NestedEstimates>,
@@ -70,15 +73,15 @@ impl<'a> Tile<'a> {
         let height = image.len() as u32 / width;
         let empty = |index| Tile { index, image: Vec::new(), nested: Vec::new() };
         let mut tiles: Vec<Self> = (0..width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE)).map(empty).collect();
-        tile_rows(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
-        tile_rows(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
+        cut_rows_at_tiles(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
+        cut_rows_at_tiles(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
         tiles
     }
 }
 
-/// Returns the parts of picture rows that lie in one tile, from the top, each with the index of its
-/// tile.
-fn tile_rows<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
+/// Cuts the rows of a picture at tile borders. Returns the pieces from the top, each with the index
+/// of its tile.
+fn cut_rows_at_tiles<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
     let (width, edge) = (width as usize, TILE_SIZE as usize);
     let tile = move |x: usize, y: usize| y / edge * width.div_ceil(edge) + x;
     let rows = picture.chunks_mut(width).enumerate();
@@ -86,19 +89,20 @@ fn tile_rows<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &
 }
 
 impl FilmSampling<'_> {
-    /// Returns the number of camera rays of a pixel, at least one. `pixel` counts by rows from the
-    /// top.
+    /// Returns the number of camera rays of a pixel, at least one. `pixel` is an index by rows from
+    /// the top.
     fn ray_count(&self, pixel: usize) -> u32 {
         let exact = |density: &[f32]| (self.samples as f32 * density[pixel]).round().max(1.0) as u32;
         self.density.map_or(self.samples, exact)
     }
 
-    /// Returns the numbers of prefix rays of a pixel. `pixel` counts by rows from the top.
+    /// Returns the numbers of prefix rays of a pixel, which end at the first surface that stores
+    /// photons. `pixel` is an index by rows from the top.
     fn prefix_ray_count(&self, pixel: usize) -> PrefixRayCount {
         self.prefix_rays.map_or(PrefixRayCount::default(), |rays| rays.counts[pixel])
     }
 
-    /// Makes the camera ray of `sampler` through the pixel whose upper left corner is `corner`.
+    /// Makes the camera ray of one sample of the pixel whose upper left corner is `corner`.
     ///
     /// Returns the ray and its filter weight.
     #[inline]
@@ -159,7 +163,7 @@ pub(super) fn render_tiles<T: Default>(
             let index = y as usize * width as usize + x as usize;
             let (samples, prefix) = (sampling.ray_count(index), sampling.prefix_ray_count(index));
             let mut sum = PixelSum::default();
-            worker.prefix = PrefixLight::of_camera_paths(samples, prefix);
+            worker.prefix = PrefixLight::camera_path_weights(samples, prefix);
             worker.film_position = corner + 0.5;
             for sample in 0..samples {
                 // Trace one camera ray.
@@ -183,7 +187,7 @@ pub(super) fn render_tiles<T: Default>(
             if let Some(PrefixRays { key, .. }) = sampling.prefix_rays
                 && prefix.rays > 0
             {
-                worker.prefix = PrefixLight::of_prefix_rays(samples, prefix);
+                worker.prefix = PrefixLight::prefix_ray_weights(samples, prefix);
                 for ray in 0..prefix.rays {
                     // Trace one prefix ray and add its light.
                     let sampler = Sampler::new(key.pixel_key(x, y), ray.into(), prefix.rays.into());
@@ -224,10 +228,9 @@ pub(super) fn rendered_tile_stride((width, height): (u32, u32), wanted: u32) -> 
     (width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE) / wanted).max(2)
 }
 
-/// True if the tile with index `tile` belongs to the rendered ones, if one of `every` tiles is
-/// rendered.
+/// True if the tile with index `tile` is rendered when only one of `every` tiles is.
 ///
-/// Rendered tiles lie on diagonal lines, so each row and column has its share.
+/// Rendered tiles lie on diagonal lines, so they are spread over all rows and columns.
 fn is_tile_rendered(tile: u32, columns: u32, every: u32) -> bool {
     // A slant that shares a factor with the interval would leave columns out.
     let slant = (1..=every.div_ceil(2)).rev().find(|slant| gcd(*slant, every) == 1).unwrap_or(1);
@@ -251,7 +254,7 @@ struct PixelSum {
     values: CompensatedSum,
     /// Sum of radiance values, each times its filter weight.
     weighted: CompensatedSum,
-    /// Sum of (weight − 1).
+    /// Sum of (filter weight − 1).
     excess: f64,
     count: u32,
 }
@@ -271,11 +274,10 @@ impl PixelSum {
         self.values.value()
     }
 
-    /// Returns an unbiased estimate of the sum of weighted values, with less noise from unequal
-    /// weights.
+    /// Returns an unbiased estimate of the weighted sum of radiance values.
     ///
-    /// Each sample adds wᵢLᵢ + (1 − wᵢ)·(mean of the other values). The sum is unbiased, because
-    /// weights have mean 1, and exact if all values are equal.
+    /// Each sample adds wᵢLᵢ + (1 − wᵢ)·(mean of the other values), which has less noise than wᵢLᵢ
+    /// alone. The sum is unbiased, because weights have mean 1, and exact if all values are equal.
     fn weighted_sum(&self) -> DVec3 {
         let (values, weighted) = (self.values.value(), self.weighted.value());
         let others = f64::from(self.count) - 1.0;

@@ -1,5 +1,6 @@
 //! Geometric primitives: rays, boxes, frames, transforms, sampling warps and error bounds.
 
+mod binned_sums;
 mod bounds;
 mod compensated_sum;
 mod double_double;
@@ -11,6 +12,7 @@ mod ray;
 mod transform;
 pub mod warp;
 
+pub use binned_sums::BinnedSums;
 pub use bounds::{BoundingSphere, Bounds};
 pub use compensated_sum::CompensatedSum;
 pub use double_double::{exact_cross, exact_dot};

@@ -11,11 +11,12 @@ use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
-/// Number of emission samples that estimate the power of one light towards the caustic casters.
+/// Number of emission samples that estimate the power of one light towards casters, such as glass
+/// or mirrors.
 const POWER_SAMPLES: u32 = 256;
 
 /// Fraction of the light probabilities that is proportional to total power, in a source aimed at
-/// casters (defensive sampling).
+/// casters such as glass or mirrors (defensive sampling).
 ///
 /// The other 90 % are proportional to the estimated power towards the casters. A light for which
 /// this estimate is zero keeps a probability above zero.
@@ -27,8 +28,8 @@ pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     /// Discrete distribution from which the light of a photon path is sampled.
     pub(super) light_distribution: DiscreteDistribution,
-    /// Bounding spheres of the caustic casters, towards which photons are emitted. `None` emits in
-    /// all directions.
+    /// Bounding spheres of the casters (such as glass or mirrors), towards which photons are
+    /// emitted. `None` emits in all directions.
     aim: Option<PhotonAim>,
     /// Distribution of positions and directions for each light, from emission guiding; `None` for
     /// an unguided light. The list is empty without guiding.
@@ -65,7 +66,8 @@ impl<'a> PhotonSource<'a> {
         Some(Self { scene, light_distribution, aim: None, guiding: Vec::new(), effects })
     }
 
-    /// Creates a source that emits only towards the bounding spheres of caustic casters.
+    /// Creates a source that emits only towards the bounding spheres of casters, such as glass or
+    /// mirrors.
     ///
     /// Lights are chosen mainly in proportion to their power towards the spheres, which is
     /// estimated by sampling. If a caster is unbounded, the source emits in all directions. Returns
@@ -121,7 +123,8 @@ impl<'a> PhotonSource<'a> {
     /// Returns a copy of the source for `scene`, which must be the same scene at another shutter
     /// time.
     ///
-    /// A source aimed at casters then aims at their positions at that time.
+    /// If the source is aimed at casters (such as glass or mirrors), it aims at their positions at
+    /// that time.
     #[must_use]
     pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
         let spheres = if self.aim.is_some() { scene.caster_bounding_spheres() } else { None };
@@ -209,8 +212,8 @@ fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
     scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.photon_domain()))))
 }
 
-/// Estimates the power \[W] of light number `light` towards the spheres of `aim`, averaged over
-/// RGB.
+/// Estimates the power \[W] that light number `light` emits towards the bounding spheres of casters
+/// in `aim`, averaged over RGB.
 fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
     let key = Key::new(0).purpose_key(Purpose::LightWeights).light_power_pilot_key(light);
     let flux = |i| {

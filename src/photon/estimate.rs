@@ -72,7 +72,7 @@ const MIN_RELATIVE_RADIUS: f32 = 1e-5;
 /// radiance finite if photons coincide.
 const MIN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 
-/// Number of photons that are summed in f32 before their sum is added to a total in f64.
+/// Number of photons whose f32 sum is formed before it is added to an f64 total.
 const BLOCK: u32 = 64;
 
 /// Photons count in an estimate if the cosine between their normal and the normal of the query

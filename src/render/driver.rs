@@ -76,7 +76,7 @@ pub struct RenderResult {
     pub seconds: StageTimes,
     /// Counts and flux of the photon paths that start in all directions.
     pub unaimed: PhotonReport,
-    /// Counts and flux of the photon paths that are aimed at caustic casters.
+    /// Counts and flux of the photon paths that are aimed at casters, such as glass or mirrors.
     pub aimed: PhotonReport,
     /// Wall time from the first pass to the end.
     pub wall: Duration,
@@ -98,8 +98,8 @@ const ESTIMATE_INTERVAL_FACTOR: f64 = 1.05;
 /// Smallest number of passes after which a render may give up its error target.
 pub(super) const GIVE_UP_PASSES: u32 = 16;
 
-/// Fraction of the predicted remaining bias that must exceed the error target before a render gives
-/// up.
+/// A render gives up its error target if this fraction of the bias that more passes cannot remove
+/// exceeds the target.
 pub(super) const GIVE_UP_MARGIN: f64 = 0.8;
 
 /// Renders a picture of `size` (width, height) pixels, pass by pass, until a criterion of `stop`
@@ -127,9 +127,10 @@ pub fn render(
     };
     let mut next_estimate = 0.0;
     loop {
-        let pass = integrator.render_pass(rendered.film.passes(), monitor);
+        let number = rendered.film.passes();
+        let pass = integrator.render_pass(number, monitor);
         if let Some(estimator) = &mut rendered.estimator {
-            estimator.add(&rendered.film, &pass);
+            estimator.add(number, &pass);
         }
         rendered.film.add(&pass.image);
         rendered.counters += pass.counters;

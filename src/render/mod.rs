@@ -5,6 +5,7 @@ pub mod error_estimate;
 mod expected_end;
 mod film;
 mod limits;
+mod merge_error;
 #[cfg(test)]
 mod test_integrator;
 
@@ -12,3 +13,7 @@ pub use driver::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteri
 pub use expected_end::ExpectedEnd;
 pub use film::Film;
 pub use limits::{DEFAULT_ERROR, DEFAULT_TIME, PREVIEW_ERROR, RenderLimits};
+pub use merge_error::MergeError;
+
+#[cfg(test)]
+mod tests;

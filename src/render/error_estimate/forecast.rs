@@ -1,7 +1,7 @@
 //! Forecast: predicts the error of a picture after more passes.
 
 use super::estimate::ErrorEstimate;
-use super::fireflies::Fireflies;
+use super::fireflies::FireflyHistogram;
 use crate::integrate::squared_radius_ratio;
 
 /// Largest number of passes of a forecast.
@@ -11,7 +11,8 @@ const MAX_PASSES: u32 = 10_000_000;
 /// ([`GROUP_DIVISOR`]).
 const EXACT_PASSES: u32 = 1024;
 
-/// A forecast adds later passes in groups of 1/`GROUP_DIVISOR` of the passes summed so far.
+/// Divisor of the number n of passes summed so far: a forecast adds later passes in groups of
+/// n/`GROUP_DIVISOR`.
 const GROUP_DIVISOR: u32 = 128;
 
 /// Number of passes needed to reach a given error.
@@ -46,7 +47,7 @@ pub struct ErrorForecast {
     /// Exponent p: the blur of a pass is proportional to its disc area to the power p.
     power: f64,
     shared_paths: f64,
-    fireflies: Fireflies,
+    fireflies: FireflyHistogram,
     /// Number of passes of the error estimate from which the forecast starts.
     passes: f64,
 }
