@@ -60,7 +60,7 @@ impl Algorithm {
         }
     }
 
-    /// Returns the default number of passes of a render.
+    /// Returns the number of passes of a render without limits and without error estimates.
     #[must_use]
     pub fn default_passes(self) -> u32 {
         match self {

@@ -20,6 +20,8 @@ pub struct CameraPathSettings {
     /// True if a pilot distributes camera rays over the pixels by their noise.
     pub adaptive: bool,
     /// True if passes also return photon estimates of smaller radii, for error estimation.
+    ///
+    /// A render can end at an estimated error only if this is true.
     pub estimate_error: bool,
     /// Effects of light that are forced on or off, whatever the plan decides.
     pub effects: EffectOverrides,
