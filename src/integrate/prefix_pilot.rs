@@ -226,8 +226,8 @@ enum PathParts {
 
 /// Returns for each pixel whether the pilot traces prefix rays there.
 ///
-/// `variances` come from whole camera paths, of which a pass traces `samples` per pixel. Only one of
-/// these n paths reads photon maps. A further estimate pays if its variance is above about 1/n² of
+/// `variances` come from whole camera paths, of which a pass traces `samples` per pixel. Only one
+/// of these n paths reads photon maps. A further estimate pays if its variance is above about 1/n² of
 /// that of a camera path.
 fn find_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);

@@ -172,7 +172,7 @@ impl ErrorEstimator {
         let scale = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
         let mut fireflies = FireflyHistogram::default();
         let fraction = 1.0 / scale.pixel_weights().len() as f64;
-        // Sums over pixels of the squared noise, of its square, and of its square times the kurtosis − 1.
+        // Sums over pixels: squared noise, its square, and its square times the kurtosis − 1.
         let (mut noise2, mut fourth, mut tails) = (0.0, 0.0, 0.0);
         for (deviations, weight) in self.variances.deviations(film).zip(scale.pixel_weights()) {
             let square = weight * deviations.squares.element_sum() / (n * (n - 1.0));
@@ -195,7 +195,7 @@ impl ErrorEstimator {
         // The true error of this picture scatters about its expectation, which is estimated too.
         let scatter = self.leading.squared_error_variance(scale.pixel_weights(), n);
         let realised = noise2 * noise2 * scatter + 2.0 * noise2 * (blur.square + shared2) * scatter;
-        // A variance estimate scatters by (kurtosis − 1) / 2 times as much as that of Gaussian noise.
+        // A variance estimate scatters by (kurtosis − 1) / 2 times that of Gaussian noise.
         let tail_factor = if fourth > 0.0 { 0.5 * tails / fourth } else { 1.0 };
         let estimated = noise2 * noise2 * independent.max(tail_factor * scatter / (n - 1.0));
         let deviation = (realised + estimated + blur.variance + shared_variance).sqrt();

@@ -1,7 +1,7 @@
 //! Fireflies: pixels whose relative squared noise exceeds 1.
 
-/// Number of brightness classes of [`FireflyHistogram`], one per octave. The last class also holds all
-/// brighter fireflies.
+/// Number of brightness classes of [`FireflyHistogram`], one per octave. The last class also holds
+/// all brighter fireflies.
 const OCTAVES: usize = 32;
 
 /// Histogram of fireflies by brightness.
