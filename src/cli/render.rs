@@ -178,8 +178,8 @@ fn error_estimate_at_target(target: ErrorTarget, standing: &PassProgress) -> Opt
     Some(target.error * estimate.error / estimate.high)
 }
 
-/// Returns the expected time until the first stop criterion holds; `None` if the time is unknown, as
-/// with a target after a pass without an error estimate.
+/// Returns the expected time until the first stop criterion holds; `None` if the time is unknown,
+/// as with a target after a pass without an error estimate.
 fn time_until_stop(
     stop: &StopCriteria<'_>,
     standing: &PassProgress,

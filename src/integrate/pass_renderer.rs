@@ -7,11 +7,11 @@ use super::photon_maps::PhotonMaps;
 use super::policy::PathPolicy;
 use super::prefix_rays::PrefixRayCounts;
 use super::settings::Settings;
-use super::shutter::SlicedCameras;
+use super::shutter::{MAX_PHOTON_SLICES, MAX_SLICES, SLICE_PIXELS, SlicedCameras};
 use super::tiles::{self, FilmSampling, PrefixRays};
 use crate::plan::Effect;
 use crate::sampling::{Key, Purpose};
-use crate::scene::Scene;
+use crate::scene::{self, Scene};
 use std::sync::Arc;
 
 /// Number of tiles that a pass renders a second time, with camera paths of its own, if all passes
@@ -85,6 +85,29 @@ impl<'a> PassRenderer<'a> {
     /// True if passes show the scene at different times.
     pub fn has_motion(&self) -> bool {
         self.policy.effects.has(Effect::Motion) && self.scene.has_motion()
+    }
+
+    /// Returns the number of slices of each pass: one for each [`SLICE_PIXELS`] pixels that things
+    /// move, as far as cost allows; 1 if nothing moves.
+    pub fn find_slice_count(&self) -> u32 {
+        if !self.has_motion() {
+            return 1;
+        }
+        let scene = self.scene;
+        let wanted = (scene::motion_on_film(scene) / SLICE_PIXELS).ceil();
+        // Placing a moving part must not cost more than tracing a camera ray.
+        let (width, height) = scene.camera().size();
+        let rays = u64::from(width) * u64::from(height) * u64::from(self.samples);
+        let affordable = rays / (scene.unshared_part_count() as u64).max(1);
+        let most = if !self.map_builder.traces_photons() {
+            MAX_SLICES
+        } else if self.policy.reads_photons_each_sample() {
+            // All indirect light is that of photons, and a ray meets those of its slice only.
+            self.samples.min(MAX_PHOTON_SLICES)
+        } else {
+            self.samples.saturating_mul(2).min(MAX_PHOTON_SLICES)
+        };
+        (wanted as u32).min(most).min(u32::try_from(affordable).unwrap_or(u32::MAX)).max(1)
     }
 
     /// Returns the inputs that all camera paths of pass `pass` share.

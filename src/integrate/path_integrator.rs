@@ -14,7 +14,7 @@ use super::prefix_rays::PrefixRayCounts;
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
 use super::settings::{IndirectPhotons, Settings};
-use super::shutter::{ShutterSlice, SlicedCameras, find_slice_count};
+use super::shutter::{ShutterSlice, SlicedCameras};
 use super::tiles::{self, FilmImage, FilmSampling};
 use super::work_pilot::{find_ray_photon_balance, measure_pass_work};
 use crate::photon::add_splats;
@@ -208,9 +208,9 @@ impl<'a> PathIntegrator<'a> {
 
         // Divide the shutter interval.
         let slices = if needed == effects {
-            find_slice_count(&renderer)
+            renderer.find_slice_count()
         } else {
-            find_slice_count(&renderer.with_policy(make_policy(needed, &settings)))
+            renderer.with_policy(make_policy(needed, &settings)).find_slice_count()
         };
         Self { renderer, plan, make_policy, balance, slices }
     }

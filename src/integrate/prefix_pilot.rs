@@ -10,8 +10,8 @@
 //! variance of the picture times the work of a pass, which is the inverse of efficiency (Pharr,
 //! Jakob and Humphreys 2023, section 2.2.1).
 //!
-//! Two pictures of whole camera paths show which pixels may need prefix rays at all. Only these
-//! pixels are rendered again, by prefix rays.
+//! Two pictures of whole camera paths show in which pixels the photon estimate may need prefix rays.
+//! Only there do the prefix rays of the next pictures read photon maps, which is most of their work.
 //!
 //! No pass uses rays of the pilot, so the mean stays unbiased.
 
@@ -38,7 +38,7 @@ const WHOLE_PICTURES: u32 = 2;
 /// Number of pictures of prefix rays, with one ray per pixel each.
 const PREFIX_PICTURES: u32 = 4;
 
-/// Number of the pictures of prefix rays that read photon maps.
+/// Number of the pictures of prefix rays that read photon maps in some pixels.
 const LOOKUP_PICTURES: u32 = 2;
 
 /// Smallest divisor of the number of photon paths: the pilot traces at most a quarter of the paths
@@ -59,17 +59,14 @@ const MAX_WORK: f64 = 0.3;
 /// Mean number of prefix rays per pixel below which none are traced.
 const MIN_MEAN_COUNT: f64 = 1e-3;
 
-/// Variance of the light that a prefix finds, relative to the mean variance of whole camera paths,
-/// above which the pilot traces prefix rays in a pixel.
+/// Variance of the photon estimate, relative to the mean variance of whole camera paths, above
+/// which prefix rays of the pilot read photon maps in a pixel.
 ///
-/// A pass traces prefix rays from about eight times this variance on.
+/// A pass traces prefix rays that read them from about eight times this variance on.
 const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
 
 /// Work of a density estimate beside its photons, relative to tracing a photon ray.
 const LOOKUP_WORK: f64 = 20.0;
-
-/// Work of one photon in a density estimate, with the search, relative to tracing a photon ray.
-const LOOKUP_PHOTON_WORK: f64 = 1.0;
 
 /// Running mean and sum of squared differences from it (Welford 1962).
 #[derive(Clone, Copy, Debug, Default)]
@@ -143,7 +140,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let mut light = vec![PixelLight::default(); width as usize * height as usize];
     let mut whole_work = Counters::default();
     for i in 0..WHOLE_PICTURES {
-        let picture = render_light_parts(renderer, maps.as_ref(), i, PathParts::Whole, |_| true);
+        let picture = render_light_parts(renderer, maps.as_ref(), i, |_| PathParts::Whole);
         light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
             let before = parts.x - light.rest.mean;
             light.rest.add(parts.x);
@@ -153,35 +150,34 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         });
         whole_work += picture.counters;
     }
-    let candidates = find_candidates(&pixel_variances(&light, width as usize, height as usize)?, renderer.samples);
-    let candidate_count = candidates.iter().filter(|candidate| **candidate).count() as u64;
-    if candidate_count == 0 {
-        return None;
-    }
+    let candidates = pixel_variances(&light, width as usize, height as usize)
+        .map_or_else(|| vec![false; light.len()], |variances| find_lookup_candidates(&variances, renderer.samples));
+    let candidate_count = candidates.iter().filter(|candidate| **candidate).count();
     let (mut ray_work, mut lookup_work) = (Counters::default(), Counters::default());
     for i in WHOLE_PICTURES..WHOLE_PICTURES + PREFIX_PICTURES {
-        let looks_up = i < WHOLE_PICTURES + LOOKUP_PICTURES;
-        let parts = if looks_up { PathParts::PrefixWithLookup } else { PathParts::Prefix };
-        let is_candidate = |center: Vec2| candidates[center.y as usize * width as usize + center.x as usize];
-        let picture = render_light_parts(renderer, maps.as_ref(), i, parts, is_candidate);
-        let pixels = light.par_iter_mut().zip(&picture.image).zip(&candidates);
-        pixels.filter(|(_, candidate)| **candidate).for_each(|((light, parts), _)| {
+        let looks_up = |pixel: usize| i < WHOLE_PICTURES + LOOKUP_PICTURES && candidates[pixel];
+        let picture = render_light_parts(renderer, maps.as_ref(), i, |center| {
+            let pixel = center.y as usize * width as usize + center.x as usize;
+            if looks_up(pixel) { PathParts::PrefixWithLookup } else { PathParts::Prefix }
+        });
+        light.par_iter_mut().zip(&picture.image).enumerate().for_each(|(pixel, (light, parts))| {
             light.found.add(parts.y);
-            if looks_up {
+            if looks_up(pixel) {
                 light.photons.add(parts.z);
             }
         });
         let Counters { gathers, gathered_photons, .. } = picture.counters;
         lookup_work += Counters { gathers, gathered_photons, ..Counters::default() };
-        ray_work += Counters { gathers: 0, gathered_photons: 0, camera_rays: candidate_count, ..picture.counters };
+        ray_work += Counters { gathers: 0, gathered_photons: 0, ..picture.counters };
     }
 
     // Measure the work of the camera paths and photons of a pass, of a prefix ray and of a lookup.
     let pixels = f64::from(width) * f64::from(height);
-    let candidate_pixels = candidate_count as f64;
+    let traced_rays = pixels * f64::from(PREFIX_PICTURES);
+    let traced_lookups = candidate_count.max(1) as f64 * f64::from(LOOKUP_PICTURES);
     let part = f64::from(divisor);
     let lookup = |counters: &Counters| {
-        LOOKUP_WORK * counters.gathers as f64 + LOOKUP_PHOTON_WORK * part * counters.gathered_photons as f64
+        LOOKUP_WORK * counters.gathers as f64 + balance::GATHERED_PHOTON_WORK * part * counters.gathered_photons as f64
     };
     let stored = out.aimed.stored + out.unaimed.stored;
     let photons = part * (out.counters.photon_rays as f64 + balance::photon_storage_work(stored));
@@ -190,8 +186,8 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let work = PassWork {
         camera: camera / pixels,
         photons: (photons + lookup(&whole_work) / whole_pictures) / pixels,
-        prefix_ray: balance::camera_path_work(&ray_work) / (candidate_pixels * f64::from(PREFIX_PICTURES)),
-        lookup: lookup(&lookup_work) / (candidate_pixels * f64::from(LOOKUP_PICTURES)),
+        prefix_ray: balance::camera_path_work(&ray_work) / traced_rays,
+        lookup: lookup(&lookup_work) / traced_lookups,
     };
 
     let variances = pixel_variances(&light, width as usize, height as usize)?;
@@ -199,15 +195,13 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let (rays, lookups) = counts
         .iter()
         .fold((0, 0), |(rays, lookups), count| (rays + u64::from(count.rays), lookups + u64::from(count.lookups)));
-    let scaled = |n: u64, total: u64, pictures: u32| {
-        (n as f64 * total as f64 / (candidate_pixels * f64::from(pictures))).round() as u64
-    };
+    let scaled = |n: u64, total: u64, traced: f64| (n as f64 * total as f64 / traced).round() as u64;
     let expected_work = Counters {
         camera_rays: rays,
-        continuation_rays: scaled(ray_work.continuation_rays, rays, PREFIX_PICTURES),
-        shadow_rays: scaled(ray_work.shadow_rays, rays, PREFIX_PICTURES),
-        gathers: scaled(lookup_work.gathers, lookups, LOOKUP_PICTURES),
-        gathered_photons: scaled(lookup_work.gathered_photons * u64::from(divisor), lookups, LOOKUP_PICTURES),
+        continuation_rays: scaled(ray_work.continuation_rays, rays, traced_rays),
+        shadow_rays: scaled(ray_work.shadow_rays, rays, traced_rays),
+        gathers: scaled(lookup_work.gathers, lookups, traced_lookups),
+        gathered_photons: scaled(lookup_work.gathered_photons * u64::from(divisor), lookups, traced_lookups),
         ..Counters::default()
     };
     Some(PrefixRayCounts { counts: counts.into(), expected_work })
@@ -224,20 +218,20 @@ enum PathParts {
     Prefix,
 }
 
-/// Returns for each pixel whether the pilot traces prefix rays there.
+/// Returns for each pixel whether the pilot reads photon maps there by prefix rays.
 ///
 /// `variances` come from whole camera paths, of which a pass traces `samples` per pixel. Only one
-/// of these n paths reads photon maps. A further estimate pays if its variance is above about 1/n² of
-/// that of a camera path.
-fn find_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool> {
+/// of these n paths reads photon maps. A further estimate pays if its variance is above about 1/n²
+/// of that of a camera path.
+fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
     let total: f64 = variances.iter().map(|v| v.rest + v.found).sum();
     let least = CANDIDATE_VARIANCE * total / variances.len() as f64;
-    variances.iter().map(|v| v.found > least || v.photons * n * n > least).collect()
+    variances.iter().map(|v| v.photons * n * n > least).collect()
 }
 
-/// Renders picture `i` of the pilot, with one ray per pixel whose center \[pixels] fulfils
-/// `is_rendered`. The other pixels are black.
+/// Renders picture `i` of the pilot, with one ray per pixel. `parts` returns which parts of a camera
+/// path are traced in the pixel with the given center \[pixels].
 ///
 /// The channels of a pixel are the light after the first receiver, emission found by the prefix,
 /// and the photon estimate, each averaged over RGB.
@@ -245,8 +239,7 @@ fn render_light_parts(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,
     i: u32,
-    parts: PathParts,
-    is_rendered: impl Fn(Vec2) -> bool + Sync,
+    parts: impl Fn(Vec2) -> PathParts + Sync,
 ) -> FilmImage {
     // No render reaches these passes, so no random number is used twice.
     let pass = u32::MAX - i;
@@ -256,9 +249,7 @@ fn render_light_parts(
     for_interior!(pilot.policy.effects, <I> {
         let radiance = camera_path::camera_path_tracer::<I>(std::slice::from_ref(&paths));
         tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, stack| {
-            if !is_rendered(worker.film_position) {
-                return Rgb::ZERO;
-            }
+            let parts = parts(worker.film_position);
             worker.prefix = PrefixLight {
                 ends_at_receiver: parts != PathParts::Whole,
                 lookups: u32::from(parts != PathParts::Prefix),

@@ -4,21 +4,20 @@
 //! has a copy of the scene at one time, its share of the photon paths, and its share of the camera
 //! rays. A camera ray meets only photons of its own slice.
 
-use super::pass_renderer::PassRenderer;
 use crate::camera::Camera;
 use crate::math::gcd;
 use crate::sampling::{Dimension, Key, Purpose};
 
 /// Way on the film that the fastest part of the scene moves in one slice \[pixels]. The times of
 /// passes interleave, so the mean of four passes has one position for each pixel.
-const SLICE_PIXELS: f32 = 4.0;
+pub(super) const SLICE_PIXELS: f32 = 4.0;
 
 /// Largest number of slices of a pass.
-const MAX_SLICES: u32 = 64;
+pub(super) const MAX_SLICES: u32 = 64;
 
 /// Largest number of slices of a pass that traces photons. The photon maps of more slices would
 /// cost more to search, and hold too few photons for an estimate.
-const MAX_PHOTON_SLICES: u32 = 8;
+pub(super) const MAX_PHOTON_SLICES: u32 = 8;
 
 /// One slice of the shutter interval of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -115,30 +114,6 @@ impl SlicedCameras<'_> {
 fn spreading_stride(count: u32) -> u32 {
     let near = ((u64::from(count) * 0x9e37_79b9) >> 32) as u32;
     (near.max(1)..).find(|stride| gcd(*stride, count) == 1).unwrap_or(1)
-}
-
-/// Returns the number of slices of each pass of `renderer`: one for each [`SLICE_PIXELS`] pixels
-/// that things move, as far as cost allows; 1 if nothing moves.
-pub(super) fn find_slice_count(renderer: &PassRenderer<'_>) -> u32 {
-    if !renderer.has_motion() {
-        return 1;
-    }
-    let scene = renderer.scene;
-    let wanted = (scene.motion_on_film() / SLICE_PIXELS).ceil();
-    // Placing a moving part must not cost more than tracing a camera ray.
-    let (width, height) = scene.camera().size();
-    let rays = u64::from(width) * u64::from(height) * u64::from(renderer.samples);
-    let affordable = rays / (scene.unshared_part_count() as u64).max(1);
-    let samples = renderer.samples;
-    let most = if !renderer.map_builder.traces_photons() {
-        MAX_SLICES
-    } else if renderer.policy.reads_photons_each_sample() {
-        // All indirect light is that of photons, and a ray meets those of its slice only.
-        samples.min(MAX_PHOTON_SLICES)
-    } else {
-        samples.saturating_mul(2).min(MAX_PHOTON_SLICES)
-    };
-    (wanted as u32).min(most).min(u32::try_from(affordable).unwrap_or(u32::MAX)).max(1)
 }
 
 #[cfg(test)]

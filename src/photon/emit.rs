@@ -155,8 +155,8 @@ impl<'a> PhotonSource<'a> {
     ///
     /// Returns the ray and its flux \[W], or `None` if the sample carries no flux. Lights are
     /// chosen by systematic sampling over path indices. Positions and directions are Sobol' points,
-    /// scrambled with `pass_key`. The wavelengths of each light's paths are stratified, jointly with
-    /// the positions and with the directions.
+    /// scrambled with `pass_key`. The wavelengths of each light's paths are stratified, jointly
+    /// with the positions and with the directions.
     #[must_use]
     pub fn emit_photon_path<I: Interior>(&self, pass_key: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
         let point = self.primary_emission_sample(pass_key, index, paths);
@@ -182,10 +182,11 @@ impl<'a> PhotonSource<'a> {
     /// Returns the primary sample in \[0, 1) of the wavelength of photon path `index`, which starts
     /// at light number `light`, in a pass of `paths` paths.
     ///
-    /// It is the position of the path in the run of indices that start at the light. Aligned runs of
-    /// Sobol' points fill the unit square evenly, so each range of wavelengths has its share of
-    /// paths in each part of the square, as in a Hammersley set. The rotation by one number per pass
-    /// makes each wavelength uniform, whatever the number of paths (Cranley and Patterson 1976).
+    /// It is the position of the path in the run of indices that start at the light. Aligned runs
+    /// of Sobol' points fill the unit square evenly, so each range of wavelengths has its share of
+    /// paths in each part of the square, as in a Hammersley set. The rotation by one number per
+    /// pass makes each wavelength uniform, whatever the number of paths (Cranley and Patterson
+    /// 1976).
     fn wavelength_sample(&self, pass_key: Key, index: u32, paths: u32, light: usize) -> f32 {
         let u = systematic_light_sample(pass_key, index, paths);
         (self.light_distribution.remapped_sample(u, light) + pass_key.uniform_1d(Dimension::Wavelength)).fract()

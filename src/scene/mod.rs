@@ -29,6 +29,7 @@ pub use interiors::{
     Body, BoundaryEvent, CurrentMedium, Interior, InteriorKind, InteriorStack, NoInterior, SpectralInterior,
 };
 pub use material::{Material, MaterialKind};
+pub use motion_extent::motion_on_film;
 pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};
 pub use queries::{LeafMaterial, ObjectSummary};
 pub use ray_cone::RayCone;

@@ -87,65 +87,55 @@ fn moved_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec
     move |step| motion.at_time(step_time(step)).transform_point3(before)
 }
 
-impl Scene {
-    /// The longest way that any part of the scene moves on the film while the shutter is open
-    /// \[pixels]; 0 if nothing moves.
-    ///
-    /// Moving shapes and lights are measured by points of their bounds, moving planes and a moving
-    /// camera by what the camera sees.
-    #[must_use]
-    pub fn motion_on_film(&self) -> f32 {
-        let Some(animation) = &self.animation else { return 0.0 };
-        let film = FilmMeasure::new(self);
-        let mut longest = 0.0f64;
+/// The longest way that any part of the scene moves on the film while the shutter is open
+/// \[pixels]; 0 if nothing moves.
+///
+/// Moving shapes and lights are measured by points of their bounds, moving planes and a moving
+/// camera by what the camera sees.
+#[must_use]
+pub fn motion_on_film(scene: &Scene) -> f32 {
+    let Some(animation) = &scene.animation else { return 0.0 };
+    let film = FilmMeasure::new(scene);
+    let mut longest = 0.0f64;
 
-        // Shapes: the corners of their boxes.
-        let every = animation.shapes.len().div_ceil(MAX_SHAPES).max(1);
-        for (shape, motion) in animation.shapes.iter().step_by(every) {
-            let maps: Vec<_> = (0..=STEPS).map(|step| motion.at_time(step_time(step))).collect();
-            for corner in box_corners(shape.bounds_f64()) {
-                let position = |step: u32| maps[step as usize].transform_point3(corner);
-                longest = longest.max(film.length_on_film(&position)).max(film.length_in_scene(&position));
-            }
+    // Shapes: the corners of their boxes.
+    let every = animation.shapes.len().div_ceil(MAX_SHAPES).max(1);
+    for (shape, motion) in animation.shapes.iter().step_by(every) {
+        let maps: Vec<_> = (0..=STEPS).map(|step| motion.at_time(step_time(step))).collect();
+        for corner in box_corners(shape.bounds_f64()) {
+            let position = |step: u32| maps[step as usize].transform_point3(corner);
+            longest = longest.max(film.length_on_film(&position)).max(film.length_in_scene(&position));
         }
-
-        // Lights: their position, and points around it that turn with the light.
-        let domain = self.photon_domain();
-        for (i, kind, _, motion) in &animation.lights {
-            let center = self.lights[*i].emission_point().unwrap_or(domain.center).as_dvec3();
-            let reach = if matches!(kind, DeltaLightKind::Point { .. }) { 0.0 } else { f64::from(domain.radius) };
-            for corner in box_corners((center - reach, center + reach)) {
-                longest = longest.max(film.length_in_scene(&moved_from_mid_shutter(motion, corner)));
-            }
-        }
-
-        // Camera and planes: points that the camera sees at mid-shutter.
-        if animation.camera.is_some() || !animation.planes.is_empty() {
-            let first_plane = self.geometry.planes.len() - animation.planes.len();
-            for (x, y) in (0..FILM_POINTS * FILM_POINTS).map(|i| (i % FILM_POINTS, i / FILM_POINTS)) {
-                let at = (Vec2::new(x as f32, y as f32) + 0.5) / FILM_POINTS as f32 * film.size;
-                let ray = self.camera.generate_ray(at, None);
-                let hit = self.intersect(&ray);
-                let distance = hit.map_or(domain.radius, |hit| hit.t);
-                let seen = (ray.origin + ray.direction * distance).as_dvec3();
-                let plane = hit.and_then(|hit| match hit.primitive {
-                    HitPrimitive::Plane(i) => animation.planes.get((i as usize).checked_sub(first_plane)?),
-                    HitPrimitive::Triangle(..) | HitPrimitive::Shape(..) => None,
-                });
-                longest = longest.max(match plane {
-                    Some((_, motion)) => film.length_on_film(&moved_from_mid_shutter(motion, seen)),
-                    None => film.length_on_film(&|_| seen),
-                });
-            }
-        }
-        longest as f32
     }
 
-    /// Number of parts of the scene that a copy for another shutter time does not share: moving
-    /// shapes, planes, lights and texture mappings.
-    #[must_use]
-    pub fn unshared_part_count(&self) -> usize {
-        let Self { geometry, lights, mappings, .. } = self;
-        geometry.shapes.moving().len() + geometry.planes.len() + lights.len() + mappings.len()
+    // Lights: their position, and points around it that turn with the light.
+    let domain = scene.photon_domain();
+    for (i, kind, _, motion) in &animation.lights {
+        let center = scene.lights[*i].emission_point().unwrap_or(domain.center).as_dvec3();
+        let reach = if matches!(kind, DeltaLightKind::Point { .. }) { 0.0 } else { f64::from(domain.radius) };
+        for corner in box_corners((center - reach, center + reach)) {
+            longest = longest.max(film.length_in_scene(&moved_from_mid_shutter(motion, corner)));
+        }
     }
+
+    // Camera and planes: points that the camera sees at mid-shutter.
+    if animation.camera.is_some() || !animation.planes.is_empty() {
+        let first_plane = scene.geometry.planes.len() - animation.planes.len();
+        for (x, y) in (0..FILM_POINTS * FILM_POINTS).map(|i| (i % FILM_POINTS, i / FILM_POINTS)) {
+            let at = (Vec2::new(x as f32, y as f32) + 0.5) / FILM_POINTS as f32 * film.size;
+            let ray = scene.camera.generate_ray(at, None);
+            let hit = scene.intersect(&ray);
+            let distance = hit.map_or(domain.radius, |hit| hit.t);
+            let seen = (ray.origin + ray.direction * distance).as_dvec3();
+            let plane = hit.and_then(|hit| match hit.primitive {
+                HitPrimitive::Plane(i) => animation.planes.get((i as usize).checked_sub(first_plane)?),
+                HitPrimitive::Triangle(..) | HitPrimitive::Shape(..) => None,
+            });
+            longest = longest.max(match plane {
+                Some((_, motion)) => film.length_on_film(&moved_from_mid_shutter(motion, seen)),
+                None => film.length_on_film(&|_| seen),
+            });
+        }
+    }
+    longest as f32
 }

@@ -56,6 +56,14 @@ impl Scene {
         self.animation.is_some()
     }
 
+    /// Number of parts of the scene that a copy for another shutter time does not share: moving
+    /// shapes, planes, lights and texture mappings.
+    #[must_use]
+    pub fn unshared_part_count(&self) -> usize {
+        let Self { geometry, lights, mappings, .. } = self;
+        geometry.shapes.moving().len() + geometry.planes.len() + lights.len() + mappings.len()
+    }
+
     /// The scene at `time`: 0 is the opening of the shutter, 1 its closing.
     ///
     /// The returned scene shares triangles, their hierarchy, textures and the environment light

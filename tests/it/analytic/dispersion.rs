@@ -215,7 +215,8 @@ fn stratified_wavelengths_keep_pixels_white() {
     );
     for samples in [1, 3] {
         let means = mean_pictures(&scene, EffectOverrides::PLANNED, samples);
-        assert_mean_rgb(&format!("{samples} paths per pixel"), &means, DVec3::ONE, 0.01);
+        // The weights of independent wavelengths have a standard deviation of about 1.2.
+        assert_mean_rgb(&format!("{samples} paths per pixel"), &means, DVec3::ONE, 0.025);
     }
     const PATHS: u32 = 256;
     const STEPS: u32 = 1 << 18;
