@@ -27,7 +27,7 @@ fn moving_disc() -> Scene {
 ///
 /// Copies of the disc at 16 times are 10 pixels apart. Their sum varies by 0.2 from column to
 /// column, far more than this. The passes must also not differ by more than their mean errs: passes
-/// that show the disc at one place each tell five times too much noise.
+/// that show the disc at one place each estimate five times too much noise.
 #[test]
 fn moving_disc_leaves_an_even_streak() {
     const RADIUS: f64 = 8.0;
@@ -47,7 +47,7 @@ fn moving_disc_leaves_an_even_streak() {
     let count = middle.len() as f64;
     let mean = middle.iter().map(|(mean, _)| mean).sum::<f64>() / count;
     let square = |f: &dyn Fn(&(f64, f64)) -> f64| (middle.iter().map(|v| f(v) * f(v)).sum::<f64>() / count).sqrt();
-    let (found, told) = (square(&|(mean, _)| mean - expected), square(&|(_, error)| *error));
+    let (found, estimated) = (square(&|(mean, _)| mean - expected), square(&|(_, error)| *error));
 
     let share = 2.0 * RADIUS / LENGTH;
     let rays = f64::from(8 * passes.len() as u32);
@@ -55,7 +55,7 @@ fn moving_disc_leaves_an_even_streak() {
     assert!((mean - expected).abs() < 5.0 * most / count.sqrt(), "{mean}, not {expected}");
     let bound = most * (1.0 + 5.0 / (2.0 * count).sqrt());
     assert!(found < bound, "columns differ by {found}, more than {bound} of noise");
-    assert!(told < 2.0 * found, "passes tell an error of {told}, not {found}");
+    assert!(estimated < 2.0 * found, "passes estimate an error of {estimated}, not {found}");
 }
 
 /// The grid of a medium moves with the sphere that it fills, and with its turn.
