@@ -10,8 +10,9 @@
 //! variance of the picture times the work of a pass, which is the inverse of efficiency (Pharr,
 //! Jakob and Humphreys 2023, section 2.2.1).
 //!
-//! Two pictures of whole camera paths show in which pixels the photon estimate may need prefix rays.
-//! Only there do the prefix rays of the next pictures read photon maps, which is most of their work.
+//! Two pictures of whole camera paths show in which pixels the photon estimate may need prefix
+//! rays. Only there do the prefix rays of the next pictures read photon maps, which is most of
+//! their work.
 //!
 //! No pass uses rays of the pilot, so the mean stays unbiased.
 
@@ -230,8 +231,8 @@ fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool
     variances.iter().map(|v| v.photons * n * n > least).collect()
 }
 
-/// Renders picture `i` of the pilot, with one ray per pixel. `parts` returns which parts of a camera
-/// path are traced in the pixel with the given center \[pixels].
+/// Renders picture `i` of the pilot, with one ray per pixel. `parts` returns which parts of a
+/// camera path are traced in the pixel with the given center \[pixels].
 ///
 /// The channels of a pixel are the light after the first receiver, emission found by the prefix,
 /// and the photon estimate, each averaged over RGB.

@@ -71,8 +71,8 @@ fn lamps_in_glass_scene() -> Scene {
 /// positions.
 ///
 /// 16 successive Sobol' points from a multiple of 16 have one point in each of 4 × 4 cells. So a
-/// run of n successive points has n/16 ± 2 points there. The rotated wavelengths of a cell are those
-/// of one or two runs, whose ends are off by at most one point. Together: ±4.2. Independent
+/// run of n successive points has n/16 ± 2 points there. The rotated wavelengths of a cell are
+/// those of one or two runs, whose ends are off by at most one point. Together: ±4.2. Independent
 /// wavelengths have a standard deviation of 8 and 14.
 #[test]
 fn wavelengths_are_stratified_with_directions_and_positions() {
