@@ -89,15 +89,6 @@ pub(super) struct PathState<I> {
     sampler: Sampler,
 }
 
-/// Returns a closure that calls [`trace_camera_path`], for
-/// [`tiles::render_tiles`](super::tiles::render_tiles). `slices` holds its first argument for each
-/// slice of the shutter interval.
-pub(super) fn camera_path_tracer<'a, I: Interior>(
-    slices: &'a [PathContext<'a>],
-) -> impl Fn(&Ray, Sampler, &mut PathWorker, &mut Vec<PathState<I>>) -> Rgb + Sync {
-    |ray, sampler, worker, stack| trace_camera_path(&slices[worker.slice], ray, sampler, worker, stack)
-}
-
 /// Traces the camera path that starts with `ray`, and returns its radiance \[W/(m² sr)].
 ///
 /// `stack` holds branches of the path that are still to be traced; it is empty before and after.
@@ -162,62 +153,83 @@ pub(super) fn trace_camera_path<I: Interior>(
                 break;
             }
 
-            // End faint paths by Russian roulette before shading, which costs as much as many rays.
-            let survival = color::channel_mean(path.throughput) / ROULETTE_THROUGHPUT;
-            if survival < 1.0 && policy.min_throughput == 0.0 {
-                if path.sampler.get_1d(Dimension::ShadingRoulette) >= survival {
-                    break;
-                }
-                path.throughput /= survival;
-            }
-            if policy.directions == DirectionSampling::OneLobe {
-                hit.surface.bsdf = hit.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::ChosenLobe));
-            }
-            let SurfaceVertex { surface, distance, .. } = &hit;
-            let vertex = path.vertex_at_surface(paths, surface, &interior, *distance);
-            let ends_gather_ray = ends_gather_ray(paths, &vertex);
-            let shares_indirect = shares_indirect_light(&indirect, &vertex);
-            let continues = path.bounce < paths.max_bounces
-                && (!shares_indirect || is_path_continued(&indirect, &vertex))
-                && !worker.prefix.ends_at_receiver
-                && match policy.continuation {
-                    PathContinuation::Never => false,
-                    PathContinuation::Glossy => !surface.bsdf.is_diffuse(),
-                    PathContinuation::GatherRays => !ends_gather_ray,
-                    PathContinuation::Always => true,
-                };
-            if let (true, DirectionSampling::Guided, Some(maps)) = (continues, policy.directions, paths.maps) {
-                scatter::collect_gather_directions(maps, paths.min_gather_distance, &vertex, worker);
-            }
-
-            // Add direct light by next-event estimation.
-            let direct = if policy.direct_light && !ends_gather_ray && !worker.prefix.ends_at_receiver {
-                nee.estimate_direct_light(&vertex, continues, worker)
-            } else {
-                Rgb::ZERO
-            };
-
-            // Add the photon estimate.
-            let reflected = direct + photon_radiance(paths, &vertex, &indirect, ends_gather_ray, worker);
-            radiance += path.throughput * reflected;
-            if path.shares_indirect {
-                worker.indirect_light.paths += path.throughput * reflected;
-            }
-
-            // Continue in a sampled direction.
-            path.history = PathHistory { receivers: path.history.receivers + 1, casters: 0 };
-            if !(continues && continue_path(policy, &mut path, &vertex, worker)) {
+            // Shade a receiver.
+            if !shade_receiver(paths, &mut path, &mut hit, &interior, &indirect, worker, &mut radiance) {
                 break;
-            }
-            if shares_indirect {
-                let (_, samples) = vertex.sampler.sample_index_and_count();
-                path.indirect_weight = indirect.path_weight(samples);
-                path.shares_indirect = true;
             }
         }
         branch = stack.pop();
     }
     radiance
+}
+
+/// Adds direct light and the photon estimate at a receiver (a surface that stores photons) to
+/// `radiance`, and continues `path` from there. Returns false if the path ends.
+#[inline(always)]
+fn shade_receiver<I: Interior>(
+    paths: &PathContext<'_>,
+    path: &mut PathState<I>,
+    receiver: &mut SurfaceVertex<'_>,
+    interior: &I,
+    indirect: &IndirectWeights,
+    worker: &mut PathWorker,
+    radiance: &mut Rgb,
+) -> bool {
+    let PathContext { policy, nee, .. } = *paths;
+
+    // End faint paths by Russian roulette before shading, which costs as much as many rays.
+    let survival = color::channel_mean(path.throughput) / ROULETTE_THROUGHPUT;
+    if survival < 1.0 && policy.min_throughput == 0.0 {
+        if path.sampler.get_1d(Dimension::ShadingRoulette) >= survival {
+            return false;
+        }
+        path.throughput /= survival;
+    }
+    if policy.directions == DirectionSampling::OneLobe {
+        receiver.surface.bsdf = receiver.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::ChosenLobe));
+    }
+    let surface = &receiver.surface;
+    let vertex = path.vertex_at_surface(paths, surface, interior, receiver.distance);
+    let ends_gather_ray = ends_gather_ray(paths, &vertex);
+    let shares_indirect = shares_indirect_light(indirect, &vertex);
+    let continues = path.bounce < paths.max_bounces
+        && (!shares_indirect || is_path_continued(indirect, &vertex))
+        && !worker.prefix.ends_at_receiver
+        && match policy.continuation {
+            PathContinuation::Never => false,
+            PathContinuation::Glossy => !surface.bsdf.is_diffuse(),
+            PathContinuation::GatherRays => !ends_gather_ray,
+            PathContinuation::Always => true,
+        };
+    if let (true, DirectionSampling::Guided, Some(maps)) = (continues, policy.directions, paths.maps) {
+        scatter::collect_gather_directions(maps, paths.min_gather_distance, &vertex, worker);
+    }
+
+    // Add direct light by next-event estimation.
+    let direct = if policy.direct_light && !ends_gather_ray && !worker.prefix.ends_at_receiver {
+        nee.estimate_direct_light(&vertex, continues, worker)
+    } else {
+        Rgb::ZERO
+    };
+
+    // Add the photon estimate.
+    let reflected = direct + photon_radiance(paths, &vertex, indirect, ends_gather_ray, worker);
+    *radiance += path.throughput * reflected;
+    if path.shares_indirect {
+        worker.indirect_light.paths += path.throughput * reflected;
+    }
+
+    // Continue in a sampled direction.
+    path.history = PathHistory { receivers: path.history.receivers + 1, casters: 0 };
+    if !(continues && continue_path(policy, path, &vertex, worker)) {
+        return false;
+    }
+    if shares_indirect {
+        let (_, samples) = vertex.sampler.sample_index_and_count();
+        path.indirect_weight = indirect.path_weight(samples);
+        path.shares_indirect = true;
+    }
+    true
 }
 
 /// Adds direct light at a caster (such as glass or a mirror) to `radiance`, and continues `path`
@@ -309,7 +321,7 @@ fn photon_radiance<I: Interior>(
 ) -> Rgb {
     let samples = match paths.policy.photons {
         PhotonLookups::Never => return Rgb::ZERO,
-        PhotonLookups::OncePerPixel => match vertex.sampler.sample_index_and_count() {
+        PhotonLookups::FewPerPixel => match vertex.sampler.sample_index_and_count() {
             (index, samples) if vertex.history.receivers == 0 && index < worker.prefix.lookups => {
                 samples as f32 * worker.prefix.lookup_weight
             }

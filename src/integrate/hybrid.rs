@@ -36,7 +36,7 @@ pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
         directions: DirectionSampling::Bsdf,
         counts_caustics: false,
         min_throughput: 0.0,
-        photons: PhotonLookups::OncePerPixel,
+        photons: PhotonLookups::FewPerPixel,
         shrinking_radii: true,
         light_tracing: settings.light_tracing,
         indirect_photons: settings.indirect_photons,

@@ -191,7 +191,7 @@ pub(super) struct PhotonMapBuilder<'a> {
     unaimed_source: Option<PhotonSource<'a>>,
     /// Photon source aimed at casters (such as glass or mirrors); `None` if no map needs it, or if
     /// no light has power.
-    caustic_source: Option<PhotonSource<'a>>,
+    aimed_source: Option<PhotonSource<'a>>,
     pub counts: PhotonPathCounts,
     /// Largest gather radii of the first pass; `None` without maps.
     pub radii: Option<GatherRadii>,
@@ -234,7 +234,7 @@ impl<'a> PhotonMapBuilder<'a> {
         // Caustics forced on in a scene without lit casters start in all directions.
         let aimed =
             || PhotonSource::aimed_at_casters(scene).or_else(|| PhotonSource::emitting_in_all_directions(scene));
-        let caustic_source = source(request.aimed, settings.caustic_photons, &aimed);
+        let aimed_source = source(request.aimed, settings.caustic_photons, &aimed);
         let unaimed_source =
             source(request.unaimed, settings.photons, &|| PhotonSource::emitting_in_all_directions(scene));
         let counts = PhotonPathCounts { photons: settings.photons, caustic_photons: settings.caustic_photons };
@@ -244,7 +244,7 @@ impl<'a> PhotonMapBuilder<'a> {
             policy,
             request,
             unaimed_source,
-            caustic_source,
+            aimed_source,
             counts,
             radii: None,
             interreflection_radius: 0.0,
@@ -283,7 +283,7 @@ impl<'a> PhotonMapBuilder<'a> {
             policy: *policy,
             request,
             unaimed_source: keep(&self.unaimed_source, request.unaimed),
-            caustic_source: keep(&self.caustic_source, request.aimed),
+            aimed_source: keep(&self.aimed_source, request.aimed),
             ..*self
         }
     }
@@ -298,7 +298,7 @@ impl<'a> PhotonMapBuilder<'a> {
             density_estimate_shares: self.density_estimate_shares.clone(),
             indirect_division: self.indirect_division.clone(),
             unaimed_source: placed(&self.unaimed_source),
-            caustic_source: placed(&self.caustic_source),
+            aimed_source: placed(&self.aimed_source),
             ..*self
         }
     }
@@ -322,7 +322,7 @@ impl<'a> PhotonMapBuilder<'a> {
             Some(report)
         };
         self.emission_guiding_reports.caustic =
-            guide(&mut self.caustic_source, self.request.aimed, settings.caustic_photons, EmissionGuidingPilot::PATHS);
+            guide(&mut self.aimed_source, self.request.aimed, settings.caustic_photons, EmissionGuidingPilot::PATHS);
         // Gather rays read the indirect map everywhere.
         if !self.request.unaimed.direct {
             let max_paths = if self.policy.indirect_photons == IndirectPhotons::Off {
@@ -367,7 +367,7 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let indirect = radius(source, mask, (paths, max_pilot_paths), default_k);
         let paths = (settings.caustic_photons, radius_pilot::MAX_PATHS);
-        let caustic = radius(&self.caustic_source, StoreMask::CAUSTIC, paths, CAUSTIC_K);
+        let caustic = radius(&self.aimed_source, StoreMask::CAUSTIC, paths, CAUSTIC_K);
         self.interreflection_radius = interreflection;
         GatherRadii { indirect, caustic }
     }
@@ -375,12 +375,18 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Returns the photon source of the indirect map, the kinds of photons that the map stores, and
     /// the number of photon paths per pass that fill it.
     fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
-        if self.request.aimed.separates_after_caustic || self.may_build_interreflection_map() {
+        if self.aimed_paths_fill_indirect_map() {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
-            (&self.caustic_source, mask, self.settings.caustic_photons / AFTER_CAUSTIC_THINNING)
+            (&self.aimed_source, mask, self.settings.caustic_photons / AFTER_CAUSTIC_THINNING)
         } else {
             (&self.unaimed_source, self.request.unaimed, self.settings.photons)
         }
+    }
+
+    /// True if the indirect map holds only light after a caustic, which aimed paths find, as in
+    /// `hybrid`; false if it holds all indirect light.
+    fn aimed_paths_fill_indirect_map(&self) -> bool {
+        self.request.aimed.separates_after_caustic || self.may_build_interreflection_map()
     }
 
     /// True if passes may build an interreflection map, which holds light that receivers (surfaces
@@ -457,7 +463,7 @@ impl<'a> PhotonMapBuilder<'a> {
                 .unwrap_or(VolumeKernelRadii { beams: default, points: default })
         };
         let (source, mask, paths) = self.indirect_map_inputs();
-        let caustic = radii(&self.caustic_source, StoreMask::CAUSTIC, settings.caustic_photons);
+        let caustic = radii(&self.aimed_source, StoreMask::CAUSTIC, settings.caustic_photons);
         VolumeKernelRadiiPerMap { caustic, indirect: radii(source, StoreMask { direct: false, ..mask }, paths) }
     }
 
@@ -474,7 +480,7 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// True if passes trace photons.
     pub fn traces_photons(&self) -> bool {
-        self.caustic_source.is_some() || self.unaimed_source.is_some()
+        self.aimed_source.is_some() || self.unaimed_source.is_some()
     }
 
     /// True if camera rays start at random points of the lens; false if at its center.
@@ -488,7 +494,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// The shares depend on the current number of photon paths.
     pub fn find_density_estimate_shares(&mut self) {
         let size = self.scene.camera().size();
-        let Some(source) = self.caustic_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
+        let Some(source) = self.aimed_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
         let shares = match self.policy.light_tracing {
             LightTracing::Off => return,
             LightTracing::Full => DensityEstimateShares::with_uniform_share(0, size),
@@ -526,7 +532,7 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let guides = if self.request.guides { self.counts.photons / GUIDE_INTERVAL } else { 0 };
         let maps = [
-            expected(&self.caustic_source, self.request.aimed, self.counts.caustic_photons),
+            expected(&self.aimed_source, self.request.aimed, self.counts.caustic_photons),
             expected(&self.unaimed_source, self.request.unaimed, self.counts.photons),
             expected(&self.unaimed_source, StoreMask::INDIRECT, guides),
         ];
@@ -581,7 +587,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let shares = self.density_estimate_shares.as_deref().filter(|_| options.connects);
         let light_tracer = shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares)));
         let task = PhotonTracingTask {
-            source: self.caustic_source.as_ref(),
+            source: self.aimed_source.as_ref(),
             mask: self.request.aimed,
             paths: self.counts.divided_by(options.part).caustic_photons,
             key: options.photon_path_key(Purpose::CausticPhotons),
@@ -615,7 +621,7 @@ impl<'a> PhotonMapBuilder<'a> {
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
     ) -> PhotonEstimator<'a> {
-        let photons = if self.request.aimed.separates_after_caustic || self.may_build_interreflection_map() {
+        let photons = if self.aimed_paths_fill_indirect_map() {
             after_caustic
         } else {
             self.trace_unaimed_photons(options, monitor, out)

@@ -235,6 +235,8 @@ fn render_camera_paths(
     monitor: &dyn ProgressMonitor,
 ) -> FilmImage {
     for_interior!(paths[0].policy.effects, <I> {
-        tiles::render_tiles(sampling, key, monitor, camera_path::camera_path_tracer::<I>(paths))
+        tiles::render_tiles(sampling, key, monitor, |ray, sampler, worker, branches| {
+            camera_path::trace_camera_path::<I>(&paths[worker.slice], ray, sampler, worker, branches)
+        })
     })
 }

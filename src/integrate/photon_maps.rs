@@ -187,7 +187,7 @@ impl PhotonEstimator<'_> {
             return estimate.radiance / disc_coverage(self.scene, p, normal, estimate.radius, kernel, key);
         }
         let NestedRadianceEstimate { whole, mut radiance } =
-            self.map.estimate_nested_radiance(p, normal, bandwidth, kernel, scratch, brdf);
+            self.map.estimate_radiance_in_nested_discs(p, normal, bandwidth, kernel, scratch, brdf);
         discs.add(whole.radius, whole.count);
         worker.counters.gathered_photons += u64::from(whole.count);
         if whole.count == 0 {

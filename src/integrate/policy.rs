@@ -86,11 +86,12 @@ pub(super) enum DirectionSampling {
 pub(super) enum PhotonLookups {
     /// No lookup.
     Never,
-    /// The photon maps at the first surface that stores photons, but only by the first camera path
-    /// of each pixel and pass.
+    /// The photon maps at the first receiver, but only by few camera paths of each pixel and pass:
+    /// on surfaces one for each slice of the shutter interval, in media one. Prefix rays may read
+    /// them too.
     ///
     /// The pixel's other paths would read almost the same photons.
-    OncePerPixel,
+    FewPerPixel,
     /// The caustic map and the indirect map, at the first surface of each path that stores photons.
     FirstReceiver,
     /// The caustic map at the start of a final-gathering ray; the caustic map and the indirect map
@@ -117,20 +118,20 @@ impl PathPolicy {
     /// True if camera paths estimate radiance from photon maps.
     pub fn reads_photons(&self) -> bool {
         match self.photons {
-            PhotonLookups::OncePerPixel | PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => true,
+            PhotonLookups::FewPerPixel | PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => true,
             PhotonLookups::Never | PhotonLookups::RecordVisible => false,
         }
     }
 
-    /// True if every camera path reads photon maps; false if only one path per pixel and pass does.
+    /// True if every camera path reads photon maps; false if only few paths per pixel and pass do.
     pub fn reads_photons_each_sample(&self) -> bool {
-        self.photons != PhotonLookups::OncePerPixel
+        self.photons != PhotonLookups::FewPerPixel
     }
 
     /// True if a pilot may add prefix rays: extra camera paths that end at the first surface that
     /// stores photons.
     pub fn allows_prefix_rays(&self) -> bool {
-        self.photons == PhotonLookups::OncePerPixel
+        self.photons == PhotonLookups::FewPerPixel
     }
 
     /// True if a pilot may change the numbers of camera rays and photon paths, to get less noise
@@ -155,7 +156,7 @@ impl PathPolicy {
             PhotonLookups::Never | PhotonLookups::RecordVisible => {
                 return PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, guides: false };
             }
-            PhotonLookups::OncePerPixel => {
+            PhotonLookups::FewPerPixel => {
                 let merges = self.indirect_photons != IndirectPhotons::Off;
                 (bounces, StoreMask { after_direct: merges && interreflection, ..StoreMask::NONE })
             }

@@ -248,15 +248,15 @@ fn render_light_parts(
     let (paths, key) = (pilot.path_context(maps, pass), pilot.prefix_ray_key(pass));
     let sampling = tiles::FilmSampling { nested: false, ..pilot.film_sampling(pass) };
     for_interior!(pilot.policy.effects, <I> {
-        let radiance = camera_path::camera_path_tracer::<I>(std::slice::from_ref(&paths));
-        tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, stack| {
+        tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, branches| {
             let parts = parts(worker.film_position);
             worker.prefix = PrefixLight {
                 ends_at_receiver: parts != PathParts::Whole,
                 lookups: u32::from(parts != PathParts::Prefix),
                 ..PrefixLight::default()
             };
-            let total = color::channel_mean(radiance(ray, sampler, worker, stack));
+            let radiance = camera_path::trace_camera_path::<I>(&paths, ray, sampler, worker, branches);
+            let total = color::channel_mean(radiance);
             let (found, photons) =
                 (color::channel_mean(worker.prefix.found), color::channel_mean(worker.prefix.photons));
             Rgb::new((total - found - photons).max(0.0), found, photons)

@@ -105,7 +105,7 @@ impl PhotonMap {
     ///
     /// The parameters are those of [`PhotonMap::estimate_radiance`]. The result of the largest disc
     /// equals the result of that function to the bit.
-    pub fn estimate_nested_radiance(
+    pub fn estimate_radiance_in_nested_discs(
         &self,
         p: Vec3,
         normal: Vec3,

@@ -60,7 +60,7 @@ impl StoreMask {
         separates_after_caustic: false,
         beams: true,
     };
-    /// Stores all kinds of photons; in media, at scattering points.
+    /// Stores all kinds of photons.
     pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, after_direct: true, ..Self::NONE };
 
     /// True if the mask stores photons of `kind` on surfaces.

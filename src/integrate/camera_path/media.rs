@@ -94,7 +94,7 @@ fn photon_radiance<I: Interior>(
     let Some(maps) = paths.maps else { return Rgb::ZERO };
     match paths.policy.photons {
         PhotonLookups::Never | PhotonLookups::RecordVisible => Rgb::ZERO,
-        PhotonLookups::OncePerPixel => match path_segment.sampler.sample_index_and_count() {
+        PhotonLookups::FewPerPixel => match path_segment.sampler.sample_index_and_count() {
             (0, samples) if path_segment.history.receivers == 0 => {
                 maps.radiance_in_medium(path_segment, samples, rng, worker)
             }
