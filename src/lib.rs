@@ -9,7 +9,7 @@
 //! | read a scene file | [`SceneFile`] |
 //! | build a scene in code | [`SceneBuilder`], [`Material`], [`Shape`], [`Camera`] |
 //! | choose an algorithm | [`Algorithm`], [`Settings`] |
-//! | render with progress | [`render()`], [`StopCriteria`], [`ProgressMonitor`] |
+//! | render with progress | [`render()`], [`RenderLimits`], [`StopCriteria`], [`ProgressMonitor`] |
 //! | read the estimated error | [`RenderResult`], [`ErrorEstimator`], [`ErrorEstimate`] |
 //! | write a picture | [`Image`], [`write_image`], [`WriteOptions`] |
 //!
@@ -84,10 +84,10 @@
 //! 3. At casters, for example glass and mirrors
 //!    ([`Bsdf::casts_caustics`](bsdf::Bsdf::casts_caustics)), `scatter_at_caster` continues the
 //!    path. Smooth glass splits the path while both branches carry enough light.
-//! 4. At a surface that stores photons, `NextEventEstimator::estimate` adds direct light, and
+//! 4. At a surface that stores photons, `NextEventEstimator::estimate_direct_light` adds direct light, and
 //!    `PhotonMaps::radiance` adds the estimates from the photon maps
 //!    ([`PhotonMap::estimate_radiance`](photon::PhotonMap::estimate_radiance)). In
-//!    [`Algorithm::Hybrid`], one path per pixel reads the maps, at its first such surface.
+//!    [`Algorithm::Hybrid`], few paths of a pixel read the maps, at their first such surface.
 //! 5. `continue_path` samples the next direction and applies Russian roulette.
 //!
 //! In all photon algorithms except `pm`, gather radii shrink from pass to pass. So the mean of the
@@ -222,9 +222,7 @@ pub use integrate::Settings;
 /// let scene = builder.build(Camera::perspective(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7, 16, 12)?)?;
 ///
 /// let interrupted = AtomicBool::new(false);
-/// let interrupted = &interrupted;
-/// let stop =
-///     StopCriteria { min_passes: 1, passes: Some(2), time: None, target: None, interrupted };
+/// let stop = StopCriteria { passes: Some(2), ..StopCriteria::unlimited(&interrupted) };
 /// let integrator = Algorithm::Path.prepare(&scene, Settings::default());
 /// let size = (16, 12);
 /// let rendered = caustica::render(integrator.as_ref(), size, &stop, &SilentMonitor, |standing| {
@@ -235,6 +233,32 @@ pub use integrate::Settings;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub use render::{RenderResult, StopCriteria, render};
+
+/// # Example: a preview, which ends at an estimated error of 10 % or after five minutes
+/// ```
+/// use caustica::{Algorithm, Camera, Material, RenderLimits, SceneBuilder, Settings, Shape};
+/// use caustica::integrate::SilentMonitor;
+/// use caustica::render::EndReason;
+/// use glam::{DVec3, Vec3};
+/// use std::sync::atomic::AtomicBool;
+///
+/// let mut builder = SceneBuilder::new();
+/// let lamp = builder.add_material(Material::diffuse(Vec3::ZERO));
+/// let ball = caustica::shape::Sphere::new(DVec3::new(0.0, 0.0, -3.0), 1.0);
+/// builder.add_shape(Shape::Sphere(ball), lamp, Vec3::ONE);
+/// let scene = builder.build(Camera::perspective(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7, 16, 12)?)?;
+///
+/// let mut settings = Settings::default();
+/// settings.camera_paths.estimate_error = true;
+/// let integrator = Algorithm::Path.prepare(&scene, settings);
+/// let interrupted = AtomicBool::new(false);
+/// let limits = RenderLimits { preview: true, ..RenderLimits::default() };
+/// let stop = limits.stop_criteria(Algorithm::Path, integrator.as_ref(), &interrupted);
+/// let rendered = caustica::render(integrator.as_ref(), (16, 12), &stop, &SilentMonitor, |_| {});
+/// assert_eq!(rendered.ended, EndReason::Target);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub use render::RenderLimits;
 
 pub use render::error_estimate::{ErrorEstimate, ErrorEstimator};
 pub use scene::{Material, Scene, SceneBuilder};

@@ -32,13 +32,7 @@ pub fn print(scenes: &[String], methods: &[Algorithm], errors: &[f64], seeds: u6
         let scene = scene(name)?;
         for (method, seed) in methods.iter().flat_map(|method| (0..seeds).map(move |seed| (*method, seed))) {
             let interrupted = AtomicBool::new(false);
-            let pilot = StopCriteria {
-                min_passes: 1,
-                passes: Some(PILOT),
-                time: None,
-                target: None,
-                interrupted: &interrupted,
-            };
+            let pilot = StopCriteria { passes: Some(PILOT), ..StopCriteria::unlimited(&interrupted) };
             let (made, seconds) = rendered(&scene, method, seed, &pilot);
             let estimator = made.estimator.as_ref().ok_or("no error estimator")?;
             let forecast = estimator.forecast(&estimator.estimate(&made.film)).ok_or("no forecast")?;

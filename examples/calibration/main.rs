@@ -100,13 +100,8 @@ fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
     // Camera paths find indirect light without bias.
     settings.indirect_photons = IndirectPhotons::Off;
     (settings.photons, settings.caustic_photons) = (4 * PHOTONS, 4 * PHOTONS);
-    let stop = StopCriteria {
-        min_passes: 1,
-        passes: Some(passes),
-        time: None,
-        target: None,
-        interrupted: &AtomicBool::new(false),
-    };
+    let interrupted = AtomicBool::new(false);
+    let stop = StopCriteria { passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
     let integrator = Algorithm::Hybrid.prepare(scene, settings);
     render(integrator.as_ref(), SIZE, &stop, &SilentMonitor, |_| {}).film.mean()
 }
@@ -114,7 +109,8 @@ fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
 /// Renders until the estimated error reaches the target, and returns the true error.
 fn stopped(name: &str, scene: &Scene, algorithm: Algorithm, error: f64, seeds: u64, square: &dyn Fn(&[Vec3]) -> f64) {
     let target = Some(ErrorTarget { error, confidence: Confidence::default() });
-    let stop = StopCriteria { min_passes: 1, passes: None, time: None, target, interrupted: &AtomicBool::new(false) };
+    let interrupted = AtomicBool::new(false);
+    let stop = StopCriteria { target, ..StopCriteria::unlimited(&interrupted) };
     let (mut passes, mut errors) = (0, Vec::new());
     for seed in 0..seeds {
         let mut settings = settings(seed);
@@ -185,7 +181,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                     (Film::new(SIZE.0, SIZE.1), ErrorEstimator::new(integrator.radius_law()));
                 for pass in 0..*arguments.passes.iter().max().ok_or("no passes")? {
                     let made = integrator.render_pass(pass, &SilentMonitor);
-                    estimator.add(&film, &made);
+                    estimator.add(pass, &made);
                     film.add(&made.image);
                     let Some(at) = arguments.passes.iter().position(|n| *n == pass + 1) else { continue };
                     rows[at].push((estimator.estimate(&film), square(&film.mean()).max(0.0).sqrt()));

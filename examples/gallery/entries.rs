@@ -31,7 +31,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAUSTICS,
         title: "Caustic by reflection",
         scene: "scenes/ring.txt",
-        arguments: "--size 480x360 --passes 6",
+        arguments: "--size 480x360",
         text: "The nephroid inside a ring of gold, and inside one of silver.",
     },
     Entry {
@@ -39,7 +39,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAUSTICS,
         title: "Caustic by refraction",
         scene: "scenes/glass-ball.txt",
-        arguments: "--size 480x360 --passes 6",
+        arguments: "--size 480x360",
         text: "The light that a ball of glass gathers, in a room whose walls colour each other.",
     },
     Entry {
@@ -47,7 +47,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAUSTICS,
         title: "Caustic through waves",
         scene: "scenes/pool.txt",
-        arguments: "--size 480x360 --passes 6",
+        arguments: "--size 480x360",
         text: "Light that came through the waves, seen through the waves: paths that only photons find.",
     },
     Entry {
@@ -55,7 +55,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAUSTICS,
         title: "Cut stones",
         scene: "scenes/gem.txt",
-        arguments: "--size 480x360 --passes 6",
+        arguments: "--size 480x360",
         text: "Total reflection inside of diamond, ruby and sapphire, with the sparks that they throw.",
     },
     Entry {
@@ -63,7 +63,7 @@ pub const ENTRIES: &[Entry] = &[
         part: COLOURS,
         title: "Prism",
         scene: "scenes/prism.txt",
-        arguments: "--size 480x360 --passes 8",
+        arguments: "--size 480x360",
         text: "White light through flint glass: a fan on the table, a spectrum on the wall.",
     },
     Entry {
@@ -71,7 +71,7 @@ pub const ENTRIES: &[Entry] = &[
         part: COLOURS,
         title: "Rainbow",
         scene: "scenes/rainbow.txt",
-        arguments: "--size 480x360 --passes 8",
+        arguments: "--size 480x360",
         text: "What one drop sends back: the first bow at 42 degrees, a second around it, a dark band between.",
     },
     Entry {
@@ -79,7 +79,7 @@ pub const ENTRIES: &[Entry] = &[
         part: COLOURS,
         title: "Fire of diamond",
         scene: "scenes/cut-stone.txt",
-        arguments: "--size 480x360 --passes 8",
+        arguments: "--size 480x360",
         text: "Facets of one stone and the patches of light that they throw, with edges of colour.",
     },
     Entry {
@@ -87,7 +87,7 @@ pub const ENTRIES: &[Entry] = &[
         part: LIGHT,
         title: "Area lights and soft shadows",
         scene: "scenes/window.txt",
-        arguments: "--size 480x360 --passes 6",
+        arguments: "--size 480x360",
         text: "A room that a window lights.",
     },
     Entry {
@@ -95,7 +95,7 @@ pub const ENTRIES: &[Entry] = &[
         part: LIGHT,
         title: "Many lights",
         scene: "scenes/many-lights.txt",
-        arguments: "--size 480x360 --passes 6",
+        arguments: "--size 480x360",
         text: "Lights chosen by a tree over power, place and direction.",
     },
     Entry {
@@ -103,7 +103,7 @@ pub const ENTRIES: &[Entry] = &[
         part: LIGHT,
         title: "Light from all around",
         scene: "scenes/sky.txt",
-        arguments: "--size 480x360 --passes 6",
+        arguments: "--size 480x360",
         text: "A sky lights, and is mirrored and refracted.",
     },
     Entry {
@@ -111,7 +111,7 @@ pub const ENTRIES: &[Entry] = &[
         part: LIGHT,
         title: "A lamp inside of glass",
         scene: "scenes/bulb.txt",
-        arguments: "--size 480x360 --passes 6",
+        arguments: "--size 480x360",
         text: "All light of the room has gone through the glass of the bulb: no shadow ray finds it.",
     },
     Entry {
@@ -119,7 +119,7 @@ pub const ENTRIES: &[Entry] = &[
         part: MATTER,
         title: "Rough glass and rough metal",
         scene: "scenes/frosted.txt",
-        arguments: "--size 480x360 --passes 6",
+        arguments: "--size 480x360",
         text: "Microfacets of growing roughness.",
     },
     Entry {
@@ -127,7 +127,7 @@ pub const ENTRIES: &[Entry] = &[
         part: MATTER,
         title: "Bodies inside of bodies",
         scene: "scenes/fishbowl.txt",
-        arguments: "--size 480x360 --passes 6",
+        arguments: "--size 480x360",
         text: "Water in glass, whose common boundary bends light by the ratio of their indices.",
     },
     Entry {
@@ -135,7 +135,7 @@ pub const ENTRIES: &[Entry] = &[
         part: MATTER,
         title: "Textures, bumps and normal maps",
         scene: "scenes/textures.txt",
-        arguments: "--size 480x360 --passes 6",
+        arguments: "--size 480x360",
         text: "Pictures, tiles to the horizon, marble and wood cut from a block, and reliefs, filtered by the footprint of the ray.",
     },
     Entry {
@@ -143,7 +143,7 @@ pub const ENTRIES: &[Entry] = &[
         part: MEDIA,
         title: "Caustic in fog",
         scene: "scenes/lens-in-fog.txt",
-        arguments: "--size 480x360 --passes 4",
+        arguments: "--size 480x360",
         text: "A ball lens gathers light in thin fog: the caustic is seen in space, by beams that photons leave.",
     },
     Entry {
@@ -151,7 +151,7 @@ pub const ENTRIES: &[Entry] = &[
         part: MEDIA,
         title: "Rays of the sun",
         scene: "scenes/god-rays.txt",
-        arguments: "--size 480x360 --passes 8",
+        arguments: "--size 480x360",
         text: "Sheets of light between the slats of a window, in dusty air.",
     },
     Entry {
@@ -159,7 +159,7 @@ pub const ENTRIES: &[Entry] = &[
         part: MEDIA,
         title: "Smoke",
         scene: "scenes/smoke.txt",
-        arguments: "--size 480x360 --passes 8",
+        arguments: "--size 480x360",
         text: "A plume of noise that shadows itself and the ground.",
     },
     Entry {
@@ -167,7 +167,7 @@ pub const ENTRIES: &[Entry] = &[
         part: MEDIA,
         title: "Milk and tea",
         scene: "scenes/milk.txt",
-        arguments: "--size 400x300 --passes 4",
+        arguments: "--size 400x300",
         text: "Liquids that scatter and absorb, in glass that they touch: bodies in bodies, by priorities.",
     },
     Entry {
@@ -175,7 +175,7 @@ pub const ENTRIES: &[Entry] = &[
         part: SHAPES,
         title: "Bézier patches",
         scene: "scenes/teapot.txt",
-        arguments: "--size 480x360 --passes 6",
+        arguments: "--size 480x360",
         text: "A pot of bicubic patches, intersected directly: no triangles, no edges in its outline.",
     },
     Entry {
@@ -183,7 +183,7 @@ pub const ENTRIES: &[Entry] = &[
         part: SHAPES,
         title: "Meshes with interpolated normals",
         scene: "scenes/goblet.txt",
-        arguments: "--size 480x360 --passes 6",
+        arguments: "--size 480x360",
         text: "Wine in a glass, and a fluted vase, each of many thousand triangles.",
     },
     Entry {
@@ -191,7 +191,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAMERA,
         title: "Depth of field",
         scene: "scenes/marbles.txt",
-        arguments: "--size 480x360 --passes 12 --adaptive",
+        arguments: "--size 480x360 --adaptive",
         text: "A lens of six blades: what is out of focus takes its form.",
     },
     Entry {
@@ -199,7 +199,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAMERA,
         title: "Motion blur",
         scene: "scenes/motion.txt",
-        arguments: "--size 480x360 --passes 48 --spp 2 --photons 30k",
+        arguments: "--size 480x360 --spp 2 --photons 30k",
         text: "Sails that turn, a ball that falls, and a glass ball that rolls with its caustic.",
     },
     Entry {
@@ -215,7 +215,7 @@ pub const ENTRIES: &[Entry] = &[
         part: ALGORITHMS,
         title: "Whitted ray tracing",
         scene: "scenes/glass-ball.txt",
-        arguments: "--integrator whitted --size 320x240 --passes 8",
+        arguments: "--integrator whitted --size 320x240",
         text: "Mirrors, glass and hard shadows.",
     },
     Entry {
@@ -223,7 +223,7 @@ pub const ENTRIES: &[Entry] = &[
         part: ALGORITHMS,
         title: "Distributed ray tracing",
         scene: "scenes/glass-ball.txt",
-        arguments: "--integrator distributed --size 320x240 --passes 8",
+        arguments: "--integrator distributed --size 320x240",
         text: "Soft shadows; no light between matt walls.",
     },
     Entry {
@@ -231,7 +231,7 @@ pub const ENTRIES: &[Entry] = &[
         part: ALGORITHMS,
         title: "Path tracing",
         scene: "scenes/glass-ball.txt",
-        arguments: "--integrator path --size 320x240 --passes 16",
+        arguments: "--integrator path --size 320x240",
         text: "Light between walls; caustics come by chance, as grain.",
     },
     Entry {
@@ -239,7 +239,7 @@ pub const ENTRIES: &[Entry] = &[
         part: ALGORITHMS,
         title: "Photon mapping",
         scene: "scenes/glass-ball.txt",
-        arguments: "--integrator pm --final-gathering none --size 320x240 --passes 4",
+        arguments: "--integrator pm --final-gathering none --size 320x240",
         text: "Both maps seen as they are: fast, with seams at edges that stay.",
     },
     Entry {
@@ -247,7 +247,7 @@ pub const ENTRIES: &[Entry] = &[
         part: ALGORITHMS,
         title: "Progressive photon mapping",
         scene: "scenes/glass-ball.txt",
-        arguments: "--integrator ppm --size 320x240 --passes 16",
+        arguments: "--integrator ppm --size 320x240",
         text: "Radii shrink from pass to pass, so blur goes as noise does.",
     },
     Entry {
@@ -255,7 +255,7 @@ pub const ENTRIES: &[Entry] = &[
         part: ALGORITHMS,
         title: "Stochastic progressive photon mapping",
         scene: "scenes/glass-ball.txt",
-        arguments: "--integrator sppm --size 320x240 --passes 16",
+        arguments: "--integrator sppm --size 320x240",
         text: "The same with new camera rays in each pass.",
     },
     Entry {
@@ -263,7 +263,7 @@ pub const ENTRIES: &[Entry] = &[
         part: ALGORITHMS,
         title: "Hybrid",
         scene: "scenes/glass-ball.txt",
-        arguments: "--integrator hybrid --size 320x240 --passes 16",
+        arguments: "--integrator hybrid --size 320x240",
         text: "Paths for what connections find, photons for the rest: the default.",
     },
     Entry {
@@ -271,7 +271,7 @@ pub const ENTRIES: &[Entry] = &[
         part: COMPOSITIONS,
         title: "Still life",
         scene: "scenes/still-life.txt",
-        arguments: "--passes 6 --spp 4",
+        arguments: "--spp 4",
         text: "Surfaces of revolution, a mesh, wine in glass, marble and wood, dented brass, caustics, soft light, depth of field.",
     },
     Entry {
@@ -279,7 +279,7 @@ pub const ENTRIES: &[Entry] = &[
         part: COMPOSITIONS,
         title: "Garden pool",
         scene: "scenes/garden-pool.txt",
-        arguments: "--passes 8 --spp 3",
+        arguments: "--spp 3",
         text: "Caustics through waves under a sky, tiles, stone, a ball that drops, glass, gold, instances of a mesh.",
     },
     Entry {
@@ -287,7 +287,7 @@ pub const ENTRIES: &[Entry] = &[
         part: COMPOSITIONS,
         title: "Cabinet of optics",
         scene: "scenes/cabinet.txt",
-        arguments: "--passes 6 --spp 4",
+        arguments: "--spp 4",
         text: "A ring's nephroid, a ball lens, a cut stone, metals, frosted and thin glass, marble, a relief, light from wall to wall.",
     },
 ];

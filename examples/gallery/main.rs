@@ -9,6 +9,7 @@
 mod entries;
 
 use caustica::cli::{self, Arguments};
+use caustica::study::text::percent_text;
 use clap::Parser;
 use entries::{ENTRIES, Entry};
 use std::error::Error;
@@ -61,8 +62,9 @@ fn render(entry: &Entry) -> Result<(), Box<dyn Error>> {
 /// Returns the page, made of the existing images and statistics.
 fn page() -> Result<String, Box<dyn Error>> {
     let mut page = String::from(
-        "# Gallery\n\nOne picture for each effect, then compositions of many. Each has its scene, the command that makes it, and what it took on two \
-         cores that other work shared: passes, photons that were stored in all of them, and time on the wall and of the processor. The page is written, and all pictures are \
+        "# Gallery\n\nOne picture for each effect, then compositions of many. Each has its scene and the command that makes it. Renders end at an \
+         estimated error of 3 % or after five minutes. Below each picture are its passes, its estimated error, the photons stored in all passes, and the time \
+         on the wall and of the processor, on two cores that other work shared. The page is written, and all pictures are \
          rendered, by\n\n```sh\ncargo run --release --example gallery\n```\n",
     );
     let mut part = "";
@@ -76,9 +78,15 @@ fn page() -> Result<String, Box<dyn Error>> {
         let number = |path: &str| statistics.pointer(path).and_then(serde_json::Value::as_f64).unwrap_or(0.0);
         let stored = number("/photons/global/stored") + number("/photons/caustic/stored");
         let photons = if stored > 0.0 { format!("{:.1} M photons", stored / 1e6) } else { "no photons".to_owned() };
+        let passes = match number("/passes") {
+            1.0 => "1 pass".to_owned(),
+            n => format!("{n} passes"),
+        };
+        let error = statistics.pointer("/error/error").and_then(serde_json::Value::as_f64);
+        let error = error.map_or("no error estimate".to_owned(), |error| format!("error {}", percent_text(error)));
         write!(
             page,
-            "\n### {}\n\n![{}]({})\n\n{}\n\n```sh\n{}\n```\n\n[{}](../{}): {} × {}, {} passes, {photons}, {:.0} s, {:.0} s of the processor.\n",
+            "\n### {}\n\n![{}]({})\n\n{}\n\n```sh\n{}\n```\n\n[{}](../{}): {} × {}, {}, {error}, {photons}, {:.0} s, {:.0} s of the processor.\n",
             entry.title,
             entry.title,
             entry.picture().strip_prefix("docs")?.display(),
@@ -88,7 +96,7 @@ fn page() -> Result<String, Box<dyn Error>> {
             entry.scene,
             number("/width"),
             number("/height"),
-            number("/passes"),
+            passes,
             number("/seconds/render") + number("/seconds/setup"),
             number("/cpu_seconds"),
         )?;

@@ -5,14 +5,16 @@
 use super::forecast_text::{self, ErrorEstimateUnsupportedError, duration_text};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
 use super::memory::{check_error_estimate_memory, check_photon_memory};
-use super::plan::print_plan;
+use super::plan::{count_with_noun, print_plan};
 use super::progress::ProgressDisplay;
 use super::scene::{load_scene, with_thread_pool};
 use super::settings::{method_flags, settings_from_arguments};
 use super::{CommandFailure, EstimateArguments, Exit};
 use crate::integrate::{Algorithm, Integrator};
-use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, PassesNeeded};
-use crate::render::{RenderResult, StopCriteria, render};
+use crate::render::error_estimate::{Confidence, ErrorEstimate, ErrorForecast, PassesNeeded};
+use crate::render::{
+    DEFAULT_ERROR, EndReason, ErrorTarget, ExpectedEnd, PREVIEW_ERROR, RenderLimits, RenderResult, StopCriteria, render,
+};
 use crate::stats::peak_memory;
 use crate::study::text::{count_text, percent_text};
 use serde::Serialize;
@@ -53,7 +55,11 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure>
         progress.remove_progress_bar();
         let setup = start.elapsed().as_secs_f64();
         let (rendered, pass_seconds) = render_pilot(arguments, integrator.as_ref(), scene.camera().size(), &progress);
-        let report = CostEstimateReport::new(arguments, algorithm, &rendered, setup, pass_seconds);
+        let ends = [false, true].map(|preview| {
+            let limits = RenderLimits { preview, ..RenderLimits::default() };
+            limits.stop_criteria(algorithm, integrator.as_ref(), &INTERRUPTED)
+        });
+        let report = CostEstimateReport::new(arguments, algorithm, &rendered, (setup, pass_seconds), &ends);
         let report = report.map_err(|e| CommandFailure::new(Exit::Interrupted, e))?;
         let text = if arguments.json {
             let json = serde_json::to_string_pretty(&report);
@@ -80,9 +86,7 @@ fn render_pilot(
     let stop = StopCriteria {
         min_passes: MIN_PILOT_PASSES,
         time: Some(arguments.pilot),
-        passes: None,
-        target: None,
-        interrupted: &INTERRUPTED,
+        ..StopCriteria::unlimited(&INTERRUPTED)
     };
     let (began, mut first) = (Instant::now(), 0.0);
     progress.set_pass_number(1, None);
@@ -118,6 +122,21 @@ struct CostEstimateReport {
     peak_memory_bytes: Option<u64>,
     #[serde(rename = "prices")]
     estimates: Vec<CostEstimate>,
+    /// Expected end of a render without limits.
+    default: Option<ExpectedEndReport>,
+    /// Expected end of a render with `--preview` and without limits.
+    preview: Option<ExpectedEndReport>,
+}
+
+/// Expected end of a render.
+#[derive(Debug, Serialize)]
+struct ExpectedEndReport {
+    ended: EndReason,
+    passes: u32,
+    /// Expected time of the render, with preparation \[s].
+    seconds: f64,
+    /// Expected relative error of the picture.
+    error: f64,
 }
 
 /// Estimated cost of reaching one relative error.
@@ -145,8 +164,8 @@ impl CostEstimateReport {
         arguments: &EstimateArguments,
         algorithm: Algorithm,
         rendered: &RenderResult,
-        setup: f64,
-        pass_seconds: f64,
+        (setup, pass_seconds): (f64, f64),
+        [default, preview]: &[StopCriteria<'_>; 2],
     ) -> Result<Self, PilotTooShortError> {
         let passes = rendered.film.passes();
         let estimator = rendered.estimator.as_ref();
@@ -166,6 +185,12 @@ impl CostEstimateReport {
             let estimate = CostEstimate::new(*error, &pilot, &forecast, (setup, pass_seconds, pass_photons));
             CostEstimate { flags: estimate.passes.map(|n| format!("{words} --passes {n}")), ..estimate }
         };
+        let expected_end = |stop: &StopCriteria<'_>| {
+            let confidence = stop.target.map_or(Confidence::default(), ErrorTarget::interval_confidence);
+            let pilot = estimator?.estimate_with_confidence(&rendered.film, confidence);
+            let ExpectedEnd { ended, passes, error } = stop.expected_end(&pilot, &forecast, pass_seconds)?;
+            Some(ExpectedEndReport { ended, passes, seconds: setup + f64::from(passes) * pass_seconds, error })
+        };
         let (width, height) = rendered.film.size();
         Ok(Self {
             schema: 2,
@@ -181,6 +206,8 @@ impl CostEstimateReport {
             pass_photons,
             peak_memory_bytes: peak_memory(),
             estimates: arguments.errors.iter().map(estimate).collect(),
+            default: expected_end(default),
+            preview: expected_end(preview),
         })
     }
 
@@ -222,7 +249,30 @@ impl CostEstimateReport {
                 estimate.flags.as_deref().unwrap_or_default(),
             );
         }
+        let ends =
+            [("without a limit", DEFAULT_ERROR, &self.default), ("with --preview", PREVIEW_ERROR, &self.preview)];
+        for (flags, target, end) in ends {
+            if let Some(end) = end {
+                let _ = writeln!(text, "{flags}, a render ends {}", end.text(target));
+            }
+        }
         text
+    }
+}
+
+impl ExpectedEndReport {
+    /// Returns the end of a render whose default error is `target`, as the end of a sentence.
+    fn text(&self, target: f64) -> String {
+        let passes = count_with_noun(self.passes as usize, "pass", "passes");
+        let (time, target, error) = (duration_text(self.seconds), percent_text(target), percent_text(self.error));
+        match self.ended {
+            EndReason::Target => format!("at an error of {target}, after about {passes} and {time}"),
+            EndReason::Time => format!("by time, after about {passes} and {time}, at an error of about {error}"),
+            EndReason::Floor => {
+                format!("by bias, which keeps the error above {target}: at about {error}, after {passes} and {time}")
+            }
+            EndReason::Passes | EndReason::Interrupted => format!("after {passes} and about {time}"),
+        }
     }
 }
 

@@ -13,8 +13,8 @@ use super::settings::settings_from_arguments;
 use super::{CommandFailure, Exit, RenderArguments, aov, forecast_text};
 use crate::image::{self, ClippedPixelReport, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions};
 use crate::integrate::{Algorithm, EmissionGuidingReportPerMap, Integrator};
-use crate::render::error_estimate::{Confidence, MIN_PASSES, PassesNeeded};
-use crate::render::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteria, render};
+use crate::render::error_estimate::{MIN_PASSES, PassesNeeded};
+use crate::render::{EndReason, ErrorTarget, PassProgress, RenderLimits, RenderResult, StopCriteria, render};
 use crate::scene::Scene;
 use crate::study::text::percent_text;
 use glam::Vec3;
@@ -93,9 +93,21 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     setup.effects = plan::plan_effect_reports(integrator.plan());
     setup.balance = integrator.ray_photon_balance();
     setup.seconds = start.elapsed().as_secs_f64();
-    let rendered = render_passes(arguments, integrator.as_ref(), size, start, progress);
+    let stop = render_limits(arguments).stop_criteria(algorithm, integrator.as_ref(), &INTERRUPTED);
+    let rendered = render_passes(&stop, integrator.as_ref(), size, start, progress);
     progress.remove_progress_bar();
-    write_render_outputs(arguments, progress, setup, all_lights_are_black(&scene), &rendered)
+    write_render_outputs(arguments, progress, setup, &stop, all_lights_are_black(&scene), &rendered)
+}
+
+/// Returns the limits that the command line sets.
+fn render_limits(arguments: &RenderArguments) -> RenderLimits {
+    RenderLimits {
+        passes: arguments.passes,
+        time: arguments.time,
+        target_error: arguments.target_error,
+        confidence: arguments.confidence,
+        preview: arguments.preview,
+    }
 }
 
 /// Prints the numbers of triangles, shapes and lights, and a note if the scene has no objects or
@@ -117,29 +129,22 @@ fn print_scene_summary(setup: &RenderSetup, scene: &Scene, progress: &ProgressDi
     }
 }
 
-/// Renders passes until a stop criterion of the command line holds, and shows progress.
+/// Renders passes until a criterion of `stop` holds, and shows progress.
 fn render_passes(
-    arguments: &RenderArguments,
+    stop: &StopCriteria<'_>,
     integrator: &dyn Integrator,
     size: (u32, u32),
     start: Instant,
     progress: &ProgressDisplay,
 ) -> RenderResult {
-    let algorithm = arguments.method.integrator;
-    let passes = arguments.passes.or(match (arguments.time, arguments.target_error) {
-        (None, None) => Some(algorithm.default_passes()),
-        // A second pass of ray casting would repeat the first.
-        _ if algorithm == Algorithm::Raycast => Some(algorithm.default_passes()),
-        _ => None,
-    });
-    let target = arguments.target_error.map(|error| ErrorTarget { error, confidence: arguments.confidence });
-    let stop = StopCriteria { min_passes: 1, passes, time: arguments.time, target, interrupted: &INTERRUPTED };
+    let (passes, target) = (stop.passes, stop.target);
     progress.set_pass_number(1, passes);
-    progress.set_time_left(arguments.time);
+    // With a target, the time is known only after the first error estimate.
+    progress.set_time_left(stop.time.filter(|_| target.is_none()));
     let began = Instant::now();
-    render(integrator, size, &stop, progress, |standing| {
+    render(integrator, size, stop, progress, |standing| {
         let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes);
-        let error = standing.error.as_ref().filter(|_| !arguments.quiet).map(|(estimate, forecast)| {
+        let error = standing.error.as_ref().map(|(estimate, forecast)| {
             // Without a target, the forecast is the time until the error is halved.
             let shown = target.map_or(0.5 * estimate.error, |target| target.error);
             let aim = target.map_or(shown, |target| error_estimate_at_target(target, standing).unwrap_or(shown));
@@ -157,7 +162,7 @@ fn render_passes(
         }
         progress.set_pass_number(standing.passes + 1, passes);
         // Most passes estimate no error. The previous forecast stays after them.
-        if let Some(left) = time_until_stop(&stop, standing, began.elapsed(), pass_seconds) {
+        if let Some(left) = time_until_stop(stop, standing, began.elapsed(), pass_seconds) {
             progress.set_time_left(Some(left));
         }
         error.into_iter().for_each(|note| progress.set_progress_note(note));
@@ -173,13 +178,17 @@ fn error_estimate_at_target(target: ErrorTarget, standing: &PassProgress) -> Opt
     Some(target.error * estimate.error / estimate.high)
 }
 
-/// Returns the expected time until the first stop criterion holds; `None` if the time is unknown.
+/// Returns the expected time until the first stop criterion holds; `None` if the time is unknown,
+/// as with a target after a pass without an error estimate.
 fn time_until_stop(
     stop: &StopCriteria<'_>,
     standing: &PassProgress,
     elapsed: Duration,
     pass_seconds: f64,
 ) -> Option<Duration> {
+    if stop.target.is_some() && standing.error.is_none() {
+        return None;
+    }
     let of_passes = |n: u32| f64::from(n.saturating_sub(standing.passes)) * pass_seconds;
     let by_target = stop.target.zip(standing.error.as_ref()).and_then(|(target, (_, forecast))| {
         match forecast.passes_to_reach(error_estimate_at_target(target, standing)?) {
@@ -198,6 +207,7 @@ fn write_render_outputs(
     arguments: &RenderArguments,
     progress: &ProgressDisplay,
     setup: RenderSetup,
+    stop: &StopCriteria<'_>,
     powerless: bool,
     rendered: &RenderResult,
 ) -> Result<Exit, CommandFailure> {
@@ -210,8 +220,9 @@ fn write_render_outputs(
         progress.print_line(black_picture_note(setup.lights, powerless));
     }
     no_photon_stored_note(rendered).iter().for_each(|line| progress.print_line(line));
-    let report = RenderReport::new(setup, rendered, reported_confidence(arguments));
-    print_render_summary(arguments, progress, &report, rendered);
+    let limits = render_limits(arguments);
+    let report = RenderReport::new(setup, &limits, stop, rendered);
+    print_render_summary(&limits, stop, progress, &report, rendered);
     if let Some(path) = &arguments.stats {
         let json = serde_json::to_vec_pretty(&report).map_err(CommandFailure::output_error)?;
         failures.ok_or_collect_error(image::replace_file(path, &json));
@@ -269,7 +280,8 @@ fn write_pictures(
 /// Prints the number of passes, rays and photons per second, why the render ended, and the
 /// estimated error.
 fn print_render_summary(
-    arguments: &RenderArguments,
+    limits: &RenderLimits,
+    stop: &StopCriteria<'_>,
     progress: &ProgressDisplay,
     report: &RenderReport,
     rendered: &RenderResult,
@@ -278,7 +290,7 @@ fn print_render_summary(
     let why = match rendered.ended {
         EndReason::Passes => String::new(),
         EndReason::Time => format!("; time was up: --passes {n} repeats this picture bit for bit"),
-        EndReason::Target => format!("; the error is low enough: --passes {n} repeats this picture"),
+        EndReason::Target => format!("; the error is low enough: --passes {n} repeats this picture bit for bit"),
         EndReason::Floor => "; more passes cannot reach the error".to_owned(),
         EndReason::Interrupted => format!("; interrupted: --passes {n} repeats this picture"),
     };
@@ -289,16 +301,37 @@ fn print_render_summary(
         report.rates.rays_per_second * 1e-6,
         report.rates.photons_per_second * 1e-6,
     ));
-    if let Some(EstimatedErrorReport { estimate, .. }) = &report.error {
+    if let Some(EstimatedErrorReport { estimate, confidence, .. }) = &report.error {
         let interval = format!("{} to {}", percent_text(estimate.low), percent_text(estimate.high));
-        let confidence = percent_text(reported_confidence(arguments).probability());
+        let confidence = percent_text(confidence.probability());
         progress.print_line(&format!(
             "estimated error {}; {interval} with {confidence} confidence",
             forecast_text::error_text(estimate)
         ));
     }
+    if limits.are_default() {
+        default_end_line(stop, rendered.ended).iter().for_each(|line| progress.print_line(line));
+    }
     if rendered.ended == EndReason::Floor {
         print_message(&format!("warning: {}", forecast_text::BIAS_REMEDY));
+    }
+}
+
+/// Returns a line that says which of the default limits ended a render; `None` if none of them did.
+fn default_end_line(stop: &StopCriteria<'_>, ended: EndReason) -> Option<String> {
+    let (target, time) = (stop.target?, stop.time?);
+    let error = percent_text(target.error);
+    let confidence = percent_text(target.confidence.probability());
+    let time = forecast_text::duration_text(time.as_secs_f64());
+    match ended {
+        EndReason::Target => Some(format!(
+            "ended by error: at most {error} with {confidence} confidence. --target-error sets another error"
+        )),
+        EndReason::Time => {
+            Some(format!("ended by time: {time} were over before the error fell to {error}. --time sets another time"))
+        }
+        EndReason::Floor => Some(format!("ended by bias: more passes cannot lower the error to {error}")),
+        EndReason::Passes | EndReason::Interrupted => None,
     }
 }
 
@@ -325,29 +358,43 @@ fn report_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f3
     }
 }
 
-/// Returns the confidence of the reported interval of the estimated error.
-fn reported_confidence(arguments: &RenderArguments) -> Confidence {
-    let target = |error| ErrorTarget { error, confidence: arguments.confidence };
-    arguments.target_error.map_or(arguments.confidence, |error| target(error).interval_confidence())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::error_estimate::Confidence;
     use std::sync::atomic::AtomicBool;
+
+    #[test]
+    fn the_last_line_names_the_default_limit_that_ended_a_render() {
+        let interrupted = AtomicBool::new(false);
+        let target = Some(ErrorTarget { error: 0.03, confidence: Confidence::default() });
+        let stop =
+            StopCriteria { target, time: Some(Duration::from_secs(300)), ..StopCriteria::unlimited(&interrupted) };
+        let line = |ended| default_end_line(&stop, ended);
+        let begins = |ended, text: &str| line(ended).is_some_and(|line| line.starts_with(text));
+        assert!(begins(EndReason::Target, "ended by error: at most 3.0 %"));
+        assert!(begins(EndReason::Time, "ended by time: 5 min 0 s were over before the error fell to 3.0 %"));
+        assert!(begins(EndReason::Floor, "ended by bias: "));
+        assert_eq!(line(EndReason::Passes).or(line(EndReason::Interrupted)), None);
+    }
 
     #[test]
     fn the_first_stop_condition_sets_the_time_left() {
         let interrupted = AtomicBool::new(false);
-        let left = |passes: Option<u32>, time: Option<u64>| {
+        let limits = |passes: Option<u32>, time: Option<u64>| {
             let time = time.map(Duration::from_secs);
-            let stop = StopCriteria { min_passes: 1, passes, time, target: None, interrupted: &interrupted };
+            StopCriteria { passes, time, ..StopCriteria::unlimited(&interrupted) }
+        };
+        let left_of = |stop: StopCriteria<'_>| {
             let after = PassProgress { passes: 4, error: None };
             time_until_stop(&stop, &after, Duration::from_secs(8), 2.0).map(|left| left.as_secs())
         };
+        let left = |passes, time| left_of(limits(passes, time));
         assert_eq!(left(Some(10), None), Some(12));
         assert_eq!(left(None, Some(10)), Some(2));
         assert_eq!(left(Some(10), Some(10)), Some(2));
         assert_eq!((left(None, None), left(None, Some(1))), (None, Some(0)));
+        let target = Some(ErrorTarget { error: 0.03, confidence: Confidence::default() });
+        assert_eq!(left_of(StopCriteria { target, ..limits(Some(10), Some(10)) }), None);
     }
 }

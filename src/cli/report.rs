@@ -3,7 +3,7 @@
 use super::plan::EffectDecisionReport;
 use crate::integrate::{EmissionGuidingReportPerMap, GatherRadii, PhotonReport, RayPhotonBalance, StageTimes};
 use crate::render::error_estimate::{Confidence, ErrorEstimate, PassesNeeded};
-use crate::render::{EndReason, RenderResult};
+use crate::render::{EndReason, ErrorTarget, RenderLimits, RenderResult, StopCriteria};
 use crate::stats::{Counters, cpu_seconds, peak_memory};
 use serde::Serialize;
 
@@ -23,6 +23,7 @@ pub(super) struct RenderReport {
     pub threads: usize,
     pub passes: u32,
     pub ended: EndReason,
+    pub limits: LimitsReport,
     pub triangles: usize,
     pub shapes: usize,
     pub lights: usize,
@@ -40,13 +41,40 @@ pub(super) struct RenderReport {
     pub cpu_seconds: Option<f64>,
 }
 
+/// Limits of the render. `ended` names the one that it reached.
+#[derive(Debug, Serialize)]
+pub(super) struct LimitsReport {
+    /// True if the command line sets no limit.
+    default: bool,
+    /// Largest number of passes.
+    passes: Option<u32>,
+    /// Time \[s] after which the render ends.
+    seconds: Option<f64>,
+    /// Relative error at which the render ends.
+    error: Option<f64>,
+    /// Confidence that the true error is at most `error`.
+    confidence: Option<Confidence>,
+}
+
+impl LimitsReport {
+    fn new(limits: &RenderLimits, stop: &StopCriteria<'_>) -> Self {
+        Self {
+            default: limits.are_default(),
+            passes: stop.passes,
+            seconds: stop.time.map(|time| time.as_secs_f64()),
+            error: stop.target.map(|target| target.error),
+            confidence: stop.target.map(|target| target.confidence),
+        }
+    }
+}
+
 /// Estimated relative error of the picture, and the cost of halving it.
 #[derive(Debug, Serialize)]
 pub(super) struct EstimatedErrorReport {
     #[serde(flatten)]
     pub estimate: ErrorEstimate,
     /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
-    confidence: Confidence,
+    pub confidence: Confidence,
     /// Total number of passes after which the error would be half as large; `None` if no number is
     /// enough.
     halving_passes: Option<u32>,
@@ -113,7 +141,8 @@ pub(super) struct RenderSetup {
 }
 
 impl RenderReport {
-    pub fn new(setup: RenderSetup, rendered: &RenderResult, confidence: Confidence) -> Self {
+    pub fn new(setup: RenderSetup, limits: &RenderLimits, stop: &StopCriteria<'_>, rendered: &RenderResult) -> Self {
+        let confidence = stop.target.map_or(limits.confidence, ErrorTarget::interval_confidence);
         let (width, height) = rendered.film.size();
         let wall = rendered.wall.as_secs_f64();
         let rate = |n: u64, seconds: f64| if seconds > 0.0 { n as f64 / seconds } else { 0.0 };
@@ -129,6 +158,7 @@ impl RenderReport {
             threads: setup.threads,
             passes: rendered.film.passes(),
             ended: rendered.ended,
+            limits: LimitsReport::new(limits, stop),
             triangles: setup.triangles,
             shapes: setup.shapes,
             lights: setup.lights,

@@ -1,4 +1,4 @@
-//! Converts an imported scene to scene text, and embedded meshes and pictures to files.
+//! Converts an imported scene to scene text, with separate files for embedded meshes and pictures.
 
 use super::description::{
     DensityDescription, GroupItem, ObjectDescription, ObjectGroup, SceneDescription, ShapeDescription, Spanned,
@@ -6,7 +6,7 @@ use super::description::{
 };
 use super::file::SceneFile;
 use super::mesh::TriangleMesh;
-use super::resolve::file_candidates;
+use super::resolve::candidate_file_paths;
 use crate::image::Image;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,13 +15,13 @@ use std::sync::Arc;
 /// A scene converted to scene text. Its embedded meshes and pictures become separate files.
 #[derive(Clone, Debug)]
 pub struct ConvertedScene {
-    /// The scene in the scene language.
+    /// Text of the scene in the scene language.
     pub text: String,
     /// Embedded meshes, each with the path of the PLY file to write.
     pub meshes: Vec<(PathBuf, Arc<TriangleMesh>)>,
     /// Embedded pictures, each with the path of the OpenEXR file to write.
     pub pictures: Vec<(PathBuf, Arc<Image>)>,
-    /// Existing files that the text names.
+    /// Paths of existing files that the text names, such as meshes and pictures.
     pub named_files: Vec<PathBuf>,
 }
 
@@ -53,7 +53,7 @@ impl ConvertedScene {
                 path.clone_from(name);
                 return;
             }
-            let Some(file) = file_candidates(scene.folder(), Path::new(path.as_str())).find(|file| file.is_file())
+            let Some(file) = candidate_file_paths(scene.folder(), Path::new(path.as_str())).find(|file| file.is_file())
             else {
                 return;
             };
@@ -66,7 +66,8 @@ impl ConvertedScene {
     }
 }
 
-/// Returns the absolute path of a file or folder, without links; `None` if it does not exist.
+/// Returns the absolute path of a file or folder with symbolic links resolved; `None` if it does
+/// not exist.
 fn canonical_path(path: &Path) -> Option<PathBuf> {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     path.canonicalize().ok()

@@ -7,12 +7,12 @@ use miette::{Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCod
 
 use super::description::Span;
 
-/// Greatest number of errors that are reported at once.
+/// Greatest number of errors of one scene file that are reported at once.
 pub(super) const MAX_ERRORS: usize = 20;
 
 /// Greatest number of bytes shown on either side of an error, because a file may be one long line.
 const CONTEXT_BYTES: usize = 200;
-/// Greatest number of bytes that are underlined.
+/// Greatest number of bytes that an error message underlines.
 const MAX_UNDERLINED_BYTES: usize = 80;
 
 /// Name and text of a scene file; cheap to clone.
@@ -29,13 +29,13 @@ impl SourceText {
         Self { name: name.into(), text: text.into() }
     }
 
-    /// Returns the file's name.
+    /// Returns the name of the scene file.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Returns the file's text.
+    /// Returns the text of the scene file.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
@@ -113,7 +113,8 @@ impl Display for SceneError {
 struct SceneErrorData {
     source: SourceText,
     span: Span,
-    /// Text and span with escaped control characters; `None` if there are none near the span.
+    /// Copy of the text and span, with control characters near the span escaped; `None` if there
+    /// are no such characters.
     escaped: Option<(SourceText, Span)>,
     message: String,
     label: Option<String>,
@@ -128,9 +129,10 @@ struct SceneErrorData {
 impl SceneError {
     /// Returns an error at `span`.
     ///
-    /// `message` describes the defect, `label` stands under the text, and `help` is the remedy.
+    /// `message` describes the defect, `label` is printed under the text of the span, and `help` is
+    /// the remedy.
     #[must_use]
-    pub fn at_span(
+    pub fn error_at_span(
         source: &SourceText,
         span: Span,
         message: impl Into<String>,
@@ -142,22 +144,23 @@ impl SceneError {
 
     /// Returns an error of the whole file, whose position is the first character.
     #[must_use]
-    pub fn for_whole_file(source: &SourceText, message: impl Into<String>, help: impl Into<String>) -> Self {
+    pub fn error_for_whole_file(source: &SourceText, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self::new(source, Span::default(), message.into(), None, help.into())
     }
 
     /// Returns an error of the file named `file` without a position in a text.
     #[must_use]
-    pub fn without_position(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
-        let mut error = Self::for_whole_file(&SourceText::new(file, ""), message, help);
+    pub fn error_without_position(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
+        let mut error = Self::error_for_whole_file(&SourceText::new(file, ""), message, help);
         (error.0.line, error.0.column) = (0, 0);
         error
     }
 
-    /// Returns the first of `errors` in the order of the text, which carries the others; `None` if
-    /// `errors` is empty.
+    /// Sorts `errors` by position and returns the first, which carries the others as further
+    /// errors.
     ///
-    /// At most 20 errors are kept. None of them may carry further errors.
+    /// Returns `None` if `errors` is empty. Keeps at most 20 errors. None of `errors` may carry
+    /// further errors of its own.
     #[must_use]
     pub fn from_errors(mut errors: Vec<Self>) -> Option<Self> {
         errors.sort_by_key(|error| error.0.span.start);
@@ -201,7 +204,8 @@ impl SceneError {
         }))
     }
 
-    /// Returns the error with the mark that the scene is valid but exceeds the memory limit.
+    /// Marks the error as caused by lack of memory: the scene is valid but exceeds the memory
+    /// limit.
     #[must_use]
     pub fn marked_out_of_memory(mut self) -> Self {
         self.0.is_out_of_memory = true;
@@ -220,15 +224,15 @@ impl SceneError {
         &self.0.message
     }
 
-    /// Returns the remedy.
+    /// Returns advice on how to correct the defect.
     #[must_use]
     pub fn remedy(&self) -> &str {
         &self.0.help
     }
 
-    /// Returns the file's name.
+    /// Returns the name of the scene file.
     #[must_use]
-    pub fn file(&self) -> &str {
+    pub fn file_name(&self) -> &str {
         self.0.source.name()
     }
 

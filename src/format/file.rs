@@ -63,8 +63,7 @@ impl SceneFile {
 
     /// Builds the scene within `memory`; `monitor` receives the progress of reading meshes.
     ///
-    /// Files are looked up like those of [`SceneFile::resolve`].
-    ///
+    /// Looks up files in the same folders as [`SceneFile::resolve`].
     /// # Errors
     /// [`SceneError`].
     pub fn resolve_monitored(&self, monitor: &dyn MeshReadMonitor, memory: MemoryLimit) -> Result<Scene, SceneError> {

@@ -11,11 +11,10 @@ use std::sync::Arc;
 
 /// Reader of scenes in one file format.
 ///
-/// A new format is a folder with a type that implements this trait, its `mod` line, and one line in
-/// [`IMPORTERS`](super::IMPORTERS). No other list changes: the file goes to the first importer of
-/// its extension, before `FOREIGN_SCENE_EXTENSIONS` is searched.
+/// To add a format, implement this trait. Then add the type to [`IMPORTERS`](super::IMPORTERS). A
+/// file goes to the first importer that lists its extension.
 pub trait SceneImporter: Sync {
-    /// Returns the format's name, for messages.
+    /// Returns the name of the scene format, for messages.
     fn name(&self) -> &'static str;
 
     /// Returns the file extensions of the format, in lower case and without the dot.
@@ -48,7 +47,8 @@ pub struct ImportedScene {
     pub assets: EmbeddedAssets,
 }
 
-/// Meshes and pictures that a scene file itself holds, by the paths in its description.
+/// Meshes and pictures that a scene file itself contains, with the paths by which its description
+/// names them.
 ///
 /// A path that is listed here is not looked up in the file system.
 #[derive(Clone, Debug, Default)]
@@ -74,7 +74,7 @@ pub enum SceneReadError {
     #[error("cannot read the scene `{}`", path.display())]
     #[diagnostic(help("check the path and its permissions"))]
     Unreadable {
-        /// Path of the file.
+        /// Path of the scene file.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
@@ -83,7 +83,7 @@ pub enum SceneReadError {
     #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), format_bytes(*needed), format_bytes(*free))]
     #[diagnostic(help("put large parts into meshes, or allow more memory (--memory)"))]
     Memory {
-        /// Path of the file.
+        /// Path of the scene file.
         path: PathBuf,
         /// Estimated memory of the scene \[bytes].
         needed: u64,
@@ -96,9 +96,9 @@ pub enum SceneReadError {
     Language(#[from] SceneError),
 }
 
-/// Extensions of scene formats of other programs, whose meshes are not read.
+/// Extensions of other programs' scene formats. Meshes in such files are not read.
 ///
-/// The list may hold extensions of importers: it matters only for files without an importer.
+/// Importers are asked first, so the list may contain extensions of importers.
 const FOREIGN_SCENE_EXTENSIONS: &[&str] =
     &["glb", "gltf", "usd", "usda", "usdc", "usdz", "blend", "fbx", "dae", "pbrt", "xml", "3ds", "abc", "x3d"];
 
@@ -113,8 +113,8 @@ pub(super) fn is_unread_mesh_format(extension: &str) -> bool {
     FOREIGN_SCENE_EXTENSIONS.contains(&extension) || UNREAD_MESH_EXTENSIONS.contains(&extension)
 }
 
-/// Returns the remedy for a file with this extension that is given as a scene; `None` if the file
-/// may be scene text.
+/// Returns advice to a user who gives a file with this extension as a scene; `None` if the file may
+/// be scene text.
 pub(super) fn remedy_for_foreign_scene(extension: &str) -> Option<&'static str> {
     if FOREIGN_SCENE_EXTENSIONS.contains(&extension) {
         Some("export the meshes as OBJ or PLY, and name them in a scene text: `TriangleMesh { file a.obj }`")

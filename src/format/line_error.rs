@@ -9,7 +9,7 @@ pub(in crate::format) type MessageAndRemedy = (String, &'static str);
 #[derive(Debug, thiserror::Error)]
 #[error("{}:{line}: {message}: {remedy}", path.display())]
 pub struct LineError {
-    /// Path of the file.
+    /// Path of the input file.
     pub path: PathBuf,
     /// Line number, from 1.
     pub line: usize,
@@ -46,7 +46,7 @@ mod tests {
     }
 
     #[test]
-    fn only_a_leading_mark_is_removed() {
+    fn only_a_leading_byte_order_mark_is_removed() {
         assert_eq!(strip_byte_order_mark(b"\xef\xbb\xbfply"), b"ply");
         assert_eq!(strip_byte_order_mark(b"p\xef\xbb\xbf"), b"p\xef\xbb\xbf");
     }

@@ -1,4 +1,4 @@
-//! The importer of the scene language.
+//! The importer of files in the scene language.
 
 use super::import::{
     EmbeddedAssets, ImportedScene, SceneImporter, SceneReadError, lowercase_extension, remedy_for_foreign_scene,
@@ -40,7 +40,7 @@ impl SceneImporter for SceneTextImporter {
         let extension = lowercase_extension(path);
         if let Some(help) = remedy_for_foreign_scene(&extension) {
             let message = format!("`.{extension}` is no scene format that is read");
-            return Err(SceneError::without_position(&name, message, help).into());
+            return Err(SceneError::error_without_position(&name, message, help).into());
         }
         let needed = MEMORY_PER_TEXT_BYTE * length;
         if let Some(free) = memory.available_bytes().filter(|free| needed > *free) {

@@ -30,7 +30,7 @@ pub enum TransformStep {
 }
 
 impl TransformStep {
-    /// Returns the map from object space to the surrounding space.
+    /// Returns the affine map of this step alone, from object space to the surrounding space.
     #[must_use]
     pub fn matrix(&self) -> DAffine3 {
         match *self {
@@ -62,10 +62,10 @@ impl TransformStep {
         }
     }
 
-    /// Returns the composition of steps in the order of the MIT 6.837 scene language.
+    /// Returns the affine map M of all `steps`, in the order of the MIT 6.837 scene language.
     ///
-    /// The last listed step is applied first: M ← M T. A matrix is applied after all steps listed
-    /// before it: M ← T M.
+    /// M starts as the identity. Each step with map T sets M ← M T, so it is applied before the
+    /// steps listed earlier. A matrix sets M ← T M, so it is applied after them.
     #[must_use]
     pub fn composed_matrix(steps: &[Self]) -> DAffine3 {
         steps.iter().fold(DAffine3::IDENTITY, |m, step| match step {
@@ -84,35 +84,35 @@ fn rotation_about_axis(axis: DVec3, angle: f64) -> DAffine3 {
 mod tests {
     use super::*;
 
-    fn is_close(a: DVec3, b: DVec3) -> bool {
+    fn is_nearly_equal(a: DVec3, b: DVec3) -> bool {
         // Few roundings of numbers below 10.
         (a - b).abs().max_element() < 1e-14
     }
 
     #[test]
     fn rotations_are_right_handed() {
-        assert!(is_close(TransformStep::RotateX(90.0).matrix().transform_point3(DVec3::Y), DVec3::Z));
-        assert!(is_close(TransformStep::RotateY(90.0).matrix().transform_point3(DVec3::Z), DVec3::X));
-        assert!(is_close(TransformStep::RotateZ(90.0).matrix().transform_point3(DVec3::X), DVec3::Y));
+        assert!(is_nearly_equal(TransformStep::RotateX(90.0).matrix().transform_point3(DVec3::Y), DVec3::Z));
+        assert!(is_nearly_equal(TransformStep::RotateY(90.0).matrix().transform_point3(DVec3::Z), DVec3::X));
+        assert!(is_nearly_equal(TransformStep::RotateZ(90.0).matrix().transform_point3(DVec3::X), DVec3::Y));
         let diagonal = TransformStep::Rotate { axis: DVec3::splat(5.0), angle: 120.0 }.matrix();
-        assert!(is_close(diagonal.transform_point3(DVec3::X), DVec3::Y));
-        assert!(is_close(diagonal.transform_point3(DVec3::Y), DVec3::Z));
+        assert!(is_nearly_equal(diagonal.transform_point3(DVec3::X), DVec3::Y));
+        assert!(is_nearly_equal(diagonal.transform_point3(DVec3::Y), DVec3::Z));
     }
 
     #[test]
-    fn the_first_map_is_applied_last() {
+    fn the_first_transform_step_is_applied_last() {
         let maps = [TransformStep::Translate(DVec3::X), TransformStep::Scale(DVec3::splat(2.0))];
-        assert!(is_close(
+        assert!(is_nearly_equal(
             TransformStep::composed_matrix(&maps).transform_point3(DVec3::ONE),
             DVec3::new(3.0, 2.0, 2.0)
         ));
     }
 
     #[test]
-    fn a_matrix_is_applied_after_those_before_it() {
+    fn a_matrix_step_is_applied_after_earlier_steps() {
         let double = TransformStep::Matrix(DMat4::from_scale(DVec3::splat(2.0)));
         let maps = [TransformStep::Translate(DVec3::X), double];
-        assert!(is_close(
+        assert!(is_nearly_equal(
             TransformStep::composed_matrix(&maps).transform_point3(DVec3::ZERO),
             DVec3::new(2.0, 0.0, 0.0)
         ));

@@ -6,7 +6,7 @@ use super::description::{
 };
 use super::import::EmbeddedAssets;
 use super::mesh::{self, MeshReport};
-use super::resolve::file_candidates;
+use super::resolve::candidate_file_paths;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -20,17 +20,17 @@ pub(super) fn scene_warnings(
     folder: &Path,
     assets: &EmbeddedAssets,
 ) -> Vec<String> {
-    let uses = SceneUses::collect_scene_uses(description);
+    let uses = UsedSceneItems::collect_used_items(description);
     let mut found = unused_item_messages(description, &uses);
     for (path, span) in &uses.dielectric_meshes {
         let report = match assets.meshes.get(*path) {
             Some(mesh) => Some(mesh.mesh_report()),
-            None => file_candidates(folder, Path::new(path))
+            None => candidate_file_paths(folder, Path::new(path))
                 .find(|file| file.is_file())
                 .and_then(|file| mesh::load(&file, &()).ok())
                 .map(|loaded| loaded.mesh.mesh_report()),
         };
-        if let Some(defect) = report.as_ref().and_then(boundary_defect) {
+        if let Some(defect) = report.as_ref().and_then(dielectric_mesh_defect) {
             let remedy = "`caustica mesh --repair` may repair it";
             found.push((*span, format!("the dielectric mesh `{path}` {defect}; {remedy}")));
         }
@@ -40,7 +40,7 @@ pub(super) fn scene_warnings(
 
 /// Returns warnings about unused textures and materials, one line each, in the order of the text.
 pub(super) fn unused_item_warnings(description: &SceneDescription, source: &SourceText) -> Vec<String> {
-    warning_lines(unused_item_messages(description, &SceneUses::collect_scene_uses(description)), source)
+    warning_lines(unused_item_messages(description, &UsedSceneItems::collect_used_items(description)), source)
 }
 
 /// Returns one warning line for each message, in the order of the text.
@@ -50,7 +50,7 @@ fn warning_lines(mut found: Vec<(Span, String)>, source: &SourceText) -> Vec<Str
 }
 
 /// Returns messages about textures and materials that nothing refers to.
-fn unused_item_messages(description: &SceneDescription, uses: &SceneUses<'_>) -> Vec<(Span, String)> {
+fn unused_item_messages(description: &SceneDescription, uses: &UsedSceneItems<'_>) -> Vec<(Span, String)> {
     let mut found = Vec::new();
     for texture in &description.textures {
         if !uses.textures.contains(texture.name.as_str()) {
@@ -58,7 +58,7 @@ fn unused_item_messages(description: &SceneDescription, uses: &SceneUses<'_>) ->
         }
     }
     for (index, material) in description.materials.iter().enumerate() {
-        if !uses.is_used(description, index) {
+        if !uses.is_material_used(description, index) {
             let name = material.name.as_ref().map_or(format!("number {index}"), |name| format!("`{name}`"));
             found.push((material.span, format!("the material {name} is not used")));
         }
@@ -67,7 +67,7 @@ fn unused_item_messages(description: &SceneDescription, uses: &SceneUses<'_>) ->
 }
 
 /// Returns why a mesh is not a valid boundary of a body; `None` if it is valid or empty.
-fn boundary_defect(report: &MeshReport) -> Option<String> {
+fn dielectric_mesh_defect(report: &MeshReport) -> Option<String> {
     if report.triangles == 0 {
         return None;
     }
@@ -81,10 +81,10 @@ fn boundary_defect(report: &MeshReport) -> Option<String> {
     inside_out.then(|| "is inside out: its normals point into the body".to_owned())
 }
 
-/// Materials, textures and dielectric meshes that the objects of a scene use.
+/// Materials, textures and dielectric meshes that a scene uses.
 #[derive(Default)]
-struct SceneUses<'a> {
-    /// Indices of the materials assigned to objects, without the components of mixes.
+struct UsedSceneItems<'a> {
+    /// Indices of the materials assigned to objects. Materials mixed in a `Mix` are not included.
     materials: BTreeSet<usize>,
     /// Names of textures that a material refers to.
     textures: BTreeSet<&'a str>,
@@ -92,18 +92,25 @@ struct SceneUses<'a> {
     dielectric_meshes: BTreeMap<&'a str, Span>,
 }
 
-impl<'a> SceneUses<'a> {
-    fn collect_scene_uses(description: &'a SceneDescription) -> Self {
+impl<'a> UsedSceneItems<'a> {
+    fn collect_used_items(description: &'a SceneDescription) -> Self {
         let mut uses = Self::default();
-        uses.collect_group_uses(description, &description.root, &mut 0);
+        uses.collect_items_used_by_group(description, &description.root, &mut 0);
         for material in &description.materials {
             uses.textures.extend(material.texture_names().into_iter().map(|name| name.as_str()));
         }
         uses
     }
 
-    /// Collects the uses of a group; `material` is the index of the current material.
-    fn collect_group_uses(&mut self, description: &'a SceneDescription, group: &'a ObjectGroup, material: &mut usize) {
+    /// Records what the objects of a group use.
+    ///
+    /// `material` is the index of the current material, which entries of the group change.
+    fn collect_items_used_by_group(
+        &mut self,
+        description: &'a SceneDescription,
+        group: &'a ObjectGroup,
+        material: &mut usize,
+    ) {
         for item in &group.items {
             match item {
                 GroupItem::MaterialIndex(index) => *material = index.value as usize,
@@ -111,22 +118,22 @@ impl<'a> SceneUses<'a> {
                     let named = |m: &Spanned<MaterialDescription>| m.name.as_deref() == Some(name.as_str());
                     *material = description.materials.iter().position(named).unwrap_or(*material);
                 }
-                GroupItem::Object(object) => self.collect_object_uses(description, object, material),
+                GroupItem::Object(object) => self.collect_items_used_by_object(description, object, material),
             }
         }
     }
 
-    /// Collects the uses of an object; `material` is the index of the current material.
-    fn collect_object_uses(
+    /// Records what an object uses. `material` is the index of the current material.
+    fn collect_items_used_by_object(
         &mut self,
         description: &'a SceneDescription,
         object: &'a Spanned<ObjectDescription>,
         material: &mut usize,
     ) {
         match &object.value {
-            ObjectDescription::Group(group) => self.collect_group_uses(description, group, material),
+            ObjectDescription::Group(group) => self.collect_items_used_by_group(description, group, material),
             ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
-                self.collect_object_uses(description, object, material);
+                self.collect_items_used_by_object(description, object, material);
             }
             ObjectDescription::Shape { shape, .. } => {
                 self.materials.insert(*material);
@@ -139,15 +146,16 @@ impl<'a> SceneUses<'a> {
         }
     }
 
-    /// True if an object has the material, or a mix that an object has contains it.
-    fn is_used(&self, description: &SceneDescription, index: usize) -> bool {
+    /// True if an object has the material directly, or through a mix.
+    fn is_material_used(&self, description: &SceneDescription, index: usize) -> bool {
         let materials = &description.materials;
         let name = materials[index].name.as_deref();
         let part_of = |mix: &Spanned<MaterialDescription>| {
             mix.kind.mix_material_names().is_some_and(|parts| parts.iter().any(|part| Some(part.as_str()) == name))
         };
         // The parts of a mix stand before it, so the recursion ends.
-        let in_mix = |(mix, _): (usize, &Spanned<MaterialDescription>)| mix > index && self.is_used(description, mix);
+        let in_mix =
+            |(mix, _): (usize, &Spanned<MaterialDescription>)| mix > index && self.is_material_used(description, mix);
         self.materials.contains(&index)
             || materials.iter().enumerate().filter(|(_, material)| part_of(material)).any(in_mix)
     }

@@ -1,4 +1,4 @@
-//! Names, defaults and effects of the algorithms.
+//! The rendering algorithms: their names, default numbers of passes and supported effects of light.
 
 use super::integrator::Integrator;
 use super::path_integrator::PathIntegrator;
@@ -18,7 +18,7 @@ pub enum Algorithm {
     Path,
     /// Stochastic progressive photon mapping.
     Sppm,
-    /// Progressive photon mapping with camera paths that all passes share.
+    /// Progressive photon mapping; all passes trace the same camera paths.
     Ppm,
     /// Photon mapping with an indirect and a caustic map, whose gather radii stay fixed over the
     /// passes.
@@ -36,7 +36,7 @@ impl Algorithm {
     pub const ALL: [Self; 8] =
         [Self::Hybrid, Self::Path, Self::Sppm, Self::Ppm, Self::Pm, Self::Distributed, Self::Whitted, Self::Raycast];
 
-    /// Returns the name on the command line, such as `sppm`.
+    /// Returns the algorithm's name on the command line, such as `sppm`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -60,7 +60,7 @@ impl Algorithm {
         }
     }
 
-    /// Returns the default number of passes of a render.
+    /// Returns the number of passes of a render without limits and without error estimates.
     #[must_use]
     pub fn default_passes(self) -> u32 {
         match self {
@@ -99,19 +99,21 @@ impl Algorithm {
         }
     }
 
-    /// Makes the integrator for `scene`. Pilots (small simulations) choose the settings that are
-    /// `None`.
+    /// Makes the integrator that renders `scene` with this algorithm.
+    ///
+    /// For settings that are `None`, it uses the algorithm's default or a value that a pilot (small
+    /// simulation) finds.
     #[must_use]
     pub fn prepare(self, scene: &Scene, settings: Settings) -> Box<dyn Integrator + '_> {
         let plan = Plan::new(scene, self.supported_effects(), settings.camera_paths.effects);
         let policy: PolicyFn = match self {
-            Self::Hybrid => hybrid::policy,
-            Self::Path => path::policy,
-            Self::Sppm => sppm::policy,
-            Self::Ppm => ppm::policy,
-            Self::Pm => pm::policy,
-            Self::Distributed => distributed::policy,
-            Self::Whitted => whitted::policy,
+            Self::Hybrid => hybrid::path_policy,
+            Self::Path => path::path_policy,
+            Self::Sppm => sppm::path_policy,
+            Self::Ppm => ppm::path_policy,
+            Self::Pm => pm::path_policy,
+            Self::Distributed => distributed::path_policy,
+            Self::Whitted => whitted::path_policy,
             Self::Raycast => return Box::new(RaycastIntegrator::new(scene, plan, &settings.camera_paths)),
         };
         Box::new(PathIntegrator::new(scene, plan, settings, policy))

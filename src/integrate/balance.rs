@@ -32,7 +32,7 @@ const CAMERA_RAY_WORK: f64 = 2.0;
 const STORED_PHOTON_WORK: f64 = 1.5;
 
 /// Work of one photon in a density estimate, relative to tracing a photon ray.
-const GATHERED_PHOTON_WORK: f64 = 0.2;
+pub(super) const GATHERED_PHOTON_WORK: f64 = 0.2;
 
 /// One source of noise in a pass: camera rays, aimed photon paths or unaimed photon paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,8 +1,10 @@
 //! Camera paths: the loop that every algorithm except `raycast` runs.
 //!
-//! [`PhotonKind`](crate::photon::PhotonKind) defines casters and receivers. A light path over
-//! casters to a receiver is a caustic. If the policy leaves caustics to photons, camera paths
-//! ignore emission that they reach from a receiver over casters. So each light path counts once.
+//! A *receiver* is a surface that stores photons, or a scattering medium. A *caster* is any other
+//! surface that is not black, such as glass or a mirror; see
+//! [`PhotonKind`](crate::photon::PhotonKind). Light that reaches a receiver over casters forms a
+//! caustic. If the policy leaves caustics to photons, a camera path ignores emission that it hits
+//! after a receiver and one or more casters. So no light path counts twice.
 
 mod media;
 
@@ -23,23 +25,26 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Interior, PathEvent, PathRay, Scene, SurfaceInteraction, SurfaceVertex};
 use glam::Vec3;
 
-/// Smallest throughput of the weaker branch at which a path splits at a smooth dielectric.
+/// Throughput above which a camera path splits at a smooth dielectric.
+///
+/// The fainter of the reflected and the refracted branch must exceed it.
 const MIN_SPLIT_THROUGHPUT: f32 = 0.001;
 
-/// Mean throughput of the channels below which Russian roulette may end a path.
+/// Throughput, as the mean of its channels, below which Russian roulette may end a path.
 const ROULETTE_THROUGHPUT: f32 = 0.125;
 
-/// Number of bounces over casters after which Russian roulette may end a path that has met no
-/// receiver.
+/// Number of bounces during which Russian roulette spares a path that has met only casters, such as
+/// glass or mirrors.
 const ROULETTE_BOUNCE: u32 = 8;
 
-/// Largest number of branches of one camera path on the stack.
+/// Largest number of branches of one camera path that wait on the stack to be traced.
 const MAX_BRANCHES: usize = 16;
 
-/// Gather radius \[length] in the place of that of the indirect map if there is no map.
+/// Gather radius \[length] that replaces the radius of the indirect map if a pass has no maps.
 const NO_MAP_RADIUS: f32 = 1.0;
 
-/// Smallest length of a gather ray, relative to the gather radius of the indirect map.
+/// Smallest length of a final-gathering ray that reads the indirect map at its end, relative to the
+/// map's gather radius.
 ///
 /// At the end of a shorter ray, the blur of the map would show. The path then continues instead.
 const MIN_GATHER_RADII: f32 = 2.0;
@@ -49,14 +54,15 @@ pub(super) struct PathContext<'a> {
     pub scene: &'a Scene,
     pub policy: &'a PathPolicy,
     pub nee: &'a NextEventEstimator<'a>,
-    /// `None` if the pass has no photons.
+    /// Photon maps of the pass; `None` if the pass has no photons.
     pub maps: Option<&'a PhotonMaps<'a>>,
     pub pass: u32,
-    /// Number of bounces after which a path ends.
+    /// Number of bounces after which a camera path ends.
     pub max_bounces: u32,
-    /// Division of indirect light at diffuse first receivers.
+    /// Technique that finds indirect light at the first receiver (surface that stores photons):
+    /// camera paths, photon estimates, or both.
     indirect: IndirectTechnique<'a>,
-    /// Smallest length of a gather ray that reads the indirect map \[length].
+    /// Length above which a final-gathering ray reads the indirect map at its end \[length].
     min_gather_distance: f32,
 }
 
@@ -68,9 +74,12 @@ pub(super) struct PathState<I> {
     throughput: Rgb,
     bounce: u32,
     history: PathHistory,
-    /// Weight of indirect light, applied after the vertex where the path may find direct light.
+    /// Weight of indirect light that camera paths share with photon estimates; 1 if they do not.
+    ///
+    /// The throughput is multiplied by this weight after the emission at the next vertex is added.
     indirect_weight: f32,
-    /// True if photon estimates share the indirect light of the path's first receiver.
+    /// True once the path has left a first receiver (surface that stores photons) whose indirect
+    /// light photon estimates find too.
     shares_indirect: bool,
     /// Previous vertex if next-event estimation there could have sampled the light that the path
     /// hits now. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
@@ -80,15 +89,9 @@ pub(super) struct PathState<I> {
     sampler: Sampler,
 }
 
-/// Returns [`trace_camera_path`] with its first argument bound, for
-/// [`tiles::render_tiles`](super::tiles::render_tiles).
-pub(super) fn camera_path_tracer<'a, I: Interior>(
-    paths: &'a PathContext<'a>,
-) -> impl Fn(&Ray, Sampler, &mut PathWorker, &mut Vec<PathState<I>>) -> Rgb + Sync {
-    |ray, sampler, worker, stack| trace_camera_path(paths, ray, sampler, worker, stack)
-}
-
-/// Returns the radiance along camera ray `ray` \[W/(m² sr)]. `stack` is empty before and after.
+/// Traces the camera path that starts with `ray`, and returns its radiance \[W/(m² sr)].
+///
+/// `stack` holds branches of the path that are still to be traced; it is empty before and after.
 pub(super) fn trace_camera_path<I: Interior>(
     paths: &PathContext<'_>,
     ray: &Ray,
@@ -98,7 +101,7 @@ pub(super) fn trace_camera_path<I: Interior>(
 ) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let mut radiance = Rgb::ZERO;
-    let indirect = paths.indirect.weights(worker.film_position);
+    let indirect = paths.indirect.technique_weights(worker.film_position);
     let mut branch = Some(PathState::from_camera_ray(paths, ray, sampler));
     while let Some(mut path) = branch {
         loop {
@@ -120,17 +123,17 @@ pub(super) fn trace_camera_path<I: Interior>(
                     break;
                 }
                 PathEvent::Escaped { crossed } => {
-                    path.note_crossed_boundaries(crossed);
+                    path.count_crossed_boundary(crossed);
                     let escaped = path.throughput * escaped_radiance(paths, &path);
                     radiance += weigh_found_light(escaped, &path, worker);
                     break;
                 }
             };
             path.throughput *= hit.transmittance;
-            path.note_crossed_boundaries(hit.crossed);
+            path.count_crossed_boundary(hit.crossed);
 
             // Add emission, weighted against next-event estimation.
-            if hit.surface.emission != Rgb::ZERO && counts_hit_emission(policy, &path) {
+            if hit.surface.emission != Rgb::ZERO && may_add_hit_emission(policy, &path) {
                 let weight = path.prev.map_or(1.0, |prev| emission_mis_weight(nee, &prev, &hit.surface));
                 let found = path.throughput * hit.surface.emission * weight;
                 radiance += weigh_found_light(found, &path, worker);
@@ -150,57 +153,9 @@ pub(super) fn trace_camera_path<I: Interior>(
                 break;
             }
 
-            // End faint paths by Russian roulette before shading, which costs as much as many rays.
-            let survival = color::channel_mean(path.throughput) / ROULETTE_THROUGHPUT;
-            if survival < 1.0 && policy.min_throughput == 0.0 {
-                if path.sampler.get_1d(Dimension::ShadingRoulette) >= survival {
-                    break;
-                }
-                path.throughput /= survival;
-            }
-            if policy.directions == DirectionSampling::OneLobe {
-                hit.surface.bsdf = hit.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::ChosenLobe));
-            }
-            let SurfaceVertex { surface, distance, .. } = &hit;
-            let vertex = path.vertex_at_surface(paths, surface, &interior, *distance);
-            let ends_gather_ray = ends_gather_ray(paths, &vertex);
-            let shares_indirect = shares_indirect_light(&indirect, &vertex);
-            let continues = path.bounce < paths.max_bounces
-                && (!shares_indirect || is_path_continued(&indirect, &vertex))
-                && !worker.prefix.ends_at_receiver
-                && match policy.continuation {
-                    PathContinuation::Never => false,
-                    PathContinuation::Glossy => !surface.bsdf.is_diffuse(),
-                    PathContinuation::GatherRays => !ends_gather_ray,
-                    PathContinuation::Always => true,
-                };
-            if let (true, DirectionSampling::Guided, Some(maps)) = (continues, policy.directions, paths.maps) {
-                scatter::collect_gather_directions(maps, paths.min_gather_distance, &vertex, worker);
-            }
-
-            // Add direct light by next-event estimation.
-            let direct = if policy.direct_light && !ends_gather_ray && !worker.prefix.ends_at_receiver {
-                nee.estimate(&vertex, continues, worker)
-            } else {
-                Rgb::ZERO
-            };
-
-            // Add the photon estimate.
-            let reflected = direct + photon_radiance(paths, &vertex, &indirect, ends_gather_ray, worker);
-            radiance += path.throughput * reflected;
-            if path.shares_indirect {
-                worker.indirect_light.paths += path.throughput * reflected;
-            }
-
-            // Continue in a sampled direction.
-            path.history = PathHistory { receivers: path.history.receivers + 1, casters: 0 };
-            if !(continues && continue_path(policy, &mut path, &vertex, worker)) {
+            // Shade a receiver.
+            if !shade_receiver(paths, &mut path, &mut hit, &interior, &indirect, worker, &mut radiance) {
                 break;
-            }
-            if shares_indirect {
-                let (_, samples) = vertex.sampler.sample_index_and_count();
-                path.indirect_weight = indirect.path_weight(samples);
-                path.shares_indirect = true;
             }
         }
         branch = stack.pop();
@@ -208,9 +163,80 @@ pub(super) fn trace_camera_path<I: Interior>(
     radiance
 }
 
-/// Adds direct light at a caster and continues the path from it. Returns false if the path ends.
+/// Adds direct light and the photon estimate at a receiver (a surface that stores photons) to
+/// `radiance`, and continues `path` from there. Returns false if the path ends.
+#[inline(always)]
+fn shade_receiver<I: Interior>(
+    paths: &PathContext<'_>,
+    path: &mut PathState<I>,
+    receiver: &mut SurfaceVertex<'_>,
+    interior: &I,
+    indirect: &IndirectWeights,
+    worker: &mut PathWorker,
+    radiance: &mut Rgb,
+) -> bool {
+    let PathContext { policy, nee, .. } = *paths;
+
+    // End faint paths by Russian roulette before shading, which costs as much as many rays.
+    let survival = color::channel_mean(path.throughput) / ROULETTE_THROUGHPUT;
+    if survival < 1.0 && policy.min_throughput == 0.0 {
+        if path.sampler.get_1d(Dimension::ShadingRoulette) >= survival {
+            return false;
+        }
+        path.throughput /= survival;
+    }
+    if policy.directions == DirectionSampling::OneLobe {
+        receiver.surface.bsdf = receiver.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::ChosenLobe));
+    }
+    let surface = &receiver.surface;
+    let vertex = path.vertex_at_surface(paths, surface, interior, receiver.distance);
+    let ends_gather_ray = ends_gather_ray(paths, &vertex);
+    let shares_indirect = shares_indirect_light(indirect, &vertex);
+    let continues = path.bounce < paths.max_bounces
+        && (!shares_indirect || is_path_continued(indirect, &vertex))
+        && !worker.prefix.ends_at_receiver
+        && match policy.continuation {
+            PathContinuation::Never => false,
+            PathContinuation::Glossy => !surface.bsdf.is_diffuse(),
+            PathContinuation::GatherRays => !ends_gather_ray,
+            PathContinuation::Always => true,
+        };
+    if let (true, DirectionSampling::Guided, Some(maps)) = (continues, policy.directions, paths.maps) {
+        scatter::collect_gather_directions(maps, paths.min_gather_distance, &vertex, worker);
+    }
+
+    // Add direct light by next-event estimation.
+    let direct = if policy.direct_light && !ends_gather_ray && !worker.prefix.ends_at_receiver {
+        nee.estimate_direct_light(&vertex, continues, worker)
+    } else {
+        Rgb::ZERO
+    };
+
+    // Add the photon estimate.
+    let reflected = direct + photon_radiance(paths, &vertex, indirect, ends_gather_ray, worker);
+    *radiance += path.throughput * reflected;
+    if path.shares_indirect {
+        worker.indirect_light.paths += path.throughput * reflected;
+    }
+
+    // Continue in a sampled direction.
+    path.history = PathHistory { receivers: path.history.receivers + 1, casters: 0 };
+    if !(continues && continue_path(policy, path, &vertex, worker)) {
+        return false;
+    }
+    if shares_indirect {
+        let (_, samples) = vertex.sampler.sample_index_and_count();
+        path.indirect_weight = indirect.path_weight(samples);
+        path.shares_indirect = true;
+    }
+    true
+}
+
+/// Adds direct light at a caster (such as glass or a mirror) to `radiance`, and continues `path`
+/// from there. Returns false if the path ends.
 ///
-/// It is not inlined, so that the loop stays small for scenes without casters.
+/// If a smooth dielectric splits the path, the reflected branch goes to `stack`. The function is
+/// not inlined, so that [`trace_camera_path`] stays small for scenes without casters.
 #[inline(never)]
 fn scatter_at_caster<I: Interior>(
     paths: &PathContext<'_>,
@@ -229,8 +255,8 @@ fn scatter_at_caster<I: Interior>(
 
     // Add direct light at glossy casters, unless photons carry the light that goes over this
     // caster.
-    if !surface.bsdf.is_specular() && policy.direct_light && counts_found_light(policy, path.history) {
-        let direct = path.throughput * nee.estimate(&vertex, continues, worker);
+    if !surface.bsdf.is_specular() && policy.direct_light && may_add_found_light(policy, path.history) {
+        let direct = path.throughput * nee.estimate_direct_light(&vertex, continues, worker);
         *radiance += weigh_found_light(direct, path, worker);
     }
     if !continues {
@@ -280,8 +306,11 @@ fn continue_path<I: Interior>(
     true
 }
 
-/// Estimates from photon maps the radiance that `vertex` reflects towards the previous vertex
-/// \[W/(m² sr)].
+/// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from photon
+/// maps \[W/(m² sr)].
+///
+/// Returns 0 where the policy reads no map. For some pilots, the function records `vertex` as a
+/// visible point instead.
 #[inline]
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
@@ -292,7 +321,7 @@ fn photon_radiance<I: Interior>(
 ) -> Rgb {
     let samples = match paths.policy.photons {
         PhotonLookups::Never => return Rgb::ZERO,
-        PhotonLookups::OncePerPixel => match vertex.sampler.sample_index_and_count() {
+        PhotonLookups::FewPerPixel => match vertex.sampler.sample_index_and_count() {
             (index, samples) if vertex.history.receivers == 0 && index < worker.prefix.lookups => {
                 samples as f32 * worker.prefix.lookup_weight
             }
@@ -309,7 +338,7 @@ fn photon_radiance<I: Interior>(
     let estimate = paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, samples, worker));
     let interreflection = if shares_indirect_light(indirect, vertex) {
         let samples = samples * indirect.photons;
-        paths.maps.map_or(Rgb::ZERO, |maps| maps.interreflection(vertex, samples, worker))
+        paths.maps.map_or(Rgb::ZERO, |maps| maps.interreflection_radiance(vertex, samples, worker))
     } else {
         Rgb::ZERO
     };
@@ -318,23 +347,28 @@ fn photon_radiance<I: Interior>(
     estimate
 }
 
-/// True if camera paths and photon estimates share the indirect light that `vertex` reflects.
+/// True if photon estimates find all or part of the indirect light that `vertex` reflects.
 ///
-/// They share it at the first receiver.
+/// They do so only at the first surface of a camera path that stores photons.
 #[inline]
 fn shares_indirect_light<I>(indirect: &IndirectWeights, vertex: &PathVertex<'_, I>) -> bool {
     indirect.photons > 0.0 && vertex.history.receivers == 0
 }
 
-/// True if the camera path continues at `vertex`, where photon estimates share the indirect light.
+/// True if the camera path continues at `vertex`, its first receiver (surface that stores photons).
+///
+/// Photon estimates share the indirect light there, so only some of a pixel's paths continue.
 #[inline]
 fn is_path_continued<I>(indirect: &IndirectWeights, vertex: &PathVertex<'_, I>) -> bool {
     let u = vertex.sampler.get_1d(Dimension::ChosenLobe);
-    indirect.is_continued(vertex.sampler.sample_index_and_count(), u)
+    indirect.is_sample_continued(vertex.sampler.sample_index_and_count(), u)
 }
 
-/// Returns `light` that `path` found, with the weight of its prefix if the path has
-/// no receiver yet.
+/// Returns `light`, which `path` found by hitting an emitter or by a shadow ray at a caster.
+///
+/// Before the path's first receiver, the result is weighted, because prefix rays find the same
+/// light; see [`PrefixLight`](super::prefix_rays::PrefixLight). The light is also added to sums of
+/// `worker`.
 #[inline]
 fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, worker: &mut PathWorker) -> Rgb {
     if path.history.receivers > 0 {
@@ -348,7 +382,9 @@ fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, worker: &mut PathWorker
     weighted
 }
 
-/// Records `vertex` as a visible point in `worker`, weighted by throughput and BRDF.
+/// Records the position of `vertex` in `worker` as a point visible to the camera.
+///
+/// The point is weighted by throughput and BRDF.
 fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut PathWorker) {
     let surface = vertex.surface;
     let normal = surface.facing_normal();
@@ -357,7 +393,8 @@ fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut Pa
     worker.visible.push(VisiblePoint { position: surface.point.p, normal, weight });
 }
 
-/// True if `vertex` ends a gather ray that is long enough to read the indirect map there.
+/// True if `vertex` is the end of a final-gathering ray that is long enough to read the indirect
+/// map there.
 #[inline]
 fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bool {
     paths.policy.continuation == PathContinuation::GatherRays
@@ -365,32 +402,34 @@ fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bo
         && vertex.distance > paths.min_gather_distance
 }
 
-/// True if a camera path counts the light that it finds after `history`; false if photons carry
-/// that light.
+/// True if a camera path may add light that it finds after the vertices of `history`.
+///
+/// False if that light forms a caustic and photons carry caustics.
 #[inline]
-fn counts_found_light(policy: &PathPolicy, history: PathHistory) -> bool {
+fn may_add_found_light(policy: &PathPolicy, history: PathHistory) -> bool {
     policy.counts_caustics || !history.is_caustic()
 }
 
-/// True if the path counts the emission of the light that it hits now.
+/// True if the path may add the emission of the light that it hits now.
 ///
-/// If soft shadows are off, next-event estimation samples only the centers of area lights. Then a
-/// path counts no emission after a vertex with next-event estimation.
+/// False for caustics that photons carry. If soft shadows are off, next-event estimation samples
+/// only the centers of area lights; then it is also false after a vertex with next-event
+/// estimation.
 #[inline]
-fn counts_hit_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
-    (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && counts_found_light(policy, path.history)
+fn may_add_hit_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
+    (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && may_add_found_light(policy, path.history)
 }
 
-/// Returns the weight of emission that a path hits, relative to next-event estimation at `prev`:
-/// the balance heuristic (Veach 1997, section 9.2.2).
+/// Returns the MIS weight of emission at `hit` against next-event estimation at `prev`, by the
+/// balance heuristic (Veach 1997, section 9.2.2); 1 if `hit` is not on a light.
 #[inline]
 fn emission_mis_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &SurfaceInteraction<'_>) -> f32 {
     let Some(light) = hit.light else { return 1.0 };
     prev.pdf / (prev.pdf + nee.pdf(prev, light as usize, -hit.wo, Some(&hit.point)))
 }
 
-/// Returns the radiance of the environment or background behind a path that left the scene \[W/(m²
-/// sr)].
+/// Returns the radiance of the environment or background that a path meets when it leaves the scene
+/// \[W/(m² sr)].
 fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let direction = path.path_ray.ray.direction;
@@ -398,7 +437,7 @@ fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -
         // The background is visible but lights nothing.
         None if path.history.receivers > 0 => Rgb::ZERO,
         None => scene.background(),
-        Some(_) if !counts_hit_emission(policy, path) => Rgb::ZERO,
+        Some(_) if !may_add_hit_emission(policy, path) => Rgb::ZERO,
         Some(light) => {
             let light_pdf = |prev: PrevVertex| nee.pdf(&prev, light, direction, None);
             let weight = path.prev.map_or(1.0, |prev| prev.pdf / (prev.pdf + light_pdf(prev)));
@@ -408,7 +447,7 @@ fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -
 }
 
 impl<'a> PathContext<'a> {
-    /// Makes the context of the camera paths of pass `pass`.
+    /// Returns the context of the camera paths of pass `pass`.
     pub fn new(
         scene: &'a Scene,
         policy: &'a PathPolicy,
@@ -418,11 +457,12 @@ impl<'a> PathContext<'a> {
         max_bounces: u32,
         indirect: IndirectTechnique<'a>,
     ) -> Self {
-        let radius = maps.map_or(NO_MAP_RADIUS, |maps| maps.indirect.radius());
+        let radius = maps.map_or(NO_MAP_RADIUS, |maps| maps.indirect.max_gather_radius());
         Self { scene, policy, nee, maps, pass, max_bounces, indirect, min_gather_distance: MIN_GATHER_RADII * radius }
     }
 
-    /// Returns this context with `technique` for indirect light at diffuse first receivers.
+    /// Returns this context with `technique` for indirect light at first receivers (surfaces that
+    /// store photons).
     pub fn with_indirect_technique(self, technique: IndirectTechnique<'a>) -> Self {
         Self { indirect: technique, ..self }
     }
@@ -431,7 +471,8 @@ impl<'a> PathContext<'a> {
 impl<I: Interior> PathState<I> {
     /// Starts a path with camera ray `ray`.
     fn from_camera_ray(paths: &PathContext<'_>, ray: &Ray, sampler: Sampler) -> Self {
-        let path_ray = paths.scene.start_camera_path(*ray, paths.policy.effects);
+        let mut path_ray: PathRay<I> = paths.scene.start_camera_path(*ray, paths.policy.effects);
+        path_ray.interior.set_wavelength_sample(paths.scene, || sampler.get_1d(Dimension::Wavelength));
         let history = PathHistory::default();
         Self {
             path_ray,
@@ -445,12 +486,11 @@ impl<I: Interior> PathState<I> {
         }
     }
 
-    /// If `crossed`, records that the segment crossed a boundary that blocks shadow rays but not
-    /// light.
+    /// If `crossed`, counts a caster and drops the previous vertex.
     ///
-    /// Such a boundary counts as a caster.
+    /// `crossed` means that the path has crossed a boundary that blocks shadow rays but not light.
     #[inline]
-    fn note_crossed_boundaries(&mut self, crossed: bool) {
+    fn count_crossed_boundary(&mut self, crossed: bool) {
         if crossed {
             self.history.casters += 1;
             self.prev = None;
@@ -470,7 +510,8 @@ impl<I: Interior> PathState<I> {
         PathVertex { surface, interior, history, throughput, distance, sampler, shadow_sampler }
     }
 
-    /// Returns the state of the path after it leaves `surface` in unit `direction`.
+    /// Returns the state of the path after it leaves `surface` in unit `direction`; its `prev` is
+    /// `None`.
     ///
     /// `weight` is the BSDF times the cosine over the pdf of the direction.
     #[inline]

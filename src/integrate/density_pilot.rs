@@ -1,36 +1,48 @@
 //! Pilot for adaptive sampling: it finds how many camera rays each pixel needs.
 //!
 //! The mean of n rays of a pixel has variance σ²/n. For a given total of rays, the mean relative
-//! variance of the pixels is least if n is proportional to σ over the radiance. A few pictures
-//! before the first pass estimate both. No pass uses rays of the pilot, so the mean stays unbiased.
+//! variance of the pixels is least if n is proportional to σ over the radiance. The pilot estimates
+//! σ and the radiance from a few pictures before the first pass. No pass uses rays of the pilot, so
+//! the mean stays unbiased.
 
 use super::camera_path;
-use super::map_builder::PassBudget;
+use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
+use super::shutter::ShutterSlice;
 use super::tiles;
 use crate::color;
 use crate::sampling::{Key, Purpose};
 use crate::scene::for_interior;
 use std::sync::Arc;
 
-/// Number of pictures of the pilot, with one camera ray per pixel each.
+/// Number of pictures that the pilot renders, with one camera ray per pixel each.
 const PILOT_PICTURES: u32 = 4;
 
-/// Divisor of the number of photon paths: the pilot traces 1/16 of the paths of a pass.
+/// Divisor of the number of photon paths of a pass: the pilot traces 1/16 of them.
 const PILOT_DIVISOR: u32 = 16;
 
-/// Smallest and largest number of rays of a pixel, relative to the mean over all pixels.
+/// Smallest number of camera rays of a pixel, relative to the mean over all pixels.
 const MIN_DENSITY: f64 = 0.5;
+
+/// Largest number of camera rays of a pixel, relative to the mean over all pixels.
 const MAX_DENSITY: f64 = 8.0;
 
-/// Returns the number of camera rays of each pixel relative to the mean, by rows from the top.
+/// Returns how many camera rays each pixel needs, relative to the mean over all pixels.
 ///
-/// Returns `None` if the pilot's pictures have no noise.
+/// The values are ordered by rows from the top. A pilot renders a few pictures and measures their
+/// noise. Returns `None` if they have no noise.
 pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
-    let budget = PassBudget { key, pass: 0, part: PILOT_DIVISOR, limited: true, connects: false };
-    let maps = renderer.map_builder.build_with_budget(&budget, &SilentMonitor, &mut Pass::default());
+    let options = MapBuildOptions {
+        key,
+        pass: 0,
+        part: PILOT_DIVISOR,
+        slice: ShutterSlice::WHOLE,
+        limited: true,
+        connects: false,
+    };
+    let maps = renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut Pass::default());
     // Moving objects rest at one time, as in a pass.
     let pilot = renderer.with_one_sample();
     let pictures: Vec<Vec<f64>> = (0..PILOT_PICTURES)
@@ -40,7 +52,9 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
             let (paths, sampling, key) =
                 (pilot.path_context(Some(&maps), pass), pilot.film_sampling(pass), pilot.camera_path_key(pass));
             let picture = for_interior!(pilot.policy.effects, <I> {
-                tiles::render_tiles(&sampling, key, &SilentMonitor, camera_path::camera_path_tracer::<I>(&paths))
+                tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, branches| {
+                    camera_path::trace_camera_path::<I>(&paths, ray, sampler, worker, branches)
+                })
             });
             picture.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
         })
@@ -49,10 +63,10 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
     relative_ray_counts(&pictures, width as usize, height as usize, renderer.samples)
 }
 
-/// Returns the number of camera rays of each pixel relative to the mean, from the noise between
-/// independent `pictures`.
+/// Returns how many camera rays each pixel needs, relative to the mean over all pixels.
 ///
-/// `samples` is the mean number of rays per pixel. Returns `None` if the pictures have no noise.
+/// The counts follow from the noise between independent `pictures`. `samples` is the mean number of
+/// rays per pixel. Returns `None` if the pictures have no noise.
 fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32) -> Option<Arc<[f32]>> {
     let n = pictures.len() as f64;
     let mean: Vec<f64> =

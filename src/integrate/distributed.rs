@@ -11,7 +11,7 @@ use super::settings::{IndirectPhotons, LightTracing, Settings};
 use crate::plan::Effects;
 
 /// Returns the rules of camera paths for distributed ray tracing.
-pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
+pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
     PathPolicy {
         effects,
         samples: 4,

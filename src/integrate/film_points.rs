@@ -1,4 +1,4 @@
-//! Camera paths through chosen points of the film, for pilots.
+//! Camera paths through chosen points of the film, for pilots (small simulations before a render).
 
 use super::camera_path::{PathContext, PathState, trace_camera_path};
 use super::worker::PathWorker;
@@ -16,33 +16,39 @@ const CHUNK: usize = 64;
 /// A film position \[pixels from the top left], with the sampler of its camera path.
 pub(super) type FilmPoint = (Vec2, Sampler);
 
-/// Traces camera paths through `points` of the film.
+/// Traces a camera path through each of `points`.
 ///
-/// Returns the radiance at each point \[W/(m² sr)], and the workers with their ray counts and
-/// visible points.
-pub(super) fn trace_camera_paths_through(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<PathWorker>) {
-    let (radiance, workers) = trace_chunks(paths, points, false, &|radiance, _| radiance);
+/// Returns the radiance at each point \[W/(m² sr)], and the worker of each parallel task. The
+/// workers hold ray counts and visible points.
+pub(super) fn trace_paths_through_film_points(
+    paths: &PathContext<'_>,
+    points: &[FilmPoint],
+) -> (Vec<Rgb>, Vec<PathWorker>) {
+    let (radiance, workers) = trace_paths_by_chunks(paths, points, false, &|radiance, _| radiance);
     (radiance, workers)
 }
 
-/// Traces camera paths through `points` of the film, with nested photon estimates if `nested`.
+/// Traces a camera path through each of `points`, and calls `result` with its radiance \[W/(m² sr)]
+/// and its worker.
 ///
-/// Returns for each point what `result` makes of its radiance \[W/(m² sr)] and its worker, and the
-/// ray counts of all paths.
-pub(super) fn trace_each_camera_path_through<T: Send>(
+/// Returns the result of each point, and the ray counts of all paths. If `nested`, photon estimates
+/// are also made with smaller nested discs.
+pub(super) fn map_paths_through_film_points<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
     nested: bool,
     result: impl Fn(Rgb, &mut PathWorker) -> T + Sync,
 ) -> (Vec<T>, Counters) {
-    let (results, workers) = trace_chunks(paths, points, nested, &result);
+    let (results, workers) = trace_paths_by_chunks(paths, points, nested, &result);
     let mut counters = Counters::default();
     workers.iter().for_each(|worker| counters += worker.counters);
     (results, counters)
 }
 
-/// Traces camera paths in parallel. Returns the result of each path, and the worker of each chunk.
-fn trace_chunks<T: Send>(
+/// Traces camera paths through `points`, in parallel by chunks of 64.
+///
+/// Returns the `result` of each path, and the worker of each chunk.
+fn trace_paths_by_chunks<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
     nested: bool,

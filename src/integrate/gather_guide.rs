@@ -1,9 +1,9 @@
-//! Distribution of gather-ray directions, from the directions of nearby photons.
+//! Importance sampling of final-gathering directions by the directions of nearby photons.
 
 use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 
-/// Number of nearby photons whose directions guide a gather ray.
+/// Number of nearby photons whose directions guide a final-gathering ray.
 pub(super) const GUIDE_PHOTONS: u32 = 32;
 
 /// 1 − cosine of the half angle of the cone around each photon's direction; the angle is 0.2 rad.
@@ -11,8 +11,8 @@ pub(super) const GUIDE_PHOTONS: u32 = 32;
 /// Without overlap, the cones of 32 photons cover 64 % of a hemisphere.
 const ONE_MINUS_COS: f32 = 0.02;
 
-/// Distribution of gather-ray directions: an equal mixture of uniform cones around the directions
-/// from which photons arrived.
+/// Distribution of final-gathering directions: an equal mixture of uniform cones around the
+/// directions from which photons arrived.
 ///
 /// Hey and Purgathofer 2002, "Importance Sampling with Hemispherical Particle Footprints".
 #[derive(Debug, Default)]
@@ -21,7 +21,7 @@ pub(super) struct GatherGuide {
 }
 
 impl GatherGuide {
-    /// Removes all directions.
+    /// Removes all photon directions.
     pub fn clear(&mut self) {
         self.directions.clear();
     }
@@ -31,8 +31,10 @@ impl GatherGuide {
         self.directions.push(direction);
     }
 
-    /// Samples a unit direction: a cone by `choice` in \[0, 1), and a direction in it by `u` in
-    /// \[0, 1)². Returns `None` without photons.
+    /// Samples a unit direction: `choice` in \[0, 1) selects a cone, `u` in \[0, 1)² a direction in
+    /// it.
+    ///
+    /// Returns `None` if the guide has no photon directions.
     #[inline]
     pub fn sample(&self, choice: f32, u: Vec2) -> Option<Vec3> {
         let chosen = ((choice * self.directions.len() as f32) as usize).min(self.directions.len().checked_sub(1)?);
@@ -43,7 +45,7 @@ impl GatherGuide {
         )
     }
 
-    /// Returns the pdf of unit direction `w` \[1/sr]; `None` without photons.
+    /// Returns the pdf of unit direction `w` \[1/sr]; `None` if the guide has no photon directions.
     #[inline]
     pub fn pdf(&self, w: Vec3) -> Option<f32> {
         if self.directions.is_empty() {

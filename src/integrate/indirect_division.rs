@@ -1,93 +1,103 @@
 //! Division of indirect light between camera paths and photon estimates.
 //!
-//! At a diffuse first receiver, two techniques find the light that other receivers reflect to it:
-//! continued camera paths, and a density estimate in the interreflection map. Their weights sum
-//! to 1. In pass number i, let v be the variance of the mean of the continued paths, u that of the
-//! photon estimate, and b its bias. Photons get the weight v/(v + u + i·b²). Bias counts i times
-//! because it is common to all passes, while their noise averages out. As gather discs shrink by
-//! the relative area A, u grows as 1/A and b falls as A. So camera paths take over in the long run,
-//! and the mean of the passes converges as fast as theirs.
+//! At the first receiver (surface that stores photons) of a camera path, two techniques find the
+//! light that other receivers reflect to it: camera paths that continue there, and a density
+//! estimate in the interreflection map. Their weights sum to 1.
 //!
-//! The variances and the bias differ from place to place. A pilot measures them for the cells of a
-//! grid over the film; between the centers of the cells they are interpolated.
+//! In pass number i, let v be the variance of the mean of the continued paths, u the variance of
+//! the photon estimate, and b its bias. The photon estimate gets the weight v/(v + u + i·b²). The
+//! bias counts i times because all passes share it, while noise averages out. As gather discs
+//! shrink to the relative area A, u grows as 1/A and b falls as A. So camera paths take over in the
+//! long run, and the mean of the passes converges as fast as camera paths alone.
+//!
+//! A pilot measures variances and bias in the cells of a grid over the film. Between the centers of
+//! cells they are interpolated.
 
 use crate::color::Rgb;
 use glam::Vec2;
 
-/// Weights of both techniques at one pixel in one pass.
+/// Weights of camera paths and of photon estimates for the indirect light of one pixel in one pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct IndirectWeights {
-    /// Weight of the photon estimate. If it is 0, all camera paths continue.
+    /// Weight of the photon estimate. If it is 0, all camera paths continue at their first
+    /// receiver.
     pub photons: f32,
-    /// Number of the pixel's camera paths that continue: the first ones by sample index.
+    /// Number of the pixel's camera paths that continue at their first receiver: those with the
+    /// lowest sample indices.
     pub continued: u32,
     /// Number of camera paths of the pixel.
     pub samples: u32,
 }
 
-/// Indirect light that a camera path of a pilot finds by each technique, times its weight.
+/// Contribution to the pixel of the indirect light that each technique finds along one camera path
+/// of a pilot.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct IndirectLight {
-    /// Light found by the continued path \[W/(m² sr)].
+    /// Light found by the camera path after its first receiver \[W/(m² sr)].
     pub paths: Rgb,
     /// Light found by the photon estimate \[W/(m² sr)].
     pub photons: Rgb,
-    /// Photon estimate minus that with half the disc area, if nested estimates are made.
+    /// Photon estimate with the full gather disc minus that with half its area \[W/(m² sr)]; 0
+    /// without nested estimates.
     pub photon_step: Rgb,
 }
 
-/// Noise and bias of both techniques in one cell of the film, relative to the light there.
+/// Noise and bias of indirect light by camera paths and by photon estimates, in one cell of the
+/// film grid. All values are relative to the light in the cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct IndirectErrors {
-    /// Variance of one continued camera path.
+    /// Variance of one camera path that continues at its first receiver.
     pub path_variance: f32,
-    /// Variance of the photon estimate in the first pass, times its number of photon paths.
+    /// Variance of the photon estimate in the first pass, times the number of photon paths.
     pub photon_variance: f32,
     /// Mean squared bias of the photon estimate in the first pass.
     pub squared_bias: f32,
 }
 
-/// Errors of both techniques over the film, and the numbers of samples that decide the weights.
+/// Division of indirect light between camera paths and photon estimates: the errors of both over
+/// the film, and the sample counts from which their weights follow.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct IndirectDivision {
-    /// Number of columns of the grid. A cell has the same number of pixels in both directions.
+    /// Number of columns of the grid of cells over the film.
     pub columns: u32,
-    /// Errors of each cell, by rows from the top.
+    /// Errors of each cell of the grid, by rows from the top.
     pub cells: Vec<IndirectErrors>,
-    /// Edge length of a cell \[pixels].
+    /// Edge length of a square cell \[pixels].
     pub cell_size: f32,
     /// Number of camera paths per pixel.
     pub samples: u32,
-    /// Number of photon paths of the interreflection map.
+    /// Number of photon paths per pass that fill the interreflection map.
     pub photons: u32,
-    /// Variance that is worth the work of one continued camera path.
+    /// Reduction of variance that is worth the work of one more continued camera path.
     pub path_price: f32,
-    /// Number of passes in which photons take part.
+    /// Number of passes with photon estimates of indirect light. Later passes use camera paths
+    /// alone.
     pub passes: u32,
 }
 
-/// Technique that finds indirect light at diffuse first receivers in one pass.
+/// Technique that finds indirect light at first receivers (surfaces that store photons) in one
+/// pass.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) enum IndirectTechnique<'a> {
-    /// Continued camera paths.
+    /// Camera paths that continue at their first receiver.
     #[default]
     Paths,
-    /// Photon estimates.
+    /// Density estimates in the interreflection map.
     Photons,
-    /// Both techniques without weights, for a pilot that compares them.
+    /// Camera paths and photon estimates, both with weight 1, for a pilot that compares them.
     Comparison,
-    /// Both techniques with weights.
+    /// Camera paths and photon estimates, with weights that sum to 1.
     Both {
         division: &'a IndirectDivision,
         /// Number of the pass, counted from 1.
         number: f32,
-        /// Area of gather discs relative to the first pass.
+        /// Area of gather discs in the pass, relative to the first pass.
         area: f32,
     },
 }
 
 impl IndirectTechnique<'_> {
-    /// Returns the mean weight of photon estimates over the film.
+    /// Returns the weight in \[0, 1] of photon estimates, as a mean over the film.
     pub fn mean_photon_weight(&self) -> f64 {
         match self {
             Self::Paths => 0.0,
@@ -96,31 +106,35 @@ impl IndirectTechnique<'_> {
         }
     }
 
-    /// Returns the weights at a film position \[pixels from the top left].
+    /// Returns the weights of camera paths and photon estimates at a film position \[pixels from
+    /// the top left].
     #[inline]
-    pub fn weights(&self, film: Vec2) -> IndirectWeights {
+    pub fn technique_weights(&self, film: Vec2) -> IndirectWeights {
         match self {
             Self::Paths => IndirectWeights::default(),
             Self::Photons => IndirectWeights { photons: 1.0, continued: 0, samples: 1 },
             Self::Comparison => IndirectWeights::COMPARISON,
-            Self::Both { division, number, area } => division.weights(film, *number, *area),
+            Self::Both { division, number, area } => division.technique_weights(film, *number, *area),
         }
     }
 }
 
 impl IndirectWeights {
-    /// Both techniques with weight 1: their light counts twice.
+    /// Weight 1 for camera paths and for photon estimates, so that indirect light counts twice.
     const COMPARISON: Self = Self { photons: 1.0, continued: u32::MAX, samples: u32::MAX };
 
-    /// True if sample `index` of `count` continues at its first receiver.
+    /// True if camera path `index` of a pixel's `count` paths continues at its first receiver.
     ///
-    /// A pilot traces one sample. It stands for any of the samples, and `u` in \[0, 1) decides.
+    /// A pilot traces a single path per pixel (`count` is 1). Then `u` in \[0, 1) decides at
+    /// random.
     #[inline]
-    pub fn is_continued(&self, (index, count): (u32, u32), u: f32) -> bool {
+    pub fn is_sample_continued(&self, (index, count): (u32, u32), u: f32) -> bool {
         if count == 1 { u * (self.samples as f32) < self.continued as f32 } else { index < self.continued }
     }
 
-    /// Returns the weight of each continued path of `count` paths of a pixel.
+    /// Returns the weight of each continued camera path, if `count` paths of the pixel are traced.
+    ///
+    /// A pilot's single path (`count` is 1) stands for all paths of the pixel.
     #[inline]
     pub fn path_weight(&self, count: u32) -> f32 {
         if *self == Self::COMPARISON {
@@ -132,9 +146,12 @@ impl IndirectWeights {
 }
 
 impl IndirectErrors {
-    /// Returns the number of continued paths and the weight of photons with least error.
+    /// Returns the weights and the number of continued paths that give least error for their work.
+    ///
+    /// `number` is the number of the pass, counted from 1; `area` is the relative area of gather
+    /// discs.
     #[inline]
-    fn balance(&self, division: &IndirectDivision, number: f32, area: f32) -> IndirectWeights {
+    fn least_error_weights(&self, division: &IndirectDivision, number: f32, area: f32) -> IndirectWeights {
         let samples = division.samples;
         let photons = self.photon_error(division.photons, number, area);
         let paths = self.path_variance;
@@ -150,8 +167,10 @@ impl IndirectErrors {
         IndirectWeights { photons: weight, continued: continued as u32, samples }
     }
 
-    /// Returns the mean squared error of the photon estimate of a pass, in which bias counts
-    /// `number` times.
+    /// Returns the mean squared error of the photon estimate in pass `number`, counted from 1.
+    ///
+    /// `photons` is the number of photon paths, and `area` the relative area of gather discs. The
+    /// squared bias counts `number` times, because all passes share it.
     #[inline]
     fn photon_error(&self, photons: u32, number: f32, area: f32) -> f32 {
         self.photon_variance / (photons as f32 * area) + number * self.squared_bias * area * area
@@ -160,13 +179,13 @@ impl IndirectErrors {
 
 impl IndirectDivision {
     #[inline]
-    fn weights(&self, film: Vec2, number: f32, area: f32) -> IndirectWeights {
-        self.errors_at(film).balance(self, number, area)
+    fn technique_weights(&self, film: Vec2, number: f32, area: f32) -> IndirectWeights {
+        self.interpolated_errors(film).least_error_weights(self, number, area)
     }
 
-    /// Interpolates the errors at a film position \[pixels from the top left].
+    /// Interpolates the errors of the cells at a film position \[pixels from the top left].
     #[inline]
-    fn errors_at(&self, film: Vec2) -> IndirectErrors {
+    fn interpolated_errors(&self, film: Vec2) -> IndirectErrors {
         let rows = self.cells.len() as u32 / self.columns;
         let last = Vec2::new((self.columns - 1) as f32, (rows - 1) as f32);
         let place = (film / self.cell_size - 0.5).clamp(Vec2::ZERO, last);
@@ -186,18 +205,22 @@ impl IndirectDivision {
         }
     }
 
-    /// Returns the mean weight of photon estimates over all cells in a pass.
+    /// Returns the weight of photon estimates, as a mean over all cells, in pass `number` (counted
+    /// from 1) with gather discs of relative area `area`.
     fn mean_photon_weight(&self, number: f32, area: f32) -> f64 {
-        let weights = self.cells.iter().map(|cell| f64::from(cell.balance(self, number, area).photons));
+        let weights = self.cells.iter().map(|cell| f64::from(cell.least_error_weights(self, number, area).photons));
         weights.sum::<f64>() / self.cells.len().max(1) as f64
     }
 
-    /// Returns, over all cells, the mean error of indirect light in a pass and the mean number of
-    /// continued paths per pixel.
+    /// Returns two means over all cells: the error of indirect light in a pass, and the number of
+    /// continued camera paths per pixel.
+    ///
+    /// `number` is the number of the pass, counted from 1; `area` is the relative area of gather
+    /// discs.
     pub fn mean_error_and_paths(&self, number: f32, area: f32) -> (f64, f64) {
         let mut sums = (0.0, 0.0);
         for cell in &self.cells {
-            let weights = cell.balance(self, number, area);
+            let weights = cell.least_error_weights(self, number, area);
             let error = if weights.photons > 0.0 {
                 weights.photons * cell.photon_error(self.photons, number, area)
             } else {

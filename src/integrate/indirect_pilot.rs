@@ -9,12 +9,13 @@
 //! No pass uses photons or rays of the pilot, so the mean of the passes stays unbiased.
 
 use super::balance;
-use super::film_points::{FilmPoint, trace_each_camera_path_through};
+use super::film_points::{FilmPoint, map_paths_through_film_points};
 use super::indirect_division::{IndirectDivision, IndirectErrors, IndirectTechnique};
-use super::map_builder::PassBudget;
+use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
+use super::shutter::ShutterSlice;
 use super::worker::PathWorker;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
@@ -44,6 +45,9 @@ const MAX_COST: f64 = 0.8;
 
 /// Numbers of photon paths that the pilot may choose, relative to the setting.
 const PHOTON_PARTS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
+
+/// Step between the film points by which the pilot measures work: every eighth one is traced.
+const WORK_STEP: usize = 8;
 
 /// Number of steps of the search for the price of a camera path.
 const SEARCH_STEPS: u32 = 12;
@@ -175,9 +179,10 @@ impl<'a> Trial<'a> {
     /// Traces 1/`divisor` of the photon paths of a pass.
     fn new(pilot: &PassRenderer<'a>, trial: u32, divisor: u32) -> Self {
         let key = pilot_key(pilot).pilot_trial_key(trial);
-        let budget = PassBudget { key, pass: 0, part: divisor, limited: true, connects: false };
+        let budget =
+            MapBuildOptions { key, pass: 0, part: divisor, slice: ShutterSlice::WHOLE, limited: true, connects: false };
         let mut report = Pass::default();
-        let maps = pilot.map_builder.build_with_budget(&budget, &SilentMonitor, &mut report);
+        let maps = pilot.map_builder.build_with_options(&budget, &SilentMonitor, &mut report);
         Self { maps, report }
     }
 
@@ -191,21 +196,24 @@ impl<'a> Trial<'a> {
     ) -> (Vec<PointLight>, Counters) {
         let nests_estimates = matches!(technique, IndirectTechnique::Comparison);
         let paths = pilot.path_context(Some(&self.maps), 0).with_indirect_technique(technique);
-        trace_each_camera_path_through(&paths, points, nests_estimates, PointLight::take_from)
+        map_paths_through_film_points(&paths, points, nests_estimates, PointLight::take_from)
     }
 
     /// Measures the work of camera paths through `points`, whose counters with both techniques are
     /// `both`, and of the photons of the interreflection map.
     fn measure_work(&self, pilot: &PassRenderer<'_>, points: &[FilmPoint], both: &Counters) -> TrialWork {
-        let (_, alone) = self.trace(pilot, points, IndirectTechnique::Paths);
-        let (_, prefixes) = self.trace(pilot, points, IndirectTechnique::Photons);
+        let some_points: Vec<FilmPoint> = points.iter().step_by(WORK_STEP).copied().collect();
+        let (_, alone) = self.trace(pilot, &some_points, IndirectTechnique::Paths);
+        let (_, prefixes) = self.trace(pilot, &some_points, IndirectTechnique::Photons);
+        let scale = points.len() as f64 / some_points.len().max(1) as f64;
         let Pass { aimed, unaimed, counters, .. } = &self.report;
         let rays_per_path = counters.photon_rays as f64 / (unaimed.emitted + aimed.emitted).max(1) as f64;
         TrialWork {
             paths: balance::camera_path_work(both),
-            prefixes: balance::camera_path_work(&prefixes),
+            prefixes: scale * balance::camera_path_work(&prefixes),
             photons: rays_per_path * unaimed.emitted as f64 + balance::photon_storage_work(unaimed.stored),
-            gathering: LOOKUP_PHOTON_WORK * both.gathered_photons.saturating_sub(alone.gathered_photons) as f64,
+            gathering: LOOKUP_PHOTON_WORK
+                * (both.gathered_photons as f64 - scale * alone.gathered_photons as f64).max(0.0),
         }
     }
 }

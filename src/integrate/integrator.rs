@@ -1,4 +1,4 @@
-//! The interface of all algorithms.
+//! The trait that all rendering algorithms implement.
 
 use super::balance::RayPhotonBalance;
 use super::pass::{ExpectedPhotons, Pass, ProgressMonitor};
@@ -21,24 +21,29 @@ pub trait Integrator: Sync {
     /// Estimates the ray and photon counts of the first pass, if only `effects` are simulated.
     fn expected_work(&self, effects: Effects) -> Counters;
 
-    /// Estimates how many photons a pass stores, by tracing a few photon paths.
+    /// Estimates how many photons a pass stores, by tracing a few photon paths; all 0 without
+    /// photons.
     fn expected_photons(&self) -> ExpectedPhotons {
         ExpectedPhotons::default()
     }
 
-    /// Returns the numbers of camera rays and photons that a pilot chose; `None` without a pilot.
+    /// Returns the numbers of camera rays and photon paths that a pilot chose; `None` without a
+    /// pilot.
     fn ray_photon_balance(&self) -> Option<RayPhotonBalance> {
         None
     }
 
-    /// Returns the mean number of prefix rays per pixel and pass. They are camera rays that end at
-    /// their first receiver.
+    /// Returns the mean number of prefix rays per pixel and pass.
+    ///
+    /// Prefix rays are extra camera paths that end at the first surface that stores photons.
     fn prefix_rays_per_pixel(&self) -> f64 {
         0.0
     }
 
-    /// Returns the share in \[0, 1] of the indirect light at first receivers that photon estimates
-    /// carry in pass `pass`. It is the mean of their weights over the picture.
+    /// Returns the share in \[0, 1] of indirect light that photon estimates carry in pass `pass`,
+    /// as a mean over the picture; camera paths carry the rest.
+    ///
+    /// It refers to the first surface on each camera path that stores photons.
     fn indirect_photon_share(&self, _pass: u32) -> f64 {
         0.0
     }
@@ -59,7 +64,8 @@ pub trait Integrator: Sync {
         false
     }
 
-    /// Returns the work and benefit of emission guiding for each photon map.
+    /// Returns, for each photon map, the work and benefit of guiding photon emission towards points
+    /// that the camera sees.
     fn emission_guiding_reports(&self) -> EmissionGuidingReportPerMap {
         EmissionGuidingReportPerMap::default()
     }

@@ -6,10 +6,11 @@ use super::photon_maps::{PhotonEstimator, PhotonMaps};
 use super::policy::{PathPolicy, PhotonMapRequest};
 use super::radius_law::{RadiusLaw, kernel_radius_ratio, squared_radius_ratio};
 use super::radius_pilot::{
-    EmissionGuidingReportPerMap, GatherRadii, VolumeKernelRadii, find_gather_radius, find_volume_kernel_radii,
+    self, EmissionGuidingReportPerMap, GatherRadii, VolumeKernelRadii, find_gather_radius, find_volume_kernel_radii,
     min_gather_radius, pilot_path_count,
 };
 use super::settings::{CameraPathSettings, IndirectPhotons, LightTracing, Settings};
+use super::shutter::ShutterSlice;
 use super::visible_pilot::find_visible_points;
 use super::volume_estimate::{BeamAndPointMaps, VolumeEstimator};
 use crate::photon::{
@@ -22,38 +23,45 @@ use crate::scene::Scene;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Largest number of paths of the pilot that finds the shares of photon estimates beside light
-/// tracing.
+/// Largest number of photon paths of the pilot that divides caustics between photon estimates and
+/// light tracing.
 const MAX_SHARE_PILOT_PATHS: u32 = 1 << 20;
 
-/// Default of the largest number of photons of a density estimate in the caustic map.
+/// Default limit on the number of photons of a density estimate in the caustic map.
 pub const CAUSTIC_K: u32 = 50;
 
-/// Number of photons that most gather discs of the indirect map should hold, for all algorithms
-/// except `hybrid`.
+/// Number of photons that most gather discs of the indirect map should hold; in `hybrid`, those of
+/// the interreflection map.
 const INDIRECT_COUNT: u32 = 100;
 
 /// Number of photons that most gather discs of the indirect map of `hybrid` should hold.
 const AFTER_CAUSTIC_COUNT: u32 = 50;
 
-/// Radius around visible points in which a photon counts as visible, relative to the scene radius.
+/// Largest distance from a point that the camera sees at which a photon counts as visible, relative
+/// to the scene radius.
 const VISIBLE_RADIUS: f32 = 0.01;
 
-/// Gather radius if the pilot stores no photon, relative to the scene radius.
+/// Gather radius relative to the scene radius, if the pilot that should find it stores no photon.
 const DEFAULT_RADIUS: f32 = 0.01;
 
-/// Smallest efficiency gain at which guided emission is used. Guided paths take longer to sample.
+/// Largest number of photon paths of the pilot that guides emission for the interreflection map.
+///
+/// Many photons of that map are visible, so few paths suffice.
+const MAX_INTERREFLECTION_GUIDING_PATHS: u32 = 1 << 15;
+
+/// Efficiency gain above which passes use guided photon emission.
+///
+/// It exceeds 1, because guided paths take longer to sample.
 const MIN_GUIDING_GAIN: f64 = 1.5;
 
-/// Divisor of the number of unaimed photon paths: 1/16 of that number is traced to guide gather
-/// rays.
+/// Divisor of the number of photon paths in all directions: 1/16 of that number is traced to guide
+/// final-gathering rays.
 const GUIDE_INTERVAL: u32 = 16;
 
 /// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
 const WAVELENGTH_BAND: f32 = 20.0;
 
-/// Smallest limit on the number of photons of a density estimate. From pass to pass, the limit
-/// shrinks to this value.
+/// Smallest value to which the limit on the photons of a density estimate shrinks over the passes.
 const MIN_K: f64 = 8.0;
 
 /// Memory of a photon beam with its bounding boxes, as a multiple of the memory of a photon.
@@ -64,15 +72,16 @@ const BEAM_SIZE: usize = 4;
 /// The k-th photon only sets the radius, so k = 1 gives no density.
 const MIN_PHOTON_LIMIT: u32 = 2;
 
-/// Largest number of paths traced to predict how many photons a pass stores.
+/// Largest number of paths traced per photon map to predict how many photons a pass stores.
 const PROBE_PATHS: u32 = 4096;
 
-/// Numbers of photon paths of a pass: unaimed and aimed at caustic casters.
+/// Numbers of photon paths of a pass: in all directions, and aimed at casters (such as glass or
+/// mirrors).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PhotonPathCounts {
     /// Number of paths that start in all directions.
     pub photons: u32,
-    /// Number of paths aimed at caustic casters.
+    /// Number of paths aimed at casters, such as glass or mirrors.
     pub caustic_photons: u32,
 }
 
@@ -83,45 +92,48 @@ impl PhotonPathCounts {
     }
 }
 
-/// Returns the largest number of photons per density estimate if 1/`part` of a pass's paths are
-/// traced: all for a pass, fewer for a pilot.
+/// Returns the limit on the photons of a density estimate, if 1/`part` of a pass's photon paths are
+/// traced.
 ///
-/// `k` is the number for all paths; 0 means no limit.
+/// `k` is the limit for all paths of a pass. 0 means no limit.
 fn photon_limit(k: u32, part: u32) -> u32 {
     if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PHOTON_LIMIT) }
 }
 
-/// Random key and amount of photons for building the maps of a pass or of a pilot.
+/// Random key, pass number and number of photons for building the maps of a pass or of a pilot.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PassBudget {
-    /// Random key that all passes share.
+pub(super) struct MapBuildOptions {
+    /// Random key from which the keys of all photon paths derive.
     pub key: Key,
     /// Number of the pass, counted from 0.
     pub pass: u32,
-    /// Divisor of the number of photon paths: 1 for a pass, larger for a pilot.
+    /// Divisor of the number of photon paths: 1 for a pass, larger for a pilot or for a slice of
+    /// the shutter interval.
     pub part: u32,
+    /// Slice of the shutter interval whose photons are traced.
+    pub slice: ShutterSlice,
     /// True if density estimates use at most the k nearest photons; false if all within the radius.
     pub limited: bool,
     /// True if light tracing connects caustic photons to the camera.
     pub connects: bool,
 }
 
-impl PassBudget {
-    /// Random key of the photon paths of this pass for `purpose`.
-    fn key_for(&self, purpose: Purpose) -> Key {
-        self.key.purpose_key(purpose).pass_key(self.pass)
+impl MapBuildOptions {
+    /// Returns the random key of the photon paths that are traced for `purpose` in this pass.
+    fn photon_path_key(&self, purpose: Purpose) -> Key {
+        self.slice.photon_key(self.key.purpose_key(purpose).pass_key(self.pass))
     }
 }
 
 /// Photon paths to trace for one map.
 struct PhotonTracingTask<'a> {
-    /// Samples the emission; `None` traces nothing.
+    /// Photon source that samples the emission; `None` traces nothing.
     source: Option<&'a PhotonSource<'a>>,
     mask: StoreMask,
-    /// Number of paths.
+    /// Number of photon paths.
     paths: u32,
     key: Key,
-    /// Connects caustic photons to the camera.
+    /// Connects caustic photons to the camera; `None` without light tracing.
     light_tracer: Option<&'a LightTracer<'a>>,
 }
 
@@ -140,22 +152,23 @@ struct MapRadii {
     volume: VolumeKernelRadii,
 }
 
-/// Limits of the density estimates of one map.
+/// Gather radii and largest photon count of the density estimates of one map.
 #[derive(Clone, Copy)]
-struct EstimateLimits {
+struct DensityEstimateLimits {
     radii: MapRadii,
     /// Largest number of photons of a density estimate; 0 means no limit.
     k: u32,
 }
 
-/// Results of the aimed paths beside the caustic map.
-struct AimedPassRest {
-    /// Photons that the indirect map of `hybrid` holds; empty for other algorithms.
+/// Results of the photon paths aimed at casters, except the caustic map.
+struct AimedPathResults {
+    /// Photons for the indirect map of `hybrid`: light that a caustic has reflected. Empty for
+    /// other algorithms.
     after_caustic: MapPhotons,
     splats: Vec<Splat>,
 }
 
-/// Kernel radii in media for both photon maps.
+/// Kernel radii in media for the caustic map and the indirect map.
 #[derive(Clone, Copy, Debug, Default)]
 struct VolumeKernelRadiiPerMap {
     caustic: VolumeKernelRadii,
@@ -164,9 +177,9 @@ struct VolumeKernelRadiiPerMap {
 
 /// Builder of the photon maps of any pass. It holds the photon sources and gather radii.
 ///
-/// *Aimed* photon paths start towards casters. They fill the caustic map, and in `hybrid` the
-/// indirect map too. *Unaimed* paths start in all directions. They fill the interreflection map of
-/// `hybrid`, and the indirect map of other algorithms.
+/// *Aimed* photon paths start towards casters, such as glass or mirrors. They fill the caustic map,
+/// and in `hybrid` the indirect map too. *Unaimed* paths start in all directions. They fill the
+/// interreflection map of `hybrid`, and the indirect map of other algorithms.
 #[derive(Debug)]
 pub(super) struct PhotonMapBuilder<'a> {
     scene: &'a Scene,
@@ -176,31 +189,36 @@ pub(super) struct PhotonMapBuilder<'a> {
     /// Photon source that emits in all directions; `None` if no map needs it, or if no light has
     /// power.
     unaimed_source: Option<PhotonSource<'a>>,
-    /// Photon source aimed at caustic casters; `None` if no map needs it, or if no light has power.
-    caustic_source: Option<PhotonSource<'a>>,
+    /// Photon source aimed at casters (such as glass or mirrors); `None` if no map needs it, or if
+    /// no light has power.
+    aimed_source: Option<PhotonSource<'a>>,
     pub counts: PhotonPathCounts,
     /// Largest gather radii of the first pass; `None` without maps.
     pub radii: Option<GatherRadii>,
-    /// Gather radius of the interreflection map in the first pass \[length].
+    /// Gather radius in the first pass of the map of interreflected light, which only `hybrid`
+    /// builds \[length].
     interreflection_radius: f32,
-    /// Division of indirect light at diffuse first receivers; `None` leaves it to camera paths.
+    /// Division of indirect light between camera paths and photon estimates; `None` if no pilot
+    /// divided it.
     pub indirect_division: Option<Arc<IndirectDivision>>,
-    /// True for a pilot that compares photon estimates of indirect light with camera paths.
+    /// True for a pilot that finds the same indirect light by photon estimates and by camera paths,
+    /// to compare them.
     pub compares_indirect_techniques: bool,
     /// Kernel radii in media in the first pass \[length].
     volume_radii: VolumeKernelRadiiPerMap,
-    /// Smallest gather radius of the first pass \[length].
+    /// Lower bound on gather radii in the first pass \[length].
     min_radius: f32,
     pub emission_guiding_reports: EmissionGuidingReportPerMap,
-    /// Share of flux that photon estimates use at each pixel; light tracing carries the rest.
-    /// `None` without light tracing.
+    /// Share of caustic flux that photon estimates carry at each pixel; light tracing carries the
+    /// rest. `None` without light tracing.
     density_estimate_shares: Option<Arc<DensityEstimateShares>>,
 }
 
 impl<'a> PhotonMapBuilder<'a> {
     /// Makes a builder for the maps that `policy` reads.
     ///
-    /// Pilots guide photon emission, and find the gather radii if `settings` give none.
+    /// Pilots (small simulations) guide photon emission, and find gather radii if `settings` give
+    /// none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         let mut request = policy.photon_map_request();
         if policy.indirect_photons != IndirectPhotons::Off && has_scattering_or_emitting_media(scene, policy.effects) {
@@ -216,7 +234,7 @@ impl<'a> PhotonMapBuilder<'a> {
         // Caustics forced on in a scene without lit casters start in all directions.
         let aimed =
             || PhotonSource::aimed_at_casters(scene).or_else(|| PhotonSource::emitting_in_all_directions(scene));
-        let caustic_source = source(request.aimed, settings.caustic_photons, &aimed);
+        let aimed_source = source(request.aimed, settings.caustic_photons, &aimed);
         let unaimed_source =
             source(request.unaimed, settings.photons, &|| PhotonSource::emitting_in_all_directions(scene));
         let counts = PhotonPathCounts { photons: settings.photons, caustic_photons: settings.caustic_photons };
@@ -226,7 +244,7 @@ impl<'a> PhotonMapBuilder<'a> {
             policy,
             request,
             unaimed_source,
-            caustic_source,
+            aimed_source,
             counts,
             radii: None,
             interreflection_radius: 0.0,
@@ -250,8 +268,8 @@ impl<'a> PhotonMapBuilder<'a> {
         builder
     }
 
-    /// Returns a builder for `policy`, the same policy with fewer effects. It keeps the results of
-    /// pilots.
+    /// Returns a builder for `policy`, the same policy with fewer effects of light. The new builder
+    /// keeps what pilots found.
     pub fn with_policy(&self, policy: &PathPolicy) -> Self {
         let request = policy.photon_map_request();
         let keep = |source: &Option<PhotonSource<'a>>, mask: StoreMask| {
@@ -265,13 +283,13 @@ impl<'a> PhotonMapBuilder<'a> {
             policy: *policy,
             request,
             unaimed_source: keep(&self.unaimed_source, request.unaimed),
-            caustic_source: keep(&self.caustic_source, request.aimed),
+            aimed_source: keep(&self.aimed_source, request.aimed),
             ..*self
         }
     }
 
-    /// Returns a builder for `scene`, the same scene at another shutter time. It keeps the results
-    /// of pilots.
+    /// Returns a builder for `scene`, the same scene at another shutter time. The new builder keeps
+    /// what pilots found.
     pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PhotonMapBuilder<'b> {
         let placed = |source: &Option<PhotonSource<'a>>| source.as_ref().map(|source| source.for_scene_at_time(scene));
         PhotonMapBuilder {
@@ -280,7 +298,7 @@ impl<'a> PhotonMapBuilder<'a> {
             density_estimate_shares: self.density_estimate_shares.clone(),
             indirect_division: self.indirect_division.clone(),
             unaimed_source: placed(&self.unaimed_source),
-            caustic_source: placed(&self.caustic_source),
+            aimed_source: placed(&self.aimed_source),
             ..*self
         }
     }
@@ -294,28 +312,37 @@ impl<'a> PhotonMapBuilder<'a> {
         let (scene, settings) = (self.scene, &self.settings);
         let radius = scene.photon_domain().radius * VISIBLE_RADIUS;
         let visible = find_visible_points(scene, &settings.camera_paths, self.policy.effects, radius);
-        let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
+        let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32, max_paths: u32| {
             let unguided = source.take()?;
             let CameraPathSettings { max_bounces, seed, .. } = settings.camera_paths;
-            let paths = pilot_path_count(paths, EmissionGuidingPilot::PATHS);
+            let paths = pilot_path_count(paths, max_paths);
             let pilot = EmissionGuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
             let (guided, report) = unguided.clone().with_guided_emission(&pilot);
             *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
             Some(report)
         };
         self.emission_guiding_reports.caustic =
-            guide(&mut self.caustic_source, self.request.aimed, settings.caustic_photons);
+            guide(&mut self.aimed_source, self.request.aimed, settings.caustic_photons, EmissionGuidingPilot::PATHS);
         // Gather rays read the indirect map everywhere.
         if !self.request.unaimed.direct {
+            let max_paths = if self.policy.indirect_photons == IndirectPhotons::Off {
+                EmissionGuidingPilot::PATHS
+            } else {
+                MAX_INTERREFLECTION_GUIDING_PATHS
+            };
             self.emission_guiding_reports.indirect =
-                guide(&mut self.unaimed_source, self.request.unaimed, settings.photons);
+                guide(&mut self.unaimed_source, self.request.unaimed, settings.photons, max_paths);
         }
     }
 
-    /// Returns gather radii within which most density estimates find enough photons \[length].
+    /// Returns the gather radii of the caustic and the indirect map, and sets that of the
+    /// interreflection map \[length].
+    ///
+    /// Pilots find them if the settings give none: most density estimates should find enough
+    /// photons.
     fn find_gather_radii(&mut self) -> GatherRadii {
         let settings = &self.settings;
-        let radius = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32, default_k: u32| {
+        let radius = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: (u32, u32), default_k: u32| {
             let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(default_k);
             let found = || {
                 let source = source.as_ref()?;
@@ -326,32 +353,45 @@ impl<'a> PhotonMapBuilder<'a> {
             // A pilot may find no photon although passes will, for example if objects move.
             settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
         };
-        let interreflection = if self.holds_interreflection_map() {
-            radius(&self.unaimed_source, self.request.unaimed, self.settings.photons, INDIRECT_COUNT)
+        let interreflection = if self.may_build_interreflection_map() {
+            let paths = (self.settings.photons, radius_pilot::MAX_INDIRECT_PATHS);
+            radius(&self.unaimed_source, self.request.unaimed, paths, INDIRECT_COUNT)
         } else {
             0.0
         };
         let (source, mask, paths) = self.indirect_map_inputs();
-        let default_k = if self.request.aimed.separates_after_caustic { AFTER_CAUSTIC_COUNT } else { INDIRECT_COUNT };
-        let indirect = radius(source, mask, paths, default_k);
-        let caustic = radius(&self.caustic_source, StoreMask::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
+        let (default_k, max_pilot_paths) = if self.request.aimed.separates_after_caustic {
+            (AFTER_CAUSTIC_COUNT, radius_pilot::MAX_INDIRECT_PATHS)
+        } else {
+            (INDIRECT_COUNT, radius_pilot::MAX_PATHS)
+        };
+        let indirect = radius(source, mask, (paths, max_pilot_paths), default_k);
+        let paths = (settings.caustic_photons, radius_pilot::MAX_PATHS);
+        let caustic = radius(&self.aimed_source, StoreMask::CAUSTIC, paths, CAUSTIC_K);
         self.interreflection_radius = interreflection;
         GatherRadii { indirect, caustic }
     }
 
-    /// Returns the photon source of the indirect map, the photons to store, and the number of paths
-    /// that reach the map.
+    /// Returns the photon source of the indirect map, the kinds of photons that the map stores, and
+    /// the number of photon paths per pass that fill it.
     fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
-        if self.request.aimed.separates_after_caustic || self.holds_interreflection_map() {
+        if self.aimed_paths_fill_indirect_map() {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
-            (&self.caustic_source, mask, self.settings.caustic_photons / AFTER_CAUSTIC_THINNING)
+            (&self.aimed_source, mask, self.settings.caustic_photons / AFTER_CAUSTIC_THINNING)
         } else {
             (&self.unaimed_source, self.request.unaimed, self.settings.photons)
         }
     }
 
-    /// True if a pass may build an interreflection map.
-    pub fn holds_interreflection_map(&self) -> bool {
+    /// True if the indirect map holds only light after a caustic, which aimed paths find, as in
+    /// `hybrid`; false if it holds all indirect light.
+    fn aimed_paths_fill_indirect_map(&self) -> bool {
+        self.request.aimed.separates_after_caustic || self.may_build_interreflection_map()
+    }
+
+    /// True if passes may build an interreflection map, which holds light that receivers (surfaces
+    /// that store photons) reflect. Only `hybrid` builds one.
+    pub fn may_build_interreflection_map(&self) -> bool {
         self.policy.indirect_photons != IndirectPhotons::Off && self.unaimed_source.is_some()
     }
 
@@ -360,8 +400,10 @@ impl<'a> PhotonMapBuilder<'a> {
         squared_radius_ratio(self.radius_law().alpha, pass)
     }
 
-    /// Sets the division of indirect light, and its number of photon paths. `None` leaves the light
-    /// to camera paths, so no unaimed photon paths are traced.
+    /// Sets how indirect light is divided between camera paths and photon estimates.
+    ///
+    /// The division also sets the number of unaimed photon paths. `None` leaves the light to camera
+    /// paths, so no unaimed paths are traced.
     pub fn set_indirect_division(&mut self, division: Option<IndirectDivision>) {
         if let Some(division) = &division {
             self.counts.photons = division.photons;
@@ -372,9 +414,10 @@ impl<'a> PhotonMapBuilder<'a> {
         self.indirect_division = division.map(Arc::new);
     }
 
-    /// Returns the technique for indirect light at diffuse first receivers in pass `pass`.
+    /// Returns the technique that finds indirect light at first receivers (surfaces that store
+    /// photons) in pass `pass`.
     pub fn indirect_technique(&self, pass: u32) -> IndirectTechnique<'_> {
-        if !self.holds_interreflection_map() {
+        if !self.may_build_interreflection_map() {
             return IndirectTechnique::Paths;
         }
         if self.compares_indirect_techniques {
@@ -400,8 +443,9 @@ impl<'a> PhotonMapBuilder<'a> {
         media && self.traces_photons() && self.scene.media_in_use().iter().any(|medium| medium.scatters())
     }
 
-    /// Returns the kernel radii within which most camera rays find enough photons in media
-    /// \[length].
+    /// Returns the kernel radii \[length] of photon estimates in media, for each map.
+    ///
+    /// Pilots find them if the settings give none: most camera rays should find enough photons.
     fn find_volume_kernel_radii(&self) -> VolumeKernelRadiiPerMap {
         let settings = &self.settings;
         let found = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
@@ -415,16 +459,16 @@ impl<'a> PhotonMapBuilder<'a> {
                 return VolumeKernelRadii { beams: radius, points: radius };
             }
             let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
-            found(source, self.with_volume_storage(mask), paths)
+            found(source, self.with_beams_if_read(mask), paths)
                 .unwrap_or(VolumeKernelRadii { beams: default, points: default })
         };
         let (source, mask, paths) = self.indirect_map_inputs();
-        let caustic = radii(&self.caustic_source, StoreMask::CAUSTIC, settings.caustic_photons);
+        let caustic = radii(&self.aimed_source, StoreMask::CAUSTIC, settings.caustic_photons);
         VolumeKernelRadiiPerMap { caustic, indirect: radii(source, StoreMask { direct: false, ..mask }, paths) }
     }
 
-    /// Returns `mask` with `beams` set if the estimator for media reads photon beams.
-    fn with_volume_storage(&self, mask: StoreMask) -> StoreMask {
+    /// Returns `mask` with `beams` set if the estimator for media reads photon beams, else cleared.
+    fn with_beams_if_read(&self, mask: StoreMask) -> StoreMask {
         StoreMask { beams: self.settings.volume == VolumeEstimator::Beams, ..mask }
     }
 
@@ -436,7 +480,7 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// True if passes trace photons.
     pub fn traces_photons(&self) -> bool {
-        self.caustic_source.is_some() || self.unaimed_source.is_some()
+        self.aimed_source.is_some() || self.unaimed_source.is_some()
     }
 
     /// True if camera rays start at random points of the lens; false if at its center.
@@ -444,11 +488,13 @@ impl<'a> PhotonMapBuilder<'a> {
         self.policy.effects.has(Effect::Lens)
     }
 
-    /// Finds the share of flux that photon estimates use at each pixel, for the current photon path
-    /// counts.
+    /// Sets the share of caustic flux that photon estimates carry at each pixel beside light
+    /// tracing.
+    ///
+    /// The shares depend on the current number of photon paths.
     pub fn find_density_estimate_shares(&mut self) {
         let size = self.scene.camera().size();
-        let Some(source) = self.caustic_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
+        let Some(source) = self.aimed_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
         let shares = match self.policy.light_tracing {
             LightTracing::Off => return,
             LightTracing::Full => DensityEstimateShares::with_uniform_share(0, size),
@@ -486,7 +532,7 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let guides = if self.request.guides { self.counts.photons / GUIDE_INTERVAL } else { 0 };
         let maps = [
-            expected(&self.caustic_source, self.request.aimed, self.counts.caustic_photons),
+            expected(&self.aimed_source, self.request.aimed, self.counts.caustic_photons),
             expected(&self.unaimed_source, self.request.unaimed, self.counts.photons),
             expected(&self.unaimed_source, StoreMask::INDIRECT, guides),
         ];
@@ -497,156 +543,180 @@ impl<'a> PhotonMapBuilder<'a> {
         })
     }
 
-    /// Traces the photons of pass `pass` and builds its maps. Adds ray counts, reports and times to
-    /// `out`.
-    pub fn build(&self, pass: u32, monitor: &dyn ProgressMonitor, out: &mut Pass) -> PhotonMaps<'a> {
+    /// Traces the photons of slice `slice` of pass `pass` and builds its maps. Adds ray counts,
+    /// reports and times to `out`.
+    ///
+    /// The gather radii are those of the whole pass: the mean of the estimates of all slices has
+    /// the noise and bias of one estimate with the photons of all.
+    pub fn build(
+        &self,
+        pass: u32,
+        slice: ShutterSlice,
+        monitor: &dyn ProgressMonitor,
+        out: &mut Pass,
+    ) -> PhotonMaps<'a> {
         let key = Key::new(self.settings.camera_paths.seed);
-        self.build_with_budget(&PassBudget { key, pass, part: 1, limited: true, connects: true }, monitor, out)
+        let options = MapBuildOptions { key, pass, part: slice.count, slice, limited: true, connects: true };
+        self.build_with_options(&options, monitor, out)
     }
 
-    /// Traces the photons of `budget` and builds their maps. Adds ray counts, reports and times to
-    /// `out`.
-    pub fn build_with_budget(
+    /// Traces the photons that `options` describe, and builds their maps. Adds ray counts, reports
+    /// and times to `out`.
+    pub fn build_with_options(
         &self,
-        budget: &PassBudget,
+        options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
     ) -> PhotonMaps<'a> {
         // Paths are traced in this order: aimed, unaimed, guides.
-        let (caustic, aimed) = self.build_caustic_map(budget, monitor, out);
-        let indirect = self.build_indirect_map(aimed.after_caustic, budget, monitor, out);
-        let interreflection = self.build_interreflection_map(budget, monitor, out);
-        let guides = PhotonMap::build(self.trace_guide_photons(budget, monitor, out));
+        let (caustic, aimed) = self.build_caustic_map(options, monitor, out);
+        let indirect = self.build_indirect_map(aimed.after_caustic, options, monitor, out);
+        let interreflection = self.build_interreflection_map(options, monitor, out);
+        let guides = PhotonMap::build(self.trace_guide_photons(options, monitor, out));
         PhotonMaps { guides, caustic, indirect, interreflection, splats: aimed.splats }
     }
 
-    /// Traces the paths aimed at casters, and builds the caustic map. Returns the map and the other
-    /// results of the paths.
+    /// Traces the photon paths aimed at casters. Returns the caustic map and the other results of
+    /// the paths.
     fn build_caustic_map(
         &self,
-        budget: &PassBudget,
+        options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
-    ) -> (PhotonEstimator<'a>, AimedPassRest) {
-        let shares = self.density_estimate_shares.as_deref().filter(|_| budget.connects);
+    ) -> (PhotonEstimator<'a>, AimedPathResults) {
+        let shares = self.density_estimate_shares.as_deref().filter(|_| options.connects);
         let light_tracer = shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares)));
         let task = PhotonTracingTask {
-            source: self.caustic_source.as_ref(),
+            source: self.aimed_source.as_ref(),
             mask: self.request.aimed,
-            paths: self.counts.divided_by(budget.part).caustic_photons,
-            key: budget.key_for(Purpose::CausticPhotons),
+            paths: self.counts.divided_by(options.part).caustic_photons,
+            key: options.photon_path_key(Purpose::CausticPhotons),
             light_tracer: light_tracer.as_ref(),
         };
         let traced = self.trace_photons(task, monitor, out);
-        out.aimed = photon_report(&traced);
+        out.aimed += photon_report(&traced);
         let deposits = traced.deposits;
 
         // The limit grows with the number of paths, so that discs keep their size.
         let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
         let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
-        let k = photon_limit(self.settings.gather_k.unwrap_or(usual_k), budget.part);
+        let k = photon_limit(self.settings.gather_k.unwrap_or(usual_k), options.part);
         let surface = self.radii.map_or(1.0, |radii| radii.caustic);
-        let limits = EstimateLimits { radii: MapRadii { surface, volume: self.volume_radii.caustic }, k };
+        let limits = DensityEstimateLimits { radii: MapRadii { surface, volume: self.volume_radii.caustic }, k };
         let photons = MapPhotons { surface: deposits.photons, volume: deposits.volume };
-        let mut map = self.index_photons(photons, limits, budget, monitor, out);
+        let mut map = self.index_photons(photons, limits, options, monitor, out);
         map.has_density_estimate_shares = light_tracer.is_some();
         let after_caustic = MapPhotons { surface: deposits.after_caustic, volume: deposits.after_caustic_volume };
-        (map, AimedPassRest { after_caustic, splats: deposits.splats })
+        (map, AimedPathResults { after_caustic, splats: deposits.splats })
     }
 
     /// Builds the indirect map.
     ///
-    /// In `hybrid`, where the aimed paths store `separates_after_caustic`, the map holds their
-    /// photons `after_caustic`. For other algorithms, unaimed paths are traced for it.
+    /// In `hybrid`, it holds `after_caustic`: photons of the paths aimed at casters, stored after
+    /// the caustic. Other algorithms trace paths in all directions for it.
     fn build_indirect_map(
         &self,
         after_caustic: MapPhotons,
-        budget: &PassBudget,
+        options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
     ) -> PhotonEstimator<'a> {
-        let photons = if self.request.aimed.separates_after_caustic || self.holds_interreflection_map() {
+        let photons = if self.aimed_paths_fill_indirect_map() {
             after_caustic
         } else {
-            self.trace_unaimed_photons(budget, monitor, out)
+            self.trace_unaimed_photons(options, monitor, out)
         };
-        let k = photon_limit(self.settings.gather_k.unwrap_or(0), budget.part);
+        let k = photon_limit(self.settings.gather_k.unwrap_or(0), options.part);
         let surface = self.radii.map_or(1.0, |radii| radii.indirect);
-        let limits = EstimateLimits { radii: MapRadii { surface, volume: self.volume_radii.indirect }, k };
-        self.index_photons(photons, limits, budget, monitor, out)
+        let limits = DensityEstimateLimits { radii: MapRadii { surface, volume: self.volume_radii.indirect }, k };
+        self.index_photons(photons, limits, options, monitor, out)
     }
 
-    /// Builds the interreflection map of `hybrid`; `None` if camera paths carry all of its light.
+    /// Builds the interreflection map of `hybrid`, which holds light that surfaces reflect. Returns
+    /// `None` if camera paths carry all of that light.
     fn build_interreflection_map(
         &self,
-        budget: &PassBudget,
+        options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
     ) -> Option<PhotonEstimator<'a>> {
-        if matches!(self.indirect_technique(budget.pass), IndirectTechnique::Paths) {
+        if matches!(self.indirect_technique(options.pass), IndirectTechnique::Paths) {
             return None;
         }
-        let photons = self.trace_unaimed_photons(budget, monitor, out);
-        let k = photon_limit(self.settings.gather_k.unwrap_or(0), budget.part);
+        let photons = self.trace_unaimed_photons(options, monitor, out);
+        let k = photon_limit(self.settings.gather_k.unwrap_or(0), options.part);
         let radii = MapRadii { surface: self.interreflection_radius, volume: self.volume_radii.indirect };
-        Some(self.index_photons(photons, EstimateLimits { radii, k }, budget, monitor, out))
+        Some(self.index_photons(photons, DensityEstimateLimits { radii, k }, options, monitor, out))
     }
 
-    /// Traces the paths that start in all directions.
-    fn trace_unaimed_photons(&self, budget: &PassBudget, monitor: &dyn ProgressMonitor, out: &mut Pass) -> MapPhotons {
+    /// Traces the photon paths that start in all directions, and returns their photons.
+    fn trace_unaimed_photons(
+        &self,
+        options: &MapBuildOptions,
+        monitor: &dyn ProgressMonitor,
+        out: &mut Pass,
+    ) -> MapPhotons {
         let task = PhotonTracingTask {
             source: self.unaimed_source.as_ref(),
             mask: self.request.unaimed,
-            paths: self.counts.divided_by(budget.part).photons,
-            key: budget.key_for(Purpose::UnaimedPhotons),
+            paths: self.counts.divided_by(options.part).photons,
+            key: options.photon_path_key(Purpose::UnaimedPhotons),
             light_tracer: None,
         };
         let traced = self.trace_photons(task, monitor, out);
-        out.unaimed = photon_report(&traced);
+        out.unaimed += photon_report(&traced);
         MapPhotons { surface: traced.deposits.photons, volume: traced.deposits.volume }
     }
 
-    /// Traces the photons that guide gather rays; returns none if the policy does not guide them.
-    fn trace_guide_photons(&self, budget: &PassBudget, monitor: &dyn ProgressMonitor, out: &mut Pass) -> Vec<Photon> {
+    /// Traces photons that guide final-gathering rays. Returns none if the policy does not guide
+    /// them.
+    fn trace_guide_photons(
+        &self,
+        options: &MapBuildOptions,
+        monitor: &dyn ProgressMonitor,
+        out: &mut Pass,
+    ) -> Vec<Photon> {
         if !self.request.guides {
             return Vec::new();
         }
         let task = PhotonTracingTask {
             source: self.unaimed_source.as_ref(),
             mask: StoreMask::INDIRECT,
-            paths: self.counts.divided_by(budget.part).photons / GUIDE_INTERVAL,
-            key: budget.key_for(Purpose::GatherRayGuides),
+            paths: self.counts.divided_by(options.part).photons / GUIDE_INTERVAL,
+            key: options.photon_path_key(Purpose::GatherRayGuides),
             light_tracer: None,
         };
         self.trace_photons(task, monitor, out).deposits.photons
     }
 
-    /// Builds the search structures of `photons`, and reports progress and time.
+    /// Returns the photon map of `photons` with its search structures. Reports progress to
+    /// `monitor`, and adds the time to `out`.
     fn index_photons(
         &self,
         photons: MapPhotons,
-        limits: EstimateLimits,
-        budget: &PassBudget,
+        limits: DensityEstimateLimits,
+        options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
     ) -> PhotonEstimator<'a> {
         let start = Instant::now();
         let count = (photons.surface.len() + photons.volume.len()) as u64;
         monitor.begin_stage(PassStage::Indexing, count);
-        let estimator = self.build_photon_estimator(photons, limits, budget);
+        let estimator = self.build_photon_estimator(photons, limits, options);
         monitor.report_progress(count);
         out.seconds.indexing += start.elapsed().as_secs_f64();
         estimator
     }
 
-    /// Builds the search structures of `photons` for pass `budget.pass`.
+    /// Returns the photon map of `photons` with its search structures, and with the gather radii of
+    /// pass `options.pass`.
     fn build_photon_estimator(
         &self,
         photons: MapPhotons,
-        EstimateLimits { radii, k }: EstimateLimits,
-        budget: &PassBudget,
+        DensityEstimateLimits { radii, k }: DensityEstimateLimits,
+        options: &MapBuildOptions,
     ) -> PhotonEstimator<'a> {
-        let (pass, RadiusLaw { alpha, kernel }) = (budget.pass, self.radius_law());
+        let (pass, RadiusLaw { alpha, kernel }) = (options.pass, self.radius_law());
         let area = squared_radius_ratio(alpha, pass);
         let (beam_dimensions, point_dimensions) = self.settings.volume.kernel_dimensions();
         let volume_radii = (
@@ -655,7 +725,7 @@ impl<'a> PhotonMapBuilder<'a> {
         );
         let band = WAVELENGTH_BAND * area.sqrt() as f32;
         let volume = BeamAndPointMaps::build(photons.volume, volume_radii, self.settings.volume, band);
-        let limit = if budget.limited { k } else { 0 };
+        let limit = if options.limited { k } else { 0 };
         let shrunk_k = (f64::from(limit) * area).round().max(MIN_K) as u32;
         let bandwidth = Bandwidth { radius: radii.surface * area.sqrt() as f32, k: shrunk_k.min(limit) };
         let map = PhotonMap::build(photons.surface).with_min_radius(self.min_radius * area.sqrt() as f32);
@@ -672,7 +742,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let Some(source) = source else { return PhotonPassResult::default() };
         let start = Instant::now();
         monitor.begin_stage(PassStage::Photons, u64::from(paths));
-        let (mask, max_bounces) = (self.with_volume_storage(mask), self.settings.camera_paths.max_bounces);
+        let (mask, max_bounces) = (self.with_beams_if_read(mask), self.settings.camera_paths.max_bounces);
         let photon_pass = PhotonPass { scene: self.scene, source, mask, max_bounces };
         let traced = photon_pass.trace_and_connect(key, paths, light_tracer, &|n| monitor.report_progress(n));
         out.counters.photon_rays += traced.rays;
@@ -682,7 +752,7 @@ impl<'a> PhotonMapBuilder<'a> {
     }
 }
 
-/// True if simulated media scatter or emit light.
+/// True if `effects` simulate media and the scene uses media that scatter or emit light.
 pub(super) fn has_scattering_or_emitting_media(scene: &Scene, effects: Effects) -> bool {
     effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.scatters() || medium.emits())
 }

@@ -33,6 +33,7 @@ mod radius_pilot;
 mod raycast;
 mod scatter;
 mod settings;
+mod shutter;
 mod sppm;
 mod tiles;
 mod vertex;

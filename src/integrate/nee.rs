@@ -14,14 +14,14 @@ use crate::scene::{Interior, Scene};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 
-/// Sample in \[0, 1)² at which a light is sampled at its center.
+/// Point of the unit square that maps to the center of a light.
 const CENTER: Vec2 = Vec2::splat(0.5);
 
-/// Largest number of lights at which a camera path sends a shadow ray to each, up to its first
-/// receiver.
+/// Largest number of lights for which vertices up to a path's first receiver (surface that stores
+/// photons) send a shadow ray to every light.
 const FEW_LIGHTS: usize = 4;
 
-/// Choice of the lights to which one vertex sends shadow rays.
+/// Lights to which one vertex sends shadow rays, and the number of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ShadowRayScheme {
     /// This many shadow rays to every light.
@@ -30,7 +30,7 @@ enum ShadowRayScheme {
     Chosen(u32),
 }
 
-/// Next-event estimator for the lights of a scene.
+/// Estimator of direct light at the vertices of camera paths, by shadow rays.
 #[derive(Debug)]
 pub(super) struct NextEventEstimator<'a> {
     scene: &'a Scene,
@@ -43,8 +43,8 @@ pub(super) struct NextEventEstimator<'a> {
     centers: bool,
     /// Sampler that chooses lights; `None` if every vertex sends shadow rays to all lights.
     light_sampler: Option<LightBvhSampler>,
-    /// Choice of lights for the vertices up to the first receiver of a camera path, and for later
-    /// vertices.
+    /// Shadow rays of a vertex: first for vertices up to the path's first receiver (surface that
+    /// stores photons), then for later vertices.
     schemes: [ShadowRayScheme; 2],
 }
 
@@ -88,8 +88,13 @@ impl<'a> NextEventEstimator<'a> {
     /// Estimates the direct light that `vertex` scatters towards the previous vertex \[W/(m² sr)].
     ///
     /// If the path `continues`, it may hit a light itself. The balance heuristic then weights the
-    /// estimate; together, both are unbiased.
-    pub fn estimate<I: Interior>(&self, vertex: &PathVertex<'_, I>, continues: bool, worker: &mut PathWorker) -> Rgb {
+    /// estimate against that hit.
+    pub fn estimate_direct_light<I: Interior>(
+        &self,
+        vertex: &PathVertex<'_, I>,
+        continues: bool,
+        worker: &mut PathWorker,
+    ) -> Rgb {
         let rays = match (self.shadow_ray_scheme(vertex.history), &self.light_sampler) {
             (ShadowRayScheme::All(rays), _) => rays,
             (ShadowRayScheme::Chosen(rays), Some(sampler)) => {
@@ -139,8 +144,10 @@ impl<'a> NextEventEstimator<'a> {
         sum
     }
 
-    /// Expected number of shadow rays from `prev` to light `light` per steradian around unit
-    /// direction `wi` \[1/sr].
+    /// Returns the expected number of shadow rays from `prev` to light `light`, per steradian
+    /// around unit direction `wi` \[1/sr]. MIS weights use it as a pdf.
+    ///
+    /// `hit` is the point on the light; `None` for the environment.
     #[inline]
     pub fn pdf(&self, prev: &PrevVertex, light: usize, wi: Vec3, hit: Option<&SurfacePoint>) -> f32 {
         let rays = match (self.shadow_ray_scheme(prev.history), &self.light_sampler) {
@@ -153,8 +160,8 @@ impl<'a> NextEventEstimator<'a> {
         rays * self.lights[light].pdf_li(prev.p, wi, hit)
     }
 
-    /// Returns the radiance that one shadow ray to the light with index `light` contributes \[W/(m²
-    /// sr)].
+    /// Returns the radiance that one shadow ray to the light with index `light` adds at `vertex`
+    /// \[W/(m² sr)].
     ///
     /// `rays` is the expected number of shadow rays to that light. `u` samples a point of the
     /// light.
@@ -200,9 +207,10 @@ impl<'a> NextEventEstimator<'a> {
         reflected * self.transmittance(vertex, &sample)
     }
 
-    /// Returns the end of a shadow ray from `p` to `target`.
+    /// Returns the end of a shadow ray from `p` to `target`, a point on light `light`.
     ///
-    /// The ray ends shortly before a point light, which may touch the surface of an object.
+    /// The ray ends shortly before a point light, because the light may touch the surface of an
+    /// object.
     #[inline]
     fn shadow_ray_end(&self, light: usize, sample: &DirectLightSample, target: Vec3, p: Vec3) -> Vec3 {
         if sample.pdf.is_some() {
@@ -211,8 +219,9 @@ impl<'a> NextEventEstimator<'a> {
         target - sample.wi * self.scene.light_contact_distance(light).min(0.5 * (target - p).length())
     }
 
-    /// Returns the transmittance of an occluded shadow ray; 0 if a surface other than a null
-    /// interface blocks it.
+    /// Returns the transmittance of a shadow ray that at least one surface occludes.
+    ///
+    /// The result is 0 unless all these surfaces are null interfaces.
     fn transmittance_through_null_interfaces<I: Interior>(
         &self,
         light: usize,
@@ -229,8 +238,8 @@ impl<'a> NextEventEstimator<'a> {
         self.scene.shadow_transmittance(&ray, path_ray.interior, vertex.shadow_sampler.sample_key())
     }
 
-    /// Returns the transmittance of the interiors between `vertex` and the sampled point of a
-    /// light. Surfaces are ignored.
+    /// Returns the transmittance from `vertex` to the sampled point of a light, through the media
+    /// and absorbing bodies that surround the vertex. Surfaces on the way are ignored.
     #[inline]
     fn transmittance<I: Interior>(&self, vertex: &PathVertex<'_, I>, sample: &DirectLightSample) -> Rgb {
         match sample.target {

@@ -1,5 +1,5 @@
-//! Density estimates of a pixel from nested discs of several sizes. Their differences measure the
-//! bias.
+//! Photon density estimates of a pixel with nested gather discs of several sizes. Their differences
+//! measure the bias.
 
 use crate::color::Rgb;
 use crate::photon::LEVELS;
@@ -9,7 +9,7 @@ use serde::Serialize;
 /// Mean gather radius and photon count of a pixel's density estimates from one photon map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MeanGatherDisc {
-    /// Mean gather radius \[length].
+    /// Mean gather radius of the estimates \[length].
     pub radius: f32,
     /// Mean number of photons in an estimate.
     pub photons: f32,
@@ -21,12 +21,14 @@ pub struct MeanGatherDisc {
 /// their noise, so their differences measure the bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NestedEstimates {
-    /// Two differences of radiance \[W/(m² sr)]: by the full disc minus by half its area, and by
-    /// half its area minus by a quarter.
+    /// Two differences of radiance \[W/(m² sr)]: the estimate with the full disc minus that with
+    /// half the area, and the latter minus that with a quarter of the area.
     pub steps: [Rgb; LEVELS - 1],
-    /// Mean disc of the estimates from the caustic map; `None` without an estimate.
+    /// Mean radius and photon count of the estimates from the caustic map; `None` without an
+    /// estimate.
     pub caustic: Option<MeanGatherDisc>,
-    /// Mean disc of the estimates from the indirect map; `None` without an estimate.
+    /// Mean radius and photon count of the estimates from the indirect map; `None` without an
+    /// estimate.
     pub indirect: Option<MeanGatherDisc>,
 }
 
@@ -52,13 +54,14 @@ impl GatherDiscSum {
     }
 }
 
-/// Sums of nested estimates over one camera ray, and over all rays of one pixel.
+/// Sums of estimates with nested gather discs, over one camera ray and over all rays of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NestedEstimateSum {
     /// Differences of radiance between discs of neighbouring sizes, summed over the estimates of
     /// the current camera ray.
     ray: [Rgb; LEVELS - 1],
-    /// Sum of these differences over the pixel's rays, weighted by the pixel filter.
+    /// Differences of radiance between discs of neighbouring sizes, summed over the pixel's rays
+    /// with the weights of the pixel filter.
     pixel: [DVec3; LEVELS - 1],
     /// Sums of radius and photon count over the pixel's estimates from the caustic map.
     pub caustic: GatherDiscSum,
@@ -77,7 +80,8 @@ impl NestedEstimateSum {
         }
     }
 
-    /// Adds the current ray to the pixel with filter weight `weight`; `None` drops the ray.
+    /// Adds the sums of the current camera ray to the pixel with filter weight `weight`; `None`
+    /// drops the ray.
     #[inline]
     pub fn finish_camera_ray(&mut self, weight: Option<f32>) {
         if let Some(weight) = weight.filter(|_| self.ray.iter().all(|step| step.is_finite())) {
@@ -88,7 +92,8 @@ impl NestedEstimateSum {
         self.ray = [Rgb::ZERO; LEVELS - 1];
     }
 
-    /// Returns the mean over the `rays` camera rays of the pixel, and resets for the next pixel.
+    /// Returns the differences of radiance, as means over the `rays` camera rays of the pixel, and
+    /// the mean discs. Resets the sums for the next pixel.
     pub fn finish_pixel(&mut self, rays: u32) -> NestedEstimates {
         let steps = self.pixel.map(|sum| (sum / f64::from(rays)).as_vec3());
         let estimates = NestedEstimates { steps, caustic: self.caustic.mean(), indirect: self.indirect.mean() };

@@ -18,9 +18,9 @@ pub enum PassStage {
     Camera,
 }
 
-/// Callback interface for the progress of a render. Any thread may call it.
+/// Callback interface for the progress of passes. Any thread may call it.
 pub trait ProgressMonitor: Sync {
-    /// Reports the start of a stage of `total` units.
+    /// Reports the start of a stage of `total` units; see [`PassStage`] for the unit.
     fn begin_stage(&self, stage: PassStage, total: u64);
     /// Reports that `units` further units of the stage are done.
     fn report_progress(&self, units: u64);
@@ -65,7 +65,7 @@ pub struct ExpectedPhotons {
     pub paths: u64,
     /// Expected number of stored photons of all maps.
     pub photons: u64,
-    /// Expected number of stored photons of the map with the most photons.
+    /// Expected number of stored photons in the largest map.
     pub most: u64,
 }
 
@@ -80,8 +80,9 @@ pub struct Pass {
     pub seconds: StageTimes,
     /// Report on the photon paths that start in all directions.
     pub unaimed: PhotonReport,
-    /// Report on the photon paths that are aimed at caustic casters. In `hybrid`, they fill both
-    /// maps.
+    /// Report on the photon paths that are aimed at casters, such as glass or mirrors.
+    ///
+    /// They fill the caustic map, and in `hybrid` the indirect map too.
     pub aimed: PhotonReport,
     /// Differences between photon estimates with nested discs, for each pixel; empty unless the
     /// error is estimated.

@@ -7,19 +7,18 @@ use super::photon_maps::PhotonMaps;
 use super::policy::PathPolicy;
 use super::prefix_rays::PrefixRayCounts;
 use super::settings::Settings;
+use super::shutter::{MAX_PHOTON_SLICES, MAX_SLICES, SLICE_PIXELS, SlicedCameras};
 use super::tiles::{self, FilmSampling, PrefixRays};
 use crate::plan::Effect;
 use crate::sampling::{Key, Purpose};
-use crate::scene::Scene;
+use crate::scene::{self, Scene};
 use std::sync::Arc;
 
-/// If all passes share camera paths: number of tiles that a pass also renders with paths of its
-/// own.
-///
-/// These tiles measure the error that the shared paths cause.
+/// Number of tiles that a pass renders a second time, with camera paths of its own, if all passes
+/// share camera paths. The difference measures the error that the shared paths cause.
 const FRESH_TILE_COUNT: u32 = 48;
 
-/// Scene, rules and sample counts from which passes are rendered.
+/// Scene, path policy, settings and sample counts from which passes are rendered.
 #[derive(Debug)]
 pub(super) struct PassRenderer<'a> {
     pub scene: &'a Scene,
@@ -32,13 +31,16 @@ pub(super) struct PassRenderer<'a> {
     /// Number of camera rays of each pixel relative to `samples`; `None` gives all pixels the mean.
     pub density: Option<Arc<[f32]>>,
     /// Number of prefix rays of each pixel, and their work; `None` traces none.
+    ///
+    /// Prefix rays are extra camera paths that end at the first surface that stores photons.
     pub prefix_rays: Option<PrefixRayCounts>,
 }
 
 impl<'a> PassRenderer<'a> {
-    /// Makes a renderer with default numbers of camera rays and photons.
+    /// Makes a renderer with the numbers of camera rays and photon paths of `settings`.
     ///
-    /// Pilots guide photon emission, and find the gather radii if `settings` give none.
+    /// Pilots (small simulations) guide photon emission, and find gather radii if `settings` give
+    /// none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         Self {
             scene,
@@ -52,8 +54,8 @@ impl<'a> PassRenderer<'a> {
         }
     }
 
-    /// Returns a renderer for `scene`, the same scene at another shutter time. It keeps the results
-    /// of pilots.
+    /// Returns a renderer for `scene`, the same scene at another shutter time. The new renderer
+    /// keeps what pilots found.
     pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PassRenderer<'b> {
         PassRenderer {
             scene,
@@ -67,15 +69,15 @@ impl<'a> PassRenderer<'a> {
         }
     }
 
-    /// Returns a renderer for `policy`, the same policy with fewer effects. It keeps the results of
-    /// pilots.
+    /// Returns a renderer for `policy`, the same policy with fewer effects of light. The new
+    /// renderer keeps what pilots found.
     pub fn with_policy(&self, policy: PathPolicy) -> Self {
         let nee = NextEventEstimator::new(self.scene, &policy);
         let map_builder = self.map_builder.with_policy(&policy);
         Self { policy, nee, map_builder, ..self.for_scene_at_time(self.scene) }
     }
 
-    /// Returns this renderer with one camera ray per pixel.
+    /// Returns this renderer with one camera ray per pixel and no prefix rays.
     pub fn with_one_sample(&self) -> Self {
         Self { samples: 1, density: None, prefix_rays: None, ..self.for_scene_at_time(self.scene) }
     }
@@ -83,6 +85,29 @@ impl<'a> PassRenderer<'a> {
     /// True if passes show the scene at different times.
     pub fn has_motion(&self) -> bool {
         self.policy.effects.has(Effect::Motion) && self.scene.has_motion()
+    }
+
+    /// Returns the number of slices of each pass: one for each [`SLICE_PIXELS`] pixels that things
+    /// move, as far as cost allows; 1 if nothing moves.
+    pub fn find_slice_count(&self) -> u32 {
+        if !self.has_motion() {
+            return 1;
+        }
+        let scene = self.scene;
+        let wanted = (scene::motion_on_film(scene) / SLICE_PIXELS).ceil();
+        // Placing a moving part must not cost more than tracing a camera ray.
+        let (width, height) = scene.camera().size();
+        let rays = u64::from(width) * u64::from(height) * u64::from(self.samples);
+        let affordable = rays / (scene.unshared_part_count() as u64).max(1);
+        let most = if !self.map_builder.traces_photons() {
+            MAX_SLICES
+        } else if self.policy.reads_photons_each_sample() {
+            // All indirect light is that of photons, and a ray meets those of its slice only.
+            self.samples.min(MAX_PHOTON_SLICES)
+        } else {
+            self.samples.saturating_mul(2).min(MAX_PHOTON_SLICES)
+        };
+        (wanted as u32).min(most).min(u32::try_from(affordable).unwrap_or(u32::MAX)).max(1)
     }
 
     /// Returns the inputs that all camera paths of pass `pass` share.
@@ -105,7 +130,8 @@ impl<'a> PassRenderer<'a> {
         if self.policy.shares_paths { key.shared_paths_key() } else { key.pass_key(pass) }
     }
 
-    /// Returns the random key of the prefix rays of pass `pass`.
+    /// Returns the random key of the prefix rays of pass `pass`: extra camera paths that end at the
+    /// first surface that stores photons.
     pub fn prefix_ray_key(&self, pass: u32) -> Key {
         Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::PrefixRays).pass_key(pass)
     }
@@ -123,17 +149,22 @@ impl<'a> PassRenderer<'a> {
                 .as_ref()
                 .map(|rays| PrefixRays { counts: &rays.counts, key: self.prefix_ray_key(pass) }),
             nested: self.settings.camera_paths.estimate_error && self.policy.reads_photons(),
+            slices: None,
             every: 1,
         }
     }
 
-    /// Returns the camera rays and the random key of the tiles that pass `pass` also renders with
-    /// camera paths of its own.
+    /// Returns the camera rays and the random key of the tiles that pass `pass` renders a second
+    /// time, with camera paths of its own.
     ///
-    /// They measure the error of camera paths that all passes share. `None` if passes share no
-    /// paths, or if the error is not estimated.
-    pub fn unshared_path_sampling(&self, pass: u32) -> Option<(FilmSampling<'_>, Key)> {
-        let sampling = self.film_sampling(pass);
+    /// These paths measure the error of camera paths that all passes share. `None` if passes share
+    /// no paths, or if the error is not estimated.
+    pub fn unshared_path_sampling<'b>(
+        &'b self,
+        pass: u32,
+        slices: Option<SlicedCameras<'b>>,
+    ) -> Option<(FilmSampling<'b>, Key)> {
+        let sampling = FilmSampling { slices, ..self.film_sampling(pass) };
         if !(sampling.nested && self.policy.shares_paths) {
             return None;
         }

@@ -10,7 +10,7 @@ use super::settings::{IndirectPhotons, LightTracing, Settings};
 use crate::plan::{Effect, Effects};
 
 /// Returns the rules of camera paths for path tracing.
-pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
+pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
     let interreflection = effects.has(Effect::Interreflection);
     PathPolicy {
         effects,

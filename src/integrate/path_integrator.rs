@@ -14,18 +14,18 @@ use super::prefix_rays::PrefixRayCounts;
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
 use super::settings::{IndirectPhotons, Settings};
+use super::shutter::{ShutterSlice, SlicedCameras};
 use super::tiles::{self, FilmImage, FilmSampling};
 use super::work_pilot::{find_ray_photon_balance, measure_pass_work};
 use crate::photon::add_splats;
 use crate::plan::{Effect, Effects, Plan};
-use crate::sampling::{Dimension, Key, Purpose};
+use crate::sampling::{Key, Purpose};
 use crate::scene::{Scene, for_interior};
 use crate::stats::Counters;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Integrator of all algorithms whose camera paths follow a
-/// [`PathPolicy`](super::policy::PathPolicy).
+/// Integrator of all algorithms that a [`PathPolicy`](super::policy::PathPolicy) describes.
 #[derive(Debug)]
 pub(super) struct PathIntegrator<'a> {
     renderer: PassRenderer<'a>,
@@ -33,32 +33,48 @@ pub(super) struct PathIntegrator<'a> {
     /// Function that makes the algorithm's policy for a set of effects.
     make_policy: PolicyFn,
     balance: Option<RayPhotonBalance>,
+    /// Number of slices of the shutter interval of each pass.
+    slices: u32,
 }
 
 impl Integrator for PathIntegrator<'_> {
     fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> Pass {
         let mut out = Pass::default();
 
-        // Move the scene to the time of the pass.
-        let (moved_scene, moved);
-        let renderer = if self.renderer.has_motion() {
-            moved_scene = self.renderer.scene.at_time(shutter_time(self.renderer.settings.camera_paths.seed, pass));
-            moved = self.renderer.for_scene_at_time(&moved_scene);
-            &moved
+        // Move the scene to the time of each slice of the shutter interval.
+        let renderer = &self.renderer;
+        let slices = (0..self.slices).map(|index| ShutterSlice { index, count: self.slices });
+        let seed = renderer.settings.camera_paths.seed;
+        let scenes: Vec<Scene> = if renderer.has_motion() {
+            slices.clone().map(|slice| renderer.scene.at_time(slice.time(seed, pass))).collect()
         } else {
-            &self.renderer
+            Vec::new()
         };
+        let moved: Vec<PassRenderer<'_>> = scenes.iter().map(|scene| renderer.for_scene_at_time(scene)).collect();
+        let renderers = if moved.is_empty() { std::slice::from_ref(renderer) } else { &moved[..] };
 
         // Trace and index photons.
-        let map_builder = &renderer.map_builder;
-        let mut maps = map_builder.traces_photons().then(|| map_builder.build(pass, monitor, &mut out));
-        let splats = maps.as_mut().map(|maps| std::mem::take(&mut maps.splats)).unwrap_or_default();
+        let (mut maps, mut splats) = (Vec::new(), Vec::new());
+        for (renderer, slice) in renderers.iter().zip(slices) {
+            let map_builder = &renderer.map_builder;
+            let mut built = map_builder.traces_photons().then(|| map_builder.build(pass, slice, monitor, &mut out));
+            if let Some(maps) = &mut built {
+                // Each slice estimates the light of the whole interval.
+                let share = 1.0 / slice.count as f32;
+                maps.splats.iter_mut().for_each(|splat| splat.radiance *= share);
+                splats.append(&mut maps.splats);
+            }
+            maps.push(built);
+        }
 
         // Trace camera paths.
         let start = Instant::now();
-        let paths = renderer.path_context(maps.as_ref(), pass);
+        let inputs = renderers.iter().zip(&maps);
+        let paths: Vec<_> = inputs.map(|(renderer, maps)| renderer.path_context(maps.as_ref(), pass)).collect();
         let key = renderer.camera_path_key(pass);
-        let picture = render_camera_paths(&paths, &renderer.film_sampling(pass), key, monitor);
+        let cameras = || (self.slices > 1).then(|| sliced_cameras(renderers, pass));
+        let sampling = FilmSampling { slices: cameras(), ..renderers[0].film_sampling(pass) };
+        let picture = render_camera_paths(&paths, &sampling, key, monitor);
         (out.image, out.nested) = (picture.image, picture.nested);
         out.counters += picture.counters;
 
@@ -69,7 +85,7 @@ impl Integrator for PathIntegrator<'_> {
         }
 
         // Trace some tiles by fresh paths if passes share theirs.
-        if let Some((sampling, key)) = renderer.unshared_path_sampling(pass) {
+        if let Some((sampling, key)) = renderers[0].unshared_path_sampling(pass, cameras()) {
             let fresh = render_camera_paths(&paths, &sampling, key, &SilentMonitor);
             out.fresh = fresh.pixels.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
         }
@@ -102,7 +118,7 @@ impl Integrator for PathIntegrator<'_> {
     }
 
     fn prefix_rays_per_pixel(&self) -> f64 {
-        self.renderer.prefix_rays.as_ref().map_or(0.0, PrefixRayCounts::mean)
+        self.renderer.prefix_rays.as_ref().map_or(0.0, PrefixRayCounts::mean_rays_per_pixel)
     }
 
     fn indirect_photon_share(&self, pass: u32) -> f64 {
@@ -130,7 +146,8 @@ impl Integrator for PathIntegrator<'_> {
 impl<'a> PathIntegrator<'a> {
     /// Makes an integrator for `scene`.
     ///
-    /// Pilots guide photon emission, find gather radii, and balance camera rays against photons.
+    /// Pilots (small simulations) guide photon emission, find gather radii, and balance camera rays
+    /// against photons.
     pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, make_policy: PolicyFn) -> Self {
         let (effects, needed) = (plan.simulated_effects(), plan.needed_and_simulated_effects());
         let policy = make_policy(effects, &settings);
@@ -138,7 +155,7 @@ impl<'a> PathIntegrator<'a> {
 
         // Divide indirect light between camera paths and photons.
         let weighs = policy.indirect_photons == IndirectPhotons::Weighted;
-        let division = if weighs && renderer.map_builder.holds_interreflection_map() {
+        let division = if weighs && renderer.map_builder.may_build_interreflection_map() {
             let division = if needed == effects {
                 divide_indirect_light(&renderer)
             } else {
@@ -188,28 +205,38 @@ impl<'a> PathIntegrator<'a> {
 
         // Distribute camera rays over the pixels.
         renderer.density = if settings.camera_paths.adaptive { find_relative_ray_counts(&renderer) } else { None };
-        Self { renderer, plan, make_policy, balance }
+
+        // Divide the shutter interval.
+        let slices = if needed == effects {
+            renderer.find_slice_count()
+        } else {
+            renderer.with_policy(make_policy(needed, &settings)).find_slice_count()
+        };
+        Self { renderer, plan, make_policy, balance, slices }
     }
 }
 
-/// Traces the camera paths of `sampling`, and returns their picture.
+/// Returns the cameras of the slices of pass `pass`, which `renderers` render.
+fn sliced_cameras<'b>(renderers: &'b [PassRenderer<'_>], pass: u32) -> SlicedCameras<'b> {
+    let seed = renderers[0].settings.camera_paths.seed;
+    SlicedCameras {
+        cameras: renderers.iter().map(|renderer| renderer.scene.camera()).collect(),
+        key: Key::new(seed).purpose_key(Purpose::Shutter),
+        pass,
+    }
+}
+
+/// Traces the camera paths of `sampling`, and returns their picture. `paths` holds the inputs of
+/// each slice of the shutter interval.
 fn render_camera_paths(
-    paths: &PathContext<'_>,
+    paths: &[PathContext<'_>],
     sampling: &FilmSampling<'_>,
     key: Key,
     monitor: &dyn ProgressMonitor,
 ) -> FilmImage {
-    for_interior!(paths.policy.effects, <I> {
-        tiles::render_tiles(sampling, key, monitor, camera_path::camera_path_tracer::<I>(paths))
+    for_interior!(paths[0].policy.effects, <I> {
+        tiles::render_tiles(sampling, key, monitor, |ray, sampler, worker, branches| {
+            camera_path::trace_camera_path::<I>(&paths[worker.slice], ray, sampler, worker, branches)
+        })
     })
-}
-
-/// Returns the time of a pass within the shutter interval, in \[0, 1).
-///
-/// The times are stratified: the first 2ⁿ passes divide the interval into equal steps.
-fn shutter_time(seed: u64, pass: u32) -> f64 {
-    let start = Key::new(seed).purpose_key(Purpose::Shutter).uniform_1d(Dimension::Time);
-    let step = f64::from(pass.reverse_bits()) / 4_294_967_296.0;
-    let time = f64::from(start) + step;
-    time - time.floor()
 }

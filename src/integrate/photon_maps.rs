@@ -19,14 +19,14 @@ pub(super) struct PhotonEstimator<'a> {
     pub map: PhotonMap,
     pub bandwidth: Bandwidth,
     pub kernel: Kernel,
-    /// Photons in media.
+    /// Photon beams and photon points in media.
     pub volume: BeamAndPointMaps,
-    /// True if photons store the share of their flux that estimates use at directly visible
-    /// surfaces. Light tracing carries the rest there.
+    /// True if each photon stores the share of its flux that density estimates carry at directly
+    /// visible surfaces. Light tracing carries the rest there.
     pub has_density_estimate_shares: bool,
 }
 
-/// Choice of the photon maps that one estimate reads.
+/// Photon maps that one estimate reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PhotonMapChoice {
     /// The caustic map.
@@ -42,24 +42,26 @@ pub(super) struct PhotonMaps<'a> {
     /// Indirect map: photons of all indirect light except caustics. Jensen 2001 and the command
     /// line call it the global map.
     ///
-    /// In `hybrid`, it holds only light that a caustic has reflected: camera paths find the rest.
-    /// If gather rays read the map, it also holds direct light.
+    /// In `hybrid`, it holds only light that a receiver has reflected from a caustic. If
+    /// final-gathering rays read the map, it also holds direct light.
     pub indirect: PhotonEstimator<'a>,
-    /// Interreflection map of `hybrid`: photons that left a light towards a receiver, and that
-    /// receivers reflected since. `None` if camera paths carry all of this light.
+    /// Interreflection map of `hybrid`: photons that went straight from a light to a receiver
+    /// (surface that stores photons) and scattered there. `None` if camera paths carry all of this
+    /// light.
     pub interreflection: Option<PhotonEstimator<'a>>,
-    /// Photons of a small number of paths. Their directions guide gather rays.
+    /// Map of photons whose directions guide final-gathering rays.
     pub guides: PhotonMap,
-    /// Splats of caustic photons on the film; empty without light tracing.
+    /// Splats on the film of caustic photons that light tracing connected to the camera; empty
+    /// without light tracing.
     pub splats: Vec<Splat>,
 }
 
 impl PhotonMaps<'_> {
-    /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the maps of
-    /// `lookup` \[W/(m² sr)].
+    /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from the
+    /// maps that `lookup` names, times `samples` \[W/(m² sr)].
     ///
-    /// The result is multiplied by `samples`: if one of a pixel's camera paths reads the maps for
-    /// others too, this is their number.
+    /// If one of a pixel's camera paths reads the maps for others too, `samples` is their number,
+    /// times a weight.
     #[inline]
     pub fn radiance<I: Interior>(
         &self,
@@ -78,10 +80,13 @@ impl PhotonMaps<'_> {
         (caustic + indirect) * samples
     }
 
-    /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the
-    /// interreflection map \[W/(m² sr)], times `samples`.
+    /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from the
+    /// interreflection map, times `samples` \[W/(m² sr)].
+    ///
+    /// If one of a pixel's camera paths reads the map for others too, `samples` is their number,
+    /// times a weight. The estimate is also added to `worker.indirect_light`.
     #[inline]
-    pub fn interreflection<I: Interior>(
+    pub fn interreflection_radiance<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
         samples: f32,
@@ -95,8 +100,10 @@ impl PhotonMaps<'_> {
         radiance * samples
     }
 
-    /// Estimates from photons the radiance that a medium scatters to the start of a segment \[W/(m²
-    /// sr)], times `samples`.
+    /// Returns the radiance that a medium scatters to the start of a segment, estimated from
+    /// photons, times `samples` \[W/(m² sr)].
+    ///
+    /// If one of a pixel's camera paths reads the maps for others too, `samples` is their number.
     #[inline]
     pub fn radiance_in_medium<I: Interior>(
         &self,
@@ -112,15 +119,15 @@ impl PhotonMaps<'_> {
 
 impl PhotonEstimator<'_> {
     /// Returns the largest gather radius \[length].
-    pub fn radius(&self) -> f32 {
+    pub fn max_gather_radius(&self) -> f32 {
         self.bandwidth.radius
     }
 
     /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the photons
     /// of this map \[W/(m² sr)].
     ///
-    /// `scratch` returns the worker's buffers for this map. The nested estimates, but not the
-    /// result, are multiplied by `samples`.
+    /// `scratch` returns the worker's buffers for this map. Only the nested estimates in `worker`
+    /// are multiplied by `samples`; the result is not.
     #[inline]
     fn radiance<I: Interior>(
         &self,
@@ -136,8 +143,10 @@ impl PhotonEstimator<'_> {
         }
     }
 
-    /// Estimates radiance like [`Self::radiance`]. If `SHARED` is true, only each photon's share
-    /// for density estimates counts.
+    /// Estimates the radiance that `vertex` reflects towards the previous vertex \[W/(m² sr)].
+    ///
+    /// If `SHARED` is true, only the share of each photon's flux counts that light tracing leaves
+    /// to density estimates.
     #[inline]
     fn radiance_with_shares<I: Interior, const SHARED: bool>(
         &self,
@@ -178,7 +187,7 @@ impl PhotonEstimator<'_> {
             return estimate.radiance / disc_coverage(self.scene, p, normal, estimate.radius, kernel, key);
         }
         let NestedRadianceEstimate { whole, mut radiance } =
-            self.map.estimate_nested_radiance(p, normal, bandwidth, kernel, scratch, brdf);
+            self.map.estimate_radiance_in_nested_discs(p, normal, bandwidth, kernel, scratch, brdf);
         discs.add(whole.radius, whole.count);
         worker.counters.gathered_photons += u64::from(whole.count);
         if whole.count == 0 {

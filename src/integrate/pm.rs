@@ -15,7 +15,7 @@ use super::settings::{FinalGathering, IndirectPhotons, LightTracing, Settings};
 use crate::plan::{Effect, Effects};
 
 /// Returns the rules of camera paths for photon mapping with fixed radii.
-pub(super) fn policy(effects: Effects, settings: &Settings) -> PathPolicy {
+pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
     let (samples, light_sampling) = match settings.final_gathering {
         FinalGathering::None => (1, LightSampling::Rays(4)),
         // One gather ray per camera ray.

@@ -24,51 +24,53 @@ pub(super) struct PathPolicy {
     pub direct_light: bool,
     /// Number and targets of the shadow rays of next-event estimation.
     pub light_sampling: LightSampling,
-    /// Receivers from which a path continues after next-event estimation and photon lookups.
+    /// Receivers (surfaces that store photons, or media) from which a camera path continues.
     pub continuation: PathContinuation,
-    /// Sampling strategy for directions at receivers.
+    /// Strategy that samples the path's next direction at surfaces that store photons.
     pub directions: DirectionSampling,
     /// True if camera paths also find caustics; false leaves caustics to photons.
     pub counts_caustics: bool,
-    /// Mean throughput of the channels below which a path ends; 0 uses Russian roulette instead.
+    /// Throughput, as the mean of its channels, below which a path ends; 0 uses Russian roulette
+    /// instead.
     pub min_throughput: f32,
-    /// Places where a path reads photon maps.
+    /// Vertices at which a path reads photon maps.
     pub photons: PhotonLookups,
     /// True if gather radii shrink from pass to pass.
     pub shrinking_radii: bool,
-    /// How directly visible caustics are divided between photon estimates and light tracing.
+    /// Division of directly visible caustics between photon estimates and light tracing.
     pub light_tracing: LightTracing,
-    /// How indirect light at diffuse first receivers is divided between camera paths and photon
-    /// estimates.
+    /// Division of indirect light between camera paths and photon estimates, at the first surface
+    /// of a path that stores photons.
     pub indirect_photons: IndirectPhotons,
 }
 
 /// Number and targets of the shadow rays of next-event estimation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LightSampling {
-    /// This many shadow rays per vertex.
+    /// About this many shadow rays per vertex.
     Rays(u32),
     /// One shadow ray per vertex. In a scene with at most four lights, vertices up to the first
-    /// receiver send one to each light.
+    /// surface that stores photons send one to each light.
     OneRay,
     /// One shadow ray to the center of every light.
     Centers,
 }
 
-/// Receivers from which a camera path continues, see [`PhotonKind`](crate::photon::PhotonKind).
+/// Receivers (surfaces that store photons, or scattering media) from which a camera path continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathContinuation {
-    /// None: a path ends at its first receiver.
+    /// No receiver: a camera path ends at its first one.
     Never,
     /// Receivers whose sampled BSDF lobe is not diffuse.
     Glossy,
-    /// The first receiver, and receivers at the end of a gather ray that is too short.
+    /// The first receiver, and receivers at the end of a final-gathering ray that is too short to
+    /// read photon maps.
     GatherRays,
-    /// All receivers, and scattering events in media.
+    /// All receivers: surfaces that store photons, and scattering events in media.
     Always,
 }
 
-/// Strategy by which a camera path samples its next direction at a receiver.
+/// Strategy by which a camera path samples its next direction at a surface that stores photons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DirectionSampling {
     /// Sampling from the BSDF.
@@ -79,31 +81,36 @@ pub(super) enum DirectionSampling {
     Guided,
 }
 
-/// Places where a camera path reads photon maps.
+/// Vertices at which a camera path reads photon maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PhotonLookups {
     /// No lookup.
     Never,
-    /// Both maps at the first receiver, but only by the first camera path of each pixel and pass.
+    /// The photon maps at the first receiver, but only by few camera paths of each pixel and pass:
+    /// on surfaces one for each slice of the shutter interval, in media one. Prefix rays may read
+    /// them too.
     ///
     /// The pixel's other paths would read almost the same photons.
-    OncePerPixel,
-    /// The caustic map and the indirect map at the first receiver of each path.
+    FewPerPixel,
+    /// The caustic map and the indirect map, at the first surface of each path that stores photons.
     FirstReceiver,
-    /// The caustic map at the start of a gather ray, both maps at its end.
+    /// The caustic map at the start of a final-gathering ray; the caustic map and the indirect map
+    /// at its end.
     GatherRays,
-    /// No lookup. The first receiver of each path is recorded as a visible point for a pilot.
+    /// No lookup. The first surface of each path that stores photons is recorded as a visible point
+    /// for a pilot.
     RecordVisible,
 }
 
-/// The photons that a pass must store for the maps that a policy reads.
+/// Kinds of photons that a pass must store for the maps that a policy reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PhotonMapRequest {
-    /// Photons to store from paths aimed at caustic casters.
+    /// Photons to store from paths aimed at casters, such as glass or mirrors.
     pub aimed: StoreMask,
     /// Photons to store from paths in all directions.
     pub unaimed: StoreMask,
-    /// True if a further photon map guides the directions of gather rays.
+    /// True if passes build a further photon map, which guides the directions of final-gathering
+    /// rays.
     pub guides: bool,
 }
 
@@ -111,30 +118,30 @@ impl PathPolicy {
     /// True if camera paths estimate radiance from photon maps.
     pub fn reads_photons(&self) -> bool {
         match self.photons {
-            PhotonLookups::OncePerPixel | PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => true,
+            PhotonLookups::FewPerPixel | PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => true,
             PhotonLookups::Never | PhotonLookups::RecordVisible => false,
         }
     }
 
-    /// True if every camera path reads photon maps; false if one per pixel does.
+    /// True if every camera path reads photon maps; false if only few paths per pixel and pass do.
     pub fn reads_photons_each_sample(&self) -> bool {
-        self.photons != PhotonLookups::OncePerPixel
+        self.photons != PhotonLookups::FewPerPixel
     }
 
-    /// True if a pilot may add prefix rays, which follow camera paths up to their first receiver.
-    ///
-    /// The light of scattering and emitting media is not divided between them and camera paths.
+    /// True if a pilot may add prefix rays: extra camera paths that end at the first surface that
+    /// stores photons.
     pub fn allows_prefix_rays(&self) -> bool {
-        self.photons == PhotonLookups::OncePerPixel
+        self.photons == PhotonLookups::FewPerPixel
     }
 
-    /// True if a pilot may trade camera rays for photons.
+    /// True if a pilot may change the numbers of camera rays and photon paths, to get less noise
+    /// for the same work.
     pub fn allows_ray_photon_balance(&self) -> bool {
         !self.shares_paths
     }
 
-    /// Returns the photons that passes must store for this policy. Photons of effects that are off
-    /// are left out.
+    /// Returns the kinds of photons that passes must store for this policy. Photons of effects that
+    /// are off are left out.
     pub fn photon_map_request(&self) -> PhotonMapRequest {
         let caustics = self.effects.has(Effect::Caustics);
         let bounces = self.effects.has(Effect::CausticBounces);
@@ -149,7 +156,7 @@ impl PathPolicy {
             PhotonLookups::Never | PhotonLookups::RecordVisible => {
                 return PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, guides: false };
             }
-            PhotonLookups::OncePerPixel => {
+            PhotonLookups::FewPerPixel => {
                 let merges = self.indirect_photons != IndirectPhotons::Off;
                 (bounces, StoreMask { after_direct: merges && interreflection, ..StoreMask::NONE })
             }
@@ -174,18 +181,18 @@ mod tests {
         let settings = Settings { final_gathering: FinalGathering::Importance, ..Settings::default() };
         let maps = |make: PolicyFn, effects| make(effects, &settings).photon_map_request();
         let none = PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, guides: false };
-        assert_eq!(maps(path::policy, Effects::ALL), none);
+        assert_eq!(maps(path::path_policy, Effects::ALL), none);
         let aimed = StoreMask { after_caustic: true, separates_after_caustic: true, ..StoreMask::CAUSTIC };
         let unaimed = StoreMask { after_direct: true, ..StoreMask::NONE };
-        assert_eq!(maps(hybrid::policy, Effects::ALL), PhotonMapRequest { aimed, unaimed, ..none });
+        assert_eq!(maps(hybrid::path_policy, Effects::ALL), PhotonMapRequest { aimed, unaimed, ..none });
         let settings = Settings { indirect_photons: IndirectPhotons::Off, ..settings.clone() };
-        let without = hybrid::policy(Effects::ALL, &settings).photon_map_request();
+        let without = hybrid::path_policy(Effects::ALL, &settings).photon_map_request();
         assert_eq!(without, PhotonMapRequest { aimed, ..none });
         let sppm = PhotonMapRequest { aimed: StoreMask::CAUSTIC, unaimed: StoreMask::INDIRECT, guides: false };
-        assert_eq!(maps(sppm::policy, Effects::ALL), sppm);
+        assert_eq!(maps(sppm::path_policy, Effects::ALL), sppm);
         let gathering = StoreMask { direct: true, ..StoreMask::INDIRECT };
-        assert_eq!(maps(pm::policy, Effects::ALL), PhotonMapRequest { unaimed: gathering, guides: true, ..sppm });
-        assert_eq!(maps(pm::policy, Effects::ALL.without_effect(Effect::Gathering)), sppm);
+        assert_eq!(maps(pm::path_policy, Effects::ALL), PhotonMapRequest { unaimed: gathering, guides: true, ..sppm });
+        assert_eq!(maps(pm::path_policy, Effects::ALL.without_effect(Effect::Gathering)), sppm);
     }
 
     #[test]
@@ -195,7 +202,7 @@ mod tests {
             .without_effect(Effect::Caustics)
             .without_effect(Effect::CausticBounces)
             .without_effect(Effect::Interreflection);
-        for make in [hybrid::policy as PolicyFn, sppm::policy, pm::policy] {
+        for make in [hybrid::path_policy as PolicyFn, sppm::path_policy, pm::path_policy] {
             let PhotonMapRequest { aimed, unaimed, guides } = make(direct, &settings).photon_map_request();
             assert_eq!((aimed, unaimed, guides), (StoreMask::NONE, StoreMask::NONE, false));
         }

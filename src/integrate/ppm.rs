@@ -14,12 +14,12 @@ use super::sppm;
 use crate::plan::Effects;
 
 /// Returns the rules of camera paths for progressive photon mapping.
-pub(super) fn policy(effects: Effects, settings: &Settings) -> PathPolicy {
+pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
     PathPolicy {
         // No later pass adds camera rays.
         samples: 4,
         shares_paths: true,
         light_sampling: LightSampling::Rays(1),
-        ..sppm::policy(effects, settings)
+        ..sppm::path_policy(effects, settings)
     }
 }

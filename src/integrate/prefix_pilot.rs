@@ -10,21 +10,27 @@
 //! variance of the picture times the work of a pass, which is the inverse of efficiency (Pharr,
 //! Jakob and Humphreys 2023, section 2.2.1).
 //!
+//! Two pictures of whole camera paths show in which pixels the photon estimate may need prefix
+//! rays. Only there do the prefix rays of the next pictures read photon maps, which is most of
+//! their work.
+//!
 //! No pass uses rays of the pilot, so the mean stays unbiased.
 
 use super::balance;
 use super::camera_path;
-use super::map_builder::PassBudget;
+use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::prefix_rays::{PrefixLight, PrefixRayCount, PrefixRayCounts};
+use super::shutter::ShutterSlice;
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
 use crate::plan::Effect;
 use crate::sampling::{Key, Purpose};
 use crate::scene::for_interior;
 use crate::stats::Counters;
+use glam::Vec2;
 use rayon::prelude::*;
 
 /// Number of pictures of whole camera paths, with one path per pixel each.
@@ -33,7 +39,7 @@ const WHOLE_PICTURES: u32 = 2;
 /// Number of pictures of prefix rays, with one ray per pixel each.
 const PREFIX_PICTURES: u32 = 4;
 
-/// Number of the pictures of prefix rays that read photon maps.
+/// Number of the pictures of prefix rays that read photon maps in some pixels.
 const LOOKUP_PICTURES: u32 = 2;
 
 /// Smallest divisor of the number of photon paths: the pilot traces at most a quarter of the paths
@@ -54,26 +60,35 @@ const MAX_WORK: f64 = 0.3;
 /// Mean number of prefix rays per pixel below which none are traced.
 const MIN_MEAN_COUNT: f64 = 1e-3;
 
+/// Variance of the photon estimate, relative to the mean variance of whole camera paths, above
+/// which prefix rays of the pilot read photon maps in a pixel.
+///
+/// A pass traces prefix rays that read them from about eight times this variance on.
+const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
+
 /// Work of a density estimate beside its photons, relative to tracing a photon ray.
 const LOOKUP_WORK: f64 = 20.0;
-
-/// Work of one photon in a density estimate, with the search, relative to tracing a photon ray.
-const LOOKUP_PHOTON_WORK: f64 = 1.0;
 
 /// Running mean and sum of squared differences from it (Welford 1962).
 #[derive(Clone, Copy, Debug, Default)]
 struct RunningVariance {
+    count: u32,
     mean: f32,
     squares: f64,
 }
 
 impl RunningVariance {
-    /// Adds `value`, which is the `count`-th one.
-    fn add(&mut self, value: f32, count: f32) {
+    fn add(&mut self, value: f32) {
+        self.count += 1;
         let before = value - self.mean;
-        self.mean += before / count;
+        self.mean += before / self.count as f32;
         // The square of a small f32 could underflow.
         self.squares += f64::from(before) * f64::from(value - self.mean);
+    }
+
+    /// Returns the unbiased variance of at least two values.
+    fn variance(&self) -> f64 {
+        self.squares / f64::from(self.count - 1)
     }
 }
 
@@ -118,34 +133,38 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let counts = renderer.map_builder.counts;
     let divisor = counts.photons.max(counts.caustic_photons).div_ceil(MAX_PATHS).max(MIN_DIVISOR);
     let maps = renderer.map_builder.traces_photons().then(|| {
-        let budget = PassBudget { key, pass: 0, part: divisor, limited: true, connects: true };
-        renderer.map_builder.build_with_budget(&budget, &SilentMonitor, &mut out)
+        let budget =
+            MapBuildOptions { key, pass: 0, part: divisor, slice: ShutterSlice::WHOLE, limited: true, connects: true };
+        renderer.map_builder.build_with_options(&budget, &SilentMonitor, &mut out)
     });
     let (width, height) = scene.camera().size();
     let mut light = vec![PixelLight::default(); width as usize * height as usize];
     let mut whole_work = Counters::default();
     for i in 0..WHOLE_PICTURES {
-        let picture = render_light_parts(renderer, maps.as_ref(), i, PathParts::Whole);
-        let count = (i + 1) as f32;
+        let picture = render_light_parts(renderer, maps.as_ref(), i, |_| PathParts::Whole);
         light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
             let before = parts.x - light.rest.mean;
-            light.rest.add(parts.x, count);
-            light.found.add(parts.y, count);
-            light.photons.add(parts.z, count);
+            light.rest.add(parts.x);
+            light.found.add(parts.y);
+            light.photons.add(parts.z);
             light.products += f64::from(before) * f64::from(parts.y - light.found.mean);
         });
         whole_work += picture.counters;
     }
+    let candidates = pixel_variances(&light, width as usize, height as usize)
+        .map_or_else(|| vec![false; light.len()], |variances| find_lookup_candidates(&variances, renderer.samples));
+    let candidate_count = candidates.iter().filter(|candidate| **candidate).count();
     let (mut ray_work, mut lookup_work) = (Counters::default(), Counters::default());
     for i in WHOLE_PICTURES..WHOLE_PICTURES + PREFIX_PICTURES {
-        let looks_up = i < WHOLE_PICTURES + LOOKUP_PICTURES;
-        let parts = if looks_up { PathParts::PrefixWithLookup } else { PathParts::Prefix };
-        let picture = render_light_parts(renderer, maps.as_ref(), i, parts);
-        let count = (i + 1) as f32;
-        light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
-            light.found.add(parts.y, count);
-            if looks_up {
-                light.photons.add(parts.z, count);
+        let looks_up = |pixel: usize| i < WHOLE_PICTURES + LOOKUP_PICTURES && candidates[pixel];
+        let picture = render_light_parts(renderer, maps.as_ref(), i, |center| {
+            let pixel = center.y as usize * width as usize + center.x as usize;
+            if looks_up(pixel) { PathParts::PrefixWithLookup } else { PathParts::Prefix }
+        });
+        light.par_iter_mut().zip(&picture.image).enumerate().for_each(|(pixel, (light, parts))| {
+            light.found.add(parts.y);
+            if looks_up(pixel) {
+                light.photons.add(parts.z);
             }
         });
         let Counters { gathers, gathered_photons, .. } = picture.counters;
@@ -155,9 +174,11 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
 
     // Measure the work of the camera paths and photons of a pass, of a prefix ray and of a lookup.
     let pixels = f64::from(width) * f64::from(height);
+    let traced_rays = pixels * f64::from(PREFIX_PICTURES);
+    let traced_lookups = candidate_count.max(1) as f64 * f64::from(LOOKUP_PICTURES);
     let part = f64::from(divisor);
     let lookup = |counters: &Counters| {
-        LOOKUP_WORK * counters.gathers as f64 + LOOKUP_PHOTON_WORK * part * counters.gathered_photons as f64
+        LOOKUP_WORK * counters.gathers as f64 + balance::GATHERED_PHOTON_WORK * part * counters.gathered_photons as f64
     };
     let stored = out.aimed.stored + out.unaimed.stored;
     let photons = part * (out.counters.photon_rays as f64 + balance::photon_storage_work(stored));
@@ -166,8 +187,8 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let work = PassWork {
         camera: camera / pixels,
         photons: (photons + lookup(&whole_work) / whole_pictures) / pixels,
-        prefix_ray: balance::camera_path_work(&ray_work) / (pixels * f64::from(PREFIX_PICTURES)),
-        lookup: lookup(&lookup_work) / (pixels * f64::from(LOOKUP_PICTURES)),
+        prefix_ray: balance::camera_path_work(&ray_work) / traced_rays,
+        lookup: lookup(&lookup_work) / traced_lookups,
     };
 
     let variances = pixel_variances(&light, width as usize, height as usize)?;
@@ -175,14 +196,13 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let (rays, lookups) = counts
         .iter()
         .fold((0, 0), |(rays, lookups), count| (rays + u64::from(count.rays), lookups + u64::from(count.lookups)));
-    let scaled =
-        |n: u64, total: u64, pictures: u32| (n as f64 * total as f64 / (pixels * f64::from(pictures))).round() as u64;
+    let scaled = |n: u64, total: u64, traced: f64| (n as f64 * total as f64 / traced).round() as u64;
     let expected_work = Counters {
         camera_rays: rays,
-        continuation_rays: scaled(ray_work.continuation_rays, rays, PREFIX_PICTURES),
-        shadow_rays: scaled(ray_work.shadow_rays, rays, PREFIX_PICTURES),
-        gathers: scaled(lookup_work.gathers, lookups, LOOKUP_PICTURES),
-        gathered_photons: scaled(lookup_work.gathered_photons * u64::from(divisor), lookups, LOOKUP_PICTURES),
+        continuation_rays: scaled(ray_work.continuation_rays, rays, traced_rays),
+        shadow_rays: scaled(ray_work.shadow_rays, rays, traced_rays),
+        gathers: scaled(lookup_work.gathers, lookups, traced_lookups),
+        gathered_photons: scaled(lookup_work.gathered_photons * u64::from(divisor), lookups, traced_lookups),
         ..Counters::default()
     };
     Some(PrefixRayCounts { counts: counts.into(), expected_work })
@@ -199,7 +219,20 @@ enum PathParts {
     Prefix,
 }
 
-/// Renders picture `i` of the pilot, with one ray per pixel.
+/// Returns for each pixel whether the pilot reads photon maps there by prefix rays.
+///
+/// `variances` come from whole camera paths, of which a pass traces `samples` per pixel. Only one
+/// of these n paths reads photon maps. A further estimate pays if its variance is above about 1/n²
+/// of that of a camera path.
+fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool> {
+    let n = f64::from(samples);
+    let total: f64 = variances.iter().map(|v| v.rest + v.found).sum();
+    let least = CANDIDATE_VARIANCE * total / variances.len() as f64;
+    variances.iter().map(|v| v.photons * n * n > least).collect()
+}
+
+/// Renders picture `i` of the pilot, with one ray per pixel. `parts` returns which parts of a
+/// camera path are traced in the pixel with the given center \[pixels].
 ///
 /// The channels of a pixel are the light after the first receiver, emission found by the prefix,
 /// and the photon estimate, each averaged over RGB.
@@ -207,7 +240,7 @@ fn render_light_parts(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,
     i: u32,
-    parts: PathParts,
+    parts: impl Fn(Vec2) -> PathParts + Sync,
 ) -> FilmImage {
     // No render reaches these passes, so no random number is used twice.
     let pass = u32::MAX - i;
@@ -215,14 +248,15 @@ fn render_light_parts(
     let (paths, key) = (pilot.path_context(maps, pass), pilot.prefix_ray_key(pass));
     let sampling = tiles::FilmSampling { nested: false, ..pilot.film_sampling(pass) };
     for_interior!(pilot.policy.effects, <I> {
-        let radiance = camera_path::camera_path_tracer::<I>(&paths);
-        tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, stack| {
+        tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, branches| {
+            let parts = parts(worker.film_position);
             worker.prefix = PrefixLight {
                 ends_at_receiver: parts != PathParts::Whole,
                 lookups: u32::from(parts != PathParts::Prefix),
                 ..PrefixLight::default()
             };
-            let total = color::channel_mean(radiance(ray, sampler, worker, stack));
+            let radiance = camera_path::trace_camera_path::<I>(&paths, ray, sampler, worker, branches);
+            let total = color::channel_mean(radiance);
             let (found, photons) =
                 (color::channel_mean(worker.prefix.found), color::channel_mean(worker.prefix.photons));
             Rgb::new((total - found - photons).max(0.0), found, photons)
@@ -253,11 +287,11 @@ fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<
     let variance = |i: usize| {
         let brightness = box_mean(&|i| f64::from(mean[i]), i, 1);
         let scale = 1.0 / (median * (brightness + median));
-        let found = smoothed(&|i| light[i].found.squares, i) / f64::from(WHOLE_PICTURES + PREFIX_PICTURES - 1);
+        let found = smoothed(&|i| light[i].found.variance(), i);
         let covariance = smoothed(&|i| light[i].products, i) / f64::from(WHOLE_PICTURES - 1);
-        let photons = smoothed(&|i| light[i].photons.squares, i) / f64::from(WHOLE_PICTURES + LOOKUP_PICTURES - 1);
+        let photons = smoothed(&|i| light[i].photons.variance(), i);
         PixelVariance {
-            rest: box_mean(&|i| light[i].rest.squares, i, 1) / f64::from(WHOLE_PICTURES - 1) * scale,
+            rest: box_mean(&|i| light[i].rest.variance(), i, 1) * scale,
             found: (found + 2.0 * covariance.min(0.0)).max(0.0) * scale,
             photons: photons * scale,
         }

@@ -1,32 +1,41 @@
-//! Prefix rays: camera rays that end at their first receiver, beside whole camera paths.
+//! Prefix rays: extra camera paths that end at the first receiver (surface that stores photons).
 
 use crate::color::Rgb;
 use crate::stats::Counters;
 use std::sync::Arc;
 
-/// Weights and sums of the light that the camera paths of a pixel find up to their first receiver.
+/// Weights and sums of the light that the camera paths of a pixel find up to their first receiver
+/// (surface that stores photons).
 ///
-/// The *prefix* of a camera path is its part up to the first receiver. A pixel's n camera paths and
-/// its m prefix rays, which trace nothing but prefixes, share the emission that they find. One
-/// camera path and l of the prefix rays share the photon estimate at the first receiver.
+/// The *prefix* of a camera path is its part up to the first receiver. *Prefix rays* trace only
+/// prefixes. A pixel's n camera paths and m prefix rays find the same emission, so they share it by
+/// weights. One camera path and l prefix rays share the photon estimate at the first receiver. If
+/// the pass has slices of the shutter interval, one camera path of each slice reads photon maps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrefixLight {
-    /// Weight n/(n + m) of emission, environment light and direct light at casters.
+    /// Weight n/(n + m) for n camera paths and m prefix rays. It applies to emission, environment
+    /// light and direct light at casters, such as glass or mirrors.
     pub found_weight: f32,
-    /// Number of the rays that read photon maps: the first ones by sample index.
+    /// Number of camera paths of the pixel, or of prefix rays, that read photon maps: those with
+    /// the lowest sample indices.
     pub lookups: u32,
-    /// Factor of the photon estimate, relative to the number of stratified samples: 1/(1 + l) for
-    /// camera paths, n/(m·(1 + l)) for prefix rays.
+    /// Factor of the photon estimate beside its multiplication by the number of samples.
+    ///
+    /// With n camera paths, k of which read maps, m prefix rays, and l prefix rays that read maps,
+    /// it is 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.
     pub lookup_weight: f32,
-    /// True for prefix rays: they end at their first receiver.
+    /// True for prefix rays, which end at the first surface that stores photons.
     pub ends_at_receiver: bool,
-    /// Sum of the weighted light found \[W/(m² sr)].
+    /// Weighted sum of the light found before the first receiver: emission, environment light and
+    /// direct light at casters \[W/(m² sr)].
     pub found: Rgb,
-    /// Sum of the weighted photon estimates \[W/(m² sr)].
+    /// Weighted sum of the photon estimates \[W/(m² sr)].
     pub photons: Rgb,
 }
 
 /// Number of prefix rays of a pixel, and the number of those that read photon maps.
+///
+/// Prefix rays are extra camera paths that end at the first surface that stores photons.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PrefixRayCount {
     pub rays: u8,
@@ -34,7 +43,7 @@ pub(super) struct PrefixRayCount {
 }
 
 impl Default for PrefixLight {
-    /// Returns the weights of a pixel without prefix rays.
+    /// Returns the weights of camera paths in a pixel without prefix rays.
     fn default() -> Self {
         Self {
             found_weight: 1.0,
@@ -48,22 +57,27 @@ impl Default for PrefixLight {
 }
 
 impl PrefixLight {
-    /// Returns the weights of `samples` camera paths beside `prefix` prefix rays.
-    pub fn of_camera_paths(samples: u32, prefix: PrefixRayCount) -> Self {
+    /// Returns the weights of a pixel's `samples` camera paths if `prefix` prefix rays are traced
+    /// too. The first `lookups` camera paths read photon maps.
+    pub fn camera_path_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.rays));
-        Self { found_weight: n / (n + m), lookup_weight: 1.0 / (1.0 + f32::from(prefix.lookups)), ..Self::default() }
+        let lookup_weight = 1.0 / (lookups as f32 + f32::from(prefix.lookups));
+        Self { found_weight: n / (n + m), lookups, lookup_weight, ..Self::default() }
     }
 
-    /// Returns the weights of `prefix` prefix rays, at least one, beside `samples` camera paths.
-    pub fn of_prefix_rays(samples: u32, prefix: PrefixRayCount) -> Self {
+    /// Returns the weights of `prefix` prefix rays, at least one, in a pixel with `samples` camera
+    /// paths. The first `lookups` of these paths read photon maps.
+    pub fn prefix_ray_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.rays));
-        let weights = Self::of_camera_paths(samples, prefix);
+        let weights = Self::camera_path_weights(samples, lookups, prefix);
         let lookup_weight = weights.lookup_weight * n / m;
         Self { lookups: prefix.lookups.into(), lookup_weight, ends_at_receiver: true, ..weights }
     }
 }
 
-/// Numbers of prefix rays that a pilot found.
+/// Number of prefix rays of each pixel, as a pilot chose them, and their work.
+///
+/// Prefix rays are extra camera paths that end at the first surface that stores photons.
 #[derive(Clone, Debug)]
 pub(super) struct PrefixRayCounts {
     /// Numbers of prefix rays of each pixel, by rows from the top.
@@ -73,8 +87,8 @@ pub(super) struct PrefixRayCounts {
 }
 
 impl PrefixRayCounts {
-    /// Returns the mean number of prefix rays per pixel.
-    pub fn mean(&self) -> f64 {
+    /// Returns the mean number of prefix rays over all pixels.
+    pub fn mean_rays_per_pixel(&self) -> f64 {
         self.counts.iter().map(|n| f64::from(n.rays)).sum::<f64>() / self.counts.len().max(1) as f64
     }
 }

@@ -1,4 +1,4 @@
-//! Pilots that find the gather radii of the first pass.
+//! Pilots (small photon simulations) that find the gather radii of the first pass.
 
 use super::settings::Settings;
 use super::volume_estimate::VolumeEstimator;
@@ -12,12 +12,16 @@ use glam::Vec2;
 
 /// Largest number of photon paths of a pilot. The radii that it finds are scaled to the paths of a
 /// pass.
-const MAX_PATHS: u32 = 1 << 16;
+pub(super) const MAX_PATHS: u32 = 1 << 16;
+
+/// Largest number of photon paths of a pilot for a map of indirect light, whose density varies
+/// little between neighbouring photons.
+pub(super) const MAX_INDIRECT_PATHS: u32 = 1 << 14;
 
 /// Largest number of photon paths of a pilot, as a multiple of the paths of a pass.
 const MAX_PASSES: u32 = 4;
 
-/// Smallest number of photon paths of a pilot, even if that exceeds [`MAX_PASSES`].
+/// Smallest number of photon paths of a pilot, even if a pass traces far fewer.
 const MIN_PATHS: u32 = 1 << 14;
 
 /// Number of stored photons at which the pilot measures the distance to the k-th nearest photon.
@@ -40,17 +44,17 @@ const PIXEL_PART: f32 = 0.125;
 /// Side length of the grid of camera rays that find the closest visible surface.
 const DISTANCE_RAYS: u32 = 8;
 
-/// Number of camera rays of the pilot for media.
+/// Number of camera rays with which a pilot measures the density of photons in media.
 const MEDIA_RAYS: u32 = 512;
 
-/// Largest number of casters on a camera path of the pilot for media.
+/// Largest number of casters (such as glass or mirrors) on a camera path of the pilot for media.
 const MAX_CASTERS: u32 = 8;
 
-/// Desired median number of beams or photons within the kernel radius of a camera ray. Rays that
-/// find none do not count.
+/// Target for the median number of beams or photons within the kernel radius of a camera ray. Rays
+/// that find none do not count.
 const MEDIAN_COUNT: f64 = 64.0;
 
-/// Kernel radius with which the pilot for media counts photons, relative to the scene's radius.
+/// Kernel radius with which a pilot counts photons in media, relative to the scene's radius.
 const TRIAL_RADIUS: f32 = 0.02;
 
 /// Largest gather radii on surfaces in the first pass \[length].
@@ -62,8 +66,8 @@ pub struct GatherRadii {
     pub caustic: f32,
 }
 
-/// Report on emission guiding for each photon map; `None` if no pilot tried to guide the emission
-/// for that map.
+/// Work and benefit of guiding photon emission, for each photon map; `None` if no pilot tried to
+/// guide the emission for that map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EmissionGuidingReportPerMap {
     /// Report for the indirect map.
@@ -82,12 +86,18 @@ pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
 /// Returns the gather radius \[length] within which three of four stored photons have `k`
 /// neighbours.
 ///
-/// The radius is for a pass of `paths` photon paths, and at least `min_radius`. Returns `None` if
-/// the pilot stores no photon.
-pub(super) fn find_gather_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, min_radius: f32) -> Option<f32> {
+/// The radius is for a pass of `paths` photon paths, and at least `min_radius`. The pilot traces at
+/// most `max_pilot_paths`. Returns `None` if it stores no photon.
+pub(super) fn find_gather_radius(
+    pass: &PhotonPass<'_>,
+    (paths, max_pilot_paths): (u32, u32),
+    k: u32,
+    seed: u64,
+    min_radius: f32,
+) -> Option<f32> {
     let scene = pass.scene;
     let key = Key::new(seed).purpose_key(Purpose::Pilot);
-    let pilot = pilot_path_count(paths, MAX_PATHS);
+    let pilot = pilot_path_count(paths, max_pilot_paths);
     let traced = pass.trace(key, pilot, &|_| {});
     let photons = &traced.deposits.photons;
     if photons.is_empty() {
@@ -194,7 +204,8 @@ pub(super) fn find_volume_kernel_radii(
     Some(VolumeKernelRadii { beams, points: radius(points.collect(), point_dimensions) })
 }
 
-/// Returns the segments of each camera path through scattering media, up to the first receiver.
+/// Returns the segments in scattering media of each of 512 camera paths, up to the first surface
+/// that stores photons.
 fn trace_medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<Ray>> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);

@@ -42,6 +42,7 @@ impl Integrator for RaycastIntegrator<'_> {
             lens: false,
             density: None,
             prefix_rays: None,
+            slices: None,
             nested: false,
             every: 1,
         };

@@ -13,11 +13,11 @@ use crate::scene::Interior;
 use glam::Vec3;
 use std::cell::RefCell;
 
-/// Search radius for the photons that guide a gather ray, relative to the smallest length of gather
-/// rays.
+/// Search radius for the photons that guide a final-gathering ray, relative to the smallest length
+/// of such a ray.
 const GUIDE_RADIUS: f32 = 4.0;
 
-/// Sets the worker's gather guide to the incident directions of photons near `vertex`.
+/// Sets the worker's gather guide to the directions from which photons arrived near `vertex`.
 pub(super) fn collect_gather_directions<I: Interior>(
     maps: &PhotonMaps<'_>,
     min_gather_distance: f32,
@@ -46,7 +46,7 @@ pub(super) fn sample<I: Interior>(
     let surface = vertex.surface;
     let (lobe, u) = (vertex.sampler.get_1d(Dimension::BsdfLobe), vertex.sampler.get_2d(Dimension::BsdfDirection));
     if is_guided(sampling, vertex) {
-        return sample_gather_guide(vertex, worker);
+        return sample_bsdf_or_guide(vertex, worker);
     }
     surface.sample(lobe, u, TransportMode::Radiance)
 }
@@ -66,9 +66,10 @@ pub(super) fn pdf<I: Interior>(
     worker.gather_guide.pdf(wi).map_or(bsdf, |guide| 0.5 * (bsdf + guide))
 }
 
-/// True if directions at `vertex` are sampled from the gather guide too.
+/// True if directions at `vertex` are sampled from the BSDF and from the gather guide.
 ///
-/// It is false at casters, because the guide holds photons near the last receiver.
+/// False at casters (such as glass or mirrors), because the guide holds photons near the last
+/// surface that stores photons.
 #[inline]
 fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool {
     match sampling {
@@ -78,7 +79,7 @@ fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool
 }
 
 /// Samples a direction from the BSDF or from the gather guide, with equal probability.
-fn sample_gather_guide<I: Interior>(vertex: &PathVertex<'_, I>, worker: &PathWorker) -> Option<BsdfSample> {
+fn sample_bsdf_or_guide<I: Interior>(vertex: &PathVertex<'_, I>, worker: &PathWorker) -> Option<BsdfSample> {
     let surface = vertex.surface;
     let (lobe, u) = (vertex.sampler.get_1d(Dimension::BsdfLobe), vertex.sampler.get_2d(Dimension::BsdfDirection));
     let mixed = |wi| pdf(DirectionSampling::Guided, vertex, wi, worker);

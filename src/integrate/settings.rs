@@ -20,6 +20,8 @@ pub struct CameraPathSettings {
     /// True if a pilot distributes camera rays over the pixels by their noise.
     pub adaptive: bool,
     /// True if passes also return photon estimates of smaller radii, for error estimation.
+    ///
+    /// A render can end at an estimated error only if this is true.
     pub estimate_error: bool,
     /// Effects of light that are forced on or off, whatever the plan decides.
     pub effects: EffectOverrides,
@@ -44,9 +46,11 @@ impl Default for CameraPathSettings {
 pub struct Settings {
     /// Settings that all algorithms use.
     pub camera_paths: CameraPathSettings,
-    /// Number of photon paths per pass that start in all directions; they fill the indirect map.
+    /// Number of photon paths per pass that start in all directions.
+    ///
+    /// They fill the interreflection map of `hybrid`, and the indirect map of other algorithms.
     pub photons: u32,
-    /// Number of photon paths per pass that are aimed at caustic casters.
+    /// Number of photon paths per pass that are aimed at casters, such as glass or mirrors.
     pub caustic_photons: u32,
     /// True if a pilot may trade camera rays for photon paths, to get less noise for the same work.
     ///
@@ -65,16 +69,19 @@ pub struct Settings {
     pub alpha: f64,
     /// Kernel of photon density estimates.
     pub kernel: Kernel,
-    /// True if [`Algorithm::Hybrid`](super::Algorithm::Hybrid) may trace prefix rays: camera rays
-    /// that end at their first receiver. A pilot finds how many each pixel needs.
+    /// True if [`Algorithm::Hybrid`](super::Algorithm::Hybrid) may trace prefix rays: extra camera
+    /// paths that end at the first surface that stores photons. A pilot finds how many each pixel
+    /// needs.
     pub prefix_rays: bool,
-    /// Light tracing of [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
+    /// Division of directly visible caustics between photon estimates and light tracing, in
+    /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
     pub light_tracing: LightTracing,
-    /// Photon estimates of indirect light in [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
+    /// Division of indirect light between camera paths and photon estimates, in
+    /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
     pub indirect_photons: IndirectPhotons,
-    /// Estimator of the light that media scatter, from photons.
+    /// Density estimator for photons in media.
     pub volume: VolumeEstimator,
-    /// Final gathering of [`Algorithm::Pm`](super::Algorithm::Pm).
+    /// Place where [`Algorithm::Pm`](super::Algorithm::Pm) reads the indirect map.
     pub final_gathering: FinalGathering,
 }
 
@@ -92,12 +99,13 @@ pub enum FinalGathering {
     Importance,
 }
 
-/// Division of indirect light at diffuse first receivers between camera paths and photon estimates.
+/// Division of indirect light between camera paths and photon estimates, at the first surface of a
+/// path that stores photons.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum IndirectPhotons {
     /// Camera paths carry all indirect light.
     Off,
-    /// Both techniques carry a share, which a pilot finds.
+    /// Camera paths and photon estimates each carry a share, which a pilot finds.
     #[default]
     Weighted,
     /// Photon estimates carry all indirect light.
@@ -109,7 +117,7 @@ pub enum IndirectPhotons {
 pub enum LightTracing {
     /// Photon estimates carry all light of directly visible caustics.
     Off,
-    /// Both techniques carry a share at each pixel, which a pilot finds.
+    /// Photon estimates and light tracing each carry a share at each pixel, which a pilot finds.
     #[default]
     Weighted,
     /// Light tracing carries all light of directly visible caustics.

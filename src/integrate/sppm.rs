@@ -13,7 +13,7 @@ use super::settings::{IndirectPhotons, LightTracing, Settings};
 use crate::plan::Effects;
 
 /// Returns the rules of camera paths for stochastic progressive photon mapping.
-pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
+pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
     PathPolicy {
         effects,
         samples: 1,

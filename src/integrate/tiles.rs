@@ -3,10 +3,11 @@
 use super::nested_estimates::NestedEstimates;
 use super::pass::{PassStage, ProgressMonitor};
 use super::prefix_rays::{PrefixLight, PrefixRayCount};
+use super::shutter::{RaySlices, SlicedCameras};
 use super::worker::PathWorker;
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
-use crate::math::{CompensatedSum, Ray};
+use crate::math::{CompensatedSum, Ray, gcd};
 use crate::sampling::{Dimension, Key, Sampler};
 use crate::stats::Counters;
 use glam::{DVec3, Vec2};
@@ -26,16 +27,22 @@ pub(super) struct FilmSampling<'a> {
     pub lens: bool,
     /// Number of rays of each pixel relative to the mean; `None` gives all pixels the mean.
     pub density: Option<&'a [f32]>,
-    /// Prefix rays, which follow camera paths up to their first receiver; `None` traces none.
+    /// Prefix rays: extra camera paths that end at the first surface that stores photons. `None`
+    /// traces none.
     pub prefix_rays: Option<PrefixRays<'a>>,
-    /// True if photon estimates are also made with nested smaller discs.
+    /// True if photon estimates are also made with smaller nested discs, to measure their bias.
     pub nested: bool,
+    /// Slices of the shutter interval among which camera rays are divided; `None` sends all rays
+    /// through `camera`.
+    pub slices: Option<SlicedCameras<'a>>,
     /// Interval of rendered tiles: 1 renders all tiles, n renders one of n tiles and leaves the
     /// others black.
     pub every: u32,
 }
 
-/// Numbers of the prefix rays of a picture's pixels, and the key of their random numbers.
+/// Number of prefix rays of each pixel of a picture, and the key of their random numbers.
+///
+/// Prefix rays are extra camera paths that end at the first surface that stores photons.
 #[derive(Clone, Copy)]
 pub(super) struct PrefixRays<'a> {
     /// Numbers of prefix rays of each pixel, by rows from the top.
@@ -45,7 +52,7 @@ pub(super) struct PrefixRays<'a> {
 
 /// Rendered picture with the counters of its camera rays.
 pub(super) struct FilmImage {
-    /// Radiance by rows from the top \[W/(m² sr)].
+    /// Radiance of each pixel, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
     /// Nested photon estimates of each pixel; empty unless requested.
     pub nested: Vec<NestedEstimates>,
@@ -70,15 +77,15 @@ impl<'a> Tile<'a> {
         let height = image.len() as u32 / width;
         let empty = |index| Tile { index, image: Vec::new(), nested: Vec::new() };
         let mut tiles: Vec<Self> = (0..width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE)).map(empty).collect();
-        tile_rows(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
-        tile_rows(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
+        cut_rows_at_tiles(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
+        cut_rows_at_tiles(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
         tiles
     }
 }
 
-/// Returns the parts of picture rows that lie in one tile, from the top, each with the index of its
-/// tile.
-fn tile_rows<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
+/// Cuts the rows of a picture at tile borders. Returns the pieces from the top, each with the index
+/// of its tile.
+fn cut_rows_at_tiles<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
     let (width, edge) = (width as usize, TILE_SIZE as usize);
     let tile = move |x: usize, y: usize| y / edge * width.div_ceil(edge) + x;
     let rows = picture.chunks_mut(width).enumerate();
@@ -86,26 +93,35 @@ fn tile_rows<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &
 }
 
 impl FilmSampling<'_> {
-    /// Returns the number of camera rays of a pixel, at least one. `pixel` counts by rows from the
-    /// top.
+    /// Returns the number of camera rays of a pixel, at least one. `pixel` is an index by rows from
+    /// the top.
     fn ray_count(&self, pixel: usize) -> u32 {
         let exact = |density: &[f32]| (self.samples as f32 * density[pixel]).round().max(1.0) as u32;
         self.density.map_or(self.samples, exact)
     }
 
-    /// Returns the numbers of prefix rays of a pixel. `pixel` counts by rows from the top.
+    /// Returns the numbers of prefix rays of a pixel, which end at the first surface that stores
+    /// photons. `pixel` is an index by rows from the top.
     fn prefix_ray_count(&self, pixel: usize) -> PrefixRayCount {
         self.prefix_rays.map_or(PrefixRayCount::default(), |rays| rays.counts[pixel])
     }
 
-    /// Makes the camera ray of `sampler` through the pixel whose upper left corner is `corner`.
+    /// Makes the camera ray of `sampler` in slice `slice` of the shutter interval, through the
+    /// pixel whose upper left corner is `corner`.
     ///
     /// Returns the ray and its filter weight.
     #[inline]
-    fn generate_ray(&self, corner: Vec2, sampler: Sampler) -> (Ray, f32) {
+    fn generate_ray(&self, slice: usize, corner: Vec2, sampler: Sampler) -> (Ray, f32) {
         let (film, weight) = self.film_position(corner, sampler);
         let lens = self.lens.then(|| sampler.get_2d(Dimension::Lens));
-        (self.camera.generate_ray(film, lens), weight)
+        let camera = self.slices.as_ref().map_or(self.camera, |slices| slices.cameras[slice]);
+        (camera.generate_ray(film, lens), weight)
+    }
+
+    /// Returns the division of the `rays` rays of the pixel in column `x`, row `y` among the slices
+    /// of the shutter interval.
+    fn divide_rays(&self, x: u32, y: u32, rays: u32) -> RaySlices {
+        self.slices.as_ref().map_or(RaySlices::WHOLE, |slices| slices.divide_rays(x, y, rays))
     }
 
     /// Samples a film position around the pixel whose upper left corner is `corner`, by the pixel
@@ -159,12 +175,14 @@ pub(super) fn render_tiles<T: Default>(
             let index = y as usize * width as usize + x as usize;
             let (samples, prefix) = (sampling.ray_count(index), sampling.prefix_ray_count(index));
             let mut sum = PixelSum::default();
-            worker.prefix = PrefixLight::of_camera_paths(samples, prefix);
+            let slices = sampling.divide_rays(x, y, samples);
+            worker.prefix = PrefixLight::camera_path_weights(samples, slices.distinct(), prefix);
             worker.film_position = corner + 0.5;
             for sample in 0..samples {
                 // Trace one camera ray.
                 let sampler = Sampler::new(pixel, sample, samples);
-                let (ray, weight) = sampling.generate_ray(corner, sampler);
+                worker.slice = slices.slice(sample);
+                let (ray, weight) = sampling.generate_ray(worker.slice, corner, sampler);
                 worker.counters.camera_rays += 1;
                 let value = radiance(&ray, sampler, &mut worker, &mut tile_state);
 
@@ -183,11 +201,13 @@ pub(super) fn render_tiles<T: Default>(
             if let Some(PrefixRays { key, .. }) = sampling.prefix_rays
                 && prefix.rays > 0
             {
-                worker.prefix = PrefixLight::of_prefix_rays(samples, prefix);
-                for ray in 0..prefix.rays {
+                worker.prefix = PrefixLight::prefix_ray_weights(samples, slices.distinct(), prefix);
+                let slices = sampling.divide_rays(x, y, prefix.rays.into());
+                for ray in 0..u32::from(prefix.rays) {
                     // Trace one prefix ray and add its light.
-                    let sampler = Sampler::new(key.pixel_key(x, y), ray.into(), prefix.rays.into());
-                    let (ray, weight) = sampling.generate_ray(corner, sampler);
+                    let sampler = Sampler::new(key.pixel_key(x, y), ray, prefix.rays.into());
+                    worker.slice = slices.slice(ray);
+                    let (ray, weight) = sampling.generate_ray(worker.slice, corner, sampler);
                     worker.counters.camera_rays += 1;
                     let value = radiance(&ray, sampler, &mut worker, &mut tile_state);
                     let finite = value.is_finite();
@@ -224,18 +244,13 @@ pub(super) fn rendered_tile_stride((width, height): (u32, u32), wanted: u32) -> 
     (width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE) / wanted).max(2)
 }
 
-/// True if the tile with index `tile` belongs to the rendered ones, if one of `every` tiles is
-/// rendered.
+/// True if the tile with index `tile` is rendered when only one of `every` tiles is.
 ///
-/// Rendered tiles lie on diagonal lines, so each row and column has its share.
+/// Rendered tiles lie on diagonal lines, so they are spread over all rows and columns.
 fn is_tile_rendered(tile: u32, columns: u32, every: u32) -> bool {
     // A slant that shares a factor with the interval would leave columns out.
     let slant = (1..=every.div_ceil(2)).rev().find(|slant| gcd(*slant, every) == 1).unwrap_or(1);
     (tile % columns + tile / columns * slant).is_multiple_of(every)
-}
-
-fn gcd(a: u32, b: u32) -> u32 {
-    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// Returns the column and row of each pixel of a tile.
@@ -251,7 +266,7 @@ struct PixelSum {
     values: CompensatedSum,
     /// Sum of radiance values, each times its filter weight.
     weighted: CompensatedSum,
-    /// Sum of (weight − 1).
+    /// Sum of (filter weight − 1).
     excess: f64,
     count: u32,
 }
@@ -271,11 +286,10 @@ impl PixelSum {
         self.values.value()
     }
 
-    /// Returns an unbiased estimate of the sum of weighted values, with less noise from unequal
-    /// weights.
+    /// Returns an unbiased estimate of the weighted sum of radiance values.
     ///
-    /// Each sample adds wᵢLᵢ + (1 − wᵢ)·(mean of the other values). The sum is unbiased, because
-    /// weights have mean 1, and exact if all values are equal.
+    /// Each sample adds wᵢLᵢ + (1 − wᵢ)·(mean of the other values), which has less noise than wᵢLᵢ
+    /// alone. The sum is unbiased, because weights have mean 1, and exact if all values are equal.
     fn weighted_sum(&self) -> DVec3 {
         let (values, weighted) = (self.values.value(), self.weighted.value());
         let others = f64::from(self.count) - 1.0;

@@ -1,7 +1,7 @@
 //! Pilot that finds points visible to the camera.
 
 use super::camera_path::PathContext;
-use super::film_points::trace_camera_paths_through;
+use super::film_points::trace_paths_through_film_points;
 use super::indirect_division::IndirectTechnique;
 use super::nee::NextEventEstimator;
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
@@ -21,8 +21,8 @@ const RAYS: (u32, u32) = (2000, 20_000);
 /// visible points.
 const MAX_RADIUS: f32 = 0.1;
 
-/// Returns a map of the points on receivers that the camera sees directly, or by reflection and
-/// refraction.
+/// Returns a map of the surface points that the camera sees directly or over casters, such as glass
+/// or mirrors. All points lie on surfaces that store photons.
 ///
 /// A photon within `radius` \[length] of such a point counts as visible. The radius is smaller if
 /// the visible part of the scene is small.
@@ -32,7 +32,7 @@ pub(super) fn find_visible_points(
     effects: Effects,
     radius: f32,
 ) -> VisiblePointMap {
-    let policy = policy(effects);
+    let policy = path_policy(effects);
     let nee = NextEventEstimator::new(scene, &policy);
     let paths = PathContext::new(scene, &policy, &nee, None, 0, settings.max_bounces, IndirectTechnique::Paths);
     let key = Key::new(settings.seed).purpose_key(Purpose::VisiblePoints);
@@ -41,7 +41,7 @@ pub(super) fn find_visible_points(
     let rays = width.saturating_mul(height).saturating_mul(4).clamp(RAYS.0, RAYS.1);
     let samplers = (0..rays).map(|i| Sampler::new(key, i, rays));
     let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
-    let (_, workers) = trace_camera_paths_through(&paths, &points);
+    let (_, workers) = trace_paths_through_film_points(&paths, &points);
     let visible: Vec<VisiblePoint> = workers.into_iter().flat_map(|worker| worker.visible).collect();
     let extent = Bounds::from_points(visible.iter().map(|point| point.position)).extent().length();
     let radius = if extent > 0.0 { radius.min(extent * MAX_RADIUS) } else { radius };
@@ -49,7 +49,7 @@ pub(super) fn find_visible_points(
 }
 
 /// Returns the rules of camera paths that record visible points and compute no light.
-fn policy(effects: Effects) -> PathPolicy {
+fn path_policy(effects: Effects) -> PathPolicy {
     PathPolicy {
         effects,
         samples: 1,

@@ -33,7 +33,7 @@ impl VolumeEstimator {
     }
 }
 
-/// The photons in media of one photon map, with their search structures.
+/// Photon beams and photon points of one photon map, with their search structures.
 pub(super) struct BeamAndPointMaps {
     beams: PhotonBeamMap,
     points: VolumePhotonMap,
@@ -90,7 +90,7 @@ impl NestedKernelSums {
 impl BeamAndPointMaps {
     /// Builds the search structures of photons in media.
     ///
-    /// `beams` and `points` are the kernel radii of the two kinds \[length].
+    /// `beams` and `points` are the kernel radii of photon beams and of photon points \[length].
     pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimate: VolumeEstimator, band: f32) -> Self {
         let VolumePhotons { beams: stored_beams, points: stored_points } = volume;
         Self {
@@ -103,7 +103,7 @@ impl BeamAndPointMaps {
 
     /// Estimates the radiance that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
-    /// The nested estimates of the pixel, but not the result, are multiplied by `samples`.
+    /// Only the nested estimates in `worker` are multiplied by `samples`; the result is not.
     pub fn radiance<I: Interior>(
         &self,
         path_segment: &MediumPathSegment<'_, I>,

@@ -2,9 +2,9 @@
 //!
 //! # Algorithm
 //! - **Prepare**: nothing.
-//! - **Each pass**: follow camera rays over mirrors and glass, where they split by the Fresnel
-//!   reflectance. Shade other surfaces by shadow rays to the center of each light. A branch ends if
-//!   it is too deep or too faint.
+//! - **Each pass**: follow camera rays over mirrors and glass, and split them at glass into a
+//!   reflected and a refracted branch. Shade other surfaces by shadow rays to the center of each
+//!   light. A branch ends if it is too deep or too faint.
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{IndirectPhotons, LightTracing, Settings};
@@ -14,7 +14,7 @@ use crate::plan::Effects;
 const MIN_THROUGHPUT: f32 = 1.0 / 256.0;
 
 /// Returns the rules of camera paths for recursive ray tracing.
-pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
+pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
     PathPolicy {
         effects,
         samples: 1,

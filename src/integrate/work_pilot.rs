@@ -1,21 +1,23 @@
-//! Pilot that measures the noise and work of a pass with few camera rays and few photons.
+//! Pilot (small simulation) that measures the noise and work of a pass with few camera rays and few
+//! photons.
 
 use super::balance::{self, NoiseSource, RayPhotonBalance};
-use super::film_points::{FilmPoint, trace_camera_paths_through};
-use super::map_builder::PassBudget;
+use super::film_points::{FilmPoint, trace_paths_through_film_points};
+use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, PhotonReport, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
+use super::shutter::ShutterSlice;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::Scene;
 use crate::stats::Counters;
 use glam::Vec2;
 
-/// Number of film points of the pilot.
+/// Number of film points through which the pilot traces camera paths.
 const POINTS: u32 = 1024;
 
-/// Divisor of the number of photon paths: the pilot traces 1/16 of the paths of a pass.
+/// Divisor of the number of photon paths of a pass: the pilot traces 1/16 of them.
 const PILOT_DIVISOR: u32 = 16;
 
 /// Radiance and ray counts of camera paths through the pilot's film points.
@@ -24,8 +26,8 @@ struct FilmPointEstimates {
     counters: Counters,
 }
 
-/// Returns the numbers of camera rays and photon paths that give least noise for the work of the
-/// default numbers.
+/// Returns the numbers of camera rays and photon paths that give least noise for the same work as
+/// the default numbers.
 ///
 /// Returns `None` without photons. The result depends only on the scene and the settings.
 pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<RayPhotonBalance> {
@@ -36,14 +38,15 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let counts = renderer.map_builder.counts;
     let build = |trial| {
         let mut out = Pass::default();
-        let budget = PassBudget {
+        let options = MapBuildOptions {
             key: key.pilot_trial_key(trial),
             pass: 0,
             part: PILOT_DIVISOR,
+            slice: ShutterSlice::WHOLE,
             limited: false,
             connects: false,
         };
-        (renderer.map_builder.build_with_budget(&budget, &SilentMonitor, &mut out), out)
+        (renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out), out)
     };
     let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
 
@@ -127,8 +130,15 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
 pub(super) fn measure_pass_work(renderer: &PassRenderer<'_>) -> Counters {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let mut out = Pass::default();
-    let budget = PassBudget { key, pass: 0, part: PILOT_DIVISOR, limited: true, connects: true };
-    let maps = renderer.map_builder.build_with_budget(&budget, &SilentMonitor, &mut out);
+    let options = MapBuildOptions {
+        key,
+        pass: 0,
+        part: PILOT_DIVISOR,
+        slice: ShutterSlice::WHOLE,
+        limited: true,
+        connects: true,
+    };
+    let maps = renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out);
     let counters = estimate_at_points(renderer, Some(&maps), &pilot_film_points(renderer.scene, key, 0)).counters;
     let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;
     let scaled = |n: u64, factor: f64| (n as f64 * factor).round() as u64;
@@ -153,7 +163,7 @@ fn estimate_at_points(
     maps: Option<&PhotonMaps<'_>>,
     points: &[FilmPoint],
 ) -> FilmPointEstimates {
-    let (radiance, workers) = trace_camera_paths_through(&renderer.path_context(maps, 0), points);
+    let (radiance, workers) = trace_paths_through_film_points(&renderer.path_context(maps, 0), points);
     let mut counters = Counters::default();
     workers.iter().for_each(|worker| counters += worker.counters);
     FilmPointEstimates { radiance, counters }
@@ -188,8 +198,10 @@ mod tests {
     use crate::shape::{Plane, Shape, Sphere};
     use glam::{DVec3, Vec3};
 
-    /// Without photon estimates of indirect light, `hybrid` traces no unaimed photon paths. So the
-    /// setting of their number must change nothing.
+    /// The setting for the number of unaimed photon paths has no influence where `hybrid` traces
+    /// none.
+    ///
+    /// It traces none if photon estimates of indirect light are off.
     #[test]
     fn untraced_photons_do_not_change_the_balance() {
         let mut builder = SceneBuilder::new();

@@ -20,11 +20,11 @@ pub(super) struct PathWorker {
     pub caustic: PhotonSearchBuffers,
     /// Buffers of photon searches in the indirect map.
     pub indirect: PhotonSearchBuffers,
-    /// Buffers of photon searches in the interreflection map.
+    /// Buffers of photon searches in the interreflection map, which only `hybrid` builds.
     pub interreflection: PhotonSearchBuffers,
-    /// Buffers of searches for photons that guide gather rays.
+    /// Buffers of searches for photons that guide final-gathering rays.
     pub guide_lookup: PhotonSearchBuffers,
-    /// Distribution of gather-ray directions at the last receiver.
+    /// Distribution of final-gathering directions at the last surface that stores photons.
     pub gather_guide: GatherGuide,
     /// True if photon estimates are also made with nested smaller discs.
     pub nests_estimates: bool,
@@ -36,10 +36,14 @@ pub(super) struct PathWorker {
     pub transmittance: TransmittanceCurve,
     /// Visible points that a pilot records.
     pub visible: Vec<VisiblePoint>,
-    /// Weights and sums of the light that paths find up to their first receiver.
+    /// Weights and sums of the light that paths find up to their first receiver (surface that
+    /// stores photons).
     pub prefix: PrefixLight,
     /// Film position of the current pixel's center or camera ray \[pixels from the top left].
     pub film_position: Vec2,
-    /// Indirect light that the current camera path of a pilot finds by each technique.
+    /// Slice of the shutter interval of the current camera ray.
+    pub slice: usize,
+    /// Contribution to the pixel of the indirect light that each technique finds along the current
+    /// camera path of a pilot.
     pub indirect_light: IndirectLight,
 }

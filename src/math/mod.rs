@@ -1,21 +1,25 @@
 //! Geometric primitives: rays, boxes, frames, transforms, sampling warps and error bounds.
 
+mod binned_sums;
 mod bounds;
 mod compensated_sum;
 mod double_double;
 mod float;
 mod frame;
+mod gcd;
 mod morton;
 mod motion;
 mod ray;
 mod transform;
 pub mod warp;
 
+pub use binned_sums::BinnedSums;
 pub use bounds::{BoundingSphere, Bounds};
 pub use compensated_sum::CompensatedSum;
 pub use double_double::{exact_cross, exact_dot};
 pub use float::{direction_and_distance, quadratic_roots, rounding_error_bound, sin_cos_turns};
 pub use frame::Frame;
+pub use gcd::gcd;
 pub use morton::morton_order;
 pub use motion::{Motion, MotionStep, rotation_matrix, rotation_matrix_degrees};
 pub use ray::{Ray, offset_ray_origin};

@@ -50,14 +50,14 @@ pub enum GridDensityError {
 /// constant in the outer half of the outer cells. Clones share the values.
 #[derive(Clone, Debug)]
 pub struct GridDensity {
-    grid: Arc<GridData>,
+    grid: Arc<SharedGridData>,
     /// Map from the unit cube to scene coordinates.
     placement: Transform,
 }
 
 /// Densities and majorants, which all translated copies of a grid share.
 #[derive(Debug)]
-struct GridData {
+struct SharedGridData {
     size: [u32; 3],
     values: Vec<f32>,
     /// Number of majorant blocks along each side of the grid.
@@ -84,7 +84,7 @@ impl GridDensity {
         let blocks = size.map(|n| n.div_ceil(BLOCK_SIDE));
         let majorants = block_majorants(size, &values, blocks);
         let max_density = majorants.iter().copied().fold(0.0, f32::max);
-        Ok(Self { grid: Arc::new(GridData { size, values, blocks, majorants, max_density }), placement })
+        Ok(Self { grid: Arc::new(SharedGridData { size, values, blocks, majorants, max_density }), placement })
     }
 
     /// Creates a grid from a function `density` of position, evaluated at cell centers in the unit
@@ -113,6 +113,13 @@ impl GridDensity {
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         Self { grid: Arc::clone(&self.grid), placement: self.placement.translated(by) }
+    }
+
+    /// Copy of the grid, moved by `map`; `None` if the map is singular.
+    #[must_use]
+    pub fn transformed(&self, map: DAffine3) -> Option<Self> {
+        let placement = Transform::new(map * *self.placement.forward()).ok()?;
+        Some(Self { grid: Arc::clone(&self.grid), placement })
     }
 
     /// Density at point `p` in scene coordinates; 0 outside the grid.
@@ -144,10 +151,10 @@ impl GridDensity {
     /// Memory of the grid \[bytes].
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
-        size_of::<GridData>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
+        size_of::<SharedGridData>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
     }
 
-    /// Returns the first `distance` of `ray` in grid space, where cells have side 1.
+    /// Transforms the part of `ray` from 0 to `distance` to grid space, where cells have side 1.
     pub(super) fn ray_in_grid(&self, ray: &Ray, distance: f32) -> GridRay<'_> {
         let cells = self.grid.cells_per_axis();
         let inverse = self.placement.inverse();
@@ -159,7 +166,7 @@ impl GridDensity {
 
 /// A ray in grid space, where cells have side 1.
 pub(super) struct GridRay<'a> {
-    grid: &'a GridData,
+    grid: &'a SharedGridData,
     origin: DVec3,
     step: DVec3,
     distance: f64,
@@ -169,7 +176,7 @@ impl GridRay<'_> {
     /// Returns the blocks with a positive majorant that the ray crosses, from near to far. Each
     /// item holds the distances \[length] of entry and exit, and the majorant.
     pub(super) fn blocks_along_ray(&self) -> impl Iterator<Item = (f64, f64, f64)> {
-        let GridData { blocks, majorants, .. } = self.grid;
+        let SharedGridData { blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK_SIDE);
         let far = self.grid.cells_per_axis() / side;
         MajorantIterator::new(self.origin / side, self.step / side, far, *blocks, self.distance).filter_map(
@@ -186,7 +193,7 @@ impl GridRay<'_> {
     }
 }
 
-impl GridData {
+impl SharedGridData {
     fn cells_per_axis(&self) -> DVec3 {
         let [x, y, z] = self.size.map(f64::from);
         DVec3::new(x, y, z)

@@ -41,8 +41,8 @@ impl MajorantIterator {
         blocks
     }
 
-    /// Distance along the ray to the face, perpendicular to `axis`, through which it can leave its
-    /// current block; infinite if the ray is parallel to the face.
+    /// Distance along the ray to the face perpendicular to `axis` through which the ray would leave
+    /// the current block; infinite if the ray is parallel to the face.
     fn distance_to_block_face(&self, axis: usize) -> f64 {
         let (o, s, cell) = (self.origin[axis], self.step[axis], f64::from(self.cell[axis]));
         if s > 0.0 {

@@ -14,7 +14,7 @@ pub use phase_function::PhaseFunction;
 
 use crate::color::Rgb;
 use crate::math::Ray;
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use rand::Rng;
 use std::sync::Arc;
 
@@ -217,6 +217,15 @@ impl Medium {
     pub fn translated(&self, by: DVec3) -> Self {
         let density = self.density.as_ref().map(|grid| Arc::new(grid.translated(by)));
         Self { density, ..self.clone() }
+    }
+
+    /// Copy of the medium, whose density grid is moved by `map`; `None` if the map is singular.
+    ///
+    /// Coefficients and density values stay the same, even if the map scales.
+    #[must_use]
+    pub fn transformed(&self, map: DAffine3) -> Option<Self> {
+        let Some(grid) = &self.density else { return Some(self.clone()) };
+        Some(Self { density: Some(Arc::new(grid.transformed(map)?)), ..self.clone() })
     }
 }
 

@@ -128,8 +128,9 @@ pub(super) fn transmittance_curve(
     }
 }
 
-/// Counts a collision in `steps`, and plays Russian roulette on the transmittance `left`. Scales
-/// `left` if tracking continues.
+/// Increments the collision count `steps`, and plays Russian roulette on the transmittance `left`.
+///
+/// Scales `left` if tracking continues.
 fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng) -> TrackingDecision {
     *left = left.max(DVec3::ZERO);
     *steps = steps.wrapping_add(1);

@@ -46,7 +46,7 @@ impl PhotonBeam {
         flux && self.length > 0.0 && self.direction != Vec3::ZERO && self.start.is_finite() && end.is_finite()
     }
 
-    /// The point at distance `s` \[length] from the beam's start.
+    /// The point at distance `s` \[length] from the beam's start, in double precision.
     fn point_at(&self, s: f64) -> DVec3 {
         self.start.as_dvec3() + self.direction.as_dvec3() * s
     }

@@ -11,11 +11,12 @@ use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
-/// Number of emission samples that estimate the power of one light towards the caustic casters.
+/// Number of emission samples that estimate the power of one light towards casters, such as glass
+/// or mirrors.
 const POWER_SAMPLES: u32 = 256;
 
 /// Fraction of the light probabilities that is proportional to total power, in a source aimed at
-/// casters (defensive sampling).
+/// casters such as glass or mirrors (defensive sampling).
 ///
 /// The other 90 % are proportional to the estimated power towards the casters. A light for which
 /// this estimate is zero keeps a probability above zero.
@@ -27,8 +28,8 @@ pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     /// Discrete distribution from which the light of a photon path is sampled.
     pub(super) light_distribution: DiscreteDistribution,
-    /// Bounding spheres of the caustic casters, towards which photons are emitted. `None` emits in
-    /// all directions.
+    /// Bounding spheres of the casters (such as glass or mirrors), towards which photons are
+    /// emitted. `None` emits in all directions.
     aim: Option<PhotonAim>,
     /// Distribution of positions and directions for each light, from emission guiding; `None` for
     /// an unguided light. The list is empty without guiding.
@@ -65,7 +66,8 @@ impl<'a> PhotonSource<'a> {
         Some(Self { scene, light_distribution, aim: None, guiding: Vec::new(), effects })
     }
 
-    /// Creates a source that emits only towards the bounding spheres of caustic casters.
+    /// Creates a source that emits only towards the bounding spheres of casters, such as glass or
+    /// mirrors.
     ///
     /// Lights are chosen mainly in proportion to their power towards the spheres, which is
     /// estimated by sampling. If a caster is unbounded, the source emits in all directions. Returns
@@ -121,7 +123,8 @@ impl<'a> PhotonSource<'a> {
     /// Returns a copy of the source for `scene`, which must be the same scene at another shutter
     /// time.
     ///
-    /// A source aimed at casters then aims at their positions at that time.
+    /// If the source is aimed at casters (such as glass or mirrors), it aims at their positions at
+    /// that time.
     #[must_use]
     pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
         let spheres = if self.aim.is_some() { scene.caster_bounding_spheres() } else { None };
@@ -152,19 +155,21 @@ impl<'a> PhotonSource<'a> {
     ///
     /// Returns the ray and its flux \[W], or `None` if the sample carries no flux. Lights are
     /// chosen by systematic sampling over path indices. Positions and directions are Sobol' points,
-    /// scrambled with `pass_key`.
+    /// scrambled with `pass_key`. The wavelengths of each light's paths are stratified, jointly
+    /// with the positions and with the directions.
     #[must_use]
     pub fn emit_photon_path<I: Interior>(&self, pass_key: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
         let point = self.primary_emission_sample(pass_key, index, paths);
-        let (ray, flux) = self.start_photon_path(&point)?;
+        let (mut ray, flux) = self.start_photon_path::<I>(&point)?;
+        let wavelength_sample = || self.wavelength_sample(pass_key, index, paths, point.light);
+        ray.interior.set_wavelength_sample(self.scene, wavelength_sample);
         Some((ray, flux / (point.probability * paths as f32 * point.pdf)))
     }
 
     /// Samples the light, position and direction of photon path `index` in a pass of `paths` paths.
     #[inline]
     pub(super) fn primary_emission_sample(&self, pass_key: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
-        let u = (f64::from(index) + f64::from(pass_key.uniform_1d(Dimension::Light))) / f64::from(paths);
-        let (light, probability) = self.light_distribution.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
+        let (light, probability) = self.light_distribution.sample(systematic_light_sample(pass_key, index, paths));
         let position = sobol_2d(index, pass_key, Dimension::LightPosition);
         let direction = sobol_2d(index, pass_key, Dimension::LightDirection);
         let (position, direction, pdf) = match self.guiding.get(light) {
@@ -172,6 +177,19 @@ impl<'a> PhotonSource<'a> {
             Some(None) | None => (position, direction, 1.0),
         };
         PrimaryEmissionSample { light, probability, position, direction, pdf }
+    }
+
+    /// Returns the primary sample in \[0, 1) of the wavelength of photon path `index`, which starts
+    /// at light number `light`, in a pass of `paths` paths.
+    ///
+    /// It is the position of the path in the run of indices that start at the light. Aligned runs
+    /// of Sobol' points fill the unit square evenly, so each range of wavelengths has its share of
+    /// paths in each part of the square, as in a Hammersley set. The rotation by one number per
+    /// pass makes each wavelength uniform, whatever the number of paths (Cranley and Patterson
+    /// 1976).
+    fn wavelength_sample(&self, pass_key: Key, index: u32, paths: u32, light: usize) -> f32 {
+        let u = systematic_light_sample(pass_key, index, paths);
+        (self.light_distribution.remapped_sample(u, light) + pass_key.uniform_1d(Dimension::Wavelength)).fract()
     }
 
     /// Starts the photon path that `point` determines; returns its ray and flux \[W].
@@ -199,6 +217,14 @@ impl<'a> PhotonSource<'a> {
     }
 }
 
+/// Primary sample in \[0, 1) that chooses the light of photon path `index` in a pass of `paths`
+/// paths. It grows with the index: systematic sampling.
+#[inline]
+fn systematic_light_sample(pass_key: Key, index: u32, paths: u32) -> f32 {
+    let u = (f64::from(index) + f64::from(pass_key.uniform_1d(Dimension::Light))) / f64::from(paths);
+    (u as f32).min(1.0 - f32::EPSILON / 2.0)
+}
+
 /// All effects, but without [`Effect::Interiors`] if no object of `scene` has an interior.
 fn effects_of_scene(scene: &Scene) -> Effects {
     if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without_effect(Effect::Interiors) }
@@ -209,8 +235,8 @@ fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
     scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.photon_domain()))))
 }
 
-/// Estimates the power \[W] of light number `light` towards the spheres of `aim`, averaged over
-/// RGB.
+/// Estimates the power \[W] that light number `light` emits towards the bounding spheres of casters
+/// in `aim`, averaged over RGB.
 fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
     let key = Key::new(0).purpose_key(Purpose::LightWeights).light_power_pilot_key(light);
     let flux = |i| {

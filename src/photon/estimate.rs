@@ -72,7 +72,7 @@ const MIN_RELATIVE_RADIUS: f32 = 1e-5;
 /// radiance finite if photons coincide.
 const MIN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 
-/// Number of photons that are summed in f32 before their sum is added to a total in f64.
+/// Number of photons whose f32 sum is formed before it is added to an f64 total.
 const BLOCK: u32 = 64;
 
 /// Photons count in an estimate if the cosine between their normal and the normal of the query
@@ -105,7 +105,7 @@ impl PhotonMap {
     ///
     /// The parameters are those of [`PhotonMap::estimate_radiance`]. The result of the largest disc
     /// equals the result of that function to the bit.
-    pub fn estimate_nested_radiance(
+    pub fn estimate_radiance_in_nested_discs(
         &self,
         p: Vec3,
         normal: Vec3,

@@ -46,8 +46,8 @@ pub struct StoreMask {
 impl StoreMask {
     /// Stores direct photons only.
     pub const DIRECT: Self = Self { direct: true, ..Self::NONE };
-    /// Stores caustic photons only. A path ends at its first receiver, which is a diffuse surface
-    /// or a medium.
+    /// Stores caustic photons only. A path then ends at its first receiver: a surface that stores
+    /// photons, or a scattering medium.
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
     /// Stores only indirect light: photons of paths that have scattered at one or more receivers.
     pub const INDIRECT: Self = Self { after_caustic: true, after_direct: true, ..Self::NONE };
@@ -60,7 +60,7 @@ impl StoreMask {
         separates_after_caustic: false,
         beams: true,
     };
-    /// Stores all kinds of photons; in media, at scattering points.
+    /// Stores all kinds of photons.
     pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, after_direct: true, ..Self::NONE };
 
     /// True if the mask stores photons of `kind` on surfaces.
@@ -80,8 +80,8 @@ impl StoreMask {
         kind != PhotonKind::Direct && self.stores_on_surfaces(kind)
     }
 
-    /// True if a path may still deposit a photon that the mask stores. `kind` is the kind of its
-    /// next photon.
+    /// True if a path whose next photon has kind `kind` may still deposit a photon that the mask
+    /// stores.
     pub(super) fn can_reach_stored_kind(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => true,
@@ -92,19 +92,21 @@ impl StoreMask {
     }
 }
 
-/// Ratio of paths that reach a caustic to paths that continue after it, if
+/// Ratio of photon paths that reach a caustic to paths that continue after it, if
 /// [`StoreMask::separates_after_caustic`] is set.
 pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 
 impl PhotonKind {
-    /// Kind of the path's next photon, after the path has passed through a caster's boundary
-    /// without scattering there.
+    /// Kind of the path's next photon, after the path has passed without scattering through the
+    /// boundary of a caster, such as glass.
     pub(super) fn kind_after_crossed_caster(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }
     }
 
-    /// Kind of the path's next photon, after the path has scattered at a receiver (`is_receiver`)
-    /// or at a caster.
+    /// Kind of the path's next photon after scattering.
+    ///
+    /// If `is_receiver`, the path has scattered at a receiver (surface that stores photons, or
+    /// medium); else at a caster, such as glass or a mirror.
     pub(super) fn kind_after_scattering(self, is_receiver: bool) -> Self {
         match (is_receiver, self) {
             (false, Self::Direct) => Self::Caustic,

@@ -129,6 +129,8 @@ pub struct Plan {
 
 impl Plan {
     /// Plans the render of `scene` by an algorithm that supports the effects `supported`.
+    ///
+    /// `overrides` are effects that the user turned on or off.
     #[must_use]
     pub fn new(scene: &Scene, supported: Effects, overrides: EffectOverrides) -> Self {
         let features = SceneFeatures::from_scene(scene);

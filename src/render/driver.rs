@@ -20,6 +20,9 @@ pub struct StopCriteria<'a> {
     pub time: Option<Duration>,
     /// Error at which the render ends; `None` for no target.
     pub target: Option<ErrorTarget>,
+    /// True to end the render also once its noise is below the error of `target`, if bias keeps its
+    /// error above it for any number of passes.
+    pub ends_at_bias: bool,
     /// Flag that another thread sets to true to end the render after the current pass.
     pub interrupted: &'a AtomicBool,
 }
@@ -52,7 +55,7 @@ pub enum EndReason {
     Time,
     /// The error target was reached.
     Target,
-    /// More passes would not reach the error target, and no other limit was set.
+    /// More passes would not reach the error target, because of bias.
     Floor,
     /// The user interrupted the render.
     Interrupted,
@@ -73,7 +76,7 @@ pub struct RenderResult {
     pub seconds: StageTimes,
     /// Counts and flux of the photon paths that start in all directions.
     pub unaimed: PhotonReport,
-    /// Counts and flux of the photon paths that are aimed at caustic casters.
+    /// Counts and flux of the photon paths that are aimed at casters, such as glass or mirrors.
     pub aimed: PhotonReport,
     /// Wall time from the first pass to the end.
     pub wall: Duration,
@@ -93,11 +96,11 @@ pub struct PassProgress {
 const ESTIMATE_INTERVAL_FACTOR: f64 = 1.05;
 
 /// Smallest number of passes after which a render may give up its error target.
-const GIVE_UP_PASSES: u32 = 16;
+pub(super) const GIVE_UP_PASSES: u32 = 16;
 
-/// Fraction of the predicted remaining bias that must exceed the error target before a render gives
-/// up.
-const GIVE_UP_MARGIN: f64 = 0.8;
+/// A render gives up its error target if this fraction of the bias that more passes cannot remove
+/// exceeds the target.
+pub(super) const GIVE_UP_MARGIN: f64 = 0.8;
 
 /// Renders a picture of `size` (width, height) pixels, pass by pass, until a criterion of `stop`
 /// holds.
@@ -124,9 +127,10 @@ pub fn render(
     };
     let mut next_estimate = 0.0;
     loop {
-        let pass = integrator.render_pass(rendered.film.passes(), monitor);
+        let number = rendered.film.passes();
+        let pass = integrator.render_pass(number, monitor);
         if let Some(estimator) = &mut rendered.estimator {
-            estimator.add(&rendered.film, &pass);
+            estimator.add(number, &pass);
         }
         rendered.film.add(&pass.image);
         rendered.counters += pass.counters;
@@ -146,10 +150,10 @@ pub fn render(
             Some(EndReason::Passes)
         } else if passes < stop.min_passes {
             None
-        } else if stop.time.is_some_and(|most| start.elapsed() >= most) {
-            Some(EndReason::Time)
         } else {
-            error.and_then(|(estimate, forecast)| stop.end_reason_by_error(&estimate, &forecast))
+            let by_error = error.and_then(|(estimate, forecast)| stop.end_reason_by_error(&estimate, &forecast));
+            let is_time_up = stop.time.is_some_and(|most| start.elapsed() >= most);
+            by_error.or(is_time_up.then_some(EndReason::Time))
         };
         if let Some(ended) = ended {
             rendered.ended = ended;
@@ -169,7 +173,13 @@ fn estimate_error(rendered: &RenderResult, stop: &StopCriteria<'_>) -> Option<(E
     Some((estimate, estimator.forecast(&estimate)?))
 }
 
-impl StopCriteria<'_> {
+impl<'a> StopCriteria<'a> {
+    /// Returns criteria under which only `interrupted` ends a render.
+    #[must_use]
+    pub fn unlimited(interrupted: &'a AtomicBool) -> Self {
+        Self { min_passes: 1, passes: None, time: None, target: None, ends_at_bias: false, interrupted }
+    }
+
     /// Returns the reason to end the render because of its estimated error; `None` to go on.
     fn end_reason_by_error(&self, estimate: &ErrorEstimate, forecast: &ErrorForecast) -> Option<EndReason> {
         let target = self.target?;
@@ -178,7 +188,9 @@ impl StopCriteria<'_> {
         }
         let PassesNeeded::Never { floor } = forecast.passes_to_reach(target.error) else { return None };
         let hopeless = estimate.passes >= GIVE_UP_PASSES && GIVE_UP_MARGIN * floor > target.error;
-        (hopeless && self.passes.is_none() && self.time.is_none()).then_some(EndReason::Floor)
+        let has_no_other_limit = self.passes.is_none() && self.time.is_none();
+        let is_only_bias = self.ends_at_bias && estimate.noise <= target.error;
+        (hopeless && (has_no_other_limit || is_only_bias)).then_some(EndReason::Floor)
     }
 }
 

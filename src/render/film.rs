@@ -1,17 +1,20 @@
 //! Film: accumulates the passes of a render.
 
+use super::merge_error::MergeError;
 use crate::color::Rgb;
-use crate::math::CompensatedSum;
+use crate::math::BinnedSums;
 use glam::DVec3;
 
 /// Sums of the pass images by pixel.
 ///
-/// Sums are compensated (Kahan), so rounding errors do not grow with the number of passes.
-#[derive(Clone, Debug)]
+/// The sums depend only on the set of passes, to the bit; see [`BinnedSums`]. Neither the order of
+/// passes nor the merging of films changes them. A sum with infinite values is infinite, or NaN if
+/// their signs differ.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Film {
     width: u32,
     height: u32,
-    sums: Vec<CompensatedSum>,
+    sums: BinnedSums<3>,
     passes: u32,
 }
 
@@ -19,15 +22,27 @@ impl Film {
     /// Creates an empty film of `width` × `height` pixels.
     #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
-        Self { width, height, sums: vec![CompensatedSum::default(); width as usize * height as usize], passes: 0 }
+        Self { width, height, sums: BinnedSums::new(width as usize * height as usize), passes: 0 }
     }
 
     /// Adds the image of one pass: radiance \[W/(m² sr)] of each pixel, in rows from the top.
     pub fn add(&mut self, image: &[Rgb]) {
-        for (sum, value) in self.sums.iter_mut().zip(image) {
-            sum.add(value.as_dvec3());
-        }
+        self.sums.add(image.iter().map(|value| value.as_dvec3().to_array()));
         self.passes += 1;
+    }
+
+    /// Adds the passes of `other`. No pass may be in both films.
+    ///
+    /// # Errors
+    /// [`MergeError`] if the sizes differ or there are too many passes. The film then stays as it
+    /// is.
+    pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
+        if self.size() != other.size() {
+            return Err(MergeError::Size { own: self.size(), other: other.size() });
+        }
+        self.passes = total_pass_count(self.passes, other.passes)?;
+        self.sums.merge(&other.sums);
+        Ok(())
     }
 
     /// Returns the number of added passes.
@@ -46,7 +61,7 @@ impl Film {
     /// 0 without passes.
     pub fn pixel_means(&self) -> impl Iterator<Item = DVec3> {
         let n = f64::from(self.passes.max(1));
-        self.sums.iter().map(move |sum| sum.value() / n)
+        (0..self.sums.len()).map(move |i| DVec3::from_array(self.sums.value(i)) / n)
     }
 
     /// Returns the mean radiance \[W/(m² sr)] of each pixel in single precision, in rows from the
@@ -55,4 +70,17 @@ impl Film {
     pub fn mean(&self) -> Vec<Rgb> {
         self.pixel_means().map(|mean| mean.as_vec3()).collect()
     }
+
+    /// Returns the sums of radiance over the passes.
+    pub(super) fn radiance_sums(&self) -> &BinnedSums<3> {
+        &self.sums
+    }
+}
+
+/// Returns the number of passes of two renders together.
+///
+/// # Errors
+/// [`MergeError::Passes`] if it exceeds `u32::MAX`.
+pub(super) fn total_pass_count(own: u32, other: u32) -> Result<u32, MergeError> {
+    own.checked_add(other).ok_or(MergeError::Passes { own, other })
 }

@@ -18,10 +18,13 @@
 //! | purpose | `Key::pass_key` | pass | one per pass; a pilot counts down from `u32::MAX` |
 //! | purpose `Camera` | `Key::shared_paths_key` | 0 | replaces the pass if passes share paths |
 //! | purpose `Camera` | `Key::fresh_paths_key` | pass + 1 | never the 0 of shared paths |
-//! | pass, round | `Key::photon_path_key` | path | one per photon path |
+//! | pass, slice, round | `Key::photon_path_key` | path | one per photon path |
+//! | pass of photon paths | `Key::shutter_slice_key` | 2³² + slice | above all words of paths |
 //! | path | `Key::photon_vertex_key` | bounce | one per vertex of a photon path |
 //! | vertex of a photon path | `Key::camera_connection_key` | 1 | the only child of its parent |
 //! | pass of `Camera` or `PrefixRays` | `Key::pixel_key` | y · 2³² + x | one per pixel |
+//! | purpose `Shutter` | `Key::pixel_key` | y · 2³² + x | one per pixel |
+//! | pixel of `Shutter` | `Key::pass_key` | pass | one per pass |
 //! | pixel | `Sampler::next_vertex_sampler` | 2 · bounce + transmitted | two branches per split |
 //! | vertex | `Sampler::shadow_ray_sampler` | pass · 2³² | other dimensions than the next vertex |
 //! | vertex, sample | `Key::medium_tracking_key` | 2⁶³ + pass | above all words of vertices |
@@ -63,7 +66,7 @@ pub enum Purpose {
     GatherRayGuides,
     /// Pilot simulation that divides the work between camera rays and photons.
     RayPhotonBalance,
-    /// Shutter times of passes.
+    /// Shutter times of passes and of camera rays.
     Shutter,
     /// Pilot simulation that divides caustics between photon density estimates and light tracing.
     DensityEstimateShares,
@@ -103,9 +106,10 @@ pub enum Dimension {
     ShadingRoulette,
     /// Position on the lens of the camera.
     Lens,
-    /// Time of a pass while the shutter is open.
+    /// Time of a pass or of a camera ray while the shutter is open.
     Time,
-    /// Wavelength that a path keeps after its first dispersive interface.
+    /// Wavelength that a path keeps after its first dispersive interface. The key is that of the
+    /// camera path's pixel, of the photon path's pass, or, for later wavelengths, of the vertex.
     Wavelength,
     /// Direction after scattering in a medium.
     Phase,
@@ -120,6 +124,9 @@ pub struct Key(u64);
 
 /// Bit that distinguishes keys of medium tracking from keys of path vertices and shadow rays.
 const MEDIUM_TRACKING_BIT: u64 = 1 << 63;
+
+/// Bit that distinguishes keys of shutter slices from keys of photon paths.
+const SHUTTER_SLICE_BIT: u64 = 1 << 32;
 
 impl Key {
     /// Creates the key from which all other keys of a render derive.
@@ -166,6 +173,12 @@ impl Key {
     #[must_use]
     pub fn photon_path_key(self, index: u32) -> Self {
         self.child_key(u64::from(index))
+    }
+
+    /// Key of the photon paths of slice `slice` of the shutter interval of a pass.
+    #[must_use]
+    pub fn shutter_slice_key(self, slice: u32) -> Self {
+        self.child_key(SHUTTER_SLICE_BIT | u64::from(slice))
     }
 
     /// Key of the vertex after `bounce` bounces of a photon path.

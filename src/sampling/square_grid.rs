@@ -5,8 +5,8 @@ use glam::Vec2;
 /// Distribution on \[0, 1)² with a constant pdf in each of `side` × `side` cells.
 ///
 /// It samples the row by inversion, then the column in the row. Stratified points stay stratified,
-/// since inversion is monotonic. Probabilities are multiples of 2⁻²⁴, the spacing of uniform
-/// numbers, so pdfs are exact even for the smallest cells.
+/// since inversion is monotonic. Probabilities of rows, and of columns in a row, are multiples of
+/// 2⁻²⁴, the spacing of uniform numbers, so even the smallest ones are exact.
 #[derive(Clone, Debug)]
 pub struct SquareGridDistribution {
     side: usize,

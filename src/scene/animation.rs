@@ -9,6 +9,7 @@ use super::{DeltaLightKind, LightStrength, Scene};
 use crate::camera::Camera;
 use crate::light::{EmissionTexture, LightSurface};
 use crate::math::{Motion, Transform};
+use crate::medium::Medium;
 use crate::shape::{Plane, Shape, TextureMapping, TextureMappingKind};
 use glam::DVec3;
 use std::sync::Arc;
@@ -16,8 +17,8 @@ use std::sync::Arc;
 /// Time for which a scene is built: the middle of the shutter interval, which runs from 0 to 1.
 pub(super) const MID_SHUTTER: f64 = 0.5;
 
-/// The moving shapes, planes, lights, camera and texture mappings of a scene, each before its
-/// motion. Each motion maps to coordinates relative to [`Scene::origin`].
+/// The moving shapes, planes, lights, camera, texture mappings and media of a scene, each before
+/// its motion. Each motion maps to coordinates relative to [`Scene::origin`].
 #[derive(Debug, Default)]
 pub(super) struct Animation {
     /// Moving shapes, which the scene lists after the shapes at rest.
@@ -31,6 +32,9 @@ pub(super) struct Animation {
     pub camera: Option<(Camera, Motion)>,
     /// Moving texture mappings: index in the mappings of [`Scene`], kind and motion.
     pub mappings: Vec<(usize, TextureMappingKind, Motion)>,
+    /// Media whose density grid moves: index in [`Scene::media`], medium when the shutter opens,
+    /// and motion of its body.
+    pub media: Vec<(usize, Medium, Motion)>,
 }
 
 impl Animation {
@@ -70,6 +74,13 @@ pub(super) fn texture_mapping_at_time(kind: TextureMappingKind, motion: &Motion,
     Some(TextureMapping::new(kind, motion_transform_at_time(motion, time)?))
 }
 
+/// `medium`, whose body is moved by `motion`, at `time`. `medium` has the place of its density grid
+/// when the shutter opens. `None` if a transform is singular.
+pub(super) fn medium_at_time(medium: &Medium, motion: &Motion, time: f64) -> Option<Medium> {
+    let opening = motion_transform_at_time(motion, 0.0)?;
+    medium.transformed(motion.at_time(time) * *opening.inverse())
+}
+
 /// Strength of a moving delta light, with [`LightStrength::Course`] converted to physical units at
 /// mid-shutter.
 ///
@@ -98,9 +109,14 @@ pub(super) fn scene_at_time(scene: &Scene, time: f64) -> Scene {
             moved.mappings[*i] = placed;
         }
     }
-    for (i, (shape, motion)) in (moved.geometry.first_moving as usize..).zip(&animation.shapes) {
+    for (i, (shape, motion)) in animation.shapes.iter().enumerate() {
         if let Some(placed) = shape_at_time(shape, motion, time) {
-            replace_shape(&mut moved, i, placed);
+            replace_moving_shape(&mut moved, i, placed);
+        }
+    }
+    for (i, medium, motion) in &animation.media {
+        if let Some(placed) = medium_at_time(medium, motion, time) {
+            moved.media[*i] = placed;
         }
     }
     let first_plane = moved.geometry.planes.len() - animation.planes.len();
@@ -125,10 +141,10 @@ pub(super) fn scene_at_time(scene: &Scene, time: f64) -> Scene {
     moved
 }
 
-/// Replaces shape `i` of the scene by `shape`. If the shape emits light, its area light changes
-/// too.
-fn replace_shape(scene: &mut Scene, i: usize, shape: Shape) {
-    let object = scene.geometry.objects[i];
+/// Replaces moving shape `i`, counted from the first moving shape, by `shape`. If the shape emits
+/// light, its area light changes too.
+fn replace_moving_shape(scene: &mut Scene, i: usize, shape: Shape) {
+    let object = scene.geometry.objects[scene.geometry.shapes.first_moving() as usize + i];
     if let Some(light) = object.light {
         let light = light as usize;
         if let Some(area) = scene.lights[light].as_area_light_mut() {
@@ -141,5 +157,5 @@ fn replace_shape(scene: &mut Scene, i: usize, shape: Shape) {
         }
         scene.legacy_lights[light] = legacy_area_light(&scene.lights[light]);
     }
-    scene.geometry.shapes[i] = shape;
+    scene.geometry.shapes.replace_moving(i, shape);
 }

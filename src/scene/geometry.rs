@@ -1,5 +1,6 @@
 //! The geometry of a resolved scene, with the hierarchies that find intersections.
 
+use super::shape_list::ShapeList;
 use crate::accel::{Hierarchy, PrimitiveIndex};
 use crate::math::{Bounds, Ray};
 use crate::shape::{Mesh, Plane, Shape, SurfacePoint, TexCoord};
@@ -71,11 +72,8 @@ impl CoincidenceGroup {
 #[derive(Clone)]
 pub(super) struct Geometry {
     /// Attributes of each object, by object index.
-    pub objects: Vec<ObjectAttributes>,
-    /// Shapes at rest, then moving shapes.
-    pub shapes: Vec<Shape>,
-    /// Index of the first moving shape.
-    pub first_moving: u32,
+    pub objects: Arc<[ObjectAttributes]>,
+    pub shapes: ShapeList,
     /// Planes at rest, then moving planes.
     pub planes: Vec<Plane>,
     pub mesh: Arc<Mesh>,
@@ -102,7 +100,8 @@ impl Geometry {
         mesh_ranges: Vec<Range<u32>>,
     ) -> Self {
         let corners: Vec<_> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
-        let boxes: Vec<Bounds> = shapes[..first_moving as usize].iter().map(Shape::bounds).collect();
+        let shapes = ShapeList::new(shapes, first_moving);
+        let boxes: Vec<Bounds> = shapes.resting().iter().map(Shape::bounds).collect();
         let static_bounds =
             boxes.iter().copied().fold(Bounds::from_points(corners.iter().flatten().copied()), Bounds::union);
         let hierarchy = Arc::new(Hierarchy::build(&corners, &boxes));
@@ -111,9 +110,8 @@ impl Geometry {
             triangle_object.resize(range.end as usize, object);
         }
         let mut geometry = Self {
-            objects,
+            objects: objects.into(),
             shapes,
-            first_moving,
             planes,
             mesh,
             mesh_ranges: mesh_ranges.into(),
@@ -128,17 +126,13 @@ impl Geometry {
 
     /// Rebuilds the hierarchy over moving shapes, after their positions have changed.
     pub fn rebuild_moving_hierarchy(&mut self) {
-        let boxes: Vec<Bounds> = self.moving_shapes().iter().map(Shape::bounds).collect();
+        let boxes: Vec<Bounds> = self.shapes.moving().iter().map(Shape::bounds).collect();
         self.moving = (!boxes.is_empty()).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
-    }
-
-    pub fn moving_shapes(&self) -> &[Shape] {
-        &self.shapes[self.first_moving as usize..]
     }
 
     /// Bounds of all bounded objects.
     pub fn bounds(&self) -> Bounds {
-        self.moving_shapes().iter().map(Shape::bounds).fold(self.static_bounds, Bounds::union)
+        self.shapes.moving().iter().map(Shape::bounds).fold(self.static_bounds, Bounds::union)
     }
 
     /// Index of the first plane in the list of objects.
@@ -173,10 +167,11 @@ impl Geometry {
     /// The nearest intersection of `ray` with any primitive, for 0 < t < `ray.t_max`.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let Self { shapes, first_moving, planes, hierarchy, moving, .. } = self;
+        let Self { shapes, planes, hierarchy, moving, .. } = self;
+        let (resting, in_motion) = (shapes.resting(), shapes.moving());
 
         // Find the nearest triangle or shape at rest.
-        let bounded = hierarchy.closest_hit(ray, |i, ray| shapes[i as usize].intersect(ray));
+        let bounded = hierarchy.closest_hit(ray, |i, ray| resting[i as usize].intersect(ray));
         let mut hit = bounded.map(|h| Hit {
             t: h.t,
             primitive: match h.primitive {
@@ -188,10 +183,13 @@ impl Geometry {
         // Find a nearer moving shape.
         if let Some(moving) = moving {
             let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
-            if let Some(h) = moving.closest_hit(&within, |i, ray| shapes[(first_moving + i) as usize].intersect(ray))
+            if let Some(h) = moving.closest_hit(&within, |i, ray| in_motion[i as usize].intersect(ray))
                 && let PrimitiveIndex::Other(i) = h.primitive
             {
-                hit = Some(Hit { t: h.t, primitive: HitPrimitive::Shape(first_moving + i, Vec2::new(h.u, h.v)) });
+                hit = Some(Hit {
+                    t: h.t,
+                    primitive: HitPrimitive::Shape(shapes.first_moving() + i, Vec2::new(h.u, h.v)),
+                });
             }
         }
 
@@ -208,20 +206,19 @@ impl Geometry {
     /// True if `ray` hits any primitive, for 0 < t < `ray.t_max`.
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        let Self { shapes, first_moving, planes, hierarchy, moving, .. } = self;
+        let Self { shapes, planes, hierarchy, moving, .. } = self;
+        let (resting, in_motion) = (shapes.resting(), shapes.moving());
         planes.iter().any(|plane| plane.intersect(ray).is_some())
-            || hierarchy.occluded(ray, |i, ray| shapes[i as usize].occludes(ray))
-            || moving
-                .as_ref()
-                .is_some_and(|moving| moving.occluded(ray, |i, ray| shapes[(first_moving + i) as usize].occludes(ray)))
+            || hierarchy.occluded(ray, |i, ray| resting[i as usize].occludes(ray))
+            || moving.as_ref().is_some_and(|moving| moving.occluded(ray, |i, ray| in_motion[i as usize].occludes(ray)))
     }
 
     /// Calls `visit` for every intersection along `ray`, in no particular order.
     pub fn for_each_hit(&self, ray: &Ray, mut visit: impl FnMut(Hit)) {
-        let mut search = |hierarchy: &Hierarchy, first: u32| {
+        let mut search = |hierarchy: &Hierarchy, shapes: &[Shape], first: u32| {
             hierarchy.for_each_hit(
                 ray,
-                |i, ray| self.shapes[(first + i) as usize].intersect(ray),
+                |i, ray| shapes[i as usize].intersect(ray),
                 |hit| {
                     let uv = Vec2::new(hit.u, hit.v);
                     let primitive = match hit.primitive {
@@ -232,9 +229,9 @@ impl Geometry {
                 },
             );
         };
-        search(&self.hierarchy, 0);
+        search(&self.hierarchy, self.shapes.resting(), 0);
         if let Some(moving) = &self.moving {
-            search(moving, self.first_moving);
+            search(moving, self.shapes.moving(), self.shapes.first_moving());
         }
         for (i, plane) in self.planes.iter().enumerate() {
             if let Some((t, ..)) = plane.intersect(ray) {
@@ -248,7 +245,7 @@ impl Geometry {
     pub fn surface_point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
         match hit.primitive {
             HitPrimitive::Triangle(i, b) => self.mesh.surface_point(i as usize, b),
-            HitPrimitive::Shape(i, uv) => self.shapes[i as usize].surface_point(ray, hit.t, uv),
+            HitPrimitive::Shape(i, uv) => self.shapes[i].surface_point(ray, hit.t, uv),
             HitPrimitive::Plane(i) => self.planes[i as usize].surface_point(ray, hit.t),
         }
     }
@@ -257,7 +254,7 @@ impl Geometry {
     pub fn surface_texture_coords(&self, hit: &Hit, point: &SurfacePoint) -> TexCoord {
         match hit.primitive {
             HitPrimitive::Triangle(i, b) => self.mesh.tex_coord(i as usize, b),
-            HitPrimitive::Shape(i, uv) => self.shapes[i as usize].tex_coord(point.p, uv),
+            HitPrimitive::Shape(i, uv) => self.shapes[i].tex_coord(point.p, uv),
             HitPrimitive::Plane(_) => TexCoord::default(),
         }
     }
@@ -265,7 +262,7 @@ impl Geometry {
     /// The coincidence group of the object to which `primitive` belongs.
     pub fn coincidence_group(&self, primitive: HitPrimitive) -> CoincidenceGroup {
         match primitive {
-            HitPrimitive::Shape(i, _) if self.shapes[i as usize].may_share_edges() => CoincidenceGroup::SHARED_EDGES,
+            HitPrimitive::Shape(i, _) if self.shapes[i].may_share_edges() => CoincidenceGroup::SHARED_EDGES,
             HitPrimitive::Triangle(..) | HitPrimitive::Shape(..) | HitPrimitive::Plane(_) => {
                 CoincidenceGroup::group_of_single_object(self.object_index(primitive))
             }

@@ -11,9 +11,11 @@ mod error;
 mod geometry;
 mod interiors;
 mod material;
+mod motion_extent;
 mod path_ray;
 mod queries;
 mod ray_cone;
+mod shape_list;
 mod surface_interaction;
 mod textured;
 
@@ -27,6 +29,7 @@ pub use interiors::{
     Body, BoundaryEvent, CurrentMedium, Interior, InteriorKind, InteriorStack, NoInterior, SpectralInterior,
 };
 pub use material::{Material, MaterialKind};
+pub use motion_extent::motion_on_film;
 pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};
 pub use queries::{LeafMaterial, ObjectSummary};
 pub use ray_cone::RayCone;

@@ -56,6 +56,14 @@ impl Scene {
         self.animation.is_some()
     }
 
+    /// Number of parts of the scene that a copy for another shutter time does not share: moving
+    /// shapes, planes, lights and texture mappings.
+    #[must_use]
+    pub fn unshared_part_count(&self) -> usize {
+        let Self { geometry, lights, mappings, .. } = self;
+        geometry.shapes.moving().len() + geometry.planes.len() + lights.len() + mappings.len()
+    }
+
     /// The scene at `time`: 0 is the opening of the shutter, 1 its closing.
     ///
     /// The returned scene shares triangles, their hierarchy, textures and the environment light
@@ -74,7 +82,7 @@ impl Scene {
             material: attributes.material,
             has_emission_texture: self.has_emission_texture(attributes),
         };
-        let shapes = geometry.shapes.iter().zip(&geometry.objects).map(move |(shape, attributes)| {
+        let shapes = geometry.shapes.iter().zip(&*geometry.objects).map(move |(shape, attributes)| {
             let plane = shape.point_if_planar().map(|point| (point.p, point.ng));
             summary(attributes, Some(shape.bounding_sphere()), plane)
         });

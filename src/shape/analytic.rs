@@ -1,4 +1,4 @@
-//! The trait that every bounded shape implements.
+//! [`AnalyticShape`], which every bounded shape implements.
 
 use super::hit::ShapeHit;
 use super::surface_point::{ShapeSample, SolidAngleSampleResult, SurfacePoint};

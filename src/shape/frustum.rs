@@ -116,8 +116,8 @@ impl Frustum {
         self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
     }
 
-    /// Interval of arc length τ in which the line of `ray` is inside the infinite cone around the
-    /// side.
+    /// Interval of the arc length τ along the line of `ray`, in object space, in which the line is
+    /// inside the infinite cone around the side. It may be infinite at one end.
     ///
     /// `None` if the line misses the cone. The interval may cover the mirror image of the cone
     /// beyond its apex. The discriminant is computed from squared cross products, so it keeps its

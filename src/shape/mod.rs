@@ -221,9 +221,10 @@ impl Shape {
         dispatch!(self, s, _w => s.pdf(point))
     }
 
-    /// Samples a point of the outer side that is visible from `from`, by solid angle.
+    /// Samples a point of the outer side that faces `from`, by solid angle.
     ///
-    /// `u` is uniform in \[0, 1)².
+    /// `u` is uniform in \[0, 1)². Other shapes that may occlude the point are ignored. The result
+    /// also says if no side faces `from`, or if the shape has no such sampling.
     #[inline]
     #[must_use]
     pub fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampleResult {

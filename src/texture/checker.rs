@@ -3,13 +3,13 @@
 use crate::color::Rgb;
 use glam::DVec2;
 
-/// Finite-difference step of bump maps, relative to the side of a square.
+/// Finite-difference step of bump maps, relative to the side of a square of the checkerboard.
 pub(super) const BUMP_STEP: f64 = 1e-3;
 
 /// A checkerboard of unit squares: the first colour where ⌊u⌋ + ⌊v⌋ is even, else the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checkerboard {
-    /// The two colours.
+    /// Colours of the squares where ⌊u⌋ + ⌊v⌋ is even, and where it is odd.
     pub colors: [Rgb; 2],
 }
 

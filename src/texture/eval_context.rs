@@ -17,7 +17,7 @@ const MAX_PERIODS: f64 = 1e6;
 /// If the footprint has zero size, textures are evaluated at the point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TextureEvalContext {
-    /// Texture coordinates.
+    /// Texture coordinates of the point.
     pub uv: DVec2,
     /// Full axes of the footprint in texture coordinates: the change of `uv` from one end of an
     /// axis to the other.

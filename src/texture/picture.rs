@@ -128,7 +128,8 @@ impl WrapMode {
         if folded.is_finite() { folded } else { 0.0 }
     }
 
-    /// Index in 0..`n` of the pixel that continues a row of `n` pixels at index `i`.
+    /// Returns the index of the pixel that the wrap mode repeats at index `i` of a row of `n`
+    /// pixels.
     fn wrap_pixel_index(self, i: i64, n: usize) -> usize {
         let n = n as i64;
         (match self {

@@ -23,7 +23,7 @@ pub enum SolidPattern {
 /// before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidTexture {
-    /// The pattern.
+    /// Function of position that blends the two colours.
     pub kind: SolidPattern,
     /// Colours for pattern values 0 and 1.
     pub colors: [Rgb; 2],
@@ -63,7 +63,7 @@ impl SolidTexture {
         self.colors[0].lerp(self.colors[1], t as f32)
     }
 
-    /// The mean of both colours, because the pattern is symmetric about ½.
+    /// Mean colour over all space: that of both colours, because the pattern is symmetric about ½.
     pub(super) fn mean(&self) -> Rgb {
         (self.colors[0] + self.colors[1]) * 0.5
     }

@@ -40,8 +40,8 @@ fn picture(scene: &Path) -> Image {
         ..Settings::default()
     };
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
-    let stop =
-        StopCriteria { min_passes: 1, passes: Some(2), time: None, target: None, interrupted: &AtomicBool::new(false) };
+    let interrupted = AtomicBool::new(false);
+    let stop = StopCriteria { passes: Some(2), ..StopCriteria::unlimited(&interrupted) };
     let rendered = render(integrator.as_ref(), SIZE, &stop, &SilentMonitor, |_| {});
     Image::from_pixels(SIZE.0, SIZE.1, rendered.film.mean()).unwrap()
 }

@@ -1,4 +1,4 @@
-//! Lights of a description.
+//! Lights of a [`SceneDescription`](super::SceneDescription), as the scene file states them.
 
 use glam::DVec3;
 
@@ -11,14 +11,14 @@ pub enum LightDescription {
     Point {
         /// Position of the point light.
         position: DVec3,
-        /// Strength of the light: a legacy color, a radiant intensity or a flux.
+        /// Radiant intensity, flux, or color of the MIT 6.837 shading model.
         strength: PointLightStrength,
     },
     /// A directional light: parallel light from infinity.
     Directional {
         /// Direction in which the light travels, of any length.
         direction: DVec3,
-        /// Strength of the light: a legacy color or an irradiance.
+        /// Irradiance, or color of the MIT 6.837 shading model.
         strength: DirectionalLightStrength,
     },
     /// A spotlight: a point light limited to a cone.
@@ -74,15 +74,14 @@ pub enum LightDescription {
         aim: DirectionOrTarget,
         /// Up direction of the pattern; `None` for +y, or for −z if `aim` is parallel to y.
         up: Option<DVec3>,
-        /// Relative intensity by direction.
+        /// Intensity in each direction, relative to `strength`.
         pattern: LightPattern,
-        /// Strength of the light: the intensity where the pattern is 1, or the flux. Legacy colors
-        /// are not allowed.
+        /// Intensity where the pattern is 1, or flux. [`PointLightStrength::Color`] is not allowed.
         strength: PointLightStrength,
     },
     /// A light that moves while the shutter is open.
     Moving {
-        /// Steps of the motion about the light's own position.
+        /// Steps of the motion. The light's own position is the origin of its rotations and scales.
         ///
         /// The first listed step is applied last.
         maps: Vec<TransformStep>,
@@ -138,7 +137,7 @@ pub enum EnvironmentRadiance {
     Constant(DVec3),
     /// An equirectangular picture of all directions.
     Picture {
-        /// Path as written: not empty, without line breaks.
+        /// Path of the picture as the text writes it: not empty, without line breaks.
         path: Spanned<String>,
         /// Factor from picture values to radiance in W/(m² sr), at least 0.
         scale: f64,

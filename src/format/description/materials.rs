@@ -1,4 +1,4 @@
-//! Materials of a description.
+//! Materials of a [`SceneDescription`](super::SceneDescription), as the scene file states them.
 
 use crate::color::DispersionFormula;
 use glam::DVec3;
@@ -52,8 +52,8 @@ pub enum MaterialKindDescription {
         attenuation: DielectricAbsorption,
         /// GGX α, inside [0, 1]; 0 is smooth.
         roughness: TexturedValue<f64>,
-        /// Priority where bodies overlap (Schmidt and Budge 2002): the highest wins. Of equal ones,
-        /// the body that was entered last wins.
+        /// Priority where bodies overlap (Schmidt and Budge 2002): the highest wins. Among equal
+        /// priorities, the body that was entered last wins.
         priority: u8,
     },
     /// Null interface: boundary of a region without a surface.
@@ -201,13 +201,13 @@ impl MaterialKindDescription {
 /// Index of refraction of a dielectric, relative to air.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RefractiveIndexDescription {
-    /// One index for all wavelengths.
+    /// One refractive index for all wavelengths.
     Index(f64),
     /// Name of a glass with a known dispersion formula.
     Named(Spanned<String>),
     /// Two-term Cauchy equation, given by index and Abbe number.
     Abbe {
-        /// Index at the d line, 587.56 nm.
+        /// Refractive index at the d line, 587.56 nm.
         index: f64,
         /// Abbe number, above 0; a smaller one means more dispersion.
         abbe: f64,
@@ -241,13 +241,13 @@ pub enum MetalDescription {
 pub enum DielectricAbsorption {
     /// A body that absorbs nothing.
     None,
-    /// Absorption coefficient in 1/length.
+    /// Absorption coefficient σa in 1/length.
     Coefficient(DVec3),
     /// Transmittance over a given distance.
     Tint {
         /// Transmittance over `distance`, inside (0, 1].
         color: DVec3,
-        /// Distance in scene units, above 0.
+        /// Distance over which `color` is the transmittance, in scene units, above 0.
         distance: f64,
     },
 }

@@ -1,4 +1,5 @@
-//! Participating media of a description.
+//! Participating media of a [`SceneDescription`](super::SceneDescription), as the scene file states
+//! them.
 
 use glam::DVec3;
 
@@ -56,7 +57,7 @@ pub enum DensityDescription {
     Homogeneous,
     /// Densities from a grid file.
     Grid {
-        /// Path as written: not empty, without line breaks.
+        /// Path of the grid file as the text writes it: not empty, without line breaks.
         path: Spanned<String>,
         /// Factor that multiplies the file's densities, above 0.
         scale: f64,
@@ -71,7 +72,7 @@ pub enum DensityDescription {
         softness: f64,
         /// Number of noise octaves, from 1 to 16.
         octaves: u32,
-        /// Periods of the first octave along each side of the box, above 0.
+        /// Number of noise periods of the first octave along each side of the box, above 0.
         frequency: f64,
         /// Random seed of the noise.
         seed: u32,

@@ -30,7 +30,7 @@ pub use textures::{
     TexcoordTransformDescription, TextureDescription, TextureKindDescription, TexturedValue, WrapMode,
 };
 
-/// A range of bytes in the text of a scene.
+/// A range of bytes in the text of a scene, for error messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Span {
     /// Offset of the first byte.
@@ -92,7 +92,7 @@ pub struct SceneDescription {
     pub root: ObjectGroup,
 }
 
-/// A camera as the scene file describes it.
+/// A camera as the scene file describes it, with its picture size and motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraDescription {
     /// Position of the pinhole, of the lens center, or of the center of an orthographic picture.
@@ -107,7 +107,8 @@ pub struct CameraDescription {
     pub width: u32,
     /// Picture height in pixels.
     pub height: u32,
-    /// Steps of the motion about the camera's own position, while the shutter is open.
+    /// Steps of the motion while the shutter is open. The camera's own position is the origin of
+    /// its rotations.
     ///
     /// The first listed step is applied last.
     pub motion: Vec<TransformStep>,
@@ -204,7 +205,8 @@ pub enum ObjectDescription {
     Group(ObjectGroup),
     /// An object under an affine transform.
     Transform {
-        /// Steps of the transform. The first listed step is applied last.
+        /// Steps of the transform from the object to its surroundings. The first listed step is
+        /// applied last.
         maps: Vec<TransformStep>,
         /// Object before the steps are applied.
         object: Box<Spanned<ObjectDescription>>,
@@ -242,7 +244,7 @@ pub enum ShapeDescription {
     Plane {
         /// Normal of any length above 0.
         normal: DVec3,
-        /// Distance from the origin in units of the normal's length.
+        /// Distance of the plane from the origin, times the length of `normal`.
         offset: f64,
     },
     /// A flat disc.
@@ -299,7 +301,7 @@ pub enum ShapeDescription {
     },
     /// A mesh in a file of its own.
     Mesh {
-        /// Path as written: not empty, without line breaks.
+        /// Path of the mesh file as the text writes it: not empty, without line breaks.
         path: Spanned<String>,
         /// Use of the materials and normals of the mesh's file.
         options: MeshOptions,
@@ -327,8 +329,8 @@ pub enum ShapeDescription {
         degree: [u32; 2],
         /// Number of control points along u and v, each above the degree.
         count: [u32; 2],
-        /// Knots along u and v: count + degree + 1 nondecreasing numbers each, or none for uniform
-        /// knots.
+        /// Knots along u and v: count + degree + 1 nondecreasing numbers each, or an empty list for
+        /// uniform knots.
         knots: [Vec<f64>; 2],
         /// Control points (x, y, z, weight); the index along v varies fastest.
         controls: Vec<DVec4>,

@@ -1,4 +1,4 @@
-//! Textures of a description.
+//! Textures of a [`SceneDescription`](super::SceneDescription), as the scene file states them.
 
 pub use crate::texture::WrapMode;
 use glam::{DVec2, DVec3};
@@ -39,33 +39,33 @@ pub struct TextureDescription {
     pub kind: TextureKindDescription,
 }
 
-/// Kind of a texture, with its parameters.
+/// Picture, checkerboard or solid texture, with its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TextureKindDescription {
     /// A picture in a file of its own.
     Image {
-        /// Path as written: not empty, without line breaks.
+        /// Path of the picture as the text writes it: not empty, without line breaks.
         path: Spanned<String>,
         /// Encoding of pictures with integer values, such as PNG. Floating-point pictures are
         /// linear.
         encoding: PictureEncoding,
         /// Rule for texture coordinates beyond the picture's edges.
         wrap: WrapMode,
-        /// Transform of the texture coordinates.
+        /// Transform from the surface's texture coordinates to those of the picture.
         coordinates: TexcoordTransformDescription,
     },
     /// Checkerboard with squares of side 1 in texture coordinates.
     Checker {
         /// Colors where ⌊u⌋ + ⌊v⌋ is even, and where it is odd.
         colors: [DVec3; 2],
-        /// Transform of the texture coordinates.
+        /// Transform from the surface's texture coordinates to those of the checkerboard.
         coordinates: TexcoordTransformDescription,
     },
     /// A solid texture: a function of the position in object space.
     Solid {
         /// Function of the position.
         pattern: SolidPatternDescription,
-        /// Colors at pattern values 0 and 1.
+        /// Colors where the pattern has the values 0 and 1.
         colors: [DVec3; 2],
         /// Number of noise octaves, from 1 to 16.
         octaves: u32,
@@ -79,7 +79,7 @@ pub enum TextureKindDescription {
     },
 }
 
-/// Function of position of a solid texture.
+/// Function of position that a solid texture evaluates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolidPatternDescription {
     /// Perlin noise.
@@ -90,7 +90,7 @@ pub enum SolidPatternDescription {
     Wood,
 }
 
-/// Encoding of integer picture values.
+/// Encoding of the integer values of a picture, such as a PNG file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PictureEncoding {
     /// Values encoded by the sRGB transfer function.

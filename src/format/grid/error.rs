@@ -10,7 +10,7 @@ pub enum GridError {
     /// The file cannot be opened or read.
     #[error("cannot read the grid {}: {source}: check that it is a file and that you may read it", path.display())]
     Unreadable {
-        /// Path of the file.
+        /// Path of the grid file.
         path: PathBuf,
         /// Cause reported by the system.
         source: std::io::Error,
@@ -25,7 +25,7 @@ pub enum GridError {
         path.display(), size[0], size[1], size[2]
     )]
     Length {
-        /// Path of the file.
+        /// Path of the grid file.
         path: PathBuf,
         /// Cells along x, y and z.
         size: [u32; 3],
@@ -40,7 +40,7 @@ pub enum GridError {
         path.display(), cell[0], cell[1], cell[2]
     )]
     Cell {
-        /// Path of the file.
+        /// Path of the grid file.
         path: PathBuf,
         /// Cell coordinates along x, y and z, from 0.
         cell: [u32; 3],
@@ -53,9 +53,9 @@ pub enum GridError {
         path.display(), format_bytes(*needed), free.map_or("less".to_owned(), format_bytes)
     )]
     NoMemory {
-        /// Path of the file.
+        /// Path of the grid file.
         path: PathBuf,
-        /// Number of cells.
+        /// Number of cells of the grid.
         cells: usize,
         /// Bytes that reading the grid takes.
         needed: u64,
@@ -65,7 +65,7 @@ pub enum GridError {
 }
 
 impl GridError {
-    pub(super) fn at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
+    pub(super) fn error_at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
         Self::Line(LineError::new(path, line, problem))
     }
 }

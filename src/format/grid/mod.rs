@@ -46,9 +46,9 @@ pub struct DensityGrid {
 /// Encoding of the values in a grid file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GridEncoding {
-    /// Little-endian single precision.
+    /// Binary numbers: little-endian single precision.
     F32,
-    /// Decimal numbers.
+    /// Decimal numbers as text, separated by white space.
     Text,
 }
 
@@ -94,7 +94,7 @@ pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) 
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
     let mut start = Vec::new();
     Read::take(&mut file, MAX_HEADER_BYTES).read_to_end(&mut start).map_err(unreadable)?;
-    let header = parse_header(&start).map_err(|(line, wrong)| GridError::at_line(path, line, wrong))?;
+    let header = parse_header(&start).map_err(|(line, wrong)| GridError::error_at_line(path, line, wrong))?;
     let rest = start[header.bytes as usize..].chain(file);
     let body = GridBodyReader { path, header: &header, length, free };
     let values = match header.encoding {
@@ -134,7 +134,7 @@ pub fn write(path: &Path, grid: &DensityGrid, encoding: GridEncoding) -> std::io
 
 /// Parses the header from the first bytes of a file.
 ///
-/// An error holds the line number, from 1, and the problem.
+/// An error holds the line number, from 1, with a message and a remedy.
 fn parse_header(start: &[u8]) -> Result<GridHeader, (usize, MessageAndRemedy)> {
     if start.starts_with(b" BDV") {
         return Err((1, ("this is an OpenVDB file".to_owned(), "sample it on a grid, and write that as `type f32`")));
@@ -203,7 +203,7 @@ fn grid_cell_coordinates(size: [u32; 3], i: usize) -> [u32; 3] {
 struct GridBodyReader<'a> {
     path: &'a Path,
     header: &'a GridHeader,
-    /// Bytes of the whole file.
+    /// Size of the whole file \[bytes].
     length: u64,
     /// Bytes of memory that are free, if known.
     free: Option<u64>,
@@ -241,7 +241,7 @@ impl GridBodyReader<'_> {
 
     fn read_text_values(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
         let Self { path, header, length, .. } = *self;
-        let wrong = |line, message, remedy| GridError::at_line(path, line, (message, remedy));
+        let wrong = |line, message, remedy| GridError::error_at_line(path, line, (message, remedy));
         let count = |found: usize| format!("{found} numbers follow, but the size asks for {}", header.cells);
         const REMEDY: &str = "give one number for each cell, x running fastest, and nothing behind them";
         // A value takes at least a digit and a separator.

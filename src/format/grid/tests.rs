@@ -21,7 +21,7 @@ fn grid_file_bytes(grid: &DensityGrid, encoding: GridEncoding) -> Vec<u8> {
     })
 }
 
-/// Asserts that reading `bytes` fails and that the error names file, problem and remedy.
+/// Asserts that reading `bytes` fails, with an error that contains `place`, `message` and `remedy`.
 #[track_caller]
 fn assert_refused(bytes: &[u8], place: &str, message: &str, remedy: &str) {
     let error = read_grid_bytes(bytes).unwrap_err().to_string();

@@ -1,4 +1,5 @@
-//! Cameras in scene text: schemas, parsing and printing. Also viewing directions of lights.
+//! Schemas, parsing and printing of camera blocks, and of the fields `direction` and `lookAt` that
+//! cameras and lights share.
 
 use std::fmt;
 
@@ -26,15 +27,15 @@ pub(super) static CAMERAS: &[BlockParser<ParseProjection>] = &[
     BlockParser { block: &ENVIRONMENT, parse: parse_environment_projection },
 ];
 
-/// Function that converts a camera's fields to its projection.
-type ParseProjection = fn(&BlockFields<'_>, &CameraView) -> Result<ProjectionDescription, SceneError>;
+/// Function that converts the parsed fields of a camera block to the camera's projection.
+type ParseProjection = fn(&BlockFields<'_>, &CameraPose) -> Result<ProjectionDescription, SceneError>;
 
 /// Position and viewing direction of a camera.
-pub(super) struct CameraView {
+pub(super) struct CameraPose {
     center: DVec3,
     /// Viewing direction, of any length.
     direction: DVec3,
-    /// Viewing direction as the scene text states it.
+    /// The field `direction` or `lookAt`, as the scene text states it.
     aim: DirectionOrTarget,
 }
 
@@ -113,10 +114,10 @@ static ENVIRONMENT: BlockSchema = block_schema(
 ])
 .with_shared_fields(&[VIEW_FIELDS]);
 
-/// Default sensor height \[length]: 24 mm if scene lengths are in metres.
+/// Default sensor height in scene units: 24 mm if the unit is the metre.
 const DEFAULT_SENSOR_HEIGHT: f64 = 0.024;
 
-/// Parses a `Moving` block with a camera. Scaling the camera is an error.
+/// Parses a `Moving` block that holds a camera. A scale in the block is an error.
 pub(super) fn parse_moving_camera<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -147,7 +148,7 @@ pub(super) fn parse_camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Resu
         return Err(f.error_at(culprit.map_or(word.span(), |field| field.span()), message, "parallel", help));
     }
     let width: u32 = f.value("width")?;
-    let projection = (entry.parse)(&f, &CameraView { center, direction, aim })?;
+    let projection = (entry.parse)(&f, &CameraPose { center, direction, aim })?;
     let height = match projection {
         ProjectionDescription::Environment => f.optional_value("height").unwrap_or(width.div_ceil(2)),
         ProjectionDescription::Perspective { .. } | ProjectionDescription::Orthographic { .. } => f.value("height")?,
@@ -155,20 +156,20 @@ pub(super) fn parse_camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Resu
     Ok(CameraDescription { center, aim, up, projection, width, height, motion: Vec::new() })
 }
 
-fn parse_perspective_projection(f: &BlockFields<'_>, view: &CameraView) -> Result<ProjectionDescription, SceneError> {
+fn parse_perspective_projection(f: &BlockFields<'_>, view: &CameraPose) -> Result<ProjectionDescription, SceneError> {
     Ok(ProjectionDescription::Perspective { angle: f.value("angle")?, lens: parse_lens(f, view)? })
 }
 
-fn parse_orthographic_projection(f: &BlockFields<'_>, _: &CameraView) -> Result<ProjectionDescription, SceneError> {
+fn parse_orthographic_projection(f: &BlockFields<'_>, _: &CameraPose) -> Result<ProjectionDescription, SceneError> {
     Ok(ProjectionDescription::Orthographic { size: f.value("size")? })
 }
 
-fn parse_environment_projection(_: &BlockFields<'_>, _: &CameraView) -> Result<ProjectionDescription, SceneError> {
+fn parse_environment_projection(_: &BlockFields<'_>, _: &CameraPose) -> Result<ProjectionDescription, SceneError> {
     Ok(ProjectionDescription::Environment)
 }
 
 /// Parses the lens of a camera; `None` for a pinhole.
-fn parse_lens(f: &BlockFields<'_>, view: &CameraView) -> Result<Option<LensDescription>, SceneError> {
+fn parse_lens(f: &BlockFields<'_>, view: &CameraPose) -> Result<Option<LensDescription>, SceneError> {
     if f.get("aperture").is_none() && f.get("fNumber").is_none() {
         let rule = "has no effect without `aperture` or `fNumber`";
         f.forbid_fields(&["sensorHeight", "focusDistance", "focusAt", "blades"], rule)?;
@@ -206,9 +207,10 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraView) -> Result<Option<LensDescr
     Ok(Some(LensDescription { aperture, focus, blades }))
 }
 
-/// Parses `direction` or `lookAt`; returns it, and the direction from `center`, of any length.
+/// Parses the field `direction` or `lookAt` of a camera or light that is at `center`.
 ///
-/// `center_name` is the name of the field that holds `center`, for the error message.
+/// Returns the field, and the direction from `center`, of any length. Error messages call the field
+/// of `center` by its name `center_name`.
 pub(super) fn parse_direction_or_target(
     f: &BlockFields<'_>,
     center_name: &str,

@@ -1,4 +1,4 @@
-//! Parsing of blocks whose named fields stand in any order, and access to their values.
+//! Parses blocks whose named fields stand in any order, and gives access to the values.
 
 use glam::{DVec2, DVec3, DVec4};
 
@@ -14,57 +14,58 @@ use super::transforms::parse_transform_steps;
 
 /// Parsed value of a field. The [`FieldKind`] of the field determines which members are set.
 #[derive(Default)]
-pub(super) struct FieldValue {
+pub(super) struct ParsedFieldValue {
     /// One, two or three parsed numbers in x, y, z; unused components are 0.
     numbers: DVec3,
-    /// A name, path or word, or the name of the texture that replaces numbers.
+    /// Text of a name, path or word. In a field of numbers: name of the texture that replaces them,
+    /// or empty.
     name: String,
     steps: Vec<TransformStep>,
-    /// Basis of a curve with the control points `points`.
+    /// Polynomial basis of a `profile` curve, whose control points are in `points`.
     basis: CurveBasis,
     points: Vec<DVec3>,
     weighted_points: Vec<DVec4>,
     list: Vec<f64>,
 }
 
-/// A type that the value of a field converts to.
+/// A type that a parsed field value can be converted to, such as [`DVec3`].
 pub(super) trait FromFieldValue {
-    /// Converts the value of a field whose [`FieldKind`] fits this type.
-    fn from_field_value(value: &Spanned<FieldValue>) -> Self;
+    /// Returns the parsed value as this type, which must fit the field's [`FieldKind`].
+    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self;
 }
 
 impl FromFieldValue for DVec3 {
-    fn from_field_value(value: &Spanned<FieldValue>) -> Self {
+    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
         value.numbers
     }
 }
 
 impl FromFieldValue for DVec2 {
-    fn from_field_value(value: &Spanned<FieldValue>) -> Self {
+    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
         value.numbers.truncate()
     }
 }
 
 impl FromFieldValue for f64 {
-    fn from_field_value(value: &Spanned<FieldValue>) -> Self {
+    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
         value.numbers.x
     }
 }
 
 impl FromFieldValue for u32 {
-    fn from_field_value(value: &Spanned<FieldValue>) -> Self {
+    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
         value.numbers.x as u32
     }
 }
 
 impl FromFieldValue for Spanned<String> {
-    fn from_field_value(value: &Spanned<FieldValue>) -> Self {
+    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
         Spanned::new(value.name.clone(), value.span)
     }
 }
 
 impl<T: FromFieldValue> FromFieldValue for TexturedValue<T> {
-    fn from_field_value(value: &Spanned<FieldValue>) -> Self {
+    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
         if value.name.is_empty() {
             Self::Plain(T::from_field_value(value))
         } else {
@@ -74,12 +75,14 @@ impl<T: FromFieldValue> FromFieldValue for TexturedValue<T> {
 }
 
 impl FromFieldValue for Vec<TransformStep> {
-    fn from_field_value(value: &Spanned<FieldValue>) -> Self {
+    fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self {
         value.steps.clone()
     }
 }
 
-/// Name of a color field, and the function that converts the color to a `T`.
+/// Keyword of a field that holds a color, and the function that converts the color to a `T`.
+///
+/// A light, for example, has one of the fields `radiance` and `power`.
 pub(super) type ColorVariant<'a, T> = (&'a str, fn(DVec3) -> T);
 
 /// Fields of a parsed block.
@@ -87,7 +90,7 @@ pub(super) struct BlockFields<'a> {
     lexer: Lexer<'a>,
     block: &'static BlockSchema,
     keyword: Token<'a>,
-    list: Vec<(&'static FieldSchema, Token<'a>, Spanned<FieldValue>)>,
+    list: Vec<(&'static FieldSchema, Token<'a>, Spanned<ParsedFieldValue>)>,
 }
 
 /// A field that is written in a block of scene text, with its parsed value.
@@ -95,12 +98,14 @@ pub(super) struct BlockFields<'a> {
 pub(super) struct ParsedField<'f, 'a> {
     block: &'f BlockFields<'a>,
     field: &'static FieldSchema,
-    /// The field's keyword or alias in the text.
+    /// Keyword or alias by which the text names the field.
     word: Token<'a>,
-    value: &'f Spanned<FieldValue>,
+    value: &'f Spanned<ParsedFieldValue>,
 }
 
-/// Parses the block of `table` with this `keyword`; returns its table entry and its fields.
+/// Parses the block after its `keyword`, which must be in `table`.
+///
+/// Returns the block's entry in `table`, and the parsed fields.
 pub(super) fn parse_block_by_keyword<'a, P>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -112,9 +117,10 @@ pub(super) fn parse_block_by_keyword<'a, P>(
     Ok((entry, parse_block_fields(parser, keyword, entry.block)?))
 }
 
-/// Parses `{ … }` with the fields of `block`, each at most once and within its range.
+/// Parses `{ … }` with fields of the schema `block`, each at most once and within its range.
 ///
-/// Continues after errors. Records all but the last in `parser.errors`, and returns the last.
+/// Continues after errors. Appends all errors but the last to `parser.errors`, and returns the
+/// last.
 pub(super) fn parse_block_fields<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -150,12 +156,14 @@ pub(super) fn parse_block_fields<'a>(
     last_error.map_or(Ok(fields), Err)
 }
 
-/// True if `word` starts with a capital letter and is not a misspelling of a name in `fields`.
+/// True if `word` could start a new block: it is capitalized and resembles no name in `fields`.
 fn looks_like_block_keyword(word: &str, fields: &[&str]) -> bool {
     word.starts_with(|c: char| c.is_ascii_uppercase()) && nearest_word(word, fields.iter().copied()).is_none()
 }
 
-/// Parses the value of the field that `word` names, and appends the field to `fields`.
+/// Parses the value of the field that `word` names, checks it, and appends the field to `fields`.
+///
+/// `words` are the keywords that an error message lists as allowed.
 fn parse_field<'a>(
     parser: &mut Parser<'a>,
     fields: &mut BlockFields<'a>,
@@ -182,8 +190,8 @@ fn parse_field_value<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
     field: &'static FieldSchema,
-) -> Result<Spanned<FieldValue>, SceneError> {
-    let mut value = FieldValue::default();
+) -> Result<Spanned<ParsedFieldValue>, SceneError> {
+    let mut value = ParsedFieldValue::default();
     let span = match field.kind {
         FieldKind::ColorOrTexture | FieldKind::NumberOrTexture if is_texture_name_next(parser) => {
             let name = parser.parse_name(word)?;
@@ -236,7 +244,7 @@ fn parse_field_value<'a>(
         FieldKind::Numbers => {
             let mut span = None;
             // The number is read from a copy of the lexer, so that it stays unread.
-            while !{ parser.lexer }.number_token().is_end() {
+            while !{ parser.lexer }.number_token().is_end_of_text() {
                 let read = parser.parse_numbers::<1>(word)?;
                 value.list.push(read.value[0]);
                 let start = span.map_or(read.span.start, |s: Span| s.start);
@@ -287,7 +295,9 @@ fn parse_weighted_points<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result
     Ok(points)
 }
 
-/// Parses the curve block after `profile`; its span is that of the block's keyword.
+/// Parses the curve block after the keyword `profile`.
+///
+/// The returned span covers the block's own keyword.
 fn parse_profile_curve(parser: &mut Parser<'_>) -> Result<Spanned<ProfileCurve>, SceneError> {
     let keyword = parser.lexer.peek_token();
     let (block, basis) = match keyword.text {
@@ -311,7 +321,7 @@ impl<'a> BlockFields<'a> {
         self.lexer.error_at(span, message, label, help)
     }
 
-    /// Returns the field `name` if it is present.
+    /// Returns the block's field `name`; `None` if the field is absent.
     pub fn get(&self, name: &str) -> Option<ParsedField<'_, 'a>> {
         debug_assert!(self.block.find_field(name).is_some(), "`{}` has no field `{name}`", self.block.keyword);
         let (field, word, value) = self.list.iter().find(|(field, ..)| field.name == name)?;
@@ -331,7 +341,7 @@ impl<'a> BlockFields<'a> {
         })
     }
 
-    /// Returns the field of `names` that the block contains.
+    /// Returns the one field among `names` that the block contains.
     ///
     /// # Errors
     /// If no field or more than one field of `names` is present.
@@ -350,10 +360,11 @@ impl<'a> BlockFields<'a> {
         Ok(ParsedField { block: self, field, word: *word, value })
     }
 
-    /// Returns the color of the only present field among `variants`.
+    /// Finds the one field among `variants` that the block contains, and returns its converted
+    /// color.
     ///
     /// # Errors
-    /// If none of the fields or several are present.
+    /// If no field or more than one field of `variants` is present.
     pub fn require_color_variant<T>(&self, variants: &[ColorVariant<'_, T>]) -> Result<T, SceneError> {
         let names: Vec<&str> = variants.iter().map(|(name, _)| *name).collect();
         let field = self.require_one_field_of(&names)?;
@@ -376,7 +387,8 @@ impl<'a> BlockFields<'a> {
         }
     }
 
-    /// Returns the value of the field `name`, or its default numbers.
+    /// Returns the value of the field `name`, or the schema's default numbers if the field is
+    /// absent.
     ///
     /// # Errors
     /// If the field is absent and has no default numbers.
@@ -385,7 +397,7 @@ impl<'a> BlockFields<'a> {
         if let (None, Some(FieldDefault::Numbers(default))) = (self.get(name), default) {
             let mut numbers = [0.0; 3];
             numbers[..default.len()].copy_from_slice(default);
-            let value = FieldValue { numbers: DVec3::from_array(numbers), ..FieldValue::default() };
+            let value = ParsedFieldValue { numbers: DVec3::from_array(numbers), ..ParsedFieldValue::default() };
             return Ok(T::from_field_value(&Spanned::new(value, Span::default())));
         }
         self.require_field(name).map(|field| field.value())
@@ -396,7 +408,10 @@ impl<'a> BlockFields<'a> {
         self.get(name).map(|field| field.value())
     }
 
-    /// Returns the value of the field `name` of kind [`FieldKind::Word`], or its default word.
+    /// Returns the word in the field `name`, or the schema's default word if the field is absent.
+    ///
+    /// # Errors
+    /// If the field is absent and has no default word.
     pub fn field_word_or_default(&self, name: &str) -> Result<&str, SceneError> {
         match (self.get(name), self.block.find_field(name).map(|field| field.default)) {
             (Some(found), _) => Ok(&found.value.value.name),
@@ -407,30 +422,30 @@ impl<'a> BlockFields<'a> {
 }
 
 impl<'f, 'a> ParsedField<'f, 'a> {
-    /// Returns the field's keyword or alias in the text.
+    /// Returns the keyword or alias by which the text names the field.
     pub fn name(&self) -> &'a str {
         self.word.text
     }
 
-    /// Returns the span of the value.
+    /// Returns the position of the value in the scene text.
     pub fn span(&self) -> Span {
         self.value.span
     }
 
-    /// Returns the value as a `T`.
+    /// Returns the field's value, converted to `T`.
     pub fn value<T: FromFieldValue>(&self) -> T {
         T::from_field_value(self.value)
     }
 
-    /// Returns the curve of a field of kind [`FieldKind::Curve`].
+    /// Returns the curve in a field of kind [`FieldKind::Curve`].
     pub fn profile_curve(&self) -> ProfileCurve {
         ProfileCurve { basis: self.value.basis, controls: self.value.points.clone() }
     }
 
-    /// Returns the curve with the control points of this field.
+    /// Returns the curve of polynomial `basis` with this field's control points.
     ///
     /// # Errors
-    /// If `basis` needs more control points.
+    /// If a Bézier curve has fewer than 2 points, or a B-spline fewer than 4.
     pub fn curve_with_basis(&self, basis: CurveBasis) -> Result<ProfileCurve, SceneError> {
         let controls = self.value.points.clone();
         let fewest = match basis {
@@ -441,7 +456,8 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         Ok(ProfileCurve { basis, controls })
     }
 
-    /// Returns control points (x, y, z, weight).
+    /// Returns the control points (x, y, z, weight) of a field of kind
+    /// [`FieldKind::WeightedPoints`].
     pub fn weighted_points(&self) -> &'f [DVec4] {
         &self.value.weighted_points
     }
@@ -451,9 +467,9 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         &self.value.list
     }
 
-    /// Returns an error at the value of this field unless `is_valid`.
+    /// Returns an error at this field's value if `is_valid` is false.
     ///
-    /// The error's help text is the name of the field, then `rule`: what the value must be.
+    /// `rule` says what the value must be. The error's help text is the field's name, then `rule`.
     pub fn ensure_valid(&self, is_valid: bool, rule: &str) -> Result<(), SceneError> {
         if is_valid {
             return Ok(());
@@ -464,7 +480,7 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         Err(self.block.error_at(self.value.span, message, "not allowed", format!("`{name}` {rule}")))
     }
 
-    /// Checks the value against the range and the words of the field's schema.
+    /// Returns an error if the schema does not allow the value, by its range or list of words.
     fn check_field_value(&self) -> Result<(), SceneError> {
         let violated_rule = match self.field.kind {
             FieldKind::Word(words) if !words.contains(&self.value.name.as_str()) => {

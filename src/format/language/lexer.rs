@@ -7,7 +7,7 @@ use super::super::error::{SceneError, SourceText};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Token<'a> {
     pub text: &'a str,
-    /// Position in the scene text \[bytes].
+    /// Offset of the token in the scene text \[bytes].
     pub start: usize,
 }
 
@@ -16,7 +16,7 @@ impl Token<'_> {
         Span { start: self.start, len: self.text.len() }
     }
 
-    pub fn is_end(&self) -> bool {
+    pub fn is_end_of_text(&self) -> bool {
         self.text.is_empty()
     }
 }
@@ -28,7 +28,7 @@ impl Token<'_> {
 pub(super) struct Lexer<'a> {
     name: &'a str,
     text: &'a str,
-    /// Position of the next unread byte.
+    /// Offset of the next unread byte in `text`.
     position: usize,
 }
 
@@ -48,10 +48,10 @@ impl<'a> Lexer<'a> {
     }
 
     pub fn error_at(&self, span: Span, message: String, label: &str, help: String) -> SceneError {
-        SceneError::at_span(&self.source_text(), span, message, label, help)
+        SceneError::error_at_span(&self.source_text(), span, message, label, help)
     }
 
-    /// Returns the next word or punctuation, which stays unread.
+    /// Returns the next word or punctuation mark without consuming it.
     pub fn peek_token(&mut self) -> Token<'a> {
         self.skip_space_and_comments();
         let rest = &self.text[self.position..];
@@ -62,39 +62,42 @@ impl<'a> Lexer<'a> {
         Token { text: &rest[..len], start: self.position }
     }
 
-    /// Moves past `token`.
+    /// Continues reading after `token`.
     pub fn consume_token(&mut self, token: Token<'_>) {
         self.position = token.start + token.text.len();
     }
 
-    /// Moves back to the start of `token`.
+    /// Continues reading at the start of `token`, which was consumed before.
     pub fn rewind_to_token(&mut self, token: Token<'_>) {
         self.position = token.start;
     }
 
-    /// Reads the longest decimal number that starts here; empty if there is none.
+    /// Reads the longest decimal number at the current position; empty if no number starts there.
     pub fn number_token(&mut self) -> Token<'a> {
         self.skip_space_and_comments();
-        self.take_prefix(float_prefix_length)
+        self.read_token_of_length(float_prefix_length)
     }
 
-    /// Reads the longest whole number that starts here; empty if there is none.
+    /// Reads the longest whole number at the current position; empty if no number starts there.
     pub fn integer_token(&mut self) -> Token<'a> {
         self.skip_space_and_comments();
-        self.take_prefix(integer_prefix_length)
+        self.read_token_of_length(integer_prefix_length)
     }
 
-    /// Reads a token of `length(text)` bytes from the start of the unread `text`.
-    fn take_prefix(&mut self, length: fn(&[u8]) -> usize) -> Token<'a> {
+    /// Reads the token at the current position.
+    ///
+    /// `length` receives all unread bytes, and returns how many of them form the token.
+    fn read_token_of_length(&mut self, length: fn(&[u8]) -> usize) -> Token<'a> {
         let rest = &self.text[self.position..];
         let token = Token { text: &rest[..length(rest.as_bytes())], start: self.position };
         self.consume_token(token);
         token
     }
 
-    /// Reads a string in quotes, or else the text before white space.
+    /// Reads a name, in quotes or bare, and returns it without quotes.
     ///
-    /// Bare text also ends before a `}` that closes no `{` in it. It may be empty.
+    /// A bare name ends before white space, or before a `}` that has no matching `{` in the name.
+    /// If no name follows, the result is empty.
     pub fn read_name(&mut self) -> Result<Spanned<String>, SceneError> {
         self.skip_space_and_comments();
         let rest = &self.text[self.position..];
@@ -119,7 +122,9 @@ impl<'a> Lexer<'a> {
         Ok(Spanned::new(rest[..len].to_owned(), span))
     }
 
-    /// Reads a string in quotes on one line; a backslash stands before each `"` and `\` in it.
+    /// Reads a string in quotes, which must end on its line, and returns its content.
+    ///
+    /// Inside the quotes, `\"` stands for a quote and `\\` for a backslash.
     pub fn read_quoted_string(&mut self) -> Result<Spanned<String>, SceneError> {
         let start = self.position;
         let mut value = String::new();
@@ -169,7 +174,7 @@ fn is_white_space(b: u8) -> bool {
     matches!(b, b' ' | b'\t'..=b'\r')
 }
 
-/// Returns the number of leading digits.
+/// Returns the number of digits at the start of `bytes`.
 fn digit_count(bytes: &[u8]) -> usize {
     bytes.iter().take_while(|b| b.is_ascii_digit()).count()
 }

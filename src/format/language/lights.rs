@@ -1,4 +1,4 @@
-//! Tables, parsing and printing of lights.
+//! Schemas, parsing and printing of light blocks.
 
 use std::fmt;
 
@@ -184,7 +184,7 @@ pub(super) fn parse_lights_block<'a>(
     Ok(lights)
 }
 
-/// Parses the light, or the `Moving` block with a light, that starts with `word`.
+/// Parses a light, or a `Moving` block that holds a light, after its keyword `word`.
 fn parse_light<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<LightDescription>, SceneError> {
     if word.text == "Moving" {
         let mut movable = block_keywords(&["Moving"], LIGHTS);
@@ -253,7 +253,7 @@ fn parse_spot_light(f: &BlockFields<'_>) -> Result<LightDescription, SceneError>
     Ok(LightDescription::Spot { position, aim, angle, penumbra, strength: parse_point_strength(f)? })
 }
 
-/// Parses the fields that projectors and goniometric lights share.
+/// Returns a projector or goniometric light with this `pattern`, and parses its other fields.
 fn parse_oriented_light(f: &BlockFields<'_>, pattern: LightPattern) -> Result<LightDescription, SceneError> {
     let position = f.value("position")?;
     let (aim, direction) = parse_direction_or_target(f, "position", position)?;

@@ -1,4 +1,4 @@
-//! Tables, parsing and printing of materials, and parsing of references to materials.
+//! Schemas, parsing and printing of material blocks, and parsing of references to materials.
 
 use std::fmt;
 
@@ -34,7 +34,7 @@ pub(super) static MATERIALS: &[BlockParser<ParseMaterial>] = &[
 
 /// Function that converts a block's fields to a material.
 ///
-/// The parser's scope holds the materials that precede the block.
+/// The parser gives access to the materials before the block, which a `Mix` can name.
 type ParseMaterial = for<'a> fn(&Parser<'a>, &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError>;
 
 /// Largest accepted depth of nested mixes. Each level can double the number of leaf materials.
@@ -170,7 +170,7 @@ static MIX: BlockSchema = block_schema("Mix", "one of two materials at each poin
     ])
     .with_shared_fields(&[EMISSION_FIELDS]);
 
-/// Parses a `Materials` block; its materials replace those of an earlier one.
+/// Parses a `Materials` block. Its materials replace those of an earlier `Materials` block.
 pub(super) fn parse_materials_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
     if parser.scope.group_uses_materials {
         parser.scope.late_materials = Some(block);
@@ -198,7 +198,7 @@ pub(super) fn parse_materials_block<'a>(parser: &mut Parser<'a>, block: Token<'a
     })
 }
 
-/// Parses the optional name of a new material, and adds the name to the scope.
+/// Parses the optional name of a new material, and records the name and index of the material.
 fn parse_new_material_name(parser: &mut Parser<'_>) -> Result<Option<String>, SceneError> {
     let Some(name) = parse_block_name(parser, "material")? else { return Ok(None) };
     if parser.scope.material_indices.contains_key(&name.value) {
@@ -209,7 +209,7 @@ fn parse_new_material_name(parser: &mut Parser<'_>) -> Result<Option<String>, Sc
     Ok(Some(name.value))
 }
 
-/// Parses the fields of a material.
+/// Parses `{ … }` of a material whose keyword `word` and name have been read.
 fn parse_material<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
@@ -218,7 +218,7 @@ fn parse_material<'a>(
     let (BlockParser { block, parse }, f) = parse_block_by_keyword(parser, word, MATERIALS)?;
     let f = &f;
     let kind = parse(parser, f)?;
-    let accepted = accepted_shared_fields(&kind);
+    let accepted = accepted_material_fields(&kind);
     debug_assert_eq!(accepted.medium, block.find_field("medium").is_some(), "{}", block.keyword);
     debug_assert_eq!(accepted.normal_perturbation, block.find_field("bump").is_some(), "{}", block.keyword);
     let medium: Option<Spanned<String>> = if accepted.medium { f.optional_value("medium") } else { None };
@@ -229,24 +229,24 @@ fn parse_material<'a>(
     Ok(MaterialDescription { name, kind, emission: parse_emission(f)?, normal_perturbation, medium })
 }
 
-/// Flags that tell which optional fields a kind of material accepts.
-struct AcceptedSharedFields {
+/// Flags: whether a kind of material accepts the field `medium`, and a bump or normal map.
+struct AcceptedMaterialFields {
     medium: bool,
     normal_perturbation: bool,
 }
 
-/// Returns whether materials of this `kind` accept a medium and a bump or normal map.
-fn accepted_shared_fields(kind: &MaterialKindDescription) -> AcceptedSharedFields {
+/// Tells whether materials of this `kind` accept the field `medium`, and bump or normal maps.
+fn accepted_material_fields(kind: &MaterialKindDescription) -> AcceptedMaterialFields {
     match kind {
         MaterialKindDescription::Dielectric { .. } | MaterialKindDescription::NullInterface { .. } => {
-            AcceptedSharedFields { medium: true, normal_perturbation: true }
+            AcceptedMaterialFields { medium: true, normal_perturbation: true }
         }
         MaterialKindDescription::Phong { .. }
         | MaterialKindDescription::Diffuse { .. }
         | MaterialKindDescription::Mirror { .. }
         | MaterialKindDescription::Conductor { .. }
-        | MaterialKindDescription::Thin { .. } => AcceptedSharedFields { medium: false, normal_perturbation: true },
-        MaterialKindDescription::Mix { .. } => AcceptedSharedFields { medium: false, normal_perturbation: false },
+        | MaterialKindDescription::Thin { .. } => AcceptedMaterialFields { medium: false, normal_perturbation: true },
+        MaterialKindDescription::Mix { .. } => AcceptedMaterialFields { medium: false, normal_perturbation: false },
     }
 }
 
@@ -291,7 +291,7 @@ fn parse_thin_dielectric(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<Material
     Ok(MaterialKindDescription::Thin { index: f.value("indexOfRefraction")?, transmittance: f.value("transmittance")? })
 }
 
-/// Parses the absorption inside a dielectric.
+/// Returns the absorption inside a dielectric, given by the field `absorption` or `tint`.
 fn parse_dielectric_absorption(f: &BlockFields<'_>) -> Result<DielectricAbsorption, SceneError> {
     f.forbid_both_fields("absorption", "tint")?;
     let Some(color) = f.optional_value("tint") else {
@@ -323,7 +323,7 @@ fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
     Ok(MetalDescription::Index { eta: f.value("eta")?, k: f.value("k")? })
 }
 
-/// Parses a mix of two materials that stand before it.
+/// Parses the fields of a `Mix`. Both of its materials must precede it in the text.
 fn parse_mix_material<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError> {
     let first = parse_mix_component(parser, f.require_field("first")?)?;
     let second = parse_mix_component(parser, f.require_field("second")?)?;
@@ -356,7 +356,7 @@ fn parse_mix_material<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<Ma
     Ok(MaterialKindDescription::Mix { first, second, amount })
 }
 
-/// Parses the name of a material that stands before the mix.
+/// Returns the name of a material in a field of a `Mix`; an error unless it precedes the mix.
 fn parse_mix_component<'a>(parser: &Parser<'a>, field: ParsedField<'_, 'a>) -> Result<Spanned<String>, SceneError> {
     let name: Spanned<String> = field.value();
     let help = "a mix is made of materials that stand before it";
@@ -381,7 +381,7 @@ fn parse_emission(f: &BlockFields<'_>) -> Result<Option<EmissionDescription>, Sc
     Ok(radiance)
 }
 
-/// Parses a bump map with its height, or a normal map.
+/// Returns the bump map with its height, or the normal map; `None` without any.
 fn parse_normal_perturbation(f: &BlockFields<'_>) -> Result<Option<NormalPerturbationDescription>, SceneError> {
     f.forbid_both_fields("bump", "normalMap")?;
     let Some(texture) = f.optional_value("bump") else {

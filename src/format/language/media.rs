@@ -1,4 +1,4 @@
-//! Tables, parsing and printing of participating media.
+//! Schemas, parsing and printing of medium blocks.
 
 use std::fmt;
 
@@ -94,7 +94,7 @@ static CLOUD: BlockSchema =
         ])
         .with_shared_fields(&[OPTICAL_FIELDS, EXTENT_FIELDS]);
 
-/// Parses a `Media` block; its media replace those of an earlier one.
+/// Parses a `Media` block. Its media replace those of an earlier `Media` block.
 pub(super) fn parse_media_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
     parser.scope.check_precedes_materials(parser.lexer, block)?;
     parser.scope.media.clear();
@@ -111,7 +111,8 @@ pub(super) fn parse_media_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -
     })
 }
 
-/// Returns a medium without absorption, scattering and emission.
+/// Returns a medium without any effect. It stands for a medium that has errors, so that materials
+/// can refer to its name.
 fn placeholder_medium(name: &str) -> MediumDescription {
     let coefficients = MediumCoefficients::AbsorptionScattering { absorption: DVec3::ZERO, scattering: DVec3::ZERO };
     let (emission, phase, density) =
@@ -119,7 +120,7 @@ fn placeholder_medium(name: &str) -> MediumDescription {
     MediumDescription { name: name.to_owned(), coefficients, emission, phase, density }
 }
 
-/// Parses the fields of a medium.
+/// Parses `{ … }` of a medium whose keyword `word` and name have been read.
 fn parse_medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Result<MediumDescription, SceneError> {
     let (entry, f) = parse_block_by_keyword(parser, word, MEDIA)?;
     let f = &f;
@@ -187,7 +188,7 @@ fn parse_cloud_density(f: &BlockFields<'_>) -> Result<DensityDescription, SceneE
     })
 }
 
-/// Parses the box of a grid or cloud, and the transform from the box's space to the world.
+/// Returns the box of a grid or cloud, with the transform from box space to world space.
 fn parse_medium_box(f: &BlockFields<'_>) -> Result<TransformedBoxDescription, SceneError> {
     let (min, max): (DVec3, DVec3) = (f.value("min")?, f.value("max")?);
     let sides = max - min;

@@ -1,7 +1,8 @@
-//! The scene language: parsing of text to a [`SceneDescription`], and printing of it as text.
+//! The scene language: parses text to a [`SceneDescription`], and prints a description as text.
 //!
-//! Each part of the language has one file with the tables of its blocks and the functions that
-//! parse and print them. The parser opens no other file: [`resolve`](super::resolve) does.
+//! Each part of the language has one file, with the schemas of its blocks and the functions that
+//! parse and print them. Files that the text names are opened later, by
+//! [`resolve`](super::resolve).
 
 mod camera;
 mod curves;
@@ -59,7 +60,7 @@ static BACKGROUND: BlockSchema = block_schema("Background", "what lies behind al
 /// Keywords of top-level blocks of scene text, except cameras and `Background`.
 const FILE_BLOCK_KEYWORDS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];
 
-/// Returns the sections of the language reference: name and blocks.
+/// Returns the sections of the language reference, each with its name and block schemas.
 fn reference_sections() -> [(&'static str, Vec<&'static BlockSchema>); 7] {
     [
         ("cameras", block_schemas(CAMERAS)),
@@ -78,7 +79,7 @@ fn all_block_schemas() -> impl Iterator<Item = &'static BlockSchema> {
     reference_sections().into_iter().flat_map(|(_, blocks)| blocks)
 }
 
-/// Returns a Markdown `page` with its reference tables of the scene language brought up to date.
+/// Returns the Markdown `page` with its tables of the scene language replaced by current ones.
 ///
 /// A table stands between the lines `<!-- reference: NAME -->` and `<!-- end of reference -->`.
 /// NAME is one of cameras, background, lights, textures, media, materials and shapes.
@@ -129,11 +130,12 @@ pub fn parse_scene_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, S
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "the file looks like UTF-16: save it as UTF-8",
         _ => "save the file as UTF-8 text",
     };
-    Err(SceneError::at_span(&source, Span { start: at, len: 3 }, message, "not text", help))
+    Err(SceneError::error_at_span(&source, Span { start: at, len: 3 }, message, "not text", help))
 }
 
-/// Camera, background, lights and objects of a scene text; the parser's scope holds its textures,
-/// media and materials.
+/// Camera, background, lights and objects parsed from a scene text.
+///
+/// Textures, media and materials are in the parser's `scope`.
 #[derive(Default)]
 struct SceneFileBlocks {
     camera: Option<Spanned<CameraDescription>>,
@@ -143,13 +145,13 @@ struct SceneFileBlocks {
     root: Option<ObjectGroup>,
 }
 
-/// Parses all blocks of a file.
+/// Parses all blocks of a scene text, and returns the scene's description.
 fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
     let allowed = [&block_keywords(&[], CAMERAS)[..], &[BACKGROUND.keyword], &FILE_BLOCK_KEYWORDS].concat();
     let mut blocks = SceneFileBlocks::default();
     loop {
         let word = parser.lexer.peek_token();
-        if word.is_end() {
+        if word.is_end_of_text() {
             break;
         }
         parser.lexer.consume_token(word);
@@ -171,18 +173,21 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
     }
     let camera = camera.ok_or_else(|| {
         let help = "add `PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }`";
-        SceneError::for_whole_file(&parser.lexer.source_text(), "the file has no camera", help)
+        SceneError::error_for_whole_file(&parser.lexer.source_text(), "the file has no camera", help)
     })?;
     let root = root.ok_or_else(|| {
         let help = "add `Group { … }` with the objects of the scene";
-        SceneError::for_whole_file(&parser.lexer.source_text(), "the file has no Group", help)
+        SceneError::error_for_whole_file(&parser.lexer.source_text(), "the file has no Group", help)
     })?;
     let scope = std::mem::take(&mut parser.scope);
     let (textures, media, materials) = (scope.textures, scope.media, scope.materials);
     Ok(SceneDescription { camera, background, ambient_medium, lights, textures, media, materials, root })
 }
 
-/// Parses the block that starts with `word`; it replaces an earlier block of its kind.
+/// Parses a top-level block after its keyword `word`, and stores its content.
+///
+/// The content goes to `blocks` or to the parser's `scope`. It replaces that of an earlier block of
+/// the same kind.
 fn parse_file_block<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
@@ -228,7 +233,9 @@ impl Display for SceneDescription {
     }
 }
 
-/// Writes a list block with the number of its entries; nothing if `list` is empty.
+/// Writes a block such as `Lights`: the number of entries, then the entries.
+///
+/// `count` is the keyword of the number. Writes nothing if `list` is empty.
 fn write_list_block<T>(
     out: &mut SceneWriter<'_, '_>,
     keyword: &str,

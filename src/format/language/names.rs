@@ -1,4 +1,4 @@
-//! Parsing of the names that textures, media and materials have before their `{`.
+//! Parses the names of textures, media and materials, which stand before the `{` of their block.
 
 use super::super::description::Spanned;
 use super::super::error::SceneError;
@@ -6,9 +6,9 @@ use super::lexer::Token;
 use super::parser::Parser;
 use super::text::{clip_for_message, is_identifier};
 
-/// Parses the optional name between a block's keyword and its `{`.
+/// Parses the optional name between a block's keyword and its `{`; `None` if there is no name.
 ///
-/// Errors call the block `what`, such as "material".
+/// Error messages call the block `what`, such as "material".
 pub(super) fn parse_block_name(parser: &mut Parser<'_>, what: &str) -> Result<Option<Spanned<String>>, SceneError> {
     let token = parser.lexer.peek_token();
     let name = match token.text {
@@ -34,9 +34,10 @@ pub(super) fn parse_block_name(parser: &mut Parser<'_>, what: &str) -> Result<Op
 
 /// Parses the mandatory name of a texture or medium after its keyword `word`.
 ///
+/// Error messages use the nouns `one` and `many`, such as "medium" and "media".
+///
 /// # Errors
-/// If there is no name, or if `is_taken` is true for it. Errors call the block `one`, and two
-/// blocks `many`.
+/// If there is no name, or if `is_taken` returns true for the name.
 pub(super) fn parse_unique_block_name<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,

@@ -57,7 +57,7 @@ pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Re
 // The functions below are not inlined into `parse_group`: it recurses, and its stack frame must
 // stay small.
 
-/// Appends a parsed item to `items`, or returns the error.
+/// Appends the item to `items` and returns `None`; returns the error if `item` holds one.
 #[inline(never)]
 fn push_item_or_return_error(item: Result<GroupItem, SceneError>, items: &mut Vec<GroupItem>) -> Option<SceneError> {
     match item {
@@ -69,7 +69,9 @@ fn push_item_or_return_error(item: Result<GroupItem, SceneError>, items: &mut Ve
     }
 }
 
-/// Records `error`, and skips to the next entry of the group that is open at `mark`.
+/// Records `error`, and skips to the next entry of the group whose block nesting is `mark`.
+///
+/// Returns `error` instead if the text has ended or the list of errors is full.
 #[inline(never)]
 fn skip_to_next_item(parser: &mut Parser<'_>, error: SceneError, mark: SavedBlockNesting) -> Result<(), SceneError> {
     parser.record_error(error)?;
@@ -86,7 +88,7 @@ fn is_object_keyword(word: &str) -> bool {
     NESTING_OBJECT_KEYWORDS.contains(&word) || SHAPES.iter().any(|entry| entry.block.is_keyword(word))
 }
 
-/// Parses an object into a box, so that the stack frames of the recursion stay small.
+/// Parses an object and boxes it, so that stack frames of the recursive parser stay small.
 fn parse_boxed_object<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -94,7 +96,7 @@ fn parse_boxed_object<'a>(
     parse_object(parser, keyword).map(Box::new)
 }
 
-/// Parses the object that starts with `keyword`.
+/// Parses the object after its `keyword`.
 fn parse_object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spanned<ObjectDescription>, SceneError> {
     let object = match keyword.text {
         "Group" => ObjectDescription::Group(parse_group(parser, keyword)?),

@@ -8,9 +8,9 @@ use super::scope::ParserScope;
 use super::suggest::{keyword_synonym, nearest_word};
 use super::text::clip_for_message;
 
-/// Parser of a scene text, with its position, the definitions so far and the errors so far.
+/// Parser of a scene text: holds the position, and the definitions and errors found so far.
 pub(super) struct Parser<'a> {
-    /// Text and current position.
+    /// Lexer, with the scene text and the current position.
     pub lexer: Lexer<'a>,
     /// Textures, media and materials defined so far.
     pub scope: ParserScope<'a>,
@@ -26,7 +26,8 @@ pub(super) struct Parser<'a> {
     has_unclosed_block: bool,
 }
 
-/// Block nesting at the start of a field or object; restored after a syntax error.
+/// Numbers of open and closed blocks at the start of an entry. After an error in the entry, the
+/// parser leaves the blocks that were opened since.
 #[derive(Clone, Copy)]
 pub(super) struct SavedBlockNesting {
     open_blocks: usize,
@@ -48,21 +49,22 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Returns all errors as one, in the order of the text; `None` if there are none.
+    /// Joins all errors into one [`SceneError`], in the order of the text; `None` without errors.
     ///
-    /// `last` is the error that ended the parsing, if one did.
+    /// `last` is the error that stopped the parser, if any. It is dropped if the text ends inside a
+    /// block and there are other errors, because one of them is the likely cause.
     pub fn into_joined_error(mut self, last: Option<SceneError>) -> Option<SceneError> {
         // A text that ends inside a block often does so because of an earlier error.
         self.errors.extend(last.filter(|_| !self.has_unclosed_block || self.errors.is_empty()));
         SceneError::from_errors(self.errors)
     }
 
-    /// Runs `parse_entry`. Records its error, if any, and skips to the next entry.
+    /// Runs `parse_entry`. If it fails, records its error and skips to the next entry.
     ///
-    /// Entries start with the words `allowed`.
+    /// Each entry starts with a word of `allowed`.
     ///
     /// # Errors
-    /// The error itself, if the text has ended or the list of errors is full.
+    /// The error of `parse_entry`, if the text has ended or the list of errors is full.
     pub fn recover_from_error(
         &mut self,
         allowed: &[&str],
@@ -86,7 +88,8 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Returns the current block nesting, for [`skip_to_next_entry`](Self::skip_to_next_entry).
+    /// Returns the current numbers of open and closed blocks, for
+    /// [`skip_to_next_entry`](Self::skip_to_next_entry).
     pub fn current_block_nesting(&self) -> SavedBlockNesting {
         SavedBlockNesting {
             open_blocks: self.open_blocks.len(),
@@ -95,10 +98,11 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Skips the rest of a field or object that has a syntax error and started at `mark`.
+    /// Skips the rest of a field or object that has a syntax error.
     ///
-    /// If blocks are open since `mark`, skips past their ends. Else, if a block was closed since
-    /// `mark`, skips nothing. Else skips to a word of `allowed` or a `}`, or past one block.
+    /// `mark` is the block nesting at its start. If blocks were opened since then, skips past their
+    /// ends. If a block was opened and closed, skips nothing. Otherwise skips to a word of
+    /// `allowed` or a `}`, or past one block.
     #[inline(never)]
     pub fn skip_to_next_entry(&mut self, mark: SavedBlockNesting, allowed: &[&str]) {
         let mut braces = self.open_blocks.len().saturating_sub(mark.open_blocks);
@@ -111,7 +115,7 @@ impl<'a> Parser<'a> {
         loop {
             let token = self.lexer.peek_token();
             let stops = braces == 0 && (has_open_blocks || token.text == "}" || allowed.contains(&token.text));
-            if token.is_end() || stops {
+            if token.is_end_of_text() || stops {
                 return;
             }
             if token.text == "\"" && self.lexer.read_quoted_string().is_ok() {
@@ -131,10 +135,10 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Parses a block of an optional field `count` and entries that start with words of `allowed`.
+    /// Parses a list block such as `Lights`: entries, and an optional field with their number.
     ///
-    /// `parse_entry` parses an entry after its keyword. `what` names an entry in the error of a
-    /// wrong count.
+    /// `count` is the keyword of that field. Each entry starts with a word of `allowed`, and
+    /// `parse_entry` parses the rest of it. Error messages call an entry `what`.
     pub fn parse_list_block(
         &mut self,
         keyword: Token<'a>,
@@ -161,13 +165,13 @@ impl<'a> Parser<'a> {
         self.check_entry_count(count, stated, found, what)
     }
 
-    /// Parses the `{` after a block's keyword.
+    /// Parses the `{` after a block's `keyword`, and marks the block as open.
     pub fn open_block(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {
         self.open_blocks.push(keyword);
         self.expect_punctuation("{")
     }
 
-    /// Parses the `}` of a block.
+    /// Parses the `}` of the innermost block, and marks the block as closed.
     pub fn close_block(&mut self) -> Result<(), SceneError> {
         self.expect_punctuation("}")?;
         self.open_blocks.pop();
@@ -175,7 +179,8 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Parses the `{` of a `Group`, `Transform` or `Moving` block, whose nesting is limited.
+    /// Parses the `{` of a `Group`, `Transform` or `Moving` block; an error if the nesting is too
+    /// deep.
     pub fn open_nested_block(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {
         if self.nesting_depth == MAX_NESTING_DEPTH {
             let message = format!("groups and transforms nest more than {MAX_NESTING_DEPTH} deep");
@@ -186,7 +191,8 @@ impl<'a> Parser<'a> {
         self.open_block(keyword)
     }
 
-    /// Leaves a block of [`open_nested_block`](Self::open_nested_block) after its `}`.
+    /// Decrements the nesting depth, after the `}` of a block that
+    /// [`open_nested_block`](Self::open_nested_block) opened.
     pub fn leave_nested_block(&mut self) {
         self.nesting_depth -= 1;
     }
@@ -203,14 +209,14 @@ impl<'a> Parser<'a> {
         self.lexer.rewind_to_token(word);
     }
 
-    /// Parses the punctuation `mark`, or returns an error if another token follows.
+    /// Consumes the punctuation `mark`, or returns an error if another token follows.
     pub fn expect_punctuation(&mut self, mark: &str) -> Result<(), SceneError> {
         let token = self.lexer.peek_token();
         if token.text == mark {
             self.lexer.consume_token(token);
             return Ok(());
         }
-        if token.is_end() {
+        if token.is_end_of_text() {
             return Err(self.unclosed_block_error());
         }
         let block = self.innermost_block_name();
@@ -221,7 +227,7 @@ impl<'a> Parser<'a> {
     /// Parses the next word of the innermost block. Closes the block and returns `None` at its `}`.
     pub fn next_word(&mut self) -> Result<Option<Token<'a>>, SceneError> {
         let token = self.lexer.peek_token();
-        if token.is_end() {
+        if token.is_end_of_text() {
             return Err(self.unclosed_block_error());
         }
         self.lexer.consume_token(token);
@@ -233,13 +239,13 @@ impl<'a> Parser<'a> {
         Ok(Some(token))
     }
 
-    /// Parses the `N` finite numbers of the field `owner`.
+    /// Parses `N` finite numbers. Error messages name `owner`, the keyword before them.
     pub fn parse_numbers<const N: usize>(&mut self, owner: Token<'a>) -> Result<Spanned<[f64; N]>, SceneError> {
         let mut values = [0.0; N];
         let mut span: Option<Span> = None;
         for value in &mut values {
             let token = self.lexer.number_token();
-            if token.is_end() {
+            if token.is_end_of_text() {
                 return Err(self.missing_number_error(owner, N, "number"));
             }
             // The token is a number, which becomes infinite if it overflows.
@@ -255,11 +261,11 @@ impl<'a> Parser<'a> {
         Ok(Spanned::new(values, span.unwrap_or_default()))
     }
 
-    /// Parses the whole number of the field `owner`.
+    /// Parses a whole number. Error messages name `owner`, the keyword before it.
     pub fn parse_integer(&mut self, owner: Token<'a>) -> Result<Spanned<u32>, SceneError> {
         let fraction = { self.lexer }.number_token();
         let token = self.lexer.integer_token();
-        if token.is_end() {
+        if token.is_end_of_text() {
             return Err(self.missing_number_error(owner, 1, "whole number"));
         }
         let name = owner.text;
@@ -277,10 +283,12 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Returns the error of a field `owner` that lacks its `wanted` numbers of this `kind`.
+    /// Returns the error for a number that is missing after the keyword `owner`.
+    ///
+    /// The keyword needs `wanted` numbers; `kind` is "number" or "whole number".
     fn missing_number_error(&mut self, owner: Token<'a>, wanted: usize, kind: &str) -> SceneError {
         let token = self.lexer.peek_token();
-        if token.is_end() {
+        if token.is_end_of_text() {
             return self.unclosed_block_error();
         }
         let (name, found) = (owner.text, clip_for_message(token.text));
@@ -302,14 +310,15 @@ impl<'a> Parser<'a> {
         self.lexer.error_at(token.span(), message, &format!("a {kind} belongs here"), help)
     }
 
-    /// Parses the path or name of the field `owner`, quoted or bare.
+    /// Parses a path or name, in quotes or bare. Error messages name `owner`, the keyword before
+    /// it.
     pub fn parse_name(&mut self, owner: Token<'a>) -> Result<Spanned<String>, SceneError> {
         let read = self.lexer.read_name()?;
         if !read.value.is_empty() {
             return Ok(read);
         }
         let token = self.lexer.peek_token();
-        if token.is_end() && read.span.len == 0 {
+        if token.is_end_of_text() && read.span.len == 0 {
             return Err(self.unclosed_block_error());
         }
         let span = if read.span.len == 0 { token.span() } else { read.span };
@@ -318,7 +327,9 @@ impl<'a> Parser<'a> {
         Err(self.lexer.error_at(span, format!("`{name}` wants a name"), "a name belongs here", help))
     }
 
-    /// Parses the count that the field `word` states. A second count is an error.
+    /// Parses the number of entries after its keyword `word`, and stores it in `count`.
+    ///
+    /// Returns an error if `count` already holds a number.
     pub fn parse_count(&mut self, word: Token<'a>, count: &mut Option<Spanned<u32>>) -> Result<(), SceneError> {
         if count.is_some() {
             return Err(self.repeated_word_error(word));
@@ -327,7 +338,10 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Returns an error if the field `name` states a `count` other than `found`.
+    /// Returns an error if a block states a number of entries, `count`, and contains another,
+    /// `found`.
+    ///
+    /// `name` is the keyword of `count`. Error messages call an entry `what`.
     pub fn check_entry_count(
         &self,
         name: &str,
@@ -346,13 +360,13 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Returns the error of a second field or block that is allowed once.
+    /// Returns the error for a field or block that occurs twice, but may occur once.
     pub fn repeated_word_error(&self, word: Token<'a>) -> SceneError {
         let message = format!("`{}` is given twice in {}", word.text, self.innermost_block_name());
         self.lexer.error_at(word.span(), message, "the second", "keep one of them".to_owned())
     }
 
-    /// Returns the error of a text that ends inside a block.
+    /// Returns the error for a text that ends inside a block, and remembers that it does.
     pub fn unclosed_block_error(&mut self) -> SceneError {
         self.has_unclosed_block = true;
         let block = self.open_blocks.last().copied().unwrap_or(Token { text: "", start: 0 });
@@ -365,7 +379,7 @@ impl<'a> Parser<'a> {
         self.open_blocks.last().map_or("the file".to_owned(), |block| format!("`{}`", block.text))
     }
 
-    /// Returns the error of a word that is not among those `allowed` here, with a suggestion.
+    /// Returns the error for a `word` that is not in `allowed`, with a suggestion.
     #[inline(never)]
     pub fn unexpected_word_error(&self, word: Token<'a>, allowed: &[&str]) -> SceneError {
         let block = self.innermost_block_name();

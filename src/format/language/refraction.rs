@@ -1,4 +1,4 @@
-//! Tables, parsing and printing of the refractive index of a `Dielectric`.
+//! Schemas, parsing and printing of the refractive index of a `Dielectric`.
 
 use std::fmt;
 
@@ -11,17 +11,17 @@ use crate::color::DispersionFormula;
 
 /// Smallest accepted refractive index.
 pub(super) const MIN_REFRACTIVE_INDEX: f64 = 0.001;
-/// Largest accepted refractive index. Ratios and squares of indices still differ in single
+/// Largest accepted refractive index. Ratios and squares of indices stay well within single
 /// precision.
 pub(super) const MAX_REFRACTIVE_INDEX: f64 = 1000.0;
 
-/// Field for the refractive index of dielectrics and thin panes.
+/// Schema of the field `indexOfRefraction` of dielectrics and thin panes.
 pub(super) const INDEX_FIELD: FieldSchema =
     field_schema("indexOfRefraction", FieldKind::Number, "absolute index of refraction")
         .with_range(FieldRange::Within(MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX))
         .with_default_numbers(&[1.5]);
 
-/// Fields that state the refractive index; a block has at most one of them.
+/// Keywords of fields that state the refractive index. A block has at most one of these fields.
 const INDEX_SOURCES: [&str; 4] = ["indexOfRefraction", "glass", "cauchy", "sellmeierB"];
 
 /// Largest accepted number of terms of Sellmeier's equation.
@@ -80,9 +80,9 @@ fn parse_sellmeier(
     Ok(RefractiveIndexDescription::Glass(glass))
 }
 
-/// Returns an error at `field` if the index of `glass` leaves the accepted range.
+/// Returns an error at `field` if the refractive index of `glass` is outside 0.001 to 1000.
 ///
-/// The error's help text is the name of the field, then `advice` and the range.
+/// The error's help text is the name of the field, then `advice` and the accepted range.
 fn check_index_range(glass: &DispersionFormula, field: &ParsedField<'_, '_>, advice: &str) -> Result<(), SceneError> {
     let within = glass
         .refractive_index_range()

@@ -1,7 +1,7 @@
-//! Tables of the scene language: its blocks and fields, with units, ranges, defaults and help.
+//! Schemas of the scene language: its blocks and fields, with units, ranges, defaults and help.
 //!
-//! The parser checks values against these tables, and the writer takes keywords from them. The
-//! reference tables in `docs/guide/scene-language.md` are printed from them.
+//! The parser checks values against the schemas, and the writer takes keywords from them. The
+//! tables in `docs/guide/scene-language.md` are printed from them.
 
 use std::fmt::Write;
 
@@ -12,8 +12,8 @@ use super::text::is_normalizable;
 /// Largest finite single-precision number.
 const MAX_SINGLE: f64 = f32::MAX as f64;
 
-/// Largest coefficient per length. Products of such coefficients with densities and lengths still
-/// fit single precision.
+/// Largest accepted absorption or scattering coefficient \[1/length]. Its products with densities
+/// and lengths still fit single precision.
 pub(super) const MAX_COEFFICIENT: f64 = 1e12;
 
 /// Type of the value that follows a field's keyword.
@@ -51,16 +51,16 @@ pub(super) enum FieldKind {
     TransformSteps,
 }
 
-/// Allowed values of each component of a numeric field.
+/// Range that each component of a numeric field must lie in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FieldRange {
     /// Any finite number.
     Any,
-    /// Any number that single precision holds.
+    /// Any number up to [`f32::MAX`] in magnitude.
     Single,
-    /// At least 0.
+    /// At least 0, and at most [`f32::MAX`].
     NonNegative,
-    /// Above 0.
+    /// Above 0, and at most [`f32::MAX`].
     Positive,
     /// Not 0.
     NonZero,
@@ -70,7 +70,7 @@ pub(super) enum FieldRange {
     Between(f64, f64),
     /// Above the first bound, up to and including the second.
     UpTo(f64, f64),
-    /// Range in words; the parser of the block checks it, not the table.
+    /// Range described in words. The function that converts the block checks the value.
     Special(&'static str),
 }
 
@@ -81,60 +81,62 @@ pub(super) enum FieldDefault {
     Required,
     /// The field may be absent; the text says what absence means.
     Absent(&'static str),
-    /// Absence means these numbers.
+    /// The parser uses these numbers if the field is absent.
     Numbers(&'static [f64]),
-    /// Absence means this word.
+    /// The parser uses this word if the field is absent.
     Word(&'static str),
 }
 
-/// Description of one field of a block.
+/// Schema of one field of a block: keyword, type, range, unit, default and help.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FieldSchema {
     /// The field's keyword.
     pub name: &'static str,
     /// Second accepted keyword; empty if there is none.
     pub alias: &'static str,
-    /// Type of the value.
+    /// Type of the field's value.
     pub kind: FieldKind,
-    /// Allowed values.
+    /// Range that the field's value must lie in.
     pub range: FieldRange,
     /// Unit of the numbers; empty if they have none.
     pub unit: &'static str,
-    /// Meaning of the field's absence.
+    /// Default value, or meaning of an absent field.
     pub default: FieldDefault,
-    /// Meaning of the value, one line for the reference.
+    /// Meaning of the value, in one line of the language reference.
     pub help: &'static str,
     /// True if the scene format of the course MIT 6.837 has this field.
     pub is_course_syntax: bool,
 }
 
-/// Description of one kind of block: `keyword { fields }` or `keyword name { fields }`.
+/// Schema of one kind of block: `keyword { fields }` or `keyword name { fields }`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BlockSchema {
     /// The keyword that the writer prints.
     pub keyword: &'static str,
     /// Other accepted keywords.
     pub aliases: &'static [&'static str],
-    /// Fields of this kind of block alone.
+    /// Fields that only this kind of block has.
     pub own_fields: &'static [FieldSchema],
-    /// Groups of fields that several kinds of blocks have.
+    /// Lists of fields that this kind of block shares with other kinds.
     pub shared_fields: &'static [&'static [FieldSchema]],
-    /// Meaning of the block, one line for the reference.
+    /// Meaning of the block, in one line of the language reference.
     pub help: &'static str,
     /// True if the scene format of the course MIT 6.837 has this block.
     pub is_course_syntax: bool,
 }
 
-/// A kind of block with the function that converts its fields.
+/// A kind of block, and the function that converts its parsed fields.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BlockParser<P: 'static> {
-    /// Keyword, fields and help.
+    /// Schema of the block: keywords, fields and help.
     pub block: &'static BlockSchema,
-    /// Function from the block's fields to a description.
+    /// Function that converts the parsed fields, for example to a light or a shape.
     pub parse: P,
 }
 
-/// Returns the schema of an optional field. Colors must not be negative; other values are free.
+/// Returns the schema of an optional field `name` without unit, alias and default.
+///
+/// Colors have the range [`FieldRange::NonNegative`], other kinds have [`FieldRange::Any`].
 pub(super) const fn field_schema(name: &'static str, kind: FieldKind, help: &'static str) -> FieldSchema {
     let range = match kind {
         FieldKind::Color | FieldKind::ColorOrTexture => FieldRange::NonNegative,
@@ -144,7 +146,7 @@ pub(super) const fn field_schema(name: &'static str, kind: FieldKind, help: &'st
     FieldSchema { name, alias: "", kind, range, unit: "", default, help, is_course_syntax: false }
 }
 
-/// Returns the schema of a block without fields and aliases.
+/// Returns the schema of a block that has no fields and aliases yet.
 pub(super) const fn block_schema(keyword: &'static str, help: &'static str) -> BlockSchema {
     BlockSchema { keyword, aliases: &[], own_fields: &[], shared_fields: &[], help, is_course_syntax: false }
 }
@@ -162,13 +164,13 @@ impl FieldSchema {
         self
     }
 
-    /// Sets the numbers that an absent field stands for.
+    /// Sets the numbers that the parser uses if the field is absent.
     pub const fn with_default_numbers(mut self, default: &'static [f64]) -> Self {
         self.default = FieldDefault::Numbers(default);
         self
     }
 
-    /// Sets the word that an absent field stands for.
+    /// Sets the word that the parser uses if the field is absent.
     pub const fn with_default_word(mut self, default: &'static str) -> Self {
         self.default = FieldDefault::Word(default);
         self
@@ -192,7 +194,7 @@ impl FieldSchema {
         self
     }
 
-    /// Marks the field as one that the scene format of MIT 6.837 has.
+    /// Marks the field as part of the scene format of the course MIT 6.837.
     pub const fn mark_as_mit_course_syntax(mut self) -> Self {
         self.is_course_syntax = true;
         self
@@ -223,7 +225,9 @@ impl FieldSchema {
         (!ok).then(|| self.describe_violated_range(numbers))
     }
 
-    /// Returns the error text for `numbers` outside the allowed range: "must be above 0".
+    /// Returns the text of an error message about `numbers` outside the field's range.
+    ///
+    /// For example, a field with range [`FieldRange::NonNegative`] gives "must not be negative".
     fn describe_violated_range(&self, numbers: &[f64]) -> String {
         let each = if numbers.len() > 1 { " in each component" } else { "" };
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
@@ -248,7 +252,7 @@ impl FieldSchema {
         }
     }
 
-    /// Returns type, range and unit of the value in words, for the reference.
+    /// Returns type, range and unit of the value in words, for the language reference.
     fn describe_value(&self) -> String {
         let noun = match self.kind {
             FieldKind::Point => "point",
@@ -281,7 +285,7 @@ impl FieldSchema {
         format!("{noun}{range}{unit}")
     }
 
-    /// Returns the default in words, for the reference.
+    /// Returns the field's default in words, for the language reference.
     fn describe_default(&self) -> String {
         match self.default {
             FieldDefault::Required => "required".to_owned(),
@@ -291,7 +295,9 @@ impl FieldSchema {
         }
     }
 
-    /// Appends the field's row of a reference table to `out`; `blocks` is the row's first cell.
+    /// Appends the field's row of a Markdown table to `out`.
+    ///
+    /// The first cell of the row is `blocks`, the names of blocks that have the field.
     fn write_language_manual_row(&self, blocks: &str, out: &mut String) {
         let mut name = format!("`{}`", self.name);
         if !self.alias.is_empty() {
@@ -304,25 +310,25 @@ impl FieldSchema {
 }
 
 impl BlockSchema {
-    /// Sets other accepted keywords.
+    /// Sets the block's other accepted keywords.
     pub const fn with_aliases(mut self, aliases: &'static [&'static str]) -> Self {
         self.aliases = aliases;
         self
     }
 
-    /// Sets the fields of this kind of block alone.
+    /// Sets the fields that only this kind of block has.
     pub const fn with_fields(mut self, fields: &'static [FieldSchema]) -> Self {
         self.own_fields = fields;
         self
     }
 
-    /// Sets the groups of fields that other blocks have too.
+    /// Sets the lists of fields that this kind of block shares with other kinds.
     pub const fn with_shared_fields(mut self, groups: &'static [&'static [FieldSchema]]) -> Self {
         self.shared_fields = groups;
         self
     }
 
-    /// Marks the block as one that the scene format of MIT 6.837 has.
+    /// Marks the block as part of the scene format of the course MIT 6.837.
     pub const fn mark_as_mit_course_syntax(mut self) -> Self {
         self.is_course_syntax = true;
         self
@@ -333,12 +339,12 @@ impl BlockSchema {
         self.keyword == word || self.aliases.contains(&word)
     }
 
-    /// Iterates over own fields, then shared fields.
+    /// Iterates over the block's own fields, then over its shared fields.
     pub fn all_fields(&self) -> impl Iterator<Item = &'static FieldSchema> + use<> {
         self.own_fields.iter().chain(self.shared_fields.iter().copied().flatten())
     }
 
-    /// Returns the field with keyword or alias `word`.
+    /// Returns the field with keyword or alias `word`; `None` if the block has none.
     pub fn find_field(&self, word: &str) -> Option<&'static FieldSchema> {
         self.all_fields().find(|field| field.is_keyword(word))
     }
@@ -349,7 +355,7 @@ impl BlockSchema {
     }
 }
 
-/// Returns the block of `table` with keyword or alias `word`.
+/// Returns the entry of `table` whose block has the keyword or alias `word`; `None` without one.
 pub(super) fn find_block<P>(table: &'static [BlockParser<P>], word: &str) -> Option<&'static BlockParser<P>> {
     table.iter().find(|entry| entry.block.is_keyword(word))
 }
@@ -359,7 +365,7 @@ pub(super) fn block_schemas<P>(table: &'static [BlockParser<P>]) -> Vec<&'static
     table.iter().map(|entry| entry.block).collect()
 }
 
-/// Returns the words `before`, then all keywords and aliases of `table`.
+/// Returns the words of `before`, then the keywords and aliases of all blocks in `table`.
 pub(super) fn block_keywords<P>(before: &[&'static str], table: &'static [BlockParser<P>]) -> Vec<&'static str> {
     let blocks = table.iter().map(|entry| entry.block);
     let words = blocks.flat_map(|block| std::iter::once(block.keyword).chain(block.aliases.iter().copied()));
@@ -400,12 +406,12 @@ pub(super) fn reference_markdown(blocks: &[&'static BlockSchema]) -> String {
     out
 }
 
-/// Returns `words` in backticks, separated by commas.
+/// Puts each of `words` in backticks, and joins them with commas.
 fn join_in_backticks(words: &[&str]) -> String {
     words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
 }
 
-/// A bound of a range; printed with an exponent from a million on.
+/// Displays one bound of a [`FieldRange`]; numbers from a million on have an exponent.
 struct RangeBound(f64);
 
 impl std::fmt::Display for RangeBound {

@@ -15,7 +15,7 @@ pub(super) struct ParserScope<'a> {
     pub textures: Vec<Spanned<TextureDescription>>,
     /// Media of the last `Media` block.
     pub media: Vec<Spanned<MediumDescription>>,
-    /// Materials of the last `Materials` block, by index.
+    /// Materials of the last `Materials` block; a material index counts them from 0.
     pub materials: Vec<Spanned<MaterialDescription>>,
     /// Index of each named material, by name.
     pub material_indices: HashMap<String, usize>,
@@ -23,16 +23,19 @@ pub(super) struct ParserScope<'a> {
     mix_summaries: Vec<MixSummary>,
     /// True if the last `Group` refers to a material.
     pub group_uses_materials: bool,
-    /// Keyword of a `Materials` block after the last `Group`, if that group refers to materials.
+    /// Keyword of a `Materials` block after a `Group` that uses earlier materials, which is an
+    /// error.
     pub late_materials: Option<Token<'a>>,
 }
 
-/// Nesting depth of a material's mixes, and the material index of its dielectric, if any.
+/// Properties of a material that limit its use in a mix: depth of nested mixes, and its
+/// `Dielectric`.
 #[derive(Clone, Copy, Default)]
 pub(super) struct MixSummary {
-    /// Material index of the `Dielectric` that is the material or a leaf of the mix, if any.
+    /// Index of the material itself if it is a `Dielectric`, else of the `Dielectric` that it
+    /// mixes. `None` if there is none.
     pub dielectric: Option<usize>,
-    /// Depth of nested mixes; 0 for a material that is no mix.
+    /// Number of mixes nested in each other; 0 for a material that is no mix.
     pub mix_depth: u8,
 }
 
@@ -58,12 +61,14 @@ impl ParserScope<'_> {
         self.materials.push(material);
     }
 
-    /// Returns the mix summary of the material called `name`; the default if there is none.
+    /// Returns mix depth and dielectric of the material called `name`.
+    ///
+    /// Returns depth 0 and no dielectric if no such material exists.
     pub fn mix_summary(&self, name: &str) -> MixSummary {
         self.material_indices.get(name).and_then(|&index| self.mix_summaries.get(index)).copied().unwrap_or_default()
     }
 
-    /// Returns an error if a `Materials` block precedes `block`, which holds textures or media.
+    /// Returns an error if `block`, which holds textures or media, follows a `Materials` block.
     pub fn check_precedes_materials(&self, lexer: Lexer<'_>, block: Token<'_>) -> Result<(), SceneError> {
         if self.materials.is_empty() {
             return Ok(());
@@ -80,7 +85,9 @@ impl ParserScope<'_> {
         check_name_exists(lexer, "texture", name, names, help.to_owned())
     }
 
-    /// Returns an error if no medium is called `name`; `position` says where to define it.
+    /// Returns an error if no medium is called `name`.
+    ///
+    /// The help text says to define the medium at `position`, a phrase such as "in the file".
     pub fn check_medium_exists(
         &self,
         lexer: Lexer<'_>,
@@ -98,6 +105,8 @@ impl ParserScope<'_> {
     }
 
     /// Returns an error if no material is called `name`.
+    ///
+    /// The error suggests a similar name; its help text is `help` if no name is similar.
     pub fn check_material_exists(
         &self,
         lexer: Lexer<'_>,
@@ -112,7 +121,9 @@ impl ParserScope<'_> {
     }
 }
 
-/// Returns an error if `names` lack `name`; the error suggests the nearest of them, else `help`.
+/// Returns an error if `names` do not contain `name`.
+///
+/// The error suggests the most similar name; its help text is `help` if no name is similar.
 fn check_name_exists<'n, I: Iterator<Item = &'n str>>(
     lexer: Lexer<'_>,
     what: &str,

@@ -1,4 +1,4 @@
-//! Tables, parsing and printing of shapes.
+//! Schemas, parsing and printing of shape blocks.
 
 use std::fmt;
 
@@ -204,7 +204,9 @@ static NURBS: BlockSchema = block_schema("NurbsSurface", "rational B-spline surf
     ])
     .with_shared_fields(&[DEGREE_FIELDS, EMISSION_FIELDS]);
 
-/// Parses a shape, and the emitted radiance that replaces its material's.
+/// Parses the shape after its keyword `word`.
+///
+/// Returns the shape, and the emitted radiance \[W/(m² sr)] that replaces its material's, if any.
 // Not inlined: its callers recurse, and their stack frames must stay small.
 #[inline(never)]
 pub(super) fn parse_shape<'a>(
@@ -269,7 +271,7 @@ fn parse_bspline_curve(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneErr
     Ok(ShapeDescription::Curve(f.require_field("controls")?.curve_with_basis(CurveBasis::Bspline)?))
 }
 
-/// Parses corner and edges of a parallelogram whose area is not 0.
+/// Returns the corner and both edge vectors of a parallelogram; an error if its area is 0.
 pub(super) fn parse_parallelogram(f: &BlockFields<'_>) -> Result<(DVec3, DVec3, DVec3), SceneError> {
     let (corner, edge0, edge1): (_, DVec3, DVec3) = (f.value("corner")?, f.value("edge0")?, f.value("edge1")?);
     // Rounding of parallel edges alone gives a sine of about 1e-16.
@@ -278,7 +280,7 @@ pub(super) fn parse_parallelogram(f: &BlockFields<'_>) -> Result<(DVec3, DVec3, 
     Ok((corner, edge0, edge1))
 }
 
-/// Parses the centers of both ends of a cylinder or cone. The flag is true if caps close the ends.
+/// Returns the centers of both ends of a cylinder or cone, and true if caps close the ends.
 fn parse_ends_and_caps(f: &BlockFields<'_>) -> Result<([DVec3; 2], bool), SceneError> {
     let ends = [f.value("bottom")?, f.value("top")?];
     f.require_field("top")?.ensure_valid(ends[0] != ends[1], "must differ from `bottom`")?;
@@ -288,13 +290,19 @@ fn parse_ends_and_caps(f: &BlockFields<'_>) -> Result<([DVec3; 2], bool), SceneE
 fn parse_triangle(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
     Ok(ShapeDescription::Triangle {
         vertices: [f.value("vertex0")?, f.value("vertex1")?, f.value("vertex2")?],
-        normals: parse_all_or_none(f, ["normal0", "normal1", "normal2"])?,
-        uv: parse_all_or_none(f, ["uv0", "uv1", "uv2"])?.map(Box::new),
+        normals: parse_three_optional_fields(f, ["normal0", "normal1", "normal2"])?,
+        uv: parse_three_optional_fields(f, ["uv0", "uv1", "uv2"])?.map(Box::new),
     })
 }
 
-/// Parses three fields; `None` if all of them are absent.
-fn parse_all_or_none<T: FromFieldValue>(f: &BlockFields<'_>, names: [&str; 3]) -> Result<Option<[T; 3]>, SceneError> {
+/// Returns the values of the three fields `names`; `None` if all of the fields are absent.
+///
+/// # Errors
+/// If only one or two of the fields are present.
+fn parse_three_optional_fields<T: FromFieldValue>(
+    f: &BlockFields<'_>,
+    names: [&str; 3],
+) -> Result<Option<[T; 3]>, SceneError> {
     if names.iter().all(|name| f.get(name).is_none()) {
         return Ok(None);
     }
@@ -328,9 +336,10 @@ fn parse_nurbs_surface(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneErr
     Ok(ShapeDescription::Nurbs { degree, count, knots, controls: controls.weighted_points().to_vec() })
 }
 
-/// Parses the knots of the field `name`; empty if the field is absent.
+/// Returns the knots of the field `name`; empty if the field is absent.
 ///
-/// A present field must hold `wanted` knots.
+/// # Errors
+/// If the field does not hold `wanted` knots, or if the knots decrease.
 fn parse_knots(f: &BlockFields<'_>, name: &str, wanted: u64) -> Result<Vec<f64>, SceneError> {
     let Some(knots) = f.get(name) else { return Ok(Vec::new()) };
     let list = knots.number_list();
@@ -340,7 +349,7 @@ fn parse_knots(f: &BlockFields<'_>, name: &str, wanted: u64) -> Result<Vec<f64>,
     Ok(list.to_vec())
 }
 
-/// Writes a shape, and the emitted radiance that replaces its material's.
+/// Writes a shape, and the emitted radiance that replaces its material's, if any.
 // Not inlined: its callers recurse, and their stack frames must stay small.
 #[inline(never)]
 pub(super) fn write_shape(

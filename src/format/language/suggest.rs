@@ -3,7 +3,8 @@
 /// Length of the longest word that can be a misspelt keyword \[characters].
 const MAX_WORD_LENGTH: usize = 40;
 
-/// Words of other renderers and formats in lower case, each with a keyword of this language.
+/// Words of other renderers and file formats, in lower case, each with its keyword of this
+/// language.
 const SYNONYMS: [(&str, &str); 46] = [
     ("albedo", "reflectance"),
     ("ambientlight", "EnvironmentLight"),
@@ -53,7 +54,7 @@ const SYNONYMS: [(&str, &str); 46] = [
     ("trianglemesh", "TriangleMesh"),
 ];
 
-/// Returns the keyword of `allowed` that other renderers call `word`.
+/// Returns the keyword of `allowed` that other renderers call `word`; `None` if there is none.
 pub(super) fn keyword_synonym(word: &str, allowed: &[&str]) -> Option<&'static str> {
     let word = word.to_ascii_lowercase();
     SYNONYMS.iter().find(|(other, own)| *other == word && allowed.contains(own)).map(|(_, own)| *own)

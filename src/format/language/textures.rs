@@ -1,4 +1,4 @@
-//! Tables, parsing and printing of textures.
+//! Schemas, parsing and printing of texture blocks.
 
 use std::fmt;
 
@@ -89,7 +89,7 @@ static MARBLE: BlockSchema = block_schema("Marble", "solid veins across the x ax
 static WOOD: BlockSchema = block_schema("Wood", "solid rings about the y axis, t = ½ + ½ sin 2π(f √(x² + z²) + a N)")
     .with_shared_fields(&[COLOR_FIELDS, PATTERN_FIELDS]);
 
-/// Parses a `Textures` block; its textures replace those of an earlier one.
+/// Parses a `Textures` block. Its textures replace those of an earlier `Textures` block.
 pub(super) fn parse_textures_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
     parser.scope.check_precedes_materials(parser.lexer, block)?;
     parser.scope.textures.clear();

@@ -16,12 +16,12 @@ use crate::math::Transform;
 const STEP_KEYWORDS: [&str; 9] =
     ["Scale", "UniformScale", "Translate", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f", "Matrix"];
 
-/// Parser of the object or light that starts with a keyword.
+/// Function that parses an object, light or camera after its keyword.
 type ParseObject<'a, T> = fn(&mut Parser<'a>, Token<'a>) -> Result<T, SceneError>;
 
-/// Parses a `Transform` block: transform steps, then one object.
+/// Parses a `Transform` block: transform steps, then one object. Returns the steps and the object.
 ///
-/// `parse_object` parses the object, which starts with a word of `allowed`.
+/// `parse_object` parses the object after its keyword, which is in `allowed`.
 pub(super) fn parse_transform_block<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -33,9 +33,10 @@ pub(super) fn parse_transform_block<'a, T>(
     Ok((steps, object))
 }
 
-/// Parses a `Moving` block: the steps of a motion while the shutter is open, then what moves.
+/// Parses a `Moving` block: transform steps, then one object, light or camera. Returns both.
 ///
-/// `parse_object` parses the moving object, light or camera, which starts with a word of `allowed`.
+/// The steps are the motion while the shutter is open. `parse_object` parses the moving item after
+/// its keyword, which is in `allowed`.
 pub(super) fn parse_moving_block<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -47,7 +48,9 @@ pub(super) fn parse_moving_block<'a, T>(
     Ok((steps, object))
 }
 
-/// Parses a block of transform steps and one object, which starts with a word of `allowed`.
+/// Parses `{ … }` with transform steps and one object, light or camera, and returns both.
+///
+/// The keyword of the object is in `allowed`.
 fn parse_steps_and_object<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -65,7 +68,7 @@ fn parse_steps_and_object<'a, T>(
 // The functions below are not inlined into `parse_steps_and_object`: it recurses, and its stack
 // frame must stay small.
 
-/// Parses transform steps up to a word of `allowed`, and returns that word.
+/// Appends transform steps to `steps`, up to a word of `allowed`. Returns that word.
 #[inline(never)]
 fn parse_steps_before_object<'a>(
     parser: &mut Parser<'a>,
@@ -91,7 +94,7 @@ fn parse_steps_before_object<'a>(
     }
 }
 
-/// Parses transform steps in braces, without an object.
+/// Parses `{ … }` with transform steps and no object.
 pub(super) fn parse_transform_steps<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -129,7 +132,7 @@ fn check_not_singular<'a>(parser: &Parser<'a>, keyword: Token<'a>, steps: &[Tran
     }
 }
 
-/// Returns an error if no motion leads from the identity to one of `steps`.
+/// Returns an error if one of `steps` cannot be a motion: a matrix, or a scale of 0 or below.
 #[inline(never)]
 fn check_motion_steps<'a>(parser: &Parser<'a>, keyword: Token<'a>, steps: &[TransformStep]) -> Result<(), SceneError> {
     const FLAT: (&str, &str) = ("a scale of 0 or below", "a motion cannot go through flat: scale by more than 0");
@@ -154,7 +157,7 @@ fn check_motion_steps<'a>(parser: &Parser<'a>, keyword: Token<'a>, steps: &[Tran
     Ok(())
 }
 
-/// Parses the numbers of the transform step that starts with `word`.
+/// Parses the numbers of a transform step after its keyword `word`.
 #[inline(never)]
 fn parse_transform_step<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TransformStep, SceneError> {
     let (step, span) = match word.text {

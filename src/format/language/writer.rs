@@ -12,7 +12,8 @@ use super::text::{is_identifier, is_nonfinite_number};
 pub(super) struct SceneWriter<'f, 'a> {
     out: &'f mut Formatter<'a>,
     depth: usize,
-    /// Block whose fields are written. Debug builds check that its schema has them.
+    /// Schema of the last started block that has one. Debug builds look up each written field in
+    /// it.
     block: Option<&'static BlockSchema>,
 }
 
@@ -29,32 +30,32 @@ impl SceneWriter<'_, '_> {
         writeln!(self.out, "{:1$}{text}", "", 4 * self.depth)
     }
 
-    /// Writes the start of a block that has no schema.
+    /// Writes `keyword {`, and indents the lines that follow.
     pub fn begin_block(&mut self, keyword: impl Display) -> Result {
         self.write_line(format_args!("{keyword} {{"))?;
         self.depth += 1;
         Ok(())
     }
 
-    /// Writes the end of a block.
+    /// Reduces the indent, and writes the `}` of a block.
     pub fn end_block(&mut self) -> Result {
         self.depth -= 1;
         self.write_line("}")
     }
 
-    /// Writes the start of `block`, whose fields follow.
+    /// Writes the keyword of `block` and `{`. Its fields are written next.
     pub fn begin_schema_block(&mut self, block: &'static BlockSchema) -> Result {
         self.block = Some(block);
         self.begin_block(block.keyword)
     }
 
-    /// Writes the start of a texture, medium or material called `name`.
+    /// Writes the keyword of `block`, its `name` and `{`. Its fields are written next.
     pub fn begin_named_block(&mut self, block: &'static BlockSchema, name: &str) -> Result {
         self.block = Some(block);
         self.begin_block(format_args!("{} {}", block.keyword, QuotedUnlessIdentifier(name)))
     }
 
-    /// Writes the field `name`.
+    /// Writes the line `name value` of a field.
     pub fn write_field(&mut self, name: &str, value: impl Display) -> Result {
         debug_assert!(self.block.is_none_or(|block| block.find_field(name).is_some()), "no table has `{name}`");
         self.write_line(format_args!("{name} {value}"))
@@ -80,7 +81,7 @@ impl SceneWriter<'_, '_> {
         self.write_field(name, QuotedIfNeeded(value))
     }
 
-    /// Writes the name of the material for the objects that follow.
+    /// Writes the line `MaterialName name`, which sets the material of the objects that follow.
     pub fn write_material_name(&mut self, name: &str) -> Result {
         self.write_line(format_args!("MaterialName {}", QuotedIfNeeded(name)))
     }
@@ -101,7 +102,7 @@ impl SceneWriter<'_, '_> {
         }
     }
 
-    /// Writes a texture's name in a field that accepts numbers, too.
+    /// Writes a texture's name in a field that accepts numbers or a texture.
     pub fn write_texture_name(&mut self, name: &str, texture: &Spanned<String>) -> Result {
         self.write_field(name, QuotedUnlessIdentifier(texture))
     }
@@ -122,8 +123,8 @@ impl SceneWriter<'_, '_> {
     }
 }
 
-/// Displays a number by the shortest text that parses to it; very large and small ones have an
-/// exponent.
+/// Displays a number by the shortest text that parses to it. Numbers below 1e-5 or from 1e16 on
+/// have an exponent.
 struct ShortestNumber(f64);
 
 impl Display for ShortestNumber {
@@ -148,7 +149,7 @@ impl Display for SpacedNumbers<'_> {
     }
 }
 
-/// Displays a path or name, in quotes if it would not parse without them.
+/// Displays a path or name, in quotes only if it would not parse without them.
 struct QuotedIfNeeded<'a>(&'a str);
 
 impl Display for QuotedIfNeeded<'_> {
@@ -166,7 +167,7 @@ impl Display for QuotedIfNeeded<'_> {
 
 /// Displays a name, in quotes unless it is an identifier.
 ///
-/// For places where a number or `{` may stand, too.
+/// For fields where the parser would take other bare words for a number or `{`.
 struct QuotedUnlessIdentifier<'a>(&'a str);
 
 impl Display for QuotedUnlessIdentifier<'_> {

@@ -12,19 +12,19 @@ pub enum MeshError {
     /// The mesh file does not exist.
     #[error("there is no mesh file {}: check the path, which counts from the scene file's folder or the one above it", path.display())]
     Missing {
-        /// Path of the file.
+        /// Path of the mesh file.
         path: PathBuf,
     },
     /// The material file does not exist.
     #[error("there is no material file {}: put it beside the mesh that names it", path.display())]
     NoLibrary {
-        /// Path of the file.
+        /// Path of the material file.
         path: PathBuf,
     },
     /// The file exists but cannot be read.
     #[error("cannot read the mesh {}: check that it is a file and that you may read it", path.display())]
     Unreadable {
-        /// Path of the file.
+        /// Path of the mesh or material file.
         path: PathBuf,
         /// Cause reported by the system.
         source: std::io::Error,
@@ -35,7 +35,7 @@ pub enum MeshError {
     /// A binary file holds invalid data.
     #[error("{}: byte {byte}, {element}: {message}: {remedy}", path.display())]
     Byte {
-        /// Path of the file.
+        /// Path of the mesh file.
         path: PathBuf,
         /// Offset of the invalid data from the start of the file \[bytes].
         byte: usize,
@@ -43,19 +43,19 @@ pub enum MeshError {
         element: String,
         /// Description of the defect.
         message: String,
-        /// Remedy.
+        /// Advice on how to correct the file.
         remedy: &'static str,
     },
     /// The mesh has no faces.
     #[error("the mesh {} has no faces: export it with faces", path.display())]
     NoFaces {
-        /// Path of the file.
+        /// Path of the mesh file.
         path: PathBuf,
     },
     /// The mesh has more vertices than a signed 32-bit index can count.
     #[error("the mesh {} has more than 2147483647 vertices: split it", path.display())]
     TooLarge {
-        /// Path of the file.
+        /// Path of the mesh file.
         path: PathBuf,
     },
     /// The mesh takes more memory than is free.
@@ -64,7 +64,7 @@ pub enum MeshError {
         path.display(), format_bytes(*needed), format_bytes(*free)
     )]
     Memory {
-        /// Path of the file.
+        /// Path of the mesh or material file.
         path: PathBuf,
         /// Bytes that reading the mesh takes.
         needed: u64,
@@ -74,7 +74,7 @@ pub enum MeshError {
     /// Faces name a material that no material file defines.
     #[error("the mesh {} names a material `{name}` that its material files do not hold: add it to one of them", path.display())]
     NoMaterial {
-        /// Path of the file.
+        /// Path of the mesh file.
         path: PathBuf,
         /// Name of the material.
         name: String,
@@ -82,17 +82,17 @@ pub enum MeshError {
     /// An MTL material cannot be converted to a material of the scene language.
     #[error("{}: {message}: {remedy}", path.display())]
     BadMaterial {
-        /// Path of the mesh whose material files define it.
+        /// Path of the mesh whose material files define the material.
         path: PathBuf,
         /// Description of the defect.
         message: String,
-        /// Remedy.
+        /// Advice on how to correct the material.
         remedy: &'static str,
     },
     /// The parser crate `tobj` refuses a file that Caustica's own line check accepted.
     #[error("cannot read the mesh {}: {source}: export it anew as plain triangles", path.display())]
     Malformed {
-        /// Path of the file.
+        /// Path of the mesh file.
         path: PathBuf,
         /// Cause reported by `tobj`.
         source: tobj::LoadError,
@@ -100,12 +100,13 @@ pub enum MeshError {
 }
 
 impl MeshError {
-    pub(in crate::format) fn at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
+    pub(in crate::format) fn error_at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
         Self::Line(LineError::new(path, line, problem))
     }
 }
 
-/// Reads the bytes of a file. Fails before allocating if they exceed `free` bytes.
+/// Reads the bytes of a file. Fails before allocating if they exceed `free` bytes; `None` sets no
+/// limit.
 pub(in crate::format) fn read_file_bytes(path: &Path, free: Option<u64>) -> Result<Vec<u8>, MeshError> {
     let refused = |source: std::io::Error| match source.kind() {
         std::io::ErrorKind::NotFound => MeshError::Missing { path: path.into() },
@@ -118,7 +119,8 @@ pub(in crate::format) fn read_file_bytes(path: &Path, free: Option<u64>) -> Resu
     Ok(bytes)
 }
 
-/// Fails if `needed` exceeds `free` bytes; `None` sets no limit. Errors name `path`.
+/// Returns an error that names `path` if `needed` exceeds `free` bytes. `free` is `None` without a
+/// memory limit.
 pub(in crate::format) fn check_memory(path: &Path, needed: u64, free: Option<u64>) -> Result<(), MeshError> {
     match free {
         Some(free) if needed > free => Err(MeshError::Memory { path: path.into(), needed, free }),

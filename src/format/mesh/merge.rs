@@ -21,9 +21,9 @@ impl<T> DeduplicatedList<T> {
         Self { hasher, table: HashTable::with_capacity(n), list: Vec::with_capacity(n) }
     }
 
-    /// Returns the index of the value in the list that has the key of `value`.
+    /// Returns the index of the listed value whose key equals that of `value`.
     ///
-    /// Appends `value` if the list has none.
+    /// If there is none, appends `value` and returns its index.
     #[inline]
     pub fn find_or_append<K: Hash + Eq>(&mut self, value: T, key: impl Fn(&T) -> K) -> u32 {
         let Self { hasher, table, list } = self;
@@ -89,20 +89,20 @@ pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
         let normals: Vec<DVec3> = vertices.iter().map(normal).collect();
         mesh.normals = normals.iter().any(|n| *n != DVec3::ZERO).then_some(normals);
     }
-    select_vertices(mesh, vertices.iter().map(|(v, _)| *v));
+    keep_listed_vertices(mesh, vertices.iter().map(|(v, _)| *v));
 }
 
 /// Replaces the vertices of `mesh` by its vertices with the indices in `list`.
 ///
 /// Only positions and texture coordinates are replaced. The caller must replace normals and
 /// triangles.
-pub(super) fn select_vertices(mesh: &mut TriangleMesh, list: impl Iterator<Item = u32> + Clone) {
+pub(super) fn keep_listed_vertices(mesh: &mut TriangleMesh, list: impl Iterator<Item = u32> + Clone) {
     mesh.positions = list.clone().map(|v| mesh.positions[v as usize]).collect();
     let texcoord = |texcoords: Vec<DVec2>| list.map(|v| texcoords[v as usize]).collect();
     mesh.texcoords = mesh.texcoords.take().map(texcoord);
 }
 
-pub(super) fn position_indices(mesh: &TriangleMesh) -> (Vec<u32>, usize) {
+pub(super) fn distinct_position_indices(mesh: &TriangleMesh) -> (Vec<u32>, usize) {
     let mut numbers = DeduplicatedList::with_capacity(mesh.positions.len());
     let places = mesh.positions.iter().map(|p| numbers.find_or_append(position_bits(*p), |key| *key)).collect();
     (places, numbers.into_values().len())

@@ -65,12 +65,13 @@ impl TriangleMesh {
         merge::merge_equal_vertices(self);
     }
 
-    /// Returns the index of each vertex's position among the distinct positions, and their number.
+    /// Numbers the distinct positions; returns the number of each vertex's position, and their
+    /// count.
     ///
     /// Coordinates −0 and 0 are equal here.
     #[must_use]
-    pub fn position_indices(&self) -> (Vec<u32>, usize) {
-        merge::position_indices(self)
+    pub fn distinct_position_indices(&self) -> (Vec<u32>, usize) {
+        merge::distinct_position_indices(self)
     }
 
     /// Moves each vertex to the first vertex within `tolerance` \[length], and merges equal
@@ -81,7 +82,7 @@ impl TriangleMesh {
         weld::weld_vertices(self, tolerance)
     }
 
-    /// Repairs the mesh and removes unused vertices.
+    /// Makes the selected repairs, removes unused vertices, and returns what was repaired.
     pub fn repair(&mut self, repair: &MeshRepairs) -> RepairCounts {
         repair::repair(self, repair)
     }
@@ -161,12 +162,12 @@ impl TriangleMesh {
     }
 }
 
-/// Mesh that was read from a file, with facts about the file.
+/// Mesh that was read from a file, with the names of its material files and vertex statistics.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadedMesh {
     /// The mesh. No two vertices are equal bit for bit in position, normal and texture coordinates.
     pub mesh: TriangleMesh,
-    /// Arguments of the `mtllib` lines of an OBJ file, as written.
+    /// Arguments of the `mtllib` lines of an OBJ file, as written: paths of MTL files.
     pub libraries: Vec<String>,
     /// Number of vertices in the file, before equal ones are merged.
     pub vertices: usize,
@@ -263,7 +264,7 @@ pub fn decode(
     Ok(loaded)
 }
 
-/// Lower and upper corner of the bounds of `points`; infinities if there are none.
+/// Returns the lower and upper corner of the bounds of `points`; infinities if there are none.
 fn point_bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
 }

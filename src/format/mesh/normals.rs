@@ -1,7 +1,7 @@
 //! Smooth shading normals for meshes without normals.
 
 use super::TriangleMesh;
-use super::merge::{DeduplicatedList, select_vertices};
+use super::merge::{DeduplicatedList, keep_listed_vertices};
 use super::topology::{MeshTopology, ParityUnionFind};
 use glam::DVec3;
 
@@ -25,7 +25,7 @@ pub(super) fn compute_smooth_normals(mesh: &mut TriangleMesh, angle: f64) {
         }
         sums[*group as usize] += faces[corner / 3] * corner_angle(mesh, corner);
     }
-    assign_group_normals(mesh, &missing, &groups, &sums);
+    assign_smoothing_group_normals(mesh, &missing, &groups, &sums);
 }
 
 /// Unit normal of a triangle, by its winding; zero for triangles without area.
@@ -75,7 +75,7 @@ fn smoothing_groups(mesh: &TriangleMesh, faces: &[DVec3], angle: f64) -> Vec<u32
 /// needed.
 ///
 /// `sums` holds the weighted sum of face normals of each group.
-fn assign_group_normals(mesh: &mut TriangleMesh, missing: &[bool], groups: &[u32], sums: &[DVec3]) {
+fn assign_smoothing_group_normals(mesh: &mut TriangleMesh, missing: &[bool], groups: &[u32], sums: &[DVec3]) {
     const KEEPS_NORMAL: u32 = u32::MAX;
     let mut numbers: DeduplicatedList<(u32, u32)> = DeduplicatedList::with_capacity(mesh.positions.len());
     for (t, triangle) in mesh.triangles.iter_mut().enumerate() {
@@ -90,7 +90,7 @@ fn assign_group_normals(mesh: &mut TriangleMesh, missing: &[bool], groups: &[u32
         _ => sums.get(group as usize).copied().unwrap_or_default().normalize_or_zero(),
     };
     mesh.normals = Some(vertices.iter().map(normal).collect());
-    select_vertices(mesh, vertices.iter().map(|(v, _)| *v));
+    keep_listed_vertices(mesh, vertices.iter().map(|(v, _)| *v));
     mesh.merge_equal_vertices();
 }
 

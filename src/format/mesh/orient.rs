@@ -1,6 +1,6 @@
 //! Consistent windings with outward normals.
 
-use super::merge::{DeduplicatedList, select_vertices};
+use super::merge::{DeduplicatedList, keep_listed_vertices};
 use super::normals::face_normal;
 use super::topology::{MeshTopology, ParityUnionFind};
 use super::{NO_MATERIAL, TriangleMesh};
@@ -53,7 +53,7 @@ pub(super) fn orient_outward(mesh: &mut TriangleMesh) -> usize {
         }
     }
     let components: Vec<ConnectedMeshComponent> = components.into_values().collect();
-    let depths = nesting_depths(mesh, &components, &turn);
+    let depths = component_nesting_depths(mesh, &components, &turn);
     for (component, depth) in components.iter().zip(depths) {
         let turned = component.faces.iter().filter(|t| turn[**t as usize]).count();
         let other_way = match (component.is_orientable, component.is_closed) {
@@ -107,7 +107,7 @@ fn six_times_signed_volume(mesh: &TriangleMesh, component: &ConnectedMeshCompone
 ///
 /// Triangles marked in `turn` count as flipped. Open components have depth 0. All depths are 0 if
 /// there are more than [`MAX_NESTED_COMPONENTS`] closed components.
-fn nesting_depths(mesh: &TriangleMesh, components: &[ConnectedMeshComponent], turn: &[bool]) -> Vec<usize> {
+fn component_nesting_depths(mesh: &TriangleMesh, components: &[ConnectedMeshComponent], turn: &[bool]) -> Vec<usize> {
     let closed = |component: &ConnectedMeshComponent| component.is_closed && component.is_orientable;
     let mut depths = vec![0; components.len()];
     if components.iter().filter(|component| closed(component)).count() > MAX_NESTED_COMPONENTS {
@@ -175,7 +175,7 @@ fn flip_marked_triangles(mesh: &mut TriangleMesh, turn: &[bool]) {
     let normal = |&(v, turned): &(u32, bool)| if turned { -normals[v as usize] } else { normals[v as usize] };
     mesh.normals = Some(vertices.iter().map(normal).collect());
     mesh.triangles = triangles;
-    select_vertices(mesh, vertices.iter().map(|(v, _)| *v));
+    keep_listed_vertices(mesh, vertices.iter().map(|(v, _)| *v));
     mesh.merge_equal_vertices();
 }
 

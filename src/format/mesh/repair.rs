@@ -21,7 +21,7 @@ pub struct MeshRepairs {
 impl MeshRepairs {
     /// Default distance for merging vertices, relative to the diagonal of the mesh's bounds.
     ///
-    /// It is below the resolution of single precision.
+    /// Single precision does not resolve so small a distance.
     pub const DEFAULT_WELD_TOLERANCE: f64 = 1e-9;
 }
 
@@ -48,7 +48,7 @@ pub(super) fn repair(mesh: &mut TriangleMesh, repair: &MeshRepairs) -> RepairCou
         done.duplicates = remove_triangles(mesh, &duplicates);
     }
     if repair.removes_degenerates {
-        let degenerate = removable_degenerates(mesh);
+        let degenerate = removable_degenerate_triangles(mesh);
         done.degenerate = remove_triangles(mesh, &degenerate);
     }
     if repair.orients_outward {
@@ -58,11 +58,11 @@ pub(super) fn repair(mesh: &mut TriangleMesh, repair: &MeshRepairs) -> RepairCou
     done
 }
 
-/// True for each triangle without area that can be removed without opening the surface.
+/// Marks triangles without area that can be removed without opening the surface.
 ///
-/// At a T-junction, a corner lies on the edge of another triangle. A degenerate triangle whose
-/// three edges all have two triangles closes the gap there, so it stays.
-fn removable_degenerates(mesh: &TriangleMesh) -> Vec<bool> {
+/// A triangle without area stays if each of its edges has two triangles. It may then close the gap
+/// at a T-junction, where a vertex lies on an edge of another triangle.
+fn removable_degenerate_triangles(mesh: &TriangleMesh) -> Vec<bool> {
     let topology = MeshTopology::new(mesh);
     let mut closing = vec![0_u8; mesh.triangles.len()];
     for half_edges in topology.half_edges_by_edge().filter(|half_edges| half_edges.len() == 2) {

@@ -16,7 +16,7 @@ pub enum SolidDefect {
     },
     /// Triangles that share an edge disagree about which side is outside.
     InconsistentWinding {
-        /// Number of edges whose triangles disagree.
+        /// Number of edges whose triangles disagree about the outer side.
         edges: usize,
     },
     /// All windings agree, but the outer side faces the enclosed volume.

@@ -16,7 +16,7 @@ pub(super) struct HalfEdge {
 }
 
 impl HalfEdge {
-    /// Corners at the lower and at the higher position index.
+    /// Returns the triangle corners at the lower and at the higher of the two `positions`.
     ///
     /// Corner 3t + k is corner k of triangle t.
     pub fn corner_indices(&self) -> [usize; 2] {
@@ -39,7 +39,7 @@ pub(super) struct MeshTopology {
 
 impl MeshTopology {
     pub fn new(mesh: &TriangleMesh) -> Self {
-        let (vertex_positions, position_count) = mesh.position_indices();
+        let (vertex_positions, position_count) = mesh.distinct_position_indices();
         let mut half_edges = Vec::with_capacity(3 * mesh.triangles.len());
         for (t, triangle) in mesh.triangles.iter().enumerate() {
             let [a, b, c] = triangle.map(|v| vertex_positions[v as usize]);

@@ -11,13 +11,13 @@ const NO_POINT: u32 = u32::MAX;
 const MAX_TOLERANCE: f64 = 1e150;
 
 pub(super) fn weld_vertices(mesh: &mut TriangleMesh, tolerance: f64) -> usize {
-    let (_, before) = mesh.position_indices();
+    let (_, before) = mesh.distinct_position_indices();
     let mut kept = WeldGrid::new(tolerance.clamp(0.0, MAX_TOLERANCE), &mesh.positions);
     for p in &mut mesh.positions {
         *p = kept.find_or_insert(*p);
     }
     mesh.merge_equal_vertices();
-    let (_, after) = mesh.position_indices();
+    let (_, after) = mesh.distinct_position_indices();
     before.saturating_sub(after)
 }
 

@@ -18,9 +18,9 @@ pub enum MeshFormat {
 }
 
 impl MeshFormat {
-    /// Format by the extension of `path`; `None` if the extension is unknown.
+    /// Returns the format for the extension of `path`; `None` if the extension is unknown.
     ///
-    /// `text` selects the text form of PLY.
+    /// For PLY, `text` selects the text format instead of the binary one.
     #[must_use]
     pub fn from_path(path: &Path, text: bool) -> Option<Self> {
         let is = |name: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(name));

@@ -15,7 +15,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 pub use write::write;
 
-/// Upper bound of the memory for parsing an MTL file, per byte of the file.
+/// Upper bound of the memory for parsing an MTL file \[bytes per byte of the file].
 ///
 /// The worst case measured, a file of lines `newmtl a`, takes 76.
 const MEMORY_PER_FILE_BYTE: u64 = 100;
@@ -102,7 +102,7 @@ pub fn load_mesh_materials(path: &Path, loaded: &LoadedMesh, free: Option<u64>) 
 /// [`MeshError`].
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<MtlMaterial>, MeshError> {
     let valid_lines = check::check_mtl_lines(&String::from_utf8_lossy(strip_byte_order_mark(bytes)))
-        .map_err(|(line, wrong)| MeshError::at_line(path, line, wrong))?;
+        .map_err(|(line, wrong)| MeshError::error_at_line(path, line, wrong))?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let (materials, _) = tobj::load_mtl_buf(&mut valid_lines.as_bytes()).map_err(malformed)?;
     let vector = |v: Option<[f64; 3]>| v.map(DVec3::from_array);

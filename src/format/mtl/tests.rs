@@ -145,7 +145,7 @@ fn materials_write_and_read_back() {
 }
 
 #[test]
-fn libraries_are_found_beside_the_mesh() {
+fn material_libraries_are_found_beside_the_mesh() {
     let folder = tempfile::tempdir().unwrap();
     let mesh = folder.path().join("x.obj");
     let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();

@@ -14,8 +14,9 @@ pub(super) fn resolve_camera(description: &SceneDescription, source: &SourceText
     let described = &description.camera;
     let description::CameraDescription { center, up, width, height, .. } = described.value;
     let direction = aim_direction(described.aim, center);
-    let refuse =
-        |(message, help): MessageAndRemedy| SceneError::at_span(source, described.span, message, "this camera", help);
+    let refuse = |(message, help): MessageAndRemedy| {
+        SceneError::error_at_span(source, described.span, message, "this camera", help)
+    };
     let camera = match described.projection {
         ProjectionDescription::Perspective { angle, lens } => {
             check_field_of_view(angle, (width, height)).map_err(refuse)?;
@@ -74,7 +75,7 @@ const MIN_FOCUS_DISTANCE: f64 = 1e-12;
 /// Single precision can hold their squares and products.
 const MAX_LENS_LENGTH: f64 = 1e12;
 
-/// Returns an error if single precision cannot hold the lens.
+/// Returns an error if single precision cannot hold the squares of lens radius and focus distance.
 fn check_lens(lens: &Lens) -> Result<(), MessageAndRemedy> {
     if !(lens.radius < MAX_LENS_LENGTH && lens.focus < MAX_LENS_LENGTH) {
         let message = "the lens is larger, or focused farther, than single precision can hold";

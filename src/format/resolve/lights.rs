@@ -18,7 +18,7 @@ use crate::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Adds a light of the description, which moves by `motion` about its own position.
+/// Adds a described light to the scene. Its own position is the origin of its `motion`.
 pub(super) fn add_light(
     r: &mut Resolver<'_>,
     light: &Spanned<LightDescription>,
@@ -118,7 +118,8 @@ fn make_oriented_light(
             let help = "write an angle from 0 to 180 degrees and an intensity per line, in ascending order";
             let refuse = |message: &str| r.file_error(path, &message, help);
             let text = std::fs::read_to_string(r.find_file("profile", path)?).map_err(|e| refuse(&e.to_string()))?;
-            let profile = parse_profile(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
+            let profile =
+                parse_intensity_profile(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
             let map = map_from_intensity_profile(&profile).map_err(|e| refuse(&e.to_string()))?;
             // Profiles are symmetric about the top of their map, which lies along the axis.
             (IntensityPattern::Map(Arc::new(map)), direction.any_orthogonal_vector(), direction)
@@ -130,7 +131,7 @@ fn make_oriented_light(
 /// Parses the pairs of angle \[degrees] and intensity of a profile; `None` if the table is invalid.
 ///
 /// Each line holds one pair, in ascending order of angle. `#` starts a comment.
-fn parse_profile(text: &str) -> Option<Vec<(f64, f64)>> {
+fn parse_intensity_profile(text: &str) -> Option<Vec<(f64, f64)>> {
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
     let pair = |line: &str| {
         let mut numbers = line.split_whitespace().map(str::parse::<f64>);
@@ -154,7 +155,7 @@ fn add_delta_light(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightSt
     }
 }
 
-/// Adds a light-emitting shape that reflects nothing. It moves by `motion` about `center`.
+/// Adds a light-emitting shape that reflects nothing. `center` is the origin of its `motion`.
 fn add_area_light(
     r: &mut Resolver<'_>,
     shape: Shape,

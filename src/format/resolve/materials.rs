@@ -12,8 +12,9 @@ use crate::format::description::{
 use crate::format::language::nearest_word;
 use crate::scene::{Body, Material};
 
-/// Adds all materials of the description, with the same indices; a white diffuse one if there are
-/// none.
+/// Adds all materials of the description in their order, so that their indices stay the same.
+///
+/// Adds a white diffuse material if the description has none.
 pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     for (index, described) in r.description.materials.iter().enumerate() {
         let mut requirements = TextureRequirements::default();
@@ -41,17 +42,17 @@ pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Returns the index of the material with a name; an error if there is none.
+/// Returns the index of the material called `name`; an error if there is none.
 pub(super) fn material_index(r: &Resolver<'_>, name: &Spanned<String>) -> Result<u32, SceneError> {
     r.material_indices.get(name.as_str()).copied().ok_or_else(|| {
         let message = format!("there is no material named `{}`", name.value);
-        SceneError::at_span(r.source, name.span, message, "unknown name", "define it in Materials first")
+        SceneError::error_at_span(r.source, name.span, message, "unknown name", "define it in Materials first")
     })
 }
 
-/// Returns a material without medium and with unperturbed normals.
+/// Converts a described material, except for its medium and its bump or normal map.
 ///
-/// Adds the requirements of its textures to `requirements`.
+/// Adds to `requirements` what the material's textures need from a surface.
 pub(super) fn resolve_material(
     r: &mut Resolver<'_>,
     kind: &MaterialKindDescription,
@@ -92,31 +93,32 @@ pub(super) fn resolve_material(
     })
 }
 
-/// Returns the refractive index at the d line (587.56 nm), and the index of an added glass.
+/// Returns the refractive index at the d line (587.56 nm), and the index of the glass that
+/// describes its dispersion.
 ///
-/// The second is `None` if the refractive index does not depend on the wavelength.
+/// Adds that glass to the scene. Returns `None` in its place if there is no dispersion.
 fn add_refractive_index(
     r: &mut Resolver<'_>,
     described: &RefractiveIndexDescription,
 ) -> Result<(f32, Option<u32>), SceneError> {
     let glass = match described {
         RefractiveIndexDescription::Index(index) => return Ok((*index as f32, None)),
-        RefractiveIndexDescription::Named(name) => known_glass(r, name)?,
+        RefractiveIndexDescription::Named(name) => find_glass(r, name)?,
         RefractiveIndexDescription::Abbe { index, abbe } => DispersionFormula::from_abbe_number(*index, *abbe),
         RefractiveIndexDescription::Glass(glass) => *glass,
     };
     Ok((glass.refractive_index_at_d_line(), Some(r.builder.add_glass(glass))))
 }
 
-/// Returns the glass with a name; an error that lists all names if there is none.
-fn known_glass(r: &Resolver<'_>, name: &Spanned<String>) -> Result<DispersionFormula, SceneError> {
+/// Returns the glass called `name`; if there is none, an error that lists all names.
+fn find_glass(r: &Resolver<'_>, name: &Spanned<String>) -> Result<DispersionFormula, SceneError> {
     glass_by_name(name).ok_or_else(|| {
         let names = || GLASSES.iter().map(|g| g.0);
         let message = format!("no glass is called `{}`", name.value);
         let guess = nearest_word(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
         let known = names().collect::<Vec<_>>().join(", ");
         let help = format!("{guess}known are {known}; of others, give `cauchy`, or `indexOfRefraction` and `abbe`");
-        SceneError::at_span(r.source, name.span, message, "unknown name", help)
+        SceneError::error_at_span(r.source, name.span, message, "unknown name", help)
     })
 }
 
@@ -127,7 +129,7 @@ fn complex_refractive_index(r: &Resolver<'_>, described: &MetalDescription) -> R
         MetalDescription::Named(name) => metal_refractive_index(name).ok_or_else(|| {
             let message = format!("no metal is called `{}`", name.value);
             let help = format!("known are {}; of others, give `eta` and `k`", METALS.join(", "));
-            SceneError::at_span(r.source, name.span, message, "unknown name", help)
+            SceneError::error_at_span(r.source, name.span, message, "unknown name", help)
         }),
     }
 }

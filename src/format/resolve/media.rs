@@ -94,7 +94,7 @@ fn make_density_grid(
     Ok(Some(density))
 }
 
-/// Returns the still light inside the nested motions of `light`.
+/// Unwraps all [`LightDescription::Moving`] around `light`, and returns the light inside.
 fn still_light_inside_motions(mut light: &Spanned<LightDescription>) -> &Spanned<LightDescription> {
     while let LightDescription::Moving { light: inner, .. } = &light.value {
         light = inner;
@@ -104,14 +104,14 @@ fn still_light_inside_motions(mut light: &Spanned<LightDescription>) -> &Spanned
 
 /// Adds the medium outside all bodies, if the description names one.
 ///
-/// A medium that varies in space, is infinitely bright, or extinguishes light from infinity is
-/// refused.
+/// # Errors
+/// If the medium varies in space, emits without absorbing, or extinguishes light from infinity.
 pub(super) fn add_ambient_medium(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     let Some(name) = &r.description.ambient_medium else { return Ok(()) };
     let (index, medium) = medium_by_name(r, name)?;
     let refuse = |reason: &str, help: &str| {
         let message = format!("the medium `{}` cannot fill the scene: {reason}", name.value);
-        Err(SceneError::at_span(r.source, name.span, message, "fills the scene", help))
+        Err(SceneError::error_at_span(r.source, name.span, message, "fills the scene", help))
     };
     if !medium.is_homogeneous() {
         return refuse("it is not the same everywhere", "put it into a shape of a material `Clear { medium … }`");
@@ -133,10 +133,10 @@ pub(super) fn add_ambient_medium(r: &mut Resolver<'_>) -> Result<(), SceneError>
     Ok(())
 }
 
-/// Returns `material` with the medium that its description names, if it bounds a body.
+/// Returns `material`, with its body filled by the medium that `described` names.
 ///
-/// If the body has an absorption coefficient of its own, adds a copy of the medium whose absorption
-/// includes it.
+/// Returns it unchanged if it bounds no body or no medium is named. If the body has an absorption
+/// coefficient of its own, adds a copy of the medium to the scene that includes this absorption.
 pub(super) fn with_body_medium(
     r: &mut Resolver<'_>,
     material: scene::Material,
@@ -149,7 +149,7 @@ pub(super) fn with_body_medium(
         if !medium.is_homogeneous() {
             let message = format!("the body absorbs, and so does the medium `{}`, which varies", name.value);
             let help = "leave out `absorption` and `tint`, or fill the body with a medium that is even";
-            return Err(SceneError::at_span(r.source, name.span, message, "fills this body", help));
+            return Err(SceneError::error_at_span(r.source, name.span, message, "fills this body", help));
         }
         medium.absorption += std::mem::replace(&mut body.absorption, Rgb::ZERO);
         index = r.builder.add_medium(medium);
@@ -168,11 +168,11 @@ pub(super) fn refuse_null_interface_emission(r: &Resolver<'_>, radiance: Rgb, sp
     Err(r.error_at(span, "what is `Clear` has no surface that could emit light", help))
 }
 
-/// Returns the medium with a name and its index; an error if there is none.
+/// Returns the index and a copy of the medium called `name`; an error if there is none.
 fn medium_by_name(r: &Resolver<'_>, name: &Spanned<String>) -> Result<(u32, Medium), SceneError> {
     r.media.get(name.as_str()).cloned().ok_or_else(|| {
         let message = format!("no medium is called `{}`", name.value);
-        SceneError::at_span(r.source, name.span, message, "unknown name", "define it in Media first")
+        SceneError::error_at_span(r.source, name.span, message, "unknown name", "define it in Media first")
     })
 }
 

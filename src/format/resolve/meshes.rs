@@ -2,8 +2,8 @@
 
 use super::materials::resolve_material;
 use super::placement::{
-    NormalizedMesh, ObjectEmission, ObjectPlacement, add_instance, add_still_mesh, set_emission_texture, set_mapping,
-    set_texcoords,
+    NormalizedMesh, ObjectEmission, ObjectPlacement, add_instance, add_still_mesh, set_emission_texture, set_texcoords,
+    set_texture_mapping_if_needed,
 };
 use super::textures::TextureRequirements;
 use super::{Resolver, rgb};
@@ -37,18 +37,18 @@ pub(super) type MeshKey = (PathBuf, bool, bool, Option<u64>);
 pub(super) struct MeshPart {
     mesh: Rc<TriangleMesh>,
     /// Material defined by the mesh's file; `None` for the scene's current material.
-    file_material: Option<AddedFileMaterial>,
+    file_material: Option<AddedMeshFileMaterial>,
 }
 
-/// A material of a mesh's file, as added to the scene.
+/// Name, index and emission of a material that comes from a mesh's MTL file, in the scene.
 #[derive(Clone, Debug)]
-pub(super) struct AddedFileMaterial {
+pub(super) struct AddedMeshFileMaterial {
     name: Rc<str>,
     index: u32,
     emission: Rgb,
 }
 
-/// Adds the mesh of a file.
+/// Adds the mesh of a file to the scene, with one object for each of its materials.
 pub(super) fn add_mesh(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -102,11 +102,11 @@ fn add_mesh_part(
         add_still_mesh(r, &placement.at_shutter_open, &mesh.positions, normals, &mesh.triangles, emission);
         set_texcoords(r, texcoords);
     }
-    set_mapping(r, TextureMappingKind::Uv, placement.to_world);
+    set_texture_mapping_if_needed(r, TextureMappingKind::Uv, placement.to_world);
     Ok(())
 }
 
-/// Adds `triangles` to the scene's count; an error if building BVHs over all would exceed memory.
+/// Adds `triangles` to the number in the scene. Returns an error if their BVHs would exceed memory.
 fn check_triangle_memory(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
     r.triangles += triangles as u64;
     let needed = MEMORY_PER_TRIANGLE * r.triangles;
@@ -136,7 +136,7 @@ fn load_mesh_parts(
         Some(mesh) => Ok(LoadedMesh { mesh: (**mesh).clone(), ..LoadedMesh::default() }),
         None => mesh::load_with_memory_limit(&file, r.monitor, r.memory.available_bytes()),
     };
-    let mut loaded = loaded.map_err(|e| mesh_error(r, path, &e))?;
+    let mut loaded = loaded.map_err(|e| mesh_error_at_path(r, path, &e))?;
     if ignores_normals {
         loaded.mesh.normals = None;
     }
@@ -145,7 +145,7 @@ fn load_mesh_parts(
     }
     let mut parts = Vec::new();
     if uses_file_materials && !loaded.mesh.materials.is_empty() {
-        let materials = add_file_materials(r, path, &file, &loaded)?;
+        let materials = add_mesh_file_materials(r, path, &file, &loaded)?;
         for (number, part) in loaded.mesh.split_by_material() {
             let file_material = materials.get(number as usize).cloned().filter(|_| number != NO_MATERIAL);
             parts.push(MeshPart { mesh: Rc::new(part), file_material });
@@ -161,34 +161,34 @@ fn load_mesh_parts(
 /// Adds the materials that a mesh names. Each mesh file's materials are added only once.
 ///
 /// Returns the materials in the order of the mesh's material indices.
-fn add_file_materials(
+fn add_mesh_file_materials(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
     file: &Path,
     loaded: &LoadedMesh,
-) -> Result<Rc<[AddedFileMaterial]>, SceneError> {
+) -> Result<Rc<[AddedMeshFileMaterial]>, SceneError> {
     if let Some(materials) = r.file_materials.get(file) {
         return Ok(materials.clone());
     }
-    let library =
-        mtl::load_mesh_materials(file, loaded, r.memory.available_bytes()).map_err(|e| mesh_error(r, path, &e))?;
+    let library = mtl::load_mesh_materials(file, loaded, r.memory.available_bytes())
+        .map_err(|e| mesh_error_at_path(r, path, &e))?;
     let mut materials = Vec::with_capacity(library.len());
     for material in library {
         let bad = |(message, remedy)| MeshError::BadMaterial { path: file.into(), message, remedy };
         let description = material.to_description().map_err(|e| r.file_error(path, &bad(e), MESH_REMEDY))?;
-        materials.push(add_file_material(r, path, description)?);
+        materials.push(add_mesh_file_material(r, path, description)?);
     }
-    let materials: Rc<[AddedFileMaterial]> = materials.into();
+    let materials: Rc<[AddedMeshFileMaterial]> = materials.into();
     r.file_materials.insert(file.to_owned(), materials.clone());
     Ok(materials)
 }
 
 /// Adds a material of a mesh's file; errors have the position of the mesh's path.
-fn add_file_material(
+fn add_mesh_file_material(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
     mut description: MaterialDescription,
-) -> Result<AddedFileMaterial, SceneError> {
+) -> Result<AddedMeshFileMaterial, SceneError> {
     if let MaterialKindDescription::Phong { texture: Some(picture), .. } = &mut description.kind {
         picture.span = path.span;
     }
@@ -202,9 +202,9 @@ fn add_file_material(
         Some(EmissionDescription::Radiance(radiance)) => rgb(radiance),
         _ => Rgb::ZERO,
     };
-    Ok(AddedFileMaterial { name: description.name.unwrap_or_default().into(), index, emission })
+    Ok(AddedMeshFileMaterial { name: description.name.unwrap_or_default().into(), index, emission })
 }
 
-fn mesh_error(r: &Resolver<'_>, path: &Spanned<String>, error: &MeshError) -> SceneError {
+fn mesh_error_at_path(r: &Resolver<'_>, path: &Spanned<String>, error: &MeshError) -> SceneError {
     r.file_or_memory_error(path, error, matches!(error, MeshError::Memory { .. }), MESH_REMEDY)
 }

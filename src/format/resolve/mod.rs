@@ -43,9 +43,9 @@ pub fn resolve(description: &SceneDescription, source: &SourceText, folder: &Pat
     resolve_monitored(description, source, folder, &(), MemoryLimit::Unbounded)
 }
 
-/// Returns the resolved scene of a description that fits into `memory`.
+/// Returns the resolved scene of a description, within the limit `memory`.
 ///
-/// Files are looked up like those of [`resolve`]. `monitor` receives the progress of reading
+/// Looks up files in the same folders as [`resolve`]. `monitor` receives the progress of reading
 /// meshes. A file that would exceed the memory limit is refused before it is read.
 ///
 /// # Errors
@@ -60,10 +60,10 @@ pub fn resolve_monitored(
     resolve_with_assets(description, source, folder, &EmbeddedAssets::default(), monitor, memory)
 }
 
-/// Returns the resolved scene of a description whose file holds `assets`.
+/// Returns the resolved scene of a description whose file contains `assets`.
 ///
-/// The paths of `assets` are not looked up in the file system. Other paths, `monitor` and `memory`
-/// are those of [`resolve_monitored`].
+/// Paths listed in `assets` are not looked up in the file system. [`resolve_monitored`] explains
+/// other paths, `monitor` and `memory`.
 ///
 /// # Errors
 /// [`SceneError`] for an invalid scene, or [for lack of memory](SceneError::is_out_of_memory).
@@ -104,7 +104,11 @@ pub(super) fn resolve_with_assets(
         return Err(error);
     }
     resolver.builder.build(camera).map_err(|e| {
-        SceneError::for_whole_file(source, e.to_string(), "choose units in which the scene is neither huge nor empty")
+        SceneError::error_for_whole_file(
+            source,
+            e.to_string(),
+            "choose units in which the scene is neither huge nor empty",
+        )
     })
 }
 
@@ -129,7 +133,7 @@ struct Resolver<'a> {
     pictures: HashMap<(PathBuf, bool), AddedTexture>,
     /// Media with their indices, by name.
     media: HashMap<&'a str, (u32, Medium)>,
-    /// Requirements of each material's textures, by material index.
+    /// Surface properties that the textures of each material need, by material index.
     texture_requirements: Vec<TextureRequirements>,
     monitor: &'a dyn MeshReadMonitor,
     memory: MemoryLimit,
@@ -138,8 +142,8 @@ struct Resolver<'a> {
     /// Parts of the meshes that were read, by file and options.
     meshes: HashMap<meshes::MeshKey, Rc<[meshes::MeshPart]>>,
     /// Materials of each mesh file, in the order in which the mesh names them.
-    file_materials: HashMap<PathBuf, Rc<[meshes::AddedFileMaterial]>>,
-    /// Number of objects that name each mesh path.
+    file_materials: HashMap<PathBuf, Rc<[meshes::AddedMeshFileMaterial]>>,
+    /// Number of objects that refer to each mesh file, by its path in the description.
     mesh_uses: HashMap<&'a str, usize>,
     /// Geometry that instances of a mesh share.
     shared_meshes: HashMap<*const TriangleMesh, Rc<NormalizedMesh>>,
@@ -202,7 +206,7 @@ impl Resolver<'_> {
 
     /// Adds an object under the motion `to_world`.
     ///
-    /// The caller restores `transform_span`.
+    /// Changes `transform_span` if the object is a transform. The caller restores it.
     fn add_object(&mut self, object: &Spanned<ObjectDescription>, to_world: &Motion) -> Result<(), SceneError> {
         match &object.value {
             ObjectDescription::Group(group) => self.add_group(group, to_world),
@@ -252,7 +256,7 @@ impl Resolver<'_> {
     }
 
     fn error_at(&self, span: Span, message: &str, help: &str) -> SceneError {
-        SceneError::at_span(self.source, span, message, "here", help)
+        SceneError::error_at_span(self.source, span, message, "here", help)
     }
 
     /// Returns the transform of a matrix; an error if the matrix is singular.
@@ -261,7 +265,7 @@ impl Resolver<'_> {
     fn invertible_transform(&self, to_world: DAffine3, span: Span) -> Result<Transform, SceneError> {
         Transform::new(to_world).map_err(|e| {
             let culprit = self.transform_span.unwrap_or(span);
-            SceneError::at_span(
+            SceneError::error_at_span(
                 self.source,
                 culprit,
                 e.to_string(),
@@ -285,12 +289,12 @@ impl Resolver<'_> {
             let message = format!("meshes of the format `.{extension}` are not read");
             return Err(self.file_error(path, &message, "convert it to OBJ or PLY, which are read"));
         }
-        let found = file_candidates(self.folder, written)
+        let found = candidate_file_paths(self.folder, written)
             .find(|p| p.is_file())
             .inspect(|file| self.monitor.on_input_file_found(file));
         found.ok_or_else(|| {
             let places: Vec<String> =
-                file_candidates(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
+                candidate_file_paths(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
             let message = format!("the {kind} `{}` does not exist", path.value);
             self.file_error(path, &message, &format!("put the file at {}", places.join(" or ")))
         })
@@ -316,7 +320,7 @@ impl Resolver<'_> {
 
     /// Returns an error at the place in the scene text that names a file.
     fn file_error(&self, path: &Spanned<String>, message: &impl ToString, help: &str) -> SceneError {
-        SceneError::at_span(self.source, path.span, message.to_string(), "named here", help)
+        SceneError::error_at_span(self.source, path.span, message.to_string(), "named here", help)
     }
 }
 
@@ -324,12 +328,12 @@ impl Resolver<'_> {
 /// parent.
 ///
 /// An absolute path has one candidate.
-pub(super) fn file_candidates<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf> {
+pub(super) fn candidate_file_paths<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf> {
     let above = if folder.as_os_str().is_empty() { Path::new("..").to_owned() } else { folder.join("..") };
     [folder.join(path), above.join(path)].into_iter().take(if path.is_absolute() { 1 } else { 2 })
 }
 
-/// Returns the number of objects that name each mesh path.
+/// Counts the objects that refer to each mesh file, by its path in the description.
 fn count_mesh_uses(group: &ObjectGroup) -> HashMap<&str, usize> {
     fn count_mesh_uses_in_group<'a>(group: &'a ObjectGroup, uses: &mut HashMap<&'a str, usize>) {
         for item in &group.items {
@@ -355,7 +359,7 @@ fn count_mesh_uses(group: &ObjectGroup) -> HashMap<&str, usize> {
     uses
 }
 
-/// Returns the direction of `aim` as seen from the point `from`, of any length.
+/// Returns the direction `aim`, or the direction from the point `from` to the target; any length.
 fn aim_direction(aim: DirectionOrTarget, from: DVec3) -> DVec3 {
     match aim {
         DirectionOrTarget::Direction(direction) => direction,

@@ -63,7 +63,7 @@ impl NormalizedMesh {
     }
 }
 
-/// Sets the emission texture of the object that was added last, if it has one.
+/// Sets the emission texture of the object that was added last, if the emission has a texture.
 pub(super) fn set_emission_texture(r: &mut Resolver<'_>, emission: &ObjectEmission) {
     if let Some((texture, scale)) = emission.texture {
         r.builder.set_emission_texture(texture, scale);
@@ -93,7 +93,7 @@ fn is_current_material_textured(r: &Resolver<'_>) -> bool {
 }
 
 /// Sets the texture mapping of the object that was added last, if its material has textures.
-pub(super) fn set_mapping(r: &mut Resolver<'_>, kind: TextureMappingKind, to_world: &Motion) {
+pub(super) fn set_texture_mapping_if_needed(r: &mut Resolver<'_>, kind: TextureMappingKind, to_world: &Motion) {
     if is_current_material_textured(r) {
         r.builder.set_texture_mapping(kind, to_world);
     }
@@ -106,7 +106,7 @@ pub(super) fn set_texcoords(r: &mut Resolver<'_>, texcoords: Option<&[DVec2]>) {
     }
 }
 
-/// Adds an instance of a mesh that moves or shares its triangles with copies.
+/// Adds an instance of a mesh that moves, or that shares its triangles with other instances.
 pub(super) fn add_instance(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,

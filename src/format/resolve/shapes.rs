@@ -4,7 +4,7 @@ use super::Resolver;
 use super::meshes::add_mesh;
 use super::placement::{
     NormalizedMesh, ObjectEmission, ObjectPlacement, add_instance, add_placed_shape, add_still_mesh,
-    set_emission_texture, set_mapping, set_texcoords,
+    set_emission_texture, set_texcoords, set_texture_mapping_if_needed,
 };
 use crate::color::Rgb;
 use crate::format::SceneError;
@@ -30,7 +30,7 @@ pub(super) fn add_shape(
     match shape {
         ShapeDescription::Sphere { center, radius } => {
             add_placed_shape(r, &placement, Shape::Sphere(Sphere::new(*center, *radius)), emission)?;
-            set_mapping(r, TextureMappingKind::Spherical { center: *center }, to_world);
+            set_texture_mapping_if_needed(r, TextureMappingKind::Spherical { center: *center }, to_world);
         }
         ShapeDescription::Plane { normal, offset } => {
             if emission != Rgb::ZERO {
@@ -44,27 +44,27 @@ pub(super) fn add_shape(
             } else {
                 r.builder.add_moving_plane(plane, to_world.clone(), r.material, emission);
             }
-            set_mapping(r, TextureMappingKind::plane_mapping(*normal), to_world);
+            set_texture_mapping_if_needed(r, TextureMappingKind::plane_mapping(*normal), to_world);
         }
         ShapeDescription::Disc { center, normal, radius } => {
             add_placed_shape(r, &placement, Shape::Disc(Disc::circular_disc(*center, *normal, *radius)), emission)?;
-            set_mapping(r, TextureMappingKind::disc_mapping(*center, *normal, *radius), to_world);
+            set_texture_mapping_if_needed(r, TextureMappingKind::disc_mapping(*center, *normal, *radius), to_world);
         }
         ShapeDescription::Rectangle { corner, edge0, edge1 } => {
             let rectangle = Rectangle::new(*corner, *edge0, *edge1);
             add_placed_shape(r, &placement, Shape::Rectangle(rectangle), emission)?;
-            set_mapping(r, TextureMappingKind::rectangle_mapping(*corner, *edge0, *edge1), to_world);
+            set_texture_mapping_if_needed(r, TextureMappingKind::rectangle_mapping(*corner, *edge0, *edge1), to_world);
         }
         ShapeDescription::Box { min, max } => {
-            add_solid(r, &placement, Cuboid::new(*min, *max).map(Shape::Cuboid), emission)?;
+            add_solid_shape(r, &placement, Cuboid::new(*min, *max).map(Shape::Cuboid), emission)?;
         }
         ShapeDescription::Cylinder { ends: [bottom, top], radius, is_capped } => {
             let cylinder = Frustum::cylinder(*bottom, *top, *radius, *is_capped);
-            add_solid(r, &placement, cylinder.map(Shape::Frustum), emission)?;
+            add_solid_shape(r, &placement, cylinder.map(Shape::Frustum), emission)?;
         }
         ShapeDescription::Cone { ends: [bottom, top], radii, is_capped } => {
             let cone = Frustum::new(*bottom, *top, *radii, *is_capped);
-            add_solid(r, &placement, cone.map(Shape::Frustum), emission)?;
+            add_solid_shape(r, &placement, cone.map(Shape::Frustum), emission)?;
         }
         ShapeDescription::Triangle { vertices, normals, uv } => {
             let normals = normals.as_ref().map(|n| n.as_slice());
@@ -76,7 +76,7 @@ pub(super) fn add_shape(
                 let mesh = NormalizedMesh::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
                 add_instance(r, &placement, &mesh, emission)?;
             }
-            set_mapping(r, TextureMappingKind::Uv, to_world);
+            set_texture_mapping_if_needed(r, TextureMappingKind::Uv, to_world);
         }
         ShapeDescription::Mesh { path, options } => {
             // Each part of a mesh gets its own emission texture.
@@ -86,7 +86,7 @@ pub(super) fn add_shape(
             let surface =
                 make_revolution(profile, r.memory.available_bytes()).map_err(|e| spline_error(r, span, &e))?;
             add_placed_shape(r, &placement, Shape::Revolution(surface), emission)?;
-            set_mapping(r, TextureMappingKind::Uv, to_world);
+            set_texture_mapping_if_needed(r, TextureMappingKind::Uv, to_world);
         }
         ShapeDescription::Patches { degree, controls } => {
             return add_patches(r, &placement, *degree, controls, object_emission);
@@ -99,7 +99,7 @@ pub(super) fn add_shape(
             let surface = || Patch::with_memory_limit([&basis(0)?, &basis(1)?], controls, r.memory.available_bytes());
             let surface = surface().map_err(|e| spline_error(r, span, &e))?;
             add_placed_shape(r, &placement, Shape::Patch(surface), emission)?;
-            set_mapping(r, TextureMappingKind::Uv, to_world);
+            set_texture_mapping_if_needed(r, TextureMappingKind::Uv, to_world);
         }
         // A curve has no surface.
         ShapeDescription::Curve(_) => return Ok(()),
@@ -109,7 +109,7 @@ pub(super) fn add_shape(
 }
 
 /// Adds a box, cylinder or cone. `None` stands for a solid without volume and is an error.
-fn add_solid(
+fn add_solid_shape(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
     solid: Option<Shape>,
@@ -117,7 +117,7 @@ fn add_solid(
 ) -> Result<(), SceneError> {
     let no_extent = || r.error_at(placement.span, "this shape has no extent", "make it larger");
     add_placed_shape(r, placement, solid.ok_or_else(no_extent)?, emission)?;
-    set_mapping(r, TextureMappingKind::Uv, placement.to_world);
+    set_texture_mapping_if_needed(r, TextureMappingKind::Uv, placement.to_world);
     Ok(())
 }
 
@@ -138,7 +138,7 @@ fn add_patches(
         let patch = Patch::with_memory_limit(bases, net, free).map_err(|e| spline_error(r, span, &e))?;
         free = free.map(|free| free.saturating_sub(patch.memory_bytes()));
         add_placed_shape(r, placement, Shape::Patch(patch), object_emission.radiance)?;
-        set_mapping(r, TextureMappingKind::Uv, placement.to_world);
+        set_texture_mapping_if_needed(r, TextureMappingKind::Uv, placement.to_world);
         set_emission_texture(r, object_emission);
     }
     Ok(())

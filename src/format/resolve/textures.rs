@@ -15,11 +15,11 @@ use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-/// A texture as added to the scene.
+/// Index and properties of a texture that was added to the scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AddedTexture {
     pub index: u32,
-    /// Mean of all values.
+    /// Mean color of the texture.
     pub mean: Rgb,
     /// Least and greatest value of any channel.
     range: (f32, f32),
@@ -108,7 +108,7 @@ impl<'a> Resolver<'a> {
         ))
     }
 
-    /// Returns the picture of a path: an embedded one, else that of a file.
+    /// Returns the embedded picture with this path, or else reads the picture file.
     pub(super) fn read_picture(&self, path: &Spanned<String>, content: PixelMeaning) -> Result<Image, SceneError> {
         if let Some(picture) = self.assets.pictures.get(path.as_str()) {
             return Ok((**picture).clone());
@@ -119,7 +119,10 @@ impl<'a> Resolver<'a> {
             .map_err(|e| self.file_or_memory_error(path, &e, matches!(e, image::ReadError::Memory { .. }), help))
     }
 
-    /// Returns the texture with a name; an error if a value of the texture is outside `range`.
+    /// Returns the texture called `name`.
+    ///
+    /// # Errors
+    /// If there is none, or if a value of the texture is outside `range`.
     pub(super) fn texture_by_name(
         &self,
         name: &Spanned<String>,
@@ -127,7 +130,7 @@ impl<'a> Resolver<'a> {
     ) -> Result<AddedTexture, SceneError> {
         let texture = self.textures.get(name.as_str()).copied().ok_or_else(|| {
             let message = format!("no texture is called `{}`", name.value);
-            SceneError::at_span(self.source, name.span, message, "unknown name", "define it in Textures first")
+            SceneError::error_at_span(self.source, name.span, message, "unknown name", "define it in Textures first")
         })?;
         let (least, most) = texture.range;
         if range.contains(&least) && range.contains(&most) {
@@ -135,10 +138,10 @@ impl<'a> Resolver<'a> {
         }
         let message = format!("the texture `{}` goes from {least} to {most}", name.value);
         let help = format!("its values must lie between {} and {} here", range.start(), range.end());
-        Err(SceneError::at_span(self.source, name.span, message, "out of range", help))
+        Err(SceneError::error_at_span(self.source, name.span, message, "out of range", help))
     }
 
-    /// Returns the texture with a name, or else of the picture at that path.
+    /// Returns the texture called `name`, or else a texture of the picture with the path `name`.
     ///
     /// Each picture is read once for each encoding.
     fn texture_or_picture(
@@ -159,7 +162,8 @@ impl<'a> Resolver<'a> {
         Ok(texture)
     }
 
-    /// Resolves a color parameter. A texture with values outside `range` is an error.
+    /// Converts a color parameter, and looks up its texture. Texture values outside `range` are
+    /// errors.
     pub(super) fn resolve_color_parameter(
         &self,
         value: &TexturedValue<DVec3>,
@@ -176,7 +180,8 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Resolves a number parameter in \[0, 1].
+    /// Converts a number parameter, and looks up its texture. Texture values outside \[0, 1] are
+    /// errors.
     pub(super) fn resolve_fraction_parameter(
         &self,
         value: &TexturedValue<f64>,
@@ -196,7 +201,8 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Resolves a reflectance or transmittance, each channel in \[0, 1].
+    /// Converts a reflectance or transmittance, and looks up its texture. Texture values outside
+    /// \[0, 1] are errors.
     pub(super) fn resolve_reflectance_parameter(
         &self,
         value: &TexturedValue<DVec3>,
@@ -205,7 +211,7 @@ impl<'a> Resolver<'a> {
         self.resolve_color_parameter(value, &UNIT_RANGE, requirements)
     }
 
-    /// Resolves the diffuse color of a `Phong` material times the texture or picture named
+    /// Returns the diffuse color of a `Phong` material times the texture or picture named
     /// `texture`.
     pub(super) fn resolve_phong_diffuse_parameter(
         &mut self,
@@ -218,7 +224,13 @@ impl<'a> Resolver<'a> {
         };
         let TexturedValue::Plain(factor) = diffuse else {
             let help = "give `diffuseColor` in numbers, or leave `texture` out";
-            return Err(SceneError::at_span(self.source, name.span, "two textures for one colour", "the second", help));
+            return Err(SceneError::error_at_span(
+                self.source,
+                name.span,
+                "two textures for one colour",
+                "the second",
+                help,
+            ));
         };
         let texture = self.texture_or_picture(name, PictureEncoding::Srgb)?;
         requirements.add_texture_requirements(&texture);
@@ -226,7 +238,7 @@ impl<'a> Resolver<'a> {
         Ok(MaterialParameter::Texture { texture: texture.index, factor, mean: factor * texture.mean })
     }
 
-    /// Resolves the bump map or normal map of a material.
+    /// Looks up the texture of a material's bump map or normal map.
     pub(super) fn resolve_normal_perturbation(
         &mut self,
         material: &MaterialDescription,
@@ -247,7 +259,7 @@ impl<'a> Resolver<'a> {
                 if texture.is_srgb {
                     let message = format!("the texture `{}` is read as a picture of light", name.value);
                     let help = "give it `encoding linear`: normals are numbers";
-                    return Err(SceneError::at_span(self.source, name.span, message, "no normals", help));
+                    return Err(SceneError::error_at_span(self.source, name.span, message, "no normals", help));
                 }
                 // Tangents follow texture coordinates, even if the texture is solid.
                 *requirements = TextureRequirements { uses_textures: true, needs_texcoords: true };

@@ -78,7 +78,7 @@ pub fn random_media() -> impl Strategy<Value = Vec<Spanned<MediumDescription>>> 
 /// Fills random dielectric bodies with `media`, and turns some bodies into null interfaces.
 ///
 /// Bodies whose material is part of a mix stay dielectrics.
-pub fn fill_random_bodies(
+pub fn fill_bodies_with_random_media(
     materials: &mut [Spanned<MaterialDescription>],
     media: &[Spanned<MediumDescription>],
     fills: &[Option<prop::sample::Index>],

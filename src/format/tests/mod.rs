@@ -102,7 +102,7 @@ fn random_scene_like_text() -> impl Strategy<Value = String> {
 
 proptest! {
     #[test]
-    fn descriptions_print_back(d in random_description()) {
+    fn printed_descriptions_parse_back_unchanged(d in random_description()) {
         let text = d.to_string();
         match parse("printed", &text) {
             Ok(again) => prop_assert_eq!(again, d),

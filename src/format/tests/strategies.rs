@@ -6,7 +6,7 @@ use proptest::option;
 use proptest::prelude::*;
 
 use super::super::description::*;
-use super::media::{fill_random_bodies, random_media};
+use super::media::{fill_bodies_with_random_media, random_media};
 use super::refraction::random_refractive_index;
 use super::values::*;
 
@@ -121,19 +121,19 @@ fn random_still_light() -> impl Strategy<Value = LightDescription> {
 }
 
 fn random_environment_light() -> impl Strategy<Value = LightDescription> {
-    let picture = (random_name(), random_positive(), random_finite())
+    let picture = (random_name(), random_positive(), random_finite_number())
         .prop_map(|(path, scale, rotate)| EnvironmentRadiance::Picture { path: with_empty_span(path), scale, rotate });
     prop_oneof![random_color().prop_map(EnvironmentRadiance::Constant), picture].prop_map(LightDescription::Environment)
 }
 
 fn random_vec2() -> impl Strategy<Value = DVec2> {
-    [random_finite(), random_finite()].prop_map(DVec2::from_array)
+    [random_finite_number(), random_finite_number()].prop_map(DVec2::from_array)
 }
 
 fn random_texture_kind() -> impl Strategy<Value = TextureKindDescription> {
     let part = || prop_oneof![-1e3..-1e-3, 1e-3..1e3];
     let coordinates = || {
-        ([part(), part()].prop_map(DVec2::from_array), random_finite(), random_vec2())
+        ([part(), part()].prop_map(DVec2::from_array), random_finite_number(), random_vec2())
             .prop_map(|(scale, rotate, offset)| TexcoordTransformDescription { scale, rotate, offset })
     };
     let encoding = prop_oneof![Just(PictureEncoding::Srgb), Just(PictureEncoding::Linear)];
@@ -297,7 +297,7 @@ fn random_weighted_point() -> impl Strategy<Value = DVec4> {
 }
 
 fn random_knots(count: usize) -> impl Strategy<Value = Vec<f64>> {
-    vec(random_finite(), count).prop_map(|mut knots| {
+    vec(random_finite_number(), count).prop_map(|mut knots| {
         knots.sort_by(f64::total_cmp);
         knots
     })
@@ -306,7 +306,8 @@ fn random_knots(count: usize) -> impl Strategy<Value = Vec<f64>> {
 fn random_shape() -> impl Strategy<Value = ShapeDescription> {
     prop_oneof![
         (random_point(), random_positive()).prop_map(|(center, radius)| ShapeDescription::Sphere { center, radius }),
-        (random_direction(), random_finite()).prop_map(|(normal, offset)| ShapeDescription::Plane { normal, offset }),
+        (random_direction(), random_finite_number())
+            .prop_map(|(normal, offset)| ShapeDescription::Plane { normal, offset }),
         (random_point(), random_direction(), random_positive())
             .prop_map(|(center, normal, radius)| ShapeDescription::Disc { center, normal, radius }),
         random_corner_and_edges().prop_map(|(corner, edge0, edge1)| ShapeDescription::Rectangle {
@@ -383,7 +384,7 @@ pub fn random_transform_step() -> impl Strategy<Value = TransformStep> {
     ]
 }
 
-/// A random step of a motion; `scales` allows scales.
+/// A random step of a motion, which is a scale only if `scales` is true.
 fn random_motion_step(scales: bool) -> impl Strategy<Value = TransformStep> {
     random_transform_step().prop_filter("cannot grow", move |map| match *map {
         TransformStep::Matrix(_) => false,
@@ -456,7 +457,8 @@ type MaterialDraft =
 
 /// Returns the materials of `drafts`.
 ///
-/// A draft with a mix becomes a mix of two earlier materials, if they allow it.
+/// A draft with a mix becomes a mix of two earlier materials, unless both contain dielectrics that
+/// differ.
 fn build_materials(
     drafts: Vec<MaterialDraft>,
     textures: &[Spanned<TextureDescription>],
@@ -503,7 +505,7 @@ pub fn random_description() -> impl Strategy<Value = SceneDescription> {
         let textures = textures_with_unique_names(textured);
         let mut materials = build_materials(drafts, &textures);
         let (media, fills, ambient_medium) = filled;
-        fill_random_bodies(&mut materials, &media, &fills);
+        fill_bodies_with_random_media(&mut materials, &media, &fills);
         let ambient_medium =
             ambient_medium.filter(|_| !media.is_empty()).map(|i| with_empty_span(i.get(&media).value.name.clone()));
         let mut root = ObjectGroup { items };

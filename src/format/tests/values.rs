@@ -3,7 +3,7 @@
 use glam::DVec3;
 use proptest::prelude::*;
 
-pub fn random_finite() -> impl Strategy<Value = f64> {
+pub fn random_finite_number() -> impl Strategy<Value = f64> {
     use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
     POSITIVE | NEGATIVE | NORMAL | SUBNORMAL | ZERO
 }
@@ -14,14 +14,14 @@ pub fn random_positive() -> impl Strategy<Value = f64> {
     any.prop_map(|x| if x > f64::from(f32::MAX) { 1.0 / x } else { x })
 }
 
-/// Random coefficients in 1/length.
+/// Random absorption or scattering coefficients in 1/length.
 pub fn random_coefficients() -> impl Strategy<Value = DVec3> {
     let one = || prop_oneof![Just(0.0), 0.0..=1e12, 0.0..1.0];
     [one(), one(), one()].prop_map(DVec3::from_array)
 }
 
 pub fn random_point() -> impl Strategy<Value = DVec3> {
-    [random_finite(), random_finite(), random_finite()].prop_map(DVec3::from_array)
+    [random_finite_number(), random_finite_number(), random_finite_number()].prop_map(DVec3::from_array)
 }
 
 /// A random vector whose squared length neither overflows nor underflows.

@@ -1,5 +1,5 @@
 //! Test that the random descriptions contain every kind of material, light, shape, texture and
-//! medium. `descriptions_print_back` writes and parses these descriptions.
+//! medium. `printed_descriptions_parse_back_unchanged` writes and parses these descriptions.
 
 use super::super::description::*;
 use super::strategies::random_description;

@@ -13,8 +13,8 @@ use rand::rngs::SmallRng;
 
 /// Advances `path` to its next vertex. Adds emission and in-scattering of media to `radiance`.
 ///
-/// Returns the event at the vertex. If it is a scattering event, the phase function is that of the
-/// medium there.
+/// Returns the event at the vertex, and the phase function of the medium there. The phase function
+/// has a meaning only for scattering events.
 pub(super) fn advance_to_vertex<'a, I: Interior>(
     paths: &PathContext<'a>,
     path: &mut PathState<I>,
@@ -37,7 +37,8 @@ pub(super) fn advance_to_vertex<'a, I: Interior>(
 /// Adds the light that one medium segment emits and scatters along the path to `radiance`.
 ///
 /// Returns the distance \[length] at which the path scatters; `None` if it passes through. `weight`
-/// is the product of the throughput factors of all segments since the last vertex.
+/// is the product of the throughput factors since the last vertex; the segment's factor is
+/// multiplied in.
 fn cross_medium<I: Interior>(
     paths: &PathContext<'_>,
     path: &PathState<I>,
@@ -68,7 +69,7 @@ fn cross_medium<I: Interior>(
     let path_segment = MediumPathSegment { segment, history, throughput, sampler: path.sampler, shadow_sampler };
     let mut scattered = Rgb::ZERO;
     if policy.direct_light {
-        scattered += paths.nee.estimate_in_medium(&path_segment, &distance_sample, continues, worker);
+        scattered += paths.nee.estimate_direct_light_in_medium(&path_segment, &distance_sample, continues, worker);
     }
     scattered += photon_radiance(paths, &path_segment, rng, worker);
     *radiance += throughput * scattered;
@@ -82,8 +83,8 @@ fn cross_medium<I: Interior>(
     None
 }
 
-/// Estimates from photon maps the radiance that a medium segment scatters to its start \[W/(m²
-/// sr)].
+/// Returns the radiance that a medium segment scatters to its start, estimated from photon maps
+/// \[W/(m² sr)]; 0 where the policy reads no map.
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     path_segment: &MediumPathSegment<'_, I>,
@@ -93,7 +94,7 @@ fn photon_radiance<I: Interior>(
     let Some(maps) = paths.maps else { return Rgb::ZERO };
     match paths.policy.photons {
         PhotonLookups::Never | PhotonLookups::RecordVisible => Rgb::ZERO,
-        PhotonLookups::OncePerPixel => match path_segment.sampler.sample_index_and_count() {
+        PhotonLookups::FewPerPixel => match path_segment.sampler.sample_index_and_count() {
             (0, samples) if path_segment.history.receivers == 0 => {
                 maps.radiance_in_medium(path_segment, samples, rng, worker)
             }
@@ -105,7 +106,7 @@ fn photon_radiance<I: Interior>(
     }
 }
 
-/// Continues `path` from a scattering event in a sampled direction.
+/// Continues `path` from a scattering event in a direction sampled from `phase`.
 ///
 /// Returns false if Russian roulette ends the path.
 pub(super) fn scatter_in_medium<I: Interior>(path: &mut PathState<I>, phase: PhaseFunction) -> bool {

@@ -21,18 +21,19 @@ fn samples_follow_the_pdf() {
     assert_eq!((GatherGuide::default().sample(0.5, Vec2::ZERO), GatherGuide::default().pdf(Vec3::Z)), (None, None));
 }
 
-fn uniform_sample_points(i: u64) -> (f32, Vec2) {
+fn uniform_random_numbers(i: u64) -> (f32, Vec2) {
     let key = Key::new(3).purpose_key(Purpose::Test).child_key(i);
     (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection))
 }
 
-/// The cones cover at least a fraction c of the sphere, so the mean of 4π·pdf over n uniform
-/// directions has a standard error below √(1/(nc)).
+/// The mean of 4π·pdf over n uniform directions is 1.
+///
+/// The cones cover at least a fraction c of the sphere, so its standard error is below √(1/(nc)).
 #[test]
 fn gather_guide_pdf_integrates_to_one() {
     let guide = GatherGuide { directions: vec![Vec3::Z, Vec3::X, Vec3::X] };
     let n = 200_000;
-    let density = |i| f64::from(guide.pdf(warp::square_to_uniform_sphere(uniform_sample_points(i).1)).unwrap_or(0.0));
+    let density = |i| f64::from(guide.pdf(warp::square_to_uniform_sphere(uniform_random_numbers(i).1)).unwrap_or(0.0));
     let whole = 4.0 * std::f64::consts::PI * (0..n).map(density).sum::<f64>() / n as f64;
     let covered = f64::from(ONE_MINUS_COS) / 2.0;
     assert!((whole - 1.0).abs() < 5.0 / (n as f64 * covered).sqrt(), "{whole}");
@@ -46,7 +47,7 @@ fn each_cone_is_sampled_evenly() {
     let mut guide = GatherGuide { directions: directions.clone() };
     let n = 30_000;
     let samples: Vec<Vec3> =
-        (0..n).filter_map(|i| guide.sample(uniform_sample_points(i).0, uniform_sample_points(i).1)).collect();
+        (0..n).filter_map(|i| guide.sample(uniform_random_numbers(i).0, uniform_random_numbers(i).1)).collect();
     for direction in directions {
         let near: Vec<f64> = samples.iter().map(|w| f64::from(w.dot(direction))).filter(|cos| *cos > 0.9).collect();
         let third = n as f64 / 3.0;

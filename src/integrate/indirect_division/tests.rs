@@ -2,24 +2,23 @@ use super::*;
 
 const SAMPLES: u32 = 8;
 
-fn division(cells: Vec<IndirectErrors>, columns: u32) -> IndirectDivision {
+fn division_of_cells(cells: Vec<IndirectErrors>, columns: u32) -> IndirectDivision {
     IndirectDivision { columns, cells, cell_size: 10.0, samples: SAMPLES, photons: 1000, path_price: 1e-3, passes: 1 }
 }
 
-fn errors(path_variance: f32, photon_variance: f32, squared_bias: f32) -> IndirectErrors {
+fn indirect_errors(path_variance: f32, photon_variance: f32, squared_bias: f32) -> IndirectErrors {
     IndirectErrors { path_variance, photon_variance, squared_bias }
 }
 
-/// The light of n of N continued paths with their weight and that of the photon estimate add up to
-/// one.
+/// The total weight of continued camera paths plus the weight of the photon estimate is 1.
 #[test]
 fn weights_of_both_techniques_sum_to_one() {
     for path_variance in [0.001, 0.05, 1.0, 40.0] {
         for photon_variance in [0.01, 1.0, 50.0] {
             for squared_bias in [0.0, 0.001, 0.3] {
-                let cell = errors(path_variance, photon_variance, squared_bias);
+                let cell = indirect_errors(path_variance, photon_variance, squared_bias);
                 for number in [1.0, 30.0, 1000.0] {
-                    let weights = division(vec![cell], 1).weights(Vec2::ZERO, number, 0.5);
+                    let weights = division_of_cells(vec![cell], 1).technique_weights(Vec2::ZERO, number, 0.5);
                     let paths = weights.path_weight(SAMPLES) * weights.continued as f32 / SAMPLES as f32;
                     assert!((weights.photons + paths - 1.0).abs() < 1e-6, "{cell:?} {weights:?}");
                     assert!((0.0..=1.0).contains(&weights.photons) && weights.continued <= SAMPLES);
@@ -29,43 +28,52 @@ fn weights_of_both_techniques_sum_to_one() {
     }
 }
 
-/// A pilot's single path continues with probability n/N, so its weight is that of N paths of which
-/// n continue.
+/// A pilot's single path continues with probability n/N, where n of a pixel's N paths continue. It
+/// has the weight of a continued one of N paths.
 #[test]
 fn paths_of_pilots_stand_for_all_samples() {
     let weights = IndirectWeights { photons: 0.25, continued: 3, samples: 12 };
-    let continued = (0..1200).filter(|i| weights.is_continued((0, 1), *i as f32 / 1200.0)).count();
+    let continued = (0..1200).filter(|i| weights.is_sample_continued((0, 1), *i as f32 / 1200.0)).count();
     assert_eq!(continued, 300);
     assert_eq!(weights.path_weight(1), weights.path_weight(12));
-    assert_eq!((0..12).filter(|i| weights.is_continued((*i, 12), 0.0)).count(), 3);
+    assert_eq!((0..12).filter(|i| weights.is_sample_continued((*i, 12), 0.0)).count(), 3);
 }
 
 #[test]
 fn camera_paths_take_over_in_the_long_run() {
-    let division = division(vec![errors(0.4, 1.0, 0.001)], 1);
+    let division = division_of_cells(vec![indirect_errors(0.4, 1.0, 0.001)], 1);
     // The law of gather radii: the area of a disc falls as N^(-1/3).
-    let weights = |number: f32| division.weights(Vec2::ZERO, number, 1.0 / libm::cbrtf(number));
+    let weights = |number: f32| division.technique_weights(Vec2::ZERO, number, 1.0 / libm::cbrtf(number));
     let photons = [1.0, 64.0, 4096.0, 262_144.0, 1e9].map(|number| weights(number).photons);
     assert!(photons.windows(2).all(|pair| pair[1] <= pair[0]), "{photons:?}");
     assert!(photons[0] > 0.9 && photons[4] < 0.05, "{photons:?}");
     assert_eq!((weights(1.0).continued, weights(1e9).continued), (0, SAMPLES));
 }
 
-/// A cell in which a pilot found no light by one technique leaves indirect light to camera paths.
+/// If a pilot found no light by one technique in a cell, camera paths carry all indirect light
+/// there.
 #[test]
 fn unknown_errors_leave_light_to_camera_paths() {
-    for cell in [errors(0.0, 1.0, 0.0), errors(1.0, 0.0, 0.0)] {
-        assert_eq!(division(vec![cell], 1).weights(Vec2::ZERO, 1.0, 1.0), IndirectWeights::default());
+    for cell in [indirect_errors(0.0, 1.0, 0.0), indirect_errors(1.0, 0.0, 0.0)] {
+        assert_eq!(
+            division_of_cells(vec![cell], 1).technique_weights(Vec2::ZERO, 1.0, 1.0),
+            IndirectWeights::default()
+        );
     }
 }
 
 #[test]
 fn errors_are_interpolated_between_cell_centers() {
-    let cells = vec![errors(1.0, 2.0, 0.0), errors(3.0, 4.0, 8.0), errors(5.0, 6.0, 0.0), errors(7.0, 8.0, 8.0)];
-    let division = division(cells, 2);
-    assert_eq!(division.errors_at(Vec2::new(5.0, 5.0)), errors(1.0, 2.0, 0.0));
-    assert_eq!(division.errors_at(Vec2::new(15.0, 15.0)), errors(7.0, 8.0, 8.0));
-    assert_eq!(division.errors_at(Vec2::new(10.0, 5.0)), errors(2.0, 3.0, 4.0));
-    assert_eq!(division.errors_at(Vec2::new(10.0, 10.0)), errors(4.0, 5.0, 4.0));
-    assert_eq!(division.errors_at(Vec2::new(-3.0, 40.0)), errors(5.0, 6.0, 0.0));
+    let cells = vec![
+        indirect_errors(1.0, 2.0, 0.0),
+        indirect_errors(3.0, 4.0, 8.0),
+        indirect_errors(5.0, 6.0, 0.0),
+        indirect_errors(7.0, 8.0, 8.0),
+    ];
+    let division = division_of_cells(cells, 2);
+    assert_eq!(division.interpolated_errors(Vec2::new(5.0, 5.0)), indirect_errors(1.0, 2.0, 0.0));
+    assert_eq!(division.interpolated_errors(Vec2::new(15.0, 15.0)), indirect_errors(7.0, 8.0, 8.0));
+    assert_eq!(division.interpolated_errors(Vec2::new(10.0, 5.0)), indirect_errors(2.0, 3.0, 4.0));
+    assert_eq!(division.interpolated_errors(Vec2::new(10.0, 10.0)), indirect_errors(4.0, 5.0, 4.0));
+    assert_eq!(division.interpolated_errors(Vec2::new(-3.0, 40.0)), indirect_errors(5.0, 6.0, 0.0));
 }

@@ -1,5 +1,5 @@
-//! Next-event estimation in media: light that scatters once, from a light into a segment of a
-//! camera path.
+//! Next-event estimation in media: light that reaches a point of the medium straight from a light,
+//! and scatters there along a camera path.
 
 use super::{CENTER, NextEventEstimator, ShadowRayScheme, stratified_sample};
 use crate::color::Rgb;
@@ -13,10 +13,11 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Interior, MediumSegment};
 use glam::{Vec2, Vec3};
 
-/// Sampled scattering point on a segment of a camera path.
+/// Sampled scattering point on a segment of a camera path through a medium.
 struct ScatterPoint {
     p: Vec3,
-    /// σs times the transmittance to the start of the segment, divided by the pdf of the distance.
+    /// Scattering coefficient σs times the transmittance to the start of the segment, divided by
+    /// the pdf of the distance.
     weight: Rgb,
 }
 
@@ -24,9 +25,9 @@ impl NextEventEstimator<'_> {
     /// Estimates the direct light that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
     /// `distance_sample` holds the distance at which the path itself scatters. If the path
-    /// `continues` from there, it may hit a light itself. The balance heuristic over directions
-    /// then weights the estimate; together, both are unbiased.
-    pub fn estimate_in_medium<I: Interior>(
+    /// `continues` from there, it may hit a light itself. The balance heuristic then weights the
+    /// estimate against that hit.
+    pub fn estimate_direct_light_in_medium<I: Interior>(
         &self,
         path_segment: &MediumPathSegment<'_, I>,
         distance_sample: &DistanceSample,
@@ -87,7 +88,8 @@ impl NextEventEstimator<'_> {
         sum
     }
 
-    /// Returns the contribution of one shadow ray from `point` to the light with index `light`.
+    /// Returns the radiance that one shadow ray from `point` to the light with index `light` adds
+    /// at the start of the segment \[W/(m² sr)].
     ///
     /// `rays` is the expected number of shadow rays to that light.
     #[expect(clippy::too_many_arguments, reason = "one call's inputs, all of different kinds")]
@@ -168,9 +170,9 @@ fn sample_scatter_point_near<I: Interior>(
 
 /// Distribution of distances along a ray, uniform in the angle that they subtend at a given point.
 struct EquiangularDistribution {
-    /// Distance from the ray's origin to its closest approach to the point \[length].
+    /// Distance along the ray from its origin to the position closest to the point \[length].
     closest: f32,
-    /// Distance between the ray and the point at the closest approach \[length].
+    /// Smallest distance between the ray's line and the point \[length].
     distance: f32,
     /// Angle from the closest position to the start of the ray, seen from the point \[rad].
     from: f32,

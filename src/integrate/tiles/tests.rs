@@ -16,6 +16,7 @@ fn render_filtered_row(kind: FilterKind, samples: u32, scene: impl Fn(f32) -> f3
         density: None,
         prefix_rays: None,
         nested: false,
+        slices: None,
         every: 1,
     };
     let passes = 400u32;

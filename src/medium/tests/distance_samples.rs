@@ -8,7 +8,7 @@ use glam::DAffine3;
 
 /// A medium whose channels differ: one scatters and absorbs, one only absorbs, and one has no
 /// extinction.
-fn absorbing_per_channel_medium(density: Option<GridDensity>) -> Medium {
+fn medium_with_different_channels(density: Option<GridDensity>) -> Medium {
     let [a, s, e] = [Vec3::new(0.1, 0.5, 0.0), Vec3::new(1.3, 0.0, 0.0), Vec3::new(0.2, 3.0, 1.0)];
     medium_with_density(a, s, e, density)
 }
@@ -86,7 +86,7 @@ fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, d
 fn homogeneous_media_match_beer_lambert() {
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
     for distance in [0.01, 1.5, 12.0] {
-        assert_distance_samples_unbiased(&absorbing_per_channel_medium(None), &ray, distance, |t| t, "homogeneous");
+        assert_distance_samples_unbiased(&medium_with_different_channels(None), &ray, distance, |t| t, "homogeneous");
         assert_distance_samples_unbiased(&bluish_medium(None), &ray, distance, |t| t, "bluish");
     }
     let medium = bluish_medium(None);
@@ -140,7 +140,7 @@ fn constant_grid_equals_homogeneous_slab() {
     let depth = |t: f64| 1.7f32 as f64 * (t - 1.0).clamp(0.0, 4.0);
     for distance in [0.5, 2.0, 30.0] {
         assert_distance_samples_unbiased(
-            &absorbing_per_channel_medium(Some(field.clone())),
+            &medium_with_different_channels(Some(field.clone())),
             &ray,
             distance,
             depth,
@@ -174,7 +174,7 @@ fn linear_density_matches_its_optical_depth() {
         let ray = Ray::new(Vec3::new(start, 0.3, 0.2), direction);
         let depth = |t: f64| (across(f64::from(start) + dx * t) - across(f64::from(start))) / dx;
         assert_distance_samples_unbiased(&bluish_medium(Some(field.clone())), &ray, 3.0, depth, name);
-        assert_distance_samples_unbiased(&absorbing_per_channel_medium(Some(field.clone())), &ray, 30.0, depth, name);
+        assert_distance_samples_unbiased(&medium_with_different_channels(Some(field.clone())), &ray, 30.0, depth, name);
     }
 }
 
@@ -199,5 +199,5 @@ fn clouds_match_their_optical_depth() {
         table[i] + (table[i + 1] - table[i]) * (t / step - i as f64)
     };
     assert_distance_samples_unbiased(&bluish_medium(Some(field.clone())), &ray, distance, depth, "cloud");
-    assert_distance_samples_unbiased(&absorbing_per_channel_medium(Some(field)), &ray, distance, depth, "cloud");
+    assert_distance_samples_unbiased(&medium_with_different_channels(Some(field)), &ray, distance, depth, "cloud");
 }

@@ -9,7 +9,7 @@ const RINGS: usize = 40;
 const SECTORS: usize = 8;
 const POINTS: usize = 200;
 
-fn phase_functions() -> Vec<PhaseFunction> {
+fn tested_phase_functions() -> Vec<PhaseFunction> {
     let mut phases = vec![PhaseFunction::Isotropic, PhaseFunction::Rayleigh];
     phases.extend([-0.99, -0.5, -1e-4, 0.0, 1e-4, 0.3, 0.9, 0.99].map(PhaseFunction::HenyeyGreenstein));
     phases
@@ -59,7 +59,7 @@ impl AngleBins {
 /// rule errs by less.
 #[test]
 fn phase_functions_are_normalised_with_mean_cosine() {
-    for phase in phase_functions() {
+    for phase in tested_phase_functions() {
         let rings = AngleBins::bins_for_phase_function(phase);
         let total: f64 = rings.integrate_bins(phase, |_| 1.0).iter().sum();
         let mean: f64 = rings.integrate_bins(phase, |cos| cos).iter().sum();
@@ -76,7 +76,7 @@ fn phase_samples_follow_their_pdf() {
     let n = 100_000;
     let travels = [Vec3::Z, Vec3::NEG_Z, Vec3::new(0.3, -0.5, 0.6).normalize()];
     let mut random = test_rng(1);
-    for phase in phase_functions() {
+    for phase in tested_phase_functions() {
         for travel in travels {
             let rings = AngleBins::bins_for_phase_function(phase);
             let expected = rings.integrate_bins(phase, |_| 1.0);
@@ -132,7 +132,7 @@ fn chi_square_p_value(cells: impl Iterator<Item = (f64, f64)>) -> f64 {
 #[test]
 fn extreme_henyey_greenstein_is_stable() {
     let last = 1.0 - f32::EPSILON / 2.0;
-    for phase in phase_functions() {
+    for phase in tested_phase_functions() {
         for cos in [-1.0, 1.0, -1.0 - 1e-6, 1.0 + 1e-6] {
             assert!(phase.evaluate(cos) > 0.0 && phase.evaluate(cos).is_finite(), "{phase:?} {cos}");
         }

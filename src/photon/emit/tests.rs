@@ -1,9 +1,10 @@
-//! Emission from directional lights.
+//! Emission from directional lights, and the wavelengths of photon paths.
 
 use super::*;
 use crate::camera::Camera;
+use crate::color::{DispersionFormula, Wavelength};
 use crate::photon::{PhotonPass, StoreMask};
-use crate::scene::{DeltaLightKind, LightStrength, Material, SceneBuilder};
+use crate::scene::{Body, DeltaLightKind, LightStrength, Material, PathEvent, SceneBuilder, SpectralInterior};
 use crate::shape::{Plane, Shape, Sphere};
 use glam::DVec3;
 
@@ -49,5 +50,53 @@ fn distant_planes_shadow_parallel_light() {
         let on_ball = photons.iter().filter(|p| p.position.length() < 0.6).count();
         assert_eq!(on_ball == 0, shaded, "{on_ball} of {} under a plane at {height}", photons.len());
         assert!(!photons.is_empty());
+    }
+}
+
+/// A scene with two lamps of powers 1 : 3 inside a ball of dispersive glass.
+fn lamps_in_glass_scene() -> Scene {
+    let mut builder = SceneBuilder::new();
+    let flint = builder.add_glass(DispersionFormula::from_abbe_number(1.8, 25.0));
+    let glass = builder.add_material(Material::smooth_boundary(Body { glass: Some(flint), ..Body::new(1.8) }));
+    builder.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 2.0)), glass, Rgb::ZERO);
+    for (x, power) in [(-1.0, 1.0), (1.0, 3.0)] {
+        let kind = DeltaLightKind::Point { position: DVec3::X * x };
+        builder.add_delta_light(kind, LightStrength::Physical(Rgb::splat(power)));
+    }
+    let eye = Camera::perspective(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
+    builder.build(eye).unwrap()
+}
+
+/// Counts the paths of each lamp in 4 cells of wavelengths times 4 × 4 cells of directions, or of
+/// positions.
+///
+/// 16 successive Sobol' points from a multiple of 16 have one point in each of 4 × 4 cells. So a
+/// run of n successive points has n/16 ± 2 points there. The rotated wavelengths of a cell are
+/// those of one or two runs, whose ends are off by at most one point. Together: ±4.2. Independent
+/// wavelengths have a standard deviation of 8 and 14.
+#[test]
+fn wavelengths_are_stratified_with_directions_and_positions() {
+    const PATHS: u32 = 1 << 14;
+    let scene = lamps_in_glass_scene();
+    let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
+    for seed in 0..4 {
+        let key = Key::new(seed);
+        let mut counts = [[[[0u32; 16]; 4]; 2]; 2];
+        for index in 0..PATHS {
+            let point = source.primary_emission_sample(key, index, PATHS);
+            let (mut path, _) = source.emit_photon_path::<SpectralInterior>(key, index, PATHS).unwrap();
+            let event = path.next_vertex(&scene, key.photon_path_key(index), |_| None);
+            assert!(matches!(event, PathEvent::Surface(_)));
+            let u = source.wavelength_sample(key, index, PATHS, point.light);
+            assert_eq!(path.interior.wavelength(), Some(Wavelength::sample(u)));
+            for (i, square) in [point.direction, point.position].into_iter().enumerate() {
+                let cell = (square * 4.0).as_uvec2();
+                counts[point.light][i][(u * 4.0) as usize][(cell.y * 4 + cell.x) as usize] += 1;
+            }
+        }
+        for (counts, expected) in counts.iter().zip([64, 192]) {
+            let most = counts.as_flattened().as_flattened().iter().map(|n| n.abs_diff(expected)).max().unwrap();
+            assert!(most <= 4, "seed {seed}: {most} beside {expected}");
+        }
     }
 }

@@ -16,8 +16,8 @@ use crate::scene::{Interior, for_interior};
 use distribution::{EmissionGuidingFit, EmissionGuidingSample};
 use rayon::prelude::*;
 
-/// Number of rounds of photon paths in a pilot. Each round is guided by the samples of all earlier
-/// rounds.
+/// Number of rounds of photon paths in a pilot (small simulation before the render). Each round is
+/// guided by the samples of all earlier rounds.
 const ROUNDS: u32 = 2;
 
 /// Number of photon paths that one Rayon task traces in a pilot.
@@ -99,7 +99,7 @@ impl PhotonSource<'_> {
         (self, report)
     }
 
-    /// Traces the photon paths of pilot round number `round`; returns their samples.
+    /// Traces the photon paths of pilot round number `round`, and returns their samples.
     fn trace_pilot_round(&self, pilot: &EmissionGuidingPilot<'_>, round: u32) -> PilotRoundSamples {
         let key = Key::new(pilot.seed).purpose_key(Purpose::GuidingTraining).training_round_key(round);
         let paths = pilot.paths / ROUNDS;

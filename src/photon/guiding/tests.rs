@@ -75,12 +75,15 @@ fn floor_corner_point_map(scene: &Scene) -> VisiblePointMap {
 const MASK: StoreMask = StoreMask::ALL;
 const BOUNCES: u32 = 2;
 
-fn guided_source<'a>(scene: &'a Scene, visible: &VisiblePointMap) -> (PhotonSource<'a>, EmissionGuidingReport) {
+fn source_guided_to_visible<'a>(
+    scene: &'a Scene,
+    visible: &VisiblePointMap,
+) -> (PhotonSource<'a>, EmissionGuidingReport) {
     let pilot = EmissionGuidingPilot { mask: MASK, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
     PhotonSource::emitting_in_all_directions(scene).unwrap().with_guided_emission(&pilot)
 }
 
-fn photon_pass<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonPass<'a> {
+fn photon_pass_of_source<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonPass<'a> {
     PhotonPass { scene, source, mask: MASK, max_bounces: BOUNCES }
 }
 
@@ -125,7 +128,7 @@ fn fluxes_by_region(scene: &Scene, source: &PhotonSource<'_>) -> [PassStatistics
     let edge = to_scene_frame(scene, DVec3::new(6.0, 0.0, 6.0));
     let mut means = [PassStatistics::default(); 4];
     for i in 0..32 {
-        let traced = photon_pass(scene, source).trace(pass_key(i), 8192, &|_| {});
+        let traced = photon_pass_of_source(scene, source).trace(pass_key(i), 8192, &|_| {});
         let mut flux = [0.0; 3];
         for Photon { position: p, data: f } in &traced.deposits.photons {
             let region = if (p.y - floor).abs() > 1e-3 { 2 } else { usize::from(p.x < edge.x || p.z < edge.z) };
@@ -143,7 +146,7 @@ fn fluxes_by_region(scene: &Scene, source: &PhotonSource<'_>) -> [PassStatistics
 fn guiding_is_unbiased() {
     for (name, scene) in scenes_by_lamp_kind() {
         let plain = PhotonSource::emitting_in_all_directions(&scene).unwrap();
-        let (guided, report) = guided_source(&scene, &floor_corner_point_map(&scene));
+        let (guided, report) = source_guided_to_visible(&scene, &floor_corner_point_map(&scene));
         assert!(report.useful > 0.0 && report.gain > 1.0, "{name} has something to learn: {report:?}");
         let (before, after) = (fluxes_by_region(&scene, &plain), fluxes_by_region(&scene, &guided));
         for (region, (a, b)) in before.iter().zip(&after).enumerate() {
@@ -204,12 +207,14 @@ fn aiming_and_guiding_together_are_unbiased() {
 #[test]
 fn guiding_reduces_visible_variance() {
     let scene = spot_light_scene();
-    let (guided, _) = guided_source(&scene, &floor_corner_point_map(&scene));
+    let (guided, _) = source_guided_to_visible(&scene, &floor_corner_point_map(&scene));
     let plain = PhotonSource::emitting_in_all_directions(&scene).unwrap();
     let variance = |source: &PhotonSource<'_>| {
         let mut means = vec![PassStatistics::default(); 1600];
         for i in 0..24 {
-            let map = PhotonMap::build(photon_pass(&scene, source).trace(pass_key(i), 16384, &|_| {}).deposits.photons);
+            let map = PhotonMap::build(
+                photon_pass_of_source(&scene, source).trace(pass_key(i), 16384, &|_| {}).deposits.photons,
+            );
             let mut scratch = PhotonSearchBuffers::new();
             for (p, mean) in floor_corner_points(&scene).zip(&mut means) {
                 let wide = Bandwidth { radius: 0.1, k: 0 };
@@ -231,7 +236,7 @@ fn guiding_prefers_the_visible_lamp() {
         b.add_delta_light(DeltaLightKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
         b.add_delta_light(DeltaLightKind::Point { position: LAMP }, strength);
     });
-    let (guided, _) = guided_source(&scene, &floor_corner_point_map(&scene));
+    let (guided, _) = source_guided_to_visible(&scene, &floor_corner_point_map(&scene));
     let share = guided.light_distribution.probability(1);
     assert!((share - (1.0 - 0.5 * DEFENSIVE_FRACTION as f32)).abs() < 1e-6, "{share}");
 }
@@ -241,7 +246,7 @@ fn guiding_prefers_the_visible_lamp() {
 #[test]
 fn guided_pdf_has_a_lower_bound() {
     for (name, scene) in scenes_by_lamp_kind() {
-        let (guided, _) = guided_source(&scene, &floor_corner_point_map(&scene));
+        let (guided, _) = source_guided_to_visible(&scene, &floor_corner_point_map(&scene));
         let density = guided.guiding[0].as_ref().unwrap();
         let mut least = f32::INFINITY;
         for i in 0..1u32 << 16 {
@@ -258,7 +263,7 @@ fn pilot_without_useful_photons_leaves_source_unguided() {
         let below =
             floor_corner_points(&scene).map(|position| VisiblePoint { position, normal: Vec3::NEG_Y, weight: 1.0 });
         for visible in [VisiblePointMap::new(below, 0.1), VisiblePointMap::new([], 0.1)] {
-            let (guided, report) = guided_source(&scene, &visible);
+            let (guided, report) = source_guided_to_visible(&scene, &visible);
             assert_eq!((report.useful, report.gain), (0.0, 1.0), "{name}");
             let plain = PhotonSource::emitting_in_all_directions(&scene).unwrap();
             for i in 0..1000 {

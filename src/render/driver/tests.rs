@@ -21,7 +21,7 @@ impl Integrator for PassNumberIntegrator {
 }
 
 fn stop_criteria(passes: Option<u32>, time: Option<Duration>, interrupted: &AtomicBool) -> StopCriteria<'_> {
-    StopCriteria { min_passes: 1, passes, time, target: None, interrupted }
+    StopCriteria { passes, time, ..StopCriteria::unlimited(interrupted) }
 }
 
 #[test]

@@ -1,14 +1,14 @@
-//! Blur (bias) of photon density estimates, extrapolated from the differences D₀ and D₁ between
-//! estimates with full, half and quarter disc area.
+//! Blur (bias) of photon density estimates, extrapolated from estimates with smaller discs.
 //!
-//! The module [`error_estimate`](super) defines D₀ and D₁.
+//! Let L(r) be the estimate with disc radius r. D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are
+//! the first terms of a series that sums to the bias.
 
-/// Lower bound of the ratio D₀·D₁ / ‖D₀‖² of the differences that [`error_estimate`](super)
-/// defines. Smaller values come from noise.
+/// Lower bound of the ratio D₀·D₁ / ‖D₀‖², where D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are
+/// differences of density estimates L with disc radius r. Smaller ratios come from noise.
 const MIN_CORRELATION: f64 = -0.5;
 
-/// Upper bound of the ratio D₀·D₁ / ‖D₀‖² of the differences that [`error_estimate`](super)
-/// defines.
+/// Upper bound of the ratio D₀·D₁ / ‖D₀‖², where D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are
+/// differences of density estimates L with disc radius r.
 ///
 /// The bound is the ratio at a straight edge of light, for the Epanechnikov kernel.
 const EDGE_CORRELATION: f64 = 0.7275;
@@ -16,8 +16,9 @@ const EDGE_CORRELATION: f64 = 0.7275;
 /// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) for light that is not smooth, with the Epanechnikov
 /// kernel.
 ///
-/// The pairs belong to a straight edge of light, and to bands of light as wide as a half and a
-/// fifth of the disc's diameter. [`error_estimate`](super) defines the differences D₀ and D₁.
+/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are differences of density estimates L with disc
+/// radius r. The pairs belong to a straight edge of light, and to bands of light as wide as a half
+/// and a fifth of the disc's diameter.
 const ROUGH: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
 /// Largest ratio of the blur with discs of half the area to the blur with full discs: the ratio at
@@ -26,20 +27,24 @@ const MAX_RATIO: f64 = 0.841;
 
 /// Relative standard deviation of the extrapolated part of the blur.
 ///
-/// Edges and bands of light may have similar differences D₀ and D₁ ([`error_estimate`](super)),
-/// although their blur differs by this fraction.
+/// Edges and bands of light may give similar density estimates with discs of full, half and quarter
+/// area, although their blur differs by this fraction.
 const EXTRAPOLATION_ERROR: f64 = 0.5;
 
-/// Mean squares and products over the picture of the differences D₀ and D₁, which
-/// [`error_estimate`](super) defines. The estimates are unbiased by noise.
+/// Mean squares and products over the picture of the differences D₀ = L(r) − L(r/√2) and D₁ =
+/// L(r/√2) − L(r/2), where L(r) is the density estimate with disc radius r. Noise adds no bias.
 pub(super) struct NestedDifferenceMoments {
-    /// ‖D₀‖²: mean square of D₀ over the picture. [`error_estimate`](super) defines D₀.
+    /// ‖D₀‖²: mean square over the picture of D₀ = L(r) − L(r/√2), where L(r) is the density
+    /// estimate with disc radius r.
     pub d0: f64,
-    /// D₀·D₁: mean product over the picture. [`error_estimate`](super) defines D₀ and D₁.
+    /// D₀·D₁: mean product over the picture of D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where
+    /// L(r) is the density estimate with disc radius r.
     pub d0_d1: f64,
-    /// ‖D₁‖²: mean square of D₁ over the picture. [`error_estimate`](super) defines D₁.
+    /// ‖D₁‖²: mean square over the picture of D₁ = L(r/√2) − L(r/2), where L(r) is the density
+    /// estimate with disc radius r.
     pub d1: f64,
-    /// Relative variance of D₀ in one pass. [`error_estimate`](super) defines D₀.
+    /// Relative variance, in one pass, of the difference between density estimates with full and
+    /// half disc area.
     pub variance: f64,
     /// Variance of the estimate `d0`.
     pub d0_variance: f64,
@@ -55,7 +60,8 @@ pub(super) struct BlurEstimate {
     pub variance: f64,
     /// Ratio of the blur with discs of half the area to the blur with full discs.
     pub ratio: f64,
-    /// Blur divided by its measured part |D₀ + D₁|. [`error_estimate`](super) defines D₀ and D₁.
+    /// Blur divided by its measured part: the difference between density estimates with full and
+    /// quarter disc area.
     pub extrapolation: f64,
 }
 

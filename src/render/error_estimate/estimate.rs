@@ -1,6 +1,6 @@
 //! The estimated error of a picture.
 
-use super::fireflies::Fireflies;
+use super::fireflies::FireflyHistogram;
 use serde::Serialize;
 
 /// Estimated error of the mean of the passes so far.
@@ -29,17 +29,18 @@ pub struct ErrorEstimate {
     /// light, larger at edges.
     #[serde(skip)]
     pub(super) blur_ratio: f64,
-    /// Extrapolated blur divided by its measured part |D₀ + D₁|. [`error_estimate`](super) defines
-    /// D₀ and D₁.
+    /// Extrapolated blur divided by its measured part: the difference between density estimates
+    /// with full and quarter disc area.
     #[serde(skip)]
     pub(super) extrapolation: f64,
     /// Relative variance of the image of one pass, mean over pixels.
     #[serde(skip)]
     pub(super) variance: f64,
-    /// Relative variance, in one pass, of the difference D₀ that [`error_estimate`](super) defines.
+    /// Relative variance, in one pass, of the difference between density estimates with full and
+    /// half disc area.
     #[serde(skip)]
     pub(super) difference_variance: f64,
-    /// Histogram of fireflies, which give their contribution to the squared noise.
+    /// Histogram of fireflies: pixels whose relative squared noise exceeds 1.
     #[serde(skip)]
-    pub(super) fireflies: Fireflies,
+    pub(super) fireflies: FireflyHistogram,
 }

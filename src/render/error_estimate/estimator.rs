@@ -2,47 +2,64 @@
 
 use super::blur::{BlurEstimate, NestedDifferenceMoments};
 use super::confidence::Confidence;
-use super::effective_samples::EffectiveSampleCount;
 use super::estimate::ErrorEstimate;
-use super::fireflies::Fireflies;
+use super::fireflies::FireflyHistogram;
 use super::forecast::ErrorForecast;
+use super::leading_passes::LeadingPasses;
+use super::pixel_variance::PixelVarianceSums;
 use super::shared_paths::SharedPathErrorSums;
 use crate::image::RelativeErrorWeights;
 use crate::integrate::{MeanGatherDisc, NestedEstimates, Pass, RadiusLaw};
-use crate::render::film::Film;
+use crate::math::BinnedSums;
+use crate::render::MergeError;
+use crate::render::film::{Film, total_pass_count};
 use glam::{DVec3, Vec3};
 
-/// Least number of passes for an error estimate.
+/// Smallest number of passes for which the error is estimated.
 pub const MIN_PASSES: u32 = 4;
 
+/// Number of passes, those with the lowest numbers, from which the effective sample count of the
+/// noise is measured.
+const LEADING_PASSES: usize = 8;
+
+/// Number of passes, those with the lowest numbers, from which the effective sample count of a
+/// difference is measured: between density estimates with full and half disc area.
+const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
+
 /// Accumulates the passes of a render, and estimates the error of their mean.
+///
+/// An error estimate depends only on the set of passes, to the bit. Neither their order nor the
+/// merging of estimators changes it. Only the mean gather discs of [`ErrorMaps`] depend on the
+/// order, by rounding.
 #[derive(Clone, Debug)]
 pub struct ErrorEstimator {
     /// Law by which gather radii shrink from pass to pass; `None` without photon density estimates.
     radius_law: Option<RadiusLaw>,
     /// Number of added passes.
     passes: u32,
-    /// Σ (x − mean)² over passes, by pixel and channel, in f64 because squares may overflow f32.
-    squared_deviations: Vec<DVec3>,
+    variances: PixelVarianceSums,
     photon_estimates: Option<NestedEstimateSums>,
     shared_paths: SharedPathErrorSums,
-    samples: EffectiveSampleCount,
-    scale: Option<RelativeErrorWeights>,
+    leading: LeadingPasses,
 }
 
 /// Sums over passes of the differences between photon estimates with nested discs, for each pixel.
 #[derive(Clone, Debug)]
 struct NestedEstimateSums {
-    /// Sums over passes of the differences D₀ and D₁ that [`error_estimate`](super) defines, for
-    /// each pixel.
-    differences: [Vec<Vec3>; 2],
+    /// Sums over passes, for each pixel and channel, of D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) −
+    /// L(r/2), where L(r) is the density estimate with disc radius r.
+    differences: [BinnedSums<3>; 2],
     /// Sums over passes and channels of D₀², D₀·D₁ and D₁², for each pixel.
-    /// [`error_estimate`](super) defines D₀ and D₁.
-    products: Vec<[f64; 3]>,
+    ///
+    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
+    /// radius r.
+    products: BinnedSums<3>,
     /// Sums over passes of gather radius and photon count of each pixel: from the caustic map, and
     /// from the indirect map.
     discs: Vec<[GatherDiscTotals; 2]>,
-    samples: EffectiveSampleCount,
+    /// Pictures, for the passes with the lowest numbers, of the difference between density
+    /// estimates with full and half disc area.
+    leading: LeadingPasses,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -75,38 +92,59 @@ impl ErrorEstimator {
         Self {
             radius_law,
             passes: 0,
-            squared_deviations: Vec::new(),
+            variances: PixelVarianceSums::default(),
             photon_estimates: None,
             shared_paths: SharedPathErrorSums::default(),
-            samples: EffectiveSampleCount::default(),
-            scale: None,
+            leading: LeadingPasses::default(),
         }
     }
 
-    /// Adds a pass. `film` must hold exactly the passes before `pass`.
-    pub fn add(&mut self, film: &Film, pass: &Pass) {
-        let n = f64::from(self.passes);
-        self.squared_deviations.resize(pass.image.len(), DVec3::ZERO);
-        for ((sum, value), before) in self.squared_deviations.iter_mut().zip(&pass.image).zip(film.pixel_means()) {
-            if n > 0.0 {
-                let delta = value.as_dvec3() - before;
-                *sum += delta * delta * (n / (n + 1.0));
-            }
-        }
-        // The scale changes little from pass to pass, so it is updated when the number doubles.
-        if self.passes.is_power_of_two() {
-            self.scale = Some(RelativeErrorWeights::from_pixels(film.size(), &film.mean()));
-        }
-        let weights = self.scale.as_ref().map_or(&[][..], RelativeErrorWeights::pixel_weights);
-        // The relative squared error of a pixel is clamped to 1 in the mean, so to n in one pass.
-        self.samples.add(pass.image.iter().copied(), weights, n + 1.0);
+    /// Adds the pass with number `number`. No two added passes may have the same number.
+    pub fn add(&mut self, number: u32, pass: &Pass) {
+        self.variances.add(&pass.image);
+        self.leading.add(number, LEADING_PASSES, pass.image.iter().copied());
         if !pass.nested.is_empty() {
             let estimates = self.photon_estimates.get_or_insert_with(|| NestedEstimateSums::new(pass.nested.len()));
-            estimates.add(&pass.nested);
-            estimates.samples.add(pass.nested.iter().map(|pixel| pixel.steps[0]), weights, n + 1.0);
+            estimates.add(number, &pass.nested);
         }
         self.shared_paths.add(pass);
         self.passes += 1;
+    }
+
+    /// Adds the passes of `other`. No pass may be in both estimators.
+    ///
+    /// # Errors
+    /// [`MergeError`] if the estimators belong to different pictures or integrators, or have too
+    /// many passes. This estimator then stays as it is.
+    pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
+        let passes = total_pass_count(self.passes, other.passes)?;
+        if self.radius_law != other.radius_law {
+            return Err(MergeError::Estimator);
+        }
+        if self.passes == 0 {
+            self.clone_from(other);
+        } else if other.passes > 0 {
+            if !self.has_same_pixels(other) {
+                return Err(MergeError::Estimator);
+            }
+            if let (Some(own), Some(other)) = (&mut self.photon_estimates, &other.photon_estimates) {
+                own.merge(other);
+            }
+            self.shared_paths.merge(&other.shared_paths);
+            self.variances.merge(&other.variances);
+            self.leading.merge(&other.leading, LEADING_PASSES);
+            self.passes = passes;
+        }
+        Ok(())
+    }
+
+    /// True if the sums of both estimators belong to the same pixels.
+    fn has_same_pixels(&self, other: &Self) -> bool {
+        let photon_pixels =
+            |estimator: &Self| estimator.photon_estimates.as_ref().map(|estimates| estimates.discs.len());
+        self.variances.pixels() == other.variances.pixels()
+            && photon_pixels(self) == photon_pixels(other)
+            && self.shared_paths.pixels() == other.shared_paths.pixels()
     }
 
     /// Estimates the error of the mean of the passes, with an interval of 90 % confidence.
@@ -132,25 +170,34 @@ impl ErrorEstimator {
         }
         let n = f64::from(passes);
         let scale = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
-        let mut fireflies = Fireflies::default();
+        let mut fireflies = FireflyHistogram::default();
         let fraction = 1.0 / scale.pixel_weights().len() as f64;
-        let noise2 = self.squared_deviations.iter().zip(scale.pixel_weights()).map(|(deviation, weight)| {
-            let square = weight * deviation.element_sum() / (n * (n - 1.0));
+        // Sums over pixels: squared noise, its square, and its square times the kurtosis − 1.
+        let (mut noise2, mut fourth, mut tails) = (0.0, 0.0, 0.0);
+        for (deviations, weight) in self.variances.deviations(film).zip(scale.pixel_weights()) {
+            let square = weight * deviations.squares.element_sum() / (n * (n - 1.0));
             if square > 1.0 {
                 fireflies.add(square, fraction);
             }
-            square.min(1.0)
-        });
-        let noise2 = noise2.sum::<f64>() * fraction;
+            let square = square.min(1.0);
+            noise2 += square;
+            fourth += square * square;
+            tails += square * square * (deviations.kurtosis.min(n) - 1.0);
+        }
+        // Relative variance of the estimated noise variance, if pixels are independent.
+        let independent = if noise2 > 0.0 { tails / (n * noise2 * noise2) } else { 0.0 };
+        let noise2 = noise2 * fraction;
         let differences =
             self.photon_estimates.as_ref().map(|estimates| estimates.nested_difference_moments(&scale, n));
         let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&scale, film.size().0, n);
         let square = noise2 + blur.square + shared2;
         // The true error of this picture scatters about its expectation, which is estimated too.
-        let scatter = self.samples.squared_error_variance();
+        let scatter = self.leading.squared_error_variance(scale.pixel_weights(), n);
         let realised = noise2 * noise2 * scatter + 2.0 * noise2 * (blur.square + shared2) * scatter;
-        let estimated = noise2 * noise2 * self.samples.relative_variance_of_variance().max(scatter / (n - 1.0));
+        // A variance estimate scatters by (kurtosis − 1) / 2 times that of Gaussian noise.
+        let tail_factor = if fourth > 0.0 { 0.5 * tails / fourth } else { 1.0 };
+        let estimated = noise2 * noise2 * independent.max(tail_factor * scatter / (n - 1.0));
         let deviation = (realised + estimated + blur.variance + shared_variance).sqrt();
         let half_width = confidence.gaussian_half_width() * deviation;
         let error = square.sqrt();
@@ -184,11 +231,15 @@ impl ErrorEstimator {
     pub fn error_maps(&self, film: &Film) -> ErrorMaps {
         let n = f64::from(self.passes.max(1));
         let over = (n * (n - 1.0)).max(1.0);
-        let noise = self.squared_deviations.iter().map(|m2| (*m2 / over).map(f64::sqrt).as_vec3()).collect();
+        let deviations = self.variances.deviations(film);
+        let noise = deviations.map(|pixel| (pixel.squares / over).map(f64::sqrt).as_vec3()).collect();
         let Some(estimates) = &self.photon_estimates else { return ErrorMaps { noise, ..ErrorMaps::default() } };
-        let factor = (self.estimate(film).extrapolation / n) as f32;
-        let [d0, d1] = &estimates.differences;
-        let bias = d0.iter().zip(d1).map(|(a, b)| (*a + *b) * factor).collect();
+        let factor = self.estimate(film).extrapolation / n;
+        let bias = (0..estimates.discs.len()).map(|i| {
+            let [d0, d1] = estimates.difference_sums(i);
+            ((d0 + d1) * factor).as_vec3()
+        });
+        let bias = bias.collect();
         let discs = |map: usize| estimates.discs.iter().map(|d| d[map].mean()).collect();
         ErrorMaps { noise, bias, caustic: discs(0), indirect: discs(1) }
     }
@@ -197,40 +248,56 @@ impl ErrorEstimator {
 impl NestedEstimateSums {
     fn new(pixels: usize) -> Self {
         Self {
-            differences: [vec![Vec3::ZERO; pixels], vec![Vec3::ZERO; pixels]],
-            products: vec![[0.0; 3]; pixels],
+            differences: [BinnedSums::new(pixels), BinnedSums::new(pixels)],
+            products: BinnedSums::new(pixels),
             discs: vec![[GatherDiscTotals::default(); 2]; pixels],
-            samples: EffectiveSampleCount::default(),
+            leading: LeadingPasses::default(),
         }
     }
 
-    fn add(&mut self, pixels: &[NestedEstimates]) {
-        let [d0, d1] = &mut self.differences;
-        for (i, pixel) in pixels.iter().enumerate() {
-            let [a, b] = pixel.steps;
-            d0[i] += a;
-            d1[i] += b;
-            let (a, b) = (a.as_dvec3(), b.as_dvec3());
-            for (sum, product) in self.products[i].iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]) {
-                *sum += product;
-            }
-            let [caustic, indirect] = &mut self.discs[i];
+    fn add(&mut self, number: u32, pixels: &[NestedEstimates]) {
+        for (step, sums) in self.differences.iter_mut().enumerate() {
+            sums.add(pixels.iter().map(|pixel| pixel.steps[step].as_dvec3().to_array()));
+        }
+        self.products.add(pixels.iter().map(|pixel| {
+            let [a, b] = pixel.steps.map(|step| step.as_dvec3());
+            [a.dot(a), a.dot(b), b.dot(b)]
+        }));
+        for ([caustic, indirect], pixel) in self.discs.iter_mut().zip(pixels) {
             caustic.add(pixel.caustic);
             indirect.add(pixel.indirect);
         }
+        self.leading.add(number, LEADING_PASSES_OF_DIFFERENCES, pixels.iter().map(|pixel| pixel.steps[0]));
     }
 
-    /// Returns the means over the picture of the squares and the product of D₀ and D₁, for `n`
-    /// passes.
+    /// Adds the passes of `other`, which has as many pixels.
+    fn merge(&mut self, other: &Self) {
+        for (sums, other) in self.differences.iter_mut().zip(&other.differences) {
+            sums.merge(other);
+        }
+        self.products.merge(&other.products);
+        for (discs, other) in self.discs.iter_mut().flatten().zip(other.discs.iter().flatten()) {
+            discs.merge(*other);
+        }
+        self.leading.merge(&other.leading, LEADING_PASSES_OF_DIFFERENCES);
+    }
+
+    /// Returns the sums over passes of two differences at pixel `i`: D₀ = L(r) − L(r/√2) and D₁ =
+    /// L(r/√2) − L(r/2), where L(r) is the density estimate with disc radius r.
+    fn difference_sums(&self, i: usize) -> [DVec3; 2] {
+        self.differences.each_ref().map(|sums| DVec3::from_array(sums.value(i)))
+    }
+
+    /// Returns the means over the picture of D₀², D₀·D₁ and D₁², for `n` passes.
     ///
-    /// Each product combines two different passes. [`error_estimate`](super) defines D₀ and D₁.
+    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
+    /// radius r. Each product combines two different passes, so its noise has mean zero.
     fn nested_difference_moments(&self, scale: &RelativeErrorWeights, n: f64) -> NestedDifferenceMoments {
-        let [d0, d1] = &self.differences;
         let pixels = scale.pixel_weights().len();
         let (mut square, mut variance) = ([0.0; 3], 0.0);
         for i in 0..pixels {
-            let (a, b) = (d0[i].as_dvec3(), d1[i].as_dvec3());
-            let products = self.products[i];
+            let [a, b] = self.difference_sums(i);
+            let products = self.products.value(i);
             for ((sum, all), same_pass) in square.iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]).zip(products) {
                 *sum += scale.clamped_relative_product(i, (all - same_pass) / (n * (n - 1.0)));
             }
@@ -239,7 +306,7 @@ impl NestedEstimateSums {
         let [d0, d0_d1, d1] = square.map(|sum| sum / pixels as f64);
         let variance = n * variance / pixels as f64;
         // Terms: noise of pairs of passes, and products of noise and expected difference.
-        let scatter = self.samples.squared_error_variance();
+        let scatter = self.leading.squared_error_variance(scale.pixel_weights(), n);
         let d0_variance = variance * variance * scatter / (n * (n - 1.0)) + 2.0 * d0.max(0.0) * variance * scatter / n;
         NestedDifferenceMoments { d0, d0_d1, d1, variance, d0_variance }
     }
@@ -252,6 +319,13 @@ impl GatherDiscTotals {
             self.photons += photons;
             self.passes += 1;
         }
+    }
+
+    /// Adds the totals of other passes.
+    fn merge(&mut self, other: Self) {
+        self.radius += other.radius;
+        self.photons += other.photons;
+        self.passes += other.passes;
     }
 
     /// Returns the mean radius and photon count over the passes with an estimate; 0 without such

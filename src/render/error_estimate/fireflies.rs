@@ -1,7 +1,7 @@
 //! Fireflies: pixels whose relative squared noise exceeds 1.
 
-/// Number of brightness classes of [`Fireflies`], one per octave. The last class also holds all
-/// brighter fireflies.
+/// Number of brightness classes of [`FireflyHistogram`], one per octave. The last class also holds
+/// all brighter fireflies.
 const OCTAVES: usize = 32;
 
 /// Histogram of fireflies by brightness.
@@ -11,13 +11,13 @@ const OCTAVES: usize = 32;
 /// have such a sample. The sum of min(1, c/m²) over these pixels first grows with m, and falls as
 /// 1/m for large m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Fireflies {
+pub(super) struct FireflyHistogram {
     /// Fraction of the pixels that are fireflies of each class. Class i has relative squared noise
     /// from 2^i to 2^(i + 1).
     fractions: [f64; OCTAVES],
 }
 
-impl Fireflies {
+impl FireflyHistogram {
     /// Adds pixels with relative squared noise `square` > 1. They are the given `fraction` of all
     /// pixels.
     pub(super) fn add(&mut self, square: f64, fraction: f64) {

@@ -1,7 +1,7 @@
 //! Forecast: predicts the error of a picture after more passes.
 
 use super::estimate::ErrorEstimate;
-use super::fireflies::Fireflies;
+use super::fireflies::FireflyHistogram;
 use crate::integrate::squared_radius_ratio;
 
 /// Largest number of passes of a forecast.
@@ -11,7 +11,8 @@ const MAX_PASSES: u32 = 10_000_000;
 /// ([`GROUP_DIVISOR`]).
 const EXACT_PASSES: u32 = 1024;
 
-/// A forecast adds later passes in groups of 1/`GROUP_DIVISOR` of the passes summed so far.
+/// Divisor of the number n of passes summed so far: a forecast adds later passes in groups of
+/// n/`GROUP_DIVISOR`.
 const GROUP_DIVISOR: u32 = 128;
 
 /// Number of passes needed to reach a given error.
@@ -46,7 +47,7 @@ pub struct ErrorForecast {
     /// Exponent p: the blur of a pass is proportional to its disc area to the power p.
     power: f64,
     shared_paths: f64,
-    fireflies: Fireflies,
+    fireflies: FireflyHistogram,
     /// Number of passes of the error estimate from which the forecast starts.
     passes: f64,
 }
@@ -89,8 +90,14 @@ impl ErrorForecast {
         }
     }
 
+    /// Returns the predicted relative error after `passes` ≥ 1 passes.
+    #[must_use]
+    pub fn error_after_passes(&self, passes: u32) -> f64 {
+        let (noise, bias) = self.noise_and_bias_after_passes(passes);
+        noise.hypot(bias)
+    }
+
     /// Returns the predicted relative noise and bias after `passes` ≥ 1 passes.
-    #[cfg(test)]
     fn noise_and_bias_after_passes(&self, passes: u32) -> (f64, f64) {
         let mut sums = DiscAreaSums::new(self.alpha, self.power);
         (0..passes).for_each(|_| sums.add_pass());
@@ -115,6 +122,22 @@ impl ErrorForecast {
         if floor >= target {
             return PassesNeeded::Never { floor };
         }
+        let passes = self.first_passes(|noise, bias| noise.hypot(bias) <= target);
+        passes.map_or(PassesNeeded::TooMany, PassesNeeded::Passes)
+    }
+
+    /// Predicts the smallest number of passes after which the relative noise is at most `target`;
+    /// `None` above ten million passes.
+    ///
+    /// Above 1024 passes, the number is exact to 1 %.
+    #[must_use]
+    pub fn passes_to_reach_noise(&self, target: f64) -> Option<u32> {
+        self.first_passes(|noise, _| noise <= target)
+    }
+
+    /// Returns the first number of passes after which `holds` is true for the predicted noise and
+    /// bias; `None` above [`MAX_PASSES`].
+    fn first_passes(&self, holds: impl Fn(f64, f64) -> bool) -> Option<u32> {
         let mut sums = DiscAreaSums::new(self.alpha, self.power);
         while sums.passes < MAX_PASSES {
             if sums.passes < EXACT_PASSES {
@@ -123,11 +146,11 @@ impl ErrorForecast {
                 sums.add_group_of_passes()
             }
             let (noise, bias) = self.noise_and_bias_from_area_sums(&sums);
-            if noise.hypot(bias) <= target {
-                return PassesNeeded::Passes(sums.passes);
+            if holds(noise, bias) {
+                return Some(sums.passes);
             }
         }
-        PassesNeeded::TooMany
+        None
     }
 }
 

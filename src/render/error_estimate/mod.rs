@@ -11,11 +11,12 @@
 
 mod blur;
 mod confidence;
-mod effective_samples;
 mod estimate;
 mod estimator;
 mod fireflies;
 mod forecast;
+mod leading_passes;
+mod pixel_variance;
 mod shared_paths;
 
 pub use confidence::Confidence;

@@ -1,7 +1,9 @@
 //! Error of camera paths that all passes share, as in algorithm `ppm`.
 
+use crate::color::Rgb;
 use crate::image::RelativeErrorWeights;
 use crate::integrate::Pass;
+use crate::math::BinnedSums;
 use glam::DVec3;
 
 /// Edge length of square blocks of pixels, each of which counts as one independent sample
@@ -21,24 +23,33 @@ pub(super) struct SharedPathErrorSums {
     pixels: Vec<u32>,
     /// Sum over passes of radiance by shared paths minus radiance by fresh paths, for each pixel
     /// and channel.
-    sums: Vec<DVec3>,
+    sums: BinnedSums<3>,
     /// Sum over passes and channels of the squared difference between radiance by shared and by
     /// fresh paths, for each pixel.
-    squares: Vec<f64>,
+    squares: BinnedSums<1>,
 }
 
 impl SharedPathErrorSums {
     pub(super) fn add(&mut self, pass: &Pass) {
         if self.pixels.is_empty() {
             self.pixels = pass.fresh.iter().map(|(i, _)| *i).collect();
-            self.sums = vec![DVec3::ZERO; self.pixels.len()];
-            self.squares = vec![0.0; self.pixels.len()];
+            self.sums = BinnedSums::new(self.pixels.len());
+            self.squares = BinnedSums::new(self.pixels.len());
         }
-        for ((sum, square), (at, fresh)) in self.sums.iter_mut().zip(&mut self.squares).zip(&pass.fresh) {
-            let difference = pass.image[*at as usize].as_dvec3() - fresh.as_dvec3();
-            *sum += difference;
-            *square += difference.length_squared();
-        }
+        let difference = |(at, fresh): &(u32, Rgb)| pass.image[*at as usize].as_dvec3() - fresh.as_dvec3();
+        self.sums.add(pass.fresh.iter().map(|fresh| difference(fresh).to_array()));
+        self.squares.add(pass.fresh.iter().map(|fresh| [difference(fresh).length_squared()]));
+    }
+
+    /// Adds the passes of `other`, which has the same pixels.
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.sums.merge(&other.sums);
+        self.squares.merge(&other.squares);
+    }
+
+    /// Returns the indices of the pixels with fresh camera paths, in rows from the top.
+    pub(super) fn pixels(&self) -> &[u32] {
+        &self.pixels
     }
 
     /// Returns the mean relative squared error of the shared paths, and its variance; 0 without
@@ -51,13 +62,12 @@ impl SharedPathErrorSums {
             return (0.0, 0.0);
         }
         let block = |at: u32| (at % columns / BLOCK, at / columns / BLOCK);
-        let one = |((at, sum), square): ((&u32, &DVec3), &f64)| {
-            (
-                block(*at),
-                scale.clamped_relative_product(*at as usize, (sum.length_squared() - square) / (n * (n - 1.0))),
-            )
+        let one = |(i, at): (usize, &u32)| {
+            let (sum, [square]) = (DVec3::from_array(self.sums.value(i)), self.squares.value(i));
+            let product = (sum.length_squared() - square) / (n * (n - 1.0));
+            (block(*at), scale.clamped_relative_product(*at as usize, product))
         };
-        let values: Vec<_> = self.pixels.iter().zip(&self.sums).zip(&self.squares).map(one).collect();
+        let values: Vec<_> = self.pixels.iter().enumerate().map(one).collect();
         let mean = values.iter().map(|(_, value)| value).sum::<f64>() / values.len() as f64;
         // Blocks at the border are smaller, so the variance is that of sums, not of means.
         let blocks = values.chunk_by(|a, b| a.0 == b.0);

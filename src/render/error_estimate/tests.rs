@@ -34,7 +34,7 @@ fn render_noisy_passes(passes: u32, seed: u64, sigma: f32, bias: f32) -> (ErrorE
         };
         let image = (0..PIXELS).map(|p| Rgb::splat(1.0 + bias) + part(p, 0)).collect();
         let pass = Pass { image, nested: (0..PIXELS).map(pixel).collect(), ..Pass::default() };
-        estimator.add(&film, &pass);
+        estimator.add(i, &pass);
         film.add(&pass.image);
     }
     (estimator, film)
@@ -96,7 +96,7 @@ fn shared_paths_are_bias() {
         let image = vec![Rgb::splat(1.2); PIXELS];
         let fresh = (0..16).map(|p| (p as u32 * 100, Rgb::splat(1.0 + 0.1 * uniform_noise(i, 3, p, 0)))).collect();
         let pass = Pass { image, fresh, ..Pass::default() };
-        estimator.add(&film, &pass);
+        estimator.add(i, &pass);
         film.add(&pass.image);
     }
     let estimate = estimator.estimate(&film);
@@ -131,7 +131,7 @@ fn edges_are_not_extrapolated_as_smooth() {
         })
         .collect();
     let (mut estimator, mut film) = (ErrorEstimator::new(Some(LAW)), Film::new(WIDTH, WIDTH));
-    for _ in 0..8 {
+    for i in 0..8 {
         let splat = |v: f64| Rgb::splat(v as f32);
         let pixel = |v: &[f64; 4]| NestedEstimates {
             steps: [splat(v[0] - v[1]), splat(v[1] - v[2])],
@@ -139,7 +139,7 @@ fn edges_are_not_extrapolated_as_smooth() {
         };
         let image = row.iter().map(|v| splat(v[0])).collect();
         let pass = Pass { image, nested: row.iter().map(pixel).collect(), ..Pass::default() };
-        estimator.add(&film, &pass);
+        estimator.add(i, &pass);
         film.add(&pass.image);
     }
     let estimate = estimator.estimate(&film);

@@ -4,6 +4,7 @@ mod cull_index_matched;
 mod derived;
 mod light_contact_distance;
 mod lights;
+mod media;
 mod object;
 mod place;
 mod recenter;
@@ -24,6 +25,7 @@ use crate::texture::Texture;
 use cull_index_matched::{cull_index_matched, may_bound_body};
 use glam::{DVec2, DVec3, Vec3};
 use lights::{CollectedLights, DeltaLight, collect_lights};
+use media::place_media;
 use object::{MeshData, ObjectGeometry, SceneObject};
 use place::{PlacedObjects, place_camera, place_objects};
 use recenter::choose_scene_origin;
@@ -214,6 +216,7 @@ impl SceneBuilder {
             collect_lights(&self.sources, &objects, &geometry, &mappings, &self.textures, self.environment, origin)?;
         animation.lights = moving;
         let camera = place_camera(&camera, self.camera_motion, origin, &mut animation)?;
+        let media = place_media(&self.media, &objects, &self.materials, origin, &mut animation);
         let geometry = geometry.build_hierarchies(&objects, &mappings, &of_object);
         let mut scene = Scene {
             camera,
@@ -221,7 +224,7 @@ impl SceneBuilder {
             geometry,
             materials: self.materials,
             glasses: self.glasses,
-            media: self.media.iter().map(|medium| medium.translated(-origin)).collect(),
+            media,
             ambient_medium: self.ambient_medium,
             textures: self.textures,
             mappings: mappings.list,

@@ -71,6 +71,13 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// The interior at the start of a light path from light `light`.
     fn interior_at_light(scene: &Scene, light: usize, effects: Effects) -> Self;
 
+    /// Sets the primary sample in \[0, 1) that determines the path's first wavelength.
+    ///
+    /// `sample` returns it, and is called only if the path can meet dispersive surfaces. Without
+    /// this call, the first wavelength is independent of those of other paths.
+    #[inline]
+    fn set_wavelength_sample(&mut self, _: &Scene, _sample: impl FnOnce() -> f32) {}
+
     /// The medium at the current point of the path; `None` outside of media.
     #[inline]
     fn current_medium(&self, _: &Scene) -> Option<CurrentMedium> {

@@ -18,11 +18,17 @@ const UNDISPERSED_REFLECTANCES: std::ops::Range<f32> = 0.004..0.2;
 /// An [`InteriorStack`] for paths that pass through media, carry a wavelength, or both.
 ///
 /// A path samples its wavelength at the first dispersive surface and then keeps it. A path that is
-/// reflected faintly at this surface keeps all wavelengths instead.
+/// reflected faintly at this surface keeps all wavelengths instead, and samples another wavelength
+/// at its next dispersive surface.
 #[derive(Clone, Copy, Debug)]
 pub struct SpectralInterior {
     stack: InteriorStack,
     wavelength: Option<Wavelength>,
+    /// Primary sample in \[0, 1) that determines the path's first wavelength.
+    ///
+    /// `None` if it has been used, or if the first wavelength is independent of those of other
+    /// paths.
+    wavelength_sample: Option<f32>,
     /// BSDF of the surface at which the path sampled its wavelength, with the refractive index at
     /// the d line.
     ///
@@ -33,7 +39,7 @@ pub struct SpectralInterior {
 
 impl SpectralInterior {
     fn new(stack: InteriorStack, effects: Effects) -> Self {
-        Self { stack, wavelength: None, sampled_at: None, effects }
+        Self { stack, wavelength: None, wavelength_sample: None, sampled_at: None, effects }
     }
 }
 
@@ -46,6 +52,13 @@ impl Interior for SpectralInterior {
 
     fn interior_at_light(scene: &Scene, light: usize, effects: Effects) -> Self {
         Self::new(InteriorStack::interior_at_light(scene, light, effects), effects)
+    }
+
+    #[inline]
+    fn set_wavelength_sample(&mut self, scene: &Scene, sample: impl FnOnce() -> f32) {
+        if self.effects.has(Effect::Dispersion) && !scene.glasses.is_empty() {
+            self.wavelength_sample = Some(sample());
+        }
     }
 
     #[inline]
@@ -88,7 +101,9 @@ impl Interior for SpectralInterior {
         }
         let disperses = body.glass.is_some() || interface.outside.is_some_and(|body| body.glass.is_some());
         if disperses && interface.real && self.wavelength.is_none() {
-            self.wavelength = Some(Wavelength::sample(key.uniform_1d(Dimension::Wavelength)));
+            // A second wavelength must not depend on the first.
+            let u = self.wavelength_sample.take().unwrap_or_else(|| key.uniform_1d(Dimension::Wavelength));
+            self.wavelength = Some(Wavelength::sample(u));
             self.sampled_at = Some(Dielectric { eta: interface.relative_ior(&body, |body| body.index) });
         }
         let index = |body: &Body| match (body.glass, self.wavelength) {

@@ -22,8 +22,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// smaller, the earlier checkpoint is dropped.
 const MIN_CHECKPOINT_RATIO: f64 = 1.3;
 
-/// Memory of a film (48) and its error estimator (176) \[bytes per pixel].
-const BYTES_PER_FILM_PIXEL: u64 = 48 + 176;
+/// Memory of a film (50) and its error estimator (284) \[bytes per pixel].
+const BYTES_PER_FILM_PIXEL: u64 = 50 + 284;
 
 /// Memory of a picture \[bytes per pixel].
 const BYTES_PER_PICTURE_PIXEL: u64 = 12;
@@ -255,15 +255,15 @@ impl MethodRun<'_> {
     fn run_timed_pass(
         &mut self,
         seed: usize,
-        pass: u32,
+        number: u32,
         clock: &dyn Fn() -> CpuWallTime,
         monitor: &dyn ProgressMonitor,
     ) {
         let SeedRun { integrator, film, estimator } = &mut self.seeds[seed];
         let first = self.variant.settings.camera_paths.seed;
         let integrator = integrator.get_or_insert_with(|| (self.make)(first.wrapping_add(seed as u64)));
-        let (pass, time) = measure_time(clock, || integrator.render_pass(pass, monitor));
-        estimator.get_or_insert_with(|| ErrorEstimator::new(integrator.radius_law())).add(film, &pass);
+        let (pass, time) = measure_time(clock, || integrator.render_pass(number, monitor));
+        estimator.get_or_insert_with(|| ErrorEstimator::new(integrator.radius_law())).add(number, &pass);
         film.add(&pass.image);
         self.time += time;
         self.rays += pass.counters.total_rays();

@@ -51,8 +51,8 @@ fn assert_near(found: f64, expected: f64, sigma: f64) {
     assert!((found - expected).abs() < 4.0 * sigma, "{found} is not {expected} ± {sigma}");
 }
 
-/// At radiance 1, an error e has the relative squared error e²/2. The product of two independent
-/// errors of variance v has a standard deviation of about v.
+/// At radiance 1 in a picture of mean radiance 1, an error e has the relative squared error
+/// e²/(1² + 1²). The product of two independent errors of variance v has the standard deviation v.
 #[test]
 fn noise_and_bias_are_separated() {
     let (bias, sigma, reference) = (0.1, 0.2, 0.2);

@@ -21,8 +21,8 @@ fn marble_and_wood_have_their_frequency_and_phase() {
     assert!((turned.color_at(DVec3::new(9.0, 0.125, 3.0), 0.0).x - 1.0).abs() < 1e-6);
 }
 
-/// Compares with the mean of the wave over a box of width w around p, by n midpoints, whose error
-/// is below (w/n)².
+/// Compares a wide footprint with the mean of the wave over a box of width w around p, by n
+/// midpoints, whose error is below (w/n)².
 #[test]
 fn wide_footprints_average_solid_textures() {
     let marble = solid_texture_of_pattern(SolidPattern::Marble, 0.0, DAffine3::IDENTITY);

@@ -19,6 +19,7 @@ mod irradiance;
 mod lens;
 mod light_tracing;
 mod media;
+mod motion;
 mod nephroid;
 mod plates;
 mod prefix_rays;

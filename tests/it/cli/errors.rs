@@ -113,7 +113,7 @@ fn estimate_forecasts_passes_that_suffice() {
     let table = sandbox.run(&line.split_whitespace().collect::<Vec<_>>());
     table.expect(0, &["plan: "]);
     assert!(
-        table.stdout.contains("after 8 passes the estimated error is") && table.stdout.lines().count() == 4,
+        table.stdout.contains("after 8 passes the estimated error is") && table.stdout.lines().count() == 6,
         "{}",
         table.stdout
     );

@@ -6,6 +6,7 @@ mod errors;
 mod exits;
 mod files;
 mod interrupt;
+mod limits;
 mod mesh;
 mod methods;
 mod outputs;

@@ -67,8 +67,7 @@ fn settings(paths: u32, samples: u32) -> Settings {
 fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> RenderResult {
     let integrator = algorithm.prepare(scene, settings);
     let interrupted = AtomicBool::new(false);
-    let stop =
-        StopCriteria { min_passes: 1, passes: Some(passes), time: None, target: None, interrupted: &interrupted };
+    let stop = StopCriteria { passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
     render(integrator.as_ref(), scene.camera().size(), &stop, &SilentMonitor, |_| {})
 }
 

@@ -67,7 +67,10 @@ fn densities_come_from_grids_or_noise() {
         max: DVec3::new(1.0, 2.0, 3.0),
         maps: vec![TransformStep::RotateY(30.0)],
     };
-    assert_eq!(smoke.density, DensityDescription::Grid { path: spanned_name("dir/s.grid"), scale: 3.0, extent });
+    assert_eq!(
+        smoke.density,
+        DensityDescription::Grid { path: name_with_empty_span("dir/s.grid"), scale: 3.0, extent }
+    );
     let extent = TransformedBoxDescription { min: DVec3::ZERO, max: DVec3::ONE, maps: vec![] };
     let expected = |cover, softness, octaves, frequency, seed, resolution| {
         let extent = extent.clone();
@@ -82,11 +85,14 @@ fn materials_and_background_refer_to_media() {
     let text = "Background { medium fog color 0 0 0 } Media { Medium fog { } Medium milk { } }
         Materials { Dielectric { medium milk } Clear c { medium \"fog\" priority 255 } Clear { } } Group { }";
     let d = parse_with_camera(text).unwrap();
-    assert_eq!((d.background, d.ambient_medium.as_ref()), (DVec3::ZERO, Some(&spanned_name("fog"))));
+    assert_eq!((d.background, d.ambient_medium.as_ref()), (DVec3::ZERO, Some(&name_with_empty_span("fog"))));
     let found: Vec<_> = d.materials.iter().map(|m| (&m.kind, m.medium.clone())).collect();
     assert!(matches!(found[0].0, MaterialKindDescription::Dielectric { .. }));
-    assert_eq!(found[0].1, Some(spanned_name("milk")));
-    assert_eq!(found[1], (&MaterialKindDescription::NullInterface { priority: 255 }, Some(spanned_name("fog"))));
+    assert_eq!(found[0].1, Some(name_with_empty_span("milk")));
+    assert_eq!(
+        found[1],
+        (&MaterialKindDescription::NullInterface { priority: 255 }, Some(name_with_empty_span("fog")))
+    );
     assert_eq!(found[2], (&MaterialKindDescription::NullInterface { priority: 0 }, None));
     let again = parse_with_camera("Background { medium fog } Background { } Group { }").unwrap();
     assert_eq!(again.ambient_medium, None, "a block that comes again replaces the one before");

@@ -12,12 +12,14 @@ use crate::format::description::{
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 width 200 height 200 }";
 
-/// Parses a scene of `CAMERA` in line 1 and `body` from line 2 on.
+/// Parses a scene text that has `CAMERA` in line 1 and `body` from line 2 on.
 fn parse_with_camera(body: &str) -> Result<SceneDescription, SceneError> {
     parse("scene.txt", &format!("{CAMERA}\n{body}"))
 }
 
-/// Asserts position and text of an error, and parts of its message and help.
+/// Asserts that `result` is an error at this line and column, and that it marks `text`.
+///
+/// Also asserts that its message contains `message`, and its remedy contains `help`.
 fn assert_error(
     result: Result<SceneDescription, SceneError>,
     (line, column): (usize, usize),
@@ -31,9 +33,9 @@ fn assert_error(
     assert!(error.remedy().contains(help), "`{help}` is not in `{}`", error.remedy());
 }
 
-/// Asserts that the first error of `body` is at the text between `‹` and `›`.
+/// Asserts that the first error of `body` marks the text between `‹` and `›`.
 ///
-/// The error must contain `message`, and its remedy `help`.
+/// Also asserts that its message contains `message`, and its remedy contains `help`.
 #[track_caller]
 fn assert_first_error(body: &str, message: &str, help: &str) {
     let (before, rest) = body.split_once('‹').unwrap();
@@ -43,11 +45,11 @@ fn assert_first_error(body: &str, message: &str, help: &str) {
     assert_error(parse_with_camera(&format!("{before}{text}{after}")), (line, column), text, message, help);
 }
 
-fn spanned_name(name: &str) -> Spanned<String> {
+fn name_with_empty_span(name: &str) -> Spanned<String> {
     Spanned::new(name.to_owned(), Span::default())
 }
 
-/// Returns the first object of the root group.
+/// Parses `CAMERA` followed by `body`. Returns the first object of the root group.
 fn first_object(body: &str) -> ObjectDescription {
     let d = parse_with_camera(body).unwrap();
     let object = d.root.items.into_iter().find_map(|item| match item {
@@ -58,7 +60,7 @@ fn first_object(body: &str) -> ObjectDescription {
 }
 
 #[test]
-fn numbers_end_at_the_first_other_character() {
+fn numbers_need_no_white_space_after_them() {
     let text = "PerspectiveCamera{center 0 0 10direction 0 0-1up 0 1 0angle 20width 200height 100}Group{}";
     let camera = parse("a", text).unwrap().camera;
     assert_eq!(camera.projection, ProjectionDescription::Perspective { angle: 20.0, lens: None });
@@ -166,7 +168,7 @@ fn names_may_be_quoted_or_bare() {
 }
 
 #[test]
-fn counts_must_match() {
+fn stated_counts_must_match_the_entries() {
     parse_with_camera("Lights { numLights 0 } Materials { numMaterials 0 } Group { numObjects 0 }").unwrap();
     // Materials are not objects.
     parse_with_camera("Materials { Mirror { } } Group { MaterialIndex 0 numObjects 1 MaterialIndex 0 Group { } }")

@@ -1,6 +1,6 @@
 //! Tests of the index of refraction: by name, by Abbe number, by equation.
 
-use super::spanned_name;
+use super::name_with_empty_span;
 use super::surfaces::{assert_material_error, parse_material_kinds};
 use crate::color::DispersionFormula;
 use crate::format::description::{MaterialKindDescription, RefractiveIndexDescription};
@@ -16,7 +16,7 @@ fn parse_refractive_index(fields: &str) -> RefractiveIndexDescription {
 fn five_parametrizations_of_the_index_are_read() {
     assert_eq!(parse_refractive_index(""), RefractiveIndexDescription::Index(1.5));
     assert_eq!(parse_refractive_index("indexOfRefraction 1.7"), RefractiveIndexDescription::Index(1.7));
-    assert_eq!(parse_refractive_index("glass BK7"), RefractiveIndexDescription::Named(spanned_name("BK7")));
+    assert_eq!(parse_refractive_index("glass BK7"), RefractiveIndexDescription::Named(name_with_empty_span("BK7")));
     assert_eq!(
         parse_refractive_index("abbe 30 indexOfRefraction 1.6"),
         RefractiveIndexDescription::Abbe { index: 1.6, abbe: 30.0 }

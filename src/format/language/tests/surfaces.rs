@@ -1,6 +1,6 @@
 //! Tests of dielectrics, conductors, thin panes, mixes, environments and patches.
 
-use super::{assert_first_error, parse_with_camera, spanned_name};
+use super::{assert_first_error, name_with_empty_span, parse_with_camera};
 use crate::format::description::{
     DielectricAbsorption, EnvironmentRadiance, GroupItem, LightDescription, MaterialKindDescription, MetalDescription,
     ObjectDescription, ShapeDescription, Spanned,
@@ -62,7 +62,7 @@ fn conductors_are_named_or_given_by_their_index() {
     assert_eq!(
         kinds[0],
         MaterialKindDescription::Conductor {
-            metal: MetalDescription::Named(spanned_name("gold")),
+            metal: MetalDescription::Named(name_with_empty_span("gold")),
             roughness: 0.0.into()
         }
     );
@@ -104,11 +104,19 @@ fn mixes_refer_to_earlier_materials() {
     ));
     assert_eq!(
         kinds[2],
-        MaterialKindDescription::Mix { first: spanned_name("a"), second: spanned_name("b c"), amount: 0.3.into() }
+        MaterialKindDescription::Mix {
+            first: name_with_empty_span("a"),
+            second: name_with_empty_span("b c"),
+            amount: 0.3.into()
+        }
     );
     assert_eq!(
         kinds[3],
-        MaterialKindDescription::Mix { first: spanned_name("m"), second: spanned_name("m"), amount: 1.0.into() }
+        MaterialKindDescription::Mix {
+            first: name_with_empty_span("m"),
+            second: name_with_empty_span("m"),
+            amount: 1.0.into()
+        }
     );
     let mix = |fields: &str| format!("{parts} Mix glaze {{ {fields} }} Mirror later {{ }}");
     assert_material_error(&mix("first ‹later› second a amount 0"), "no material is called `later`", "stand before it");
@@ -169,7 +177,7 @@ fn environments_are_constant_or_a_picture() {
         d.lights[0].value.clone()
     };
     let picture = |name: &str, scale: f64, rotate: f64| {
-        LightDescription::Environment(EnvironmentRadiance::Picture { path: spanned_name(name), scale, rotate })
+        LightDescription::Environment(EnvironmentRadiance::Picture { path: name_with_empty_span(name), scale, rotate })
     };
     assert_eq!(
         light("radiance 1 2 3"),

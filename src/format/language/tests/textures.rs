@@ -20,7 +20,7 @@ fn textures_read_all_their_fields() {
     let [a, c, m] = &d.textures[..] else { panic!("{:?}", d.textures) };
     let coordinates =
         TexcoordTransformDescription { scale: DVec2::new(2.0, -3.0), rotate: 90.0, offset: DVec2::new(0.5, 1.0) };
-    let path = spanned_name("dir/a.png");
+    let path = name_with_empty_span("dir/a.png");
     let kind =
         TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap: WrapMode::Mirror, coordinates };
     assert_eq!((a.name.as_str(), &a.kind), ("a b", &kind));
@@ -49,18 +49,21 @@ fn texture_names_replace_numbers() {
     );
     let d = parse_with_camera(&text).unwrap();
     let [a, b, c, e] = &d.materials[..] else { panic!("{:?}", d.materials) };
-    assert_eq!(a.kind, MaterialKindDescription::Diffuse { reflectance: TexturedValue::Texture(spanned_name("tiles")) });
-    assert_eq!(a.emission, Some(EmissionDescription::Texture { name: spanned_name("tiles"), scale: 3.0 }));
+    assert_eq!(
+        a.kind,
+        MaterialKindDescription::Diffuse { reflectance: TexturedValue::Texture(name_with_empty_span("tiles")) }
+    );
+    assert_eq!(a.emission, Some(EmissionDescription::Texture { name: name_with_empty_span("tiles"), scale: 3.0 }));
     assert_eq!(
         a.normal_perturbation,
-        Some(NormalPerturbationDescription::Bump { texture: spanned_name("lumps.png"), height: -0.5 })
+        Some(NormalPerturbationDescription::Bump { texture: name_with_empty_span("lumps.png"), height: -0.5 })
     );
-    assert_eq!(b.normal_perturbation, Some(NormalPerturbationDescription::NormalMap(spanned_name("tiles"))));
+    assert_eq!(b.normal_perturbation, Some(NormalPerturbationDescription::NormalMap(name_with_empty_span("tiles"))));
     match (&b.kind, &c.kind) {
         (MaterialKindDescription::Phong { texture, .. }, MaterialKindDescription::Conductor { roughness, .. }) => {
             assert_eq!(
                 (texture, roughness),
-                (&Some(spanned_name("wood.png")), &TexturedValue::Texture(spanned_name("tiles")))
+                (&Some(name_with_empty_span("wood.png")), &TexturedValue::Texture(name_with_empty_span("tiles")))
             );
         }
         other => panic!("{other:?}"),

@@ -24,7 +24,7 @@ type PresentIndices = [bool; 3];
 /// Names, for error messages, of the lists that the three indices of a face corner refer to.
 const LIST_NAMES: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
-/// Checked content of an OBJ file.
+/// Content of an OBJ file whose lines have all been checked.
 #[derive(Default)]
 pub(super) struct CheckedObjFile {
     /// Valid lines `v`, `vt`, `vn` and `f` in the order of the file, one text per chunk.
@@ -34,15 +34,15 @@ pub(super) struct CheckedObjFile {
     pub texts: Vec<String>,
     /// Name of each group's material; empty for groups without material.
     pub groups: Vec<String>,
-    /// Arguments of the lines `mtllib`, as written.
+    /// Arguments of the lines `mtllib`, as written: paths of MTL files.
     pub libraries: Vec<String>,
     /// Number of coordinates on all lines `v`, `vt` and `vn`.
     pub numbers: usize,
     /// Number of corners of all faces, before triangulation.
     pub corners: usize,
-    /// Number of lines `v`.
+    /// Number of vertices in the file: lines `v`.
     pub vertices: usize,
-    /// Number of lines `v` that no face uses.
+    /// Number of vertices in the file (lines `v`) that no face uses.
     pub isolated: usize,
 }
 
@@ -101,10 +101,10 @@ fn line_chunks(text: &str) -> Vec<Range<usize>> {
     chunks
 }
 
-/// Numbers of lines in a section of an OBJ file.
+/// Numbers of lines in a chunk of an OBJ file.
 #[derive(Clone, Copy, Default)]
 struct ObjLineCounts {
-    /// Number of all lines.
+    /// Number of all lines of the chunk.
     all: usize,
     /// Numbers of lines `v`, `vt` and `vn`, in this order.
     lists: [usize; 3],

@@ -53,12 +53,12 @@ impl PlyNumberType {
     }
 }
 
-/// Meaning of a PLY property for the mesh that is read.
+/// Use of a PLY property when the mesh is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PlyPropertyRole {
-    /// Vertex coordinate, by its place in the list x, y, z, nx, ny, nz, u, v.
+    /// Vertex coordinate: index into the list x, y, z, nx, ny, nz, u, v.
     Slot(usize),
-    /// Vertex indices of a face.
+    /// List of a face's vertex indices.
     Corners,
     /// Unused property, which is skipped.
     Other,
@@ -104,13 +104,13 @@ pub(super) struct PlyHeader {
     pub lines: usize,
 }
 
-/// Error of a header line: its number, from 1, and the problem.
+/// Error of a header line: its number, from 1, with a message and a remedy.
 pub(super) type HeaderError = (usize, MessageAndRemedy);
 
 /// Remedy for files that violate the PLY format.
 const EXPORT_ANEW: &str = "export it anew as PLY";
 
-/// Names of vertex properties with their [`PlyPropertyRole::Slot`].
+/// Names of vertex properties, each with the index for [`PlyPropertyRole::Slot`].
 const VERTEX_PROPERTY_SLOTS: [(&str, usize); 14] = [
     ("x", 0),
     ("y", 1),
@@ -224,14 +224,14 @@ impl PlyElement {
         self.properties.iter().map(one).sum()
     }
 
-    pub fn has_property_slot(&self, slot: usize) -> bool {
+    pub fn has_vertex_coordinate(&self, slot: usize) -> bool {
         self.properties.iter().any(|p| p.role == PlyPropertyRole::Slot(slot))
     }
 
     fn check_required_properties(&self) -> Result<(), HeaderError> {
         let wrong = |message: &str, remedy| Err((self.line, (message.to_owned(), remedy)));
         match self.kind {
-            PlyElementKind::Vertex if !(0..3).all(|slot| self.has_property_slot(slot)) => {
+            PlyElementKind::Vertex if !(0..3).all(|slot| self.has_vertex_coordinate(slot)) => {
                 wrong("`vertex` lacks one of the properties x, y and z", "export it with positions")
             }
             PlyElementKind::Face if !self.properties.iter().any(|p| p.role == PlyPropertyRole::Corners) => {

@@ -40,7 +40,7 @@ pub(super) fn read(
     free: Option<u64>,
 ) -> Result<LoadedMesh, MeshError> {
     let bytes = strip_byte_order_mark(bytes);
-    let header = PlyHeader::parse(bytes).map_err(|(line, problem)| MeshError::at_line(path, line, problem))?;
+    let header = PlyHeader::parse(bytes).map_err(|(line, problem)| MeshError::error_at_line(path, line, problem))?;
     let count = |kind| header.elements.iter().find(|e| e.kind == kind).map_or(0, |e| e.count);
     if count(PlyElementKind::Vertex) > i32::MAX as u64 {
         return Err(MeshError::TooLarge { path: path.into() });
@@ -86,7 +86,7 @@ struct PlyElementError {
     cause: PlyElementErrorCause,
 }
 
-/// Cause of an [`PlyElementError`].
+/// Cause of a [`PlyElementError`].
 enum PlyElementErrorCause {
     Malformed(MessageAndRemedy),
     /// The mesh would need `needed` bytes, and `free` are available.
@@ -105,7 +105,7 @@ impl From<MessageAndRemedy> for PlyElementErrorCause {
 impl PlyElementError {
     fn into_line_error(self, path: &Path) -> MeshError {
         match self.cause {
-            PlyElementErrorCause::Malformed(problem) => MeshError::at_line(path, self.position, problem),
+            PlyElementErrorCause::Malformed(problem) => MeshError::error_at_line(path, self.position, problem),
             PlyElementErrorCause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
         }
     }
@@ -180,8 +180,8 @@ impl PlyMeshReader<'_> {
         match element.kind {
             PlyElementKind::Vertex => {
                 mesh.positions.reserve_exact(n);
-                mesh.normals = (3..6).all(|slot| element.has_property_slot(slot)).then(|| Vec::with_capacity(n));
-                mesh.texcoords = (6..8).all(|slot| element.has_property_slot(slot)).then(|| Vec::with_capacity(n));
+                mesh.normals = (3..6).all(|slot| element.has_vertex_coordinate(slot)).then(|| Vec::with_capacity(n));
+                mesh.texcoords = (6..8).all(|slot| element.has_vertex_coordinate(slot)).then(|| Vec::with_capacity(n));
             }
             PlyElementKind::Face => mesh.triangles.reserve(n),
             PlyElementKind::Other => {}
@@ -306,7 +306,7 @@ fn skip_ply_list<R: PlyNumberReader>(
 /// Fails if the rest of the file cannot hold a list of `n` entries of type `item`.
 #[inline]
 fn check_ply_list_length<R: PlyNumberReader>(numbers: &R, n: u64, item: PlyNumberType) -> Result<(), MessageAndRemedy> {
-    let most = numbers.remaining_capacity(item);
+    let most = numbers.max_remaining_values(item);
     if n > most {
         let message = format!("a list of {n} entries, but the rest of the file holds at most {most}");
         return Err((message, "the file is cut short, or the length is wrong"));

@@ -17,13 +17,13 @@ pub(super) trait PlyNumberReader {
     /// Returns the offset of the next byte from the start of the file.
     fn bytes_read(&self) -> usize;
     /// Returns the largest number of values of type `kind` that fit into the rest of the file.
-    fn remaining_capacity(&self, kind: PlyNumberType) -> u64;
+    fn max_remaining_values(&self, kind: PlyNumberType) -> u64;
 }
 
 /// Reader of a binary PLY body, which is big-endian if `BIG` is true.
 pub(super) struct PlyBinaryReader<'b, const BIG: bool> {
     pub bytes: &'b [u8],
-    /// Offset of the next byte.
+    /// Offset of the next byte from the start of the file.
     pub offset: usize,
 }
 
@@ -65,7 +65,7 @@ impl<const BIG: bool> PlyNumberReader for PlyBinaryReader<'_, BIG> {
             PlyNumberType::I32 => i32::from_le_bytes(self.take_bytes()?).into(),
             PlyNumberType::U32 => u32::from_le_bytes(self.take_bytes()?).into(),
             // The header check accepts lists and indices of integer types only.
-            PlyNumberType::F32 | PlyNumberType::F64 => return Err(invalid_number_problem("")),
+            PlyNumberType::F32 | PlyNumberType::F64 => return Err(invalid_number_error("")),
         })
     }
 
@@ -78,7 +78,7 @@ impl<const BIG: bool> PlyNumberReader for PlyBinaryReader<'_, BIG> {
     }
 
     #[inline]
-    fn remaining_capacity(&self, kind: PlyNumberType) -> u64 {
+    fn max_remaining_values(&self, kind: PlyNumberType) -> u64 {
         ((self.bytes.len() - self.offset) / kind.byte_size()) as u64
     }
 }
@@ -86,7 +86,7 @@ impl<const BIG: bool> PlyNumberReader for PlyBinaryReader<'_, BIG> {
 /// Reader of a text PLY body, whose numbers are separated by white space.
 pub(super) struct PlyTextReader<'b> {
     pub bytes: &'b [u8],
-    /// Offset of the next byte.
+    /// Offset of the next byte from the start of the file.
     pub offset: usize,
     /// Line number of the last word, from 1.
     pub line: usize,
@@ -115,7 +115,7 @@ impl PlyTextReader<'_> {
     }
 }
 
-fn invalid_number_problem(word: &str) -> MessageAndRemedy {
+fn invalid_number_error(word: &str) -> MessageAndRemedy {
     let message = format!("`{}` is not a number of its property's type", escaped_excerpt(word));
     (message, "repair it or export the mesh anew")
 }
@@ -134,13 +134,13 @@ impl PlyNumberReader for PlyTextReader<'_> {
             | PlyNumberType::U32
             | PlyNumberType::F64 => word.parse::<f64>(),
         };
-        number.map_err(|_| invalid_number_problem(word))
+        number.map_err(|_| invalid_number_error(word))
     }
 
     #[inline]
     fn read_integer(&mut self, _: PlyNumberType) -> Result<i64, MessageAndRemedy> {
         let word = self.next_word()?;
-        word.parse::<i64>().map_err(|_| invalid_number_problem(word))
+        word.parse::<i64>().map_err(|_| invalid_number_error(word))
     }
 
     fn error_position(&self) -> usize {
@@ -152,7 +152,7 @@ impl PlyNumberReader for PlyTextReader<'_> {
     }
 
     #[inline]
-    fn remaining_capacity(&self, _: PlyNumberType) -> u64 {
+    fn max_remaining_values(&self, _: PlyNumberType) -> u64 {
         // A number takes at least a digit and a separator.
         ((self.bytes.len() - self.offset) / 2) as u64
     }

@@ -8,13 +8,13 @@ fn read_ply_bytes(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
     read(Path::new("a.ply"), bytes, &(), None).map(|loaded| loaded.mesh)
 }
 
-fn header_text(encoding: &str, vertices: impl std::fmt::Display, faces: impl std::fmt::Display) -> String {
+fn ply_header_text(encoding: &str, vertices: impl std::fmt::Display, faces: impl std::fmt::Display) -> String {
     let (v, f) = (format!("element vertex {vertices}\n{VERTEX}"), format!("element face {faces}\n{FACE}"));
     format!("ply\nformat {encoding} 1.0\n{v}{f}end_header\n")
 }
 
 fn read_ascii_body(vertices: usize, faces: usize, body: &str) -> Result<TriangleMesh, MeshError> {
-    read_ply_bytes(format!("{}{body}", header_text("ascii", vertices, faces)).as_bytes())
+    read_ply_bytes(format!("{}{body}", ply_header_text("ascii", vertices, faces)).as_bytes())
 }
 
 #[track_caller]
@@ -162,7 +162,7 @@ fn oversized_counts_are_refused() {
     for count in ["4", "4294967295", "18446744073709551615"] {
         for encoding in ["ascii", "binary_little_endian", "binary_big_endian"] {
             let body = if encoding == "ascii" { "0 0 0 1 0 0 0 1 0 3 0 1 2".as_bytes() } else { &[0; 49] };
-            let text = |v: &str, f: &str| [header_text(encoding, v, f).as_bytes(), body].concat();
+            let text = |v: &str, f: &str| [ply_header_text(encoding, v, f).as_bytes(), body].concat();
             assert_refused(&text(count, "1"), "a.ply:");
             assert_refused(
                 &text(count, "1"),
@@ -188,7 +188,7 @@ fn oversized_counts_are_refused() {
 
 #[test]
 fn invalid_bodies_are_reported_with_position() {
-    let ascii = |body: &str| format!("{}{body}", header_text("ascii", 4, 1));
+    let ascii = |body: &str| format!("{}{body}", ply_header_text("ascii", 4, 1));
     for (body, message) in [
         ("0 0 0\n1 0 nan\n0 0 0\n0 0 0\n3 0 1 2", "a.ply:11: `z` is NaN"),
         ("0 0 0\n1 0 1e99\n0 0 0\n0 0 0\n3 0 1 2", "a.ply:11: `z` is inf"),
@@ -204,13 +204,13 @@ fn invalid_bodies_are_reported_with_position() {
         assert_refused(ascii(body).as_bytes(), message);
     }
     let binary = |x: f32, index: i32| {
-        let mut bytes = header_text("binary_little_endian", 1, 1).into_bytes();
+        let mut bytes = ply_header_text("binary_little_endian", 1, 1).into_bytes();
         bytes.extend([x.to_le_bytes(), [0; 4], [0; 4]].concat());
         bytes.extend([[3].as_slice(), &[0; 8], &index.to_le_bytes()].concat());
         bytes
     };
     assert_eq!(read_ply_bytes(&binary(1.0, 0)).unwrap().triangles, [[0; 3]]);
-    let start = header_text("binary_little_endian", 1, 1).len();
+    let start = ply_header_text("binary_little_endian", 1, 1).len();
     assert_refused(&binary(f32::NAN, 0), &format!("a.ply: byte {start}, vertex 0: `x` is NaN"));
     assert_refused(&binary(1.0, 1), &format!("a.ply: byte {}, face 0: there is no vertex 1", start + 12));
     assert_refused(&binary(1.0, -1), "there is no vertex -1");
@@ -219,7 +219,7 @@ fn invalid_bodies_are_reported_with_position() {
 #[test]
 fn lists_longer_than_the_file_are_malformed() {
     // The file is malformed, whatever the memory.
-    let text = format!("{}{SQUARE}4000000000 0 1 2\n", header_text("ascii", 4, 1).replace("uchar int", "uint int"));
+    let text = format!("{}{SQUARE}4000000000 0 1 2\n", ply_header_text("ascii", 4, 1).replace("uchar int", "uint int"));
     let error = read(Path::new("a.ply"), text.as_bytes(), &(), Some(100_000)).unwrap_err().to_string();
     assert!(error.contains("a list of 4000000000 entries") && error.contains("cut short"), "{error}");
     let skipped = "property list uint float weights\n";
@@ -231,7 +231,7 @@ fn lists_longer_than_the_file_are_malformed() {
 fn byte_order_marks_are_skipped() {
     for encoding in ["ascii", "binary_little_endian"] {
         let body: &[u8] = if encoding == "ascii" { b"0 0 0 1 0 0 0 1 0 3 0 1 2" } else { &[3; 49] };
-        let plain = [header_text(encoding, 3, 1).as_bytes(), body].concat();
+        let plain = [ply_header_text(encoding, 3, 1).as_bytes(), body].concat();
         let marked = [b"\xef\xbb\xbf".as_slice(), &plain].concat();
         let decoded = |bytes: &[u8]| crate::format::mesh::decode(Path::new("a"), bytes.to_vec(), &(), None);
         if encoding == "ascii" {
@@ -244,7 +244,7 @@ fn byte_order_marks_are_skipped() {
 
 #[test]
 fn non_utf8_bytes_are_refused() {
-    let bytes = [header_text("ascii", 3, 1).as_bytes(), b"0 0 0 1 0 0 0 1 0 3 0 \xff 2"].concat();
+    let bytes = [ply_header_text("ascii", 3, 1).as_bytes(), b"0 0 0 1 0 0 0 1 0 3 0 \xff 2"].concat();
     assert_refused(&bytes, "a.ply:10: there are bytes here that are no text");
 }
 
@@ -264,7 +264,7 @@ proptest::proptest! {
     fn a_changed_byte_never_panics_the_reader(at in proptest::num::usize::ANY, new in proptest::num::u8::ANY) {
         for encoding in ["ascii", "binary_little_endian"] {
             let body: &[u8] = if encoding == "ascii" { b"0 0 0 1 0 0 0 1 0 3 0 1 2" } else { &[0; 49] };
-            let mut bytes = [header_text(encoding, 3, 1).as_bytes(), body].concat();
+            let mut bytes = [ply_header_text(encoding, 3, 1).as_bytes(), body].concat();
             let at = at % bytes.len();
             bytes[at] = new;
             let _ = read_ply_bytes(&bytes);
@@ -273,7 +273,7 @@ proptest::proptest! {
     }
 }
 
-/// A face corner takes one byte in this file but 32 bytes in memory.
+/// Reads a file in which a face corner takes one byte, but 32 bytes in memory.
 #[test]
 fn face_memory_is_checked_before_allocation() {
     let head = format!("ply\nformat binary_little_endian 1.0\nelement vertex 4\n{VERTEX}element face 1\n");
@@ -289,7 +289,7 @@ fn face_memory_is_checked_before_allocation() {
     }
     // The same in text, with many faces.
     let body = "3 0 1 2\n4 0 1 2 3\n".repeat(1000);
-    let file = format!("{}{SQUARE}{body}", header_text("ascii", 4, 2000)).into_bytes();
+    let file = format!("{}{SQUARE}{body}", ply_header_text("ascii", 4, 2000)).into_bytes();
     let reading = |free| read(Path::new("a.ply"), &file, &(), Some(free));
     assert!(reading(73_000).is_ok() && matches!(reading(71_000), Err(MeshError::Memory { .. })));
 }

@@ -11,14 +11,14 @@ use std::path::Path;
 const FORMS: [(MeshFormat, &str); 3] =
     [(MeshFormat::Obj, "a.obj"), (MeshFormat::Ply, "b.ply"), (MeshFormat::PlyText, "c.PLY")];
 
-fn any_number() -> impl Strategy<Value = f64> {
+fn any_finite_number() -> impl Strategy<Value = f64> {
     use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
     let any = POSITIVE | NEGATIVE | NORMAL | SUBNORMAL | ZERO;
     prop_oneof![any, any.prop_map(|x| f64::from(x as f32)).prop_filter("finite", |x| x.is_finite()), -9.0..9.0]
 }
 
 fn any_point() -> impl Strategy<Value = DVec3> {
-    [any_number(), any_number(), any_number()].prop_map(DVec3::from_array)
+    [any_finite_number(), any_finite_number(), any_finite_number()].prop_map(DVec3::from_array)
 }
 
 /// Any mesh that a reader could return: each triangle has normals at all corners or at none.
@@ -28,7 +28,7 @@ fn any_mesh() -> impl Strategy<Value = TriangleMesh> {
         let round = move |p: DVec3| if single { p.as_vec3().as_dvec3() } else { p };
         let points = vec(any_point().prop_map(round), n).prop_filter("finite", |ps| ps.iter().all(|p| p.is_finite()));
         let normals = option::of(vec([-1.0..1.0, -1.0..1.0, -1.0..1.0], n));
-        let texcoords = option::of(vec([any_number(), any_number()], n));
+        let texcoords = option::of(vec([any_finite_number(), any_finite_number()], n));
         let corner = 0..n as u32;
         let triangles = vec([corner.clone(), corner.clone(), corner], 1..12);
         (points, normals, texcoords, triangles, vec(0..3_u32, 12), any::<bool>())
@@ -65,7 +65,7 @@ fn write_and_load(mesh: &TriangleMesh, folder: &Path, (form, name): (MeshFormat,
     load(&path, &()).unwrap()
 }
 
-fn mesh_bits(mesh: &TriangleMesh) -> Vec<u64> {
+fn bit_patterns_of_mesh(mesh: &TriangleMesh) -> Vec<u64> {
     let points = mesh.positions.iter().chain(mesh.normals.iter().flatten()).flat_map(|p| p.to_array());
     let texcoords = mesh.texcoords.iter().flatten().flat_map(|t| t.to_array());
     points.chain(texcoords).map(f64::to_bits).collect()
@@ -85,7 +85,7 @@ proptest! {
                 (expected.materials, expected.triangle_materials) = (Vec::new(), Vec::new());
                 prop_assert_eq!(read.vertices, mesh.positions.len());
             }
-            prop_assert_eq!(mesh_bits(&read.mesh), mesh_bits(&expected));
+            prop_assert_eq!(bit_patterns_of_mesh(&read.mesh), bit_patterns_of_mesh(&expected));
             prop_assert_eq!(read.mesh, expected);
         }
     }

@@ -88,7 +88,7 @@ fn sphere_mesh(n: u32) -> TriangleMesh {
     ball
 }
 
-/// Union of two meshes.
+/// Returns a mesh of the triangles of both meshes.
 fn union_of_meshes(mut a: TriangleMesh, b: &TriangleMesh) -> TriangleMesh {
     let base = a.positions.len() as u32;
     a.positions.extend(&b.positions);

@@ -1,6 +1,6 @@
 //! Tests of resolved materials.
 
-use super::{CAMERA, is_close, resolve_error, resolve_text};
+use super::{CAMERA, is_nearly_equal, resolve_error, resolve_scene_text};
 use crate::bsdf::{METALS, conductor_reflectance, metal_refractive_index};
 use crate::color::{DispersionFormula, GLASSES};
 use crate::format::description::MaterialKindDescription;
@@ -12,7 +12,7 @@ use std::path::Path;
 const BALL: &str = "Group { Sphere { center 0 0 0 radius 1 } }";
 
 fn resolve_materials(materials: &str) -> Scene {
-    resolve_text(&format!("Materials {{ {materials} }} {BALL}"))
+    resolve_scene_text(&format!("Materials {{ {materials} }} {BALL}"))
 }
 
 #[test]
@@ -24,14 +24,14 @@ fn materials_are_resolved() {
         Mirror { reflectance .9 .8 .7 }
         Phong { diffuseColor .1 .2 .3 specularColor .4 .5 .6 shininess 7 }
     }";
-    let scene = resolve_text(&format!("{materials} Group {{ Sphere {{ center 0 0 0 radius 1 }} }}"));
+    let scene = resolve_scene_text(&format!("{materials} Group {{ Sphere {{ center 0 0 0 radius 1 }} }}"));
     let absorption = |i: usize| scene.materials()[i].bounded_body().unwrap().absorption;
     let body = Body { priority: 7, ..Body::new(1.7) };
     assert_eq!(scene.materials()[0], Material::rough_boundary(body, 0.25));
     assert_eq!((absorption(0), absorption(1)), (Vec3::ZERO, vec3(1.0, 2.0, 3.0)));
     // A half after two units, a quarter after two units: ln 2 / 2 and ln 2 a unit.
     let ln2 = std::f32::consts::LN_2;
-    assert!(is_close(absorption(2), vec3(0.5 * ln2, 0.0, ln2)));
+    assert!(is_nearly_equal(absorption(2), vec3(0.5 * ln2, 0.0, ln2)));
     assert_eq!(scene.materials()[3], Material::mirror(vec3(0.9, 0.8, 0.7)));
     assert_eq!(scene.materials()[4], Material::phong(vec3(0.1, 0.2, 0.3), vec3(0.4, 0.5, 0.6), 7.0));
 }
@@ -47,7 +47,7 @@ fn metals_have_the_named_or_given_index() {
     assert_eq!(scene.materials()[0], Material::conductor(vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0), 0.0));
     // (n² − 2n + 1 + k²) / (n² + 2n + 1 + k²) head-on.
     let facing = conductor_reflectance(1.0, vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0));
-    assert!(is_close(facing, vec3(16.0 / 20.0, 26.0 / 34.0, 40.0 / 52.0)));
+    assert!(is_nearly_equal(facing, vec3(16.0 / 20.0, 26.0 / 34.0, 40.0 / 52.0)));
     let error = resolve_error(&format!("Materials {{\nConductor {{ metal unobtainium }} }} {BALL}"));
     assert_eq!((error.line(), error.column(), error.text()), (3, 19, "unobtainium"));
     assert!(error.message().contains("no metal is called `unobtainium`"));
@@ -95,7 +95,7 @@ fn panes_have_index_and_transmittance() {
 }
 
 #[test]
-fn mixes_refer_to_their_parts() {
+fn mixes_resolve_to_material_indices() {
     let scene = resolve_materials(
         "Diffuse { reflectance 0 0 0 } Diffuse a { reflectance 1 0 .5 }
         Phong b { diffuseColor 0 1 .5 specularColor .5 .5 .5 shininess 8 }
@@ -106,7 +106,7 @@ fn mixes_refer_to_their_parts() {
 }
 
 #[test]
-fn mix_parts_must_precede_the_mix() {
+fn a_mix_that_contains_itself_is_refused() {
     // The parser finds such parts in a file; a description may be changed after it.
     let text = format!("{CAMERA}Materials {{ Mirror a {{ }}\nMix m {{ first a second a amount 0 }} }} {BALL}");
     let mut description = parse("a.txt", &text).unwrap();

@@ -19,11 +19,11 @@ impl TemporaryMeshFolder {
         std::fs::write(self.0.path().join(name), text).unwrap();
     }
 
-    fn resolve_body(&self, body: &str) -> Scene {
+    fn resolve_scene_with_objects(&self, body: &str) -> Scene {
         resolve_in_folder(self.0.path(), &format!("{MATERIALS}Group {{ MaterialName b {body} }}")).unwrap()
     }
 
-    fn error_message(&self, body: &str) -> String {
+    fn resolve_error_message(&self, body: &str) -> String {
         let error = resolve_in_folder(self.0.path(), &format!("Group {{\n{body} }}")).unwrap_err();
         assert_eq!((error.line(), error.text()), (3, "a.obj"));
         error.message().to_owned()
@@ -45,14 +45,15 @@ const MTL_TEXT: &str = "newmtl red\nKd .9 .1 .1\nillum 1\nnewmtl lamp\nKe 3 2 1\
 #[test]
 fn a_mesh_uses_scene_or_file_materials() {
     let folder = TemporaryMeshFolder::new(OBJ_FACES, MTL_TEXT);
-    let plain = folder.resolve_body("TriangleMesh { obj_file a.obj }");
+    let plain = folder.resolve_scene_with_objects("TriangleMesh { obj_file a.obj }");
     assert_eq!((plain.materials().len(), plain.lights().len(), plain.triangle_count()), (2, 0, 5));
     assert_eq!(
         (reflectance_seen_from_front(&plain, 0.5), reflectance_seen_from_front(&plain, 1.5)),
         (Vec3::splat(0.2), Vec3::splat(0.2))
     );
     assert_eq!(visible_reflectance(&plain, dvec3(0.1, 0.8, 9.0), Vec3::NEG_Z), Vec3::splat(0.2));
-    let own = folder.resolve_body("TriangleMesh { file a.obj materials file } Sphere { center 9 0 0 radius 1 }");
+    let own = folder
+        .resolve_scene_with_objects("TriangleMesh { file a.obj materials file } Sphere { center 9 0 0 radius 1 }");
     assert_eq!((own.materials().len(), own.triangle_count()), (4, 5));
     // Faces without a file material, and the objects that follow, keep the scene's material.
     assert_eq!(
@@ -65,17 +66,17 @@ fn a_mesh_uses_scene_or_file_materials() {
     assert_eq!(lamp.radiance, vec3(3.0, 2.0, 1.0));
     // Materials are added once.
     let twice = "TriangleMesh { file a.obj materials file }".repeat(2);
-    assert_eq!(folder.resolve_body(&twice).materials().len(), 4);
+    assert_eq!(folder.resolve_scene_with_objects(&twice).materials().len(), 4);
 }
 
 #[test]
 fn object_emission_overrides_file_emission() {
     let folder = TemporaryMeshFolder::new(OBJ_FACES, MTL_TEXT);
-    let scene = folder.resolve_body("TriangleMesh { file a.obj materials file emission 7 7 7 }");
+    let scene = folder.resolve_scene_with_objects("TriangleMesh { file a.obj materials file emission 7 7 7 }");
     assert_eq!(scene.lights().len(), 3);
     let emits = |light: &Light| matches!(light, Light::Area(area) if area.radiance == Vec3::splat(7.0));
     assert!(scene.lights().iter().all(emits));
-    let dark = folder.resolve_body("TriangleMesh { file a.obj materials file emission 0 0 0 }");
+    let dark = folder.resolve_scene_with_objects("TriangleMesh { file a.obj materials file emission 0 0 0 }");
     assert!(dark.lights().is_empty());
 }
 
@@ -85,7 +86,7 @@ fn moving_and_instanced_meshes_use_file_materials() {
     let still = "Transform { Scale 2 2 2 TriangleMesh { file a.obj materials file emission 0 0 0 } }";
     let moving = still.replace("Transform { Scale", "Moving { Translate 0 0 -.001 Scale");
     for body in [still, &moving] {
-        let scene = folder.resolve_body(body);
+        let scene = folder.resolve_scene_with_objects(body);
         assert_eq!(
             (reflectance_seen_from_front(&scene, 1.0), reflectance_seen_from_front(&scene, 3.0)),
             (Vec3::splat(0.2), vec3(0.9, 0.1, 0.1))
@@ -97,35 +98,37 @@ fn moving_and_instanced_meshes_use_file_materials() {
 fn invalid_file_materials_are_reported_at_the_mesh() {
     let body = "TriangleMesh { file a.obj materials file }";
     let folder = TemporaryMeshFolder::new(OBJ_FACES, "newmtl red\n");
-    let message = folder.error_message(body);
+    let message = folder.resolve_error_message(body);
     assert!(message.contains("names a material `lamp` that its material files do not hold"), "{message}");
     folder.write_file("a.mtl", "newmtl red\nd 0\nNi 0\nnewmtl lamp\n");
-    assert!(folder.error_message(body).contains("`red` is transparent and its `Ni` is 0"));
+    assert!(folder.resolve_error_message(body).contains("`red` is transparent and its `Ni` is 0"));
     folder.write_file("a.mtl", "newmtl red\nd 2\n");
-    assert!(folder.error_message(body).contains("a.mtl:2: `d` is 2"));
+    assert!(folder.resolve_error_message(body).contains("a.mtl:2: `d` is 2"));
     std::fs::remove_file(folder.0.path().join("a.mtl")).unwrap();
-    assert!(folder.error_message(body).contains("there is no material file"));
+    assert!(folder.resolve_error_message(body).contains("there is no material file"));
     // Without `materials file`, the file keeps the material of the scene.
-    folder.resolve_body("TriangleMesh { file a.obj }");
+    folder.resolve_scene_with_objects("TriangleMesh { file a.obj }");
 }
 
 #[test]
 fn mesh_options_select_the_normals() {
     let folder = TemporaryMeshFolder::new("vn 0 1 1\nf 1//1 2//1 3//1\nf 2 5 6 3\n", "");
     let normal = |options: &str, x: f64| {
-        let scene = folder.resolve_body(&format!("TriangleMesh {{ file a.obj {options} }}"));
+        let scene = folder.resolve_scene_with_objects(&format!("TriangleMesh {{ file a.obj {options} }}"));
         surface_seen_from_front(&scene, x, 0.25).0.point.ns
     };
     let (written, flat) = (Vec3::new(0.0, 1.0, 1.0).normalize(), Vec3::new(-1.0, 0.0, 1.0).normalize());
-    assert!(is_close(normal("", 0.9), written) && is_close(normal("", 1.5), flat));
-    assert!(is_close(normal("normals none", 0.9), Vec3::Z));
+    assert!(is_nearly_equal(normal("", 0.9), written) && is_nearly_equal(normal("", 1.5), flat));
+    assert!(is_nearly_equal(normal("normals none", 0.9), Vec3::Z));
     // Faces at 45° to each other.
-    assert!(is_close(normal("smoothAngle 44", 1.5), flat) && is_close(normal("smoothAngle 44", 0.9), written));
+    assert!(
+        is_nearly_equal(normal("smoothAngle 44", 1.5), flat) && is_nearly_equal(normal("smoothAngle 44", 0.9), written)
+    );
     // At both ends of the edge the mean lies between the normals of the two faces, so it does
     // between them.
     let mean = normal("normals none smoothAngle 46", 1.000_001);
     assert!(mean.dot(Vec3::Z) < 0.999 && mean.dot(flat) < 0.999 && mean.y.abs() < 1e-6, "{mean}");
-    assert!(is_close(normal("normals none smoothAngle 44", 1.000_001), flat));
+    assert!(is_nearly_equal(normal("normals none smoothAngle 44", 1.000_001), flat));
 }
 
 #[test]
@@ -133,11 +136,11 @@ fn ply_files_are_read_as_meshes() {
     let folder = TemporaryMeshFolder::new(OBJ_FACES, MTL_TEXT);
     let mesh = crate::format::mesh::load(&folder.0.path().join("a.obj"), &()).unwrap().mesh;
     mesh.write(&folder.0.path().join("a.ply"), crate::format::mesh::MeshFormat::Ply, &[]).unwrap();
-    let scene = folder.resolve_body("TriangleMesh { file a.ply materials file }");
+    let scene = folder.resolve_scene_with_objects("TriangleMesh { file a.ply materials file }");
     assert_eq!((scene.triangle_count(), reflectance_seen_from_front(&scene, 1.5)), (5, Vec3::splat(0.2)));
     // A PLY file is recognized by its content.
     std::fs::rename(folder.0.path().join("a.ply"), folder.0.path().join("b.obj")).unwrap();
-    assert_eq!(folder.resolve_body("TriangleMesh { obj_file b.obj }").triangle_count(), 5);
+    assert_eq!(folder.resolve_scene_with_objects("TriangleMesh { obj_file b.obj }").triangle_count(), 5);
 }
 
 #[test]
@@ -157,16 +160,16 @@ fn file_materials_can_have_textures() {
         for materials in ["", MATERIALS] {
             let scene = resolve_in_folder(folder.0.path(), &format!("{materials}Group {{ {text} }}")).unwrap();
             assert!(
-                is_close(reflectance_seen_from_front(&scene, 0.25), vec3(0.5, 0.0, 0.0))
-                    && is_close(reflectance_seen_from_front(&scene, 0.75), vec3(0.0, 0.5, 0.0))
+                is_nearly_equal(reflectance_seen_from_front(&scene, 0.25), vec3(0.5, 0.0, 0.0))
+                    && is_nearly_equal(reflectance_seen_from_front(&scene, 0.75), vec3(0.0, 0.5, 0.0))
             );
         }
     }
     std::fs::remove_file(path).unwrap();
-    assert!(folder.error_message(body).contains("tile.exr` does not exist"));
+    assert!(folder.resolve_error_message(body).contains("tile.exr` does not exist"));
     folder.write_file("a.obj", &format!("mtllib a.mtl\n{OBJ_VERTICES}usemtl tile\nf 1 2 3\n"));
     image::write(&folder.0.path().join("pictures/tile.exr"), &picture, &WriteOptions::default()).unwrap();
-    let message = folder.error_message(body);
+    let message = folder.resolve_error_message(body);
     assert!(message.contains("`a.obj` has no texture coordinates, which the material `tile` needs"), "{message}");
 }
 

@@ -22,7 +22,7 @@ fn resolve_in_folder(folder: &Path, text: &str) -> Result<Scene, SceneError> {
     resolve(&parse("a.txt", &text).unwrap(), &SourceText::new("a.txt", &text), folder)
 }
 
-fn resolve_text(text: &str) -> Scene {
+fn resolve_scene_text(text: &str) -> Scene {
     resolve_in_folder(Path::new(""), text).unwrap()
 }
 
@@ -46,7 +46,7 @@ fn visible_reflectance(scene: &Scene, origin: DVec3, direction: Vec3) -> Vec3 {
 }
 
 /// True if vectors with components up to 10 differ by a few roundings of single precision.
-fn is_close(a: Vec3, b: Vec3) -> bool {
+fn is_nearly_equal(a: Vec3, b: Vec3) -> bool {
     (a - b).abs().max_element() < 1e-5
 }
 
@@ -56,7 +56,7 @@ const MATERIALS: &str = "Materials { Diffuse a { reflectance .1 .1 .1 } Diffuse 
 fn the_current_material_crosses_group_borders() {
     let ball = |x: i32| format!("Sphere {{ center {x} 0 0 radius .4 }}");
     let [zero, one, two, three, four] = [0, 1, 2, 3, 4].map(ball);
-    let scene = resolve_text(&format!(
+    let scene = resolve_scene_text(&format!(
         "{MATERIALS} Group {{ {zero} MaterialName b {one} Group {{ {two} MaterialIndex 0 {three} }} {four} }}"
     ));
     let seen = [0, 1, 2, 3, 4].map(|x| visible_reflectance(&scene, dvec3(f64::from(x), 0.0, 5.0), Vec3::NEG_Z).x);
@@ -66,7 +66,7 @@ fn the_current_material_crosses_group_borders() {
 #[test]
 fn objects_before_any_material_use_the_first() {
     let ball = "Group { Sphere { center 0 0 0 radius 1 } }";
-    let at = |text: &str| visible_reflectance(&resolve_text(text), dvec3(0.0, 0.0, 5.0), Vec3::NEG_Z);
+    let at = |text: &str| visible_reflectance(&resolve_scene_text(text), dvec3(0.0, 0.0, 5.0), Vec3::NEG_Z);
     assert_eq!(at(ball), Vec3::ONE);
     assert_eq!(at(&format!("{MATERIALS}{ball}")), Vec3::splat(0.1));
 }
@@ -87,7 +87,8 @@ fn outer_transforms_are_applied_last() {
     // A unit ball: doubled, moved to x = 3, turned to y = 3, moved up by 1.
     let ball = "Sphere { center 0 0 0 radius 1 }";
     let inner = format!("Transform {{ Translate 3 0 0 UniformScale 2 {ball} }}");
-    let scene = resolve_text(&format!("Group {{ Transform {{ Translate 0 1 0 ZRotate 90 Group {{ {inner} }} }} }}"));
+    let scene =
+        resolve_scene_text(&format!("Group {{ Transform {{ Translate 0 1 0 ZRotate 90 Group {{ {inner} }} }} }}"));
     let (_, p) = visible_surface(&scene, dvec3(0.0, 4.0, 9.0), Vec3::NEG_Z).unwrap();
     assert!((p - dvec3(0.0, 4.0, 2.0)).length() < 1e-5, "{p}");
     assert!(visible_surface(&scene, dvec3(3.0, 1.0, 9.0), Vec3::NEG_Z).is_none());
@@ -103,13 +104,13 @@ fn mirroring_preserves_the_outer_side() {
         "Sphere { center 0 0 0 radius 1 emission 1 1 1 }",
     ] {
         for scale in ["1 1 1", "-1 1 1", "1 -1 1", "-2 1 1", "-1 -3 1"] {
-            let scene = resolve_text(&format!("Group {{ Transform {{ Scale {scale} {shape} }} }}"));
+            let scene = resolve_scene_text(&format!("Group {{ Transform {{ Scale {scale} {shape} }} }}"));
             let (surface, _) = visible_surface(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap();
             assert_eq!(surface.emission, Vec3::ONE, "{scale} {shape}");
             assert!(surface.point.ng.z > 0.0 && surface.point.ns.dot(surface.point.ng) > 0.0, "{scale} {shape}");
         }
         // Mirrored in its own plane's normal, a flat shape emits on its other side.
-        let scene = resolve_text(&format!("Group {{ Transform {{ Scale 1 1 -1 {shape} }} }}"));
+        let scene = resolve_scene_text(&format!("Group {{ Transform {{ Scale 1 1 -1 {shape} }} }}"));
         let from_front = visible_surface(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap().0.emission;
         let from_behind = visible_surface(&scene, dvec3(0.1, 0.1, -5.0), Vec3::Z).unwrap().0.emission;
         let flat = !shape.starts_with("Sphere");
@@ -121,15 +122,16 @@ fn mirroring_preserves_the_outer_side() {
 fn shading_normals_use_the_inverse_transpose() {
     let normals = "normal0 1 0 1 normal1 1 0 1 normal2 1 0 1";
     let triangle = format!("Triangle {{ vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 {normals} }}");
-    let scene = resolve_text(&format!("Group {{ Transform {{ Scale 2 1 1 {triangle} }} }}"));
+    let scene = resolve_scene_text(&format!("Group {{ Transform {{ Scale 2 1 1 {triangle} }} }}"));
     let (surface, _) = visible_surface(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap();
-    assert!(is_close(surface.point.ns, vec3(0.5, 0.0, 1.0).normalize()), "{}", surface.point.ns);
+    assert!(is_nearly_equal(surface.point.ns, vec3(0.5, 0.0, 1.0).normalize()), "{}", surface.point.ns);
 }
 
 #[test]
 fn planes_move_with_their_transform() {
     // y = 1 doubled is y = 2, moved by −5 is y = −3; a normal of length 2 halves the offset.
-    let scene = resolve_text("Group { Transform { Translate 0 -5 0 UniformScale 2 Plane { normal 0 2 0 offset 2 } } }");
+    let scene =
+        resolve_scene_text("Group { Transform { Translate 0 -5 0 UniformScale 2 Plane { normal 0 2 0 offset 2 } } }");
     let (surface, p) = visible_surface(&scene, dvec3(0.0, 3.0, 0.0), Vec3::NEG_Y).unwrap();
     assert!((p.y + 3.0).abs() < 1e-5 && surface.point.ng.y > 0.99, "{p}");
 }
@@ -162,7 +164,7 @@ fn object_emission_overrides_material_emission() {
     let materials = "Materials { Diffuse a { reflectance 0 0 0 emission 1 2 3 } }";
     let ball = |x: i32, more: &str| format!("Sphere {{ center {x} 0 0 radius .4 {more} }}");
     let (own, none, other) = (ball(0, ""), ball(1, "emission 0 0 0"), ball(2, "emission 4 5 6"));
-    let scene = resolve_text(&format!("{materials} Group {{ {own} {none} {other} }}"));
+    let scene = resolve_scene_text(&format!("{materials} Group {{ {own} {none} {other} }}"));
     let emission = |x: f64| visible_surface(&scene, dvec3(x, 0.0, 5.0), Vec3::NEG_Z).unwrap().0.emission;
     assert_eq!([0.0, 1.0, 2.0].map(emission), [vec3(1.0, 2.0, 3.0), Vec3::ZERO, vec3(4.0, 5.0, 6.0)]);
     assert_eq!(scene.lights().len(), 2);
@@ -190,9 +192,9 @@ fn unrenderable_objects_are_reported_with_position() {
 #[test]
 fn profiles_revolve_and_curves_are_invisible() {
     let curve = "BezierCurve { controls [ 2 -1 7 ] [ 2 1 7 ] }";
-    assert_eq!(resolve_text(&format!("Group {{ {curve} }}")).shape_count(), 0);
+    assert_eq!(resolve_scene_text(&format!("Group {{ {curve} }}")).shape_count(), 0);
     let turned = format!("Transform {{ Translate 1 0 0 ZRotate 90 RevSurface {{ profile {curve} }} }}");
-    let scene = resolve_text(&format!("Group {{ {turned} }}"));
+    let scene = resolve_scene_text(&format!("Group {{ {turned} }}"));
     let (surface, p) = visible_surface(&scene, dvec3(1.0, 0.0, 5.0), Vec3::NEG_Z).unwrap();
     assert!(
         (p.z - 2.0).abs() < 1e-6 && (surface.point.ng - Vec3::Z).length() < 1e-6,
@@ -246,7 +248,7 @@ fn unreadable_meshes_are_reported_at_their_path() {
 
 #[test]
 fn area_lights_have_the_given_strength() {
-    let scene = resolve_text(
+    let scene = resolve_scene_text(
         "Lights {
             RectangleLight { corner 0 0 0 edge0 2 0 0 edge1 0 3 0 power 6 0 0 }
             DiscLight { center 10 0 0 normal 0 0 1 radius 2 power 0 4 0 }
@@ -256,16 +258,16 @@ fn area_lights_have_the_given_strength() {
     );
     let emission = |x: f64| visible_surface(&scene, dvec3(x, 0.5, 9.0), Vec3::NEG_Z).unwrap().0.emission;
     // A Lambertian emitter of area A and radiance L has flux πAL.
-    assert!(is_close(emission(1.0), vec3(1.0 / PI, 0.0, 0.0)));
-    assert!(is_close(emission(10.0), vec3(0.0, 1.0 / (PI * PI), 0.0)));
-    assert!(is_close(emission(20.0), vec3(0.0, 0.0, 9.0 / (PI * 36.0 * PI))));
+    assert!(is_nearly_equal(emission(1.0), vec3(1.0 / PI, 0.0, 0.0)));
+    assert!(is_nearly_equal(emission(10.0), vec3(0.0, 1.0 / (PI * PI), 0.0)));
+    assert!(is_nearly_equal(emission(20.0), vec3(0.0, 0.0, 9.0 / (PI * 36.0 * PI))));
     assert_eq!(emission(30.5), vec3(1.0, 2.0, 3.0));
     // Rectangle and disc are dark from behind, and all of them are black.
     assert_eq!(visible_surface(&scene, dvec3(1.0, 0.5, -9.0), Vec3::Z).unwrap().0.emission, Vec3::ZERO);
     assert!(scene.materials().iter().skip(1).all(|m| *m == Material::black()));
     let power = |i: usize| scene.lights()[i].power(scene.photon_domain());
-    assert!(is_close(power(0), vec3(6.0, 0.0, 0.0)) && is_close(power(1), vec3(0.0, 4.0, 0.0)));
-    assert!(is_close(power(2), vec3(0.0, 0.0, 9.0)) && is_close(power(3), vec3(1.0, 2.0, 3.0) * PI));
+    assert!(is_nearly_equal(power(0), vec3(6.0, 0.0, 0.0)) && is_nearly_equal(power(1), vec3(0.0, 4.0, 0.0)));
+    assert!(is_nearly_equal(power(2), vec3(0.0, 0.0, 9.0)) && is_nearly_equal(power(3), vec3(1.0, 2.0, 3.0) * PI));
 }
 
 #[test]
@@ -279,14 +281,14 @@ fn point_lights_have_the_given_strength() {
         DirectionalLight { direction 0 -2 0 color 1 2 3 }
         DirectionalLight { direction 0 -2 0 irradiance 1 2 3 }
     }";
-    let scene = resolve_text(&format!("{lights}{ball}"));
+    let scene = resolve_scene_text(&format!("{lights}{ball}"));
     let c = vec3(1.0, 2.0, 3.0);
     let strengths: Vec<Vec3> = scene
         .lights()
         .iter()
         .map(|light| match light {
             Light::Point(PointLight { position, intensity }) => {
-                assert!(is_close(*position, vec3(3.0, 0.0, 0.0)));
+                assert!(is_nearly_equal(*position, vec3(3.0, 0.0, 0.0)));
                 *intensity
             }
             Light::Directional(DirectionalLight { direction, irradiance }) => {
@@ -305,7 +307,7 @@ fn point_lights_have_the_given_strength() {
 fn a_spotlight_angle_includes_the_penumbra() {
     let spot = |fields: &str| {
         let text = format!("Lights {{ SpotLight {{ position 0 4 0 {fields} intensity 1 1 1 }} }} Group {{ }}");
-        match &resolve_text(&text).lights()[0] {
+        match &resolve_scene_text(&text).lights()[0] {
             Light::Spot(spot) => *spot,
             other => panic!("{other:?}"),
         }
@@ -331,7 +333,7 @@ fn the_camera_has_the_given_direction() {
         assert_eq!((camera.size(), scene.background()), ((30, 20), vec3(1.0, 2.0, 3.0)));
         assert!((camera.center() + scene.origin() - dvec3(2.0, 2.0, 3.0)).length() < 1e-12);
         let middle = camera.generate_ray(glam::vec2(15.0, 10.0), None).direction;
-        assert!(is_close(middle, vec3(-1.0, -2.0, -3.0).normalize()), "{middle}");
+        assert!(is_nearly_equal(middle, vec3(-1.0, -2.0, -3.0).normalize()), "{middle}");
         // `up` appears upward.
         assert!(camera.generate_ray(glam::vec2(15.0, 0.0), None).direction.z > middle.z);
     }

@@ -15,8 +15,8 @@ fn folder_of_light_files() -> tempfile::TempDir {
     folder
 }
 
-/// Returns a scene of a ball and `light`, or the error of parsing or resolving it.
-fn resolve_light(light: &str) -> Result<Scene, SceneError> {
+/// Resolves a scene of a ball and `light`; returns the error of parsing or resolving it, if any.
+fn resolve_scene_with_light(light: &str) -> Result<Scene, SceneError> {
     let ball = "Materials { Diffuse { reflectance 1 1 1 } } Group { Sphere { center 0 0 0 radius 1 } }";
     let text = format!("Lights {{ {light} }} {ball}");
     parse("a.txt", &format!("{CAMERA}{text}"))?;
@@ -29,7 +29,7 @@ fn oriented_lights_have_their_power_and_axis() {
     let goniometric = "GoniometricLight { position 0 4 0 direction 0 -1 0 profile lamp.txt power 6 6 6 }";
     let map = "GoniometricLight { position 0 4 0 direction 1 0 0 file white.exr power 6 6 6 }";
     for text in [projector, goniometric, map] {
-        let scene = resolve_light(text).unwrap();
+        let scene = resolve_scene_with_light(text).unwrap();
         let light = &scene.lights()[0];
         assert!((light.power(scene.photon_domain()).x - 6.0).abs() < 1e-4, "{text}");
         let below = light.position().unwrap() - Vec3::Y * 3.0;
@@ -47,7 +47,7 @@ fn invalid_oriented_lights_are_errors() {
         ("GoniometricLight { position 0 4 0 direction 0 -1 0 profile bad.txt power 1 1 1 }", "table of angles"),
         ("GoniometricLight { position 0 4 0 direction 0 -1 0 up 0 1 0 file white.exr power 1 1 1 }", "parallel"),
     ] {
-        let error = resolve_light(light).unwrap_err();
+        let error = resolve_scene_with_light(light).unwrap_err();
         let said = [error.message(), error.remedy()];
         assert!(said.iter().any(|text| text.contains(message)), "{error}: {said:?}");
     }

@@ -28,7 +28,7 @@ fn texture_values_out_of_range_are_refused() {
         assert!(error.message().contains("from 0 to 2") && error.remedy().contains("between 0 and 1"), "{error}");
     }
     // Radiance has no upper bound, nor has a colour that is scaled down.
-    resolve_text(&ball_scene_text("Checker loud { color1 2 0 0 }", "Phong { diffuseColor loud emission loud }"));
+    resolve_scene_text(&ball_scene_text("Checker loud { color1 2 0 0 }", "Phong { diffuseColor loud emission loud }"));
 }
 
 #[test]
@@ -100,7 +100,7 @@ fn meshes_without_texcoords_take_solid_textures_only() {
 #[test]
 fn solid_textures_move_with_their_objects() {
     let of = |maps: &str| {
-        resolve_text(&format!(
+        resolve_scene_text(&format!(
             "Textures {{ Wood t {{ frequency 3 }} }} Materials {{ Diffuse {{ reflectance t }} }}
              Group {{ MaterialIndex 0 Transform {{ {maps} Sphere {{ center 0 0 0 radius 1 }} }} }}"
         ))
@@ -110,13 +110,13 @@ fn solid_textures_move_with_their_objects() {
     for (x, y) in [(0.1, 0.2), (-0.5, 0.3), (0.0, -0.7)] {
         let at = |scene: &Scene, p: DVec3| visible_surface(scene, p, Vec3::NEG_Z).unwrap().0.bsdf;
         let expected = at(&plain, dvec3(x, y, 9.0));
-        let is_close = |found: Bsdf| match (found, expected) {
+        let is_nearly_equal = |found: Bsdf| match (found, expected) {
             (Bsdf::Diffuse(a), Bsdf::Diffuse(b)) => assert!((a - b).abs().max_element() < 1e-4, "{a} {b}"),
             other => panic!("{other:?}"),
         };
-        is_close(at(&moved, dvec3(5.0 + 2.0 * x, 2.0 * y, 9.0)));
+        is_nearly_equal(at(&moved, dvec3(5.0 + 2.0 * x, 2.0 * y, 9.0)));
         // XRotate takes (x, y, z) to (x, −z, y): where its z is seen from above.
-        is_close(visible_surface(&turned, dvec3(x, -9.0, y), Vec3::Y).unwrap().0.bsdf);
+        is_nearly_equal(visible_surface(&turned, dvec3(x, -9.0, y), Vec3::Y).unwrap().0.bsdf);
     }
 }
 
@@ -131,7 +131,7 @@ fn each_part_of_an_object_emits_by_its_texture() {
     let emits = |objects: &str| -> Vec<bool> {
         let materials = "Diffuse plain { reflectance 0 0 0 } Diffuse panel { reflectance 0 0 0 emission t }";
         let text = format!("Textures {{ Checker t {{ }} }} Materials {{ {materials} }} Group {{ {objects} }}");
-        resolve_text(&text).object_summaries().map(|o| o.has_emission_texture).collect()
+        resolve_scene_text(&text).object_summaries().map(|o| o.has_emission_texture).collect()
     };
     let patches = format!("MaterialName panel BezierPatch {{ controls {} {} }}", net(0.0), net(5.0));
     assert_eq!(emits(&patches), [true, true]);

@@ -14,7 +14,7 @@ fn error_estimate_with_parts(
 /// are fireflies. Above four times the passes, each firefly contributes less.
 #[test]
 fn fireflies_spread_before_they_fade() {
-    let mut fireflies = Fireflies::default();
+    let mut fireflies = FireflyHistogram::default();
     (0..10).for_each(|_| fireflies.add(16.0, 0.01));
     let forecast = ErrorForecast::new(
         &ErrorEstimate { fireflies, ..error_estimate_with_parts(8, 8.0 * 0.1, 0.0, 0.0, 0.5) },

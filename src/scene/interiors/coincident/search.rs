@@ -75,7 +75,7 @@ pub(in crate::scene) fn find_coincident_flags(
     is_boundary: impl Fn(u32) -> bool,
 ) -> CoincidentFlags {
     let bounds_body = |object: usize| is_boundary(geometry.objects[object].material);
-    let at_rest = geometry.first_moving as usize;
+    let at_rest = geometry.shapes.first_moving() as usize;
     let boundary_shapes: Vec<usize> = (0..at_rest).filter(|i| bounds_body(*i)).collect();
     let mesh_bounds = boundary_mesh_bounds(geometry, bounds_body);
     let moving = at_rest..geometry.shapes.len();
@@ -86,7 +86,7 @@ pub(in crate::scene) fn find_coincident_flags(
         return CoincidentFlags { anywhere: anywhere + others > 1, ..CoincidentFlags::default() };
     }
     let mut extents: Vec<BoundaryExtent> =
-        boundary_shapes.iter().map(|i| BoundaryExtent::new(Shape::bounds(&geometry.shapes[*i]))).collect();
+        boundary_shapes.iter().map(|i| BoundaryExtent::new(Shape::bounds(&geometry.shapes[*i as u32]))).collect();
     let mut extent_of_mesh = vec![None; mesh_bounds.len()];
     for (extent, bounds) in extent_of_mesh.iter_mut().zip(&mesh_bounds) {
         if let Some(bounds) = bounds {

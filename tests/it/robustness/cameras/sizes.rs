@@ -58,13 +58,7 @@ fn tiny_images_are_finite_with_every_integrator() {
                 let integrator = algorithm.prepare(&scene, settings);
                 let passes = if estimated { 4 } else { 1 };
                 let interrupted = AtomicBool::new(false);
-                let stop = StopCriteria {
-                    min_passes: 1,
-                    passes: Some(passes),
-                    time: None,
-                    target: None,
-                    interrupted: &interrupted,
-                };
+                let stop = StopCriteria { passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
                 let rendered = render(integrator.as_ref(), size, &stop, &SilentMonitor, |_| {});
                 let what = format!("{algorithm:?} {camera}");
                 let mean = rendered.film.mean();

@@ -44,7 +44,7 @@ fn accepted_images_stay_within_memory_limit() {
             "Materials { Diffuse { reflectance .5 .5 .5 } } Group { MaterialIndex 0 Sphere { center 0 0 0 radius 1 } }",
         ),
     );
-    let sizes = ["480x480", "600x600"];
+    let sizes = ["420x420", "525x525"];
     let flags = [
         "--integrator",
         "hybrid",

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov];
 
 fn estimate(map: &PhotonMap, p: Vec3, radius: f32, k: u32, kernel: Kernel) -> f64 {
-    let nested = map.estimate_nested_radiance(
+    let nested = map.estimate_radiance_in_nested_discs(
         p,
         Vec3::Z,
         Bandwidth { radius, k },
@@ -32,9 +32,14 @@ fn photons_count_on_their_side_only() {
         for k in [0, 50] {
             let found = |normal| {
                 let (at, bandwidth) = (Vec3::new(0.5, 0.5, 0.0), Bandwidth { radius: 0.2, k });
-                map.estimate_nested_radiance(at, normal, bandwidth, kernel, &mut PhotonSearchBuffers::new(), |_| {
-                    Rgb::ONE
-                })
+                map.estimate_radiance_in_nested_discs(
+                    at,
+                    normal,
+                    bandwidth,
+                    kernel,
+                    &mut PhotonSearchBuffers::new(),
+                    |_| Rgb::ONE,
+                )
             };
             // 1250 photons in the disc, or 50: half of them for any kernel.
             assert!(found(Vec3::Z).whole.radiance.y > 5_000.0, "{kernel:?}, k = {k}");

@@ -86,7 +86,7 @@ fn disc_radius_never_falls_below_position_rounding() {
         let map = PhotonMap::build(photons);
         for radius in [1e-3f32, 1e-6, 1e-9, 1e-20].map(|r| r * size) {
             for k in [0, 50] {
-                let found = map.estimate_nested_radiance(
+                let found = map.estimate_radiance_in_nested_discs(
                     center,
                     normal,
                     Bandwidth { radius, k },

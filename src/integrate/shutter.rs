@@ -1,0 +1,120 @@
+//! Division of the shutter interval of a pass into slices.
+//!
+//! A pass of a moving scene has *slices* of the shutter interval, all of equal length. Each slice
+//! has a copy of the scene at one time, its share of the photon paths, and its share of the camera
+//! rays. A camera ray meets only photons of its own slice.
+
+use crate::camera::Camera;
+use crate::math::gcd;
+use crate::sampling::{Dimension, Key, Purpose};
+
+/// Way on the film that the fastest part of the scene moves in one slice \[pixels]. The times of
+/// passes interleave, so the mean of four passes has one position for each pixel.
+pub(super) const SLICE_PIXELS: f32 = 4.0;
+
+/// Largest number of slices of a pass.
+pub(super) const MAX_SLICES: u32 = 64;
+
+/// Largest number of slices of a pass that traces photons. The photon maps of more slices would
+/// cost more to search, and hold too few photons for an estimate.
+pub(super) const MAX_PHOTON_SLICES: u32 = 8;
+
+/// One slice of the shutter interval of a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct ShutterSlice {
+    /// Index of the slice.
+    pub index: u32,
+    /// Number of slices of the pass.
+    pub count: u32,
+}
+
+impl ShutterSlice {
+    /// The whole shutter interval.
+    pub const WHOLE: Self = Self { index: 0, count: 1 };
+
+    /// Returns the time of the slice in pass `pass`, in \[0, 1).
+    ///
+    /// The times are stratified: the first 2ⁿ passes divide each slice into equal steps.
+    pub fn time(self, seed: u64, pass: u32) -> f64 {
+        let start = Key::new(seed).purpose_key(Purpose::Shutter).uniform_1d(Dimension::Time);
+        let step = f64::from(pass.reverse_bits()) / 4_294_967_296.0;
+        let within = f64::from(start) + step;
+        (f64::from(self.index) + within - within.floor()) / f64::from(self.count)
+    }
+
+    /// Returns the random key of the photon paths of this slice, from that of the pass.
+    pub fn photon_key(self, pass_key: Key) -> Key {
+        if self.count == 1 { pass_key } else { pass_key.shutter_slice_key(self.index) }
+    }
+}
+
+/// Cameras of the slices of a pass, and the key by which camera rays are divided among them.
+pub(super) struct SlicedCameras<'a> {
+    /// The camera of each slice.
+    pub cameras: Vec<&'a Camera>,
+    /// Random key of purpose [`Purpose::Shutter`].
+    pub key: Key,
+    pub pass: u32,
+}
+
+/// Division of the camera rays of one pixel among the slices of a pass.
+///
+/// Ray i of n takes stratum i·s mod n of the shutter interval, where s is coprime to n. So the
+/// first rays spread over the interval. The strata are shifted by an offset that each pixel draws
+/// for itself. So each ray takes each slice with the same probability, and if there are more
+/// slices than rays, neighbouring pixels take different ones.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RaySlices {
+    slices: u32,
+    rays: u32,
+    stride: u32,
+    /// Offset of the strata \[strata].
+    offset: f64,
+}
+
+impl RaySlices {
+    /// Division of the rays of a pass with one slice.
+    pub const WHOLE: Self = Self { slices: 1, rays: 1, stride: 1, offset: 0.0 };
+
+    /// Returns the number of slices among which `rays` rays of a pixel are divided.
+    pub fn distinct(self) -> u32 {
+        self.slices.min(self.rays)
+    }
+
+    /// Returns the slice of ray `ray`.
+    #[inline]
+    pub fn slice(self, ray: u32) -> usize {
+        if self.slices == 1 {
+            return 0;
+        }
+        let stratum = u64::from(ray) * u64::from(self.stride) % u64::from(self.rays);
+        let time = (stratum as f64 + self.offset) / f64::from(self.rays);
+        ((time.fract() * f64::from(self.slices)) as u32).min(self.slices - 1) as usize
+    }
+}
+
+impl SlicedCameras<'_> {
+    /// Returns the division of the `rays` rays of the pixel in column `x`, row `y`.
+    pub fn divide_rays(&self, x: u32, y: u32, rays: u32) -> RaySlices {
+        let (key, rays) = (self.key.pixel_key(x, y), rays.max(1));
+        // Multiples of the golden ratio shift the strata evenly from pass to pass.
+        let shift = f64::from(self.pass.wrapping_mul(0x9e37_79b9)) / 4_294_967_296.0;
+        let within = (f64::from(key.uniform_1d(Dimension::Time)) + shift).fract();
+        let whole = (key.pass_key(self.pass).uniform_1d(Dimension::Time) * rays as f32).floor();
+        RaySlices {
+            slices: self.cameras.len() as u32,
+            rays,
+            stride: spreading_stride(rays),
+            offset: f64::from(whole) + within,
+        }
+    }
+}
+
+/// Returns a number coprime to `count`, near `count` over the golden ratio.
+fn spreading_stride(count: u32) -> u32 {
+    let near = ((u64::from(count) * 0x9e37_79b9) >> 32) as u32;
+    (near.max(1)..).find(|stride| gcd(*stride, count) == 1).unwrap_or(1)
+}
+
+#[cfg(test)]
+mod tests;

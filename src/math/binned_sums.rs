@@ -1,0 +1,201 @@
+//! Binned sums: sums of floating-point numbers that depend on no order or grouping.
+
+/// Width of a bin \[bits].
+const BIN_BITS: i32 = 31;
+
+/// Number of lower quanta in an upper quantum.
+const BIN_SIZE: f64 = (1u64 << BIN_BITS) as f64;
+
+/// Number of levels. The sum of three squares of f32 values is below the limit of the last level.
+const LEVELS: usize = 18;
+
+/// Exponent of the upper quantum of level 0. The limits of levels are 2^(15 + 31 i), so common
+/// values lie far above a limit and keep 47 bits after the binary point.
+const FIRST_EXPONENT: i32 = -294;
+
+/// Upper quantum of each level.
+const QUANTA: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT, BIN_BITS);
+
+/// Inverse of the upper quantum of each level.
+const INVERSE_QUANTA: [f64; LEVELS] = powers_of_two(-FIRST_EXPONENT, -BIN_BITS);
+
+/// Limit of each level: half the upper quantum of the next level. Absolute values are below it.
+const LIMITS: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT + BIN_BITS - 1, BIN_BITS);
+
+/// Adding this number rounds a small f64 to an integer, which the last bits of the sum then hold.
+const ROUNDER: f64 = (3u64 << 51) as f64;
+
+/// Bits of a tag that hold the level. Above them, two bits of each channel tell of infinite values.
+const LEVEL_BITS: u16 = 5;
+
+/// Sums of N channels, for each pixel of a picture. They do not depend on the order of the values.
+///
+/// A sum holds two integers: the sums of all values, rounded to multiples of an upper quantum, and
+/// of the remainders, rounded to multiples of a lower quantum. The lower quantum is 2⁻³¹ times the
+/// upper one. The largest absolute value of a pixel selects the quanta. It lies between 2⁻¹ and 2³⁰
+/// upper quanta, so the error of a value is at most 2⁻³¹ of the pixel's largest value. When a
+/// larger value arrives, the upper integers become the lower ones, and the lower ones are dropped.
+/// So the state is a function of the set of values. Method: Ahrens, Demmel and Nguyen 2020, with
+/// integers as bins.
+///
+/// A pixel holds at most 2³² − 1 values. Values of 2²⁶³ and more count as infinite.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct BinnedSums<const N: usize> {
+    /// Sums of the upper and of the lower bins of each pixel.
+    bins: Vec<[[i64; N]; 2]>,
+    /// Level and infinities of each pixel.
+    tags: Vec<u16>,
+}
+
+impl<const N: usize> BinnedSums<N> {
+    /// Size of the sums of one pixel \[bytes].
+    pub const BYTES_PER_PIXEL: usize = size_of::<[[i64; N]; 2]>() + size_of::<u16>();
+
+    /// Returns sums of `pixels` pixels without values.
+    #[must_use]
+    pub fn new(pixels: usize) -> Self {
+        const { assert!(LEVEL_BITS as usize + 2 * N <= u16::BITS as usize, "too many channels for a tag") };
+        Self { bins: vec![[[0; N]; 2]; pixels], tags: vec![0; pixels] }
+    }
+
+    /// Returns the number of pixels.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.tags.len()
+    }
+
+    /// True if there are no pixels.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.tags.is_empty()
+    }
+
+    /// Adds one value of each channel to each pixel.
+    #[inline]
+    pub fn add(&mut self, values: impl Iterator<Item = [f64; N]>) {
+        for ((bins, tag), values) in self.bins.iter_mut().zip(&mut self.tags).zip(values) {
+            let level = level_of(*tag);
+            let limit = LIMITS[level];
+            if values.iter().fold(true, |fit, value| fit & (value.abs() < limit)) {
+                add_to_bins(bins, level, values);
+            } else {
+                add_beyond_limit(bins, tag, values);
+            }
+        }
+    }
+
+    /// Adds the sums of `other`, which has as many pixels.
+    pub fn merge(&mut self, other: &Self) {
+        let own = self.bins.iter_mut().zip(&mut self.tags);
+        for ((bins, tag), (other_bins, other_tag)) in own.zip(other.bins.iter().zip(&other.tags)) {
+            let mut other_bins = *other_bins;
+            let level = level_of(*tag).max(level_of(*other_tag));
+            raise_level(&mut other_bins, &mut other_tag.clone(), level);
+            raise_level(bins, tag, level);
+            *tag |= *other_tag >> LEVEL_BITS << LEVEL_BITS;
+            for (sums, others) in bins.iter_mut().zip(other_bins) {
+                (0..N).for_each(|channel| sums[channel] += others[channel]);
+            }
+        }
+    }
+
+    /// Returns the sums of pixel `i`, rounded to f64.
+    #[inline]
+    #[must_use]
+    pub fn value(&self, i: usize) -> [f64; N] {
+        let ([upper, lower], tag) = (self.bins[i], self.tags[i]);
+        let quantum = self.quantum(i);
+        let mut sums = [0.0; N];
+        for channel in 0..N {
+            // Carry whole upper quanta of the lower bin, so only the last addition rounds.
+            let carry = lower[channel] >> BIN_BITS;
+            let rest = lower[channel] - (carry << BIN_BITS);
+            sums[channel] = ((upper[channel] + carry) as f64 * BIN_SIZE + rest as f64) * quantum;
+        }
+        if usize::from(tag) >= 1 << LEVEL_BITS {
+            for (channel, sum) in sums.iter_mut().enumerate() {
+                *sum = match tag >> (LEVEL_BITS + 2 * channel as u16) & 3 {
+                    0 => *sum,
+                    1 => f64::INFINITY,
+                    2 => f64::NEG_INFINITY,
+                    _ => f64::NAN,
+                };
+            }
+        }
+        sums
+    }
+
+    /// Returns the lower quantum of pixel `i`. Each of its values is rounded to a multiple of it.
+    #[inline]
+    #[must_use]
+    pub fn quantum(&self, i: usize) -> f64 {
+        QUANTA[level_of(self.tags[i])] / BIN_SIZE
+    }
+}
+
+/// Returns the powers of two with exponents `first`, `first + step` and so on.
+const fn powers_of_two(first: i32, step: i32) -> [f64; LEVELS] {
+    let mut powers = [0.0; LEVELS];
+    let mut i = 0;
+    while i < LEVELS {
+        powers[i] = f64::from_bits(((1023 + first + step * i as i32) as u64) << 52);
+        i += 1;
+    }
+    powers
+}
+
+/// Returns the level that a tag holds.
+#[inline]
+fn level_of(tag: u16) -> usize {
+    usize::from(tag & ((1 << LEVEL_BITS) - 1))
+}
+
+/// Adds values below the limit of `level` to the bins of a pixel.
+#[inline]
+fn add_to_bins<const N: usize>(bins: &mut [[i64; N]; 2], level: usize, values: [f64; N]) {
+    let inverse = INVERSE_QUANTA[level];
+    let integer = |rounded: f64| rounded.to_bits().wrapping_sub(ROUNDER.to_bits()) as i64;
+    let [upper, lower] = bins;
+    for channel in 0..N {
+        // Products by powers of two and the difference are exact.
+        let scaled = values[channel] * inverse;
+        let rounded = scaled + ROUNDER;
+        let rest = (scaled - (rounded - ROUNDER)) * BIN_SIZE;
+        upper[channel] += integer(rounded);
+        lower[channel] += integer(rest + ROUNDER);
+    }
+}
+
+/// Adds values to a pixel if some are not finite, or not below the limit of its level.
+#[cold]
+fn add_beyond_limit<const N: usize>(bins: &mut [[i64; N]; 2], tag: &mut u16, mut values: [f64; N]) {
+    for (channel, value) in values.iter_mut().enumerate() {
+        let infinities = match *value {
+            v if v.is_nan() => 3,
+            v if v >= LIMITS[LEVELS - 1] => 1,
+            v if v <= -LIMITS[LEVELS - 1] => 2,
+            _ => continue,
+        };
+        *tag |= infinities << (LEVEL_BITS + 2 * channel as u16);
+        *value = 0.0;
+    }
+    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let level = LIMITS.partition_point(|limit| *limit <= largest).max(level_of(*tag));
+    raise_level(bins, tag, level);
+    add_to_bins(bins, level, values);
+}
+
+/// Raises the level of a pixel to `level`, which is not below its own.
+fn raise_level<const N: usize>(bins: &mut [[i64; N]; 2], tag: &mut u16, level: usize) {
+    let steps = level - level_of(*tag);
+    // All values round to 0 in upper quanta of the next level.
+    match steps {
+        0 => {}
+        1 => *bins = [[0; N], bins[0]],
+        _ => *bins = [[0; N]; 2],
+    }
+    *tag += steps as u16;
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,7 @@
+//! Greatest common divisor.
+
+/// Greatest common divisor of `a` and `b`, by Euclid's algorithm.
+#[must_use]
+pub fn gcd(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}

@@ -1,0 +1,127 @@
+//! Effective sample count of the noise of a picture, measured between its leading passes.
+
+use crate::color::Rgb;
+
+/// Grey pictures of the leading passes: those with the lowest pass numbers.
+///
+/// The difference of two passes, divided by √2, contains only noise. Its mean square is the
+/// variance. Let Σ be the covariance matrix of the pixels. The scalar product of two differences
+/// without a common pass has mean zero and variance tr Σ². The effective sample count is
+/// (tr Σ)² / tr Σ² (Satterthwaite 1946). It is the number of independent values with as much
+/// scatter as the noise.
+///
+/// The set of leading passes is a function of the set of passes, in whatever order they come.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct LeadingPasses {
+    /// Pass number and grey picture of each leading pass, by pass number. Values that are not
+    /// finite are 0.
+    pictures: Vec<(u32, Vec<f32>)>,
+}
+
+/// Largest number of leading passes.
+const MAX_PASSES: usize = 8;
+
+/// Effective sample count that is assumed before anything is measured.
+const PRIOR_SAMPLES: f64 = 100.0;
+
+/// Weight of [`PRIOR_SAMPLES`], which counts as this many measured products of differences.
+const PRIOR_PRODUCTS: f64 = 2.0;
+
+impl LeadingPasses {
+    /// Adds the picture of pass `number`, if the pass is one of the `most` leading ones.
+    pub fn add(&mut self, number: u32, most: usize, picture: impl Iterator<Item = Rgb>) {
+        let at = self.pictures.partition_point(|(other, _)| *other < number);
+        if at < most.min(MAX_PASSES) {
+            let grey = |value: Rgb| Some((value / 3.0).element_sum()).filter(|grey| grey.is_finite()).unwrap_or(0.0);
+            self.pictures.insert(at, (number, picture.map(grey).collect()));
+            self.pictures.truncate(most);
+        }
+    }
+
+    /// Adds the passes of `other`, and keeps the `most` leading ones.
+    pub fn merge(&mut self, other: &Self, most: usize) {
+        self.pictures.extend(other.pictures.iter().cloned());
+        self.pictures.sort_by_key(|(number, _)| *number);
+        self.pictures.truncate(most);
+    }
+
+    /// Returns the relative variance of the squared error of a picture: 2 / effective sample count.
+    ///
+    /// The formula holds for Gaussian noise. `weights` holds a factor on the square of each pixel's
+    /// deviation from the mean of the leading passes. The weighted square is clamped to `max`.
+    pub fn squared_error_variance(&self, weights: &[f64], max: f64) -> f64 {
+        let n = self.pictures.len();
+        if n < 2 {
+            return 2.0 / PRIOR_SAMPLES;
+        }
+        let (variance, square, count) = self.variance_and_squared_product(weights, max);
+        if variance <= 0.0 {
+            return 0.0;
+        }
+        let relative = square / (variance * variance);
+        2.0 * ((relative * count + PRIOR_PRODUCTS / PRIOR_SAMPLES) / (count + PRIOR_PRODUCTS)).min(1.0)
+    }
+
+    /// Returns three values for the differences between two leading passes: their mean square, the
+    /// mean squared product of two differences without a common pass, and the number of independent
+    /// products.
+    fn variance_and_squared_product(&self, weights: &[f64], max: f64) -> (f64, f64, f64) {
+        let n = self.pictures.len();
+        let products = self.deviation_products(weights, max);
+        let trace: f64 = (0..n).map(|a| products[a][a]).sum();
+        let all: f64 = products.iter().flatten().sum();
+        let variance = (trace - all / n as f64) / (n - 1) as f64;
+        let product = |a: usize, b: usize, c: usize, d: usize| {
+            0.5 * (products[a][c] - products[a][d] - products[b][c] + products[b][d])
+        };
+        let (mut sum, mut count) = (0.0, 0.0);
+        for a in 0..n {
+            for b in a + 1..n {
+                for c in b + 1..n {
+                    for d in c + 1..n {
+                        for product in [product(a, b, c, d), product(a, c, b, d), product(a, d, b, c)] {
+                            sum += product * product;
+                            count += 1.0;
+                        }
+                    }
+                }
+            }
+        }
+        // Products are linear functions of as many independent numbers as a polygon has diagonals.
+        let independent = (n * n.saturating_sub(3) / 2) as f64;
+        (variance, if count > 0.0 { sum / count } else { 0.0 }, independent)
+    }
+
+    /// Returns the scalar product of each two passes' deviations from the mean of all passes,
+    /// divided by the number of pixels.
+    fn deviation_products(&self, weights: &[f64], max: f64) -> [[f64; MAX_PASSES]; MAX_PASSES] {
+        let mut products = [[0.0; MAX_PASSES]; MAX_PASSES];
+        let share = 1.0 / self.pictures.len() as f64;
+        for (pixel, weight) in weights.iter().enumerate() {
+            let mut deviations = [0.0; MAX_PASSES];
+            let mut mean = 0.0;
+            for (value, (_, picture)) in deviations.iter_mut().zip(&self.pictures) {
+                *value = f64::from(picture[pixel]);
+                mean += share * *value;
+            }
+            // The weight is for the sum over three channels.
+            let weight = 3.0 * weight;
+            for deviation in &mut deviations[..self.pictures.len()] {
+                *deviation -= mean;
+                let weighted = weight * *deviation * *deviation;
+                if weighted > max {
+                    *deviation *= (max / weighted).sqrt();
+                }
+            }
+            for (row, deviation) in products.iter_mut().zip(deviations) {
+                let weighted = weight * deviation;
+                row.iter_mut().zip(deviations).for_each(|(product, other)| *product += weighted * other);
+            }
+        }
+        let pixels = weights.len() as f64;
+        products.map(|row| row.map(|product| product / pixels))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,77 @@
+//! Variance of each pixel between passes, and a bound of its kurtosis.
+
+use crate::color::Rgb;
+use crate::math::BinnedSums;
+use crate::render::film::Film;
+use glam::DVec3;
+
+/// Kurtosis of Gaussian noise.
+const GAUSSIAN_KURTOSIS: f64 = 3.0;
+
+/// Sums over passes from which the variance of each pixel is computed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct PixelVarianceSums {
+    /// Sums of squared radiance over passes, by channel.
+    squares: BinnedSums<3>,
+    /// Largest absolute radiance of all passes and channels.
+    peaks: Vec<f32>,
+}
+
+/// Squared deviations of a pixel from its mean, and how rare the largest one is.
+pub(super) struct PixelDeviations {
+    /// Σ (x − mean)² over passes, by channel; 0 if it is below rounding errors.
+    pub squares: DVec3,
+    /// Upper bound of the kurtosis: the largest squared deviation divided by the variance, at least
+    /// [`GAUSSIAN_KURTOSIS`]. A pixel with one outlier in n passes has about n.
+    pub kurtosis: f64,
+}
+
+impl PixelVarianceSums {
+    /// Adds the image of a pass.
+    pub fn add(&mut self, image: &[Rgb]) {
+        if self.squares.is_empty() {
+            *self = Self { squares: BinnedSums::new(image.len()), peaks: vec![0.0; image.len()] };
+        }
+        let square = |value: &Rgb| value.as_dvec3() * value.as_dvec3();
+        self.squares.add(image.iter().map(|value| square(value).to_array()));
+        for (peak, value) in self.peaks.iter_mut().zip(image) {
+            *peak = peak.max(value.abs().max_element());
+        }
+    }
+
+    /// Adds the passes of `other`, which has as many pixels.
+    pub fn merge(&mut self, other: &Self) {
+        self.squares.merge(&other.squares);
+        for (peak, other) in self.peaks.iter_mut().zip(&other.peaks) {
+            *peak = peak.max(*other);
+        }
+    }
+
+    /// Returns the number of pixels; 0 without passes.
+    pub fn pixels(&self) -> usize {
+        self.peaks.len()
+    }
+
+    /// Returns the deviations of each pixel, in rows from the top; none without passes.
+    ///
+    /// `film` must hold the same passes.
+    pub fn deviations(&self, film: &Film) -> impl Iterator<Item = PixelDeviations> {
+        let n = f64::from(film.passes());
+        let pixels = self.peaks.iter().enumerate();
+        pixels.map(move |(i, peak)| {
+            let sum = DVec3::from_array(film.radiance_sums().value(i));
+            let squares = DVec3::from_array(self.squares.value(i));
+            let mean = sum / n;
+            // Errors of the sum of squares, of the mean and of f64 numbers.
+            let rounding = 0.5 * n * self.squares.quantum(i)
+                + sum.abs() * film.radiance_sums().quantum(i)
+                + squares * (4.0 * f64::EPSILON);
+            let deviations = squares - sum * mean;
+            let squares = DVec3::select(deviations.cmple(rounding), DVec3::ZERO, deviations);
+            let variance = squares.max_element() / n;
+            let largest = f64::from(*peak) - mean.abs().max_element();
+            let kurtosis = if variance > 0.0 { largest * largest / variance } else { 0.0 };
+            PixelDeviations { squares, kurtosis: kurtosis.max(GAUSSIAN_KURTOSIS) }
+        })
+    }
+}

@@ -1,0 +1,40 @@
+use super::*;
+use crate::integrate::{Algorithm, SilentMonitor};
+use crate::render::driver::render;
+use crate::render::limits::RenderLimits;
+use crate::render::test_integrator::{NoisyIntegrator, SIZE};
+use std::sync::atomic::AtomicBool;
+
+const NOISY: NoisyIntegrator = NoisyIntegrator { sigma: 0.3, bias: 0.0, estimates_error: true };
+
+/// Returns the expected end of a render with `limits` by a pilot of 8 passes, and its real end.
+fn ends(limits: RenderLimits, integrator: &NoisyIntegrator, pass_seconds: f64) -> (ExpectedEnd, (EndReason, u32)) {
+    let interrupted = AtomicBool::new(false);
+    let stop = limits.stop_criteria(Algorithm::Pm, integrator, &interrupted);
+    let eight = StopCriteria { passes: Some(8), ..StopCriteria::unlimited(&interrupted) };
+    let pilot = render(integrator, SIZE, &eight, &SilentMonitor, |_| {});
+    let estimator = pilot.estimator.unwrap();
+    let estimate = estimator.estimate_with_confidence(&pilot.film, stop.target.unwrap().interval_confidence());
+    let forecast = estimator.forecast(&estimate).unwrap();
+    let made = render(integrator, SIZE, &stop, &SilentMonitor, |_| {});
+    (stop.expected_end(&estimate, &forecast, pass_seconds).unwrap(), (made.ended, made.film.passes()))
+}
+
+/// The number of passes is right to a twentieth, the interval at which `render` estimates errors.
+#[test]
+fn expected_end_agrees_with_render() {
+    let biased = NoisyIntegrator { sigma: 0.24, bias: 0.2, ..NOISY };
+    for (integrator, preview) in [(&NOISY, false), (&NOISY, true), (&biased, false)] {
+        let (expected, (ended, passes)) = ends(RenderLimits { preview, ..RenderLimits::default() }, integrator, 1e-3);
+        assert_eq!(expected.ended, ended);
+        assert!(expected.passes.abs_diff(passes) <= 1 + passes / 20, "{} {passes}", expected.passes);
+    }
+}
+
+/// Five minutes are 5 passes of a minute. The error of the fifth is σ/√10.
+#[test]
+fn slow_passes_end_by_time() {
+    let (expected, _) = ends(RenderLimits::default(), &NOISY, 60.0);
+    assert_eq!((expected.ended, expected.passes), (EndReason::Time, 5));
+    assert!((expected.error / (0.3 / 10f64.sqrt()) - 1.0).abs() < 0.05, "{}", expected.error);
+}

@@ -1,0 +1,79 @@
+//! Limits of a render: those that its caller sets, and the defaults for a caller that sets none.
+
+use super::driver::{ErrorTarget, StopCriteria};
+use super::error_estimate::Confidence;
+use crate::integrate::{Algorithm, Integrator};
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+/// Relative error at which a render without limits ends.
+pub const DEFAULT_ERROR: f64 = 0.03;
+
+/// Relative error at which a preview ends.
+pub const PREVIEW_ERROR: f64 = 0.1;
+
+/// Wall time after which a render without limits ends.
+pub const DEFAULT_TIME: Duration = Duration::from_secs(5 * 60);
+
+/// Limits of a render, which ends at the first that it reaches.
+///
+/// Without `passes`, `time` and `target_error`, it ends at [`DEFAULT_ERROR`] or after
+/// [`DEFAULT_TIME`], or once its noise is below that error and bias keeps its error above it.
+///
+/// An integrator without error estimates has no default error. Its render without limits makes
+/// [`Algorithm::default_passes`] passes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RenderLimits {
+    /// Largest number of passes.
+    pub passes: Option<u32>,
+    /// Wall time after which the render ends. The last pass is completed.
+    pub time: Option<Duration>,
+    /// Relative error at which the render ends, see [`ErrorTarget`].
+    pub target_error: Option<f64>,
+    /// Required probability that the true error is at most the error at which the render ends.
+    pub confidence: Confidence,
+    /// True for a preview, which ends at [`PREVIEW_ERROR`] unless `target_error` is set.
+    pub preview: bool,
+}
+
+impl RenderLimits {
+    /// True if no limit is set, so that the defaults decide when the render ends.
+    #[must_use]
+    pub fn are_default(&self) -> bool {
+        self.passes.is_none() && self.time.is_none() && self.target_error.is_none()
+    }
+
+    /// Returns the criteria that end a render by `integrator`, which `algorithm` prepared.
+    ///
+    /// Errors are estimated if [`Integrator::returns_nested_estimates`] is true.
+    #[must_use]
+    pub fn stop_criteria<'a>(
+        &self,
+        algorithm: Algorithm,
+        integrator: &dyn Integrator,
+        interrupted: &'a AtomicBool,
+    ) -> StopCriteria<'a> {
+        let mut stop = StopCriteria { passes: self.passes, time: self.time, ..StopCriteria::unlimited(interrupted) };
+        if !integrator.returns_nested_estimates() {
+            // A second pass of ray casting would repeat the first.
+            if self.time.is_none() || algorithm == Algorithm::Raycast {
+                stop.passes = self.passes.or(Some(algorithm.default_passes()));
+            }
+            return stop;
+        }
+        let default_error = match (self.preview, self.are_default()) {
+            (true, _) => Some(PREVIEW_ERROR),
+            (false, true) => Some(DEFAULT_ERROR),
+            (false, false) => None,
+        };
+        let error = self.target_error.or(default_error);
+        stop.target = error.map(|error| ErrorTarget { error, confidence: self.confidence });
+        if self.are_default() {
+            (stop.time, stop.ends_at_bias) = (Some(DEFAULT_TIME), true);
+        }
+        stop
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,91 @@
+use super::*;
+use crate::integrate::SilentMonitor;
+use crate::render::driver::{EndReason, RenderResult, render};
+use crate::render::test_integrator::{NoisyIntegrator, SIZE};
+
+/// The error is σ/√(2n) after n passes: 3 % after 50, 10 % after 5.
+const NOISY: NoisyIntegrator = NoisyIntegrator { sigma: 0.3, bias: 0.0, estimates_error: true };
+
+fn rendered(integrator: &NoisyIntegrator, stop: &StopCriteria<'_>) -> RenderResult {
+    render(integrator, SIZE, stop, &SilentMonitor, |_| {})
+}
+
+/// Renders with `limits`. Returns the reason of the end and the number of passes.
+fn end(limits: RenderLimits, algorithm: Algorithm, integrator: &NoisyIntegrator) -> (EndReason, u32) {
+    let interrupted = AtomicBool::new(false);
+    let made = rendered(integrator, &limits.stop_criteria(algorithm, integrator, &interrupted));
+    (made.ended, made.film.passes())
+}
+
+fn limits() -> RenderLimits {
+    RenderLimits::default()
+}
+
+#[test]
+fn default_render_ends_at_default_error() {
+    let interrupted = AtomicBool::new(false);
+    let stop = limits().stop_criteria(Algorithm::Hybrid, &NOISY, &interrupted);
+    assert_eq!((stop.passes, stop.time), (None, Some(DEFAULT_TIME)));
+    let made = rendered(&NOISY, &stop);
+    let confidence = stop.target.unwrap().interval_confidence();
+    let estimate = made.estimator.as_ref().unwrap().estimate_with_confidence(&made.film, confidence);
+    assert_eq!(made.ended, EndReason::Target);
+    assert!(estimate.high <= DEFAULT_ERROR && estimate.high > 0.95 * DEFAULT_ERROR, "{estimate:?}");
+}
+
+#[test]
+fn default_render_ends_when_time_is_up() {
+    let interrupted = AtomicBool::new(false);
+    let stop = limits().stop_criteria(Algorithm::Hybrid, &NOISY, &interrupted);
+    let made = rendered(&NOISY, &StopCriteria { time: Some(Duration::from_nanos(1)), ..stop });
+    assert_eq!((made.ended, made.film.passes()), (EndReason::Time, 1));
+    let short = RenderLimits { time: Some(Duration::ZERO), ..limits() };
+    assert_eq!(end(short, Algorithm::Hybrid, &NOISY), (EndReason::Time, 1));
+}
+
+#[test]
+fn preview_ends_at_preview_error() {
+    let preview = RenderLimits { preview: true, ..limits() };
+    let (ended, passes) = end(preview, Algorithm::Hybrid, &NOISY);
+    assert_eq!(ended, EndReason::Target);
+    assert!((5..8).contains(&passes), "{passes}");
+    let short = RenderLimits { passes: Some(2), ..preview };
+    assert_eq!(end(short, Algorithm::Hybrid, &NOISY), (EndReason::Passes, 2));
+    let long = RenderLimits { passes: Some(99), ..preview };
+    assert_eq!(end(long, Algorithm::Hybrid, &NOISY), (EndReason::Target, passes));
+}
+
+#[test]
+fn given_limits_replace_defaults() {
+    let many = RenderLimits { passes: Some(99), ..limits() };
+    assert_eq!(end(many, Algorithm::Hybrid, &NOISY), (EndReason::Passes, 99));
+    let interrupted = AtomicBool::new(false);
+    let coarse = RenderLimits { target_error: Some(0.2), ..limits() };
+    let stop = coarse.stop_criteria(Algorithm::Hybrid, &NOISY, &interrupted);
+    assert_eq!((stop.passes, stop.time, stop.target.map(|t| t.error)), (None, None, Some(0.2)));
+    let timed = RenderLimits { time: Some(Duration::from_secs(9)), ..limits() };
+    assert_eq!(timed.stop_criteria(Algorithm::Hybrid, &NOISY, &interrupted).target, None);
+}
+
+#[test]
+fn render_without_error_estimates_makes_default_passes() {
+    let blind = NoisyIntegrator { estimates_error: false, ..NOISY };
+    for algorithm in Algorithm::ALL {
+        let passes = algorithm.default_passes();
+        assert_eq!(end(limits(), algorithm, &blind), (EndReason::Passes, passes));
+        assert_eq!(end(RenderLimits { preview: true, ..limits() }, algorithm, &blind), (EndReason::Passes, passes));
+    }
+    let long = RenderLimits { time: Some(Duration::from_secs(3600)), ..limits() };
+    assert_eq!(end(long, Algorithm::Raycast, &blind), (EndReason::Passes, 1));
+}
+
+/// Bias of 20 % keeps the error at .2/1.2/√2 = 12 %. Noise is 3 % after 22 passes of radiance 1.2.
+#[test]
+fn default_render_ends_when_only_bias_is_left() {
+    let biased = NoisyIntegrator { sigma: 0.24, bias: 0.2, ..NOISY };
+    let (ended, passes) = end(limits(), Algorithm::Pm, &biased);
+    assert_eq!(ended, EndReason::Floor);
+    assert!((22..25).contains(&passes), "{passes}");
+    let given = RenderLimits { target_error: Some(0.03), passes: Some(40), ..limits() };
+    assert_eq!(end(given, Algorithm::Pm, &biased), (EndReason::Passes, 40));
+}

@@ -1,0 +1,25 @@
+//! Error of merging the passes of two renders.
+
+/// Error: the passes of two renders cannot be merged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MergeError {
+    /// The pictures have different sizes (width, height).
+    #[error("a film of {} × {} pixels cannot be added to one of {} × {}", other.0, other.1, own.0, own.1)]
+    Size {
+        /// Width and height of the film that grows \[pixels].
+        own: (u32, u32),
+        /// Width and height of the film that is added \[pixels].
+        other: (u32, u32),
+    },
+    /// Together there are more than 2³² − 1 passes.
+    #[error("two films of {own} and {other} passes have too many: at most {} are allowed", u32::MAX)]
+    Passes {
+        /// Passes of the film that grows.
+        own: u32,
+        /// Passes of the film that is added.
+        other: u32,
+    },
+    /// The error estimates come from different integrators or pictures.
+    #[error("error estimates of different integrators or pictures cannot be merged")]
+    Estimator,
+}

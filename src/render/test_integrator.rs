@@ -1,0 +1,54 @@
+//! Integrator of synthetic passes, for tests of the render loop.
+
+use crate::color::Rgb;
+use crate::integrate::{Integrator, NestedEstimates, Pass, ProgressMonitor, RadiusLaw};
+use crate::photon::Kernel;
+use crate::plan::{Effects, Plan};
+use crate::sampling::{Dimension, Key, Purpose};
+use crate::stats::Counters;
+
+/// Width and height of the pictures.
+pub(super) const SIZE: (u32, u32) = (40, 40);
+
+/// Integrator whose passes have radiance 1 with noise and a bias that no pass removes.
+pub(super) struct NoisyIntegrator {
+    /// Standard deviation of each channel of a pixel.
+    pub sigma: f32,
+    /// Bias of each channel, as of photon estimates with fixed radii in smooth light.
+    pub bias: f32,
+    pub estimates_error: bool,
+}
+
+impl Integrator for NoisyIntegrator {
+    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> Pass {
+        let key = Key::new(7).purpose_key(Purpose::Test).child_key(u64::from(pass));
+        let noise = |pixel: u32| {
+            let uniform = key.child_key(u64::from(pixel)).uniform_1d(Dimension::Film);
+            Rgb::splat(self.sigma * (uniform - 0.5) * 12f32.sqrt())
+        };
+        let pixels = SIZE.0 * SIZE.1;
+        let steps = [0.5, 0.25].map(|part| Rgb::splat(part * self.bias));
+        let nested = NestedEstimates { steps, ..NestedEstimates::default() };
+        Pass {
+            image: (0..pixels).map(|pixel| Rgb::splat(1.0 + self.bias) + noise(pixel)).collect(),
+            nested: vec![nested; pixels as usize],
+            ..Pass::default()
+        }
+    }
+
+    fn expected_work(&self, _: Effects) -> Counters {
+        Counters::default()
+    }
+
+    fn plan(&self) -> &Plan {
+        unreachable!("the render loop does not use the plan")
+    }
+
+    fn radius_law(&self) -> Option<RadiusLaw> {
+        Some(RadiusLaw { alpha: 1.0, kernel: Kernel::Epanechnikov })
+    }
+
+    fn returns_nested_estimates(&self) -> bool {
+        self.estimates_error
+    }
+}

@@ -1,0 +1,51 @@
+//! Media in scene coordinates, and those that move with the bodies that they fill.
+
+use super::object::SceneObject;
+use crate::math::Motion;
+use crate::medium::Medium;
+use crate::scene::Material;
+use crate::scene::animation::{Animation, MID_SHUTTER, medium_at_time};
+use glam::{DAffine3, DVec3};
+
+/// Returns `media` in coordinates relative to `origin`, at mid-shutter. Adds those that move to
+/// `animation`.
+///
+/// A density grid moves with the body that its medium fills. If the medium fills several bodies, it
+/// follows the first one, and rests if one of them rests.
+pub(super) fn place_media(
+    media: &[Medium],
+    objects: &[SceneObject],
+    materials: &[Material],
+    origin: DVec3,
+    animation: &mut Animation,
+) -> Vec<Medium> {
+    let recenter = DAffine3::from_translation(-origin);
+    let place = |(index, medium): (usize, &Medium)| {
+        let placed = medium.translated(-origin);
+        let Some(motion) = motion_of_medium(index as u32, medium, objects, materials) else { return placed };
+        let motion = motion.followed_by_map(recenter);
+        let at_middle = medium_at_time(&placed, &motion, MID_SHUTTER).unwrap_or_else(|| placed.clone());
+        animation.media.push((index, placed, motion));
+        at_middle
+    };
+    media.iter().enumerate().map(place).collect()
+}
+
+/// Returns the motion of the bodies that medium `index` fills; `None` if one of them rests, if
+/// there are none, or if the medium is the same everywhere.
+fn motion_of_medium<'a>(
+    index: u32,
+    medium: &Medium,
+    objects: &'a [SceneObject],
+    materials: &[Material],
+) -> Option<&'a Motion> {
+    if medium.is_homogeneous() {
+        return None;
+    }
+    let fills = |object: &&SceneObject| {
+        let body = materials.get(object.material as usize).and_then(Material::bounded_body);
+        body.is_some_and(|body| body.medium == Some(index))
+    };
+    let motions: Option<Vec<&Motion>> = objects.iter().filter(fills).map(|object| object.motion.as_ref()).collect();
+    motions?.first().copied()
+}

@@ -1,0 +1,141 @@
+//! How far the moving parts of a scene move on the film while the shutter is open.
+
+use super::animation::MID_SHUTTER;
+use super::geometry::HitPrimitive;
+use super::{DeltaLightKind, Scene};
+use crate::camera::Camera;
+use crate::math::Motion;
+use glam::{DVec3, Vec2};
+
+/// Number of steps into which the shutter interval is cut to measure the length of a path.
+const STEPS: u32 = 16;
+
+/// Largest number of moving shapes that are measured. Of more shapes, evenly spaced ones are.
+const MAX_SHAPES: usize = 4096;
+
+/// Number of film points along each side of the film at which a moving camera is measured.
+const FILM_POINTS: u32 = 5;
+
+/// Cameras and film of a scene, by which the length of a path is measured in pixels.
+struct FilmMeasure {
+    /// The camera at the ends of all steps.
+    cameras: Vec<Camera>,
+    /// Width and height of the film \[pixels].
+    size: Vec2,
+    /// Width of a pixel at the center of the photon domain \[length].
+    pixel: f64,
+}
+
+impl FilmMeasure {
+    fn new(scene: &Scene) -> Self {
+        let moved = |step| match scene.animation.as_ref().and_then(|animation| animation.camera.as_ref()) {
+            Some((camera, motion)) => {
+                super::animation::camera_at_time(camera, motion, step_time(step)).unwrap_or(scene.camera)
+            }
+            None => scene.camera,
+        };
+        let (width, growth) = scene.camera.pixel_footprint();
+        let distance = scene.photon_domain().center.distance(scene.camera.center().as_vec3());
+        let (columns, rows) = scene.camera.size();
+        Self {
+            cameras: (0..=STEPS).map(moved).collect(),
+            size: Vec2::new(columns as f32, rows as f32),
+            pixel: f64::from(width + growth * distance),
+        }
+    }
+
+    /// Returns the length of the path of a point on the film \[pixels]. Parts beyond the edge of
+    /// the film count as moving along it. `position` returns the point at the end of a step.
+    fn length_on_film(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
+        let film = |(step, camera): (u32, &Camera)| {
+            let at = camera.connect_to_point(position(step).as_vec3(), None)?.film;
+            Some(at.clamp(Vec2::ZERO, self.size))
+        };
+        let places: Vec<Option<Vec2>> = (0..).zip(&self.cameras).map(film).collect();
+        let step = |pair: &[Option<Vec2>]| match pair {
+            [Some(a), Some(b)] => f64::from(a.distance(*b)),
+            _ => 0.0,
+        };
+        places.windows(2).map(step).sum()
+    }
+
+    /// Returns the length of the path of a point, in pixels at the center of the photon domain.
+    ///
+    /// Shadows and caustics of a thing that is not in the picture move about as far.
+    fn length_in_scene(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
+        (0..STEPS).map(|step| position(step).distance(position(step + 1))).sum::<f64>() / self.pixel
+    }
+}
+
+/// Time at the end of step `step`.
+fn step_time(step: u32) -> f64 {
+    f64::from(step) / f64::from(STEPS)
+}
+
+/// Corners of the box with the corners `min` and `max`.
+fn box_corners((min, max): (DVec3, DVec3)) -> impl Iterator<Item = DVec3> {
+    (0..8).map(move |i| {
+        let pick = |bit: u32, low: f64, high: f64| if (i >> bit) & 1 == 0 { low } else { high };
+        DVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z))
+    })
+}
+
+/// Returns the position to which `motion` moves `point`, as a function of the step. `point` is a
+/// position at mid-shutter.
+fn moved_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec3 + use<'_> {
+    let before = motion.at_time(MID_SHUTTER).inverse().transform_point3(point);
+    move |step| motion.at_time(step_time(step)).transform_point3(before)
+}
+
+/// The longest way that any part of the scene moves on the film while the shutter is open
+/// \[pixels]; 0 if nothing moves.
+///
+/// Moving shapes and lights are measured by points of their bounds, moving planes and a moving
+/// camera by what the camera sees.
+#[must_use]
+pub fn motion_on_film(scene: &Scene) -> f32 {
+    let Some(animation) = &scene.animation else { return 0.0 };
+    let film = FilmMeasure::new(scene);
+    let mut longest = 0.0f64;
+
+    // Shapes: the corners of their boxes.
+    let every = animation.shapes.len().div_ceil(MAX_SHAPES).max(1);
+    for (shape, motion) in animation.shapes.iter().step_by(every) {
+        let maps: Vec<_> = (0..=STEPS).map(|step| motion.at_time(step_time(step))).collect();
+        for corner in box_corners(shape.bounds_f64()) {
+            let position = |step: u32| maps[step as usize].transform_point3(corner);
+            longest = longest.max(film.length_on_film(&position)).max(film.length_in_scene(&position));
+        }
+    }
+
+    // Lights: their position, and points around it that turn with the light.
+    let domain = scene.photon_domain();
+    for (i, kind, _, motion) in &animation.lights {
+        let center = scene.lights[*i].emission_point().unwrap_or(domain.center).as_dvec3();
+        let reach = if matches!(kind, DeltaLightKind::Point { .. }) { 0.0 } else { f64::from(domain.radius) };
+        for corner in box_corners((center - reach, center + reach)) {
+            longest = longest.max(film.length_in_scene(&moved_from_mid_shutter(motion, corner)));
+        }
+    }
+
+    // Camera and planes: points that the camera sees at mid-shutter.
+    if animation.camera.is_some() || !animation.planes.is_empty() {
+        let first_plane = scene.geometry.planes.len() - animation.planes.len();
+        for (x, y) in (0..FILM_POINTS * FILM_POINTS).map(|i| (i % FILM_POINTS, i / FILM_POINTS)) {
+            let at = (Vec2::new(x as f32, y as f32) + 0.5) / FILM_POINTS as f32 * film.size;
+            let ray = scene.camera.generate_ray(at, None);
+            let hit = scene.intersect(&ray);
+            let distance = hit.map_or(domain.radius, |hit| hit.t);
+            let seen = (ray.origin + ray.direction * distance).as_dvec3();
+            let plane = hit.and_then(|hit| match hit.primitive {
+                HitPrimitive::Plane(i) => animation.planes.get((i as usize).checked_sub(first_plane)?),
+                HitPrimitive::Triangle(..) | HitPrimitive::Shape(..) => None,
+            });
+            longest = longest.max(match plane {
+                Some((_, motion)) => film.length_on_film(&moved_from_mid_shutter(motion, seen)),
+                None => film.length_on_film(&|_| seen),
+            });
+        }
+    }
+    longest as f32
+}
