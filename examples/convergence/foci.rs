@@ -160,7 +160,7 @@ fn samples(focus: &Focus, truth: &Truth, mut settings: Settings, passes: &[u32])
         if pass < WINDOW_PASSES {
             light.push(focus.light(&made.image));
         }
-        estimator.add(&film, &made);
+        estimator.add(pass, &made);
         film.add(&made.image);
         if passes.contains(&(pass + 1)) {
             samples.push(Sample { squares: truth.squares(focus, &film.mean()), estimate: estimator.estimate(&film) });
@@ -177,6 +177,12 @@ fn slope(passes: &[u32], squares: &[f64]) -> f64 {
     let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
     let product: f64 = x.iter().zip(&y).map(|(x, y)| (x - mx) * (y - my)).sum();
     product / x.iter().map(|x| (x - mx) * (x - mx)).sum::<f64>()
+}
+
+/// Returns the root of a squared error in percent. The square of a small error may be negative,
+/// because the truth is noisy; it then has no root.
+fn root(square: f64) -> String {
+    if square > 0.0 { format!("{:.2} %", 100.0 * square.sqrt()) } else { "–".to_owned() }
 }
 
 /// Prints the errors of one kind by passes, and the slope from [`WINDOW_PASSES`] passes on with its
@@ -196,9 +202,7 @@ fn print_errors(name: &str, kind: usize, passes: &[u32], seeds: &[Vec<Sample>]) 
     let error = Measured::of(&left_out).error * (seeds.len() as f64 - 1.0);
     print!("| {name} | {} ", ERRORS[kind]);
     for at in 0..passes.len() {
-        // The square of a small error may be negative, because the truth is noisy.
-        let square = mean(None, at);
-        if square > 0.0 { print!("| {:.2} % ", 100.0 * square.sqrt()) } else { print!("| – ") }
+        print!("| {} ", root(mean(None, at)));
     }
     let uncertainty = if error.is_finite() { format!(" ± {error:.2}") } else { String::new() };
     let slope = fitted(None);
@@ -211,7 +215,7 @@ fn print_estimates(name: &str, at: usize, passes: &[u32], seeds: &[Vec<Sample>])
         100.0 * seeds.iter().map(|samples| of(&samples[at].estimate)).sum::<f64>() / seeds.len() as f64
     };
     let square = seeds.iter().map(|samples| samples[at].squares[0]).sum::<f64>() / seeds.len() as f64;
-    print!("| {name} | {} | {:.2} % | {:.2} % ", passes[at], 100.0 * square.sqrt(), mean(&|e| e.error));
+    print!("| {name} | {} | {} | {:.2} % ", passes[at], root(square), mean(&|e| e.error));
     print!("| {:.2} % to {:.2} % ", mean(&|e| e.low), mean(&|e| e.high));
     if at + 1 < passes.len() {
         let rises: Vec<f64> =

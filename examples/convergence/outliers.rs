@@ -72,7 +72,7 @@ fn neighbours_median((width, height): (u32, u32), i: usize, value: &[f64]) -> f6
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
-    if values.len() % 2 == 0 { 0.5 * (values[middle - 1] + values[middle]) } else { values[middle] }
+    if values.len().is_multiple_of(2) { 0.5 * (values[middle - 1] + values[middle]) } else { values[middle] }
 }
 
 /// Kind of a pixel that stands out.
