@@ -168,11 +168,12 @@ struct AimedPathResults {
     splats: Vec<Splat>,
 }
 
-/// Kernel radii in media for the caustic map and the indirect map.
+/// Kernel radii in media for each photon map.
 #[derive(Clone, Copy, Debug, Default)]
 struct VolumeKernelRadiiPerMap {
     caustic: VolumeKernelRadii,
     indirect: VolumeKernelRadii,
+    interreflection: VolumeKernelRadii,
 }
 
 /// Builder of the photon maps of any pass. It holds the photon sources and gather radii.
@@ -221,8 +222,8 @@ impl<'a> PhotonMapBuilder<'a> {
     /// none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         let mut request = policy.photon_map_request();
-        if policy.indirect_photons != IndirectPhotons::Off && has_scattering_or_emitting_media(scene, policy.effects) {
-            // Photon estimates at receivers know nothing of the light in media.
+        if policy.indirect_photons != IndirectPhotons::Off && has_emitting_media(scene, policy.effects) {
+            // Media emit no photons, so camera paths carry the indirect light that they cause.
             request.unaimed = StoreMask::NONE;
         }
         let source = |mask: StoreMask, paths: u32, new_source: &dyn Fn() -> Option<PhotonSource<'a>>| {
@@ -464,7 +465,13 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let (source, mask, paths) = self.indirect_map_inputs();
         let caustic = radii(&self.aimed_source, StoreMask::CAUSTIC, settings.caustic_photons);
-        VolumeKernelRadiiPerMap { caustic, indirect: radii(source, StoreMask { direct: false, ..mask }, paths) }
+        let interreflection = if self.may_build_interreflection_map() {
+            radii(&self.unaimed_source, self.request.unaimed, settings.photons)
+        } else {
+            VolumeKernelRadii::default()
+        };
+        let indirect = radii(source, StoreMask { direct: false, ..mask }, paths);
+        VolumeKernelRadiiPerMap { caustic, indirect, interreflection }
     }
 
     /// Returns `mask` with `beams` set if the estimator for media reads photon beams, else cleared.
@@ -645,7 +652,7 @@ impl<'a> PhotonMapBuilder<'a> {
         }
         let photons = self.trace_unaimed_photons(options, monitor, out);
         let k = photon_limit(self.settings.gather_k.unwrap_or(0), options.part);
-        let radii = MapRadii { surface: self.interreflection_radius, volume: self.volume_radii.indirect };
+        let radii = MapRadii { surface: self.interreflection_radius, volume: self.volume_radii.interreflection };
         Some(self.index_photons(photons, DensityEstimateLimits { radii, k }, options, monitor, out))
     }
 
@@ -752,9 +759,9 @@ impl<'a> PhotonMapBuilder<'a> {
     }
 }
 
-/// True if `effects` simulate media and the scene uses media that scatter or emit light.
-pub(super) fn has_scattering_or_emitting_media(scene: &Scene, effects: Effects) -> bool {
-    effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.scatters() || medium.emits())
+/// True if `effects` simulate media and the scene uses media that emit light.
+pub(super) fn has_emitting_media(scene: &Scene, effects: Effects) -> bool {
+    effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.emits())
 }
 
 /// Returns `source` without the light of effects that are off; `None` if no light is left.

@@ -107,7 +107,7 @@ impl BeamAndPointMaps {
     pub fn radiance<I: Interior>(
         &self,
         path_segment: &MediumPathSegment<'_, I>,
-        samples: u32,
+        samples: f32,
         rng: &mut impl Rng,
         worker: &mut PathWorker,
     ) -> Rgb {
@@ -133,7 +133,8 @@ impl BeamAndPointMaps {
             });
         }
         if nested {
-            worker.nested.add(path_segment.throughput * samples as f32, levels);
+            worker.nested.add(path_segment.throughput * samples, levels);
+            worker.photon_step = levels[0] - levels[1];
         }
         levels[0]
     }
