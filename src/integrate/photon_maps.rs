@@ -112,8 +112,9 @@ impl PhotonMaps<'_> {
         rng: &mut impl Rng,
         worker: &mut PathWorker,
     ) -> Rgb {
-        let caustic = self.caustic.volume.radiance(vertex, samples, rng, worker);
-        (caustic + self.indirect.volume.radiance(vertex, samples, rng, worker)) * samples as f32
+        let caustic = self.caustic.volume.radiance(self.caustic.scene, vertex, samples, rng, worker);
+        let indirect = self.indirect.volume.radiance(self.indirect.scene, vertex, samples, rng, worker);
+        (caustic + indirect) * samples as f32
     }
 }
 
