@@ -54,8 +54,8 @@ const MAX_CASTERS: u32 = 8;
 /// that find none do not count.
 const MEDIAN_COUNT: f64 = 64.0;
 
-/// Kernel radius of photon beams below which fewer beams are kept instead, relative to the width of a
-/// pixel's footprint in the medium.
+/// Kernel radius of photon beams below which fewer beams are kept instead, relative to the width of
+/// a pixel's footprint in the medium.
 const BEAM_PIXEL_PART: f32 = 0.25;
 
 /// Kernel radius with which a pilot counts photons in media, relative to the scene's radius.
@@ -160,8 +160,8 @@ impl Default for VolumeKernelRadii {
 /// \[length], and the fraction of beams that passes keep.
 ///
 /// If 64 beams lie within a small part of a pixel's footprint, the radius is that part, and as many
-/// beams are kept as make 64. This costs little sharpness, and beams that lie so densely take long to
-/// search: their boxes are far larger than the radius.
+/// beams are kept as make 64. This costs little sharpness, and beams that lie so densely take long
+/// to search: their boxes are far larger than the radius.
 ///
 /// The radii are for a pass of `paths` photon paths. Returns `None` if the pilot stores no photon
 /// in media.

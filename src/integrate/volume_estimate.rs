@@ -63,7 +63,8 @@ struct NestedKernelSums {
 struct ChosenPhoton {
     /// Radiance times the kernel value of the full radius.
     radiance: Rgb,
-    /// Squared distance of the photon from the kernel's center, relative to the squared full radius.
+    /// Squared distance of the photon from the kernel's center, relative to the squared full
+    /// radius.
     x2: f32,
     /// Ray from the kernel's center towards the photon, of unit direction.
     towards: Ray,
@@ -97,8 +98,8 @@ impl NestedKernelSums {
     ///
     /// A photon's radiance f should be divided by the coverage c of the kernel that is measured
     /// towards the photon; photons behind a surface should be left out. For all photons, that takes
-    /// too many probe rays. So one is chosen with probability f/F, where F is the sum, and F/c − F or
-    /// −F is added. This has the same mean.
+    /// too many probe rays. So one is chosen with probability f/F, where F is the sum, and F/c − F
+    /// or −F is added. This has the same mean.
     fn corrected(mut self, scene: &Scene, axis: Vec3, radius: f32, factor: Rgb) -> [Rgb; LEVELS] {
         if let Some(ChosenPhoton { radiance, x2, towards }) = self.chosen {
             let probes = KernelProbes::trace(scene, &towards, axis, self.dimensions, radius);
@@ -274,8 +275,8 @@ impl BeamAndPointMaps {
     }
 }
 
-/// Returns the ray from the point of `ray` that is closest to `beam` towards the closest point of the
-/// beam.
+/// Returns the ray from the point of `ray` that is closest to `beam` towards the closest point of
+/// the beam.
 fn ray_towards_beam(ray: &Ray, beam: &PhotonBeam, crossing: &BeamIntersection) -> Ray {
     let normal = ray.direction.as_dvec3().cross(beam.direction.as_dvec3()).normalize();
     let side = normal.dot(beam.start.as_dvec3() - ray.origin.as_dvec3());

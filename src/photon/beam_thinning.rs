@@ -38,8 +38,8 @@ mod tests {
     use crate::color::Rgb;
     use glam::Vec3;
 
-    /// Over evenly spaced starts, each beam keeps its mean flux, be it weak or strong; the number of
-    /// kept beams follows the share.
+    /// Over evenly spaced starts, each beam keeps its mean flux, be it weak or strong; the number
+    /// of kept beams follows the share.
     #[test]
     fn thinning_keeps_the_mean_flux_of_each_beam() {
         let flux = |i: u32| Rgb::new(1.0, 0.5, 0.25) * [1.0, 3.0, 0.01, 60.0][i as usize % 4] * (1 + i % 7) as f32;

@@ -236,8 +236,8 @@ fn over_disc(f: impl Fn(f64) -> f64) -> f64 {
 /// Returns the expected point estimate along a ray of length `wide` across light that grows upwards
 /// by exp(σy).
 ///
-/// Balls of radius `r` have weight 15/(8π)(1 − x²), divided by the part of it between both ends. The
-/// slice at x and y has 5/(2π)(1 − x² − y²)^(3/2) of the weight, that at x has 15/16 (1 − x²)².
+/// Balls of radius `r` have weight 15/(8π)(1 − x²), divided by the part of it between both ends.
+/// The slice at x and y has 5/(2π)(1 − x² − y²)^(3/2) of the weight, that at x has 15/16 (1 − x²)².
 fn expected_point_estimate(sigma: f64, wide: f64, r: f64) -> f64 {
     const N: usize = 400;
     let x = |i: usize| -1.0 + (i as f64 + 0.5) / (N as f64 / 2.0);
@@ -323,8 +323,9 @@ fn photon_beam_estimate_matches_formula() {
                 })
                 .collect();
             let what = format!("beam behind a pane, {} by {volume:?}", algorithm.name());
-            // Midpoints of kernels with a root at their ends are accurate to 10⁻⁴. Twelve probe rays
-            // measure a ball's coverage near the ends of the ray, to a few percent of what is hidden.
+            // Midpoints of kernels with a root at their ends are accurate to 10⁻⁴. Twelve probe
+            // rays measure a ball's coverage near the ends of the ray, to a few percent of what is
+            // hidden.
             let slack = if volume == VolumeEstimator::Points { 1e-2 } else { 1e-4 };
             let expected = through * expected(&blur);
             assert_mean_each(&what, &samples, expected, slack * expected, 0.04);
@@ -392,8 +393,8 @@ fn white_medium_vanishes_in_furnace() {
     }
 }
 
-/// A milky ball in a furnace: the disc that the camera sees has radiance 1, also near its rim, where
-/// half of each kernel lies outside of the ball.
+/// A milky ball in a furnace: the disc that the camera sees has radiance 1, also near its rim,
+/// where half of each kernel lies outside of the ball.
 #[test]
 fn milky_ball_keeps_its_rim_in_a_furnace() {
     let scene = scene(
@@ -409,7 +410,8 @@ fn milky_ball_keeps_its_rim_in_a_furnace() {
     for volume in ESTIMATES {
         let settings = Settings { radius: Some(0.06), volume, ..settings.clone() };
         let samples = seen(&scene, Algorithm::Sppm, settings, PASSES);
-        // The density of photons falls towards the rim, so half a kernel there is a little too bright.
+        // The density of photons falls towards the rim, so half a kernel there is a little too
+        // bright.
         assert_mean_each(&format!("ball by {volume:?}"), &samples, DVec3::ONE, DVec3::splat(5e-3), 4e-3);
     }
 }
