@@ -393,26 +393,28 @@ fn white_medium_vanishes_in_furnace() {
     }
 }
 
-/// A milky ball in a furnace: the disc that the camera sees has radiance 1, also near its rim,
-/// where half of each kernel lies outside of the ball.
+/// A milky ball in a furnace has radiance 1, also near its rim, where half of each kernel lies
+/// outside of the ball.
+///
+/// The camera sees the part from .8 to .98 of the radius. Estimates that do not measure how much of
+/// the kernel lies in the ball give .96, .94 and .93.
 #[test]
 fn milky_ball_keeps_its_rim_in_a_furnace() {
     let scene = scene(
-        "OrthographicCamera { center 0 0 5  direction 0 0 -1  size 1.4  width 32  height 32 }
+        "OrthographicCamera { center .89 0 5  direction 0 0 -1  size .18  width 16  height 16 }
          Background { color 0 0 0 }
          Lights { EnvironmentLight { radiance 1 1 1 } }
          Media { Medium milk { scattering 2 2 2 } }
          Materials { Clear milky { medium milk } }
          Group { MaterialName milky  Sphere { center 0 0 0  radius 1 } }",
     );
-    let mut settings = with(4, EffectOverrides::PLANNED);
+    let mut settings = with(16, EffectOverrides::PLANNED);
     settings.camera_paths.max_bounces = 10_000;
     for volume in ESTIMATES {
-        let settings = Settings { radius: Some(0.06), volume, ..settings.clone() };
+        let settings = Settings { radius: Some(0.2), volume, ..settings.clone() };
         let samples = seen(&scene, Algorithm::Sppm, settings, PASSES);
-        // The density of photons falls towards the rim, so half a kernel there is a little too
-        // bright.
-        assert_mean_each(&format!("ball by {volume:?}"), &samples, DVec3::ONE, DVec3::splat(5e-3), 4e-3);
+        // The density of photons falls towards the rim, so half a kernel is too bright there.
+        assert_mean_each(&format!("rim by {volume:?}"), &samples, DVec3::ONE, DVec3::splat(0.015), 0.015);
     }
 }
 
