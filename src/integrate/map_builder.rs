@@ -15,10 +15,10 @@ use super::visible_pilot::find_visible_points;
 use super::volume_estimate::{BeamAndPointMaps, VolumeEstimator};
 use crate::photon::{
     AFTER_CAUSTIC_THINNING, Bandwidth, DensityEstimateShares, EmissionGuidingPilot, LightTracer, Photon, PhotonMap,
-    PhotonPass, PhotonPassResult, PhotonSource, Splat, StoreMask, VolumePhotons,
+    PhotonPass, PhotonPassResult, PhotonSource, Splat, StoreMask, VolumePhotons, thin_beams,
 };
 use crate::plan::{Effect, Effects};
-use crate::sampling::{Key, Purpose};
+use crate::sampling::{Dimension, Key, Purpose};
 use crate::scene::Scene;
 use std::sync::Arc;
 use std::time::Instant;
@@ -457,11 +457,14 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let radii = |source, mask, paths| {
             if let Some(radius) = settings.radius {
-                return VolumeKernelRadii { beams: radius, points: radius };
+                return VolumeKernelRadii { beams: radius, points: radius, kept_beams: 1.0 };
             }
             let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
-            found(source, self.with_beams_if_read(mask), paths)
-                .unwrap_or(VolumeKernelRadii { beams: default, points: default })
+            found(source, self.with_beams_if_read(mask), paths).unwrap_or(VolumeKernelRadii {
+                beams: default,
+                points: default,
+                kept_beams: 1.0,
+            })
         };
         let (source, mask, paths) = self.indirect_map_inputs();
         let caustic = radii(&self.aimed_source, StoreMask::CAUSTIC, settings.caustic_photons);
@@ -731,7 +734,11 @@ impl<'a> PhotonMapBuilder<'a> {
             radii.volume.points * kernel_radius_ratio(point_dimensions, alpha, pass),
         );
         let band = WAVELENGTH_BAND * area.sqrt() as f32;
-        let volume = BeamAndPointMaps::build(photons.volume, volume_radii, self.settings.volume, band);
+        // One number for all maps: their beams belong to different paths.
+        let start = options.photon_path_key(Purpose::BeamThinning).uniform_1d(Dimension::Roulette);
+        let beams = thin_beams(photons.volume.beams, radii.volume.kept_beams, start);
+        let volume_photons = VolumePhotons { beams, ..photons.volume };
+        let volume = BeamAndPointMaps::build(volume_photons, volume_radii, self.settings.volume, band);
         let limit = if options.limited { k } else { 0 };
         let shrunk_k = (f64::from(limit) * area).round().max(MIN_K) as u32;
         let bandwidth = Bandwidth { radius: radii.surface * area.sqrt() as f32, k: shrunk_k.min(limit) };

@@ -112,8 +112,9 @@ impl PhotonMaps<'_> {
         rng: &mut impl Rng,
         worker: &mut PathWorker,
     ) -> Rgb {
-        let caustic = self.caustic.volume.radiance(vertex, samples, rng, worker);
-        (caustic + self.indirect.volume.radiance(vertex, samples, rng, worker)) * samples
+        let caustic = self.caustic.volume.radiance(self.caustic.scene, vertex, samples, rng, worker);
+        let indirect = self.indirect.volume.radiance(self.indirect.scene, vertex, samples, rng, worker);
+        (caustic + indirect) * samples
     }
 
     /// Returns the radiance that a medium scatters to the start of a segment, estimated from the
@@ -131,7 +132,7 @@ impl PhotonMaps<'_> {
     ) -> Rgb {
         let Some(map) = &self.interreflection else { return Rgb::ZERO };
         worker.photon_step = Rgb::ZERO;
-        let radiance = map.volume.radiance(vertex, samples, rng, worker);
+        let radiance = map.volume.radiance(map.scene, vertex, samples, rng, worker);
         worker.indirect_light.photons += vertex.throughput * radiance * samples;
         worker.indirect_light.photon_step += vertex.throughput * worker.photon_step * samples;
         radiance * samples
