@@ -59,7 +59,8 @@ pub(super) struct PathContext<'a> {
     pub pass: u32,
     /// Number of bounces after which a camera path ends.
     pub max_bounces: u32,
-    /// Technique that finds indirect light at the first receiver: camera paths, photon estimates, or both.
+    /// Technique that finds indirect light at the first receiver: camera paths, photon estimates,
+    /// or both.
     indirect: IndirectTechnique<'a>,
     /// Length above which a final-gathering ray reads the indirect map at its end \[length].
     min_gather_distance: f32,
