@@ -58,6 +58,13 @@ const LOOKUP_WORK: f64 = 20.0;
 /// Work of one photon in a density estimate, with the search, relative to tracing a photon ray.
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
+/// Part of the indirect light of a cell. If photon estimates of the pilot miss more, camera paths
+/// carry all of it.
+const MOST_MISSED: f64 = 0.9;
+
+/// Relative variance of an estimate of which nothing is known. Its weight is nearly 0.
+const UNKNOWN_VARIANCE: f64 = 1e9;
+
 /// Ratio of the bias of a density estimate to its difference from one with half the disc area.
 const BIAS_FACTOR: f64 = 2.0;
 
@@ -284,9 +291,16 @@ fn cell_errors(
     };
     let errors = |i: usize| {
         let (by_paths, by_photons) = (smoothed(i, 4), smoothed(i, 5));
-        // Where photons are too rare for the pilot, a pass finds few.
+        // Where photons are too rare for the pilot, a pass finds few. Where it finds almost none,
+        // their variance may have any size.
         let missed = (by_paths - by_photons).max(0.0);
-        let rare = if missed > 0.5 * by_paths { by_paths * by_paths } else { 0.0 };
+        let rare = if missed > MOST_MISSED * by_paths {
+            UNKNOWN_VARIANCE
+        } else if missed > 0.5 * by_paths {
+            by_paths * by_paths
+        } else {
+            0.0
+        };
         IndirectErrors {
             path_variance: smoothed(i, 1) as f32,
             photon_variance: (smoothed(i, 2).max(rare) * paths) as f32,

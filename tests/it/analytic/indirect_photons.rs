@@ -118,8 +118,8 @@ fn photon_estimates_keep_the_indirect_light_of_fog() {
 /// indirect light or share it with photon estimates. The latter leave pixels less than half of the
 /// variance.
 ///
-/// Both means are of 30 passes. They may differ by five standard errors of their difference, and by
-/// the bias of kernels that are .05 wide in a room of size 2.
+/// The means may differ by five standard errors of their difference, and by the bias of kernels that
+/// are .05 wide in a room of size 2.
 #[test]
 fn shared_indirect_light_of_a_foggy_room_keeps_its_mean() {
     let scene = scene_from_text_in(
@@ -139,18 +139,18 @@ fn shared_indirect_light_of_a_foggy_room_keeps_its_mean() {
              Rectangle { corner 1 -1 -1  edge0 0 2 0  edge1 0 0 2 }
          }",
     );
-    let picture_means = |indirect_photons| {
+    let picture_means = |indirect_photons, passes| {
         let radius = Some(0.05);
         let settings =
             Settings { indirect_photons, radius, photons: 5000, balance: false, ..camera_ray_settings(4, 1000) };
-        let (values, variance) = picture_means_and_variance(&scene, &settings, 30);
+        let (values, variance) = picture_means_and_variance(&scene, &settings, passes);
         (mean_and_error(&values), variance)
     };
-    let ((off, off_error), off_variance) = picture_means(IndirectPhotons::Off);
-    let ((weighted, error), variance) = picture_means(IndirectPhotons::Weighted);
+    let ((off, off_error), off_variance) = picture_means(IndirectPhotons::Off, 150);
+    let ((weighted, error), variance) = picture_means(IndirectPhotons::Weighted, 30);
     let tolerance = 5.0 * off_error.hypot(error);
     eprintln!("{off} ± {off_error}, {weighted} ± {error}, variances {off_variance} {variance}");
-    assert!(tolerance < 0.03 * off, "too blunt: {tolerance} of {off}");
+    assert!(tolerance < 0.04 * off, "too blunt: {tolerance} of {off}");
     assert!((weighted - off).abs() < tolerance + 0.005 * off, "{off} ± {off_error}, {weighted} ± {error}");
     assert!(variance < 0.5 * off_variance, "{off_variance} {variance}");
 }
