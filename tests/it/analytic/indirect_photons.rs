@@ -118,8 +118,8 @@ fn photon_estimates_keep_the_indirect_light_of_fog() {
 /// indirect light or share it with photon estimates. The latter leave pixels less than half of the
 /// variance.
 ///
-/// The means may differ by five standard errors of their difference, and by the bias of kernels that
-/// are .05 wide in a room of size 2.
+/// The means may differ by five standard errors of their difference, and by the bias of kernels
+/// that are .05 wide in a room of size 2.
 #[test]
 fn shared_indirect_light_of_a_foggy_room_keeps_its_mean() {
     let scene = scene_from_text_in(
