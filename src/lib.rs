@@ -84,8 +84,8 @@
 //! 3. At casters, for example glass and mirrors
 //!    ([`Bsdf::casts_caustics`](bsdf::Bsdf::casts_caustics)), `scatter_at_caster` continues the
 //!    path. Smooth glass splits the path while both branches carry enough light.
-//! 4. At a surface that stores photons, `NextEventEstimator::estimate_direct_light` adds direct light, and
-//!    `PhotonMaps::radiance` adds the estimates from the photon maps
+//! 4. At a surface that stores photons, `NextEventEstimator::estimate_direct_light` adds direct
+//!    light, and `PhotonMaps::radiance` adds the estimates from the photon maps
 //!    ([`PhotonMap::estimate_radiance`](photon::PhotonMap::estimate_radiance)). In
 //!    [`Algorithm::Hybrid`], few paths of a pixel read the maps, at their first such surface.
 //! 5. `continue_path` samples the next direction and applies Russian roulette.

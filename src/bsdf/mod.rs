@@ -194,8 +194,8 @@ impl Bsdf {
         }
     }
 
-    /// Selects the diffuse or the specular lobe of a Phong BSDF by `u` in \[0, 1), and returns it as
-    /// a BSDF, divided by the probability of its selection. Returns any other BSDF whole.
+    /// Selects the diffuse or the specular lobe of a Phong BSDF by `u` in \[0, 1), and returns it
+    /// as a BSDF, divided by the probability of its selection. Returns any other BSDF whole.
     #[inline]
     #[must_use]
     pub fn select_lobe(self, u: f32) -> Self {

@@ -59,8 +59,8 @@ pub(super) struct PathContext<'a> {
     pub pass: u32,
     /// Number of bounces after which a camera path ends.
     pub max_bounces: u32,
-    /// Technique that finds indirect light at the first receiver (surface that stores photons):
-    /// camera paths, photon estimates, or both.
+    /// Technique that finds indirect light at the first receiver: camera paths, photon estimates,
+    /// or both.
     indirect: IndirectTechnique<'a>,
     /// Length above which a final-gathering ray reads the indirect map at its end \[length].
     min_gather_distance: f32,
@@ -78,8 +78,7 @@ pub(super) struct PathState<I> {
     ///
     /// The throughput is multiplied by this weight after the emission at the next vertex is added.
     indirect_weight: f32,
-    /// True once the path has left a first receiver (surface that stores photons) whose indirect
-    /// light photon estimates find too.
+    /// True once the path has left a first receiver whose indirect light photon estimates find too.
     shares_indirect: bool,
     /// Previous vertex if next-event estimation there could have sampled the light that the path
     /// hits now. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
@@ -101,7 +100,7 @@ pub(super) fn trace_camera_path<I: Interior>(
 ) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let mut radiance = Rgb::ZERO;
-    let indirect = paths.indirect.technique_weights(worker.film_position);
+    worker.indirect_weights = paths.indirect.technique_weights(worker.film_position);
     let mut branch = Some(PathState::from_camera_ray(paths, ray, sampler));
     while let Some(mut path) = branch {
         loop {
@@ -115,9 +114,10 @@ pub(super) fn trace_camera_path<I: Interior>(
             let mut hit = match event {
                 PathEvent::Surface(hit) => hit,
                 PathEvent::Scattered { transmittance, crossed } => {
-                    path.throughput *= transmittance;
+                    path.throughput *= transmittance * path.indirect_weight;
+                    path.indirect_weight = 1.0;
                     path.history.casters += u32::from(crossed);
-                    if media::scatter_in_medium(&mut path, phase) {
+                    if media::scatter_in_medium(&mut path, phase, worker.indirect_weights) {
                         continue;
                     }
                     break;
@@ -154,7 +154,7 @@ pub(super) fn trace_camera_path<I: Interior>(
             }
 
             // Shade a receiver.
-            if !shade_receiver(paths, &mut path, &mut hit, &interior, &indirect, worker, &mut radiance) {
+            if !shade_receiver(paths, &mut path, &mut hit, &interior, worker, &mut radiance) {
                 break;
             }
         }
@@ -171,11 +171,11 @@ fn shade_receiver<I: Interior>(
     path: &mut PathState<I>,
     receiver: &mut SurfaceVertex<'_>,
     interior: &I,
-    indirect: &IndirectWeights,
     worker: &mut PathWorker,
     radiance: &mut Rgb,
 ) -> bool {
     let PathContext { policy, nee, .. } = *paths;
+    let indirect = worker.indirect_weights;
 
     // End faint paths by Russian roulette before shading, which costs as much as many rays.
     let survival = color::channel_mean(path.throughput) / ROULETTE_THROUGHPUT;
@@ -191,9 +191,9 @@ fn shade_receiver<I: Interior>(
     let surface = &receiver.surface;
     let vertex = path.vertex_at_surface(paths, surface, interior, receiver.distance);
     let ends_gather_ray = ends_gather_ray(paths, &vertex);
-    let shares_indirect = shares_indirect_light(indirect, &vertex);
+    let shares_indirect = shares_indirect_light(indirect, vertex.history);
     let continues = path.bounce < paths.max_bounces
-        && (!shares_indirect || is_path_continued(indirect, &vertex))
+        && (!shares_indirect || is_path_continued(indirect, vertex.sampler))
         && !worker.prefix.ends_at_receiver
         && match policy.continuation {
             PathContinuation::Never => false,
@@ -213,7 +213,7 @@ fn shade_receiver<I: Interior>(
     };
 
     // Add the photon estimate.
-    let reflected = direct + photon_radiance(paths, &vertex, indirect, ends_gather_ray, worker);
+    let reflected = direct + photon_radiance(paths, &vertex, ends_gather_ray, worker);
     *radiance += path.throughput * reflected;
     if path.shares_indirect {
         worker.indirect_light.paths += path.throughput * reflected;
@@ -225,9 +225,7 @@ fn shade_receiver<I: Interior>(
         return false;
     }
     if shares_indirect {
-        let (_, samples) = vertex.sampler.sample_index_and_count();
-        path.indirect_weight = indirect.path_weight(samples);
-        path.shares_indirect = true;
+        path.share_indirect_light(indirect, vertex.sampler);
     }
     true
 }
@@ -315,7 +313,6 @@ fn continue_path<I: Interior>(
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     vertex: &PathVertex<'_, I>,
-    indirect: &IndirectWeights,
     ends_gather_ray: bool,
     worker: &mut PathWorker,
 ) -> Rgb {
@@ -336,7 +333,8 @@ fn photon_radiance<I: Interior>(
     let before_gather_ray = paths.policy.photons == PhotonLookups::GatherRays && !ends_gather_ray;
     let lookup = if before_gather_ray { PhotonMapChoice::Caustic } else { PhotonMapChoice::Both };
     let estimate = paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, samples, worker));
-    let interreflection = if shares_indirect_light(indirect, vertex) {
+    let indirect = worker.indirect_weights;
+    let interreflection = if shares_indirect_light(indirect, vertex.history) {
         let samples = samples * indirect.photons;
         paths.maps.map_or(Rgb::ZERO, |maps| maps.interreflection_radiance(vertex, samples, worker))
     } else {
@@ -347,21 +345,21 @@ fn photon_radiance<I: Interior>(
     estimate
 }
 
-/// True if photon estimates find all or part of the indirect light that `vertex` reflects.
+/// True if photon estimates find all or part of the indirect light at a receiver. `history` is that
+/// of the camera path before it.
 ///
-/// They do so only at the first surface of a camera path that stores photons.
+/// They do so only at the first receiver of a camera path.
 #[inline]
-fn shares_indirect_light<I>(indirect: &IndirectWeights, vertex: &PathVertex<'_, I>) -> bool {
-    indirect.photons > 0.0 && vertex.history.receivers == 0
+fn shares_indirect_light(indirect: IndirectWeights, history: PathHistory) -> bool {
+    indirect.photons > 0.0 && history.receivers == 0
 }
 
-/// True if the camera path continues at `vertex`, its first receiver (surface that stores photons).
+/// True if the camera path continues at its first receiver, whose sampler is `sampler`.
 ///
 /// Photon estimates share the indirect light there, so only some of a pixel's paths continue.
 #[inline]
-fn is_path_continued<I>(indirect: &IndirectWeights, vertex: &PathVertex<'_, I>) -> bool {
-    let u = vertex.sampler.get_1d(Dimension::ChosenLobe);
-    indirect.is_sample_continued(vertex.sampler.sample_index_and_count(), u)
+fn is_path_continued(indirect: IndirectWeights, sampler: Sampler) -> bool {
+    indirect.is_sample_continued(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ChosenLobe))
 }
 
 /// Returns `light`, which `path` found by hitting an emitter or by a shadow ray at a caster.
@@ -469,6 +467,15 @@ impl<'a> PathContext<'a> {
 }
 
 impl<I: Interior> PathState<I> {
+    /// Sets the weight of the indirect light that the path finds after its first receiver, whose
+    /// sampler is `sampler`.
+    #[inline]
+    fn share_indirect_light(&mut self, indirect: IndirectWeights, sampler: Sampler) {
+        let (_, samples) = sampler.sample_index_and_count();
+        self.indirect_weight = indirect.path_weight(samples);
+        self.shares_indirect = true;
+    }
+
     /// Starts a path with camera ray `ray`.
     fn from_camera_ray(paths: &PathContext<'_>, ray: &Ray, sampler: Sampler) -> Self {
         let mut path_ray: PathRay<I> = paths.scene.start_camera_path(*ray, paths.policy.effects);

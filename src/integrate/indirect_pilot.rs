@@ -58,6 +58,16 @@ const LOOKUP_WORK: f64 = 20.0;
 /// Work of one photon in a density estimate, with the search, relative to tracing a photon ray.
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
+/// Part of the indirect light of a cell. If photon estimates of the pilot miss more, they found
+/// almost nothing.
+const MOST_MISSED: f64 = 0.9;
+
+/// Variance of photon estimates that found almost nothing in a scene with scattering media,
+/// relative to the squared indirect light.
+///
+/// In thick media, photons near the camera may be rare, but then each carries great flux.
+const RARE_IN_MEDIA: f64 = 1e4;
+
 /// Ratio of the bias of a density estimate to its difference from one with half the disc area.
 const BIAS_FACTOR: f64 = 2.0;
 
@@ -119,7 +129,8 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
     let (light, counters) = trial.trace(&pilot, &film_points, IndirectTechnique::Comparison);
     let (other_light, _) = other_trial.trace(&pilot, &other_film_points, IndirectTechnique::Comparison);
     let trial_photons = f64::from(photons) / f64::from(divisor);
-    let (cells, direct_variance) = cell_errors(&light, &other_light, grid.0, trial_photons)?;
+    let rare = if pilot.scene.media_in_use().iter().any(|medium| medium.scatters()) { RARE_IN_MEDIA } else { 1.0 };
+    let (cells, direct_variance) = cell_errors(&light, &other_light, grid.0, trial_photons, rare)?;
 
     // Measure the work of each part of a pass.
     let work = trial.measure_work(&pilot, &film_points, &counters);
@@ -239,12 +250,14 @@ impl PointLight {
 /// Returns the relative errors of both techniques in each cell, and the mean variance of the direct
 /// light of a camera path; `None` if all is black.
 ///
-/// `paths` is the number of photon paths of a trial.
+/// `paths` is the number of photon paths of a trial. `rare` is the variance of photon estimates
+/// that found almost no light, relative to the squared light that camera paths found.
 fn cell_errors(
     one: &[PointLight],
     other: &[PointLight],
     columns: u32,
     paths: f64,
+    rare: f64,
 ) -> Option<(Vec<IndirectErrors>, f64)> {
     let size = CELL_POINTS as usize;
     let light = |p: &PointLight| p.direct + p.apart + 0.5 * (p.paths + p.photons);
@@ -286,10 +299,17 @@ fn cell_errors(
         let (by_paths, by_photons) = (smoothed(i, 4), smoothed(i, 5));
         // Where photons are too rare for the pilot, a pass finds few.
         let missed = (by_paths - by_photons).max(0.0);
-        let rare = if missed > 0.5 * by_paths { by_paths * by_paths } else { 0.0 };
+        let relative_variance = if missed > MOST_MISSED * by_paths {
+            rare
+        } else if missed > 0.5 * by_paths {
+            1.0
+        } else {
+            0.0
+        };
+        let least_variance = relative_variance * by_paths * by_paths;
         IndirectErrors {
             path_variance: smoothed(i, 1) as f32,
-            photon_variance: (smoothed(i, 2).max(rare) * paths) as f32,
+            photon_variance: (smoothed(i, 2).max(least_variance) * paths) as f32,
             squared_bias: smoothed(i, 3).max(0.0) as f32,
         }
     };

@@ -15,10 +15,10 @@ use super::visible_pilot::find_visible_points;
 use super::volume_estimate::{BeamAndPointMaps, VolumeEstimator};
 use crate::photon::{
     AFTER_CAUSTIC_THINNING, Bandwidth, DensityEstimateShares, EmissionGuidingPilot, LightTracer, Photon, PhotonMap,
-    PhotonPass, PhotonPassResult, PhotonSource, Splat, StoreMask, VolumePhotons,
+    PhotonPass, PhotonPassResult, PhotonSource, Splat, StoreMask, VolumePhotons, thin_beams,
 };
 use crate::plan::{Effect, Effects};
-use crate::sampling::{Key, Purpose};
+use crate::sampling::{Dimension, Key, Purpose};
 use crate::scene::Scene;
 use std::sync::Arc;
 use std::time::Instant;
@@ -168,11 +168,12 @@ struct AimedPathResults {
     splats: Vec<Splat>,
 }
 
-/// Kernel radii in media for the caustic map and the indirect map.
+/// Kernel radii in media for each photon map.
 #[derive(Clone, Copy, Debug, Default)]
 struct VolumeKernelRadiiPerMap {
     caustic: VolumeKernelRadii,
     indirect: VolumeKernelRadii,
+    interreflection: VolumeKernelRadii,
 }
 
 /// Builder of the photon maps of any pass. It holds the photon sources and gather radii.
@@ -221,8 +222,8 @@ impl<'a> PhotonMapBuilder<'a> {
     /// none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         let mut request = policy.photon_map_request();
-        if policy.indirect_photons != IndirectPhotons::Off && has_scattering_or_emitting_media(scene, policy.effects) {
-            // Photon estimates at receivers know nothing of the light in media.
+        if policy.indirect_photons != IndirectPhotons::Off && has_emitting_media(scene, policy.effects) {
+            // Media emit no photons, so camera paths carry the indirect light that they cause.
             request.unaimed = StoreMask::NONE;
         }
         let source = |mask: StoreMask, paths: u32, new_source: &dyn Fn() -> Option<PhotonSource<'a>>| {
@@ -456,15 +457,24 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let radii = |source, mask, paths| {
             if let Some(radius) = settings.radius {
-                return VolumeKernelRadii { beams: radius, points: radius };
+                return VolumeKernelRadii { beams: radius, points: radius, kept_beams: 1.0 };
             }
             let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
-            found(source, self.with_beams_if_read(mask), paths)
-                .unwrap_or(VolumeKernelRadii { beams: default, points: default })
+            found(source, self.with_beams_if_read(mask), paths).unwrap_or(VolumeKernelRadii {
+                beams: default,
+                points: default,
+                kept_beams: 1.0,
+            })
         };
         let (source, mask, paths) = self.indirect_map_inputs();
         let caustic = radii(&self.aimed_source, StoreMask::CAUSTIC, settings.caustic_photons);
-        VolumeKernelRadiiPerMap { caustic, indirect: radii(source, StoreMask { direct: false, ..mask }, paths) }
+        let interreflection = if self.may_build_interreflection_map() {
+            radii(&self.unaimed_source, self.request.unaimed, settings.photons)
+        } else {
+            VolumeKernelRadii::default()
+        };
+        let indirect = radii(source, StoreMask { direct: false, ..mask }, paths);
+        VolumeKernelRadiiPerMap { caustic, indirect, interreflection }
     }
 
     /// Returns `mask` with `beams` set if the estimator for media reads photon beams, else cleared.
@@ -645,7 +655,7 @@ impl<'a> PhotonMapBuilder<'a> {
         }
         let photons = self.trace_unaimed_photons(options, monitor, out);
         let k = photon_limit(self.settings.gather_k.unwrap_or(0), options.part);
-        let radii = MapRadii { surface: self.interreflection_radius, volume: self.volume_radii.indirect };
+        let radii = MapRadii { surface: self.interreflection_radius, volume: self.volume_radii.interreflection };
         Some(self.index_photons(photons, DensityEstimateLimits { radii, k }, options, monitor, out))
     }
 
@@ -724,7 +734,11 @@ impl<'a> PhotonMapBuilder<'a> {
             radii.volume.points * kernel_radius_ratio(point_dimensions, alpha, pass),
         );
         let band = WAVELENGTH_BAND * area.sqrt() as f32;
-        let volume = BeamAndPointMaps::build(photons.volume, volume_radii, self.settings.volume, band);
+        // One number for all maps: their beams belong to different paths.
+        let start = options.photon_path_key(Purpose::BeamThinning).uniform_1d(Dimension::Roulette);
+        let beams = thin_beams(photons.volume.beams, radii.volume.kept_beams, start);
+        let volume_photons = VolumePhotons { beams, ..photons.volume };
+        let volume = BeamAndPointMaps::build(volume_photons, volume_radii, self.settings.volume, band);
         let limit = if options.limited { k } else { 0 };
         let shrunk_k = (f64::from(limit) * area).round().max(MIN_K) as u32;
         let bandwidth = Bandwidth { radius: radii.surface * area.sqrt() as f32, k: shrunk_k.min(limit) };
@@ -752,9 +766,9 @@ impl<'a> PhotonMapBuilder<'a> {
     }
 }
 
-/// True if `effects` simulate media and the scene uses media that scatter or emit light.
-pub(super) fn has_scattering_or_emitting_media(scene: &Scene, effects: Effects) -> bool {
-    effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.scatters() || medium.emits())
+/// True if `effects` simulate media and the scene uses media that emit light.
+pub(super) fn has_emitting_media(scene: &Scene, effects: Effects) -> bool {
+    effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.emits())
 }
 
 /// Returns `source` without the light of effects that are off; `None` if no light is left.

@@ -108,12 +108,34 @@ impl PhotonMaps<'_> {
     pub fn radiance_in_medium<I: Interior>(
         &self,
         vertex: &MediumPathSegment<'_, I>,
-        samples: u32,
+        samples: f32,
         rng: &mut impl Rng,
         worker: &mut PathWorker,
     ) -> Rgb {
-        let caustic = self.caustic.volume.radiance(vertex, samples, rng, worker);
-        (caustic + self.indirect.volume.radiance(vertex, samples, rng, worker)) * samples as f32
+        let caustic = self.caustic.volume.radiance(self.caustic.scene, vertex, samples, rng, worker);
+        let indirect = self.indirect.volume.radiance(self.indirect.scene, vertex, samples, rng, worker);
+        (caustic + indirect) * samples
+    }
+
+    /// Returns the radiance that a medium scatters to the start of a segment, estimated from the
+    /// interreflection map, times `samples` \[W/(m² sr)].
+    ///
+    /// If one of a pixel's camera paths reads the map for others too, `samples` is their number,
+    /// times a weight. The estimate is also added to `worker.indirect_light`.
+    #[inline]
+    pub fn interreflection_radiance_in_medium<I: Interior>(
+        &self,
+        vertex: &MediumPathSegment<'_, I>,
+        samples: f32,
+        rng: &mut impl Rng,
+        worker: &mut PathWorker,
+    ) -> Rgb {
+        let Some(map) = &self.interreflection else { return Rgb::ZERO };
+        worker.photon_step = Rgb::ZERO;
+        let radiance = map.volume.radiance(map.scene, vertex, samples, rng, worker);
+        worker.indirect_light.photons += vertex.throughput * radiance * samples;
+        worker.indirect_light.photon_step += vertex.throughput * worker.photon_step * samples;
+        radiance * samples
     }
 }
 

@@ -54,6 +54,10 @@ const MAX_CASTERS: u32 = 8;
 /// that find none do not count.
 const MEDIAN_COUNT: f64 = 64.0;
 
+/// Kernel radius of photon beams below which fewer beams are kept instead, relative to the width of
+/// a pixel's footprint in the medium.
+const BEAM_PIXEL_PART: f32 = 0.25;
+
 /// Kernel radius with which a pilot counts photons in media, relative to the scene's radius.
 const TRIAL_RADIUS: f32 = 0.02;
 
@@ -142,16 +146,22 @@ pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
 pub(super) struct VolumeKernelRadii {
     pub beams: f32,
     pub points: f32,
+    /// Fraction of the photon beams that a pass keeps, in \[0, 1].
+    pub kept_beams: f32,
 }
 
 impl Default for VolumeKernelRadii {
     fn default() -> Self {
-        Self { beams: 1.0, points: 1.0 }
+        Self { beams: 1.0, points: 1.0, kept_beams: 1.0 }
     }
 }
 
 /// Returns the kernel radii within which the median camera ray finds 64 beams or photons in media
-/// \[length].
+/// \[length], and the fraction of beams that passes keep.
+///
+/// If 64 beams lie within a small part of a pixel's footprint, the radius is that part, and as many
+/// beams are kept as make 64. This costs little sharpness, and beams that lie so densely take long
+/// to search: their boxes are far larger than the radius.
 ///
 /// The radii are for a pass of `paths` photon paths. Returns `None` if the pilot stores no photon
 /// in media.
@@ -201,7 +211,25 @@ pub(super) fn find_volume_kernel_radii(
         }
         count
     });
-    Some(VolumeKernelRadii { beams, points: radius(points.collect(), point_dimensions) })
+    let points = radius(points.collect(), point_dimensions);
+    let widest = (median_footprint(scene, &camera_paths) * BEAM_PIXEL_PART).min(size * MAX_RADIUS);
+    let kept_beams = if beams < widest { beams / widest } else { 1.0 };
+    Some(VolumeKernelRadii { beams: beams.max(widest), points, kept_beams })
+}
+
+/// Returns the width of a pixel's footprint halfway along the median of `camera_paths` in media
+/// \[length]; 0 if none of them crosses a medium.
+fn median_footprint(scene: &Scene, camera_paths: &[Vec<Ray>]) -> f32 {
+    let (width, spread) = scene.camera().pixel_footprint();
+    let size = scene.photon_domain().radius;
+    let eye = scene.camera().center().as_vec3();
+    let middle = |segments: &Vec<Ray>| {
+        let before = (segments.first()?.origin - eye).length();
+        Some(before + 0.5 * segments.iter().map(|ray| ray.t_max.min(2.0 * size)).sum::<f32>())
+    };
+    let mut distances: Vec<f32> = camera_paths.iter().filter_map(middle).collect();
+    distances.sort_by(f32::total_cmp);
+    distances.get(distances.len() / 2).map_or(0.0, |distance| width + spread * distance)
 }
 
 /// Returns the segments in scattering media of each of 512 camera paths, up to the first surface

@@ -3,11 +3,15 @@
 use super::vertex::MediumPathSegment;
 use super::worker::PathWorker;
 use crate::color::{Rgb, Wavelength};
+use crate::math::{Frame, Ray};
 use crate::medium::{self, Medium, TransmittanceCurve};
-use crate::photon::{LEVELS, PhotonBeamMap, VolumePhotonMap, VolumePhotons};
-use crate::scene::{Interior, MediumSegment};
+use crate::photon::{
+    BeamIntersection, KernelProbes, LEVELS, PhotonBeam, PhotonBeamMap, VolumePhotonMap, VolumePhotons,
+};
+use crate::scene::{Interior, MediumSegment, Scene};
 use glam::Vec3;
-use rand::Rng;
+use rand::{Rng, RngExt};
+use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 
 /// Estimator of in-scattered radiance from photons in media.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,48 +47,91 @@ pub(super) struct BeamAndPointMaps {
 }
 
 /// Sums of the radiance from photons, for a kernel of the full radius and of smaller nested radii.
+///
+/// One photon is chosen with a probability proportional to its radiance. At it, probe rays measure
+/// which part of the kernel surfaces leave free.
 struct NestedKernelSums {
     sums: [Rgb; LEVELS],
-    /// Factor by which the kernel's normalization grows when its squared radius is halved.
-    level_scale: f32,
-    /// Exponent in the kernel's shape (1 − x²)^power.
-    power: i32,
+    /// Number of dimensions of the kernel.
+    dimensions: u32,
     /// True if the smaller radii are summed too.
     nested: bool,
+    chosen: Option<ChosenPhoton>,
+}
+
+/// The photon at which an estimate in a medium measures the coverage of its kernel.
+struct ChosenPhoton {
+    /// Radiance times the kernel value of the full radius.
+    radiance: Rgb,
+    /// Squared distance of the photon from the kernel's center, relative to the squared full
+    /// radius.
+    x2: f32,
+    /// Ray from the kernel's center towards the photon, of unit direction.
+    towards: Ray,
 }
 
 impl NestedKernelSums {
     /// Makes empty sums for a kernel in `dimensions` dimensions.
-    fn new(dimensions: u32, power: i32, nested: bool) -> Self {
-        let level_scale = [1.0, std::f32::consts::SQRT_2, 2.0, 2.0 * std::f32::consts::SQRT_2][dimensions as usize];
-        Self { sums: [Rgb::ZERO; LEVELS], level_scale, power, nested }
+    fn new(dimensions: u32, nested: bool) -> Self {
+        Self { sums: [Rgb::ZERO; LEVELS], dimensions, nested, chosen: None }
     }
 
     /// Adds `radiance` times the kernel value `weight` of the full radius.
     ///
-    /// `x2` is the squared distance relative to the squared full radius, in \[0, 1).
+    /// `x2` is the squared distance relative to the squared full radius, in \[0, 1). `towards`
+    /// returns the ray from the kernel's center towards the photon.
     #[inline]
-    fn add(&mut self, radiance: Rgb, weight: f32, x2: f32) {
-        self.sums[0] += radiance * weight;
-        if !self.nested {
-            return;
+    fn add(&mut self, radiance: Rgb, weight: f32, x2: f32, rng: &mut impl Rng, towards: impl FnOnce() -> Ray) {
+        let radiance = radiance * weight;
+        self.sums[0] += radiance;
+        if rng.random::<f32>() * self.sums[0].element_sum() < radiance.element_sum() {
+            self.chosen = Some(ChosenPhoton { radiance, x2, towards: towards() });
         }
-        let (mut scale, mut x) = (1.0, x2);
-        for sum in &mut self.sums[1..] {
-            scale *= self.level_scale;
-            x *= 2.0;
-            if x < 1.0 {
-                let ratio = (1.0 - x) / (1.0 - x2);
-                let shape = if self.power == 1 { ratio } else { ratio * ratio };
-                *sum += radiance * (weight * scale * shape);
-            }
+        if self.nested {
+            let factors = kernel_ratios(self.dimensions, x2);
+            self.sums[1..].iter_mut().zip(&factors[1..]).for_each(|(sum, factor)| *sum += radiance * *factor);
         }
     }
 
-    /// Returns all sums times `factor`.
-    fn scaled_by(self, factor: Rgb) -> [Rgb; LEVELS] {
+    /// Returns all sums times `factor`, corrected for the part of each kernel that lies behind
+    /// surfaces. `radius` is the full radius \[length], `axis` the unit direction of the ray.
+    ///
+    /// A photon's radiance f should be divided by the coverage c of the kernel that is measured
+    /// towards the photon; photons behind a surface should be left out. For all photons, that takes
+    /// too many probe rays. So one is chosen with probability f/F, where F is the sum, and F/c − F
+    /// or −F is added. This has the same mean.
+    fn corrected(mut self, scene: &Scene, axis: Vec3, radius: f32, factor: Rgb) -> [Rgb; LEVELS] {
+        if let Some(ChosenPhoton { radiance, x2, towards }) = self.chosen {
+            let probes = KernelProbes::trace(scene, &towards, axis, self.dimensions, radius);
+            let sees = probes.sees(x2.sqrt() * radius);
+            let all = self.sums[0].element_sum() / radiance.element_sum();
+            let mut radius = radius;
+            for (sum, ratio) in self.sums.iter_mut().zip(kernel_ratios(self.dimensions, x2)) {
+                let share = if sees { 1.0 / probes.coverage(radius) } else { 0.0 };
+                *sum += radiance * (ratio * all * (share - 1.0));
+                radius *= FRAC_1_SQRT_2;
+            }
+        }
         self.sums.map(|sum| sum * factor)
     }
+}
+
+/// Values of the kernels of all nested radii, relative to that of the full radius.
+///
+/// The kernels have the shape 1 − x² in one and three dimensions, and (1 − x²)² in two. `x2` is x²
+/// for the full radius.
+#[inline]
+fn kernel_ratios(dimensions: u32, x2: f32) -> [f32; LEVELS] {
+    let level_scale = [1.0, SQRT_2, 2.0, 2.0 * SQRT_2][dimensions as usize];
+    let (mut scale, mut x) = (1.0, x2);
+    let mut ratios = [1.0; LEVELS];
+    for value in &mut ratios[1..] {
+        scale *= level_scale;
+        x *= 2.0;
+        let ratio = ((1.0 - x) / (1.0 - x2)).max(0.0);
+        *value = scale * if dimensions == 2 { ratio * ratio } else { ratio };
+    }
+    ratios
 }
 
 impl BeamAndPointMaps {
@@ -106,8 +153,9 @@ impl BeamAndPointMaps {
     /// Only the nested estimates in `worker` are multiplied by `samples`; the result is not.
     pub fn radiance<I: Interior>(
         &self,
+        scene: &Scene,
         path_segment: &MediumPathSegment<'_, I>,
-        samples: u32,
+        samples: f32,
         rng: &mut impl Rng,
         worker: &mut PathWorker,
     ) -> Rgb {
@@ -121,19 +169,20 @@ impl BeamAndPointMaps {
         let mut levels = [Rgb::ZERO; LEVELS];
         let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
         if medium.is_homogeneous() {
-            add(self.estimate_by_beams(path_segment, count, nested));
+            add(self.estimate_by_beams(scene, path_segment, rng, count, nested));
         }
         if !self.points.is_empty() {
             add(match self.estimate {
-                VolumeEstimator::Points => self.estimate_at_sampled_point(path_segment, rng, count, nested),
+                VolumeEstimator::Points => self.estimate_at_sampled_point(scene, path_segment, rng, count, nested),
                 VolumeEstimator::Beams | VolumeEstimator::BeamRadiance => {
                     curve.sample(medium, ray, ray.t_max, rng);
-                    self.estimate_along_ray(path_segment, curve, count, nested)
+                    self.estimate_along_ray(scene, path_segment, (curve, rng), count, nested)
                 }
             });
         }
         if nested {
-            worker.nested.add(path_segment.throughput * samples as f32, levels);
+            worker.nested.add(path_segment.throughput * samples, levels);
+            worker.photon_step = levels[0] - levels[1];
         }
         levels[0]
     }
@@ -142,13 +191,15 @@ impl BeamAndPointMaps {
     /// between ray and beam. Returns it for each kernel size, largest first.
     fn estimate_by_beams<I: Interior>(
         &self,
+        scene: &Scene,
         path_segment: &MediumPathSegment<'_, I>,
+        rng: &mut impl Rng,
         count: &mut u64,
         nested: bool,
     ) -> [Rgb; LEVELS] {
         let MediumSegment { ray, medium, index, interior, .. } = path_segment.segment;
         let (own, extinction) = (interior.wavelength(), medium.extinction());
-        let mut sums = NestedKernelSums::new(1, 1, nested);
+        let mut sums = NestedKernelSums::new(1, nested);
         self.beams.visit_near_ray(ray, |beam, crossing| {
             if beam.medium != *index {
                 return;
@@ -157,23 +208,25 @@ impl BeamAndPointMaps {
             let transmittance = medium::transmittance(extinction, crossing.t + crossing.s);
             let phase = medium.phase.evaluate(-crossing.cos);
             let radiance = beam.flux * transmittance * wavelength_kernel_weight(own, beam.wavelength, self.band);
-            sums.add(radiance, phase * crossing.weight, crossing.x2);
+            let towards = || ray_towards_beam(ray, beam, &crossing);
+            sums.add(radiance, phase * crossing.weight, crossing.x2, rng, towards);
         });
-        sums.scaled_by(medium.scattering)
+        sums.corrected(scene, ray.direction, self.beams.radius(), medium.scattering)
     }
 
     /// Estimates radiance from photon points, with a two-dimensional kernel around the ray. Returns
     /// it for each kernel size, largest first.
     fn estimate_along_ray<I: Interior>(
         &self,
+        scene: &Scene,
         path_segment: &MediumPathSegment<'_, I>,
-        curve: &TransmittanceCurve,
+        (curve, rng): (&TransmittanceCurve, &mut impl Rng),
         count: &mut u64,
         nested: bool,
     ) -> [Rgb; LEVELS] {
         let MediumSegment { ray, medium, index, interior, .. } = path_segment.segment;
         let own = interior.wavelength();
-        let mut sums = NestedKernelSums::new(2, 2, nested);
+        let mut sums = NestedKernelSums::new(2, nested);
         self.points.visit_near_ray(ray, |photon, t, cos, weight, x2| {
             if photon.medium != *index {
                 return;
@@ -181,19 +234,22 @@ impl BeamAndPointMaps {
             *count += 1;
             let transmittance = curve.transmittance_at(t);
             let phase = medium.phase.evaluate(-cos);
-            sums.add(
-                photon.flux() * transmittance * wavelength_kernel_weight(own, photon.wavelength, self.band),
-                phase * weight,
-                x2,
-            );
+            let radiance = photon.flux() * transmittance * wavelength_kernel_weight(own, photon.wavelength, self.band);
+            let towards = || {
+                let center = ray.at(t);
+                let offset = photon.position - center;
+                ray_along(center, offset - ray.direction * offset.dot(ray.direction), ray.direction)
+            };
+            sums.add(radiance, phase * weight, x2, rng, towards);
         });
-        sums.scaled_by(Rgb::ONE)
+        sums.corrected(scene, ray.direction, self.points.radius(), Rgb::ONE)
     }
 
     /// Estimates radiance from photon points, with a three-dimensional kernel around one sampled
     /// point of the ray. Returns it for each kernel size, largest first.
     fn estimate_at_sampled_point<I: Interior>(
         &self,
+        scene: &Scene,
         path_segment: &MediumPathSegment<'_, I>,
         rng: &mut impl Rng,
         count: &mut u64,
@@ -204,18 +260,34 @@ impl BeamAndPointMaps {
         let distance_sample = medium.distance_sample(ray, ray.t_max, path_segment.throughput, rng);
         let Some(t) = distance_sample.scattered else { return [Rgb::ZERO; LEVELS] };
         let p = ray.at(t);
-        let mut sums = NestedKernelSums::new(3, 1, nested);
+        let mut sums = NestedKernelSums::new(3, nested);
         self.points.visit_near_point(p, |photon, weight, x2| {
             if photon.medium != *index {
                 return;
             }
             *count += 1;
             let phase = medium.phase.evaluate(-photon.direction().dot(ray.direction));
-            sums.add(photon.flux() * wavelength_kernel_weight(own, photon.wavelength, self.band), phase * weight, x2);
+            let radiance = photon.flux() * wavelength_kernel_weight(own, photon.wavelength, self.band);
+            sums.add(radiance, phase * weight, x2, rng, || ray_along(p, photon.position - p, ray.direction));
         });
         // The weight is σs·T over the pdf, but the photons are scattered light already.
-        sums.scaled_by(divide_by_scattering(distance_sample.weight, medium, p))
+        let factor = divide_by_scattering(distance_sample.weight, medium, p);
+        sums.corrected(scene, ray.direction, self.points.radius(), factor)
     }
+}
+
+/// Returns the ray from the point of `ray` that is closest to `beam` towards the closest point of
+/// the beam.
+fn ray_towards_beam(ray: &Ray, beam: &PhotonBeam, crossing: &BeamIntersection) -> Ray {
+    let normal = ray.direction.as_dvec3().cross(beam.direction.as_dvec3()).normalize();
+    let side = normal.dot(beam.start.as_dvec3() - ray.origin.as_dvec3());
+    Ray::new(ray.at(crossing.t), if side < 0.0 { -normal } else { normal }.as_vec3())
+}
+
+/// Returns the ray from `origin` in the direction of `offset`, or perpendicular to the unit vector
+/// `axis` if the offset is too small to have one.
+fn ray_along(origin: Vec3, offset: Vec3, axis: Vec3) -> Ray {
+    Ray::new(origin, offset.try_normalize().unwrap_or_else(|| Frame::from_normal(axis).s))
 }
 
 /// Returns `weight` divided by the scattering coefficient at `p`; 0 in channels without scattering.
@@ -241,3 +313,6 @@ pub(super) fn wavelength_kernel_weight(own: Option<Wavelength>, other: u8, band:
     let width = (nm + band).min(Wavelength::LONGEST) - (nm - band).max(Wavelength::SHORTEST);
     Rgb::select(response.cmpgt(Rgb::ZERO), 1.0 / (response * width), Rgb::ZERO)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,7 @@
 //! Counters and buffers of one parallel task that traces camera paths.
 
 use super::gather_guide::GatherGuide;
-use super::indirect_division::IndirectLight;
+use super::indirect_division::{IndirectLight, IndirectWeights};
 use super::nested_estimates::NestedEstimateSum;
 use super::prefix_rays::PrefixLight;
 use crate::color::Rgb;
@@ -43,6 +43,8 @@ pub(super) struct PathWorker {
     pub film_position: Vec2,
     /// Slice of the shutter interval of the current camera ray.
     pub slice: usize,
+    /// Weights of camera paths and photon estimates for indirect light, of the current camera path.
+    pub indirect_weights: IndirectWeights,
     /// Contribution to the pixel of the indirect light that each technique finds along the current
     /// camera path of a pilot.
     pub indirect_light: IndirectLight,

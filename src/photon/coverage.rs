@@ -12,7 +12,7 @@ use glam::Vec3;
 const PROBES: u32 = 16;
 
 /// Lower bound of the coverage, so that the division by it brightens an estimate at most 20 times.
-const MIN_COVERAGE: f32 = 0.05;
+pub(super) const MIN_COVERAGE: f32 = 0.05;
 
 /// Returns the kernel's integral over the surface around `p`, divided by its integral over a flat
 /// disc.

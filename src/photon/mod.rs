@@ -2,6 +2,7 @@
 
 mod audit;
 mod beam;
+mod beam_thinning;
 mod coverage;
 mod deposits;
 mod emit;
@@ -16,9 +17,11 @@ mod record;
 mod store_mask;
 mod trace;
 mod visible;
+mod volume_coverage;
 
 pub use audit::EnergyAudit;
 pub use beam::{BeamIntersection, PhotonBeam, PhotonBeamMap};
+pub use beam_thinning::thin_beams;
 pub use coverage::{disc_coverage, nested_disc_coverage};
 pub use deposits::{Deposits, Splat, VolumePhotons};
 pub use emit::PhotonSource;
@@ -32,3 +35,4 @@ pub use record::{Photon, PhotonData};
 pub use store_mask::{AFTER_CAUSTIC_THINNING, PhotonKind, StoreMask};
 pub use trace::{PhotonPass, PhotonPassResult};
 pub use visible::{VisiblePoint, VisiblePointMap};
+pub use volume_coverage::KernelProbes;

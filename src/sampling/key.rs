@@ -74,6 +74,8 @@ pub enum Purpose {
     PrefixRays,
     /// Pilot simulation that divides indirect light between camera paths and photons.
     IndirectDivision,
+    /// Choice of the photon beams that a pass keeps.
+    BeamThinning,
 }
 
 /// A random decision at one vertex of a path. Each decision has its own random numbers.

@@ -1,7 +1,8 @@
 //! Camera paths through participating media.
 
-use super::{PathContext, PathState};
+use super::{PathContext, PathState, is_path_continued, shares_indirect_light};
 use crate::color::Rgb;
+use crate::integrate::indirect_division::IndirectWeights;
 use crate::integrate::policy::{PathContinuation, PhotonLookups};
 use crate::integrate::vertex::{MediumPathSegment, PathHistory, PrevVertex};
 use crate::integrate::worker::PathWorker;
@@ -52,10 +53,11 @@ fn cross_medium<I: Interior>(
     let policy = paths.policy;
     let throughput = path.throughput * weight.as_vec3() * segment.transmittance_before;
 
-    // Add emission.
+    // Add emission. It is direct light of the last receiver, so it has no weight of indirect light.
     if medium.emits() {
         *radiance += throughput * medium.emitted_radiance(ray, ray.t_max, rng);
     }
+    let throughput = throughput * path.indirect_weight;
     if !medium.scatters() {
         *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
         return None;
@@ -63,7 +65,10 @@ fn cross_medium<I: Interior>(
 
     // Add single scattering of the lights, and light that photons carried.
     let history = PathHistory { casters: path.history.casters + u32::from(segment.crossed), ..path.history };
-    let continues = policy.continuation == PathContinuation::Always && path.bounce < paths.max_bounces;
+    let indirect = worker.indirect_weights;
+    let continues = policy.continuation == PathContinuation::Always
+        && path.bounce < paths.max_bounces
+        && (!shares_indirect_light(indirect, history) || is_path_continued(indirect, path.sampler));
     let distance_sample = medium.distance_sample(ray, ray.t_max, throughput, rng);
     let shadow_sampler = path.sampler.shadow_ray_sampler(paths.pass);
     let path_segment = MediumPathSegment { segment, history, throughput, sampler: path.sampler, shadow_sampler };
@@ -73,6 +78,9 @@ fn cross_medium<I: Interior>(
     }
     scattered += photon_radiance(paths, &path_segment, rng, worker);
     *radiance += throughput * scattered;
+    if path.shares_indirect {
+        worker.indirect_light.paths += throughput * scattered;
+    }
 
     // Scatter, or continue to the end of the segment.
     if continues {
@@ -92,25 +100,36 @@ fn photon_radiance<I: Interior>(
     worker: &mut PathWorker,
 ) -> Rgb {
     let Some(maps) = paths.maps else { return Rgb::ZERO };
-    match paths.policy.photons {
-        PhotonLookups::Never | PhotonLookups::RecordVisible => Rgb::ZERO,
+    let samples = match paths.policy.photons {
+        PhotonLookups::Never | PhotonLookups::RecordVisible => return Rgb::ZERO,
         PhotonLookups::FewPerPixel => match path_segment.sampler.sample_index_and_count() {
-            (0, samples) if path_segment.history.receivers == 0 => {
-                maps.radiance_in_medium(path_segment, samples, rng, worker)
-            }
-            _ => Rgb::ZERO,
+            (0, samples) if path_segment.history.receivers == 0 => samples as f32,
+            _ => return Rgb::ZERO,
         },
-        PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => {
-            maps.radiance_in_medium(path_segment, 1, rng, worker)
-        }
+        PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => 1.0,
+    };
+    let mut estimate = maps.radiance_in_medium(path_segment, samples, rng, worker);
+    let indirect = worker.indirect_weights;
+    if shares_indirect_light(indirect, path_segment.history) {
+        estimate += maps.interreflection_radiance_in_medium(path_segment, samples * indirect.photons, rng, worker);
     }
+    worker.prefix.photons += path_segment.throughput * estimate;
+    estimate
 }
 
 /// Continues `path` from a scattering event in a direction sampled from `phase`.
 ///
-/// Returns false if Russian roulette ends the path.
-pub(super) fn scatter_in_medium<I: Interior>(path: &mut PathState<I>, phase: PhaseFunction) -> bool {
+/// `indirect` holds the weights of indirect light at the path's first receiver. Returns false if
+/// Russian roulette ends the path.
+pub(super) fn scatter_in_medium<I: Interior>(
+    path: &mut PathState<I>,
+    phase: PhaseFunction,
+    indirect: IndirectWeights,
+) -> bool {
     let mut next = *path;
+    if shares_indirect_light(indirect, path.history) {
+        next.share_indirect_light(indirect, path.sampler);
+    }
     let (direction, pdf) = phase.sample(next.path_ray.ray.direction, path.sampler.get_2d(Dimension::Phase));
     next.path_ray.scatter_towards(direction);
     next.prev = Some(PrevVertex { p: next.path_ray.ray.origin, hemisphere: None, history: path.history, pdf });

@@ -59,7 +59,7 @@ fn trials_measure_variances_and_bias() {
         };
         (0..u64::from(cells * CELL_POINTS)).map(point).collect()
     };
-    let (errors, direct) = cell_errors(&trial(1), &trial(2), columns, 1000.0).unwrap();
+    let (errors, direct) = cell_errors(&trial(1), &trial(2), columns, 1000.0, 1.0).unwrap();
     let mean = |value: fn(&IndirectErrors) -> f32| {
         errors.iter().map(|cell| f64::from(value(cell))).sum::<f64>() / f64::from(cells)
     };

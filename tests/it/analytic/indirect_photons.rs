@@ -85,6 +85,76 @@ fn photon_estimates_keep_the_indirect_light_of_a_sphere() {
     assert!(weighted < 0.5 * off && full < 0.5 * off, "{off} {weighted} {full}");
 }
 
+/// A ball of fog and a white ball in its center absorb nothing, and the light around them has
+/// radiance 1. So the camera sees radiance 1 in each pixel.
+///
+/// Photon beams near the boundaries have the bias of their kernel, which is .03 wide.
+#[test]
+fn photon_estimates_keep_the_indirect_light_of_fog() {
+    let scene = scene_from_text_in(
+        "scenes",
+        "OrthographicCamera { center 0 0 5  direction 0 0 -1  size 1  width 16  height 16 }
+         Background { color 0 0 0 }
+         Lights { EnvironmentLight { radiance 1 1 1 } }
+         Media { Medium fog { scattering 2 2 2 } }
+         Materials { Clear air { medium fog }  Diffuse white { reflectance 1 1 1 } }
+         Group {
+             MaterialName air
+             Sphere { center 0 0 0  radius 1 }
+             MaterialName white
+             Sphere { center 0 0 0  radius .3 }
+         }",
+    );
+    for indirect_photons in [IndirectPhotons::Off, IndirectPhotons::Full] {
+        let radius = Some(0.03);
+        let settings =
+            Settings { indirect_photons, radius, photons: 4000, balance: false, ..camera_ray_settings(1, 1000) };
+        let (values, _) = picture_means_and_variance(&scene, &settings, 60);
+        assert_mean(&format!("{indirect_photons:?}"), &values, 1.0, 0.005, 0.01);
+    }
+}
+
+/// A foggy room with a small lamp has the same mean radiance whether camera paths carry all
+/// indirect light or share it with photon estimates. The latter leave pixels less than half of the
+/// variance.
+///
+/// The means may differ by five standard errors of their difference, and by the bias of kernels
+/// that are .05 wide in a room of size 2.
+#[test]
+fn shared_indirect_light_of_a_foggy_room_keeps_its_mean() {
+    let scene = scene_from_text_in(
+        "scenes",
+        "PerspectiveCamera { center 0 0 .95  direction 0 0 -1  angle 60  width 48  height 48 }
+         Background { color 0 0 0  medium fog }
+         Lights { SphereLight { center -.5 .6 -.4  radius .05  power 20 20 20 } }
+         Media { Medium fog { scattering .7 .7 .7  anisotropy .3 } }
+         Materials { Diffuse wall { reflectance .7 .7 .7 } }
+         Group {
+             MaterialName wall
+             Rectangle { corner -1 -1 -1  edge0 2 0 0  edge1 0 2 0 }
+             Rectangle { corner -1 -1 1  edge0 2 0 0  edge1 0 2 0 }
+             Rectangle { corner -1 -1 -1  edge0 2 0 0  edge1 0 0 2 }
+             Rectangle { corner -1 1 -1  edge0 2 0 0  edge1 0 0 2 }
+             Rectangle { corner -1 -1 -1  edge0 0 2 0  edge1 0 0 2 }
+             Rectangle { corner 1 -1 -1  edge0 0 2 0  edge1 0 0 2 }
+         }",
+    );
+    let picture_means = |indirect_photons, passes| {
+        let radius = Some(0.05);
+        let settings =
+            Settings { indirect_photons, radius, photons: 5000, balance: false, ..camera_ray_settings(4, 1000) };
+        let (values, variance) = picture_means_and_variance(&scene, &settings, passes);
+        (mean_and_error(&values), variance)
+    };
+    let ((off, off_error), off_variance) = picture_means(IndirectPhotons::Off, 150);
+    let ((weighted, error), variance) = picture_means(IndirectPhotons::Weighted, 30);
+    let tolerance = 5.0 * off_error.hypot(error);
+    eprintln!("{off} ± {off_error}, {weighted} ± {error}, variances {off_variance} {variance}");
+    assert!(tolerance < 0.04 * off, "too blunt: {tolerance} of {off}");
+    assert!((weighted - off).abs() < tolerance + 0.005 * off, "{off} ± {off_error}, {weighted} ± {error}");
+    assert!(variance < 0.5 * off_variance, "{off_variance} {variance}");
+}
+
 /// A room with a glass ball, a mirror and a small lamp, seen by a camera that sees all of them.
 fn room_with_glass() -> Scene {
     let mut b = SceneBuilder::new();

@@ -236,15 +236,22 @@ fn over_disc(f: impl Fn(f64) -> f64) -> f64 {
 /// Returns the expected point estimate along a ray of length `wide` across light that grows upwards
 /// by exp(σy).
 ///
-/// Balls of radius `r` have weight 15/(8π)(1 − x²). The part beyond both ends is lost. The slice at
-/// x and y has 5/(2π)(1 − x² − y²)^(3/2) of the weight.
+/// Balls of radius `r` have weight 15/(8π)(1 − x²), divided by the part of it between both ends.
+/// The slice at x and y has 5/(2π)(1 − x² − y²)^(3/2) of the weight, that at x has 15/16 (1 − x²)².
 fn expected_point_estimate(sigma: f64, wide: f64, r: f64) -> f64 {
-    midpoint_integral(-1.0, 1.0, 400, |x| {
-        let (from, to) = ((-r * x).max(0.0), (wide - r * x).min(wide));
-        let along = (libm::exp(-sigma * from) - libm::exp(-sigma * to)) / sigma;
-        let half = (1.0 - x * x).sqrt();
-        let slice = |y: f64| 2.5 / PI * libm::pow((half * half - y * y).max(0.0), 1.5) * libm::exp(sigma * r * y);
-        along * midpoint_integral(-half, half, 400, slice)
+    const N: usize = 400;
+    let x = |i: usize| -1.0 + (i as f64 + 0.5) / (N as f64 / 2.0);
+    let slices: Vec<(f64, f64)> = (0..N)
+        .map(|i| {
+            let half2 = 1.0 - x(i) * x(i);
+            let slice = |y: f64| 2.5 / PI * libm::pow((half2 - y * y).max(0.0), 1.5) * libm::exp(sigma * r * y);
+            (midpoint_integral(-half2.sqrt(), half2.sqrt(), N as u32, slice), 15.0 / 16.0 * half2 * half2)
+        })
+        .collect();
+    midpoint_integral(0.0, wide, N as u32, |t| {
+        let inside = |i: &usize| (0.0..wide).contains(&(t + r * x(*i)));
+        let (light, weight) = (0..N).filter(inside).fold((0.0, 0.0), |(a, b), i| (a + slices[i].0, b + slices[i].1));
+        libm::exp(-sigma * t) * light / weight
     })
 }
 
@@ -316,9 +323,12 @@ fn photon_beam_estimate_matches_formula() {
                 })
                 .collect();
             let what = format!("beam behind a pane, {} by {volume:?}", algorithm.name());
-            // Midpoints of kernels with a root at their ends are accurate to 10⁻⁴.
+            // Midpoints of kernels with a root at their ends are accurate to 10⁻⁴. Twelve probe
+            // rays measure a ball's coverage near the ends of the ray, to a few percent of what is
+            // hidden.
+            let slack = if volume == VolumeEstimator::Points { 1e-2 } else { 1e-4 };
             let expected = through * expected(&blur);
-            assert_mean_each(&what, &samples, expected, 1e-4 * expected, 0.04);
+            assert_mean_each(&what, &samples, expected, slack * expected, 0.04);
         }
     }
 }
@@ -380,6 +390,31 @@ fn white_medium_vanishes_in_furnace() {
                 }
             }
         }
+    }
+}
+
+/// A milky ball in a furnace has radiance 1, also near its rim, where half of each kernel lies
+/// outside of the ball.
+///
+/// The camera sees the part from .8 to .98 of the radius. Estimates that do not measure how much of
+/// the kernel lies in the ball give .96, .94 and .93.
+#[test]
+fn milky_ball_keeps_its_rim_in_a_furnace() {
+    let scene = scene(
+        "OrthographicCamera { center .89 0 5  direction 0 0 -1  size .18  width 16  height 16 }
+         Background { color 0 0 0 }
+         Lights { EnvironmentLight { radiance 1 1 1 } }
+         Media { Medium milk { scattering 2 2 2 } }
+         Materials { Clear milky { medium milk } }
+         Group { MaterialName milky  Sphere { center 0 0 0  radius 1 } }",
+    );
+    let mut settings = with(16, EffectOverrides::PLANNED);
+    settings.camera_paths.max_bounces = 10_000;
+    for volume in ESTIMATES {
+        let settings = Settings { radius: Some(0.2), volume, ..settings.clone() };
+        let samples = seen(&scene, Algorithm::Sppm, settings, PASSES);
+        // The density of photons falls towards the rim, so half a kernel is too bright there.
+        assert_mean_each(&format!("rim by {volume:?}"), &samples, DVec3::ONE, DVec3::splat(0.015), 0.015);
     }
 }
 

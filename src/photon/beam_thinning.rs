@@ -1,0 +1,66 @@
+//! Thinning of photon beams: fewer beams of more flux, with the same mean.
+
+use super::PhotonBeam;
+
+/// Keeps about the fraction `share` of `beams`, each with a probability proportional to its flux,
+/// and divides the flux of a kept beam by its probability.
+///
+/// Systematic sampling (Kitagawa 1996): `start` in \[0, 1) is the one random number. Any sum over
+/// beams keeps its mean, because a beam with more than the mean flux of a kept one is always kept.
+/// Beams keep their order. A `share` of 1 or more keeps all beams as they are.
+#[must_use]
+pub fn thin_beams(mut beams: Vec<PhotonBeam>, share: f32, start: f32) -> Vec<PhotonBeam> {
+    let flux = |beam: &PhotonBeam| f64::from(beam.flux.x) + f64::from(beam.flux.y) + f64::from(beam.flux.z);
+    let total: f64 = beams.iter().map(flux).sum();
+    let kept = f64::from(share) * beams.len() as f64;
+    if !(share < 1.0 && kept > 0.0 && total > 0.0 && total.is_finite()) {
+        return beams;
+    }
+    let per_step = kept / total;
+    let (mut sum, mut steps) = (0.0, 0.0);
+    beams.retain_mut(|beam| {
+        let own = flux(beam);
+        sum += own;
+        let reached = (sum * per_step + f64::from(start)).floor();
+        let count = reached - steps;
+        steps = reached;
+        if count > 0.0 {
+            beam.flux *= (count / (own * per_step)) as f32;
+        }
+        count > 0.0
+    });
+    beams
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Rgb;
+    use glam::Vec3;
+
+    /// Over evenly spaced starts, each beam keeps its mean flux, be it weak or strong; the number
+    /// of kept beams follows the share.
+    #[test]
+    fn thinning_keeps_the_mean_flux_of_each_beam() {
+        let flux = |i: u32| Rgb::new(1.0, 0.5, 0.25) * [1.0, 3.0, 0.01, 60.0][i as usize % 4] * (1 + i % 7) as f32;
+        let beams: Vec<PhotonBeam> =
+            (0..40).map(|i| PhotonBeam::new(Vec3::ZERO, Vec3::Z, 1.0, flux(i), i, 0).unwrap()).collect();
+        assert_eq!(thin_beams(beams.clone(), 1.0, 0.3), beams);
+        for share in [0.05, 0.4, 0.9] {
+            let (mut sums, mut count, starts) = (vec![Rgb::ZERO; 40], 0, 20_000);
+            for k in 0..starts {
+                let kept = thin_beams(beams.clone(), share, (k as f32 + 0.5) / starts as f32);
+                assert!(kept.is_sorted_by_key(|beam| beam.medium));
+                count += kept.len();
+                kept.iter().for_each(|beam| sums[beam.medium as usize] += beam.flux / starts as f32);
+            }
+            assert!(count as f32 <= (share * 40.0 + 1.0) * starts as f32 && count > 0, "{share}: {count}");
+            for (i, mean) in (0..).zip(sums) {
+                // The weakest beam is kept at one start of 20,000, with an error of as much.
+                let smallest = share * 40.0 * flux(i).x / beams.iter().map(|b| b.flux.x).sum::<f32>();
+                let tolerance = 1e-3 + 2.0 / (smallest * starts as f32);
+                assert!((mean.x / flux(i).x - 1.0).abs() < tolerance, "{share}, beam {i}: {mean}");
+            }
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Coverage of kernels in media: the part of a kernel that surfaces leave free. Division by it
+//! corrects boundary bias.
+
+use super::coverage::MIN_COVERAGE;
+use crate::math::{Frame, Ray};
+use crate::scene::Scene;
+use glam::Vec3;
+use std::f32::consts::FRAC_1_SQRT_2;
+
+/// Largest number of probe rays around one point.
+const MAX_PROBES: usize = 12;
+
+/// Distances to the nearest surfaces around a point in a medium, in the directions over which a
+/// kernel of one to three dimensions spreads.
+#[derive(Clone, Copy, Debug)]
+pub struct KernelProbes {
+    distances: [f32; MAX_PROBES],
+    count: usize,
+    dimensions: u32,
+}
+
+impl KernelProbes {
+    /// Traces probe rays of length `radius` from the center of a kernel. The first is `towards`.
+    ///
+    /// A kernel of one dimension has a second probe ray in the opposite direction; one of two
+    /// dimensions, eight at equal angles about the unit vector `axis`, to which `towards` is
+    /// perpendicular; one of three dimensions, twelve to the corners of an icosahedron.
+    #[must_use]
+    pub fn trace(scene: &Scene, towards: &Ray, axis: Vec3, dimensions: u32, radius: f32) -> Self {
+        let mut probes = Self { distances: [f32::INFINITY; MAX_PROBES], count: 0, dimensions };
+        let mut trace = |direction| {
+            let ray = Ray { t_max: radius, ..Ray::new(towards.origin, direction) };
+            probes.distances[probes.count] = scene.intersect(&ray).map_or(f32::INFINITY, |hit| hit.t);
+            probes.count += 1;
+        };
+        let first = towards.direction;
+        match dimensions {
+            1 => [first, -first].into_iter().for_each(&mut trace),
+            2 => {
+                let second = axis.cross(first);
+                let diagonals = [(first + second) * FRAC_1_SQRT_2, (first - second) * FRAC_1_SQRT_2];
+                [first, second, diagonals[0], diagonals[1]]
+                    .into_iter()
+                    .for_each(|v| [v, -v].into_iter().for_each(&mut trace));
+            }
+            _ => icosahedron(first).into_iter().for_each(|v| [v, -v].into_iter().for_each(&mut trace)),
+        }
+        probes
+    }
+
+    /// True if no surface lies within `distance` on the first probe ray.
+    #[must_use]
+    pub fn sees(&self, distance: f32) -> bool {
+        self.distances[0] > distance
+    }
+
+    /// Returns the part of a kernel of radius `radius` \[length] that lies before the nearest
+    /// surfaces; at least 1/20. It is exactly 1 if no probe ray hits a surface.
+    #[must_use]
+    pub fn coverage(&self, radius: f32) -> f32 {
+        let parts = self.distances[..self.count].iter().map(|d| part_within(d / radius, self.dimensions));
+        (parts.sum::<f32>() / self.count as f32).max(MIN_COVERAGE)
+    }
+}
+
+/// Part of a kernel within the fraction `x` ≥ 0 of its radius, by its number of dimensions.
+///
+/// The kernels are proportional to 1 − x² in one and three dimensions, and to (1 − x²)² in two.
+fn part_within(x: f32, dimensions: u32) -> f32 {
+    let x = x.min(1.0);
+    let x2 = x * x;
+    match dimensions {
+        1 => 0.5 * x * (3.0 - x2),
+        2 => x2 * (3.0 - x2 * (3.0 - x2)),
+        _ => 0.5 * x * x2 * (5.0 - 3.0 * x2),
+    }
+}
+
+/// Unit vectors to six corners of a regular icosahedron, of which `first` is one. The other corners
+/// are opposite.
+fn icosahedron(first: Vec3) -> [Vec3; 6] {
+    // cos 72°, sin 72°, cos 144° and sin 144°.
+    const TURNS: [(f32, f32); 5] = [
+        (1.0, 0.0),
+        (0.309_017, 0.951_056_5),
+        (-0.809_017, 0.587_785_25),
+        (-0.809_017, -0.587_785_25),
+        (0.309_017, -0.951_056_5),
+    ];
+    // 1/√5 and 2/√5.
+    let (up, out) = (0.447_213_6, 0.894_427_2);
+    let frame = Frame::from_normal(first);
+    let ring = TURNS.map(|(cos, sin)| first * up + (frame.s * cos + frame.t * sin) * out);
+    [first, ring[0], ring[1], ring[2], ring[3], ring[4]]
+}
