@@ -70,8 +70,8 @@
 //!    `LightTracer::splat_and_return_share` also sends caustic photons to the pixel that sees them.
 //! 6. [`Bsdf::sample`](bsdf::Bsdf::sample) chooses the next direction. Russian roulette then ends
 //!    the path by its throughput.
-//! 7. [`PhotonMap::build`](photon::PhotonMap::build) makes the caustic map, the indirect map and
-//!    the map that guides gather rays.
+//! 7. [`PhotonMap::build`](photon::PhotonMap::build) makes the caustic map, the indirect map, the
+//!    interreflection map of `hybrid`, and the map that guides gather rays.
 //!
 //! # The path of one camera ray
 //!

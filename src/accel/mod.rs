@@ -4,8 +4,8 @@
 //! nodes with up to eight children.
 //!
 //! A leaf is a packet of up to eight triangles, or one other primitive. The hit of a triangle
-//! depends only on the ray and on its corners, and box tests never lose a hit. So no result depends
-//! on the tree.
+//! depends only on the ray and on its corners, and box tests never lose a hit. So no hit depends on
+//! the tree, only the order in which a ray finds all its hits.
 
 mod along;
 mod build;

@@ -219,9 +219,8 @@ impl<'a> NextEventEstimator<'a> {
         target - sample.wi * self.scene.light_contact_distance(light).min(0.5 * (target - p).length())
     }
 
-    /// Returns the transmittance of a shadow ray that at least one surface occludes.
-    ///
-    /// The result is 0 unless all these surfaces are null interfaces.
+    /// Returns the transmittance of a shadow ray; 0 unless all surfaces on its way are null
+    /// interfaces. At least one surface must be on its way.
     fn transmittance_through_null_interfaces<I: Interior>(
         &self,
         light: usize,

@@ -54,22 +54,23 @@ impl Integrator for PathIntegrator<'_> {
         let renderers = if moved.is_empty() { std::slice::from_ref(renderer) } else { &moved[..] };
 
         // Trace and index photons.
-        let (mut maps, mut splats) = (Vec::new(), Vec::new());
-        for (renderer, slice) in renderers.iter().zip(slices) {
-            let map_builder = &renderer.map_builder;
-            let mut built = map_builder.traces_photons().then(|| map_builder.build(pass, slice, monitor, &mut out));
-            if let Some(maps) = &mut built {
+        let (mut maps_of_slices, mut splats) = (Vec::new(), Vec::new());
+        for (slice_renderer, slice) in renderers.iter().zip(slices) {
+            let map_builder = &slice_renderer.map_builder;
+            let mut slice_maps =
+                map_builder.traces_photons().then(|| map_builder.build(pass, slice, monitor, &mut out));
+            if let Some(maps) = &mut slice_maps {
                 // Each slice estimates the light of the whole interval.
                 let share = 1.0 / slice.count as f32;
                 maps.splats.iter_mut().for_each(|splat| splat.radiance *= share);
                 splats.append(&mut maps.splats);
             }
-            maps.push(built);
+            maps_of_slices.push(slice_maps);
         }
 
         // Trace camera paths.
         let start = Instant::now();
-        let inputs = renderers.iter().zip(&maps);
+        let inputs = renderers.iter().zip(&maps_of_slices);
         let paths: Vec<_> = inputs.map(|(renderer, maps)| renderer.path_context(maps.as_ref(), pass)).collect();
         let key = renderer.camera_path_key(pass);
         let cameras = || (self.slices > 1).then(|| sliced_cameras(renderers, pass));

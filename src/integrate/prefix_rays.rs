@@ -26,7 +26,7 @@ pub(super) struct PrefixLight {
     pub lookup_weight: f32,
     /// True for prefix rays, which end at the first surface that stores photons.
     pub ends_at_receiver: bool,
-    /// Weighted sum of the light found before the first receiver: emission, environment light and
+    /// Weighted sum of the light found up to the first receiver: emission, environment light and
     /// direct light at casters \[W/(m² sr)].
     pub found: Rgb,
     /// Weighted sum of the photon estimates \[W/(m² sr)].

@@ -87,11 +87,12 @@ fn moved_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec
     move |step| motion.at_time(step_time(step)).transform_point3(before)
 }
 
-/// The longest way that any part of the scene moves on the film while the shutter is open
-/// \[pixels]; 0 if nothing moves.
+/// The longest way that any part of the scene moves while the shutter is open \[pixels]; 0 if
+/// nothing moves.
 ///
-/// Moving shapes and lights are measured by points of their bounds, moving planes and a moving
-/// camera by what the camera sees.
+/// Corners of the bounds of moving shapes are measured on the film, and through the scene in pixels
+/// at the center of the photon domain. Lights are measured only through the scene, moving planes
+/// and a moving camera by what the camera sees.
 #[must_use]
 pub fn motion_on_film(scene: &Scene) -> f32 {
     let Some(animation) = &scene.animation else { return 0.0 };
