@@ -9,7 +9,6 @@ use super::camera_path;
 use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
-use super::shutter::ShutterSlice;
 use super::tiles;
 use crate::color;
 use crate::sampling::{Key, Purpose};
@@ -34,14 +33,7 @@ const MAX_DENSITY: f64 = 8.0;
 /// noise. Returns `None` if they have no noise.
 pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
-    let options = MapBuildOptions {
-        key,
-        pass: 0,
-        part: PILOT_DIVISOR,
-        slice: ShutterSlice::WHOLE,
-        limited: true,
-        connects: false,
-    };
+    let options = MapBuildOptions::for_pilot(key, PILOT_DIVISOR);
     let maps = renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut Pass::default());
     // Moving objects rest at one time, as in a pass.
     let pilot = renderer.with_one_sample();

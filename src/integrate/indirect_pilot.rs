@@ -15,7 +15,6 @@ use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
-use super::shutter::ShutterSlice;
 use super::worker::PathWorker;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
@@ -105,7 +104,7 @@ struct PassCost {
 /// Returns the division of indirect light with the least error times work; `None` if camera paths
 /// alone are as good.
 pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<IndirectDivision> {
-    let photons = renderer.map_builder.counts.photons;
+    let photons = renderer.map_builder.counts.unaimed;
     let mut pilot = renderer.with_one_sample();
     pilot.map_builder.compares_indirect_techniques = true;
     let divisor = photons.div_ceil(MAX_PATHS).max(MIN_DIVISOR);
@@ -190,10 +189,9 @@ impl<'a> Trial<'a> {
     /// Traces 1/`divisor` of the photon paths of a pass.
     fn new(pilot: &PassRenderer<'a>, trial: u32, divisor: u32) -> Self {
         let key = pilot_key(pilot).pilot_trial_key(trial);
-        let budget =
-            MapBuildOptions { key, pass: 0, part: divisor, slice: ShutterSlice::WHOLE, limited: true, connects: false };
+        let options = MapBuildOptions::for_pilot(key, divisor);
         let mut report = Pass::default();
-        let maps = pilot.map_builder.build_with_options(&budget, &SilentMonitor, &mut report);
+        let maps = pilot.map_builder.build_with_options(&options, &SilentMonitor, &mut report);
         Self { maps, report }
     }
 

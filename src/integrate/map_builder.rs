@@ -1,21 +1,24 @@
 //! Construction of the photon maps of a pass.
 
+mod options;
+mod pilots;
+
+pub(super) use options::{MapBuildOptions, PhotonPathCounts};
+
+use options::photon_limit;
+
 use super::indirect_division::{IndirectDivision, IndirectTechnique};
-use super::pass::{ExpectedPhotons, Pass, PassStage, PhotonReport, ProgressMonitor};
+use super::pass::{Pass, PassStage, PhotonReport, ProgressMonitor};
 use super::photon_maps::{PhotonEstimator, PhotonMaps};
 use super::policy::{PathPolicy, PhotonMapRequest};
 use super::radius_law::{RadiusLaw, kernel_radius_ratio, squared_radius_ratio};
-use super::radius_pilot::{
-    self, EmissionGuidingReportPerMap, GatherRadii, VolumeKernelRadii, find_gather_radius, find_volume_kernel_radii,
-    min_gather_radius, pilot_path_count,
-};
-use super::settings::{CameraPathSettings, IndirectPhotons, LightTracing, Settings};
+use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii, VolumeKernelRadii, min_gather_radius};
+use super::settings::{IndirectPhotons, Settings};
 use super::shutter::ShutterSlice;
-use super::visible_pilot::find_visible_points;
 use super::volume_estimate::{BeamAndPointMaps, VolumeEstimator};
 use crate::photon::{
-    AFTER_CAUSTIC_THINNING, Bandwidth, DensityEstimateShares, EmissionGuidingPilot, LightTracer, Photon, PhotonMap,
-    PhotonPass, PhotonPassResult, PhotonSource, Splat, StoreMask, VolumePhotons, thin_beams,
+    AFTER_CAUSTIC_THINNING, Bandwidth, DensityEstimateShares, LightTracer, Photon, PhotonMap, PhotonPass,
+    PhotonPassResult, PhotonSource, Splat, StoreMask, VolumePhotons, thin_beams,
 };
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Dimension, Key, Purpose};
@@ -23,36 +26,8 @@ use crate::scene::Scene;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Largest number of photon paths of the pilot that divides caustics between photon estimates and
-/// light tracing.
-const MAX_SHARE_PILOT_PATHS: u32 = 1 << 20;
-
 /// Default limit on the number of photons of a density estimate in the caustic map.
 pub const CAUSTIC_K: u32 = 50;
-
-/// Number of photons that most gather discs of the indirect map should hold; in `hybrid`, those of
-/// the interreflection map.
-const INDIRECT_COUNT: u32 = 100;
-
-/// Number of photons that most gather discs of the indirect map of `hybrid` should hold.
-const AFTER_CAUSTIC_COUNT: u32 = 50;
-
-/// Largest distance from a point that the camera sees at which a photon counts as visible, relative
-/// to the scene radius.
-const VISIBLE_RADIUS: f32 = 0.01;
-
-/// Gather radius relative to the scene radius, if the pilot that should find it stores no photon.
-const DEFAULT_RADIUS: f32 = 0.01;
-
-/// Largest number of photon paths of the pilot that guides emission for the interreflection map.
-///
-/// Many photons of that map are visible, so few paths suffice.
-const MAX_INTERREFLECTION_GUIDING_PATHS: u32 = 1 << 15;
-
-/// Efficiency gain above which passes use guided photon emission.
-///
-/// It exceeds 1, because guided paths take longer to sample.
-const MIN_GUIDING_GAIN: f64 = 1.5;
 
 /// Divisor of the number of photon paths in all directions: 1/16 of that number is traced to guide
 /// final-gathering rays.
@@ -63,67 +38,6 @@ const WAVELENGTH_BAND: f32 = 20.0;
 
 /// Smallest value to which the limit on the photons of a density estimate shrinks over the passes.
 const MIN_K: f64 = 8.0;
-
-/// Memory of a photon beam with its bounding boxes, as a multiple of the memory of a photon.
-const BEAM_SIZE: usize = 4;
-
-/// Smallest limit k on the photons of a density estimate, for passes and pilots.
-///
-/// The k-th photon only sets the radius, so k = 1 gives no density.
-const MIN_PHOTON_LIMIT: u32 = 2;
-
-/// Largest number of paths traced per photon map to predict how many photons a pass stores.
-const PROBE_PATHS: u32 = 4096;
-
-/// Numbers of photon paths of a pass: in all directions, and aimed at casters (such as glass or
-/// mirrors).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct PhotonPathCounts {
-    /// Number of paths that start in all directions.
-    pub photons: u32,
-    /// Number of paths aimed at casters, such as glass or mirrors.
-    pub caustic_photons: u32,
-}
-
-impl PhotonPathCounts {
-    /// Returns these counts divided by `part`, rounded up.
-    pub fn divided_by(self, part: u32) -> Self {
-        Self { photons: self.photons.div_ceil(part), caustic_photons: self.caustic_photons.div_ceil(part) }
-    }
-}
-
-/// Returns the limit on the photons of a density estimate, if 1/`part` of a pass's photon paths are
-/// traced.
-///
-/// `k` is the limit for all paths of a pass. 0 means no limit.
-fn photon_limit(k: u32, part: u32) -> u32 {
-    if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PHOTON_LIMIT) }
-}
-
-/// Random key, pass number and number of photons for building the maps of a pass or of a pilot.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct MapBuildOptions {
-    /// Random key from which the keys of all photon paths derive.
-    pub key: Key,
-    /// Number of the pass, counted from 0.
-    pub pass: u32,
-    /// Divisor of the number of photon paths: 1 for a pass, larger for a pilot or for a slice of
-    /// the shutter interval.
-    pub part: u32,
-    /// Slice of the shutter interval whose photons are traced.
-    pub slice: ShutterSlice,
-    /// True if density estimates use at most the k nearest photons; false if all within the radius.
-    pub limited: bool,
-    /// True if light tracing connects caustic photons to the camera.
-    pub connects: bool,
-}
-
-impl MapBuildOptions {
-    /// Returns the random key of the photon paths that are traced for `purpose` in this pass.
-    fn photon_path_key(&self, purpose: Purpose) -> Key {
-        self.slice.photon_key(self.key.purpose_key(purpose).pass_key(self.pass))
-    }
-}
 
 /// Photon paths to trace for one map.
 struct PhotonTracingTask<'a> {
@@ -238,7 +152,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let aimed_source = source(request.aimed, settings.caustic_photons, &aimed);
         let unaimed_source =
             source(request.unaimed, settings.photons, &|| PhotonSource::emitting_in_all_directions(scene));
-        let counts = PhotonPathCounts { photons: settings.photons, caustic_photons: settings.caustic_photons };
+        let counts = PhotonPathCounts { unaimed: settings.photons, aimed: settings.caustic_photons };
         let mut builder = Self {
             scene,
             settings,
@@ -304,75 +218,6 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// Guides photon emission towards visible points if a pilot finds that more efficient.
-    fn guide_emission(&mut self) {
-        // Points on surfaces do not describe what is visible in media.
-        if !self.traces_photons() || self.stores_volume_photons() {
-            return;
-        }
-        let (scene, settings) = (self.scene, &self.settings);
-        let radius = scene.photon_domain().radius * VISIBLE_RADIUS;
-        let visible = find_visible_points(scene, &settings.camera_paths, self.policy.effects, radius);
-        let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32, max_paths: u32| {
-            let unguided = source.take()?;
-            let CameraPathSettings { max_bounces, seed, .. } = settings.camera_paths;
-            let paths = pilot_path_count(paths, max_paths);
-            let pilot = EmissionGuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
-            let (guided, report) = unguided.clone().with_guided_emission(&pilot);
-            *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
-            Some(report)
-        };
-        self.emission_guiding_reports.caustic =
-            guide(&mut self.aimed_source, self.request.aimed, settings.caustic_photons, EmissionGuidingPilot::PATHS);
-        // Gather rays read the indirect map everywhere.
-        if !self.request.unaimed.direct {
-            let max_paths = if self.policy.indirect_photons == IndirectPhotons::Off {
-                EmissionGuidingPilot::PATHS
-            } else {
-                MAX_INTERREFLECTION_GUIDING_PATHS
-            };
-            self.emission_guiding_reports.indirect =
-                guide(&mut self.unaimed_source, self.request.unaimed, settings.photons, max_paths);
-        }
-    }
-
-    /// Returns the gather radii of the caustic and the indirect map, and sets that of the
-    /// interreflection map \[length].
-    ///
-    /// Pilots find them if the settings give none: most density estimates should find enough
-    /// photons.
-    fn find_gather_radii(&mut self) -> GatherRadii {
-        let settings = &self.settings;
-        let radius = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: (u32, u32), default_k: u32| {
-            let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(default_k);
-            let found = || {
-                let source = source.as_ref()?;
-                let photon_pass =
-                    PhotonPass { scene: self.scene, source, mask, max_bounces: settings.camera_paths.max_bounces };
-                find_gather_radius(&photon_pass, paths, k, settings.camera_paths.seed, self.min_radius)
-            };
-            // A pilot may find no photon although passes will, for example if objects move.
-            settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
-        };
-        let interreflection = if self.may_build_interreflection_map() {
-            let paths = (self.settings.photons, radius_pilot::MAX_INDIRECT_PATHS);
-            radius(&self.unaimed_source, self.request.unaimed, paths, INDIRECT_COUNT)
-        } else {
-            0.0
-        };
-        let (source, mask, paths) = self.indirect_map_inputs();
-        let (default_k, max_pilot_paths) = if self.request.aimed.separates_after_caustic {
-            (AFTER_CAUSTIC_COUNT, radius_pilot::MAX_INDIRECT_PATHS)
-        } else {
-            (INDIRECT_COUNT, radius_pilot::MAX_PATHS)
-        };
-        let indirect = radius(source, mask, (paths, max_pilot_paths), default_k);
-        let paths = (settings.caustic_photons, radius_pilot::MAX_PATHS);
-        let caustic = radius(&self.aimed_source, StoreMask::CAUSTIC, paths, CAUSTIC_K);
-        self.interreflection_radius = interreflection;
-        GatherRadii { indirect, caustic }
-    }
-
     /// Returns the photon source of the indirect map, the kinds of photons that the map stores, and
     /// the number of photon paths per pass that fill it.
     fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
@@ -407,7 +252,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// paths, so no unaimed paths are traced.
     pub fn set_indirect_division(&mut self, division: Option<IndirectDivision>) {
         if let Some(division) = &division {
-            self.counts.photons = division.photons;
+            self.counts.unaimed = division.photons;
         } else {
             self.unaimed_source = None;
             self.emission_guiding_reports.indirect = None;
@@ -444,39 +289,6 @@ impl<'a> PhotonMapBuilder<'a> {
         media && self.traces_photons() && self.scene.media_in_use().iter().any(|medium| medium.scatters())
     }
 
-    /// Returns the kernel radii \[length] of photon estimates in media, for each map.
-    ///
-    /// Pilots find them if the settings give none: most camera rays should find enough photons.
-    fn find_volume_kernel_radii(&self) -> VolumeKernelRadiiPerMap {
-        let settings = &self.settings;
-        let found = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
-            let source = source.as_ref()?;
-            let photon_pass =
-                PhotonPass { scene: self.scene, source, mask, max_bounces: settings.camera_paths.max_bounces };
-            find_volume_kernel_radii(&photon_pass, self.policy.effects, paths, settings)
-        };
-        let radii = |source, mask, paths| {
-            if let Some(radius) = settings.radius {
-                return VolumeKernelRadii { beams: radius, points: radius, kept_beams: 1.0 };
-            }
-            let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
-            found(source, self.with_beams_if_read(mask), paths).unwrap_or(VolumeKernelRadii {
-                beams: default,
-                points: default,
-                kept_beams: 1.0,
-            })
-        };
-        let (source, mask, paths) = self.indirect_map_inputs();
-        let caustic = radii(&self.aimed_source, StoreMask::CAUSTIC, settings.caustic_photons);
-        let interreflection = if self.may_build_interreflection_map() {
-            radii(&self.unaimed_source, self.request.unaimed, settings.photons)
-        } else {
-            VolumeKernelRadii::default()
-        };
-        let indirect = radii(source, StoreMask { direct: false, ..mask }, paths);
-        VolumeKernelRadiiPerMap { caustic, indirect, interreflection }
-    }
-
     /// Returns `mask` with `beams` set if the estimator for media reads photon beams, else cleared.
     fn with_beams_if_read(&self, mask: StoreMask) -> StoreMask {
         StoreMask { beams: self.settings.volume == VolumeEstimator::Beams, ..mask }
@@ -496,61 +308,6 @@ impl<'a> PhotonMapBuilder<'a> {
     /// True if camera rays start at random points of the lens; false if at its center.
     fn uses_lens(&self) -> bool {
         self.policy.effects.has(Effect::Lens)
-    }
-
-    /// Sets the share of caustic flux that photon estimates carry at each pixel beside light
-    /// tracing.
-    ///
-    /// The shares depend on the current number of photon paths.
-    pub fn find_density_estimate_shares(&mut self) {
-        let size = self.scene.camera().size();
-        let Some(source) = self.aimed_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
-        let shares = match self.policy.light_tracing {
-            LightTracing::Off => return,
-            LightTracing::Full => DensityEstimateShares::with_uniform_share(0, size),
-            LightTracing::Weighted => {
-                let paths = self.counts.caustic_photons.min(MAX_SHARE_PILOT_PATHS);
-                let camera_paths = &self.settings.camera_paths;
-                let max_bounces = camera_paths.max_bounces;
-                let photon_pass = PhotonPass { scene: self.scene, source, mask: StoreMask::CAUSTIC, max_bounces };
-                let key = Key::new(camera_paths.seed).purpose_key(Purpose::DensityEstimateShares);
-                let light_tracer = LightTracer::new(self.scene, self.uses_lens(), None);
-                let traced = photon_pass.trace_and_connect(key, paths, Some(&light_tracer), &|_| {});
-                let ratio = f64::from(self.counts.caustic_photons) / f64::from(paths.max(1));
-                DensityEstimateShares::from_splats(&traced.deposits.splats, size, ratio)
-            }
-        };
-        self.density_estimate_shares = Some(Arc::new(shares));
-    }
-
-    /// Estimates how many photons a pass stores, by tracing at most 4096 paths per map.
-    pub fn expected_photons(&self) -> ExpectedPhotons {
-        let settings = &self.settings;
-        let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
-        let expected = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
-            let Some(source) = source.as_ref().filter(|_| paths > 0) else { return ExpectedPhotons::default() };
-            let probe = paths.min(PROBE_PATHS);
-            let photon_pass =
-                PhotonPass { scene: self.scene, source, mask, max_bounces: settings.camera_paths.max_bounces };
-            let traced = photon_pass.trace(key, probe, &|_| {});
-            let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
-            let volume_photon_size = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
-            let one = scale(traced.deposits.photons.len() + volume_photon_size(&traced.deposits.volume));
-            let other =
-                scale(traced.deposits.after_caustic.len() + volume_photon_size(&traced.deposits.after_caustic_volume));
-            ExpectedPhotons { paths: paths.into(), photons: one + other, most: one.max(other) }
-        };
-        let guides = if self.request.guides { self.counts.photons / GUIDE_INTERVAL } else { 0 };
-        let maps = [
-            expected(&self.aimed_source, self.request.aimed, self.counts.caustic_photons),
-            expected(&self.unaimed_source, self.request.unaimed, self.counts.photons),
-            expected(&self.unaimed_source, StoreMask::INDIRECT, guides),
-        ];
-        maps.into_iter().fold(ExpectedPhotons::default(), |all, map| ExpectedPhotons {
-            paths: all.paths + map.paths,
-            photons: all.photons + map.photons,
-            most: all.most.max(map.most),
-        })
     }
 
     /// Traces the photons of slice `slice` of pass `pass` and builds its maps. Adds ray counts,
@@ -599,7 +356,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let task = PhotonTracingTask {
             source: self.aimed_source.as_ref(),
             mask: self.request.aimed,
-            paths: self.counts.divided_by(options.part).caustic_photons,
+            paths: self.counts.divided_by(options.part).aimed,
             key: options.photon_path_key(Purpose::CausticPhotons),
             light_tracer: light_tracer.as_ref(),
         };
@@ -608,7 +365,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let deposits = traced.deposits;
 
         // The limit grows with the number of paths, so that discs keep their size.
-        let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
+        let ratio = f64::from(self.counts.aimed) / f64::from(self.settings.caustic_photons.max(1));
         let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
         let k = photon_limit(self.settings.gather_k.unwrap_or(usual_k), options.part);
         let surface = self.radii.map_or(1.0, |radii| radii.caustic);
@@ -669,7 +426,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let task = PhotonTracingTask {
             source: self.unaimed_source.as_ref(),
             mask: self.request.unaimed,
-            paths: self.counts.divided_by(options.part).photons,
+            paths: self.counts.divided_by(options.part).unaimed,
             key: options.photon_path_key(Purpose::UnaimedPhotons),
             light_tracer: None,
         };
@@ -692,7 +449,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let task = PhotonTracingTask {
             source: self.unaimed_source.as_ref(),
             mask: StoreMask::INDIRECT,
-            paths: self.counts.divided_by(options.part).photons / GUIDE_INTERVAL,
+            paths: self.counts.divided_by(options.part).unaimed / GUIDE_INTERVAL,
             key: options.photon_path_key(Purpose::GatherRayGuides),
             light_tracer: None,
         };
@@ -746,6 +503,11 @@ impl<'a> PhotonMapBuilder<'a> {
         PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume, has_density_estimate_shares: false }
     }
 
+    /// Returns the photon paths from `source` that store the kinds of photons of `mask`.
+    fn photon_pass<'b>(&'b self, source: &'b PhotonSource<'a>, mask: StoreMask) -> PhotonPass<'b> {
+        PhotonPass { scene: self.scene, source, mask, max_bounces: self.settings.camera_paths.max_bounces }
+    }
+
     fn trace_photons(
         &self,
         task: PhotonTracingTask<'_>,
@@ -756,8 +518,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let Some(source) = source else { return PhotonPassResult::default() };
         let start = Instant::now();
         monitor.begin_stage(PassStage::Photons, u64::from(paths));
-        let (mask, max_bounces) = (self.with_beams_if_read(mask), self.settings.camera_paths.max_bounces);
-        let photon_pass = PhotonPass { scene: self.scene, source, mask, max_bounces };
+        let photon_pass = self.photon_pass(source, self.with_beams_if_read(mask));
         let traced = photon_pass.trace_and_connect(key, paths, light_tracer, &|n| monitor.report_progress(n));
         out.counters.photon_rays += traced.rays;
         out.counters.rejected_photons += traced.deposits.rejected;
@@ -767,7 +528,7 @@ impl<'a> PhotonMapBuilder<'a> {
 }
 
 /// True if `effects` simulate media and the scene uses media that emit light.
-pub(super) fn has_emitting_media(scene: &Scene, effects: Effects) -> bool {
+fn has_emitting_media(scene: &Scene, effects: Effects) -> bool {
     effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.emits())
 }
 
@@ -779,15 +540,4 @@ fn restrict_to_effects<'a>(source: PhotonSource<'a>, effects: Effects) -> Option
 
 fn photon_report(traced: &PhotonPassResult) -> PhotonReport {
     PhotonReport { emitted: traced.paths, stored: traced.deposits.len() as u64, audit: traced.audit }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn photon_limits_allow_a_density() {
-        assert_eq!([0, 1, 2, 5, 50].map(|k| photon_limit(k, 4)), [0, 2, 2, 2, 13]);
-        assert_eq!([0, 2, 50].map(|k| photon_limit(k, 1)), [0, 2, 50]);
-    }
 }

@@ -184,9 +184,9 @@ impl<'a> PathIntegrator<'a> {
         if let Some(RayPhotonBalance { samples, photons, caustic_photons }) = balance {
             renderer.samples = samples;
             let counts = &mut renderer.map_builder.counts;
-            counts.photons = photons.unwrap_or(counts.photons);
-            counts.caustic_photons = caustic_photons.unwrap_or(counts.caustic_photons);
-            let photons = counts.photons;
+            counts.unaimed = photons.unwrap_or(counts.unaimed);
+            counts.aimed = caustic_photons.unwrap_or(counts.aimed);
+            let photons = counts.unaimed;
             if let Some(division) = &mut renderer.map_builder.indirect_division {
                 *division = Arc::new(IndirectDivision { samples, photons, ..(**division).clone() });
             }

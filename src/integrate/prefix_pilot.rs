@@ -3,12 +3,14 @@
 //! The *prefix* of a camera path is its part up to the first receiver. Highlights of small lamps,
 //! and caustics seen in mirrors and through glass, are found by prefixes alone. They often cover a
 //! fraction of a pixel, so their noise is large, but a ray that ends at the first receiver costs
-//! little. A pixel with n camera paths and m prefix rays, l of which read photon maps, has the
-//! variance σ_r²/n + σ_f²/(n + m) + σ_p²/(1 + l). The terms are light after the first receiver,
-//! emission that the prefix finds, and the photon estimate, which one of the camera paths reads
-//! too. The pilot estimates these variances and the work of a ray and of a lookup. It minimizes the
-//! variance of the picture times the work of a pass, which is the inverse of efficiency (Pharr,
-//! Jakob and Humphreys 2023, section 2.2.1).
+//! little.
+//!
+//! A pixel with n camera paths and m prefix rays has the variance σ_r²/n + σ_f²/(n + m) +
+//! σ_p²/(1 + l) if l prefix rays read photon maps. The terms are light after the first receiver,
+//! emission that the prefix finds, and the photon estimate. One camera path reads photon maps too,
+//! hence 1 + l. The pilot estimates these variances and the work of a ray and of a lookup. It
+//! minimizes the variance of the picture times the work of a pass, which is the inverse of
+//! efficiency (Pharr, Jakob and Humphreys 2023, section 2.2.1).
 //!
 //! Two pictures of whole camera paths show in which pixels the photon estimate may need prefix
 //! rays. Only there do the prefix rays of the next pictures read photon maps, which is most of
@@ -23,7 +25,6 @@ use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::prefix_rays::{PrefixLight, PrefixRayCount, PrefixRayCounts};
-use super::shutter::ShutterSlice;
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
 use crate::plan::Effect;
@@ -131,11 +132,10 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::PrefixRays);
     let mut out = Pass::default();
     let counts = renderer.map_builder.counts;
-    let divisor = counts.photons.max(counts.caustic_photons).div_ceil(MAX_PATHS).max(MIN_DIVISOR);
+    let divisor = counts.unaimed.max(counts.aimed).div_ceil(MAX_PATHS).max(MIN_DIVISOR);
     let maps = renderer.map_builder.traces_photons().then(|| {
-        let budget =
-            MapBuildOptions { key, pass: 0, part: divisor, slice: ShutterSlice::WHOLE, limited: true, connects: true };
-        renderer.map_builder.build_with_options(&budget, &SilentMonitor, &mut out)
+        let options = MapBuildOptions { connects: true, ..MapBuildOptions::for_pilot(key, divisor) };
+        renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out)
     });
     let (width, height) = scene.camera().size();
     let mut light = vec![PixelLight::default(); width as usize * height as usize];
@@ -221,9 +221,9 @@ enum PathParts {
 
 /// Returns for each pixel whether the pilot reads photon maps there by prefix rays.
 ///
-/// `variances` come from whole camera paths, of which a pass traces `samples` per pixel. Only one
-/// of these n paths reads photon maps. A further estimate pays if its variance is above about 1/n²
-/// of that of a camera path.
+/// `variances` are those of single whole camera paths. A pass traces n = `samples` paths in each
+/// pixel, and only one of them reads photon maps. A further estimate pays if its variance is above
+/// about 1/n² of that of a camera path.
 fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
     let total: f64 = variances.iter().map(|v| v.rest + v.found).sum();

@@ -7,7 +7,6 @@ use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, PhotonReport, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
-use super::shutter::ShutterSlice;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::Scene;
@@ -38,14 +37,8 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let counts = renderer.map_builder.counts;
     let build = |trial| {
         let mut out = Pass::default();
-        let options = MapBuildOptions {
-            key: key.pilot_trial_key(trial),
-            pass: 0,
-            part: PILOT_DIVISOR,
-            slice: ShutterSlice::WHOLE,
-            limited: false,
-            connects: false,
-        };
+        let options =
+            MapBuildOptions { limited: false, ..MapBuildOptions::for_pilot(key.pilot_trial_key(trial), PILOT_DIVISOR) };
         (renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out), out)
     };
     let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
@@ -106,13 +99,13 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let (unaimed, caustic) = if other_maps.interreflection.is_some() {
         let (aimed, all) = (made.aimed.emitted as f64, made.unaimed.emitted as f64);
         (
-            photons(unaimed_noise, &made.unaimed, counts.photons, gathered_unaimed, all),
-            photons(noise(&other_caustic), &made.aimed, counts.caustic_photons, gathered - gathered_unaimed, aimed),
+            photons(unaimed_noise, &made.unaimed, counts.unaimed, gathered_unaimed, all),
+            photons(noise(&other_caustic), &made.aimed, counts.aimed, gathered - gathered_unaimed, aimed),
         )
     } else {
         (
-            photons(unaimed_noise, &made.unaimed, counts.photons, gathered, paths),
-            photons(noise(&other_caustic), &made.aimed, counts.caustic_photons, gathered, paths),
+            photons(unaimed_noise, &made.unaimed, counts.unaimed, gathered, paths),
+            photons(noise(&other_caustic), &made.aimed, counts.aimed, gathered, paths),
         )
     };
 
@@ -130,14 +123,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
 pub(super) fn measure_pass_work(renderer: &PassRenderer<'_>) -> Counters {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let mut out = Pass::default();
-    let options = MapBuildOptions {
-        key,
-        pass: 0,
-        part: PILOT_DIVISOR,
-        slice: ShutterSlice::WHOLE,
-        limited: true,
-        connects: true,
-    };
+    let options = MapBuildOptions { connects: true, ..MapBuildOptions::for_pilot(key, PILOT_DIVISOR) };
     let maps = renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out);
     let counters = estimate_at_points(renderer, Some(&maps), &pilot_film_points(renderer.scene, key, 0)).counters;
     let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;

@@ -76,8 +76,8 @@ fn part_within(x: f32, dimensions: u32) -> f32 {
     }
 }
 
-/// Unit vectors to six corners of a regular icosahedron, of which `first` is one. The other corners
-/// are opposite.
+/// Unit vectors to six corners of a regular icosahedron. `first` is the first of them. The other
+/// corners are opposite.
 fn icosahedron(first: Vec3) -> [Vec3; 6] {
     // cos 72°, sin 72°, cos 144° and sin 144°.
     const TURNS: [(f32, f32); 5] = [

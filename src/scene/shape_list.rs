@@ -1,4 +1,4 @@
-//! The shapes of a scene: those at rest, which all shutter times share, and those that move.
+//! The shapes of a scene. Shapes at rest are shared by all shutter times; moving shapes are not.
 
 use crate::shape::Shape;
 use std::ops::Index;
@@ -14,7 +14,7 @@ pub(super) struct ShapeList {
 }
 
 impl ShapeList {
-    /// Makes a list of `shapes`, of which those from index `first_moving` on move.
+    /// Makes a list of `shapes`. Shapes from index `first_moving` on move.
     pub fn new(mut shapes: Vec<Shape>, first_moving: u32) -> Self {
         let moving = shapes.split_off(first_moving as usize);
         Self { resting: shapes.into(), moving }

@@ -1,4 +1,4 @@
-//! Media in scene coordinates, and those that move with the bodies that they fill.
+//! Conversion of media to scene coordinates. A medium moves with the body that it fills.
 
 use super::object::SceneObject;
 use crate::math::Motion;
@@ -7,7 +7,7 @@ use crate::scene::Material;
 use crate::scene::animation::{Animation, MID_SHUTTER, medium_at_time};
 use glam::{DAffine3, DVec3};
 
-/// Returns `media` in coordinates relative to `origin`, at mid-shutter. Adds those that move to
+/// Returns `media` in coordinates relative to `origin`, at mid-shutter. Adds moving media to
 /// `animation`.
 ///
 /// A density grid moves with the body that its medium fills. If the medium fills several bodies, it

@@ -1,0 +1,76 @@
+//! Random key, pass and number of photon paths for building photon maps.
+
+use crate::integrate::shutter::ShutterSlice;
+use crate::sampling::{Key, Purpose};
+
+/// Smallest limit k on the photons of a density estimate, for passes and pilots.
+///
+/// The k-th photon only sets the radius, so k = 1 gives no density.
+const MIN_PHOTON_LIMIT: u32 = 2;
+
+/// Numbers of photon paths of a pass: in all directions, and aimed at casters (such as glass or
+/// mirrors).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::integrate) struct PhotonPathCounts {
+    /// Number of paths that start in all directions.
+    pub unaimed: u32,
+    /// Number of paths aimed at casters, such as glass or mirrors.
+    pub aimed: u32,
+}
+
+impl PhotonPathCounts {
+    /// Returns these counts divided by `part`, rounded up.
+    pub fn divided_by(self, part: u32) -> Self {
+        Self { unaimed: self.unaimed.div_ceil(part), aimed: self.aimed.div_ceil(part) }
+    }
+}
+
+/// Returns the limit on the photons of a density estimate, if 1/`part` of a pass's photon paths are
+/// traced.
+///
+/// `k` is the limit for all paths of a pass. 0 means no limit.
+pub(super) fn photon_limit(k: u32, part: u32) -> u32 {
+    if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PHOTON_LIMIT) }
+}
+
+/// Random key, pass number and number of photons for building the maps of a pass or of a pilot.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::integrate) struct MapBuildOptions {
+    /// Random key from which the keys of all photon paths derive.
+    pub key: Key,
+    /// Number of the pass, counted from 0.
+    pub pass: u32,
+    /// Divisor of the number of photon paths: 1 for a pass, larger for a pilot or for a slice of
+    /// the shutter interval.
+    pub part: u32,
+    /// Slice of the shutter interval whose photons are traced.
+    pub slice: ShutterSlice,
+    /// True if density estimates use at most the k nearest photons; false if all within the radius.
+    pub limited: bool,
+    /// True if light tracing connects caustic photons to the camera.
+    pub connects: bool,
+}
+
+impl MapBuildOptions {
+    /// Options of a pilot that traces 1/`part` of the photon paths of the first pass, for the whole
+    /// shutter interval, without light tracing.
+    pub fn for_pilot(key: Key, part: u32) -> Self {
+        Self { key, pass: 0, part, slice: ShutterSlice::WHOLE, limited: true, connects: false }
+    }
+
+    /// Returns the random key of the photon paths that are traced for `purpose` in this pass.
+    pub(super) fn photon_path_key(&self, purpose: Purpose) -> Key {
+        self.slice.photon_key(self.key.purpose_key(purpose).pass_key(self.pass))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn photon_limits_allow_a_density() {
+        assert_eq!([0, 1, 2, 5, 50].map(|k| photon_limit(k, 4)), [0, 2, 2, 2, 13]);
+        assert_eq!([0, 2, 50].map(|k| photon_limit(k, 1)), [0, 2, 50]);
+    }
+}

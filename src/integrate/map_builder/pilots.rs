@@ -1,0 +1,204 @@
+//! Pilots of the map builder: small photon simulations that guide emission, find gather radii,
+//! divide caustics between estimates and light tracing, and predict how many photons a pass stores.
+
+use super::{CAUSTIC_K, GUIDE_INTERVAL, PhotonMapBuilder, VolumeKernelRadiiPerMap};
+use crate::integrate::pass::ExpectedPhotons;
+use crate::integrate::radius_pilot::{
+    self, GatherRadii, VolumeKernelRadii, find_gather_radius, find_volume_kernel_radii, pilot_path_count,
+};
+use crate::integrate::settings::{CameraPathSettings, IndirectPhotons, LightTracing};
+use crate::integrate::visible_pilot::find_visible_points;
+use crate::photon::{DensityEstimateShares, EmissionGuidingPilot, LightTracer, PhotonSource, StoreMask, VolumePhotons};
+use crate::sampling::{Key, Purpose};
+use std::sync::Arc;
+
+/// Largest number of photon paths of the pilot that divides caustics between photon estimates and
+/// light tracing.
+const MAX_SHARE_PILOT_PATHS: u32 = 1 << 20;
+
+/// Number of photons that most gather discs of the indirect map should hold; in `hybrid`, those of
+/// the interreflection map.
+const INDIRECT_COUNT: u32 = 100;
+
+/// Number of photons that most gather discs of the indirect map of `hybrid` should hold.
+const AFTER_CAUSTIC_COUNT: u32 = 50;
+
+/// Largest distance from a point that the camera sees at which a photon counts as visible, relative
+/// to the scene radius.
+const VISIBLE_RADIUS: f32 = 0.01;
+
+/// Gather radius relative to the scene radius, if the pilot that should find it stores no photon.
+const DEFAULT_RADIUS: f32 = 0.01;
+
+/// Largest number of photon paths of the pilot that guides emission for the interreflection map.
+///
+/// Many photons of that map are visible, so few paths suffice.
+const MAX_INTERREFLECTION_GUIDING_PATHS: u32 = 1 << 15;
+
+/// Efficiency gain above which passes use guided photon emission.
+///
+/// It exceeds 1, because guided paths take longer to sample.
+const MIN_GUIDING_GAIN: f64 = 1.5;
+
+/// Memory of a photon beam with its bounding boxes, as a multiple of the memory of a photon.
+const BEAM_SIZE: usize = 4;
+
+/// Largest number of paths traced per photon map to predict how many photons a pass stores.
+const PROBE_PATHS: u32 = 4096;
+
+impl<'a> PhotonMapBuilder<'a> {
+    /// Guides photon emission towards visible points if a pilot finds that more efficient.
+    pub(super) fn guide_emission(&mut self) {
+        // Points on surfaces do not describe what is visible in media.
+        if !self.traces_photons() || self.stores_volume_photons() {
+            return;
+        }
+        let (scene, settings) = (self.scene, &self.settings);
+        let radius = scene.photon_domain().radius * VISIBLE_RADIUS;
+        let visible = find_visible_points(scene, &settings.camera_paths, self.policy.effects, radius);
+        let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32, max_paths: u32| {
+            let unguided = source.take()?;
+            let CameraPathSettings { max_bounces, seed, .. } = settings.camera_paths;
+            let paths = pilot_path_count(paths, max_paths);
+            let pilot = EmissionGuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
+            let (guided, report) = unguided.clone().with_guided_emission(&pilot);
+            *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
+            Some(report)
+        };
+        self.emission_guiding_reports.caustic =
+            guide(&mut self.aimed_source, self.request.aimed, settings.caustic_photons, EmissionGuidingPilot::PATHS);
+        // Gather rays read the indirect map everywhere.
+        if !self.request.unaimed.direct {
+            let max_paths = if self.policy.indirect_photons == IndirectPhotons::Off {
+                EmissionGuidingPilot::PATHS
+            } else {
+                MAX_INTERREFLECTION_GUIDING_PATHS
+            };
+            self.emission_guiding_reports.indirect =
+                guide(&mut self.unaimed_source, self.request.unaimed, settings.photons, max_paths);
+        }
+    }
+
+    /// Returns the gather radii of the caustic and the indirect map, and sets that of the
+    /// interreflection map \[length].
+    ///
+    /// Pilots find them if the settings give none: most density estimates should find enough
+    /// photons.
+    pub(super) fn find_gather_radii(&mut self) -> GatherRadii {
+        let settings = &self.settings;
+        let radius = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: (u32, u32), default_k: u32| {
+            let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(default_k);
+            let found = || {
+                let source = source.as_ref()?;
+                find_gather_radius(
+                    &self.photon_pass(source, mask),
+                    paths,
+                    k,
+                    settings.camera_paths.seed,
+                    self.min_radius,
+                )
+            };
+            // A pilot may find no photon although passes will, for example if objects move.
+            settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
+        };
+        let interreflection = if self.may_build_interreflection_map() {
+            let paths = (self.settings.photons, radius_pilot::MAX_INDIRECT_PATHS);
+            radius(&self.unaimed_source, self.request.unaimed, paths, INDIRECT_COUNT)
+        } else {
+            0.0
+        };
+        let (source, mask, paths) = self.indirect_map_inputs();
+        let (default_k, max_pilot_paths) = if self.request.aimed.separates_after_caustic {
+            (AFTER_CAUSTIC_COUNT, radius_pilot::MAX_INDIRECT_PATHS)
+        } else {
+            (INDIRECT_COUNT, radius_pilot::MAX_PATHS)
+        };
+        let indirect = radius(source, mask, (paths, max_pilot_paths), default_k);
+        let paths = (settings.caustic_photons, radius_pilot::MAX_PATHS);
+        let caustic = radius(&self.aimed_source, StoreMask::CAUSTIC, paths, CAUSTIC_K);
+        self.interreflection_radius = interreflection;
+        GatherRadii { indirect, caustic }
+    }
+
+    /// Returns the kernel radii \[length] of photon estimates in media, for each map.
+    ///
+    /// Pilots find them if the settings give none: most camera rays should find enough photons.
+    pub(super) fn find_volume_kernel_radii(&self) -> VolumeKernelRadiiPerMap {
+        let settings = &self.settings;
+        let found = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
+            let source = source.as_ref()?;
+            find_volume_kernel_radii(&self.photon_pass(source, mask), self.policy.effects, paths, settings)
+        };
+        let radii = |source, mask, paths| {
+            if let Some(radius) = settings.radius {
+                return VolumeKernelRadii { beams: radius, points: radius, kept_beams: 1.0 };
+            }
+            let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
+            found(source, self.with_beams_if_read(mask), paths).unwrap_or(VolumeKernelRadii {
+                beams: default,
+                points: default,
+                kept_beams: 1.0,
+            })
+        };
+        let (source, mask, paths) = self.indirect_map_inputs();
+        let caustic = radii(&self.aimed_source, StoreMask::CAUSTIC, settings.caustic_photons);
+        let interreflection = if self.may_build_interreflection_map() {
+            radii(&self.unaimed_source, self.request.unaimed, settings.photons)
+        } else {
+            VolumeKernelRadii::default()
+        };
+        let indirect = radii(source, StoreMask { direct: false, ..mask }, paths);
+        VolumeKernelRadiiPerMap { caustic, indirect, interreflection }
+    }
+
+    /// Sets the share of caustic flux that photon estimates carry at each pixel beside light
+    /// tracing.
+    ///
+    /// The shares depend on the current number of photon paths.
+    pub fn find_density_estimate_shares(&mut self) {
+        let size = self.scene.camera().size();
+        let Some(source) = self.aimed_source.as_ref().filter(|_| self.request.aimed.caustic) else { return };
+        let shares = match self.policy.light_tracing {
+            LightTracing::Off => return,
+            LightTracing::Full => DensityEstimateShares::with_uniform_share(0, size),
+            LightTracing::Weighted => {
+                let paths = self.counts.aimed.min(MAX_SHARE_PILOT_PATHS);
+                let photon_pass = self.photon_pass(source, StoreMask::CAUSTIC);
+                let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::DensityEstimateShares);
+                let light_tracer = LightTracer::new(self.scene, self.uses_lens(), None);
+                let traced = photon_pass.trace_and_connect(key, paths, Some(&light_tracer), &|_| {});
+                let ratio = f64::from(self.counts.aimed) / f64::from(paths.max(1));
+                DensityEstimateShares::from_splats(&traced.deposits.splats, size, ratio)
+            }
+        };
+        self.density_estimate_shares = Some(Arc::new(shares));
+    }
+
+    /// Estimates how many photons a pass stores, by tracing at most 4096 paths per map.
+    pub fn expected_photons(&self) -> ExpectedPhotons {
+        let settings = &self.settings;
+        let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
+        let expected = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
+            let Some(source) = source.as_ref().filter(|_| paths > 0) else { return ExpectedPhotons::default() };
+            let probe = paths.min(PROBE_PATHS);
+            let traced = self.photon_pass(source, mask).trace(key, probe, &|_| {});
+            let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
+            let volume_photon_size = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
+            let one = scale(traced.deposits.photons.len() + volume_photon_size(&traced.deposits.volume));
+            let other =
+                scale(traced.deposits.after_caustic.len() + volume_photon_size(&traced.deposits.after_caustic_volume));
+            ExpectedPhotons { paths: paths.into(), photons: one + other, most: one.max(other) }
+        };
+        let guides = if self.request.guides { self.counts.unaimed / GUIDE_INTERVAL } else { 0 };
+        let maps = [
+            expected(&self.aimed_source, self.request.aimed, self.counts.aimed),
+            expected(&self.unaimed_source, self.request.unaimed, self.counts.unaimed),
+            expected(&self.unaimed_source, StoreMask::INDIRECT, guides),
+        ];
+        maps.into_iter().fold(ExpectedPhotons::default(), |all, map| ExpectedPhotons {
+            paths: all.paths + map.paths,
+            photons: all.photons + map.photons,
+            most: all.most.max(map.most),
+        })
+    }
+}
