@@ -6,8 +6,8 @@
 //! reference and in the render: pilots divide the work of each render anew, so noise differs
 //! between seeds. A standard error is at least a thousandth of the local light.
 //!
-//! Heavy tails enlarge the standard error. A *speck* is therefore counted without it: d exceeds the
-//! median of its neighbours by more than half the local light.
+//! Heavy tails enlarge the standard error. A *firefly* is therefore counted without it: d exceeds
+//! the median of its neighbours by more than half the local light.
 
 use crate::arguments::Arguments;
 use crate::{read_scene, scenes_folder, settings};
@@ -23,8 +23,8 @@ use std::error::Error;
 
 /// A difference from the neighbours of more standard errors than this is salt.
 const STANDARD_ERRORS: f64 = 5.0;
-/// A speck is brighter than its neighbours by more than this part of the local light.
-const SPECK: f64 = 0.5;
+/// A firefly is brighter than its neighbours by more than this part of the local light.
+const FIREFLY: f64 = 0.5;
 /// Passes of the reference over passes of a render.
 const REFERENCE: u32 = 16;
 
@@ -77,16 +77,16 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 /// Kind of a pixel that stands out.
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum OutlierKind {
     Bright,
     Dark,
-    Speck,
+    Firefly,
 }
 
 /// A pixel that stands out from its neighbours.
 struct Outlier {
     pixel: usize,
-    kind: Kind,
+    kind: OutlierKind,
     /// Difference from the neighbours in standard errors.
     standard_errors: f64,
     /// Difference from the neighbours over the local light.
@@ -109,10 +109,10 @@ fn outliers(picture: &Rendered, passes: u32, reference: &Rendered, long: u32, si
         let (standard_errors, part) = (stands_out / error, stands_out / local);
         let mut add = |kind| found.push(Outlier { pixel: i, kind, standard_errors, part });
         if standard_errors.abs() > STANDARD_ERRORS {
-            add(if stands_out > 0.0 { Kind::Bright } else { Kind::Dark });
+            add(if stands_out > 0.0 { OutlierKind::Bright } else { OutlierKind::Dark });
         }
-        if part > SPECK {
-            add(Kind::Speck);
+        if part > FIREFLY {
+            add(OutlierKind::Firefly);
         }
     }
     found
@@ -143,7 +143,7 @@ pub fn print(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let (size, seeds) = (arguments.size, arguments.seeds.unwrap_or(4));
     let long = arguments.truth.unwrap_or(REFERENCE * passes);
     println!(
-        "| scene | pixels | bright | dark | salt in 2,000 | specks | specks in 2,000 | s |\n|{}",
+        "| scene | pixels | bright | dark | salt in 2,000 | fireflies | fireflies in 2,000 | s |\n|{}",
         " --- |".repeat(8)
     );
     for name in names {
@@ -168,11 +168,11 @@ pub fn print(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         }
         let pixels = u64::from(size.0 * size.1) * seeds;
         let rate = |count: u32| 2000.0 * f64::from(count) / pixels as f64;
-        let [bright, dark, specks] = counts;
+        let [bright, dark, fireflies] = counts;
         println!(
-            "| {name} | {pixels} | {bright} | {dark} | {:.2} | {specks} | {:.2} | {:.0} |",
+            "| {name} | {pixels} | {bright} | {dark} | {:.2} | {fireflies} | {:.2} | {:.0} |",
             rate(bright + dark),
-            rate(specks),
+            rate(fireflies),
             cpu_seconds().unwrap_or(0.0) - start
         );
     }
@@ -182,19 +182,20 @@ pub fn print(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
 /// Prints the five pixels that stand out most.
 fn list_worst(picture: &str, found: &mut [Outlier], width: u32) {
     found.sort_by(|a, b| b.standard_errors.abs().total_cmp(&a.standard_errors.abs()));
-    for outlier in found.iter().filter(|outlier| outlier.kind != Kind::Speck).take(5) {
+    for outlier in found.iter().filter(|outlier| outlier.kind != OutlierKind::Firefly).take(5) {
         let (x, y) = (outlier.pixel as u32 % width, outlier.pixel as u32 / width);
         let (errors, part) = (outlier.standard_errors, outlier.part);
         eprintln!("{picture}, pixel {x},{y}: {errors:.1} standard errors, {part:.3} of the local light");
     }
 }
 
-/// Returns a dim picture with the outliers marked: bright ones red, dark ones blue, specks green.
+/// Returns a dim picture with the outliers marked: red if bright, blue if dark, green if fireflies.
 fn marks(picture: &[Vec3], found: &[Outlier]) -> Vec<Vec3> {
     let mut marked: Vec<Vec3> = picture.iter().map(|pixel| *pixel * 0.2).collect();
     for outlier in found {
         let color = [Vec3::X, Vec3::Z, Vec3::Y][outlier.kind as usize];
-        marked[outlier.pixel] = if outlier.kind == Kind::Speck { marked[outlier.pixel] + color } else { color };
+        marked[outlier.pixel] =
+            if outlier.kind == OutlierKind::Firefly { marked[outlier.pixel] + color } else { color };
     }
     marked
 }
