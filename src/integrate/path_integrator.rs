@@ -241,3 +241,6 @@ fn render_camera_paths(
         })
     })
 }
+
+#[cfg(test)]
+mod tests;
