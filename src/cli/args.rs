@@ -232,6 +232,11 @@ pub struct RenderArguments {
     #[arg(long, visible_alias = "no-gauge")]
     pub no_error_estimate: bool,
 
+    /// Rewrite the files of -o after the first pass, and then once in this time, such as 30s. 0
+    /// writes them at the end only
+    #[arg(long, value_parser = parse_duration, default_value = "10s", value_name = "TIME")]
+    pub update: Duration,
+
     /// Tone curve of PNG: srgb, filmic or course (linear bytes)  [default: srgb; course for
     /// raycast]
     #[arg(long, value_name = "NAME")]
@@ -256,6 +261,13 @@ pub struct RenderArguments {
     /// Print only errors and warnings
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+impl RenderArguments {
+    /// Returns the time between two updates of the pictures; `None` to write them at the end only.
+    pub(super) fn update_interval(&self) -> Option<Duration> {
+        Some(self.update).filter(|interval| *interval > Duration::ZERO)
+    }
 }
 
 /// Arguments of `plan`.
