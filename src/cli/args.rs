@@ -116,6 +116,11 @@ pub struct MethodArguments {
     #[arg(long)]
     pub no_prefix_rays: bool,
 
+    /// Send shadow rays to an environment light by its brightness alone, and not also towards the
+    /// directions from which a pilot finds that it reaches each part of the scene
+    #[arg(long)]
+    pub no_environment_guiding: bool,
+
     /// Light tracing of directly visible caustics by hybrid: off, weighted (against photon
     /// estimates, per pixel) or full
     #[arg(long, value_enum, default_value = "weighted", value_name = "NAME")]
