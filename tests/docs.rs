@@ -105,7 +105,11 @@ fn run_documented_command(page: &str, line: &[String], folder: &Path) {
         let (scene, outputs): (Option<&Path>, Vec<&PathBuf>) = match &parsed {
             Some(Command::Render(render)) => {
                 set_small_render_flags(&mut arguments, render.method.caustic_photons.is_some());
-                (Some(&render.scene.scene), render.output.iter().chain(&render.stats).collect())
+                if let Some(shard) = render.shard {
+                    set_flag(&mut arguments, "--passes", &shard.count.to_string());
+                }
+                let outputs = render.output.iter().chain(&render.stats).chain(&render.film);
+                (Some(&render.scene.scene), outputs.collect())
             }
             Some(Command::Estimate(estimate)) => {
                 set_small_render_flags(&mut arguments, estimate.method.caustic_photons.is_some());
@@ -127,6 +131,8 @@ fn run_documented_command(page: &str, line: &[String], folder: &Path) {
             Some(Command::Mesh(mesh)) => (Some(&mesh.mesh), mesh.output.iter().collect()),
             Some(Command::Check(check)) => (Some(&check.scene), Vec::new()),
             Some(Command::Convert(convert)) => (Some(&convert.scene), vec![&convert.output]),
+            Some(Command::Merge(merge)) => (None, merge.output.iter().collect()),
+            Some(Command::Film(_)) => (None, Vec::new()),
             Some(Command::Completions { .. } | Command::Man) | None => (None, Vec::new()),
         };
         if let Some(scene) = scene.and_then(Path::to_str) {
@@ -230,6 +236,7 @@ fn docs_list_every_flag_with_default() {
     assert_flags_are_listed("render", "Flags");
     assert_flags_are_listed("diff", "Diff");
     assert_flags_are_listed("mesh", "Mesh");
+    assert_flags_are_listed("merge", "Merge");
 }
 
 fn assert_flags_are_listed(command: &str, section: &str) {

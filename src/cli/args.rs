@@ -5,9 +5,11 @@ use super::number::{
     parse_length, parse_picture_size, parse_positive_count, parse_relative_error, parse_seed, parse_seed_count,
     parse_threads,
 };
-use super::{ConvertArguments, DiffArguments, MeshArguments};
+use super::pictures::PictureArguments;
+use super::shard::Shard;
+use super::{ConvertArguments, DiffArguments, FilmArguments, MergeArguments, MeshArguments};
 use crate::camera::FilterKind;
-use crate::image::{BitDepth, ExrPrecision, ToneCurve};
+use crate::image::{BitDepth, ExrPrecision};
 use crate::integrate::{Algorithm, FinalGathering, IndirectPhotons, LightTracing, VolumeEstimator};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
@@ -56,6 +58,10 @@ pub enum Command {
     Mesh(Box<MeshArguments>),
     /// Read a scene and everything it names, report errors and warnings, and render nothing
     Check(Box<SceneArguments>),
+    /// Add the film files of parts of a render
+    Merge(MergeArguments),
+    /// Describe a film file: its scene, settings, passes and estimated error
+    Film(FilmArguments),
     /// Write a scene as scene text, with the meshes and pictures that it holds beside it
     Convert(ConvertArguments),
     /// Print a completion script for a shell
@@ -193,9 +199,22 @@ pub struct RenderArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
 
-    /// File to write: .png or .exr; may be given several times
-    #[arg(short, long = "output", required = true, value_name = "FILE")]
+    /// File to write: .png or .exr; may be given several times. Required without --film
+    #[arg(short, long = "output", required_unless_present = "film", value_name = "FILE")]
     pub output: Vec<PathBuf>,
+
+    /// Film file, which holds all sums of the render. If it exists, the render continues it
+    #[arg(long, value_name = "FILE")]
+    pub film: Option<PathBuf>,
+
+    /// Save the film file once in this time, such as 1m, and at the end
+    #[arg(long, value_parser = parse_duration, default_value = "5m", value_name = "TIME", requires = "film")]
+    pub save_every: Duration,
+
+    /// Make only the K-th of N parts of the passes, such as 3/16. `caustica merge` adds the films of
+    /// all parts
+    #[arg(long, value_name = "K/N", requires_all = ["film", "passes"], conflicts_with_all = ["time", "target_error", "preview"])]
+    pub shard: Option<Shard>,
 
     #[command(flatten)]
     pub method: MethodArguments,
@@ -242,22 +261,8 @@ pub struct RenderArguments {
     #[arg(long, value_parser = parse_duration, default_value = "10s", value_name = "TIME")]
     pub update: Duration,
 
-    /// Tone curve of PNG: srgb, filmic or course (linear bytes)  [default: srgb; course for
-    /// raycast]
-    #[arg(long, value_name = "NAME")]
-    pub tone: Option<ToneCurve>,
-
-    /// Exposure of PNG in stops: +1 is twice as bright
-    #[arg(long, default_value = "0", value_parser = parse_exposure_stops, allow_negative_numbers = true, value_name = "STOPS")]
-    pub exposure: f32,
-
-    /// Bits per channel of PNG: 8 or 16
-    #[arg(long, default_value = "8", value_parser = parse_png_depth, value_name = "BITS")]
-    pub png_bits: BitDepth,
-
-    /// Bits per channel of OpenEXR: 16 (largest value 65504) or 32
-    #[arg(long, default_value = "32", value_parser = parse_exr_depth, value_name = "BITS")]
-    pub exr_bits: ExrPrecision,
+    #[command(flatten)]
+    pub pictures: PictureArguments,
 
     /// Write a report of the render as JSON
     #[arg(long, value_name = "FILE")]
@@ -448,7 +453,7 @@ pub struct StudyArguments {
     pub quiet: bool,
 }
 
-fn parse_png_depth(text: &str) -> Result<BitDepth, String> {
+pub(super) fn parse_png_depth(text: &str) -> Result<BitDepth, String> {
     match text {
         "8" => Ok(BitDepth::Eight),
         "16" => Ok(BitDepth::Sixteen),
@@ -456,7 +461,7 @@ fn parse_png_depth(text: &str) -> Result<BitDepth, String> {
     }
 }
 
-fn parse_exr_depth(text: &str) -> Result<ExrPrecision, String> {
+pub(super) fn parse_exr_depth(text: &str) -> Result<ExrPrecision, String> {
     match text {
         "16" => Ok(ExrPrecision::Half),
         "32" => Ok(ExrPrecision::Single),

@@ -8,18 +8,22 @@ mod diagnostics;
 mod diff;
 mod estimate;
 mod failure;
+mod film;
 mod forecast_text;
 mod interrupt;
 mod memory;
+mod merge;
 mod mesh;
 mod number;
 mod outputs;
+mod pictures;
 mod plan;
 mod progress;
 mod render;
 mod report;
 mod scene;
 mod settings;
+mod shard;
 mod shell;
 mod study;
 mod updates;
@@ -28,7 +32,11 @@ pub use args::{Arguments, Command, EstimateArguments, PlanArguments, RenderArgum
 pub use convert::ConvertArguments;
 pub use diff::{DiffArguments, ErrorMapKind, FlipMetricModeArgument};
 pub use failure::{CommandFailure, Exit};
+pub use film::FilmArguments;
+pub use merge::MergeArguments;
 pub use mesh::MeshArguments;
+pub use pictures::PictureArguments;
+pub use shard::Shard;
 
 /// Runs a command.
 ///
@@ -45,6 +53,8 @@ pub fn run(arguments: Arguments) -> Result<Exit, CommandFailure> {
         Command::Diff(arguments) => diff::run(&arguments),
         Command::Mesh(arguments) => mesh::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
+        Command::Merge(arguments) => merge::run(&arguments),
+        Command::Film(arguments) => film::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Completions { shell } => shell::print_completions(shell),
         Command::Man => shell::print_manual(),

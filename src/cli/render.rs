@@ -2,25 +2,37 @@
 
 use super::check::quick_scene_warnings;
 use super::diagnostics::{all_lights_are_black, black_picture_note, no_photon_stored_note};
+use super::film::{SavedFilm, film_header};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
 use super::memory::{check_error_estimate_memory, check_photon_memory, check_picture_memory};
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
+use super::pictures::write_pictures;
 use super::plan::{self, count_with_noun};
 use super::progress::{InputFileCollector, ProgressDisplay, print_message, warn_of_rejected_samples};
 use super::report::{EstimatedErrorReport, RenderReport, RenderSetup};
 use super::scene::{load_scene_and_file, with_thread_pool};
 use super::settings::settings_from_arguments;
+use super::shard::Shard;
 use super::updates::PictureUpdates;
 use super::{CommandFailure, Exit, RenderArguments, aov, forecast_text};
-use crate::image::{self, ClippedPixelReport, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions};
+use crate::image::{self, Image, ToneCurve, WriteOptions};
 use crate::integrate::{Algorithm, EmissionGuidingReportPerMap, Integrator};
-use crate::render::error_estimate::{MIN_PASSES, PassesNeeded};
-use crate::render::{EndReason, ErrorTarget, Film, PassProgress, RenderLimits, RenderResult, StopCriteria, render};
+use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, MIN_PASSES, PassesNeeded};
+use crate::render::{EndReason, ErrorTarget, RenderLimits, RenderResult, StopCriteria, continue_render};
 use crate::scene::Scene;
 use crate::study::text::percent_text;
 use glam::Vec3;
-use std::path::Path;
+use std::ops::Range;
 use std::time::{Duration, Instant};
+
+/// Error: a shard has no passes.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("part {} of {} parts has none of {passes} passes", shard.number, shard.count)]
+#[diagnostic(help("divide the passes into at most {passes} parts"))]
+struct EmptyShardError {
+    shard: Shard,
+    passes: u32,
+}
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
     let needs_error = [("--target-error", arguments.target_error.is_some()), ("--aov", arguments.aov.is_some())];
@@ -35,7 +47,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
     if let Some(path) = &arguments.aov {
         image::check_layers_path(path).map_err(CommandFailure::output_error)?;
     }
-    if let Some(path) = &arguments.stats {
+    for path in arguments.stats.iter().chain(&arguments.film) {
         image::check_replaceable(path).map_err(CommandFailure::output_error)?;
     }
     check_distinct_files(&output_files(arguments), &[FileWithRole::new("the scene file", &arguments.scene.scene)])?;
@@ -49,7 +61,8 @@ fn output_files(arguments: &RenderArguments) -> Vec<FileWithRole> {
     let pictures = arguments.output.iter().map(|path| FileWithRole::new("-o", path));
     let layers = arguments.aov.iter().map(|path| FileWithRole::new("--aov", path));
     let report = arguments.stats.iter().map(|path| FileWithRole::new("--stats", path));
-    pictures.chain(layers).chain(report).collect()
+    let film = arguments.film.iter().map(|path| FileWithRole::new("--film", path));
+    pictures.chain(layers).chain(report).chain(film).collect()
 }
 
 fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay) -> Result<Exit, CommandFailure> {
@@ -59,8 +72,8 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     progress.remove_progress_bar();
     quick_scene_warnings(&file, &scene, &arguments.scene).iter().for_each(|line| progress.print_line(line));
     drop(file);
-    let inputs: Vec<FileWithRole> =
-        inputs.into_input_paths().iter().map(|path| FileWithRole::new("the input", path)).collect();
+    let input_paths = inputs.into_input_paths();
+    let inputs: Vec<FileWithRole> = input_paths.iter().map(|path| FileWithRole::new("the input", path)).collect();
     check_distinct_files(&output_files(arguments), &inputs)?;
     let algorithm = arguments.method.integrator;
     let mut setup = RenderSetup {
@@ -97,14 +110,44 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     setup.balance = integrator.ray_photon_balance();
     setup.seconds = start.elapsed().as_secs_f64();
     let stop = render_limits(arguments).stop_criteria(algorithm, integrator.as_ref(), &INTERRUPTED);
+    let (numbers, stop) = passes_of_shard(arguments, stop)?;
+    let mut film = None;
+    let mut before = RenderResult::without_passes(integrator.as_ref(), size);
+    if let Some(path) = &arguments.film {
+        let header = film_header(arguments, size, &input_paths)?;
+        let (saved, rendered) = SavedFilm::open(path, header, arguments.save_every)?;
+        if let Some(rendered) = rendered {
+            if arguments.shard.is_some() {
+                saved.check_shard(&rendered, numbers.clone())?;
+            }
+            progress.print_line(&saved.continuation_line(&rendered));
+            before = rendered;
+        }
+        film = Some(saved);
+    }
     let options = write_options(arguments);
     let mut updates =
         arguments.update_interval().map(|interval| PictureUpdates::new(&arguments.output, &options, interval));
-    let rendered = render_passes(&stop, integrator.as_ref(), size, start, progress, |film| {
-        updates.iter_mut().for_each(|updates| updates.update(film));
+    let rendered = render_passes(before, numbers, &stop, integrator.as_ref(), start, progress, |rendered| {
+        updates.iter_mut().for_each(|updates| updates.update(&rendered.film));
+        film.iter_mut().for_each(|film| film.save_if_due(rendered));
     });
     progress.remove_progress_bar();
-    write_render_outputs(arguments, progress, setup, &stop, all_lights_are_black(&scene), &rendered)
+    write_render_outputs(arguments, progress, setup, &stop, all_lights_are_black(&scene), &rendered, film.as_ref())
+}
+
+/// Returns the numbers of the passes to render, and `stop` with the number of passes of `--shard`.
+fn passes_of_shard<'a>(
+    arguments: &RenderArguments,
+    stop: StopCriteria<'a>,
+) -> Result<(Range<u32>, StopCriteria<'a>), CommandFailure> {
+    let Some((shard, passes)) = arguments.shard.zip(arguments.passes) else { return Ok((0..u32::MAX, stop)) };
+    let numbers = shard.passes(passes);
+    if numbers.is_empty() {
+        return Err(CommandFailure::usage_error(EmptyShardError { shard, passes }));
+    }
+    let count = numbers.end - numbers.start;
+    Ok((numbers, StopCriteria { passes: Some(count), ..stop }))
 }
 
 /// Returns the limits that the command line sets.
@@ -137,27 +180,29 @@ fn print_scene_summary(setup: &RenderSetup, scene: &Scene, progress: &ProgressDi
     }
 }
 
-/// Renders passes until a criterion of `stop` holds, and shows progress. Calls `update` with the
-/// film after each pass except the last.
+/// Adds the passes of `numbers` to `before` until a criterion of `stop` holds, and shows progress.
+/// Calls `update` with the result after each pass except the last.
 fn render_passes(
+    before: RenderResult,
+    numbers: Range<u32>,
     stop: &StopCriteria<'_>,
     integrator: &dyn Integrator,
-    size: (u32, u32),
     start: Instant,
     progress: &ProgressDisplay,
-    mut update: impl FnMut(&Film),
+    mut update: impl FnMut(&RenderResult),
 ) -> RenderResult {
+    let passes_before = before.film.passes();
     let (passes, target) = (stop.passes, stop.target);
-    progress.set_pass_number(1, passes);
+    progress.set_pass_number(passes_before + 1, passes);
     // With a target, the time is known only after the first error estimate.
     progress.set_time_left(stop.time.filter(|_| target.is_none()));
     let began = Instant::now();
-    render(integrator, size, stop, progress, |standing| {
-        let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes);
+    continue_render(before, numbers, integrator, stop, progress, |standing| {
+        let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes - passes_before);
         let error = standing.error.as_ref().map(|(estimate, forecast)| {
             // Without a target, the forecast is the time until the error is halved.
             let shown = target.map_or(0.5 * estimate.error, |target| target.error);
-            let aim = target.map_or(shown, |target| error_estimate_at_target(target, standing).unwrap_or(shown));
+            let aim = target.map_or(shown, |target| error_estimate_at_target(target, estimate));
             format!(
                 "error {}{}",
                 forecast_text::error_text(estimate),
@@ -172,39 +217,39 @@ fn render_passes(
         }
         progress.set_pass_number(standing.passes + 1, passes);
         // Most passes estimate no error. The previous forecast stays after them.
-        if let Some(left) = time_until_stop(stop, standing, began.elapsed(), pass_seconds) {
+        if let Some(left) =
+            time_until_stop(stop, standing.passes, standing.error.as_ref(), began.elapsed(), pass_seconds)
+        {
             progress.set_time_left(Some(left));
         }
         error.into_iter().for_each(|note| progress.set_progress_note(note));
         if standing.ended.is_none() {
-            update(standing.film);
+            update(standing.rendered);
         }
     })
 }
 
 /// Returns the estimated error at which the render is expected to reach its target: when the upper
-/// end of the confidence interval equals `target`.
-///
-/// `None` if the error was not estimated after the last pass.
-fn error_estimate_at_target(target: ErrorTarget, standing: &PassProgress<'_>) -> Option<f64> {
-    let (estimate, _) = standing.error.as_ref()?;
-    Some(target.error * estimate.error / estimate.high)
+/// end of the confidence interval equals `target`. `estimate` is the error after the last pass.
+fn error_estimate_at_target(target: ErrorTarget, estimate: &ErrorEstimate) -> f64 {
+    target.error * estimate.error / estimate.high
 }
 
 /// Returns the expected time until the first stop criterion holds; `None` if the time is unknown,
 /// as with a target after a pass without an error estimate.
 fn time_until_stop(
     stop: &StopCriteria<'_>,
-    standing: &PassProgress<'_>,
+    passes: u32,
+    error: Option<&(ErrorEstimate, ErrorForecast)>,
     elapsed: Duration,
     pass_seconds: f64,
 ) -> Option<Duration> {
-    if stop.target.is_some() && standing.error.is_none() {
+    if stop.target.is_some() && error.is_none() {
         return None;
     }
-    let of_passes = |n: u32| f64::from(n.saturating_sub(standing.passes)) * pass_seconds;
-    let by_target = stop.target.zip(standing.error.as_ref()).and_then(|(target, (_, forecast))| {
-        match forecast.passes_to_reach(error_estimate_at_target(target, standing)?) {
+    let of_passes = |n: u32| f64::from(n.saturating_sub(passes)) * pass_seconds;
+    let by_target = stop.target.zip(error).and_then(|(target, (estimate, forecast))| {
+        match forecast.passes_to_reach(error_estimate_at_target(target, estimate)) {
             PassesNeeded::Passes(n) => Some(of_passes(n)),
             PassesNeeded::Never { .. } | PassesNeeded::TooMany => None,
         }
@@ -223,11 +268,17 @@ fn write_render_outputs(
     stop: &StopCriteria<'_>,
     powerless: bool,
     rendered: &RenderResult,
+    film: Option<&SavedFilm<'_>>,
 ) -> Result<Exit, CommandFailure> {
     let (width, height) = rendered.film.size();
     let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(CommandFailure::output_error)?;
     let mut failures = OutputFailures::default();
-    write_pictures(arguments, progress, &picture, rendered, &mut failures);
+    write_render_pictures(arguments, progress, &picture, rendered, &mut failures);
+    if let (Some(path), Some(film)) = (&arguments.film, film)
+        && failures.ok_or_collect_error(film.save(rendered)).is_some()
+    {
+        progress.print_line(&format!("wrote {}", path.display()));
+    }
     warn_of_rejected_samples(&rendered.counters);
     if picture.pixels().iter().all(|p| *p == Vec3::ZERO) {
         progress.print_line(black_picture_note(setup.lights, powerless));
@@ -243,9 +294,9 @@ fn write_render_outputs(
     failures.into_result(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
 }
 
-/// Returns the tone curve, the bits and the metadata of the files of `-o` and `--aov`.
+/// Returns the options of the files of `-o` and `--aov`.
 fn write_options(arguments: &RenderArguments) -> WriteOptions {
-    let curve = arguments.tone.unwrap_or(match arguments.method.integrator {
+    arguments.pictures.write_options(match arguments.method.integrator {
         Algorithm::Raycast => ToneCurve::Course,
         Algorithm::Hybrid
         | Algorithm::Path
@@ -254,17 +305,11 @@ fn write_options(arguments: &RenderArguments) -> WriteOptions {
         | Algorithm::Pm
         | Algorithm::Distributed
         | Algorithm::Whitted => ToneCurve::Srgb,
-    });
-    WriteOptions {
-        tone: ToneMap { curve, exposure_stops: arguments.exposure },
-        depth: arguments.png_bits,
-        floats: arguments.exr_bits,
-        metadata: vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))],
-    }
+    })
 }
 
 /// Writes the files of `-o` and `--aov`.
-fn write_pictures(
+fn write_render_pictures(
     arguments: &RenderArguments,
     progress: &ProgressDisplay,
     picture: &Image,
@@ -272,12 +317,7 @@ fn write_pictures(
     failures: &mut OutputFailures,
 ) {
     let options = write_options(arguments);
-    for path in &arguments.output {
-        if let Some(written) = failures.ok_or_collect_error(image::write(path, picture, &options)) {
-            progress.print_line(&format!("wrote {}", path.display()));
-            report_clipped_pixels(&written, path, arguments.exposure, progress);
-        }
-    }
+    write_pictures(arguments.output.iter(), picture, &options, progress, failures);
     let Some(path) = &arguments.aov else { return };
     let passes = rendered.film.passes();
     if passes < MIN_PASSES {
@@ -353,29 +393,6 @@ fn default_end_line(stop: &StopCriteria<'_>, ended: EndReason) -> Option<String>
     }
 }
 
-/// Prints warnings of pixels whose values the file format cannot store.
-fn report_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f32, progress: &ProgressDisplay) {
-    let pixels = |n: usize| format!("{} of {}", count_with_noun(n, "pixel", "pixels"), path.display());
-    if written.non_finite > 0 {
-        print_message(&format!("warning: {}: not finite", pixels(written.non_finite)));
-    }
-    match (written.too_bright, OutputFormat::from_path(path)) {
-        (0, _) => {}
-        // Clipping in OpenEXR is a warning, because its readers expect unclipped radiance.
-        (n, Ok(OutputFormat::Exr)) => {
-            print_message(&format!("warning: {}: clipped to 65504; --exr-bits 32 holds larger values", pixels(n)));
-        }
-        (n, Ok(OutputFormat::Png) | Err(_)) => {
-            let darker = exposure - 1.0;
-            let remedy = format!("--exposure {darker} or --tone filmic shows more, an .exr file holds all");
-            progress.print_line(&format!("note: {}: clipped to white; {remedy}", pixels(n)));
-        }
-    }
-    if written.negative > 0 {
-        progress.print_line(&format!("note: {}: negative, clipped to black", pixels(written.negative)));
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -404,8 +421,7 @@ mod tests {
             StopCriteria { passes, time, ..StopCriteria::unlimited(&interrupted) }
         };
         let left_of = |stop: StopCriteria<'_>| {
-            let after = PassProgress { passes: 4, film: &Film::new(1, 1), ended: None, error: None };
-            time_until_stop(&stop, &after, Duration::from_secs(8), 2.0).map(|left| left.as_secs())
+            time_until_stop(&stop, 4, None, Duration::from_secs(8), 2.0).map(|left| left.as_secs())
         };
         let left = |passes, time| left_of(limits(passes, time));
         assert_eq!(left(Some(10), None), Some(12));

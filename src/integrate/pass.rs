@@ -36,7 +36,7 @@ impl ProgressMonitor for SilentMonitor {
 }
 
 /// Wall time of each stage of a pass \[s].
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
 pub struct StageTimes {
     /// Time of photon tracing \[s].
     pub photons: f64,
@@ -47,7 +47,7 @@ pub struct StageTimes {
 }
 
 /// Counts and energy balance of one set of photon paths.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
 pub struct PhotonReport {
     /// Number of emitted photon paths.
     pub emitted: u64,

@@ -9,7 +9,7 @@ use crate::photon::Kernel;
 pub const ALPHA: f64 = 2.0 / 3.0;
 
 /// Law by which gather radii shrink from pass to pass, and the kernel of density estimates.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RadiusLaw {
     /// Exponent α: the variance of photon estimates falls as n^−α over n passes; 1 for fixed radii.
     pub alpha: f64,

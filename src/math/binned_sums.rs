@@ -1,5 +1,8 @@
 //! Binned sums: sums of floating-point numbers that depend on no order or grouping.
 
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
 /// Width of a bin \[bits].
 const BIN_BITS: i32 = 31;
 
@@ -130,6 +133,34 @@ impl<const N: usize> BinnedSums<N> {
     #[must_use]
     pub fn quantum(&self, i: usize) -> f64 {
         QUANTA[level_of(self.tags[i])] / BIN_SIZE
+    }
+}
+
+/// Form of [`BinnedSums`] in files.
+#[derive(Serialize, Deserialize)]
+struct StoredSums {
+    /// Upper bins of all channels, then lower bins of all channels, for each pixel.
+    bins: Vec<i64>,
+    tags: Vec<u16>,
+}
+
+impl<const N: usize> Serialize for BinnedSums<N> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let bins = self.bins.iter().flatten().flatten().copied().collect();
+        StoredSums { bins, tags: self.tags.clone() }.serialize(serializer)
+    }
+}
+
+impl<'de, const N: usize> Deserialize<'de> for BinnedSums<N> {
+    /// Fails if the numbers of bins and tags do not fit, or if a tag is invalid.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let StoredSums { bins, tags } = StoredSums::deserialize(deserializer)?;
+        let is_valid = |tag: &u16| level_of(*tag) < LEVELS && usize::from(*tag) >> LEVEL_BITS < 1 << (2 * N);
+        if bins.len() != 2 * N * tags.len() || !tags.iter().all(is_valid) {
+            return Err(D::Error::custom("sums of a picture are inconsistent"));
+        }
+        let pixel = |bins: &[i64]| [0, N].map(|first| std::array::from_fn(|channel| bins[first + channel]));
+        Ok(Self { bins: bins.chunks_exact(2 * N).map(pixel).collect(), tags })
     }
 }
 

@@ -8,7 +8,7 @@ use std::ops::AddAssign;
 ///
 /// Energy is conserved: emitted = absorbed + escaped + stopped + roulette, up to rounding. The
 /// expected value of `roulette` is zero.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct EnergyAudit {
     /// Flux emitted by the lights \[W].
     pub emitted: [f64; 3],

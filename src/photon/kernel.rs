@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 /// Kernel of a density estimate: a radially symmetric weight on a disc of radius r, with integral
 /// 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub enum Kernel {
     /// Constant kernel, 1/(πr²).
     Box,

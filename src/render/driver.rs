@@ -2,9 +2,12 @@
 
 use super::error_estimate::{Confidence, ErrorEstimate, ErrorEstimator, ErrorForecast, PassesNeeded};
 use super::film::Film;
+use super::merge_error::MergeError;
+use super::pass_set::PassSet;
 use crate::integrate::{Integrator, PhotonReport, ProgressMonitor, StageTimes};
 use crate::stats::Counters;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -46,7 +49,7 @@ impl ErrorTarget {
 }
 
 /// Why a render ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EndReason {
     /// The largest number of passes was reached.
@@ -62,8 +65,10 @@ pub enum EndReason {
 }
 
 /// Result of a render.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct RenderResult {
+    /// Numbers of the passes.
+    pub numbers: PassSet,
     /// Film with all passes; its mean is the picture.
     pub film: Film,
     /// Error estimator of the passes; `None` if [`Integrator::returns_nested_estimates`] is false.
@@ -87,8 +92,8 @@ pub struct RenderResult {
 pub struct PassProgress<'a> {
     /// Number of passes so far.
     pub passes: u32,
-    /// Film with the passes so far; its mean is the picture.
-    pub film: &'a Film,
+    /// Result with the passes so far.
+    pub rendered: &'a RenderResult,
     /// Why the render ends after this pass; `None` if another pass follows.
     pub ended: Option<EndReason>,
     /// Estimated error and its forecast; `None` if the error was not estimated after this pass.
@@ -116,54 +121,134 @@ pub fn render(
     size: (u32, u32),
     stop: &StopCriteria<'_>,
     monitor: &dyn ProgressMonitor,
+    after_pass: impl FnMut(&PassProgress<'_>),
+) -> RenderResult {
+    continue_render(RenderResult::without_passes(integrator, size), 0..u32::MAX, integrator, stop, monitor, after_pass)
+}
+
+/// Adds the passes of `numbers` that `rendered` lacks, until a criterion of `stop` holds or all are
+/// done.
+///
+/// The criteria count all passes of `rendered`, but only the time of this call. The result is that
+/// of one render: its picture and its error estimate have the same bits. Calls `after_pass` after
+/// each pass.
+pub fn continue_render(
+    mut rendered: RenderResult,
+    numbers: Range<u32>,
+    integrator: &dyn Integrator,
+    stop: &StopCriteria<'_>,
+    monitor: &dyn ProgressMonitor,
     mut after_pass: impl FnMut(&PassProgress<'_>),
 ) -> RenderResult {
     let start = Instant::now();
-    let mut rendered = RenderResult {
-        film: Film::new(size.0, size.1),
-        estimator: integrator.returns_nested_estimates().then(|| ErrorEstimator::new(integrator.radius_law())),
-        ended: EndReason::Passes,
-        counters: Counters::default(),
-        seconds: StageTimes::default(),
-        unaimed: PhotonReport::default(),
-        aimed: PhotonReport::default(),
-        wall: Duration::ZERO,
-    };
+    let wall = rendered.wall;
     let mut next_estimate = 0.0;
+    (1..=rendered.film.passes()).for_each(|passes| _ = is_estimate_due(passes, &mut next_estimate));
+    if rendered.film.passes() > 0 {
+        let error = estimate_error(&rendered, stop);
+        if let Some(ended) = stop.end_reason(rendered.film.passes(), error.as_ref(), Duration::ZERO) {
+            rendered.ended = ended;
+            return rendered;
+        }
+    }
     loop {
-        let number = rendered.film.passes();
+        let Some(number) = rendered.numbers.first_missing(numbers.clone()) else {
+            rendered.ended = EndReason::Passes;
+            return rendered;
+        };
         let pass = integrator.render_pass(number, monitor);
         if let Some(estimator) = &mut rendered.estimator {
             estimator.add(number, &pass);
         }
         rendered.film.add(&pass.image);
+        rendered.numbers.insert(number..number + 1);
         rendered.counters += pass.counters;
         rendered.seconds += pass.seconds;
         rendered.unaimed += pass.unaimed;
         rendered.aimed += pass.aimed;
         let passes = rendered.film.passes();
-        let mut error = None;
-        if f64::from(passes) >= next_estimate {
-            next_estimate = ESTIMATE_INTERVAL_FACTOR * f64::from(passes);
-            error = estimate_error(&rendered, stop);
-        }
-        let ended = if stop.interrupted.load(Ordering::Relaxed) {
-            Some(EndReason::Interrupted)
-        } else if stop.passes.is_some_and(|most| passes >= most) || passes == u32::MAX {
-            Some(EndReason::Passes)
-        } else if passes < stop.min_passes {
-            None
-        } else {
-            let by_error = error.and_then(|(estimate, forecast)| stop.end_reason_by_error(&estimate, &forecast));
-            let is_time_up = stop.time.is_some_and(|most| start.elapsed() >= most);
-            by_error.or(is_time_up.then_some(EndReason::Time))
-        };
-        after_pass(&PassProgress { passes, film: &rendered.film, ended, error });
+        rendered.wall = wall + start.elapsed();
+        let error = if is_estimate_due(passes, &mut next_estimate) { estimate_error(&rendered, stop) } else { None };
+        let no_pass_is_left = || rendered.numbers.first_missing(numbers.clone()).is_none().then_some(EndReason::Passes);
+        let ended = stop.end_reason(passes, error.as_ref(), start.elapsed()).or_else(no_pass_is_left);
+        after_pass(&PassProgress { passes, rendered: &rendered, ended, error });
+        let is_interrupted = stop.interrupted.load(Ordering::Relaxed);
+        let ended = is_interrupted.then_some(EndReason::Interrupted).or(ended);
         if let Some(ended) = ended {
             rendered.ended = ended;
-            rendered.wall = start.elapsed();
             return rendered;
         }
+    }
+}
+
+/// True if the error is estimated after `passes` passes. `next` is the number of passes from which
+/// the next estimate is due.
+fn is_estimate_due(passes: u32, next: &mut f64) -> bool {
+    let due = f64::from(passes) >= *next;
+    if due {
+        *next = ESTIMATE_INTERVAL_FACTOR * f64::from(passes);
+    }
+    due
+}
+
+impl RenderResult {
+    /// Returns the result of a render of `size` (width, height) pixels before its first pass.
+    #[must_use]
+    pub fn without_passes(integrator: &dyn Integrator, size: (u32, u32)) -> Self {
+        Self {
+            numbers: PassSet::default(),
+            film: Film::new(size.0, size.1),
+            estimator: integrator.returns_nested_estimates().then(|| ErrorEstimator::new(integrator.radius_law())),
+            ended: EndReason::Passes,
+            counters: Counters::default(),
+            seconds: StageTimes::default(),
+            unaimed: PhotonReport::default(),
+            aimed: PhotonReport::default(),
+            wall: Duration::ZERO,
+        }
+    }
+
+    /// Adds the passes of `other`, a render of the same scene with the same settings.
+    ///
+    /// # Errors
+    /// [`MergeError`] if the renders have common passes, or belong to different pictures or
+    /// integrators. This result then stays as it is.
+    pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
+        let common = self.numbers.intersection(&other.numbers);
+        if !common.is_empty() {
+            return Err(MergeError::CommonPasses { common });
+        }
+        if self.film.size() != other.film.size() {
+            return Err(MergeError::Size { own: self.film.size(), other: other.film.size() });
+        }
+        match (&mut self.estimator, &other.estimator) {
+            (Some(own), Some(other)) => own.merge(other)?,
+            (None, None) => {}
+            _ => return Err(MergeError::Estimator),
+        }
+        self.film.merge(&other.film)?;
+        self.numbers.insert_all(&other.numbers);
+        self.counters += other.counters;
+        self.seconds += other.seconds;
+        self.unaimed += other.unaimed;
+        self.aimed += other.aimed;
+        self.wall += other.wall;
+        Ok(())
+    }
+
+    /// True if all sums belong to the same passes and pixels.
+    ///
+    /// A result from a damaged file may have others.
+    pub(super) fn is_consistent(&self) -> bool {
+        let (width, height) = self.film.size();
+        let passes = self.film.passes();
+        self.film.is_consistent()
+            && self.numbers.is_consistent()
+            && self.numbers.len() == u64::from(passes)
+            && self
+                .estimator
+                .as_ref()
+                .is_none_or(|estimator| estimator.is_consistent(passes, width as usize * height as usize))
     }
 }
 
@@ -182,6 +267,28 @@ impl<'a> StopCriteria<'a> {
     #[must_use]
     pub fn unlimited(interrupted: &'a AtomicBool) -> Self {
         Self { min_passes: 1, passes: None, time: None, target: None, ends_at_bias: false, interrupted }
+    }
+
+    /// Returns the reason to end the render after `passes` passes and after the time `elapsed`; `None`
+    /// to go on. `error` is the estimated error, if it was estimated now.
+    fn end_reason(
+        &self,
+        passes: u32,
+        error: Option<&(ErrorEstimate, ErrorForecast)>,
+        elapsed: Duration,
+    ) -> Option<EndReason> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            return Some(EndReason::Interrupted);
+        }
+        if self.passes.is_some_and(|most| passes >= most) {
+            return Some(EndReason::Passes);
+        }
+        if passes < self.min_passes {
+            return None;
+        }
+        let by_error = error.and_then(|(estimate, forecast)| self.end_reason_by_error(estimate, forecast));
+        let is_time_up = self.time.is_some_and(|most| elapsed >= most);
+        by_error.or(is_time_up.then_some(EndReason::Time))
     }
 
     /// Returns the reason to end the render because of its estimated error; `None` to go on.

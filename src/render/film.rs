@@ -4,13 +4,14 @@ use super::merge_error::MergeError;
 use crate::color::Rgb;
 use crate::math::BinnedSums;
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// Sums of the pass images by pixel.
 ///
 /// The sums depend only on the set of passes, to the bit; see [`BinnedSums`]. Neither the order of
 /// passes nor the merging of films changes them. A sum with infinite values is infinite, or NaN if
 /// their signs differ.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Film {
     width: u32,
     height: u32,
@@ -69,6 +70,13 @@ impl Film {
     #[must_use]
     pub fn mean(&self) -> Vec<Rgb> {
         self.pixel_means().map(|mean| mean.as_vec3()).collect()
+    }
+
+    /// True if the film has sums for each pixel of its size.
+    ///
+    /// A film from a damaged file may have others.
+    pub(super) fn is_consistent(&self) -> bool {
+        u64::from(self.width) * u64::from(self.height) == self.sums.len() as u64
     }
 
     /// Returns the sums of radiance over the passes.

@@ -1,7 +1,9 @@
 //! Error of merging the passes of two renders.
 
+use super::pass_set::PassSet;
+
 /// Error: the passes of two renders cannot be merged.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MergeError {
     /// The pictures have different sizes (width, height).
     #[error("a film of {} × {} pixels cannot be added to one of {} × {}", other.0, other.1, own.0, own.1)]
@@ -18,6 +20,12 @@ pub enum MergeError {
         own: u32,
         /// Passes of the film that is added.
         other: u32,
+    },
+    /// The renders have common passes.
+    #[error("both renders have passes {common}: a sum would count them twice")]
+    CommonPasses {
+        /// The common passes.
+        common: PassSet,
     },
     /// The error estimates come from different integrators or pictures.
     #[error("error estimates of different integrators or pictures cannot be merged")]

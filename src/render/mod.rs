@@ -4,16 +4,20 @@ mod driver;
 pub mod error_estimate;
 mod expected_end;
 mod film;
+mod film_file;
 mod limits;
 mod merge_error;
+mod pass_set;
 #[cfg(test)]
 mod test_integrator;
 
-pub use driver::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteria, render};
+pub use driver::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteria, continue_render, render};
 pub use expected_end::ExpectedEnd;
 pub use film::Film;
+pub use film_file::{FilmFile, FilmFileError, FilmHeader, InputDigest};
 pub use limits::{DEFAULT_ERROR, DEFAULT_TIME, PREVIEW_ERROR, RenderLimits};
 pub use merge_error::MergeError;
+pub use pass_set::PassSet;
 
 #[cfg(test)]
 mod tests;

@@ -10,7 +10,7 @@ use serde::Serialize;
 use std::ops::AddAssign;
 
 /// Counts of rays, density estimates and rejected samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub struct Counters {
     /// Camera rays through pixels.
     pub camera_rays: u64,

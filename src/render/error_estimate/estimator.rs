@@ -31,7 +31,7 @@ const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
 /// An error estimate depends only on the set of passes, to the bit. Neither their order nor the
 /// merging of estimators changes it. Only the mean gather discs of [`ErrorMaps`] depend on the
 /// order, by rounding.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct ErrorEstimator {
     /// Law by which gather radii shrink from pass to pass; `None` without photon density estimates.
     radius_law: Option<RadiusLaw>,
@@ -44,7 +44,7 @@ pub struct ErrorEstimator {
 }
 
 /// Sums over passes of the differences between photon estimates with nested discs, for each pixel.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 struct NestedEstimateSums {
     /// Sums over passes, for each pixel and channel, of D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) −
     /// L(r/2), where L(r) is the density estimate with disc radius r.
@@ -62,7 +62,7 @@ struct NestedEstimateSums {
     leading: LeadingPasses,
 }
 
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 struct GatherDiscTotals {
     radius: f32,
     photons: f32,
@@ -136,6 +136,23 @@ impl ErrorEstimator {
             self.passes = passes;
         }
         Ok(())
+    }
+
+    /// True if the estimator holds `passes` passes of pictures of `pixels` pixels.
+    ///
+    /// An estimator from a damaged file may hold others.
+    pub(in crate::render) fn is_consistent(&self, passes: u32, pixels: usize) -> bool {
+        let fits = |count: usize| count == pixels;
+        let photon_estimates = self.photon_estimates.as_ref();
+        self.passes == passes
+            && (passes == 0 || self.variances.has_pixels(pixels) && self.leading.has_pixels(pixels, LEADING_PASSES))
+            && self.shared_paths.is_consistent(pixels)
+            && photon_estimates.is_none_or(|sums| {
+                sums.differences.iter().all(|sums| fits(sums.len()))
+                    && fits(sums.products.len())
+                    && fits(sums.discs.len())
+                    && sums.leading.has_pixels(pixels, LEADING_PASSES_OF_DIFFERENCES)
+            })
     }
 
     /// True if the sums of both estimators belong to the same pixels.

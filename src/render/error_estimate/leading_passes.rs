@@ -11,7 +11,7 @@ use crate::color::Rgb;
 /// scatter as the noise.
 ///
 /// The set of leading passes is a function of the set of passes, in whatever order they come.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct LeadingPasses {
     /// Pass number and grey picture of each leading pass, by pass number. Values that are not
     /// finite are 0.
@@ -43,6 +43,13 @@ impl LeadingPasses {
         self.pictures.extend(other.pictures.iter().cloned());
         self.pictures.sort_by_key(|(number, _)| *number);
         self.pictures.truncate(most);
+    }
+
+    /// True if there are at most `most` pictures, in the order of their passes, each of `pixels`
+    /// pixels.
+    pub fn has_pixels(&self, pixels: usize, most: usize) -> bool {
+        let ordered = self.pictures.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        ordered && self.pictures.len() <= most && self.pictures.iter().all(|(_, picture)| picture.len() == pixels)
     }
 
     /// Returns the relative variance of the squared error of a picture: 2 / effective sample count.

@@ -9,7 +9,7 @@ use glam::DVec3;
 const GAUSSIAN_KURTOSIS: f64 = 3.0;
 
 /// Sums over passes from which the variance of each pixel is computed.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct PixelVarianceSums {
     /// Sums of squared radiance over passes, by channel.
     squares: BinnedSums<3>,
@@ -45,6 +45,11 @@ impl PixelVarianceSums {
         for (peak, other) in self.peaks.iter_mut().zip(&other.peaks) {
             *peak = peak.max(*other);
         }
+    }
+
+    /// True if there are sums of `pixels` pixels.
+    pub fn has_pixels(&self, pixels: usize) -> bool {
+        self.squares.len() == pixels && self.peaks.len() == pixels
     }
 
     /// Returns the number of pixels; 0 without passes.

@@ -16,7 +16,7 @@ const BLOCK: u32 = 16;
 ///
 /// Shared paths are the same in all passes. Fresh paths are new in each pass. The error is the mean
 /// difference between radiance by shared paths and radiance by fresh paths.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct SharedPathErrorSums {
     /// Indices of the pixels that each pass also renders with fresh camera paths, in rows from the
     /// top.
@@ -45,6 +45,13 @@ impl SharedPathErrorSums {
     pub(super) fn merge(&mut self, other: &Self) {
         self.sums.merge(&other.sums);
         self.squares.merge(&other.squares);
+    }
+
+    /// True if each sum belongs to one of `pixels` pixels.
+    pub(super) fn is_consistent(&self, pixels: usize) -> bool {
+        let count = self.pixels.len();
+        let are_pixels = self.pixels.iter().all(|pixel| (*pixel as usize) < pixels);
+        are_pixels && self.sums.len() == count && self.squares.len() == count
     }
 
     /// Returns the indices of the pixels with fresh camera paths, in rows from the top.

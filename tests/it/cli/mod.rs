@@ -5,6 +5,7 @@ mod diff;
 mod errors;
 mod exits;
 mod files;
+mod film;
 mod interrupt;
 mod limits;
 mod mesh;

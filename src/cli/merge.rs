@@ -1,0 +1,129 @@
+//! `caustica merge`: adds the film files of parts of a render.
+
+use super::film::{OtherRenderError, read_film, write_film};
+use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
+use super::pictures::{PictureArguments, write_pictures};
+use super::progress::{ProgressDisplay, print_message};
+use super::{CommandFailure, Exit, forecast_text};
+use crate::image::{self, Image, ToneCurve};
+use crate::render::error_estimate::MIN_PASSES;
+use crate::render::{FilmFile, MergeError, PassSet};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Extension of film files.
+const FILM_EXTENSION: &str = "film";
+
+/// Arguments of `merge`.
+#[derive(Debug, Args)]
+pub struct MergeArguments {
+    /// Film files of parts of one render
+    #[arg(required = true)]
+    pub films: Vec<PathBuf>,
+
+    /// File to write: .png, .exr or .film; may be given several times
+    #[arg(short, long = "output", required = true, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+
+    #[command(flatten)]
+    pub pictures: PictureArguments,
+
+    /// Print only errors and warnings
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// Error: a film cannot be added to those before it.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("cannot add the film `{}`: {source}", path.display())]
+#[diagnostic(help("`caustica film FILE` lists the passes of a film"))]
+struct FilmMergeError {
+    path: PathBuf,
+    source: MergeError,
+}
+
+pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, CommandFailure> {
+    let (films, pictures): (Vec<&PathBuf>, Vec<&PathBuf>) = arguments.output.iter().partition(|path| is_film(path));
+    for path in &pictures {
+        image::check_writable(path).map_err(CommandFailure::output_error)?;
+    }
+    for path in &films {
+        image::check_replaceable(path).map_err(CommandFailure::output_error)?;
+    }
+    let outputs: Vec<FileWithRole> = arguments.output.iter().map(|path| FileWithRole::new("-o", path)).collect();
+    let inputs: Vec<FileWithRole> = arguments.films.iter().map(|path| FileWithRole::new("the film", path)).collect();
+    check_distinct_files(&outputs, &inputs)?;
+    let progress = ProgressDisplay::new(arguments.quiet);
+    let FilmFile { header, rendered } = merged_film(&arguments.films, &progress)?;
+
+    // Write the outputs.
+    let mut options = arguments.pictures.write_options(ToneCurve::Srgb);
+    let missing = header.missing_passes(&rendered.numbers);
+    if !missing.is_empty() {
+        print_message(&format!("warning: passes {missing} are missing"));
+        options.metadata.push(("Missing passes".to_owned(), missing.to_string()));
+    }
+    let mut failures = OutputFailures::default();
+    let (width, height) = rendered.film.size();
+    let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(CommandFailure::output_error)?;
+    write_pictures(pictures.into_iter(), &picture, &options, &progress, &mut failures);
+    for path in films {
+        if failures.ok_or_collect_error(write_film(path, &header, &rendered)).is_some() {
+            progress.print_line(&format!("wrote {}", path.display()));
+        }
+    }
+    let passes = rendered.film.passes();
+    progress.print_line(&format!("{passes} passes"));
+    if let Some(estimator) = rendered.estimator.as_ref().filter(|_| passes >= MIN_PASSES) {
+        let estimate = estimator.estimate(&rendered.film);
+        progress.print_line(&format!("estimated error {}", forecast_text::error_text(&estimate)));
+    }
+    failures.into_result(Exit::Success)
+}
+
+/// True if `path` has the extension of film files.
+fn is_film(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(FILM_EXTENSION))
+}
+
+/// Returns the sum of the films at `paths`. Two of them are in memory at a time. A film whose passes
+/// are those of an earlier one counts once.
+fn merged_film(paths: &[PathBuf], progress: &ProgressDisplay) -> Result<FilmFile, CommandFailure> {
+    let mut total: Option<FilmFile> = None;
+    let mut added: Vec<PassSet> = Vec::new();
+    for path in paths {
+        let film = read_film(path)?;
+        if let Some(total) = &total {
+            check_same_render(total, &film, path)?;
+        }
+        if added.contains(&film.rendered.numbers) {
+            progress.print_line(&format!("{} has the passes of an earlier film, and counts once", path.display()));
+            continue;
+        }
+        added.push(film.rendered.numbers.clone());
+        total = Some(match total {
+            None => film,
+            Some(total) => sum_of_films(total, &film, path)?,
+        });
+    }
+    let missing_argument = || CommandFailure::usage_error(miette::miette!("no film file is given"));
+    total.ok_or_else(missing_argument)
+}
+
+/// Returns an error if `film`, which was read from `path`, is of another render than `total`.
+fn check_same_render(total: &FilmFile, film: &FilmFile, path: &Path) -> Result<(), CommandFailure> {
+    let differences = total.header.differences(&film.header);
+    if differences.is_empty() {
+        return Ok(());
+    }
+    Err(CommandFailure::new(Exit::Input, OtherRenderError { path: path.to_owned(), differences }))
+}
+
+/// Returns `total` with the passes of `film`, which was read from `path`.
+fn sum_of_films(mut total: FilmFile, film: &FilmFile, path: &Path) -> Result<FilmFile, CommandFailure> {
+    let merged = total.rendered.merge(&film.rendered);
+    let error = |source| CommandFailure::new(Exit::Input, FilmMergeError { path: path.to_owned(), source });
+    merged.map_err(error)?;
+    total.header.planned_passes = total.header.planned_passes.max(film.header.planned_passes);
+    Ok(total)
+}

@@ -1,0 +1,85 @@
+//! Flags and messages of the pictures that a command writes.
+
+use super::args::{parse_exr_depth, parse_png_depth};
+use super::number::parse_exposure_stops;
+use super::outputs::OutputFailures;
+use super::plan::count_with_noun;
+use super::progress::{ProgressDisplay, print_message};
+use crate::image::{
+    self, BitDepth, ClippedPixelReport, ExrPrecision, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions,
+};
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Flags of the files that hold pictures.
+#[derive(Debug, Args)]
+pub struct PictureArguments {
+    /// Tone curve of PNG: srgb, filmic or course (linear bytes)  [default: srgb; course for
+    /// raycast]
+    #[arg(long, value_name = "NAME")]
+    pub tone: Option<ToneCurve>,
+
+    /// Exposure of PNG in stops: +1 is twice as bright
+    #[arg(long, default_value = "0", value_parser = parse_exposure_stops, allow_negative_numbers = true, value_name = "STOPS")]
+    pub exposure: f32,
+
+    /// Bits per channel of PNG: 8 or 16
+    #[arg(long, default_value = "8", value_parser = parse_png_depth, value_name = "BITS")]
+    pub png_bits: BitDepth,
+
+    /// Bits per channel of OpenEXR: 16 (largest value 65504) or 32
+    #[arg(long, default_value = "32", value_parser = parse_exr_depth, value_name = "BITS")]
+    pub exr_bits: ExrPrecision,
+}
+
+impl PictureArguments {
+    /// Returns the tone curve, the bits and the metadata of the files. `curve` is the tone curve
+    /// without `--tone`.
+    pub(super) fn write_options(&self, curve: ToneCurve) -> WriteOptions {
+        WriteOptions {
+            tone: ToneMap { curve: self.tone.unwrap_or(curve), exposure_stops: self.exposure },
+            depth: self.png_bits,
+            floats: self.exr_bits,
+            metadata: vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))],
+        }
+    }
+}
+
+/// Writes `picture` to `paths`, and prints which files were written. Collects errors in `failures`.
+pub(super) fn write_pictures<'a>(
+    paths: impl Iterator<Item = &'a PathBuf>,
+    picture: &Image,
+    options: &WriteOptions,
+    progress: &ProgressDisplay,
+    failures: &mut OutputFailures,
+) {
+    for path in paths {
+        if let Some(written) = failures.ok_or_collect_error(image::write(path, picture, options)) {
+            progress.print_line(&format!("wrote {}", path.display()));
+            report_clipped_pixels(&written, path, options.tone.exposure_stops, progress);
+        }
+    }
+}
+
+/// Prints warnings of pixels whose values the file format cannot store.
+fn report_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f32, progress: &ProgressDisplay) {
+    let pixels = |n: usize| format!("{} of {}", count_with_noun(n, "pixel", "pixels"), path.display());
+    if written.non_finite > 0 {
+        print_message(&format!("warning: {}: not finite", pixels(written.non_finite)));
+    }
+    match (written.too_bright, OutputFormat::from_path(path)) {
+        (0, _) => {}
+        // Clipping in OpenEXR is a warning, because its readers expect unclipped radiance.
+        (n, Ok(OutputFormat::Exr)) => {
+            print_message(&format!("warning: {}: clipped to 65504; --exr-bits 32 holds larger values", pixels(n)));
+        }
+        (n, Ok(OutputFormat::Png) | Err(_)) => {
+            let darker = exposure - 1.0;
+            let remedy = format!("--exposure {darker} or --tone filmic shows more, an .exr file holds all");
+            progress.print_line(&format!("note: {}: clipped to white; {remedy}", pixels(n)));
+        }
+    }
+    if written.negative > 0 {
+        progress.print_line(&format!("note: {}: negative, clipped to black", pixels(written.negative)));
+    }
+}

@@ -1,0 +1,59 @@
+//! Parts of the passes of a render.
+
+use std::ops::Range;
+use std::str::FromStr;
+
+/// One of several parts of the passes of a render, such as `3/16`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Number of the part, counted from 1.
+    pub number: u32,
+    /// Number of parts.
+    pub count: u32,
+}
+
+impl Shard {
+    /// Returns the numbers of the shard's passes, out of `passes`. Shards differ by one pass at
+    /// most.
+    #[must_use]
+    pub fn passes(self, passes: u32) -> Range<u32> {
+        let end_of = |number: u32| (u64::from(passes) * u64::from(number) / u64::from(self.count)) as u32;
+        end_of(self.number - 1)..end_of(self.number)
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+        match numbers {
+            Some((number, count)) if 1 <= number && number <= count => Ok(Self { number, count }),
+            Some((_, count)) => Err(format!("`{text}` is no part: write 1/{count} to {count}/{count}")),
+            None => Err(format!("`{text}` is no part: write 3/16 for the third of 16 parts")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_divide_the_passes() {
+        for (passes, count) in [(320, 16), (7, 3), (2, 5), (u32::MAX, 3)] {
+            let shards = (1..=count).map(|number| Shard { number, count }.passes(passes));
+            let mut next = 0;
+            for shard in shards {
+                assert_eq!(shard.start, next);
+                assert!(shard.len() as u32 <= passes.div_ceil(count));
+                next = shard.end;
+            }
+            assert_eq!(next, passes);
+        }
+        assert_eq!("3/16".parse(), Ok(Shard { number: 3, count: 16 }));
+        for wrong in ["0/4", "5/4", "3", "a/b", "1/0", "-1/2", "1/99999999999"] {
+            assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
+        }
+    }
+}

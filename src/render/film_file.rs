@@ -1,0 +1,235 @@
+//! Film files: the sums of a render, from which it is continued or merged with others.
+//!
+//! A file begins with the line `CAUSTICA FILM 1`. Then come blocks. Each block has a head of three
+//! little-endian 32-bit numbers: the size of its content, the size of the content compressed by LZ4,
+//! and the CRC-32 of the compressed bytes. Then come the compressed bytes. The first block holds the
+//! header as JSON. The others hold the sums in the format of the crate `postcard`. An empty block
+//! ends the file.
+
+use super::driver::RenderResult;
+use super::pass_set::PassSet;
+use serde::{Deserialize, Serialize};
+use std::io::{self, Read, Write};
+
+/// First line of a film file. The number is that of the format.
+const MAGIC: &[u8; 16] = b"CAUSTICA FILM 1\n";
+
+/// Largest content of a block \[bytes].
+const BLOCK: usize = 1 << 20;
+
+/// Largest number of bytes of the sums of a picture without pixels.
+const MAX_FIXED_BYTES: u64 = 1 << 20;
+
+/// Largest number of bytes per pixel of the sums of a picture.
+///
+/// A 64-bit integer takes at most 10 bytes.
+const MAX_BYTES_PER_PIXEL: u64 = 1024;
+
+/// Name of an input file of a scene, and the SHA-256 digest of its content.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct InputDigest {
+    /// Name of the file without its folder.
+    pub name: String,
+    /// Digest in hexadecimal digits.
+    pub digest: String,
+}
+
+/// What the passes of a render depend on.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FilmHeader {
+    /// Version of the program.
+    pub version: String,
+    /// Path of the scene file, as the user gave it.
+    pub scene: String,
+    /// The scene file and all files that it names, sorted by name and digest.
+    pub inputs: Vec<InputDigest>,
+    /// Width of the picture \[pixels].
+    pub width: u32,
+    /// Height of the picture \[pixels].
+    pub height: u32,
+    /// Flags of all settings that differ from their default, except the seed.
+    pub settings: Vec<String>,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Number of passes of the whole render, of which this one makes a part; `None` if it makes all.
+    pub planned_passes: Option<u32>,
+}
+
+/// A film file: the header, and the render so far.
+#[derive(Debug)]
+pub struct FilmFile {
+    /// What the passes depend on.
+    pub header: FilmHeader,
+    /// Passes, sums, error estimator and statistics.
+    pub rendered: RenderResult,
+}
+
+/// Error of reading a film file.
+#[derive(Debug, thiserror::Error)]
+pub enum FilmFileError {
+    /// The file has another first line.
+    #[error("it is no film of this version of the program")]
+    NoFilm,
+    /// The file ends before its last block.
+    #[error("it is cut off: copy it again, or delete it to begin anew")]
+    CutOff,
+    /// The content contradicts its checksum or itself.
+    #[error("it is damaged ({what}): copy it again, or delete it to begin anew")]
+    Damaged {
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// The system could not read the file.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+}
+
+impl FilmHeader {
+    /// Returns what differs between renders whose passes cannot be added, a line each; nothing if
+    /// they can.
+    #[must_use]
+    pub fn differences(&self, other: &Self) -> Vec<String> {
+        let mut lines = Vec::new();
+        let mut compare = |what: &str, own: &str, other: &str| {
+            if own != other {
+                lines.push(format!("{what}: {own} here, {other} there"));
+            }
+        };
+        compare("version", &self.version, &other.version);
+        let size = |header: &Self| format!("{}x{}", header.width, header.height);
+        compare("size", &size(self), &size(other));
+        compare("seed", &self.seed.to_string(), &other.seed.to_string());
+        let settings = |header: &Self| match header.settings.join(" ") {
+            flags if flags.is_empty() => "the default".to_owned(),
+            flags => format!("`{flags}`"),
+        };
+        compare("settings", &settings(self), &settings(other));
+        for input in self.inputs.iter().filter(|input| !other.inputs.contains(input)) {
+            lines.push(format!("file `{}` has another content or is new", input.name));
+        }
+        for input in &other.inputs {
+            if !self.inputs.iter().any(|own| own.name == input.name) {
+                lines.push(format!("file `{}` is missing here", input.name));
+            }
+        }
+        lines
+    }
+
+    /// Returns the passes that the whole render plans and `done` lacks.
+    #[must_use]
+    pub fn missing_passes(&self, done: &PassSet) -> PassSet {
+        done.missing_below(self.planned_passes.unwrap_or(0).max(done.end()))
+    }
+}
+
+impl FilmFile {
+    /// Writes the file to `out`.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write(header: &FilmHeader, rendered: &RenderResult, out: &mut impl Write) -> io::Result<()> {
+        out.write_all(MAGIC)?;
+        write_block(out, &serde_json::to_vec(header)?)?;
+        let mut blocks = BlockWriter { out, content: Vec::with_capacity(BLOCK) };
+        postcard::to_io(rendered, &mut blocks).map_err(io::Error::other)?;
+        blocks.flush()?;
+        write_block(out, &[])
+    }
+
+    /// Reads a file from `input`.
+    ///
+    /// # Errors
+    /// [`FilmFileError`] for anything but a whole film file.
+    pub fn read(mut input: impl Read) -> Result<Self, FilmFileError> {
+        let mut magic = [0; MAGIC.len()];
+        let read = input.read_exact(&mut magic);
+        if read.is_err() || magic != *MAGIC {
+            return Err(FilmFileError::NoFilm);
+        }
+        let damaged = |what| FilmFileError::Damaged { what };
+        let header: FilmHeader = serde_json::from_slice(&read_block(&mut input)?).map_err(|_| damaged("its header"))?;
+        let pixels = u64::from(header.width) * u64::from(header.height);
+        let most = pixels.saturating_mul(MAX_BYTES_PER_PIXEL) + MAX_FIXED_BYTES;
+        let mut content = Vec::new();
+        loop {
+            let block = read_block(&mut input)?;
+            if block.is_empty() {
+                break;
+            }
+            content.extend_from_slice(&block);
+            if content.len() as u64 > most {
+                return Err(damaged("it is too long"));
+            }
+        }
+        let rendered: RenderResult = postcard::from_bytes(&content).map_err(|_| damaged("its sums"))?;
+        if !rendered.is_consistent() || rendered.film.size() != (header.width, header.height) {
+            return Err(damaged("its sums contradict each other"));
+        }
+        Ok(Self { header, rendered })
+    }
+}
+
+/// Writer that divides its bytes into blocks of a film file.
+struct BlockWriter<'a, W> {
+    out: &'a mut W,
+    content: Vec<u8>,
+}
+
+impl<W: Write> Write for BlockWriter<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let taken = bytes.len().min(BLOCK - self.content.len());
+        self.content.extend_from_slice(&bytes[..taken]);
+        if self.content.len() == BLOCK {
+            self.flush()?;
+        }
+        Ok(taken)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        if !self.content.is_empty() {
+            write_block(self.out, &self.content)?;
+            self.content.clear();
+        }
+        Ok(())
+    }
+}
+
+/// Writes a block with content `content`.
+fn write_block(out: &mut impl Write, content: &[u8]) -> io::Result<()> {
+    let compressed = lz4_flex::block::compress(content);
+    for number in [content.len() as u32, compressed.len() as u32, crc32fast::hash(&compressed)] {
+        out.write_all(&number.to_le_bytes())?;
+    }
+    out.write_all(&compressed)
+}
+
+/// Reads a block and returns its content.
+fn read_block(input: &mut impl Read) -> Result<Vec<u8>, FilmFileError> {
+    let mut number = || {
+        let mut bytes = [0; 4];
+        read_exact(input, &mut bytes).map(|()| u32::from_le_bytes(bytes))
+    };
+    let (size, compressed_size, checksum) = (number()? as usize, number()? as usize, number()?);
+    let is_valid = size <= BLOCK && compressed_size <= lz4_flex::block::get_maximum_output_size(BLOCK);
+    if !is_valid {
+        return Err(FilmFileError::Damaged { what: "the size of a block" });
+    }
+    let mut compressed = vec![0; compressed_size];
+    read_exact(input, &mut compressed)?;
+    if crc32fast::hash(&compressed) != checksum {
+        return Err(FilmFileError::Damaged { what: "a checksum" });
+    }
+    let content = lz4_flex::block::decompress(&compressed, size);
+    content.ok().filter(|content| content.len() == size).ok_or(FilmFileError::Damaged { what: "a block" })
+}
+
+/// Fills `bytes` from `input`.
+fn read_exact(input: &mut impl Read, bytes: &mut [u8]) -> Result<(), FilmFileError> {
+    input.read_exact(bytes).map_err(|error| match error.kind() {
+        io::ErrorKind::UnexpectedEof => FilmFileError::CutOff,
+        _ => FilmFileError::Io(error),
+    })
+}
+
+#[cfg(test)]
+mod tests;

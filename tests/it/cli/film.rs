@@ -1,0 +1,162 @@
+//! Film files: renders that go on after an interruption, and renders in parts.
+
+use super::CliSandbox;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+/// Flags of a render of `passes` passes that leaves the picture `name`.exr.
+fn flags(name: &str, passes: u32, more: &str) -> String {
+    format!("-o {name}.exr --passes {passes} --photons 1k {more}")
+}
+
+/// A render that goes on from a film gives the bits of one render, with any number of threads. No
+/// pass is made twice.
+#[test]
+fn continued_renders_have_the_bits_of_one_render() {
+    for integrator in ["hybrid", "sppm", "path"] {
+        let sandbox = CliSandbox::new();
+        let method = format!("--integrator {integrator}");
+        sandbox.render("box.txt", &flags("whole", 6, &format!("{method} --stats whole.json"))).expect(0, &[]);
+        let film = format!("{method} --film a.film");
+        sandbox.render("box.txt", &flags("half", 2, &format!("{film} --threads 1"))).expect(0, &["wrote a.film"]);
+        let rest = flags("rest", 6, &format!("{film} --threads 2 --exposure 1 --stats rest.json"));
+        sandbox.render("box.txt", &rest).expect(0, &["continuing a.film: 2 passes", "pass 3/6", "pass 6/6"]);
+        assert_eq!(sandbox.bytes("rest.exr"), sandbox.bytes("whole.exr"), "{integrator}");
+        let stats = |name: &str| serde_json::from_slice::<serde_json::Value>(&sandbox.bytes(name)).unwrap();
+        let (mut rest, mut whole) = (stats("rest.json"), stats("whole.json"));
+        for report in [&mut rest, &mut whole] {
+            report["error"]["halving_seconds"].take();
+        }
+        assert_eq!((&rest["error"], &rest["counters"]), (&whole["error"], &whole["counters"]), "{integrator}");
+        let again = sandbox.render("box.txt", &flags("again", 6, &film));
+        again.expect(0, &["continuing a.film: 6 passes", "6 passes in"]);
+        assert!(!again.stderr.contains("pass 7"), "{}", again.stderr);
+        assert_eq!(sandbox.bytes("again.exr"), sandbox.bytes("whole.exr"), "{integrator}");
+        assert!(!sandbox.names().iter().any(|name| name.ends_with(".lock")));
+    }
+}
+
+/// A render that SIGKILL ends goes on from its last save.
+#[cfg(unix)]
+fn kill_and_continue(kills: u32) {
+    let sandbox = CliSandbox::new();
+    let arguments = |name: &str| flags(name, 60, "--film a.film --save-every 0");
+    sandbox.render("box.txt", &flags("whole", 60, "")).expect(0, &[]);
+    for kill in 0..kills {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_caustica"));
+        command.current_dir(sandbox.path(".")).args(["render", "box.txt"]).args(arguments("killed").split_whitespace());
+        let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+        // Times from before the first pass to after the last one.
+        std::thread::sleep(Duration::from_millis(u64::from(kill * 7919 % 400)));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    sandbox.render("box.txt", &arguments("continued")).expect(0, &["wrote a.film"]);
+    assert_eq!(sandbox.bytes("continued.exr"), sandbox.bytes("whole.exr"));
+}
+
+#[cfg(unix)]
+#[test]
+fn killed_renders_go_on_from_the_film() {
+    kill_and_continue(8);
+}
+
+#[cfg(unix)]
+#[test]
+#[ignore = "long: 30 killed renders"]
+fn often_killed_renders_go_on_from_the_film() {
+    kill_and_continue(30);
+}
+
+/// A film of another scene or of other settings is refused and stays as it is. Settings that alter
+/// no pass may change.
+#[test]
+fn films_of_other_renders_are_refused() {
+    let sandbox = CliSandbox::new();
+    sandbox.put("ball.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let mesh = format!("{}\nGroup {{ MaterialName white  TriangleMesh {{ objFile ball.obj }} }}\n", super::BOX);
+    sandbox.put("mesh.txt", &mesh);
+    sandbox.render("mesh.txt", &flags("a", 1, "--film a.film")).expect(0, &[]);
+    let before = sandbox.bytes("a.film");
+    let refused = |more: &str, parts: &[&str]| {
+        sandbox.render("mesh.txt", &flags("b", 2, &format!("--film a.film {more}"))).expect(2, parts);
+        assert_eq!(sandbox.bytes("a.film"), before, "{more}");
+    };
+    refused("--seed 4", &["is of another render", "seed: 4 here, 0 there"]);
+    refused("--spp 2", &["--spp 2` here"]);
+    refused("--size 20x15", &["size: 20x15 here, 40x30 there"]);
+    refused("--no-error-estimate", &["--no-error-estimate` here"]);
+    sandbox.put("ball.obj", "v 0 0 0\nv 1 0 0\nv 0 1 .5\nf 1 2 3\n");
+    refused("", &["file `ball.obj` has another content"]);
+    sandbox.put("ball.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    sandbox.render("mesh.txt", &flags("b", 2, "--film a.film --threads 1 --tone filmic -q")).expect(0, &[]);
+    sandbox.put("b.film", &before[..before.len() - 9]);
+    sandbox.render("mesh.txt", &flags("b", 2, "--film b.film")).expect(1, &["`b.film`", "it is cut off"]);
+    sandbox.put("c.film", "no film");
+    sandbox.render("mesh.txt", &flags("b", 2, "--film c.film")).expect(1, &["it is no film"]);
+    sandbox.run(&["film", "c.film"]).expect(1, &["it is no film"]);
+    sandbox.render("mesh.txt", "--film mesh.txt -o b.exr").expect(2, &["are the same file"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn two_renders_do_not_share_a_film() {
+    let sandbox = CliSandbox::new();
+    let line = flags("a", 1_000_000, "--film a.film --save-every 0");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_caustica"));
+    command.current_dir(sandbox.path(".")).args(["render", "box.txt"]).args(line.split_whitespace());
+    let mut child = command.stderr(Stdio::null()).spawn().unwrap();
+    while !sandbox.path("a.film").exists() {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    sandbox.render("box.txt", &flags("b", 2, "--film a.film")).expect(2, &["another render writes the film"]);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    sandbox.render("box.txt", &flags("b", 2, "--film a.film")).expect(0, &["continuing a.film"]);
+}
+
+/// A file that cannot grow, as on a full disk, leaves the old film whole.
+#[cfg(unix)]
+#[test]
+fn full_disks_leave_the_film_whole() {
+    let sandbox = CliSandbox::new();
+    sandbox.render("box.txt", &flags("a", 2, "--film a.film")).expect(0, &[]);
+    let before = sandbox.bytes("a.film");
+    let program = env!("CARGO_BIN_EXE_caustica");
+    let line =
+        format!("trap '' XFSZ; ulimit -f 16; exec {program} render box.txt --film a.film --passes 3 --photons 1k");
+    let output = Command::new("sh").current_dir(sandbox.path(".")).args(["-c", &line]).output().unwrap();
+    assert_eq!(output.status.code(), Some(3), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(sandbox.bytes("a.film"), before);
+}
+
+/// The films of all parts of a render add up to the bits of one render, in any order.
+#[test]
+fn merged_parts_have_the_bits_of_one_render() {
+    let sandbox = CliSandbox::new();
+    sandbox.render("box.txt", &flags("whole", 7, "--film whole.film")).expect(0, &[]);
+    for part in 1..=3 {
+        let more = format!("--photons 1k --passes 7 --shard {part}/3 --film part{part}.film");
+        sandbox.render("box.txt", &more).expect(0, &["wrote part"]);
+    }
+    sandbox.run(&["merge", "part2.film", "part1.film", "-o", "some.exr"]).expect(0, &["passes 5–7 are missing"]);
+    let parts = ["part3.film", "part1.film", "part3.film", "part2.film"];
+    let arguments = [&["merge"], &parts[..], &["-o", "sum.exr", "-o", "sum.film"]].concat();
+    sandbox.run(&arguments).expect(0, &["part3.film has the passes of an earlier film", "7 passes", "estimated error"]);
+    assert_eq!(sandbox.bytes("sum.exr"), sandbox.bytes("whole.exr"));
+    let text = |name: &str| {
+        let run = sandbox.run(&["film", name]);
+        run.expect(0, &[]);
+        run.stdout.lines().filter(|line| !line.starts_with("time")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(text("sum.film"), text("whole.film"));
+    assert!(text("part2.film").contains(&"missing   5: 1–2, 5–7".to_owned()), "{:?}", text("part2.film"));
+
+    sandbox.run(&["merge", "whole.film", "part1.film", "-o", "x.exr"]).expect(1, &["both renders have passes 1–2"]);
+    sandbox.render("box.txt", &flags("a", 2, "--seed 3 --film other.film")).expect(0, &[]);
+    sandbox.run(&["merge", "part1.film", "other.film", "-o", "x.exr"]).expect(1, &["seed: 0 here, 3 there"]);
+    sandbox.run(&["merge", "part1.film", "-o", "part1.film"]).expect(2, &["are the same file"]);
+    sandbox.render("box.txt", "--passes 2 --shard 3/9 --film z.film").expect(2, &["has none of 2 passes"]);
+    let other = sandbox.render("box.txt", "--photons 1k --passes 7 --shard 1/3 --film part2.film");
+    other.expect(2, &["which are not those of --shard"]);
+}
