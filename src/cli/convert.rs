@@ -35,6 +35,14 @@ pub struct ConvertArguments {
     pub force: bool,
 }
 
+impl ConvertArguments {
+    /// Returns the file to write, which the command line gives with or without `-o`.
+    #[must_use]
+    pub fn output_file(&self) -> Option<&PathBuf> {
+        self.output.as_ref().or(self.output_flag.as_ref())
+    }
+}
+
 /// Error: an output file exists already, and `--force` is not given.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` exists already", .0.display())]
@@ -42,7 +50,7 @@ pub struct ConvertArguments {
 struct OutputExistsError(PathBuf);
 
 pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, CommandFailure> {
-    let output = arguments.output.as_ref().or(arguments.output_flag.as_ref()).cloned().unwrap_or_default();
+    let output = arguments.output_file().cloned().unwrap_or_default();
     let files = InputFileCollector::new(&());
     let scene = read_scene_file(&arguments.scene, &arguments.import, &files, MemoryLimit::System)?;
     import_warnings(&scene).iter().for_each(|line| print_message(line));

@@ -6,7 +6,7 @@ mod convert;
 pub mod description;
 mod error;
 mod file;
-mod gltf;
+pub mod gltf;
 pub mod grid;
 mod import;
 mod language;

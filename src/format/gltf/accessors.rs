@@ -125,6 +125,16 @@ impl<'a> Buffers<'a> {
         Ok(AccessorValues { width, numbers })
     }
 
+    /// Returns the vertex indices of an accessor.
+    pub fn read_indices(&self, accessor: &Accessor<'_>) -> ReadResult<Vec<u32>> {
+        let is_unsigned = matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32);
+        if !is_unsigned || accessor.normalized() || component_count(accessor.dimensions()) != 1 {
+            let place = format!("accessors[{}]", accessor.index());
+            return Err(self.context.error(place, "indices must be unsigned integers that are not normalized"));
+        }
+        Ok(self.read(accessor)?.numbers.iter().map(|index| *index as u32).collect())
+    }
+
     /// Reads the elements that begin `offset` bytes into a buffer view.
     fn read_elements(&self, place: &str, view: &View<'_>, offset: usize, layout: Layout) -> ReadResult<Vec<f64>> {
         let Layout { count, width, kind, is_normalized } = layout;

@@ -60,6 +60,7 @@ pub(super) fn parse_document(context: &FileContext<'_>, bytes: &[u8], notes: &mu
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let mut value: Value = serde_json::from_slice(json).map_err(|e| context.error("JSON", e))?;
     take_required_extensions(context, &mut value, notes)?;
+    remove_what_is_not_read(&mut value, notes);
     let root: Root = serde_json::from_value(value).map_err(|e| context.error("JSON", e))?;
     if !root.asset.version.starts_with("2.") {
         let help = "export it as glTF 2.0";
@@ -122,6 +123,20 @@ fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: 
         }
     }
     Ok(())
+}
+
+/// Removes animations, which the crate `gltf` refuses in part, and adds missing lists of nodes.
+fn remove_what_is_not_read(root: &mut Value, notes: &mut ImportNotes) {
+    let Some(root) = root.as_object_mut() else { return };
+    if let Some(animations) = root.remove("animations") {
+        let count = animations.as_array().map_or(0, Vec::len);
+        notes.add_unsupported("animations are ignored: nodes have their rest pose", format!("{count} animations"));
+    }
+    for scene in root.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {
+        if let Some(scene) = scene.as_object_mut() {
+            scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+        }
+    }
 }
 
 /// Returns an error that names the first defects of the document, such as indices out of range.

@@ -34,7 +34,7 @@ pub(super) fn read_primitive(
     let name = |attribute: &str| format!("{place}.attributes.{attribute}");
     let positions: Vec<[f64; 3]> = buffers.read(&positions)?.vectors(context, &name("POSITION"))?;
     let corners: Vec<u32> = match primitive.indices() {
-        Some(indices) => buffers.read(&indices)?.numbers.iter().map(|index| *index as u32).collect(),
+        Some(indices) => buffers.read_indices(&indices)?,
         None => (0..positions.len() as u32).collect(),
     };
     if let Some(index) = corners.iter().find(|index| **index as usize >= positions.len()) {

@@ -49,13 +49,18 @@ impl SceneImporter for GltfImporter {
 }
 
 /// Imports the bytes of a `.gltf` or `.glb` file.
+///
+/// Errors name `path`, whose folder holds the files that the bytes name.
+///
+/// # Errors
+/// [`SceneReadError`].
+pub fn decode(path: &Path, bytes: &[u8], options: &ImportOptions) -> Result<ImportedScene, SceneReadError> {
+    import_bytes(&FileContext { path, monitor: &(), options }, bytes)
+}
+
 fn import_bytes(context: &FileContext<'_>, bytes: &[u8]) -> Result<ImportedScene, SceneReadError> {
     let mut notes = ImportNotes::default();
     let GltfFile { document, blob } = parse_document(context, bytes, &mut notes)?;
-    if document.animations().len() > 0 {
-        let count = format!("{} animations", document.animations().len());
-        notes.add_unsupported("animations are ignored: nodes have their rest pose", count);
-    }
     let buffers = Buffers::new(context, document.buffers().len(), blob);
     let mut materials = Materials::new(Pictures::new(context, &buffers));
     let content = read_scene(context, &buffers, &document, &mut materials, &mut notes)?;

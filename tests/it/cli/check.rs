@@ -29,8 +29,8 @@ fn check_reports_all_errors_or_warnings() {
     render.expect(0, &["warning: the camera sees no object"]);
     let quiet = sandbox.render("blind.txt", "-o a.png --passes 1 --quiet");
     assert!(!quiet.stderr.contains("camera"), "{}", quiet.stderr);
-    sandbox.put("scene.glb", "glTF");
-    sandbox.run(&["check", "scene.glb"]).expect(1, &["`.glb` is no scene format", "export the meshes as OBJ or PLY"]);
+    sandbox.put("scene.fbx", "Kaydara");
+    sandbox.run(&["check", "scene.fbx"]).expect(1, &["`.fbx` is no scene format", "export the meshes as OBJ or PLY"]);
 }
 
 #[test]
