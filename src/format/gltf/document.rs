@@ -129,8 +129,9 @@ fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: 
 fn remove_what_is_not_read(root: &mut Value, notes: &mut ImportNotes) {
     let Some(root) = root.as_object_mut() else { return };
     if let Some(animations) = root.remove("animations") {
-        let count = animations.as_array().map_or(0, Vec::len);
-        notes.add_unsupported("animations are ignored: nodes have their rest pose", format!("{count} animations"));
+        for i in 0..animations.as_array().map_or(0, Vec::len) {
+            notes.add_unsupported("animations are ignored: nodes have their rest pose", format!("animations[{i}]"));
+        }
     }
     for scene in root.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {
         if let Some(scene) = scene.as_object_mut() {

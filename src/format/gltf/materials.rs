@@ -4,8 +4,9 @@ use super::context::{FileContext, ReadResult};
 use super::notes::ImportNotes;
 use super::pictures::{Pictures, TextureReference, TextureUse, TextureValues};
 use crate::format::description::{
-    DielectricAbsorption, EmissionDescription, MaterialDescription, MaterialKindDescription, MetalDescription,
-    NormalPerturbationDescription, RefractiveIndexDescription, Span, Spanned, TexturedValue,
+    DielectricAbsorption, EmissionDescription, GroupItem, MaterialDescription, MaterialKindDescription,
+    MetalDescription, NormalPerturbationDescription, ObjectGroup, RefractiveIndexDescription, Span, Spanned,
+    TexturedValue,
 };
 use glam::{DVec3, DVec4};
 use gltf::material::AlphaMode;
@@ -123,6 +124,26 @@ impl<'a> Materials<'a> {
         let name = candidates.find(|name| !self.names.contains(name)).unwrap_or_default();
         self.names.insert(name.clone());
         name
+    }
+
+    /// Removes materials that neither objects nor mixes use, then textures and pictures that no
+    /// material uses.
+    pub fn remove_unused(&mut self, objects: &ObjectGroup) {
+        let named = |item: &GroupItem| match item {
+            GroupItem::MaterialName(name) => Some(name.value.clone()),
+            GroupItem::MaterialIndex(_) | GroupItem::Object(_) => None,
+        };
+        let mut used: HashSet<String> = objects.items.iter().filter_map(named).collect();
+        // The parts of a mix stand before it.
+        for material in self.descriptions.iter().rev() {
+            if material.name.as_ref().is_some_and(|name| used.contains(name)) {
+                used.extend(material.kind.mix_material_names().into_iter().flatten().map(|part| part.value.clone()));
+            }
+        }
+        self.descriptions.retain(|material| material.name.as_ref().is_some_and(|name| used.contains(name)));
+        let textures: HashSet<String> =
+            self.descriptions.iter().flat_map(|m| m.texture_names()).map(|name| name.value.clone()).collect();
+        self.pictures.keep_textures(&textures);
     }
 
     fn push(

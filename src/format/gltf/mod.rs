@@ -70,17 +70,11 @@ fn import_bytes(context: &FileContext<'_>, bytes: &[u8]) -> Result<ImportedScene
         let sky = LightDescription::Environment(EnvironmentRadiance::Constant(DVec3::ONE));
         lights.push(Spanned::new(sky, Span::default()));
     }
-    let mut cameras = content.cameras.into_iter();
-    let camera = match cameras.next() {
-        Some(camera) => camera,
-        None => {
-            notes.add_missing("the file has no camera: the picture shows the whole scene from above and in front");
-            framing_camera(content.bounds)
-        }
-    };
-    if cameras.len() > 0 {
-        notes.add_unsupported("only the first camera is used", format!("{} cameras", cameras.len() + 1));
-    }
+    let camera = content.camera.unwrap_or_else(|| {
+        notes.add_missing("the file has no camera: the picture shows the whole scene from above and in front");
+        framing_camera(content.bounds)
+    });
+    materials.remove_unused(&content.root);
     let Materials { pictures: Pictures { textures, pictures, .. }, descriptions, .. } = materials;
     let description = SceneDescription {
         camera: Spanned::new(camera, Span::default()),

@@ -11,7 +11,7 @@ use crate::image::{Image, RgbaLevels, decode_rgba_levels};
 use glam::{DVec2, DVec3, Vec3};
 use gltf::image::Source;
 use gltf::texture::{MagFilter, WrappingMode};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -115,6 +115,19 @@ impl<'a> Pictures<'a> {
             TextureValues::Constant(_) => values,
             TextureValues::Texture(path, mean) => TextureValues::Texture(self.texture(reference, path, notes), mean),
         }))
+    }
+
+    /// Removes all textures but those called `names`, and pictures that no texture shows.
+    pub fn keep_textures(&mut self, names: &HashSet<String>) {
+        self.textures.retain(|texture| names.contains(&texture.name));
+        let shown = |path: &str| {
+            self.textures.iter().any(|texture| match &texture.kind {
+                TextureKindDescription::Image { path: shown, .. } => shown.value == path,
+                TextureKindDescription::Checker { .. } | TextureKindDescription::Solid { .. } => false,
+            })
+        };
+        let unused: Vec<String> = self.pictures.keys().filter(|path| !shown(path)).cloned().collect();
+        unused.iter().for_each(|path| drop(self.pictures.remove(path)));
     }
 
     /// Returns the name of the texture that shows the embedded picture `path` by `reference`.

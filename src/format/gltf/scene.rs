@@ -41,8 +41,8 @@ pub(super) struct SceneContent {
     pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
     /// Point, spot and directional lights.
     pub lights: Vec<Spanned<LightDescription>>,
-    /// Cameras, in the order of the nodes.
-    pub cameras: Vec<CameraDescription>,
+    /// Camera of the first node that has one.
+    pub camera: Option<CameraDescription>,
     /// Lower and upper corner of the bounds of all meshes; infinities if there are none.
     pub bounds: (DVec3, DVec3),
     /// True if a surface emits light.
@@ -82,7 +82,7 @@ pub(super) fn read_scene<'a>(
         root: ObjectGroup::default(),
         meshes: BTreeMap::new(),
         lights: Vec::new(),
-        cameras: Vec::new(),
+        camera: None,
         bounds: (DVec3::INFINITY, DVec3::NEG_INFINITY),
         has_emitters: false,
     };
@@ -90,9 +90,8 @@ pub(super) fn read_scene<'a>(
     let nodes: Vec<gltf::Node<'_>> = document.nodes().collect();
     let roots: Vec<usize> = match document.default_scene().or_else(|| document.scenes().next()) {
         Some(scene) => {
-            if document.scenes().len() > 1 {
-                let others = format!("{} scenes", document.scenes().len());
-                walker.notes.add_unsupported("only the default scene is read", others);
+            for other in document.scenes().filter(|other| other.index() != scene.index()) {
+                walker.notes.add_unsupported("only the default scene is read", format!("scenes[{}]", other.index()));
             }
             scene.nodes().map(|node| node.index()).collect()
         }
@@ -170,8 +169,11 @@ impl NodeWalker<'_, '_> {
             }
         }
         if let Some(camera) = node.camera() {
-            let camera = self.camera(camera.index(), to_world)?;
-            self.content.cameras.push(camera);
+            if self.content.camera.is_some() {
+                self.notes.add_unsupported("only the first camera is used", place);
+            } else {
+                self.content.camera = Some(self.camera(camera.index(), to_world)?);
+            }
         }
         if let Some(light) = node.light() {
             self.add_light(&light, to_world)?;
