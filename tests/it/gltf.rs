@@ -218,9 +218,12 @@ fn factors_and_texture_transforms_are_those_of_the_file() {
     let Some((textured, json)) = world_scene("09_texture_transform") else { return };
     let info = &json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"];
     let transform = &info["extensions"]["KHR_texture_transform"];
-    let TextureKindDescription::Image { coordinates, .. } = &textured.textures[0].kind else { panic!() };
     let scale = numbers(&transform["scale"]);
-    assert_eq!(coordinates.scale, DVec2::new(scale[0], scale[1]));
+    let coordinates = textured.textures.iter().filter_map(|texture| match &texture.kind {
+        TextureKindDescription::Image { coordinates, .. } => Some(coordinates),
+        _ => None,
+    });
+    let coordinates = coordinates.into_iter().find(|c| c.scale == DVec2::new(scale[0], scale[1])).unwrap();
     let rotation = transform["rotation"].as_f64().unwrap_or(0.0);
     assert_near(coordinates.rotate, rotation * 360.0 / TAU);
     // The lower left corner (0, 1) of the surface, by the formula of the extension.

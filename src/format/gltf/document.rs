@@ -60,7 +60,7 @@ pub(super) fn parse_document(context: &FileContext<'_>, bytes: &[u8], notes: &mu
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let mut value: Value = serde_json::from_slice(json).map_err(|e| context.error("JSON", e))?;
     take_required_extensions(context, &mut value, notes)?;
-    remove_what_is_not_read(&mut value, notes);
+    remove_animations_and_add_nodes(&mut value, notes);
     let root: Root = serde_json::from_value(value).map_err(|e| context.error("JSON", e))?;
     if !root.asset.version.starts_with("2.") {
         let help = "export it as glTF 2.0";
@@ -126,7 +126,7 @@ fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: 
 }
 
 /// Removes animations, which the crate `gltf` refuses in part, and adds missing lists of nodes.
-fn remove_what_is_not_read(root: &mut Value, notes: &mut ImportNotes) {
+fn remove_animations_and_add_nodes(root: &mut Value, notes: &mut ImportNotes) {
     let Some(root) = root.as_object_mut() else { return };
     if let Some(animations) = root.remove("animations") {
         for i in 0..animations.as_array().map_or(0, Vec::len) {

@@ -33,7 +33,7 @@ const MAX_ASPECT_RATIO: f64 = 20.0;
 /// Estimated bytes of memory for each object: its description and its place in the scene.
 const MEMORY_PER_INSTANCE: u64 = 1_500;
 
-/// What the nodes of a scene contain.
+/// Content of the nodes of a scene.
 pub(super) struct SceneContent {
     /// Objects with their materials, in the order of the nodes.
     pub root: ObjectGroup,
