@@ -208,7 +208,7 @@ impl<'a> Pictures<'a> {
                 }
                 TextureUse::AlphaMask(factor, cutoff) => gray(f64::from(channel(3) * factor >= cutoff)),
                 TextureUse::Normal(scale) => {
-                    let [x, y, z] = [0, 1, 2].map(|k| channel(k));
+                    let [x, y, z] = [0, 1, 2].map(channel);
                     if scale == 1.0 {
                         return Vec3::new(x as f32, y as f32, z as f32);
                     }
