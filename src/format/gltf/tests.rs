@@ -207,8 +207,12 @@ fn broken_files_are_refused_with_their_place() {
     indexed["accessors"][1]["type"] = "SCALAR".into();
     indexed["accessors"][1]["normalized"] = false.into();
     expect_error(&indexed, "index 255 is out of range: there are 3 vertices");
-    let mut huge = with(&|s| s["accessors"][0]["count"] = 1_000_000_000_u64.into());
+    let sparse =
+        json!({ "count": 1, "indices": { "bufferView": 1, "componentType": 5121 }, "values": { "bufferView": 0 } });
+    let mut huge = with(&|s| s["accessors"][0]["sparse"] = sparse.clone());
     huge["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    assert_eq!(read(&huge).assets.meshes["mesh0-0"].positions, [DVec3::ZERO], "one element is replaced, by zero");
+    huge["accessors"][0]["count"] = 1_000_000_000_u64.into();
     let options = ImportOptions { memory: MemoryLimit::Limit(1 << 33), ..ImportOptions::default() };
     let error = decode(Path::new("a.gltf"), huge.to_string().as_bytes(), &options).unwrap_err();
     assert!(matches!(error, crate::format::SceneReadError::Memory { .. }), "{error}");

@@ -39,7 +39,7 @@ pub(super) struct TextureRequirements {
     pub needs_texcoords: bool,
 }
 
-/// Bytes of memory for each pixel while an embedded picture becomes a texture: a copy and a pyramid.
+/// Bytes of memory for each pixel while an embedded picture becomes a texture: copy and pyramid.
 const EMBEDDED_BYTES_PER_PIXEL: u64 = 28;
 
 /// Allowed texture values of parameters without an upper bound, such as radiance.
