@@ -187,6 +187,7 @@ impl Conversion<'_, '_> {
         let factor = DVec4::from(factor.map(unit)) * vertex_color;
         let alpha = self.opacity(material, factor.w, base_texture.as_ref())?;
         let emission = self.emission(material, factor.truncate(), base_texture.as_ref())?;
+        let emission = emission.map(|emission| self.masked_emission(emission, &alpha));
         let emits = emission.is_some();
         let kind = if material.unlit() {
             self.note("unlit surfaces emit their base color, and reflect nothing");
@@ -412,6 +413,21 @@ impl Conversion<'_, '_> {
             TexturedValue::Plain(color) => Some(EmissionDescription::Radiance(color * scale)),
             TexturedValue::Texture(name) => Some(EmissionDescription::Texture { name, scale }),
         })
+    }
+
+    /// Returns the emission of a surface with alpha, of which only the opaque share emits.
+    fn masked_emission(&mut self, emission: EmissionDescription, alpha: &TexturedValue<f64>) -> EmissionDescription {
+        let alpha = match alpha {
+            TexturedValue::Plain(alpha) => *alpha,
+            TexturedValue::Texture(_) => {
+                self.note("surfaces with a texture of alpha emit light from their transparent points too");
+                1.0
+            }
+        };
+        match emission {
+            EmissionDescription::Radiance(radiance) => EmissionDescription::Radiance(radiance * alpha),
+            EmissionDescription::Texture { name, scale } => EmissionDescription::Texture { name, scale: scale * alpha },
+        }
     }
 
     fn normal_map(&mut self, material: &gltf::Material<'_>) -> ReadResult<Option<NormalPerturbationDescription>> {

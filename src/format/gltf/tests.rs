@@ -1,7 +1,7 @@
 use super::decode;
 use crate::format::description::{
-    MaterialKindDescription, MetalDescription, RefractiveIndexDescription, TextureKindDescription, TexturedValue,
-    WrapMode,
+    EmissionDescription, MaterialKindDescription, MetalDescription, RefractiveIndexDescription, TextureKindDescription,
+    TexturedValue, WrapMode,
 };
 use crate::format::import::{ImportOptions, ImportedScene};
 use crate::stats::MemoryLimit;
@@ -165,6 +165,19 @@ fn what_is_not_supported_is_noted_once() {
         assert_eq!(count(part), 1, "{part}: {notes:?}");
     }
     assert_eq!(notes.iter().filter(|note| !note.is_unsupported).count(), 2, "no camera, no light: {notes:?}");
+}
+
+#[test]
+fn surfaces_emit_by_strength_and_alpha() {
+    let material = json!({
+        "name": "a", "emissiveFactor": [1, 0.5, 0.25], "alphaMode": "BLEND",
+        "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 1, 0.5] },
+        "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 8 } },
+    });
+    let scene = read(&triangle(material, json!({})));
+    let emission = scene.description.materials.iter().find_map(|material| material.emission.clone());
+    assert_eq!(emission, Some(EmissionDescription::Radiance(DVec3::new(4.0, 2.0, 1.0))));
+    assert!(!scene.notes.iter().any(|note| note.message.contains("no light")), "{:?}", scene.notes);
 }
 
 #[test]
