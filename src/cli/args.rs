@@ -117,6 +117,11 @@ pub struct MethodArguments {
     #[arg(long)]
     pub no_prefix_rays: bool,
 
+    /// Send shadow rays to an environment light by its brightness alone, and not also towards the
+    /// directions from which a pilot finds that it reaches each part of the scene
+    #[arg(long)]
+    pub no_environment_guiding: bool,
+
     /// Light tracing of directly visible caustics by hybrid: off, weighted (against photon
     /// estimates, per pixel) or full
     #[arg(long, value_enum, default_value = "weighted", value_name = "NAME")]
@@ -260,6 +265,11 @@ pub struct RenderArguments {
     #[arg(long, visible_alias = "no-gauge")]
     pub no_error_estimate: bool,
 
+    /// Rewrite the files of -o after the first pass, and then once in this time, such as 30s. 0
+    /// writes them at the end only
+    #[arg(long, value_parser = parse_duration, default_value = "10s", value_name = "TIME")]
+    pub update: Duration,
+
     /// Tone curve of PNG: srgb, filmic or course (linear bytes)  [default: srgb; course for
     /// raycast]
     #[arg(long, value_name = "NAME")]
@@ -284,6 +294,13 @@ pub struct RenderArguments {
     /// Print only errors and warnings
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+impl RenderArguments {
+    /// Returns the time between two updates of the pictures; `None` to write them at the end only.
+    pub(super) fn update_interval(&self) -> Option<Duration> {
+        Some(self.update).filter(|interval| *interval > Duration::ZERO)
+    }
 }
 
 /// Arguments of `plan`.

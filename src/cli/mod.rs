@@ -22,6 +22,7 @@ mod scene;
 mod settings;
 mod shell;
 mod study;
+mod updates;
 
 pub use args::{Arguments, Command, EstimateArguments, PlanArguments, RenderArguments, StudyArguments};
 pub use convert::ConvertArguments;

@@ -5,9 +5,9 @@ use super::progress::{ProgressDisplay, print_message};
 use super::scene::{load_scene, with_thread_pool};
 use super::settings::settings_from_arguments;
 use super::{CommandFailure, Exit};
-use crate::integrate::{Algorithm, Integrator, RayPhotonBalance};
+use crate::integrate::{Algorithm, EnvironmentGuidingReport, Integrator, RayPhotonBalance};
 use crate::plan::{Effect, EffectDecision, Plan, SceneFeatures};
-use crate::study::text::{count_text, signed_count_text};
+use crate::study::text::{count_text, percent_text, signed_count_text};
 use crate::study::{ExpectedWork, WorkCounts, expected_work};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -49,6 +49,7 @@ pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay
     integrator.ray_photon_balance().iter().for_each(|balance| progress.print_line(&pass_counts_line(balance)));
     prefix_rays_line(integrator.prefix_rays_per_pixel()).iter().for_each(|line| progress.print_line(line));
     indirect_photons_line(integrator).iter().for_each(|line| progress.print_line(line));
+    environment_guiding_line(integrator).iter().for_each(|line| progress.print_line(line));
     omitted_effect_warnings(integrator.plan()).for_each(|line| print_message(&line));
     if integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
         print_message(UNSAMPLED_CAUSTICS);
@@ -89,6 +90,17 @@ fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
     (integrator.indirect_photon_share(0) > 0.0).then_some(text)
 }
 
+/// Returns a line about guided shadow rays to the environment; `None` without them.
+fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
+    let report = integrator.environment_guiding_report().filter(|report| report.used)?;
+    let percent = percent_text(report.unoccluded);
+    Some(format!(
+        "shadow rays to the environment are guided: {percent} of unguided ones reach it, guided ones have {:.1} times \
+         less variance",
+        report.gain
+    ))
+}
+
 /// Returns a count with its noun in the singular or plural, such as `2 passes`.
 pub(super) fn count_with_noun(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
@@ -118,6 +130,7 @@ fn plan_table(algorithm: Algorithm, integrator: &dyn Integrator, work: &Expected
     balance.iter().for_each(|balance| text += &format!("{}\n", pass_counts_line(balance)));
     prefix_rays_line(integrator.prefix_rays_per_pixel()).iter().for_each(|line| text += &format!("{line}\n"));
     indirect_photons_line(integrator).iter().for_each(|line| text += &format!("{line}\n"));
+    environment_guiding_line(integrator).iter().for_each(|line| text += &format!("{line}\n"));
     let _ = writeln!(text, "total about {} per pass", work_counts_text(work.whole, count_text));
     omitted_effect_warnings(plan).for_each(|line| text += &format!("{line}\n"));
     text
@@ -153,6 +166,8 @@ struct PlanReport {
     prefix_rays_per_pixel: f64,
     /// Share in \[0, 1] of the indirect light that photon estimates carry in the first pass.
     indirect_photon_share: f64,
+    /// Pilot that guides shadow rays to the environment; `None` without it.
+    environment_guiding: Option<EnvironmentGuidingReport>,
     effects: Vec<EffectCostReport>,
 }
 
@@ -211,6 +226,7 @@ impl PlanReport {
             balance: integrator.ray_photon_balance(),
             prefix_rays_per_pixel: integrator.prefix_rays_per_pixel(),
             indirect_photon_share: integrator.indirect_photon_share(0),
+            environment_guiding: integrator.environment_guiding_report(),
             rays: work.whole.rays,
             gathered_photons: work.whole.gathered_photons,
             effects: plan_effect_reports(plan).into_iter().zip(&plan.decisions).map(costed).collect(),

@@ -10,11 +10,12 @@ use super::progress::{InputFileCollector, ProgressDisplay, print_message, warn_o
 use super::report::{EstimatedErrorReport, RenderReport, RenderSetup};
 use super::scene::{load_scene_and_file, with_thread_pool};
 use super::settings::settings_from_arguments;
+use super::updates::PictureUpdates;
 use super::{CommandFailure, Exit, RenderArguments, aov, forecast_text};
 use crate::image::{self, ClippedPixelReport, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions};
 use crate::integrate::{Algorithm, EmissionGuidingReportPerMap, Integrator};
 use crate::render::error_estimate::{MIN_PASSES, PassesNeeded};
-use crate::render::{EndReason, ErrorTarget, PassProgress, RenderLimits, RenderResult, StopCriteria, render};
+use crate::render::{EndReason, ErrorTarget, Film, PassProgress, RenderLimits, RenderResult, StopCriteria, render};
 use crate::scene::Scene;
 use crate::study::text::percent_text;
 use glam::Vec3;
@@ -72,6 +73,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
         lights: scene.lights().len(),
         radii: None,
         emission_guiding: EmissionGuidingReportPerMap::default(),
+        environment_guiding: None,
         effects: Vec::new(),
         balance: None,
         seconds: 0.0,
@@ -90,11 +92,17 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     plan::print_plan(integrator.as_ref(), progress);
     setup.radii = integrator.gather_radii();
     setup.emission_guiding = integrator.emission_guiding_reports();
+    setup.environment_guiding = integrator.environment_guiding_report();
     setup.effects = plan::plan_effect_reports(integrator.plan());
     setup.balance = integrator.ray_photon_balance();
     setup.seconds = start.elapsed().as_secs_f64();
     let stop = render_limits(arguments).stop_criteria(algorithm, integrator.as_ref(), &INTERRUPTED);
-    let rendered = render_passes(&stop, integrator.as_ref(), size, start, progress);
+    let options = write_options(arguments);
+    let mut updates =
+        arguments.update_interval().map(|interval| PictureUpdates::new(&arguments.output, &options, interval));
+    let rendered = render_passes(&stop, integrator.as_ref(), size, start, progress, |film| {
+        updates.iter_mut().for_each(|updates| updates.update(film));
+    });
     progress.remove_progress_bar();
     write_render_outputs(arguments, progress, setup, &stop, all_lights_are_black(&scene), &rendered)
 }
@@ -129,13 +137,15 @@ fn print_scene_summary(setup: &RenderSetup, scene: &Scene, progress: &ProgressDi
     }
 }
 
-/// Renders passes until a criterion of `stop` holds, and shows progress.
+/// Renders passes until a criterion of `stop` holds, and shows progress. Calls `update` with the
+/// film after each pass except the last.
 fn render_passes(
     stop: &StopCriteria<'_>,
     integrator: &dyn Integrator,
     size: (u32, u32),
     start: Instant,
     progress: &ProgressDisplay,
+    mut update: impl FnMut(&Film),
 ) -> RenderResult {
     let (passes, target) = (stop.passes, stop.target);
     progress.set_pass_number(1, passes);
@@ -166,6 +176,9 @@ fn render_passes(
             progress.set_time_left(Some(left));
         }
         error.into_iter().for_each(|note| progress.set_progress_note(note));
+        if standing.ended.is_none() {
+            update(standing.film);
+        }
     })
 }
 
@@ -173,7 +186,7 @@ fn render_passes(
 /// end of the confidence interval equals `target`.
 ///
 /// `None` if the error was not estimated after the last pass.
-fn error_estimate_at_target(target: ErrorTarget, standing: &PassProgress) -> Option<f64> {
+fn error_estimate_at_target(target: ErrorTarget, standing: &PassProgress<'_>) -> Option<f64> {
     let (estimate, _) = standing.error.as_ref()?;
     Some(target.error * estimate.error / estimate.high)
 }
@@ -182,7 +195,7 @@ fn error_estimate_at_target(target: ErrorTarget, standing: &PassProgress) -> Opt
 /// as with a target after a pass without an error estimate.
 fn time_until_stop(
     stop: &StopCriteria<'_>,
-    standing: &PassProgress,
+    standing: &PassProgress<'_>,
     elapsed: Duration,
     pass_seconds: f64,
 ) -> Option<Duration> {
@@ -230,14 +243,8 @@ fn write_render_outputs(
     failures.into_result(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
 }
 
-/// Writes the files of `-o` and `--aov`.
-fn write_pictures(
-    arguments: &RenderArguments,
-    progress: &ProgressDisplay,
-    picture: &Image,
-    rendered: &RenderResult,
-    failures: &mut OutputFailures,
-) {
+/// Returns the tone curve, the bits and the metadata of the files of `-o` and `--aov`.
+fn write_options(arguments: &RenderArguments) -> WriteOptions {
     let curve = arguments.tone.unwrap_or(match arguments.method.integrator {
         Algorithm::Raycast => ToneCurve::Course,
         Algorithm::Hybrid
@@ -248,12 +255,23 @@ fn write_pictures(
         | Algorithm::Distributed
         | Algorithm::Whitted => ToneCurve::Srgb,
     });
-    let options = WriteOptions {
+    WriteOptions {
         tone: ToneMap { curve, exposure_stops: arguments.exposure },
         depth: arguments.png_bits,
         floats: arguments.exr_bits,
         metadata: vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))],
-    };
+    }
+}
+
+/// Writes the files of `-o` and `--aov`.
+fn write_pictures(
+    arguments: &RenderArguments,
+    progress: &ProgressDisplay,
+    picture: &Image,
+    rendered: &RenderResult,
+    failures: &mut OutputFailures,
+) {
+    let options = write_options(arguments);
     for path in &arguments.output {
         if let Some(written) = failures.ok_or_collect_error(image::write(path, picture, &options)) {
             progress.print_line(&format!("wrote {}", path.display()));
@@ -386,7 +404,7 @@ mod tests {
             StopCriteria { passes, time, ..StopCriteria::unlimited(&interrupted) }
         };
         let left_of = |stop: StopCriteria<'_>| {
-            let after = PassProgress { passes: 4, error: None };
+            let after = PassProgress { passes: 4, film: &Film::new(1, 1), ended: None, error: None };
             time_until_stop(&stop, &after, Duration::from_secs(8), 2.0).map(|left| left.as_secs())
         };
         let left = |passes, time| left_of(limits(passes, time));

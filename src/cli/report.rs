@@ -1,7 +1,9 @@
 //! JSON report of a render for `--stats`. `docs/guide/command-line.md` describes each field.
 
 use super::plan::EffectDecisionReport;
-use crate::integrate::{EmissionGuidingReportPerMap, GatherRadii, PhotonReport, RayPhotonBalance, StageTimes};
+use crate::integrate::{
+    EmissionGuidingReportPerMap, EnvironmentGuidingReport, GatherRadii, PhotonReport, RayPhotonBalance, StageTimes,
+};
 use crate::render::error_estimate::{Confidence, ErrorEstimate, PassesNeeded};
 use crate::render::{EndReason, ErrorTarget, RenderLimits, RenderResult, StopCriteria};
 use crate::stats::{Counters, cpu_seconds, peak_memory};
@@ -29,6 +31,7 @@ pub(super) struct RenderReport {
     pub lights: usize,
     pub radii: Option<GatherRadiiReport>,
     pub emission_guiding: EmissionGuidingReportPerMap,
+    pub environment_guiding: Option<EnvironmentGuidingReport>,
     pub effects: Vec<EffectDecisionReport>,
     pub balance: Option<RayPhotonBalance>,
     pub photons: PhotonReports,
@@ -134,6 +137,7 @@ pub(super) struct RenderSetup {
     pub lights: usize,
     pub radii: Option<GatherRadii>,
     pub emission_guiding: EmissionGuidingReportPerMap,
+    pub environment_guiding: Option<EnvironmentGuidingReport>,
     pub effects: Vec<EffectDecisionReport>,
     pub balance: Option<RayPhotonBalance>,
     /// Time that the preparation took \[s].
@@ -164,6 +168,7 @@ impl RenderReport {
             lights: setup.lights,
             radii: setup.radii.map(|r| GatherRadiiReport { global: r.indirect, caustic: r.caustic }),
             emission_guiding: setup.emission_guiding,
+            environment_guiding: setup.environment_guiding,
             effects: setup.effects,
             balance: setup.balance,
             photons: PhotonReports { global: rendered.unaimed, caustic: rendered.aimed },

@@ -109,6 +109,7 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
         kernel: arguments.kernel,
         volume: arguments.volume,
         prefix_rays: !arguments.no_prefix_rays,
+        guides_environment: !arguments.no_environment_guiding,
         light_tracing: arguments.light_tracing,
         indirect_photons: arguments.indirect_photons,
         final_gathering: arguments.final_gathering,
@@ -157,6 +158,9 @@ pub(super) fn method_flags(arguments: &MethodArguments, effects_flag: &str, over
     }
     if arguments.no_prefix_rays {
         words.push("--no-prefix-rays".to_owned());
+    }
+    if arguments.no_environment_guiding {
+        words.push("--no-environment-guiding".to_owned());
     }
     words
 }

@@ -388,7 +388,7 @@ fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut Pa
     let normal = surface.facing_normal();
     let brdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, TransportMode::Radiance);
     let weight = color::channel_mean(vertex.throughput * brdf);
-    worker.visible.push(VisiblePoint { position: surface.point.p, normal, weight });
+    worker.visible.push(VisiblePoint { position: surface.point.p, error: surface.point.error, normal, weight });
 }
 
 /// True if `vertex` is the end of a final-gathering ray that is long enough to read the indirect

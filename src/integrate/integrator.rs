@@ -1,6 +1,7 @@
 //! The trait that all rendering algorithms implement.
 
 use super::balance::RayPhotonBalance;
+use super::environment_pilot::EnvironmentGuidingReport;
 use super::pass::{ExpectedPhotons, Pass, ProgressMonitor};
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
@@ -62,6 +63,12 @@ pub trait Integrator: Sync {
     /// True if passes return [`NestedEstimates`](super::NestedEstimates) for error estimation.
     fn returns_nested_estimates(&self) -> bool {
         false
+    }
+
+    /// Returns the work and benefit of guiding shadow rays to the environment light; `None` without
+    /// the pilot that finds them.
+    fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {
+        None
     }
 
     /// Returns, for each photon map, the work and benefit of guiding photon emission towards points

@@ -9,6 +9,8 @@ mod balance;
 mod camera_path;
 mod density_pilot;
 mod distributed;
+mod environment_guide;
+mod environment_pilot;
 mod film_points;
 mod gather_guide;
 mod hybrid;
@@ -45,6 +47,7 @@ mod worker;
 
 pub use algorithm::Algorithm;
 pub use balance::RayPhotonBalance;
+pub use environment_pilot::EnvironmentGuidingReport;
 pub use integrator::Integrator;
 pub use map_builder::CAUSTIC_K;
 pub use nested_estimates::{MeanGatherDisc, NestedEstimates};

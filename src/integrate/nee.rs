@@ -2,17 +2,19 @@
 
 mod medium;
 
+use super::environment_guide::EnvironmentGuide;
 use super::policy::{DirectionSampling, LightSampling, PathPolicy};
 use super::scatter;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
 use super::worker::PathWorker;
 use crate::color::Rgb;
-use crate::light::{DirectLightSample, Light, LightBvhSampler, ShadowTarget};
+use crate::light::{DirectLightSample, EnvironmentLight, Light, LightBvhSampler, ShadowTarget};
 use crate::plan::{Effect, Effects};
 use crate::sampling::Dimension;
 use crate::scene::{Interior, Scene};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 /// Point of the unit square that maps to the center of a light.
 const CENTER: Vec2 = Vec2::splat(0.5);
@@ -46,11 +48,14 @@ pub(super) struct NextEventEstimator<'a> {
     /// Shadow rays of a vertex: first for vertices up to the path's first receiver (surface that
     /// stores photons), then for later vertices.
     schemes: [ShadowRayScheme; 2],
+    /// Guide of shadow rays to the environment light; `None` lets the light sample directions.
+    environment_guide: Option<Arc<EnvironmentGuide>>,
 }
 
 impl<'a> NextEventEstimator<'a> {
-    /// Makes an estimator of the direct light that `policy` simulates.
-    pub fn new(scene: &'a Scene, policy: &PathPolicy) -> Self {
+    /// Makes an estimator of the direct light that `policy` simulates. `guide` guides shadow rays to
+    /// the environment light, if any.
+    pub fn new(scene: &'a Scene, policy: &PathPolicy, guide: Option<Arc<EnvironmentGuide>>) -> Self {
         let PathPolicy { effects, light_sampling, directions, .. } = *policy;
         // A light sampled at its center emits its mean radiance there.
         let centers = light_sampling == LightSampling::Centers || !effects.has(Effect::SoftShadows);
@@ -78,7 +83,44 @@ impl<'a> NextEventEstimator<'a> {
             None
         };
         let has_null_interfaces = scene.bodies().any(|body| body.is_null_interface);
-        Self { scene, lights, effects, directions, has_null_interfaces, centers, light_sampler, schemes }
+        let environment_guide = guide.filter(|_| !centers && effects.has(Effect::Shadows));
+        Self {
+            scene,
+            lights,
+            effects,
+            directions,
+            has_null_interfaces,
+            centers,
+            light_sampler,
+            schemes,
+            environment_guide,
+        }
+    }
+
+    /// Returns the environment light whose shadow rays a guide could improve: `None` if there is
+    /// none, if shadow rays go to the centers of lights, or if nothing blocks them.
+    pub fn guidable_environment_light(&self) -> Option<&EnvironmentLight> {
+        let Light::Environment(environment) = self.lights.last()? else { return None };
+        (!self.centers && self.effects.has(Effect::Shadows)).then_some(environment)
+    }
+
+    /// Samples the light with index `light` that reaches `p`, by `u` in \[0, 1)².
+    #[inline]
+    fn sample_li(&self, light: usize, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
+        match (&self.lights[light], &self.environment_guide) {
+            (Light::Environment(environment), Some(guide)) => guide.sample_li(environment, p, u),
+            (light, _) => light.sample_li(p, u),
+        }
+    }
+
+    /// Returns the pdf \[1/sr] with which [`NextEventEstimator::sample_li`] samples unit direction
+    /// `wi` at `p`. `hit` is the point on the light; `None` for the environment.
+    #[inline]
+    fn pdf_li(&self, light: usize, p: Vec3, wi: Vec3, hit: Option<&SurfacePoint>) -> f32 {
+        match (&self.lights[light], &self.environment_guide) {
+            (Light::Environment(environment), Some(guide)) => guide.pdf_li(environment, p, wi),
+            (light, _) => light.pdf_li(p, wi, hit),
+        }
     }
 
     fn shadow_ray_scheme(&self, history: PathHistory) -> ShadowRayScheme {
@@ -157,7 +199,7 @@ impl<'a> NextEventEstimator<'a> {
             }
             (ShadowRayScheme::Chosen(_), None) => 0.0,
         };
-        rays * self.lights[light].pdf_li(prev.p, wi, hit)
+        rays * self.pdf_li(light, prev.p, wi, hit)
     }
 
     /// Returns the radiance that one shadow ray to the light with index `light` adds at `vertex`
@@ -176,7 +218,7 @@ impl<'a> NextEventEstimator<'a> {
         worker: &mut PathWorker,
     ) -> Rgb {
         let surface = vertex.surface;
-        let Some(sample) = self.lights[light].sample_li(surface.point.p, u) else {
+        let Some(sample) = self.sample_li(light, surface.point.p, u) else {
             return Rgb::ZERO;
         };
         let mut reflected = surface.bsdf_cosine(sample.wi) * sample.weight / rays;

@@ -1,6 +1,8 @@
 //! Inputs of a pass: the scene, its policy, photon maps, camera rays and random keys.
 
 use super::camera_path::PathContext;
+use super::environment_guide::EnvironmentGuide;
+use super::environment_pilot::{EnvironmentGuidingReport, guide_environment_light};
 use super::map_builder::PhotonMapBuilder;
 use super::nee::NextEventEstimator;
 use super::photon_maps::PhotonMaps;
@@ -25,6 +27,8 @@ pub(super) struct PassRenderer<'a> {
     pub policy: PathPolicy,
     pub settings: Settings,
     nee: NextEventEstimator<'a>,
+    /// Guide of shadow rays to the environment light; `None` without guiding.
+    environment_guide: Option<Arc<EnvironmentGuide>>,
     pub map_builder: PhotonMapBuilder<'a>,
     /// Mean number of camera rays per pixel and pass.
     pub samples: u32,
@@ -45,7 +49,8 @@ impl<'a> PassRenderer<'a> {
         Self {
             scene,
             policy,
-            nee: NextEventEstimator::new(scene, &policy),
+            nee: NextEventEstimator::new(scene, &policy, None),
+            environment_guide: None,
             map_builder: PhotonMapBuilder::new(scene, settings.clone(), policy),
             samples: settings.camera_paths.samples.unwrap_or(policy.samples),
             settings,
@@ -61,7 +66,8 @@ impl<'a> PassRenderer<'a> {
             scene,
             policy: self.policy,
             settings: self.settings.clone(),
-            nee: NextEventEstimator::new(scene, &self.policy),
+            nee: NextEventEstimator::new(scene, &self.policy, self.environment_guide.clone()),
+            environment_guide: self.environment_guide.clone(),
             map_builder: self.map_builder.for_scene_at_time(scene),
             samples: self.samples,
             density: self.density.clone(),
@@ -72,9 +78,25 @@ impl<'a> PassRenderer<'a> {
     /// Returns a renderer for `policy`, the same policy with fewer effects of light. The new
     /// renderer keeps what pilots found.
     pub fn with_policy(&self, policy: PathPolicy) -> Self {
-        let nee = NextEventEstimator::new(self.scene, &policy);
+        let nee = NextEventEstimator::new(self.scene, &policy, self.environment_guide.clone());
         let map_builder = self.map_builder.with_policy(&policy);
         Self { policy, nee, map_builder, ..self.for_scene_at_time(self.scene) }
+    }
+
+    /// Sets the guide of shadow rays to the environment light.
+    pub fn set_environment_guide(&mut self, guide: Option<Arc<EnvironmentGuide>>) {
+        self.nee = NextEventEstimator::new(self.scene, &self.policy, guide.clone());
+        self.environment_guide = guide;
+    }
+
+    /// Finds a guide of shadow rays to the environment light by a pilot. The guide is `None` if it
+    /// does not pay, the report if no light or setting allows one.
+    pub fn find_environment_guide(&self) -> (Option<Arc<EnvironmentGuide>>, Option<EnvironmentGuidingReport>) {
+        let light = self.nee.guidable_environment_light().filter(|_| self.settings.guides_environment);
+        let Some(light) = light.filter(|_| self.policy.direct_light) else { return (None, None) };
+        let seed = self.settings.camera_paths.seed;
+        let (guide, report) = guide_environment_light(self.scene, light, self.policy.effects, seed);
+        (guide.map(Arc::new), Some(report))
     }
 
     /// Returns this renderer with one camera ray per pixel and no prefix rays.

@@ -3,6 +3,7 @@
 use super::balance::RayPhotonBalance;
 use super::camera_path::{self, PathContext};
 use super::density_pilot::find_relative_ray_counts;
+use super::environment_pilot::EnvironmentGuidingReport;
 use super::indirect_division::IndirectDivision;
 use super::indirect_pilot::divide_indirect_light;
 use super::integrator::Integrator;
@@ -32,6 +33,8 @@ pub(super) struct PathIntegrator<'a> {
     plan: Plan,
     /// Function that makes the algorithm's policy for a set of effects.
     make_policy: PolicyFn,
+    /// Report of the pilot that guides shadow rays to the environment light; `None` without pilot.
+    environment_guiding: Option<EnvironmentGuidingReport>,
     balance: Option<RayPhotonBalance>,
     /// Number of slices of the shutter interval of each pass.
     slices: u32,
@@ -139,6 +142,10 @@ impl Integrator for PathIntegrator<'_> {
         self.renderer.settings.camera_paths.estimate_error
     }
 
+    fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {
+        self.environment_guiding
+    }
+
     fn emission_guiding_reports(&self) -> EmissionGuidingReportPerMap {
         self.renderer.map_builder.emission_guiding_reports
     }
@@ -153,6 +160,14 @@ impl<'a> PathIntegrator<'a> {
         let (effects, needed) = (plan.simulated_effects(), plan.needed_and_simulated_effects());
         let policy = make_policy(effects, &settings);
         let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
+
+        // Guide shadow rays to the environment light.
+        let (guide, environment_guiding) = if needed == effects {
+            renderer.find_environment_guide()
+        } else {
+            renderer.with_policy(make_policy(needed, &settings)).find_environment_guide()
+        };
+        renderer.set_environment_guide(guide);
 
         // Divide indirect light between camera paths and photons.
         let weighs = policy.indirect_photons == IndirectPhotons::Weighted;
@@ -213,7 +228,7 @@ impl<'a> PathIntegrator<'a> {
         } else {
             renderer.with_policy(make_policy(needed, &settings)).find_slice_count()
         };
-        Self { renderer, plan, make_policy, balance, slices }
+        Self { renderer, plan, make_policy, environment_guiding, balance, slices }
     }
 }
 

@@ -73,6 +73,9 @@ pub struct Settings {
     /// paths that end at the first surface that stores photons. A pilot finds how many each pixel
     /// needs.
     pub prefix_rays: bool,
+    /// True if a pilot may guide shadow rays to the environment light: towards the directions from
+    /// which the light reaches each part of the scene.
+    pub guides_environment: bool,
     /// Division of directly visible caustics between photon estimates and light tracing, in
     /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
     pub light_tracing: LightTracing,
@@ -136,6 +139,7 @@ impl Default for Settings {
             alpha: ALPHA,
             kernel: Kernel::default(),
             prefix_rays: true,
+            guides_environment: true,
             light_tracing: LightTracing::default(),
             indirect_photons: IndirectPhotons::default(),
             volume: VolumeEstimator::default(),

@@ -32,20 +32,36 @@ pub(super) fn find_visible_points(
     effects: Effects,
     radius: f32,
 ) -> VisiblePointMap {
-    let policy = path_policy(effects);
-    let nee = NextEventEstimator::new(scene, &policy);
-    let paths = PathContext::new(scene, &policy, &nee, None, 0, settings.max_bounces, IndirectTechnique::Paths);
     let key = Key::new(settings.seed).purpose_key(Purpose::VisiblePoints);
     let (width, height) = scene.camera().size();
-    let size = Vec2::new(width as f32, height as f32);
     let rays = width.saturating_mul(height).saturating_mul(4).clamp(RAYS.0, RAYS.1);
-    let samplers = (0..rays).map(|i| Sampler::new(key, i, rays));
-    let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
-    let (_, workers) = trace_paths_through_film_points(&paths, &points);
-    let visible: Vec<VisiblePoint> = workers.into_iter().flat_map(|worker| worker.visible).collect();
+    let visible = record_receiver_points(scene, effects, key, rays, PathContinuation::Never, settings.max_bounces);
     let extent = Bounds::from_points(visible.iter().map(|point| point.position)).extent().length();
     let radius = if extent > 0.0 { radius.min(extent * MAX_RADIUS) } else { radius };
     VisiblePointMap::new(visible, radius)
+}
+
+/// Traces `rays` camera paths, and returns the points where they reach receivers (surfaces that
+/// store photons), in the order of the paths.
+///
+/// A path goes on from the receivers of `continuation`, for at most `max_bounces` bounces.
+pub(super) fn record_receiver_points(
+    scene: &Scene,
+    effects: Effects,
+    key: Key,
+    rays: u32,
+    continuation: PathContinuation,
+    max_bounces: u32,
+) -> Vec<VisiblePoint> {
+    let policy = PathPolicy { continuation, ..path_policy(effects) };
+    let nee = NextEventEstimator::new(scene, &policy, None);
+    let paths = PathContext::new(scene, &policy, &nee, None, 0, max_bounces, IndirectTechnique::Paths);
+    let (width, height) = scene.camera().size();
+    let size = Vec2::new(width as f32, height as f32);
+    let samplers = (0..rays).map(|i| Sampler::new(key, i, rays));
+    let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
+    let (_, workers) = trace_paths_through_film_points(&paths, &points);
+    workers.into_iter().flat_map(|worker| worker.visible).collect()
 }
 
 /// Returns the rules of camera paths that record visible points and compute no light.

@@ -76,6 +76,14 @@ impl EnvironmentLight {
         let pdf = self.pdf(direction);
         (pdf > 0.0).then_some((direction, pdf))
     }
+
+    /// Returns the point u in \[0, 1)² from which [`EnvironmentLight::sample`] makes unit
+    /// `direction`, up to rounding. Returns `None` if the map is black.
+    #[inline]
+    #[must_use]
+    pub fn inverse_sample(&self, direction: Vec3) -> Option<Vec2> {
+        self.map.inverse_sample(self.world_to_map(direction))
+    }
 }
 
 impl LightSource for EnvironmentLight {

@@ -117,12 +117,29 @@ impl EquirectangularMap {
         let Some(distribution) = &self.distribution else {
             return 0.0;
         };
+        let (pixel, _) = self.pixel_in_direction(direction);
+        let height = self.row_edge_cosines[pixel.y as usize] - self.row_edge_cosines[pixel.y as usize + 1];
+        distribution.pdf(pixel) / (TAU * f64::from(self.map.height()) * height) as f32
+    }
+
+    /// Returns the pixel (column, row) in unit `direction`, and the horizontal position in it.
+    #[inline]
+    fn pixel_in_direction(&self, direction: Vec3) -> (UVec2, f32) {
         let at = self.pixel_coordinates(direction);
         // At the right edge and at −y, rounding may give a column or row beyond the last.
-        let column = at.x as u32 % self.map.width();
-        let row = (at.y as u32).min(self.map.height() - 1);
-        let height = self.row_edge_cosines[row as usize] - self.row_edge_cosines[row as usize + 1];
-        distribution.pdf(UVec2::new(column, row)) / (TAU * f64::from(self.map.height()) * height) as f32
+        let pixel = UVec2::new(at.x as u32 % self.map.width(), (at.y as u32).min(self.map.height() - 1));
+        (pixel, at.x.fract() as f32)
+    }
+
+    /// Returns the point u in \[0, 1)² from which [`EquirectangularMap::sample`] makes unit
+    /// `direction`. Returns `None` if the map is black.
+    #[inline]
+    pub(super) fn inverse_sample(&self, direction: Vec3) -> Option<Vec2> {
+        let (pixel, x) = self.pixel_in_direction(direction);
+        let (top, bottom) = (self.row_edge_cosines[pixel.y as usize], self.row_edge_cosines[pixel.y as usize + 1]);
+        let y = (f64::from(direction.y) - top) / (bottom - top);
+        let within = Vec2::new(x, y as f32).clamp(Vec2::ZERO, Vec2::splat(1.0 - f32::EPSILON / 2.0));
+        Some(self.distribution.as_ref()?.inverse_sample(pixel, within))
     }
 
     /// Samples a unit direction by `u` in \[0, 1)², with a pdf that is constant in each pixel.

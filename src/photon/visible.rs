@@ -10,6 +10,8 @@ use glam::Vec3;
 pub struct VisiblePoint {
     /// Position on the surface.
     pub position: Vec3,
+    /// Bound on the error of the position along each axis \[length].
+    pub error: Vec3,
     /// Unit geometric normal on the visible side.
     pub normal: Vec3,
     /// Path throughput times BRDF: radiance of the pixel per irradiance at the point. A factor

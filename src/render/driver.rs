@@ -84,9 +84,13 @@ pub struct RenderResult {
 
 /// Progress of a render after a pass.
 #[derive(Clone, Copy, Debug)]
-pub struct PassProgress {
+pub struct PassProgress<'a> {
     /// Number of passes so far.
     pub passes: u32,
+    /// Film with the passes so far; its mean is the picture.
+    pub film: &'a Film,
+    /// Why the render ends after this pass; `None` if another pass follows.
+    pub ended: Option<EndReason>,
     /// Estimated error and its forecast; `None` if the error was not estimated after this pass.
     pub error: Option<(ErrorEstimate, ErrorForecast)>,
 }
@@ -112,7 +116,7 @@ pub fn render(
     size: (u32, u32),
     stop: &StopCriteria<'_>,
     monitor: &dyn ProgressMonitor,
-    mut after_pass: impl FnMut(&PassProgress),
+    mut after_pass: impl FnMut(&PassProgress<'_>),
 ) -> RenderResult {
     let start = Instant::now();
     let mut rendered = RenderResult {
@@ -143,7 +147,6 @@ pub fn render(
             next_estimate = ESTIMATE_INTERVAL_FACTOR * f64::from(passes);
             error = estimate_error(&rendered, stop);
         }
-        after_pass(&PassProgress { passes, error });
         let ended = if stop.interrupted.load(Ordering::Relaxed) {
             Some(EndReason::Interrupted)
         } else if stop.passes.is_some_and(|most| passes >= most) || passes == u32::MAX {
@@ -155,6 +158,7 @@ pub fn render(
             let is_time_up = stop.time.is_some_and(|most| start.elapsed() >= most);
             by_error.or(is_time_up.then_some(EndReason::Time))
         };
+        after_pass(&PassProgress { passes, film: &rendered.film, ended, error });
         if let Some(ended) = ended {
             rendered.ended = ended;
             rendered.wall = start.elapsed();

@@ -75,6 +75,16 @@ impl DiscreteDistribution {
         (x as f32).clamp(0.0, 1.0 - f32::EPSILON / 2.0)
     }
 
+    /// Returns the number in \[0, 1) that samples item `i`, and that
+    /// [`DiscreteDistribution::remapped_sample`] maps to `within`: the inverse of both functions.
+    #[inline]
+    #[must_use]
+    pub fn inverse_sample(&self, i: usize, within: f32) -> f32 {
+        let below = if i == 0 { 0.0 } else { self.cumulative[i - 1] };
+        let u = below + f64::from(within) * (self.cumulative[i] - below);
+        (u as f32).clamp(0.0, 1.0 - f32::EPSILON / 2.0)
+    }
+
     /// Probability of item `i`.
     #[inline]
     #[must_use]

@@ -9,7 +9,8 @@
 //! word of a parent only if their dimensions differ. The last column says why keys are distinct.
 //!
 //! A trial is one repetition of a pilot simulation. A round is one iteration of the training of
-//! emission guiding. A bounce counts the scattering events of a path.
+//! guiding; environment guiding traces its camera paths in round 0. A bounce counts the scattering
+//! events of a path.
 //!
 //! | parent | function | word | distinct because |
 //! | --- | --- | --- | --- |
@@ -35,7 +36,7 @@
 //! | purpose `RayPhotonBalance` | `Key::pilot_trial_key` | trial | independent trials |
 //! | `Camera` of a trial | `Key::film_point_key` | set · 2³² + point | one per point of a pilot |
 //! | purpose `LightWeights` | `Key::light_power_pilot_key` | light | one per light |
-//! | purpose `GuidingTraining` | `Key::training_round_key` | round | one per training round |
+//! | purposes `GuidingTraining`, `EnvironmentGuiding` | `Key::training_round_key` | round | one per round |
 
 use glam::Vec2;
 use rand::{SeedableRng, rngs::SmallRng};
@@ -76,6 +77,8 @@ pub enum Purpose {
     IndirectDivision,
     /// Choice of the photon beams that a pass keeps.
     BeamThinning,
+    /// Pilot simulation that finds from where the environment light reaches each part of a scene.
+    EnvironmentGuiding,
 }
 
 /// A random decision at one vertex of a path. Each decision has its own random numbers.
@@ -240,7 +243,7 @@ impl Key {
         self.child_key(light as u64)
     }
 
-    /// Key of training iteration `round` of emission guiding.
+    /// Key of training iteration `round` of emission guiding or environment guiding.
     #[must_use]
     pub fn training_round_key(self, round: u32) -> Self {
         self.child_key(u64::from(round))

@@ -48,6 +48,16 @@ impl PiecewiseConstant2d {
         (cell, Vec2::new(columns.remapped_sample(u.x, column), within), self.pdf(cell))
     }
 
+    /// Returns the point in \[0, 1)² from which [`PiecewiseConstant2d::sample`] makes the position
+    /// `within` in \[0, 1)² of `cell` (column, row): the inverse of that function.
+    #[inline]
+    #[must_use]
+    pub fn inverse_sample(&self, cell: UVec2, within: Vec2) -> Vec2 {
+        let y = self.rows.inverse_sample(cell.y as usize, within.y);
+        let columns = self.columns[cell.y as usize].as_ref();
+        Vec2::new(columns.map_or(within.x, |columns| columns.inverse_sample(cell.x as usize, within.x)), y)
+    }
+
     /// Pdf on the unit square in the cell (column, row).
     #[inline]
     #[must_use]
@@ -75,6 +85,8 @@ mod tests {
             let i = (cell.y * 3 + cell.x) as usize;
             assert!(within.cmpge(Vec2::ZERO).all() && within.cmplt(Vec2::ONE).all());
             // Probabilities are differences of sums of f64, rounded to f32.
+            // Both are rounded to f32.
+            assert!((grid.inverse_sample(cell, within) - u).abs().max_element() < 2e-7, "{cell} {within} {u}");
             assert!((f64::from(pdf) / (weights[i] / 16.0 * 9.0) - 1.0).abs() < 1e-6 && pdf == grid.pdf(cell));
             counts[i] += 1;
             sums[i] += within;

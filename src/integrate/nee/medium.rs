@@ -105,7 +105,7 @@ impl NextEventEstimator<'_> {
     ) -> Rgb {
         let segment = path_segment.segment;
         let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
-        let Some(sample) = self.lights[light].sample_li(point.p, u) else { return Rgb::ZERO };
+        let Some(sample) = self.sample_li(light, point.p, u) else { return Rgb::ZERO };
         // Light travels against `wi`, and then against the path.
         let phase = segment.medium.phase.evaluate(segment.ray.direction.dot(sample.wi));
         let mut scattered = point.weight * sample.weight * (phase / rays);

@@ -44,6 +44,22 @@ fn environment_samples_follow_the_pdf() {
     }
 }
 
+/// The inverse returns the number that made a direction, except for the sign of a direction near a
+/// pole or the cell of a direction near an edge. Both are rarer than 1 in 1,000.
+#[test]
+fn inverse_samples_make_the_same_direction() {
+    for environment in [constant_environment_light(), random_sky_light(0.0), random_sky_light(0.4)] {
+        let mut exceptions = 0;
+        for i in 0..20_000 {
+            let u = test_key(i).uniform_2d(Dimension::LightDirection);
+            let Some((w, _)) = environment.sample(u) else { continue };
+            let inverse = environment.inverse_sample(w).unwrap();
+            exceptions += u32::from((inverse - u).abs().max_element() > 1e-5);
+        }
+        assert!(exceptions <= 20, "{exceptions}");
+    }
+}
+
 #[test]
 fn environment_pdf_is_positive_where_radiance_is() {
     let environment = random_sky_light(0.3);

@@ -67,7 +67,12 @@ fn floor_corner_points(scene: &Scene) -> impl Iterator<Item = Vec3> {
 
 fn floor_corner_point_map(scene: &Scene) -> VisiblePointMap {
     VisiblePointMap::new(
-        floor_corner_points(scene).map(|position| VisiblePoint { position, normal: Vec3::Y, weight: 1.0 }),
+        floor_corner_points(scene).map(|position| VisiblePoint {
+            position,
+            error: Vec3::ZERO,
+            normal: Vec3::Y,
+            weight: 1.0,
+        }),
         0.1,
     )
 }
@@ -260,8 +265,12 @@ fn guided_pdf_has_a_lower_bound() {
 #[test]
 fn pilot_without_useful_photons_leaves_source_unguided() {
     for (name, scene) in scenes_by_lamp_kind() {
-        let below =
-            floor_corner_points(&scene).map(|position| VisiblePoint { position, normal: Vec3::NEG_Y, weight: 1.0 });
+        let below = floor_corner_points(&scene).map(|position| VisiblePoint {
+            position,
+            error: Vec3::ZERO,
+            normal: Vec3::NEG_Y,
+            weight: 1.0,
+        });
         for visible in [VisiblePointMap::new(below, 0.1), VisiblePointMap::new([], 0.1)] {
             let (guided, report) = source_guided_to_visible(&scene, &visible);
             assert_eq!((report.useful, report.gain), (0.0, 1.0), "{name}");

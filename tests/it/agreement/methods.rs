@@ -80,6 +80,7 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
         alpha: ALPHA,
         kernel: Kernel::Epanechnikov,
         prefix_rays: true,
+        guides_environment: true,
         light_tracing: LightTracing::Weighted,
         indirect_photons: IndirectPhotons::Weighted,
         volume: match method {

@@ -11,6 +11,7 @@ mod density;
 mod dielectric;
 mod dispersion;
 mod edges;
+mod environment_guiding;
 mod focus;
 mod furnace;
 mod indirect_photons;

@@ -1,14 +1,15 @@
-//! SIGTERM and SIGHUP end a render like Ctrl-C.
+//! SIGTERM and SIGHUP end a render like Ctrl-C. SIGKILL leaves the picture of the last update.
 #![cfg(target_os = "linux")]
 
-use super::CliSandbox;
+use super::{CliSandbox, read};
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 
-/// Starts the program by the shell words `launcher`, and reads its messages until the second pass.
-fn start(sandbox: &CliSandbox, launcher: &str) -> (Child, BufReader<std::process::ChildStderr>) {
+/// Starts a render with `flags` by the shell words `launcher`, and reads its messages until the
+/// second pass.
+fn start(sandbox: &CliSandbox, launcher: &str, flags: &str) -> (Child, BufReader<std::process::ChildStderr>) {
     let program = env!("CARGO_BIN_EXE_caustica");
-    let line = format!("{launcher} {program} render box.txt -o a.exr --photons 1k --passes 1M --time 120s");
+    let line = format!("{launcher} {program} render box.txt -o a.exr --photons 1k --passes 1M --time 120s {flags}");
     let mut child =
         Command::new("sh").current_dir(sandbox.path(".")).args(["-c", &line]).stderr(Stdio::piped()).spawn().unwrap();
     let mut words = BufReader::new(child.stderr.take().unwrap());
@@ -49,7 +50,7 @@ fn terminate_and_hang_up_write_the_picture() {
             continue;
         }
         let sandbox = CliSandbox::new();
-        let (mut child, mut words) = start(&sandbox, launcher);
+        let (mut child, mut words) = start(&sandbox, launcher, "");
         send(&child, signal);
         let mut rest = String::new();
         words.read_to_string(&mut rest).unwrap();
@@ -61,7 +62,7 @@ fn terminate_and_hang_up_write_the_picture() {
 #[test]
 fn an_ignored_hang_up_stays_ignored() {
     let sandbox = CliSandbox::new();
-    let (mut child, mut words) = start(&sandbox, "trap '' HUP; exec");
+    let (mut child, mut words) = start(&sandbox, "trap '' HUP; exec", "");
     send(&child, "-HUP");
     let mut said = String::new();
     for _ in 0..20 {
@@ -71,4 +72,19 @@ fn an_ignored_hang_up_stays_ignored() {
     send(&child, "-TERM");
     words.read_to_string(&mut said).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(130), "{said}");
+}
+
+#[test]
+fn killed_renders_leave_the_last_update() {
+    for (flags, is_updated) in [("", true), ("--update 0", false)] {
+        let sandbox = CliSandbox::new();
+        let (mut child, _words) = start(&sandbox, "exec", flags);
+        send(&child, "-KILL");
+        assert_eq!(child.wait().unwrap().code(), None);
+        assert_eq!(sandbox.path("a.exr").exists(), is_updated, "{flags}");
+        if is_updated {
+            let picture = read(&sandbox.path("a.exr"));
+            assert_eq!((picture.width(), picture.height()), (40, 30));
+        }
+    }
 }

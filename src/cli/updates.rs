@@ -1,0 +1,99 @@
+//! Pictures that are rewritten while a render goes on.
+
+use super::progress::print_message;
+use crate::image::{self, Image, WriteOptions};
+use crate::render::Film;
+use std::error::Error;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Smallest time between two updates, relative to the time that an update takes. So updates take at
+/// most 1 % of a render.
+const MIN_INTERVAL_FACTOR: u32 = 100;
+
+/// Writer of the pictures of an unfinished render.
+///
+/// Each file is whole at any time: [`image::write`] renames a complete file to its name.
+pub(super) struct PictureUpdates<'a> {
+    paths: &'a [PathBuf],
+    options: &'a WriteOptions,
+    interval: Duration,
+    /// Earliest time of the next update; `None` before the first one.
+    next: Option<Instant>,
+    /// True after a file could not be written. No update follows.
+    failed: bool,
+}
+
+impl<'a> PictureUpdates<'a> {
+    /// Writes pictures to `paths` after the first pass, and then at most once per `interval`.
+    pub fn new(paths: &'a [PathBuf], options: &'a WriteOptions, interval: Duration) -> Self {
+        Self { paths, options, interval, next: None, failed: false }
+    }
+
+    /// Writes the mean of `film` if an update is due.
+    ///
+    /// An error ends the updates with a warning. The render goes on, because the file may be
+    /// writable at its end.
+    pub fn update(&mut self, film: &Film) {
+        let start = Instant::now();
+        if self.failed || self.next.is_some_and(|next| start < next) {
+            return;
+        }
+        if let Err(error) = self.write(film) {
+            print_message(&format!("warning: no picture is written before the end of the render: {error}"));
+            self.failed = true;
+        }
+        let now = Instant::now();
+        self.next = Some(now + self.interval.max((now - start) * MIN_INTERVAL_FACTOR));
+    }
+
+    /// Writes the mean of `film` to all paths.
+    fn write(&self, film: &Film) -> Result<(), Box<dyn Error>> {
+        let (width, height) = film.size();
+        let picture = Image::from_pixels(width, height, film.mean())?;
+        for path in self.paths {
+            image::write(path, &picture, self.options)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn film(radiance: f32) -> Film {
+        let mut film = Film::new(1, 1);
+        film.add(&[Vec3::splat(radiance)]);
+        film
+    }
+
+    #[test]
+    fn pictures_are_rewritten_when_the_interval_is_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, options) = (folder.path().join("a.exr"), WriteOptions::default());
+        let red = || image::read(&path).unwrap().pixels()[0].x;
+        let mut updates = PictureUpdates::new(std::slice::from_ref(&path), &options, Duration::from_secs(1000));
+        updates.update(&film(1.0));
+        assert_eq!(red(), 1.0);
+        updates.update(&film(2.0));
+        assert_eq!(red(), 1.0);
+        updates.next = Some(Instant::now());
+        updates.update(&film(3.0));
+        assert_eq!(red(), 3.0);
+        assert!(updates.next.unwrap() > Instant::now() + Duration::from_secs(900));
+    }
+
+    #[test]
+    fn updates_end_after_an_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, options) = (folder.path().join("later/a.exr"), WriteOptions::default());
+        let mut updates = PictureUpdates::new(std::slice::from_ref(&path), &options, Duration::ZERO);
+        updates.update(&film(1.0));
+        std::fs::create_dir(folder.path().join("later")).unwrap();
+        updates.next = None;
+        updates.update(&film(1.0));
+        assert!(!path.exists());
+    }
+}

@@ -1,0 +1,180 @@
+//! Guided sampling of the environment light: from which directions it reaches each part of a scene.
+//!
+//! Shadow rays towards the environment are blocked by walls: in a room, only those through a window
+//! count. A grid over the scene holds in each cell a distribution over the unit square from which
+//! the environment map samples directions. So guided directions follow the product of the map and
+//! of what is visible from the cell. The best pdf is proportional to the root mean square of a
+//! ray's contribution to the picture (Rath et al. 2020, "Variance-Aware Path Guiding").
+
+use crate::light::{DirectLightSample, EnvironmentLight, ShadowTarget};
+use crate::math::Bounds;
+use crate::sampling::SquareGridDistribution;
+use glam::{UVec3, Vec2, Vec3};
+
+/// Number of bins along each side of the unit square of a cell.
+const SIDE: usize = 32;
+
+/// Number of bins of a cell.
+const BINS: usize = SIDE * SIDE;
+
+/// Number of subdivisions of the scene's bounding box. A subdivision splits each cell into eight.
+const SUBDIVISIONS: u32 = 3;
+
+/// Number of cells along each axis.
+const CELLS: u32 = 1 << SUBDIVISIONS;
+
+/// Probability with which each distribution is uniform (defensive sampling).
+///
+/// A guided ray has at most 5 times the weight of the same ray without guiding.
+const DEFENSIVE_FRACTION: f64 = 0.2;
+
+/// Weight of the parent cell's mean in the mean of a bin, expressed as a number of rays (shrinkage
+/// estimator).
+const PARENT_WEIGHT: f64 = 2.0;
+
+/// Distribution of the directions from which the environment light reaches each part of a scene.
+#[derive(Debug)]
+pub(super) struct EnvironmentGuide {
+    bounds: Bounds,
+    /// Distributions over the unit square from which the light samples directions, of each cell.
+    cells: Vec<SquareGridDistribution>,
+}
+
+/// Numbers of pilot rays, and sums of their squared contributions to the picture, in each bin of
+/// each cell.
+pub(super) struct EnvironmentGuideFit {
+    bounds: Bounds,
+    counts: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+impl EnvironmentGuide {
+    /// Samples the direct light at `p` by `u` in \[0, 1)². Returns `None` if `light` is black.
+    #[inline]
+    pub fn sample_li(&self, light: &EnvironmentLight, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
+        let (u, _) = self.guided_sample(p, u);
+        let (wi, _) = light.sample(u)?;
+        // The same function as in MIS weights: rounding may move the direction to another bin.
+        let pdf = self.pdf_li(light, p, wi);
+        let weight = light.radiance(wi) / pdf;
+        (pdf > 0.0).then_some(DirectLightSample { wi, target: ShadowTarget::Infinity, weight, pdf: Some(pdf) })
+    }
+
+    /// Returns the pdf \[1/sr] with which [`EnvironmentGuide::sample_li`] samples unit direction
+    /// `wi` at `p`.
+    #[inline]
+    pub fn pdf_li(&self, light: &EnvironmentLight, p: Vec3, wi: Vec3) -> f32 {
+        let cell = &self.cells[cell_index(&self.bounds, p)];
+        light.pdf(wi) * light.inverse_sample(wi).map_or(0.0, |u| cell.pdf(u))
+    }
+
+    /// Returns a point in \[0, 1)² from which the light should sample a direction at `p`, and its
+    /// pdf. `u` is uniform in \[0, 1)².
+    #[inline]
+    pub fn guided_sample(&self, p: Vec3, u: Vec2) -> (Vec2, f32) {
+        self.cells[cell_index(&self.bounds, p)].sample(u)
+    }
+}
+
+impl EnvironmentGuideFit {
+    /// Makes an empty fit for the points in `bounds`. Points outside belong to the nearest cell.
+    pub fn new(bounds: Bounds) -> Self {
+        let bins = (CELLS * CELLS * CELLS) as usize * BINS;
+        Self { bounds, counts: vec![0.0; bins], squares: vec![0.0; bins] }
+    }
+
+    /// Adds a ray from `p`, sampled from the point `u` in \[0, 1)². `square` is the square of what
+    /// it would contribute to the picture without guiding.
+    pub fn add(&mut self, p: Vec3, u: Vec2, square: f64) {
+        let bin = cell_index(&self.bounds, p) * BINS + SquareGridDistribution::cell_index(SIDE, u);
+        self.counts[bin] += 1.0;
+        self.squares[bin] += square;
+    }
+
+    /// Returns the guide. Returns `None` if no ray contributed.
+    ///
+    /// The mean of a bin is drawn towards the mean of the bin that contains it in the next coarser
+    /// level, and so on up to the whole scene.
+    pub fn guide(&self) -> Option<EnvironmentGuide> {
+        let mean = self.squares.iter().sum::<f64>() / self.counts.iter().sum::<f64>().max(1.0);
+        let mut means = vec![mean; Level(0).bin_count()];
+        for level in (0..=SUBDIVISIONS).map(Level) {
+            let (counts, squares) = (level.sums(&self.counts), level.sums(&self.squares));
+            let mean = |i: usize| {
+                let parent = if level == Level(0) { mean } else { means[level.parent_bin(i)] };
+                (squares[i] + PARENT_WEIGHT * parent) / (counts[i] + PARENT_WEIGHT)
+            };
+            means = (0..counts.len()).map(mean).collect();
+        }
+        let cells = means.chunks_exact(BINS).map(distribution).collect::<Option<Vec<_>>>()?;
+        Some(EnvironmentGuide { bounds: self.bounds, cells })
+    }
+}
+
+/// Level of the hierarchy of cells and bins: 0 is the coarsest, and each subdivision halves the
+/// edges of cells and bins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Level(u32);
+
+impl Level {
+    /// Number of cells along each axis.
+    fn cell_side(self) -> usize {
+        1 << self.0
+    }
+
+    /// Number of bins along each side of a cell's unit square.
+    fn bin_side(self) -> usize {
+        SIDE >> (SUBDIVISIONS - self.0)
+    }
+
+    /// Number of bins of all cells.
+    fn bin_count(self) -> usize {
+        self.cell_side() * self.cell_side() * self.cell_side() * self.bin_side() * self.bin_side()
+    }
+
+    /// Returns the index of the bin of the next coarser level that contains bin `bin` of this level.
+    fn parent_bin(self, bin: usize) -> usize {
+        let (cells, bins) = (self.cell_side(), self.bin_side());
+        let (cell, bin) = (bin / (bins * bins), bin % (bins * bins));
+        let (x, y, z) = (cell % cells, cell / cells % cells, cell / (cells * cells));
+        let cell = ((z / 2) * (cells / 2) + y / 2) * (cells / 2) + x / 2;
+        (cell * (bins / 2) + bin / bins / 2) * (bins / 2) + bin % bins / 2
+    }
+
+    /// Returns the sums over the bins of this level of `values`, which belong to the finest level.
+    fn sums(self, values: &[f64]) -> Vec<f64> {
+        let mut sums = values.to_vec();
+        for fine in (self.0 + 1..=SUBDIVISIONS).rev().map(Level) {
+            let mut coarse = vec![0.0; Level(fine.0 - 1).bin_count()];
+            for (i, value) in sums.iter().enumerate() {
+                coarse[fine.parent_bin(i)] += value;
+            }
+            sums = coarse;
+        }
+        sums
+    }
+}
+
+/// Returns the distribution of a cell whose bins have the given mean squared contributions; `None`
+/// if all are 0.
+fn distribution(means: &[f64]) -> Option<SquareGridDistribution> {
+    let roots: Vec<f64> = means.iter().map(|mean| mean.sqrt()).collect();
+    let total: f64 = roots.iter().sum();
+    if total <= 0.0 {
+        return None;
+    }
+    let weight = |root: &f64| (1.0 - DEFENSIVE_FRACTION) * root / total + DEFENSIVE_FRACTION / BINS as f64;
+    SquareGridDistribution::new(SIDE, &roots.iter().map(weight).collect::<Vec<_>>())
+}
+
+/// Returns the index of the cell that contains `p`, or of the nearest cell.
+#[inline]
+fn cell_index(bounds: &Bounds, p: Vec3) -> usize {
+    let place = (p - bounds.min) / bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE)) * CELLS as f32;
+    // A float outside the range of integers becomes the nearest one, NaN becomes 0.
+    let [x, y, z] = UVec3::new(place.x as u32, place.y as u32, place.z as u32).min(UVec3::splat(CELLS - 1)).to_array();
+    ((z * CELLS + y) * CELLS + x) as usize
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,108 @@
+use super::*;
+use crate::image::Image;
+use crate::math::warp::square_to_uniform_sphere;
+use crate::sampling::{Dimension, Key, Purpose};
+use std::f64::consts::PI;
+
+fn test_key(i: u64) -> Key {
+    Key::new(8).purpose_key(Purpose::Test).child_key(i)
+}
+
+fn unit_cube() -> Bounds {
+    Bounds { min: Vec3::ZERO, max: Vec3::ONE }
+}
+
+/// A sky with a bright upper half.
+fn sky() -> EnvironmentLight {
+    let pixels = (0..32).map(|i| Vec3::splat(if i < 16 { 2.0 } else { 0.5 } + 0.1 * (i % 5) as f32));
+    EnvironmentLight::new(Image::from_pixels(8, 4, pixels.collect()).unwrap(), 0.3, Vec3::ONE).unwrap()
+}
+
+/// A guide of rays that contribute only from u.x < 1/4, where p.x < 1/2.
+fn half_lit_guide() -> EnvironmentGuide {
+    let mut fit = EnvironmentGuideFit::new(unit_cube());
+    for i in 0..200_000 {
+        let (p, u) = (test_key(i).uniform_2d(Dimension::Film), test_key(i).uniform_2d(Dimension::LightPosition));
+        let square = if u.x < 0.25 && p.x < 0.5 { 4.0 } else { 0.0 };
+        fit.add(Vec3::new(p.x, p.y, 0.5), u, square);
+    }
+    fit.guide().unwrap()
+}
+
+/// The pdf integrates to 1, and samples weighted by 1/pdf integrate a function over the sphere, each
+/// within five standard errors.
+#[test]
+fn guided_directions_follow_their_pdf() {
+    let (guide, sky) = (half_lit_guide(), sky());
+    let radiance = |w: Vec3| f64::from(sky.radiance(w).x * (1.0 + w.z));
+    let mean_and_error = |value: &dyn Fn(Vec2) -> f64| {
+        const N: u64 = 200_000;
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for i in 0..N {
+            let x = value(test_key(i).uniform_2d(Dimension::LightDirection));
+            sum += x;
+            squares += x * x;
+        }
+        let (n, mean) = (N as f64, sum / N as f64);
+        (mean, ((squares / n - mean * mean) / n).sqrt())
+    };
+    let (integral, integral_error) = mean_and_error(&|u| 4.0 * PI * radiance(square_to_uniform_sphere(u)));
+    for p in [Vec3::new(0.1, 0.2, 0.5), Vec3::new(0.9, 0.2, 0.5), Vec3::splat(-7.0)] {
+        let pdf = |w: Vec3| f64::from(guide.pdf_li(&sky, p, w));
+        let (total, error) = mean_and_error(&|u| 4.0 * PI * pdf(square_to_uniform_sphere(u)));
+        assert!((total - 1.0).abs() < 5.0 * error && error < 0.02, "{p}: {total} ± {error}");
+        let (mean, error) = mean_and_error(&|u| {
+            guide.sample_li(&sky, p, u).map_or(0.0, |sample| {
+                assert_eq!(sample.pdf.map(f64::from), Some(pdf(sample.wi)));
+                f64::from(sample.weight.x * (1.0 + sample.wi.z))
+            })
+        });
+        let tolerance = 5.0 * error.hypot(integral_error);
+        assert!((mean - integral).abs() < tolerance && tolerance < 0.05 * integral, "{p}: {mean} and {integral}");
+    }
+}
+
+/// Where a quarter of the square lights a cell, nearly all guided samples lie there. Where none of
+/// it does, few samples of the cell were needed to tell.
+#[test]
+fn guided_samples_lie_where_rays_contributed() {
+    let guide = half_lit_guide();
+    let share = |p: Vec3| {
+        let lit = |i| guide.guided_sample(p, test_key(i).uniform_2d(Dimension::LightPosition)).0.x < 0.25;
+        (0..10_000).filter(|i| lit(*i)).count() as f64 / 10_000.0
+    };
+    // Four fifths, and a quarter of the uniform fifth.
+    assert!((share(Vec3::new(0.1, 0.5, 0.5)) - 0.85).abs() < 0.02);
+    assert!(guide.guided_sample(Vec3::new(0.1, 0.5, 0.5), Vec2::splat(0.99)).1 >= 0.2 - 1e-6);
+}
+
+#[test]
+fn guides_need_a_ray_that_contributes() {
+    let mut fit = EnvironmentGuideFit::new(unit_cube());
+    assert!(fit.guide().is_none());
+    fit.add(Vec3::splat(0.5), Vec2::splat(0.5), 0.0);
+    assert!(fit.guide().is_none());
+    fit.add(Vec3::splat(0.5), Vec2::splat(0.5), 1.0);
+    assert!(fit.guide().is_some());
+}
+
+/// A bin of any level holds 32 bins of the next finer level: 8 cells of 4 bins.
+#[test]
+fn parent_bins_have_32_children() {
+    for level in (1..=SUBDIVISIONS).map(Level) {
+        let mut children = vec![0; Level(level.0 - 1).bin_count()];
+        (0..level.bin_count()).for_each(|bin| children[level.parent_bin(bin)] += 1);
+        assert!(children.iter().all(|n| *n == 32), "{level:?}");
+    }
+    let ones = vec![1.0; Level(SUBDIVISIONS).bin_count()];
+    assert_eq!(Level(0).sums(&ones), vec![32.0 * 32.0 * 32.0; Level(0).bin_count()]);
+}
+
+#[test]
+fn cells_of_points_outside_are_the_nearest() {
+    let bounds = Bounds { min: Vec3::ZERO, max: Vec3::new(8.0, 8.0, 0.0) };
+    assert_eq!(cell_index(&bounds, Vec3::new(3.5, 1.5, 0.0)), 8 + 3);
+    assert_eq!(cell_index(&bounds, Vec3::new(-9.0, 99.0, 0.0)), 7 * 8);
+    assert_eq!(cell_index(&bounds, Vec3::NAN), 0);
+    assert_eq!(cell_index(&Bounds::EMPTY, Vec3::ONE), cell_index(&Bounds::EMPTY, Vec3::ZERO));
+}

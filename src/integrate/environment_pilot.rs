@@ -1,0 +1,167 @@
+//! Pilot for guided sampling of the environment light.
+//!
+//! Camera paths of the pilot record points of receivers (surfaces that store photons). In each
+//! round, shadow rays towards the environment leave these points, guided by the rays of all earlier
+//! rounds. The last round measures how much guiding reduces the variance.
+
+use super::environment_guide::{EnvironmentGuide, EnvironmentGuideFit};
+use super::policy::PathContinuation;
+use super::visible_pilot::record_receiver_points;
+use crate::color::{self, Rgb};
+use crate::light::EnvironmentLight;
+use crate::math::{Bounds, Ray, offset_ray_origin};
+use crate::photon::VisiblePoint;
+use crate::plan::Effects;
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::scene::{Scene, for_interior};
+use glam::Vec2;
+use rayon::prelude::*;
+
+/// Smallest and largest number of camera paths of the pilot. Between these limits, it traces one
+/// path per pixel.
+const PATHS: (u32, u32) = (4000, 8000);
+
+/// Largest number of bounces of these paths.
+const MAX_BOUNCES: u32 = 2;
+
+/// Number of rounds. Each round is guided by the rays of all earlier rounds.
+const ROUNDS: u32 = 4;
+
+/// Number of shadow rays from each point in each round.
+const RAYS_PER_POINT: u32 = 6;
+
+/// Reduction of variance above which passes use guided shadow rays.
+///
+/// It exceeds 1, because guided rays take longer to sample, and because camera paths that sample the
+/// BSDF find a widely visible environment too.
+const MIN_GAIN: f64 = 2.0;
+
+/// Fraction of unguided shadow rays that reach the environment above which the pilot ends after the
+/// first round: guiding could hardly save more than every other ray.
+const MAX_UNOCCLUDED: f64 = 0.25;
+
+/// Work of the pilot of environment guiding, and its estimated benefit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct EnvironmentGuidingReport {
+    /// Number of shadow rays that the pilot traced.
+    pub rays: u64,
+    /// Fraction of unguided shadow rays that reach the environment.
+    pub unoccluded: f64,
+    /// Ratio of the second moments of unguided and guided shadow rays' contributions to the
+    /// picture; 1 if no ray contributes.
+    pub gain: f64,
+    /// True if the render guides shadow rays.
+    pub used: bool,
+}
+
+/// Shadow ray of the pilot.
+struct PilotRay {
+    /// Index of its point.
+    point: usize,
+    /// Point in \[0, 1)² from which the light samples the direction.
+    u: Vec2,
+    /// Pdf of `u`.
+    density: f32,
+    /// Contribution to the picture without guiding; 0 if occluded.
+    contribution: f64,
+}
+
+/// Returns a guide of the environment `light` of `scene`, and a report. The guide is `None` if the
+/// pilot finds that it does not pay.
+///
+/// The result depends only on the scene, `effects` and `seed`.
+pub(super) fn guide_environment_light(
+    scene: &Scene,
+    light: &EnvironmentLight,
+    effects: Effects,
+    seed: u64,
+) -> (Option<EnvironmentGuide>, EnvironmentGuidingReport) {
+    let key = Key::new(seed).purpose_key(Purpose::EnvironmentGuiding);
+    let (width, height) = scene.camera().size();
+    let paths = width.saturating_mul(height).clamp(PATHS.0, PATHS.1);
+    let points =
+        record_receiver_points(scene, effects, key.training_round_key(0), paths, PathContinuation::Always, MAX_BOUNCES);
+    let mut fit = EnvironmentGuideFit::new(Bounds::from_points(points.iter().map(|point| point.position)));
+    let mut report = EnvironmentGuidingReport { gain: 1.0, ..EnvironmentGuidingReport::default() };
+    let mut guide = None;
+    for round in 1..=ROUNDS {
+        let rays = trace_round(scene, light, &points, guide.as_ref(), effects, key.training_round_key(round));
+        report.rays += rays.len() as u64;
+        if round == 1 {
+            let unoccluded = rays.iter().filter(|ray| ray.contribution > 0.0).count();
+            report.unoccluded = unoccluded as f64 / rays.len().max(1) as f64;
+            if report.unoccluded > MAX_UNOCCLUDED {
+                return (None, report);
+            }
+        }
+        if round == ROUNDS {
+            report.gain = gain(&rays);
+        }
+        for ray in &rays {
+            fit.add(points[ray.point].position, ray.u, ray.contribution * ray.contribution);
+        }
+        guide = fit.guide();
+    }
+    report.used = guide.is_some() && report.gain > MIN_GAIN;
+    (guide.filter(|_| report.used), report)
+}
+
+/// Traces the shadow rays of a round, in the order of their points.
+fn trace_round(
+    scene: &Scene,
+    light: &EnvironmentLight,
+    points: &[VisiblePoint],
+    guide: Option<&EnvironmentGuide>,
+    effects: Effects,
+    key: Key,
+) -> Vec<PilotRay> {
+    let count = u32::try_from(points.len()).unwrap_or(u32::MAX).saturating_mul(RAYS_PER_POINT);
+    let ray = |index: u32| {
+        let point = (index / RAYS_PER_POINT) as usize;
+        let VisiblePoint { position: p, error, normal, weight } = points[point];
+        let u = Sampler::new(key, index, count).get_2d(Dimension::LightPosition);
+        let (u, density) = guide.map_or((u, 1.0), |guide| guide.guided_sample(p, u));
+        let contribution = light.sample(u).map_or(0.0, |(wi, pdf)| {
+            let cosine = wi.dot(normal);
+            let origin = offset_ray_origin(p, error, normal, wi);
+            if cosine <= 0.0 {
+                return 0.0;
+            }
+            let transmittance = transmittance_to_environment(scene, &Ray::new(origin, wi), effects, key);
+            let radiance = light.radiance(wi) * transmittance;
+            f64::from(weight * cosine) * f64::from(color::channel_mean(radiance) / pdf)
+        });
+        PilotRay { point, u, density, contribution }
+    };
+    (0..count).into_par_iter().map(ray).collect()
+}
+
+/// Returns the transmittance along `ray` to the environment; 0 if a surface blocks it.
+///
+/// Media count only on rays that cross null interfaces, where the walk along the ray finds them.
+fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key: Key) -> Rgb {
+    if !scene.occluded(ray) {
+        return Rgb::ONE;
+    }
+    let Some(light) = scene.environment_light_index() else { return Rgb::ZERO };
+    if !scene.bodies().any(|body| body.is_null_interface) {
+        return Rgb::ZERO;
+    }
+    for_interior!(effects, <I> {
+        // The interior outside all bodies; crossed boundaries tell of bodies around the point.
+        let interior = scene.start_light_path::<I>(light, *ray, effects).interior;
+        scene.shadow_transmittance(ray, interior, key)
+    })
+}
+
+/// Returns the ratio of the second moments of unguided and guided contributions, from guided
+/// `rays`; 1 if no ray contributes.
+fn gain(rays: &[PilotRay]) -> f64 {
+    let (mut unguided, mut guided) = (0.0, 0.0);
+    for ray in rays {
+        let (square, density) = (ray.contribution * ray.contribution, f64::from(ray.density));
+        unguided += square / density;
+        guided += square / (density * density);
+    }
+    if guided > 0.0 { unguided / guided } else { 1.0 }
+}
