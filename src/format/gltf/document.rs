@@ -2,8 +2,9 @@
 
 use super::context::{FileContext, ReadResult};
 use super::notes::ImportNotes;
-use gltf::Document;
-use gltf::json::{Image, Path as JsonPath, Root, validation::Error as Defect, validation::Validate};
+use gltf::json::validation::{Checked, Error as Defect, Validate};
+use gltf::json::{Image, Path as JsonPath, Root};
+use gltf::{Document, Semantic};
 use serde_json::Value;
 
 /// Estimated bytes of memory for each object of the JSON text, as a value and as a typed record.
@@ -142,6 +143,7 @@ fn remove_animations_and_add_nodes(root: &mut Value, notes: &mut ImportNotes) {
 
 /// Returns an error that names the first defects of the document, such as indices out of range.
 fn check_defects(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
+    check_positions(context, root)?;
     let mut defects = Vec::new();
     let mut count = 0;
     root.validate(root, JsonPath::new, &mut |path: &dyn Fn() -> JsonPath, defect: Defect| {
@@ -160,6 +162,20 @@ fn check_defects(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
         message += &format!("; and {} more", count - defects.len());
     }
     Err(context.error(first, message))
+}
+
+/// Returns an error if the accessor of positions does not exist, on which validation would panic.
+fn check_positions(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
+    for (i, mesh) in root.meshes.iter().enumerate() {
+        for (k, primitive) in mesh.primitives.iter().enumerate() {
+            let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
+            if positions.is_some_and(|index| index.value() >= root.accessors.len()) {
+                let place = format!("meshes[{i}].primitives[{k}].attributes.POSITION");
+                return Err(context.error(place, "it is an index out of range"));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// True if the crate `gltf` can return the source of an image without a panic.

@@ -31,6 +31,9 @@ const MAX_METAL_REFLECTANCE: f64 = 0.999_9;
 /// Least transmittance of glass, which may not be opaque.
 const MIN_TRANSMITTANCE: f64 = 1e-6;
 
+/// Least distance of attenuation. With the least transmittance, absorption stays below 10¹².
+const MIN_ATTENUATION_DISTANCE: f64 = 1e-10;
+
 /// Least Abbe number, and greatest index of refraction, of a body with dispersion.
 ///
 /// Within both limits, the index stays above 0 from 380 to 720 nm.
@@ -325,6 +328,7 @@ impl Conversion<'_, '_> {
             self.note("the base color of bodies of glass is ignored: their color is that of their attenuation");
         }
         let distance = f64::from(volume.attenuation_distance());
+        let distance = if distance > 0.0 { distance.max(MIN_ATTENUATION_DISTANCE) } else { distance };
         let color = DVec3::from(volume.attenuation_color().map(unit)).max(DVec3::splat(MIN_TRANSMITTANCE));
         let is_clear = !(distance > 0.0 && distance.is_finite()) || color == DVec3::ONE;
         let attenuation =

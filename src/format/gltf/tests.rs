@@ -208,6 +208,8 @@ fn broken_files_are_refused_with_their_place() {
     expect_error(&with(&|s| s["buffers"][0]["uri"] = "http://a/b".into()), "`http://a/b` is not a local file");
     expect_error(&with(&|s| s["accessors"][0]["type"] = "VEC2".into()), "attributes.POSITION");
     expect_error(&with(&|s| s["nodes"][0]["mesh"] = 9.into()), "nodes[0].mesh is an index out of range");
+    let attributes = "meshes[0].primitives[0].attributes.POSITION: it is an index out of range";
+    expect_error(&with(&|s| s["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 9.into()), attributes);
     expect_error(&with(&|s| s["nodes"][0]["children"] = json!([0])), "nodes[0]: it is reached twice");
     expect_error(
         &with(&|s| s["nodes"][0]["translation"] = json!([1e39, 0, 0])),
