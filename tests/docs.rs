@@ -130,7 +130,7 @@ fn run_documented_command(page: &str, line: &[String], folder: &Path) {
             Some(Command::Diff(diff)) => (None, diff.output.iter().collect()),
             Some(Command::Mesh(mesh)) => (Some(&mesh.mesh), mesh.output.iter().collect()),
             Some(Command::Check(check)) => (Some(&check.scene), Vec::new()),
-            Some(Command::Convert(convert)) => (Some(&convert.scene), vec![&convert.output]),
+            Some(Command::Convert(convert)) => (Some(&convert.scene), convert.output_file().into_iter().collect()),
             Some(Command::Merge(merge)) => (None, merge.output.iter().collect()),
             Some(Command::Film(_)) => (None, Vec::new()),
             Some(Command::Completions { .. } | Command::Man) | None => (None, Vec::new()),

@@ -9,6 +9,7 @@ use super::pictures::PictureArguments;
 use super::shard::Shard;
 use super::{ConvertArguments, DiffArguments, FilmArguments, MergeArguments, MeshArguments};
 use crate::camera::FilterKind;
+use crate::format::{IMPORTERS, ImportOptions};
 use crate::image::{BitDepth, ExrPrecision};
 use crate::integrate::{Algorithm, FinalGathering, IndirectPhotons, LightTracing, VolumeEstimator};
 use crate::photon::Kernel;
@@ -166,11 +167,38 @@ pub struct EffectsArguments {
     pub effects: EffectOverrides,
 }
 
+/// Flags for reading scenes of other programs.
+#[derive(Clone, Debug, Default, Args)]
+pub struct ImportArguments {
+    /// Format of the scene, by its file extension: txt, gltf or glb  [default: by the extension of
+    /// the file]
+    #[arg(long, value_parser = parse_scene_format, value_name = "EXTENSION")]
+    pub format: Option<String>,
+
+    /// Refuse a scene if anything in it is ignored or approximated, instead of warning
+    #[arg(long)]
+    pub strict: bool,
+
+    /// Let a glTF file name files outside its own folder
+    #[arg(long)]
+    pub allow_outside: bool,
+}
+
+impl ImportArguments {
+    /// Returns the options of reading a scene within `memory`.
+    pub(super) fn import_options(&self, memory: MemoryLimit) -> ImportOptions {
+        ImportOptions { memory, format: self.format.clone(), allows_outside_files: self.allow_outside }
+    }
+}
+
 /// The scene file, and flags for picture size, threads and memory.
 #[derive(Debug, Args)]
 pub struct SceneArguments {
-    /// Scene file
+    /// Scene file: scene text, .gltf or .glb
     pub scene: PathBuf,
+
+    #[command(flatten)]
+    pub import: ImportArguments,
 
     /// Picture size, such as 1280x720  [default: the scene's]
     #[arg(long, value_parser = parse_picture_size, value_name = "WxH")]
@@ -451,6 +479,17 @@ pub struct StudyArguments {
     /// Print only the result, errors and warnings
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// Parses the file extension of a scene format.
+fn parse_scene_format(text: &str) -> Result<String, String> {
+    let extensions = || IMPORTERS.iter().flat_map(|importer| importer.extensions());
+    let wanted = text.trim_start_matches('.').to_ascii_lowercase();
+    if extensions().any(|extension| *extension == wanted) {
+        return Ok(wanted);
+    }
+    let known = extensions().copied().collect::<Vec<_>>().join(", ");
+    Err(format!("`{text}` is no scene format: write one of {known}"))
 }
 
 pub(super) fn parse_png_depth(text: &str) -> Result<BitDepth, String> {

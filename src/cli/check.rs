@@ -2,7 +2,7 @@
 
 use super::args::SceneArguments;
 use super::plan::count_with_noun;
-use super::scene::{load_scene_and_file, with_thread_pool};
+use super::scene::{import_warnings, load_scene_and_file, replace_control_characters, with_thread_pool};
 use super::{CommandFailure, Exit};
 use crate::format::SceneFile;
 use crate::plan::SceneFeatures;
@@ -18,7 +18,8 @@ const RAYS_PER_SIDE: u32 = 64;
 pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, CommandFailure> {
     with_thread_pool(arguments, || {
         let (file, scene) = load_scene_and_file(arguments, &())?;
-        let mut lines = file.warnings();
+        let mut lines = import_warnings(&file);
+        lines.extend(file.warnings());
         lines.extend(scene_warnings(&scene, arguments));
         let warnings = count_with_noun(lines.len(), "warning", "warnings");
         lines.push(format!("{}: no error, {warnings}", arguments.scene.display()));
@@ -35,16 +36,12 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, CommandFailure> {
 /// Leaves out warnings that need meshes to be read again. Leaves out the warning of a scene without
 /// objects too, because `caustica render` prints that warning itself.
 pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
-    let mut lines = file.unused_item_warnings();
+    let mut lines = import_warnings(file);
+    lines.extend(file.unused_item_warnings());
     if scene.triangle_count() + scene.shape_count() > 0 {
         lines.extend(scene_warnings(scene, arguments));
     }
     lines.iter().map(|line| replace_control_characters(line)).collect()
-}
-
-/// Replaces control characters by U+FFFD, so that a file name cannot control the terminal.
-fn replace_control_characters(line: &str) -> String {
-    line.replace(char::is_control, "\u{fffd}")
 }
 
 /// Returns warnings if the camera sees no object or no photon can be stored, one line each.

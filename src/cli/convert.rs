@@ -1,10 +1,12 @@
 //! `caustica convert`: writes any scene that can be read as scene text.
 
+use super::args::ImportArguments;
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use super::progress::{InputFileCollector, print_message};
+use super::scene::{import_warnings, read_scene_file};
 use super::{CommandFailure, Exit};
+use crate::format::ConvertedScene;
 use crate::format::mesh::MeshFormat;
-use crate::format::{ConvertedScene, SceneFile, SceneReadError};
 use crate::image::{self, WriteOptions, replace_file_with};
 use crate::stats::MemoryLimit;
 use clap::Args;
@@ -18,11 +20,27 @@ pub struct ConvertArguments {
     pub scene: PathBuf,
 
     /// Scene text to write. Meshes and pictures that the scene itself holds become files beside it
-    pub output: PathBuf,
+    #[arg(required_unless_present = "output_flag")]
+    pub output: Option<PathBuf>,
+
+    /// Scene text to write, as a flag
+    #[arg(short, long = "output", id = "output_flag", value_name = "FILE", conflicts_with = "output")]
+    pub output_flag: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub import: ImportArguments,
 
     /// Replace files that exist
     #[arg(long)]
     pub force: bool,
+}
+
+impl ConvertArguments {
+    /// Returns the file to write, which the command line gives with or without `-o`.
+    #[must_use]
+    pub fn output_file(&self) -> Option<&PathBuf> {
+        self.output.as_ref().or(self.output_flag.as_ref())
+    }
 }
 
 /// Error: an output file exists already, and `--force` is not given.
@@ -32,15 +50,14 @@ pub struct ConvertArguments {
 struct OutputExistsError(PathBuf);
 
 pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, CommandFailure> {
+    let output = arguments.output_file().cloned().unwrap_or_default();
     let files = InputFileCollector::new(&());
-    let scene = SceneFile::read_monitored(&arguments.scene, &files, MemoryLimit::System).map_err(|e| {
-        let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
-        CommandFailure::new(exit, e)
-    })?;
-    let conversion = ConvertedScene::new(&scene, &arguments.output);
+    let scene = read_scene_file(&arguments.scene, &arguments.import, &files, MemoryLimit::System)?;
+    import_warnings(&scene).iter().for_each(|line| print_message(line));
+    let conversion = ConvertedScene::new(&scene, &output);
     let meshes = conversion.meshes.iter().map(|(path, _)| path);
     let pictures = conversion.pictures.iter().map(|(path, _)| path);
-    let outputs: Vec<&PathBuf> = std::iter::once(&arguments.output).chain(meshes).chain(pictures).collect();
+    let outputs: Vec<&PathBuf> = std::iter::once(&output).chain(meshes).chain(pictures).collect();
     let named: Vec<FileWithRole> = outputs.iter().map(|path| FileWithRole::new("the output", path)).collect();
     let mut inputs = vec![FileWithRole::new("the scene file", &arguments.scene)];
     let read_files = files.into_input_paths();
@@ -56,9 +73,9 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, CommandFailure> 
     for (path, picture) in &conversion.pictures {
         failures.ok_or_collect_error(image::write(path, picture, &WriteOptions::default()));
     }
-    let written = replace_file_with(&arguments.output, |file| file.write_all(conversion.text.as_bytes()));
+    let written = replace_file_with(&output, |file| file.write_all(conversion.text.as_bytes()));
     if failures.ok_or_collect_error(written).is_some() {
-        print_message(&format!("wrote {}", arguments.output.display()));
+        print_message(&format!("wrote {}", output.display()));
     }
     failures.into_result(Exit::Success)
 }

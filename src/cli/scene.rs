@@ -1,18 +1,61 @@
 //! Loading of a command's scene, and its thread pool.
 
-use super::args::SceneArguments;
+use super::args::{ImportArguments, SceneArguments};
 use super::memory::check_picture_memory;
+use super::progress::print_message;
 use super::{CommandFailure, Exit};
 use crate::format::mesh::MeshReadMonitor;
 use crate::format::{SceneFile, SceneReadError};
 use crate::scene::Scene;
+use crate::stats::MemoryLimit;
+use miette::Report;
+use std::path::{Path, PathBuf};
 
 /// Loads the scene of the command line, with the picture size of `--size` if given.
 ///
 /// If a picture or an input does not fit into memory, returns a failure before memory is allocated.
 /// `monitor` receives the progress of reading.
 pub(super) fn load_scene(arguments: &SceneArguments, monitor: &dyn MeshReadMonitor) -> Result<Scene, CommandFailure> {
-    load_scene_and_file(arguments, monitor).map(|(_, scene)| scene)
+    let (file, scene) = load_scene_and_file(arguments, monitor)?;
+    import_warnings(&file).iter().for_each(|line| print_message(line));
+    Ok(scene)
+}
+
+/// Error: content of a scene file is not supported, and `--strict` is given.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{}: {message}", path.display())]
+#[diagnostic(help("change the scene, or render it without --strict"))]
+struct UnsupportedContentError {
+    path: PathBuf,
+    message: String,
+}
+
+/// Reads a scene file. With `--strict`, content that is not supported is a failure.
+pub(super) fn read_scene_file(
+    path: &Path,
+    import: &ImportArguments,
+    monitor: &dyn MeshReadMonitor,
+    memory: MemoryLimit,
+) -> Result<SceneFile, CommandFailure> {
+    let file = SceneFile::read_with_options(path, monitor, &import.import_options(memory)).map_err(|e| {
+        let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
+        CommandFailure::new(exit, e)
+    })?;
+    let unsupported = file.notes.iter().filter(|note| import.strict && note.is_unsupported);
+    let reports: Vec<Report> = unsupported
+        .map(|note| UnsupportedContentError { path: path.to_owned(), message: note.message.clone() }.into())
+        .collect();
+    if reports.is_empty() { Ok(file) } else { Err(CommandFailure { reports, exit: Exit::Input }) }
+}
+
+/// Returns the warnings of the importer, one line each.
+pub(super) fn import_warnings(file: &SceneFile) -> Vec<String> {
+    file.import_warnings().iter().map(|line| replace_control_characters(line)).collect()
+}
+
+/// Replaces control characters by U+FFFD, so that a file name cannot control the terminal.
+pub(super) fn replace_control_characters(line: &str) -> String {
+    line.replace(char::is_control, "\u{fffd}")
 }
 
 /// Loads the scene of the command line. Returns its parsed file and the resolved scene.
@@ -21,10 +64,7 @@ pub(super) fn load_scene_and_file(
     monitor: &dyn MeshReadMonitor,
 ) -> Result<(SceneFile, Scene), CommandFailure> {
     let memory = arguments.memory_limit();
-    let mut file = SceneFile::read_monitored(&arguments.scene, monitor, memory).map_err(|e| {
-        let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
-        CommandFailure::new(exit, e)
-    })?;
+    let mut file = read_scene_file(&arguments.scene, &arguments.import, monitor, memory)?;
     if let Some((width, height)) = arguments.size {
         file.description.camera.value.width = width;
         file.description.camera.value.height = height;

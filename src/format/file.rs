@@ -1,8 +1,11 @@
 //! A scene file: read by the importer of its format, and resolved.
 
 use super::SceneError;
-use super::description::SceneDescription;
-use super::import::{EmbeddedAssets, ImportedScene, SceneImporter, SceneReadError, lowercase_extension};
+use super::description::{SceneDescription, Span};
+use super::gltf::GltfImporter;
+use super::import::{
+    EmbeddedAssets, ImportNote, ImportOptions, ImportedScene, SceneImporter, SceneReadError, lowercase_extension,
+};
 use super::mesh::MeshReadMonitor;
 use super::resolve::resolve_with_assets;
 use super::scene_text::SceneTextImporter;
@@ -12,7 +15,7 @@ use crate::stats::MemoryLimit;
 use std::path::{Path, PathBuf};
 
 /// Importers of all scene formats. A file with another extension is read as scene text.
-pub const IMPORTERS: &[&dyn SceneImporter] = &[&SceneTextImporter];
+pub const IMPORTERS: &[&dyn SceneImporter] = &[&SceneTextImporter, &GltfImporter];
 
 /// A scene file that was read but not resolved. Its description may still be changed.
 #[derive(Clone, Debug)]
@@ -23,6 +26,8 @@ pub struct SceneFile {
     pub source: SourceText,
     /// Meshes and pictures that the file itself holds.
     pub assets: EmbeddedAssets,
+    /// Messages of the importer about content that it ignored, approximated or added.
+    pub notes: Vec<ImportNote>,
     folder: PathBuf,
 }
 
@@ -32,24 +37,26 @@ impl SceneFile {
     /// # Errors
     /// [`SceneReadError`].
     pub fn read(path: &Path) -> Result<Self, SceneReadError> {
-        Self::read_monitored(path, &(), MemoryLimit::Unbounded)
+        Self::read_with_options(path, &(), &ImportOptions::default())
     }
 
-    /// Reads the file at `path` by the importer of its extension; refuses a scene that would exceed
-    /// `memory`. `monitor` receives the paths of other files that the importer opens.
+    /// Reads the file at `path` by the importer of its extension, or of `options.format`.
+    ///
+    /// Refuses a scene that would exceed the memory of `options`. `monitor` receives the paths of
+    /// other files that the importer opens.
     ///
     /// # Errors
     /// [`SceneReadError`].
-    pub fn read_monitored(
+    pub fn read_with_options(
         path: &Path,
         monitor: &dyn MeshReadMonitor,
-        memory: MemoryLimit,
+        options: &ImportOptions,
     ) -> Result<Self, SceneReadError> {
-        let extension = lowercase_extension(path);
+        let extension = options.format.clone().unwrap_or_else(|| lowercase_extension(path));
         let importer = IMPORTERS.iter().copied().find(|importer| importer.extensions().contains(&&*extension));
-        let ImportedScene { description, source, assets } =
-            importer.unwrap_or(&SceneTextImporter).import(path, monitor, memory)?;
-        Ok(Self { description, source, assets, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
+        let ImportedScene { description, source, assets, notes } =
+            importer.unwrap_or(&SceneTextImporter).import(path, monitor, options)?;
+        Ok(Self { description, source, assets, notes, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
     }
 
     /// Builds the scene. Files that it names are looked up in its folder, then in the parent
@@ -72,10 +79,17 @@ impl SceneFile {
 
     /// Returns warnings about unused textures and materials, and about defective dielectric meshes.
     ///
-    /// Each warning is one line. The files of dielectric meshes are read again.
+    /// Each warning is one line. The files of dielectric meshes are read again. The messages of the
+    /// importer are not included.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         warnings::scene_warnings(&self.description, &self.source, &self.folder, &self.assets)
+    }
+
+    /// Returns the messages of the importer as warnings, one line each.
+    #[must_use]
+    pub fn import_warnings(&self) -> Vec<String> {
+        self.notes.iter().map(|note| self.source.warning_at_span(Span::default(), &note.message)).collect()
     }
 
     /// Returns warnings about unused textures and materials, one line each. Reads no file.

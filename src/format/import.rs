@@ -20,7 +20,7 @@ pub trait SceneImporter: Sync {
     /// Returns the file extensions of the format, in lower case and without the dot.
     fn extensions(&self) -> &'static [&'static str];
 
-    /// Reads the file at `path`; refuses it if the scene would exceed `memory`.
+    /// Reads the file at `path`; refuses it if the scene would exceed the memory of `options`.
     ///
     /// An importer that opens further files, such as buffers or included scenes, reports each to
     /// [`MeshReadMonitor::on_input_file_found`] before it reads the file. The program then refuses
@@ -32,8 +32,30 @@ pub trait SceneImporter: Sync {
         &self,
         path: &Path,
         monitor: &dyn MeshReadMonitor,
-        memory: MemoryLimit,
+        options: &ImportOptions,
     ) -> Result<ImportedScene, SceneReadError>;
+}
+
+/// Settings of reading a scene file.
+#[derive(Clone, Debug, Default)]
+pub struct ImportOptions {
+    /// Limit of the memory that the scene may take.
+    pub memory: MemoryLimit,
+    /// File extension that selects the importer, in lower case and without the dot; `None` for the
+    /// extension of the file itself.
+    pub format: Option<String>,
+    /// True if a file of a foreign format may name files outside its own folder.
+    pub allows_outside_files: bool,
+}
+
+/// Message of an importer about the content of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ImportNote {
+    /// The message: what was found, how often, and what was done.
+    pub message: String,
+    /// True if the file asks for something that is ignored or approximated. False if the file
+    /// leaves something out, such as a camera.
+    pub is_unsupported: bool,
 }
 
 /// A scene that an importer read from a file.
@@ -45,6 +67,8 @@ pub struct ImportedScene {
     pub source: SourceText,
     /// Meshes and pictures that the file itself holds.
     pub assets: EmbeddedAssets,
+    /// Messages about content that was ignored, approximated or added.
+    pub notes: Vec<ImportNote>,
 }
 
 /// Meshes and pictures that a scene file itself contains, with the paths by which its description

@@ -1,13 +1,13 @@
 //! The importer of files in the scene language.
 
 use super::import::{
-    EmbeddedAssets, ImportedScene, SceneImporter, SceneReadError, lowercase_extension, remedy_for_foreign_scene,
+    EmbeddedAssets, ImportOptions, ImportedScene, SceneImporter, SceneReadError, lowercase_extension,
+    remedy_for_foreign_scene,
 };
 use super::language::parse_scene_bytes;
 use super::mesh::MeshReadMonitor;
 use super::{SceneError, SourceText};
 use crate::image::open_file;
-use crate::stats::MemoryLimit;
 use std::io::Read;
 use std::path::Path;
 
@@ -32,24 +32,26 @@ impl SceneImporter for SceneTextImporter {
         &self,
         path: &Path,
         _monitor: &dyn MeshReadMonitor,
-        memory: MemoryLimit,
+        options: &ImportOptions,
     ) -> Result<ImportedScene, SceneReadError> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (mut file, length) = open_file(path).map_err(unreadable)?;
         let name = path.display().to_string();
         let extension = lowercase_extension(path);
-        if let Some(help) = remedy_for_foreign_scene(&extension) {
+        if options.format.is_none()
+            && let Some(help) = remedy_for_foreign_scene(&extension)
+        {
             let message = format!("`.{extension}` is no scene format that is read");
             return Err(SceneError::error_without_position(&name, message, help).into());
         }
         let needed = MEMORY_PER_TEXT_BYTE * length;
-        if let Some(free) = memory.available_bytes().filter(|free| needed > *free) {
+        if let Some(free) = options.memory.available_bytes().filter(|free| needed > *free) {
             return Err(SceneReadError::Memory { path: path.to_owned(), needed, free });
         }
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(unreadable)?;
         let description = parse_scene_bytes(&name, &bytes)?;
         let source = SourceText::new(&name, &String::from_utf8_lossy(&bytes));
-        Ok(ImportedScene { description, source, assets: EmbeddedAssets::default() })
+        Ok(ImportedScene { description, source, assets: EmbeddedAssets::default(), notes: Vec::new() })
     }
 }

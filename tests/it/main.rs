@@ -7,6 +7,7 @@ mod agreement;
 mod analytic;
 mod cli;
 mod course;
+mod gltf;
 mod golden;
 mod plan;
 mod report;

@@ -10,6 +10,7 @@ use crate::format::description::{
 use crate::image::{self, Image, PixelMeaning};
 use crate::math::Transform;
 use crate::scene::{MaterialParameter, NormalPerturbation};
+use crate::stats::format_bytes;
 use crate::texture::{self, Checkerboard, Picture, SolidPattern, SolidTexture, Texture};
 use glam::DVec3;
 use std::ops::RangeInclusive;
@@ -37,6 +38,9 @@ pub(super) struct TextureRequirements {
     /// True if a texture is looked up by texture coordinates.
     pub needs_texcoords: bool,
 }
+
+/// Bytes of memory for each pixel while an embedded picture becomes a texture: copy and pyramid.
+const EMBEDDED_BYTES_PER_PIXEL: u64 = 28;
 
 /// Allowed texture values of parameters without an upper bound, such as radiance.
 pub(super) const ANY_TEXTURE_VALUE: RangeInclusive<f32> = 0.0..=f32::MAX;
@@ -111,6 +115,12 @@ impl<'a> Resolver<'a> {
     /// Returns the embedded picture with this path, or else reads the picture file.
     pub(super) fn read_picture(&self, path: &Spanned<String>, content: PixelMeaning) -> Result<Image, SceneError> {
         if let Some(picture) = self.assets.pictures.get(path.as_str()) {
+            let needed = EMBEDDED_BYTES_PER_PIXEL * picture.pixels().len() as u64;
+            if let Some(free) = self.memory.available_bytes().filter(|free| needed > *free) {
+                let (needed, free) = (format_bytes(needed), format_bytes(free));
+                let message = format!("a picture takes {needed} of memory, and {free} are free");
+                return Err(self.file_or_memory_error(path, &message, true, ""));
+            }
             return Ok((**picture).clone());
         }
         let file = self.find_file("picture", path)?;

@@ -29,8 +29,8 @@ fn check_reports_all_errors_or_warnings() {
     render.expect(0, &["warning: the camera sees no object"]);
     let quiet = sandbox.render("blind.txt", "-o a.png --passes 1 --quiet");
     assert!(!quiet.stderr.contains("camera"), "{}", quiet.stderr);
-    sandbox.put("scene.glb", "glTF");
-    sandbox.run(&["check", "scene.glb"]).expect(1, &["`.glb` is no scene format", "export the meshes as OBJ or PLY"]);
+    sandbox.put("scene.fbx", "Kaydara");
+    sandbox.run(&["check", "scene.fbx"]).expect(1, &["`.fbx` is no scene format", "export the meshes as OBJ or PLY"]);
 }
 
 #[test]
@@ -49,4 +49,51 @@ fn convert_refuses_to_overwrite_files() {
     sandbox.put("corner.txt", format!("{camera} Group {{ TriangleMesh {{ file corner.obj }} }}"));
     sandbox.run(&["convert", "corner.txt", "corner.obj", "--force"]).expect(2, &["are the same file"]);
     assert_eq!(sandbox.bytes("corner.obj"), mesh.as_bytes());
+}
+
+#[test]
+fn gltf_scenes_are_read_by_every_command() {
+    let sandbox = CliSandbox::new();
+    let text = std::fs::read_to_string(crate::support::project_path("tests/data/gltf/cell.gltf")).unwrap();
+    sandbox.put("cell.gltf", &text);
+    sandbox.run(&["check", "cell.gltf", "--strict"]).expect(0, &[]);
+    sandbox.run(&["plan", "cell.gltf", "--size", "8x8"]).expect(0, &[]);
+    sandbox.put("cell.dat", &text);
+    sandbox.run(&["check", "cell.dat"]).expect(1, &[]);
+    sandbox.run(&["check", "cell.dat", "--format", "gltf"]).expect(0, &[]);
+    sandbox.run(&["check", "cell.gltf", "--format", "pbrt"]).expect(2, &["write one of txt, caustica, gltf, glb"]);
+    // One warning for each kind; --strict makes it an error.
+    sandbox.put(
+        "sheen.gltf",
+        text.replacen("\"doubleSided\": true,", "\"alphaMode\": \"OPAQUE\",", 1).replacen(
+            "\"KHR_materials_specular\": {",
+            "\"KHR_materials_sheen\": {}, \"KHR_materials_specular\": {",
+            1,
+        ),
+    );
+    let check = sandbox.run(&["check", "sheen.gltf"]);
+    check.expect(0, &[]);
+    assert!(check.stdout.contains("sheen.gltf: warning: sheen is ignored (1×: material `floor`)"), "{}", check.stdout);
+    sandbox.run(&["plan", "sheen.gltf"]).expect(0, &["warning: sheen is ignored"]);
+    sandbox.run(&["check", "sheen.gltf", "--strict"]).expect(1, &["sheen is ignored", "without --strict"]);
+    sandbox.run(&["convert", "sheen.gltf", "-o", "text.txt", "--strict"]).expect(1, &["sheen is ignored"]);
+    sandbox.run(&["convert", "sheen.gltf", "-o", "text.txt"]).expect(0, &["warning: sheen is ignored"]);
+    sandbox.run(&["check", "text.txt"]).expect(0, &[]);
+    for name in ["text-mesh0.ply", "text-mesh2.ply"] {
+        assert!(sandbox.names().iter().any(|n| n == name), "{:?}", sandbox.names());
+    }
+}
+
+#[test]
+fn files_of_gltf_scenes_are_inputs() {
+    let sandbox = CliSandbox::new();
+    let text = std::fs::read_to_string(crate::support::project_path("tests/data/gltf/cell.gltf")).unwrap();
+    let start = text.find("data:application").unwrap();
+    let end = start + text[start..].find('"').unwrap();
+    sandbox.put("cell.gltf", format!("{}missing.bin{}", &text[..start], &text[end..]));
+    sandbox.run(&["check", "cell.gltf"]).expect(1, &["buffers[0]: the file `missing.bin` does not exist"]);
+    sandbox.put("taken.png", vec![0; 1000]);
+    sandbox.put("cell.gltf", format!("{}taken.png{}", &text[..start], &text[end..]));
+    let render = sandbox.render("cell.gltf", "-o taken.png");
+    render.expect(2, &["are the same file"]);
 }

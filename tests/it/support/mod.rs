@@ -27,7 +27,22 @@ pub fn project_path(name: &str) -> PathBuf {
 /// absent, the test fails, unless `CAUSTICA_SKIP_MISSING` is set: then it prints a line and
 /// returns `None`.
 pub fn course_data_folder(subfolder: &str) -> Option<PathBuf> {
-    let root = std::env::var_os("CAUSTICA_COURSE").map_or_else(|| project_path("../shared/course"), PathBuf::from);
+    shared_data_folder("CAUSTICA_COURSE", "../shared/course", subfolder)
+}
+
+/// Returns a subfolder of scenes by other people, which are not distributed with the program.
+///
+/// `CAUSTICA_WORLD` names the data's folder; it is the folder `world` beside that of the course by
+/// default. [`course_data_folder`] says what happens if the data is absent.
+pub fn world_data_folder(subfolder: &str) -> Option<PathBuf> {
+    let beside = std::env::var_os("CAUSTICA_COURSE").map(|course| PathBuf::from(course).join("../world"));
+    let default = beside.unwrap_or_else(|| PathBuf::from("../shared/world"));
+    shared_data_folder("CAUSTICA_WORLD", default, subfolder)
+}
+
+/// Returns a subfolder of the data that an environment variable names.
+fn shared_data_folder(variable: &str, default: impl AsRef<Path>, subfolder: &str) -> Option<PathBuf> {
+    let root = std::env::var_os(variable).map_or_else(|| project_path("").join(default), PathBuf::from);
     let folder = root.join(subfolder);
     if folder.is_dir() {
         return Some(folder);
@@ -35,7 +50,7 @@ pub fn course_data_folder(subfolder: &str) -> Option<PathBuf> {
     let skip = std::env::var_os("CAUSTICA_SKIP_MISSING").is_some();
     assert!(
         skip,
-        "{} is absent: name the course's data by CAUSTICA_COURSE, or set CAUSTICA_SKIP_MISSING=1 to skip its tests",
+        "{} is absent: name the data's folder by {variable}, or set CAUSTICA_SKIP_MISSING=1 to skip its tests",
         folder.display()
     );
     eprintln!("SKIPPED: {} is absent", folder.display());

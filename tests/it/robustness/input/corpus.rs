@@ -7,12 +7,13 @@ use std::fs;
 type Replay = fn(&[u8]);
 
 /// Folders of `tests/corpus`, each with the function of its fuzz target.
-const KINDS: [(&str, Replay); 7] = [
+const KINDS: [(&str, Replay); 8] = [
     ("scene", readers::scene),
     ("render", readers::render),
     ("obj", readers::obj),
     ("ply", readers::ply),
     ("mtl", readers::mtl),
+    ("gltf", readers::gltf),
     ("grid", readers::grid),
     ("picture", readers::picture),
 ];

@@ -3,11 +3,12 @@
 //! Fuzz targets and the corpus replay share these functions.
 
 use caustica::format::description::{DensityDescription, SceneDescription};
-use caustica::format::{SourceText, grid, mesh, mtl, parse, parse_scene_bytes, resolve};
+use caustica::format::{ImportOptions, SourceText, gltf, grid, mesh, mtl, parse, parse_scene_bytes, resolve};
 use caustica::image::{PixelMeaning, decode};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
 use caustica::light::EnvironmentLight;
 use caustica::scene::Scene;
+use caustica::stats::MemoryLimit;
 use caustica::texture::{Picture, WrapMode};
 use glam::Vec3;
 use std::path::Path;
@@ -111,6 +112,24 @@ pub fn grid(bytes: &[u8]) {
     match grid::decode(Path::new("fuzz.grid"), bytes.len() as u64, bytes, FREE) {
         Ok(grid) => assert!(grid.values.iter().all(|v| v.is_finite() && *v >= 0.0)),
         Err(error) => assert!(error.to_string().contains("fuzz.grid"), "{error}"),
+    }
+}
+
+/// Reads a glTF file and checks that its description prints and parses back equal.
+pub fn gltf(bytes: &[u8]) {
+    let path = Path::new(NOWHERE).join("fuzz.gltf");
+    let options = ImportOptions { memory: MemoryLimit::Limit(1 << 31), ..ImportOptions::default() };
+    match gltf::decode(&path, bytes, &options) {
+        Ok(scene) => {
+            let printed = scene.description.to_string();
+            let again = parse("printed.txt", &printed).unwrap_or_else(|e| panic!("{e}\n{printed}"));
+            assert!(again == scene.description, "{printed}");
+            for mesh in scene.assets.meshes.values() {
+                assert!(mesh.triangles.iter().flatten().all(|v| (*v as usize) < mesh.positions.len()));
+                assert!(mesh.positions.iter().all(|p| p.is_finite()));
+            }
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
     }
 }
 

@@ -1,0 +1,125 @@
+//! Errors, memory checks and further files of one glTF file.
+
+use crate::format::import::{ImportOptions, SceneReadError};
+use crate::format::mesh::MeshReadMonitor;
+use crate::format::{SceneError, SourceText};
+use crate::image::open_file;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use std::borrow::Cow;
+use std::fmt::Display;
+use std::io::Read;
+use std::path::Path;
+
+pub(super) type ReadResult<T> = Result<T, SceneReadError>;
+
+const REMEDY: &str = "export the file again, or repair it: a glTF validator lists all its defects";
+
+/// The glTF file that is being read, with the options of reading it.
+pub(super) struct FileContext<'a> {
+    /// Path of the glTF file.
+    pub path: &'a Path,
+    /// Receiver of the paths of further files.
+    pub monitor: &'a dyn MeshReadMonitor,
+    /// Memory limit, and permission to leave the folder.
+    pub options: &'a ImportOptions,
+}
+
+impl FileContext<'_> {
+    /// Returns the name of the file without text, because spans do not refer to it.
+    pub fn source(&self) -> SourceText {
+        SourceText::new(&self.path.display().to_string(), "")
+    }
+
+    /// Returns an error at `place`, such as `accessors[3]`.
+    pub fn error(&self, place: impl Display, message: impl Display) -> SceneReadError {
+        self.error_with_help(place, message, REMEDY)
+    }
+
+    /// Returns an error at `place` with its own remedy.
+    pub fn error_with_help(&self, place: impl Display, message: impl Display, help: &str) -> SceneReadError {
+        let name = self.path.display().to_string();
+        SceneError::error_without_position(&name, format!("{place}: {message}"), help).into()
+    }
+
+    /// Returns the bytes of memory that may still be allocated; `None` if no limit is known.
+    pub fn free_memory(&self) -> Option<u64> {
+        self.options.memory.available_bytes()
+    }
+
+    /// Returns an error if `needed` bytes do not fit into the free memory.
+    pub fn check_memory(&self, needed: u64) -> ReadResult<()> {
+        match self.free_memory() {
+            Some(free) if needed > free => Err(SceneReadError::Memory { path: self.path.to_owned(), needed, free }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Reads a whole file that the user or the glTF file names.
+    pub fn read_file(&self, path: &Path) -> ReadResult<Vec<u8>> {
+        let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
+        let (file, length) = open_file(path).map_err(unreadable)?;
+        self.check_memory(length)?;
+        let mut bytes = Vec::new();
+        file.take(length).read_to_end(&mut bytes).map_err(unreadable)?;
+        Ok(bytes)
+    }
+
+    /// Returns the content of a data URI, or of a file below the folder of the glTF file.
+    pub fn read_uri(&self, place: &str, uri: &str) -> ReadResult<Vec<u8>> {
+        if let Some(data) = uri.strip_prefix("data:") {
+            let Some((_, digits)) = data.split_once(";base64,") else {
+                return Err(self.error(place, "its data URI is not encoded in base64"));
+            };
+            self.check_memory(digits.len() as u64)?;
+            return STANDARD.decode(digits).map_err(|e| self.error(place, format!("its data URI is damaged: {e}")));
+        }
+        let Some(name) = percent_decoded(uri) else {
+            return Err(self.error(place, format!("`{uri}` is not a valid URI")));
+        };
+        if name.contains("://") {
+            let help = "download it, and write the name of the file into the glTF file";
+            return Err(self.error_with_help(place, format!("`{name}` is not a local file"), help));
+        }
+        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let file = folder.join(&*name);
+        let Ok(absolute) = file.canonicalize() else {
+            let help = format!("put the file at `{}`", file.display());
+            return Err(self.error_with_help(place, format!("the file `{name}` does not exist"), &help));
+        };
+        let is_inside = folder.canonicalize().is_ok_and(|folder| absolute.starts_with(folder));
+        if !is_inside && !self.options.allows_outside_files {
+            let help = "move the file below the scene's folder, or trust the scene with --allow-outside";
+            return Err(self.error_with_help(place, format!("`{name}` is outside the folder of the scene"), help));
+        }
+        self.monitor.on_input_file_found(&file);
+        self.read_file(&file)
+    }
+}
+
+/// Decodes the `%` escapes of a URI; `None` if the result is not UTF-8 or an escape is damaged.
+fn percent_decoded(uri: &str) -> Option<Cow<'_, str>> {
+    if !uri.contains('%') {
+        return Some(uri.into());
+    }
+    let mut parts = uri.split('%');
+    let mut bytes = parts.next()?.as_bytes().to_vec();
+    for part in parts {
+        let digits = part.get(..2).filter(|digits| digits.bytes().all(|b| b.is_ascii_hexdigit()))?;
+        bytes.push(u8::from_str_radix(digits, 16).ok()?);
+        bytes.extend_from_slice(&part.as_bytes()[2..]);
+    }
+    String::from_utf8(bytes).ok().map(Cow::Owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::percent_decoded;
+
+    #[test]
+    fn escapes_of_uris_are_decoded() {
+        assert_eq!(percent_decoded("a%20b%C3%A4.bin").as_deref(), Some("a bä.bin"));
+        assert_eq!(percent_decoded("a.bin").as_deref(), Some("a.bin"));
+        assert!(["%", "%4", "%zz", "%+1", "%ff"].iter().all(|uri| percent_decoded(uri).is_none()));
+    }
+}

@@ -1,0 +1,194 @@
+//! The container and JSON of a glTF file.
+
+use super::context::{FileContext, ReadResult};
+use super::notes::ImportNotes;
+use gltf::json::validation::{Checked, Error as Defect, Validate};
+use gltf::json::{Image, Path as JsonPath, Root};
+use gltf::{Document, Semantic};
+use serde_json::Value;
+
+/// Estimated bytes of memory for each object of the JSON text, as a value and as a typed record.
+const MEMORY_PER_OBJECT: u64 = 1_200;
+
+/// Estimated bytes of memory for each element of a list, and for each field.
+const MEMORY_PER_ELEMENT: u64 = 100;
+
+/// Estimated bytes of memory for each byte of the JSON text, mostly of strings.
+const MEMORY_PER_BYTE: u64 = 4;
+
+/// Required extensions that the importer reads, beside those of the crate `gltf`.
+///
+/// Files with other required extensions are refused.
+const READ_EXTENSIONS: [&str; 7] = [
+    "EXT_mesh_gpu_instancing",
+    "KHR_materials_dispersion",
+    "KHR_materials_specular",
+    "KHR_materials_variants",
+    "KHR_materials_volume",
+    "KHR_mesh_quantization",
+    "KHR_texture_basisu",
+];
+
+/// Extensions that change only the look of a material, or animate. Each is ignored with a message.
+const IGNORED_EXTENSIONS: [&str; 7] = [
+    "KHR_animation_pointer",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_iridescence",
+    "KHR_materials_sheen",
+    "KHR_xmp_json_ld",
+];
+
+/// Greatest number of defects of the JSON that one error names.
+const NAMED_DEFECTS: usize = 3;
+
+/// A glTF document whose indices are valid, and the binary chunk of a `.glb` file.
+pub(super) struct GltfFile {
+    /// The validated document.
+    pub document: Document,
+    /// The binary chunk, which is the content of the first buffer without a URI.
+    pub blob: Option<Vec<u8>>,
+}
+
+/// Parses the bytes of a `.gltf` or `.glb` file, whichever it is.
+pub(super) fn parse_document(context: &FileContext<'_>, bytes: &[u8], notes: &mut ImportNotes) -> ReadResult<GltfFile> {
+    let (json, blob) = if bytes.starts_with(b"glTF") { split_container(context, bytes)? } else { (bytes, None) };
+    let count = |wanted: u8| json.iter().filter(|byte| **byte == wanted).count() as u64;
+    context.check_memory(
+        count(b'{') * MEMORY_PER_OBJECT + count(b',') * MEMORY_PER_ELEMENT + json.len() as u64 * MEMORY_PER_BYTE,
+    )?;
+    let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+    let mut value: Value = serde_json::from_slice(json).map_err(|e| context.error("JSON", e))?;
+    take_required_extensions(context, &mut value, notes)?;
+    remove_animations_and_add_nodes(&mut value, notes);
+    let root: Root = serde_json::from_value(value).map_err(|e| context.error("JSON", e))?;
+    if !root.asset.version.starts_with("2.") {
+        let help = "export it as glTF 2.0";
+        return Err(context.error_with_help("asset", format!("glTF {} is not read", root.asset.version), help));
+    }
+    check_defects(context, &root)?;
+    if let Some(i) = root.images.iter().position(|image| !has_source(image)) {
+        return Err(context.error(format!("images[{i}]"), "it has no URI, and no buffer view with a MIME type"));
+    }
+    Ok(GltfFile { document: Document::from_json_without_validation(root), blob })
+}
+
+/// Splits a `.glb` file into JSON text and binary chunk.
+fn split_container<'b>(context: &FileContext<'_>, bytes: &'b [u8]) -> ReadResult<(&'b [u8], Option<Vec<u8>>)> {
+    let number = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let chunk = |at: usize| -> Option<(u32, &[u8])> {
+        let (length, kind) = (number(at)? as usize, number(at + 4)?);
+        Some((kind, bytes.get(at + 8..(at + 8).checked_add(length)?)?))
+    };
+    match number(4) {
+        Some(2) => {}
+        Some(version) => {
+            let message = format!("version {version} of the container is not read");
+            return Err(context.error_with_help("header", message, "export it as glTF 2.0"));
+        }
+        None => return Err(context.error("header", "the file ends in it")),
+    }
+    let Some((0x4e4f_534a, json)) = chunk(12) else {
+        return Err(context.error("first chunk", "it is no JSON, or the file ends in it"));
+    };
+    let second = 12 + 8 + json.len().next_multiple_of(4);
+    let blob = match chunk(second) {
+        Some((0x004e_4942, binary)) => {
+            context.check_memory(binary.len() as u64)?;
+            Some(binary.to_vec())
+        }
+        Some(_) => None,
+        None if bytes.len() <= second => None,
+        None => return Err(context.error("second chunk", "the file ends in it")),
+    };
+    Ok((json, blob))
+}
+
+/// Empties the list of required extensions, which the crate `gltf` would refuse in part.
+///
+/// Returns an error if the importer does not read one of them.
+fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: &mut ImportNotes) -> ReadResult<()> {
+    let Some(Value::Array(required)) = root.as_object_mut().and_then(|root| root.remove("extensionsRequired")) else {
+        return Ok(());
+    };
+    for (i, extension) in required.iter().enumerate() {
+        let name = extension.as_str().unwrap_or("?");
+        let is_read = READ_EXTENSIONS.contains(&name) || gltf::json::extensions::ENABLED_EXTENSIONS.contains(&name);
+        if IGNORED_EXTENSIONS.contains(&name) {
+            notes.add_unsupported("required extensions are ignored", name);
+        } else if !is_read {
+            let message = format!("the required extension `{name}` is not read");
+            let help = "export the file without this extension, for example without compression";
+            return Err(context.error_with_help(format!("extensionsRequired[{i}]"), message, help));
+        }
+    }
+    Ok(())
+}
+
+/// Removes animations, which the crate `gltf` refuses in part, and adds missing lists of nodes.
+fn remove_animations_and_add_nodes(root: &mut Value, notes: &mut ImportNotes) {
+    let Some(root) = root.as_object_mut() else { return };
+    if let Some(animations) = root.remove("animations") {
+        for i in 0..animations.as_array().map_or(0, Vec::len) {
+            notes.add_unsupported("animations are ignored: nodes have their rest pose", format!("animations[{i}]"));
+        }
+    }
+    for scene in root.get_mut("scenes").and_then(Value::as_array_mut).into_iter().flatten() {
+        if let Some(scene) = scene.as_object_mut() {
+            scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+        }
+    }
+}
+
+/// Returns an error that names the first defects of the document, such as indices out of range.
+fn check_defects(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
+    check_positions(context, root)?;
+    let mut defects = Vec::new();
+    let mut count = 0;
+    root.validate(root, JsonPath::new, &mut |path: &dyn Fn() -> JsonPath, defect: Defect| {
+        count += 1;
+        if defects.len() < NAMED_DEFECTS {
+            defects.push((path(), defect));
+        }
+    });
+    let Some((first, _)) = defects.first() else { return Ok(()) };
+    let described = |(path, defect): &(JsonPath, Defect)| format!("{path} is {}", defect_text(*defect));
+    let mut message = described(&defects[0]);
+    for defect in &defects[1..] {
+        message += &format!("; {}", described(defect));
+    }
+    if count > defects.len() {
+        message += &format!("; and {} more", count - defects.len());
+    }
+    Err(context.error(first, message))
+}
+
+/// Returns an error if the accessor of positions does not exist, on which validation would panic.
+fn check_positions(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
+    for (i, mesh) in root.meshes.iter().enumerate() {
+        for (k, primitive) in mesh.primitives.iter().enumerate() {
+            let positions = primitive.attributes.get(&Checked::Valid(Semantic::Positions));
+            if positions.is_some_and(|index| index.value() >= root.accessors.len()) {
+                let place = format!("meshes[{i}].primitives[{k}].attributes.POSITION");
+                return Err(context.error(place, "it is an index out of range"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// True if the crate `gltf` can return the source of an image without a panic.
+fn has_source(image: &Image) -> bool {
+    if image.buffer_view.is_some() { image.mime_type.is_some() } else { image.uri.is_some() }
+}
+
+fn defect_text(defect: Defect) -> &'static str {
+    match defect {
+        Defect::IndexOutOfBounds => "an index out of range",
+        Defect::Invalid => "an invalid value",
+        Defect::Missing => "missing",
+        Defect::Oversize => "too large",
+        Defect::Unsupported => "not supported",
+    }
+}

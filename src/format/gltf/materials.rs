@@ -1,0 +1,540 @@
+//! Materials of a glTF file as materials of the scene language.
+
+use super::context::{FileContext, ReadResult};
+use super::notes::ImportNotes;
+use super::pictures::{Pictures, TextureReference, TextureUse, TextureValues};
+use crate::format::description::{
+    DielectricAbsorption, EmissionDescription, GroupItem, MaterialDescription, MaterialKindDescription,
+    MetalDescription, NormalPerturbationDescription, ObjectGroup, RefractiveIndexDescription, Span, Spanned,
+    TexturedValue,
+};
+use glam::{DVec3, DVec4};
+use gltf::material::AlphaMode;
+use std::collections::{HashMap, HashSet};
+
+/// Extensions of materials that are ignored, with the message of each.
+const IGNORED_EXTENSIONS: [(&str, &str); 6] = [
+    ("KHR_materials_anisotropy", "anisotropy is ignored: highlights are round"),
+    ("KHR_materials_clearcoat", "clear coats are ignored"),
+    ("KHR_materials_diffuse_transmission", "diffuse transmission is ignored"),
+    ("KHR_materials_iridescence", "iridescence is ignored"),
+    ("KHR_materials_sheen", "sheen is ignored"),
+    ("KHR_materials_subsurface", "subsurface scattering is ignored"),
+];
+
+/// Least GGX α of a Phong lobe. The lobe of a smaller one is narrower than a degree.
+const MIN_PHONG_ALPHA: f64 = 0.01;
+
+/// Greatest reflectance of a conductor at normal incidence: its index is infinite for 1.
+const MAX_METAL_REFLECTANCE: f64 = 0.999_9;
+
+/// Least transmittance of glass, which may not be opaque.
+const MIN_TRANSMITTANCE: f64 = 1e-6;
+
+/// Least distance of attenuation. With the least transmittance, absorption stays below 10¹².
+const MIN_ATTENUATION_DISTANCE: f64 = 1e-10;
+
+/// Least Abbe number, and greatest index of refraction, of a body with dispersion.
+///
+/// Within both limits, the index stays above 0 from 380 to 720 nm.
+const MIN_ABBE_NUMBER: f64 = 2.0;
+const MAX_DISPERSIVE_INDEX: f64 = 3.0;
+
+/// A material of the scene language, as the objects with a material of the file use it.
+#[derive(Clone, Debug)]
+pub(super) struct ImportedMaterial {
+    /// Name in the description.
+    pub name: String,
+    /// Number of the texture coordinates that its textures use; `None` if it has no textures.
+    pub set: Option<u32>,
+    /// True if the surface is fully transparent.
+    pub is_invisible: bool,
+    /// True if the surface emits light.
+    pub emits: bool,
+}
+
+/// The materials that objects use so far.
+pub(super) struct Materials<'a> {
+    /// Pictures and textures of the materials.
+    pub pictures: Pictures<'a>,
+    /// Materials of the description.
+    pub descriptions: Vec<Spanned<MaterialDescription>>,
+    names: HashSet<String>,
+    clear: Option<String>,
+    used: HashMap<(Option<usize>, [u64; 4]), ImportedMaterial>,
+}
+
+/// Parameters of the metallic-roughness model that are the same for each part of a material.
+struct Surface<'a> {
+    /// Base color without its texture.
+    base: DVec3,
+    base_texture: Option<TextureReference<'a>>,
+    /// Reflectance of the dielectric part at normal incidence.
+    f0: DVec3,
+    /// GGX α, and its mean.
+    alpha: (TexturedValue<f64>, f64),
+}
+
+/// A material of the file that is being converted.
+struct Conversion<'m, 'a> {
+    materials: &'m mut Materials<'a>,
+    notes: &'m mut ImportNotes,
+    context: &'m FileContext<'a>,
+    /// Name in the description, which messages give as the place.
+    name: String,
+    /// Number of the texture coordinates of the first texture.
+    set: Option<u32>,
+    normal: Option<NormalPerturbationDescription>,
+}
+
+impl<'a> Materials<'a> {
+    /// Returns the materials of a file, of which none is used yet.
+    pub fn new(pictures: Pictures<'a>) -> Self {
+        let (names, used) = (HashSet::new(), HashMap::new());
+        Self { pictures, descriptions: Vec::new(), names, clear: None, used }
+    }
+
+    /// Returns the scene's material for `material` of the file, and adds it when it is first used.
+    ///
+    /// `vertex_color` multiplies the base color.
+    pub fn convert(
+        &mut self,
+        context: &FileContext<'a>,
+        material: &gltf::Material<'_>,
+        vertex_color: Option<DVec4>,
+        notes: &mut ImportNotes,
+    ) -> ReadResult<ImportedMaterial> {
+        let vertex_color = vertex_color.unwrap_or(DVec4::ONE);
+        let key = (material.index(), vertex_color.to_array().map(f64::to_bits));
+        if let Some(known) = self.used.get(&key) {
+            return Ok(known.clone());
+        }
+        let number = material.index().map_or_else(|| "default".to_owned(), |i| format!("material {i}"));
+        let name = self.unique_name(material.name().unwrap_or(&number));
+        let mut conversion = Conversion { materials: self, notes, context, name, set: None, normal: None };
+        let imported = conversion.convert(material, vertex_color)?;
+        self.used.insert(key, imported.clone());
+        Ok(imported)
+    }
+
+    /// Returns a name that no other material has, without control characters.
+    fn unique_name(&mut self, wanted: &str) -> String {
+        let clean: String = wanted.chars().map(|c| if c.is_control() || c == '"' { ' ' } else { c }).collect();
+        let clean = clean.trim();
+        let base = if clean.is_empty() { "material" } else { clean };
+        let numbered = (2..).map(|i| format!("{base} {i}"));
+        let mut candidates = std::iter::once(base.to_owned()).chain(numbered);
+        let name = candidates.find(|name| !self.names.contains(name)).unwrap_or_default();
+        self.names.insert(name.clone());
+        name
+    }
+
+    /// Removes materials that neither objects nor mixes use, then textures and pictures that no
+    /// material uses.
+    pub fn remove_unused(&mut self, objects: &ObjectGroup) {
+        let named = |item: &GroupItem| match item {
+            GroupItem::MaterialName(name) => Some(name.value.clone()),
+            GroupItem::MaterialIndex(_) | GroupItem::Object(_) => None,
+        };
+        let mut used: HashSet<String> = objects.items.iter().filter_map(named).collect();
+        // The parts of a mix stand before it.
+        for material in self.descriptions.iter().rev() {
+            if material.name.as_ref().is_some_and(|name| used.contains(name)) {
+                used.extend(material.kind.mix_material_names().into_iter().flatten().map(|part| part.value.clone()));
+            }
+        }
+        self.descriptions.retain(|material| material.name.as_ref().is_some_and(|name| used.contains(name)));
+        let textures: HashSet<String> =
+            self.descriptions.iter().flat_map(|m| m.texture_names()).map(|name| name.value.clone()).collect();
+        self.pictures.keep_textures(&textures);
+    }
+
+    fn push(
+        &mut self,
+        name: String,
+        kind: MaterialKindDescription,
+        emission: Option<EmissionDescription>,
+        normal_perturbation: Option<NormalPerturbationDescription>,
+    ) {
+        let material = MaterialDescription { name: Some(name), kind, emission, normal_perturbation, medium: None };
+        self.descriptions.push(Spanned::new(material, Span::default()));
+    }
+
+    /// Returns the name of a material that lets all light pass.
+    fn clear_material(&mut self) -> String {
+        if let Some(name) = &self.clear {
+            return name.clone();
+        }
+        let name = self.unique_name("clear");
+        let kind = MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() };
+        self.push(name.clone(), kind, None, None);
+        self.clear = Some(name.clone());
+        name
+    }
+}
+
+impl Conversion<'_, '_> {
+    fn convert(&mut self, material: &gltf::Material<'_>, vertex_color: DVec4) -> ReadResult<ImportedMaterial> {
+        for (extension, message) in IGNORED_EXTENSIONS {
+            if material.extension_value(extension).is_some() {
+                self.note(message);
+            }
+        }
+        let pbr = material.pbr_metallic_roughness();
+        let glossy = material.pbr_specular_glossiness();
+        let (factor, texture) = match &glossy {
+            Some(glossy) => (glossy.diffuse_factor(), glossy.diffuse_texture()),
+            None => (pbr.base_color_factor(), pbr.base_color_texture()),
+        };
+        let base_texture = self.reference(texture.as_ref());
+        let factor = DVec4::from(factor.map(unit)) * vertex_color;
+        let alpha = self.opacity(material, factor.w, base_texture.as_ref())?;
+        let emission = self.emission(material, factor.truncate(), base_texture.as_ref())?;
+        let emission = emission.map(|emission| self.masked_emission(emission, &alpha));
+        let emits = emission.is_some();
+        let kind = if material.unlit() {
+            self.note("unlit surfaces emit their base color, and reflect nothing");
+            MaterialKindDescription::Diffuse { reflectance: DVec3::ZERO.into() }
+        } else {
+            self.surface(material, factor.truncate(), base_texture)?
+        };
+        let kind = match &alpha {
+            TexturedValue::Plain(alpha) if *alpha == 1.0 => kind,
+            _ => {
+                let (clear, solid) = (self.materials.clear_material(), self.add_part("solid", kind));
+                mix(clear, solid, alpha.clone())
+            }
+        };
+        let normal = if kind.mix_material_names().is_none() { self.normal.take() } else { None };
+        self.materials.push(self.name.clone(), kind, emission, normal);
+        let is_invisible = alpha == TexturedValue::Plain(0.0);
+        Ok(ImportedMaterial { name: self.name.clone(), set: self.set, is_invisible, emits })
+    }
+
+    /// Returns what reflects and transmits light.
+    fn surface<'t>(
+        &mut self,
+        material: &gltf::Material<'t>,
+        base: DVec3,
+        base_texture: Option<TextureReference<'t>>,
+    ) -> ReadResult<MaterialKindDescription> {
+        let pbr = material.pbr_metallic_roughness();
+        self.normal = self.normal_map(material)?;
+        let (metallic, alpha) = match material.pbr_specular_glossiness() {
+            Some(glossy) => {
+                if glossy.specular_glossiness_texture().is_some() {
+                    self.note("textures of specular color and glossiness are ignored");
+                }
+                let roughness = 1.0 - unit(glossy.glossiness_factor());
+                (TexturedValue::Plain(0.0), (TexturedValue::Plain(roughness * roughness), roughness * roughness))
+            }
+            None => {
+                let texture = self.reference(pbr.metallic_roughness_texture().as_ref());
+                let roughness = unit(pbr.roughness_factor());
+                let metallic = self.scalar(texture.as_ref(), TextureUse::Channel(2, unit(pbr.metallic_factor())))?;
+                let alpha = self.scalar(texture.as_ref(), TextureUse::Roughness(roughness))?;
+                (metallic.0, alpha)
+            }
+        };
+        let index = self.refractive_index(material);
+        let surface = Surface { base, base_texture, f0: self.reflectance(material, index), alpha };
+        if metallic == TexturedValue::Plain(1.0) {
+            return self.metal(&surface);
+        }
+        let dielectric = self.dielectric_with_transmission(material, &surface, index)?;
+        if metallic == TexturedValue::Plain(0.0) {
+            return Ok(dielectric);
+        }
+        let metal = self.metal(&surface)?;
+        let (first, second) = (self.add_part("dielectric", dielectric), self.add_part("metal", metal));
+        Ok(mix(first, second, metallic))
+    }
+
+    /// Returns the part of the surface that is no metal: opaque, glass, or a mix of both.
+    fn dielectric_with_transmission(
+        &mut self,
+        material: &gltf::Material<'_>,
+        surface: &Surface<'_>,
+        index: f64,
+    ) -> ReadResult<MaterialKindDescription> {
+        let Some(transmission) = material.transmission() else { return self.coated(surface) };
+        let factor = unit(transmission.transmission_factor());
+        let texture = self.reference(transmission.transmission_texture().as_ref());
+        let (amount, _) = self.scalar(texture.as_ref(), TextureUse::Channel(0, factor))?;
+        if amount == TexturedValue::Plain(0.0) {
+            return self.coated(surface);
+        }
+        let glass = self.glass(material, surface, index)?;
+        if amount == TexturedValue::Plain(1.0) {
+            return Ok(glass);
+        }
+        let coated = self.coated(surface)?;
+        let (first, second) = (self.add_part("opaque", coated), self.add_part("glass", glass));
+        Ok(mix(first, second, amount))
+    }
+
+    /// Returns a diffuse surface under a dielectric interface.
+    fn coated(&mut self, surface: &Surface<'_>) -> ReadResult<MaterialKindDescription> {
+        let Surface { base, base_texture, f0, alpha } = surface;
+        let kept = 1.0 - f0.max_element();
+        let diffuse = self.color(base_texture.as_ref(), *base * kept)?;
+        if *f0 == DVec3::ZERO {
+            return Ok(MaterialKindDescription::Diffuse { reflectance: diffuse });
+        }
+        self.note("the gloss of non-metals is a Phong lobe, which does not grow towards grazing angles");
+        let shininess = phong_exponent(alpha.1);
+        let specular = *f0 * phong_gain(shininess);
+        Ok(MaterialKindDescription::Phong { diffuse, specular: specular.into(), shininess, texture: None })
+    }
+
+    /// Returns a metal whose reflectance at normal incidence is the base color.
+    fn metal(&mut self, surface: &Surface<'_>) -> ReadResult<MaterialKindDescription> {
+        let Surface { base, base_texture, alpha, .. } = surface;
+        if let TexturedValue::Plain(color) = self.color(base_texture.as_ref(), *base)? {
+            // A conductor of index 1 + ik reflects k² / (4 + k²) at normal incidence.
+            let reflectance = color.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
+            let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
+            let metal = MetalDescription::Index { eta: DVec3::ONE, k };
+            return Ok(MaterialKindDescription::Conductor { metal, roughness: alpha.0.clone() });
+        }
+        self.note("metals with a texture of color are mirrors or Phong lobes");
+        if alpha.1 < MIN_PHONG_ALPHA {
+            return Ok(MaterialKindDescription::Mirror { reflectance: self.color(base_texture.as_ref(), *base)? });
+        }
+        let shininess = phong_exponent(alpha.1);
+        let specular = self.color(base_texture.as_ref(), *base * phong_gain(shininess))?;
+        Ok(MaterialKindDescription::Phong { diffuse: DVec3::ZERO.into(), specular, shininess, texture: None })
+    }
+
+    /// Returns a body of glass if the material has a volume, else a pane.
+    fn glass(
+        &mut self,
+        material: &gltf::Material<'_>,
+        surface: &Surface<'_>,
+        index: f64,
+    ) -> ReadResult<MaterialKindDescription> {
+        let Surface { base, base_texture, alpha, .. } = surface;
+        let Some(volume) = material.volume().filter(|volume| volume.thickness_factor() > 0.0) else {
+            if alpha.1 > 0.0 {
+                self.note("panes (transmission without volume) are smooth");
+            }
+            let transmittance = match self.color(base_texture.as_ref(), *base)? {
+                TexturedValue::Plain(color) => color.max(DVec3::splat(MIN_TRANSMITTANCE)).into(),
+                texture @ TexturedValue::Texture(_) => texture,
+            };
+            return Ok(MaterialKindDescription::Thin { index, transmittance });
+        };
+        if base_texture.is_some() || *base != DVec3::ONE {
+            self.note("the base color of bodies of glass is ignored: their color is that of their attenuation");
+        }
+        let distance = f64::from(volume.attenuation_distance());
+        let distance = if distance > 0.0 { distance.max(MIN_ATTENUATION_DISTANCE) } else { distance };
+        let color = DVec3::from(volume.attenuation_color().map(unit)).max(DVec3::splat(MIN_TRANSMITTANCE));
+        let is_clear = !(distance > 0.0 && distance.is_finite()) || color == DVec3::ONE;
+        let attenuation =
+            if is_clear { DielectricAbsorption::None } else { DielectricAbsorption::Tint { color, distance } };
+        let dispersion = material.extension_value("KHR_materials_dispersion");
+        let dispersion = dispersion.and_then(|value| value.get("dispersion")?.as_f64()).filter(|d| *d > 0.0);
+        let refraction = match dispersion.map(|dispersion| 20.0 / dispersion) {
+            Some(abbe) if abbe >= MIN_ABBE_NUMBER && index <= MAX_DISPERSIVE_INDEX => {
+                RefractiveIndexDescription::Abbe { index, abbe }
+            }
+            Some(_) => {
+                self.note("dispersion that is larger than that of any glass is ignored");
+                index.into()
+            }
+            None => index.into(),
+        };
+        Ok(MaterialKindDescription::Dielectric { refraction, attenuation, roughness: alpha.0.clone(), priority: 0 })
+    }
+
+    /// Returns the index of refraction, which is 1.5 without the extension KHR_materials_ior.
+    fn refractive_index(&mut self, material: &gltf::Material<'_>) -> f64 {
+        let index = material.ior().map_or(1.5, f64::from);
+        if (1.0..=1e3).contains(&index) {
+            return index;
+        }
+        if index != 0.0 {
+            self.note("an index of refraction below 1 or above 1000 is taken as 1.5");
+        }
+        1.5
+    }
+
+    /// Returns the reflectance of the dielectric part at normal incidence.
+    fn reflectance(&mut self, material: &gltf::Material<'_>, index: f64) -> DVec3 {
+        if let Some(glossy) = material.pbr_specular_glossiness() {
+            return glossy.specular_factor().map(unit).into();
+        }
+        let root = if material.ior() == Some(0.0) { 1.0 } else { (index - 1.0) / (index + 1.0) };
+        let Some(specular) = material.specular() else { return DVec3::splat(root * root) };
+        if specular.specular_texture().is_some() || specular.specular_color_texture().is_some() {
+            self.note("textures of specular strength and color are ignored");
+        }
+        let color = specular.specular_color_factor().map(|c| f64::from(c).clamp(0.0, 1e6));
+        (DVec3::from(color) * root * root).min(DVec3::ONE) * unit(specular.specular_factor())
+    }
+
+    /// Returns the share of light that the surface does not let pass, by the alpha mode.
+    fn opacity(
+        &mut self,
+        material: &gltf::Material<'_>,
+        factor: f64,
+        texture: Option<&TextureReference<'_>>,
+    ) -> ReadResult<TexturedValue<f64>> {
+        let wanted = match material.alpha_mode() {
+            AlphaMode::Opaque => return Ok(TexturedValue::Plain(1.0)),
+            AlphaMode::Blend => TextureUse::Channel(3, factor),
+            AlphaMode::Mask => TextureUse::AlphaMask(factor, f64::from(material.alpha_cutoff().unwrap_or(0.5))),
+        };
+        Ok(self.scalar(texture, wanted)?.0)
+    }
+
+    /// Returns the radiance of the surface; `None` if it emits nothing.
+    fn emission(
+        &mut self,
+        material: &gltf::Material<'_>,
+        base: DVec3,
+        base_texture: Option<&TextureReference<'_>>,
+    ) -> ReadResult<Option<EmissionDescription>> {
+        let strength = f64::from(material.emissive_strength().unwrap_or(1.0)).max(0.0);
+        if !strength.is_finite() {
+            return Err(self.context.error(&self.name, "its emissive strength is not finite"));
+        }
+        let own = self.reference(material.emissive_texture().as_ref());
+        let (factor, texture, scale) = if material.unlit() {
+            (base, base_texture, 1.0)
+        } else {
+            (material.emissive_factor().map(unit).into(), own.as_ref(), strength)
+        };
+        if factor * scale == DVec3::ZERO {
+            return Ok(None);
+        }
+        if material.double_sided() {
+            self.note("surfaces emit light from their front only");
+        }
+        Ok(match self.color(texture, factor)? {
+            TexturedValue::Plain(color) if color == DVec3::ZERO => None,
+            TexturedValue::Plain(color) => Some(EmissionDescription::Radiance(color * scale)),
+            TexturedValue::Texture(name) => Some(EmissionDescription::Texture { name, scale }),
+        })
+    }
+
+    /// Returns the emission of a surface with alpha, of which only the opaque share emits.
+    fn masked_emission(&mut self, emission: EmissionDescription, alpha: &TexturedValue<f64>) -> EmissionDescription {
+        let alpha = match alpha {
+            TexturedValue::Plain(alpha) => *alpha,
+            TexturedValue::Texture(_) => {
+                self.note("surfaces with a texture of alpha emit light from their transparent points too");
+                1.0
+            }
+        };
+        match emission {
+            EmissionDescription::Radiance(radiance) => EmissionDescription::Radiance(radiance * alpha),
+            EmissionDescription::Texture { name, scale } => EmissionDescription::Texture { name, scale: scale * alpha },
+        }
+    }
+
+    fn normal_map(&mut self, material: &gltf::Material<'_>) -> ReadResult<Option<NormalPerturbationDescription>> {
+        let Some(normal) = material.normal_texture() else { return Ok(None) };
+        let reference = Some(TextureReference::from_normal_texture(&normal)).filter(TextureReference::is_valid);
+        let scale = f64::from(normal.scale());
+        let values =
+            self.values(reference.as_ref(), TextureUse::Normal(if scale.is_finite() { scale } else { 1.0 }))?;
+        Ok(match values {
+            Some(TextureValues::Texture(name, _)) => Some(NormalPerturbationDescription::NormalMap(name)),
+            Some(TextureValues::Constant(_)) | None => None,
+        })
+    }
+
+    /// Returns the reference of a material to a texture; `None` if its transform is not valid.
+    fn reference<'t>(&mut self, info: Option<&gltf::texture::Info<'t>>) -> Option<TextureReference<'t>> {
+        let reference = TextureReference::from_info(info?);
+        if reference.is_valid() {
+            return Some(reference);
+        }
+        self.note("textures that are scaled to nothing are left out");
+        None
+    }
+
+    /// Returns the color of a surface: `factor` times the texture, if there is one.
+    fn color(&mut self, texture: Option<&TextureReference<'_>>, factor: DVec3) -> ReadResult<TexturedValue<DVec3>> {
+        Ok(match self.values(texture, TextureUse::Color(factor))? {
+            Some(TextureValues::Constant(color)) => TexturedValue::Plain(color),
+            Some(TextureValues::Texture(name, _)) => TexturedValue::Texture(name),
+            None => TexturedValue::Plain(factor),
+        })
+    }
+
+    /// Returns a number from 0 to 1 with its mean. `wanted` has the factor of the texture.
+    fn scalar(
+        &mut self,
+        texture: Option<&TextureReference<'_>>,
+        wanted: TextureUse,
+    ) -> ReadResult<(TexturedValue<f64>, f64)> {
+        let alone = match wanted {
+            TextureUse::Channel(_, factor) => factor,
+            TextureUse::Roughness(factor) => factor * factor,
+            TextureUse::AlphaMask(factor, cutoff) => f64::from(factor >= cutoff),
+            TextureUse::Color(_) | TextureUse::Normal(_) => 1.0,
+        };
+        Ok(match self.values(texture, wanted)? {
+            Some(TextureValues::Constant(value)) => (TexturedValue::Plain(value.x), value.x),
+            Some(TextureValues::Texture(name, mean)) => (TexturedValue::Texture(name), mean.x),
+            None => (TexturedValue::Plain(alone), alone),
+        })
+    }
+
+    /// Returns the values of a texture; `None` without a texture that can be read.
+    ///
+    /// All textures of a material use the texture coordinates of the first. A texture with others
+    /// becomes its mean.
+    fn values(
+        &mut self,
+        texture: Option<&TextureReference<'_>>,
+        wanted: TextureUse,
+    ) -> ReadResult<Option<TextureValues>> {
+        let Some(texture) = texture else { return Ok(None) };
+        let values = self.materials.pictures.values(texture, wanted, self.notes)?;
+        if let Some(TextureValues::Texture(..)) = &values {
+            let set = *self.set.get_or_insert(texture.set);
+            if set != texture.set {
+                self.note("textures with other texture coordinates than the first one become their mean");
+                return Ok(values.map(|values| TextureValues::Constant(values.mean())));
+            }
+        }
+        Ok(values)
+    }
+
+    /// Adds a part of a mix, and returns its name.
+    fn add_part(&mut self, suffix: &str, kind: MaterialKindDescription) -> String {
+        let name = self.materials.unique_name(&format!("{} {suffix}", self.name));
+        let normal = if kind.mix_material_names().is_none() { self.normal.clone() } else { None };
+        self.materials.push(name.clone(), kind, None, normal);
+        name
+    }
+
+    fn note(&mut self, message: &str) {
+        self.notes.add_unsupported(message, format!("material `{}`", self.name));
+    }
+}
+
+fn mix(first: String, second: String, amount: TexturedValue<f64>) -> MaterialKindDescription {
+    let [first, second] = [first, second].map(|name| Spanned::new(name, Span::default()));
+    MaterialKindDescription::Mix { first, second, amount }
+}
+
+/// Returns the exponent of the Phong lobe that is about as wide as a GGX lobe of this α.
+fn phong_exponent(alpha: f64) -> f64 {
+    let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
+    2.0 / (alpha * alpha) - 2.0
+}
+
+/// Returns the coefficient of a Phong lobe that reflects all light.
+fn phong_gain(shininess: f64) -> f64 {
+    0.5 * (shininess + 2.0)
+}
+
+/// Returns a factor of the file, limited to \[0, 1].
+fn unit(factor: f32) -> f64 {
+    if factor.is_nan() { 0.0 } else { f64::from(factor).clamp(0.0, 1.0) }
+}

@@ -1,0 +1,277 @@
+//! Textures of a glTF file: decoded pictures, one channel or color of which becomes a texture.
+
+use super::accessors::Buffers;
+use super::context::{FileContext, ReadResult};
+use super::notes::ImportNotes;
+use crate::color::Rgb;
+use crate::format::description::{
+    PictureEncoding, Span, Spanned, TexcoordTransformDescription, TextureDescription, TextureKindDescription, WrapMode,
+};
+use crate::image::{Image, RgbaLevels, decode_rgba_levels};
+use glam::{DVec2, DVec3, Vec3};
+use gltf::image::Source;
+use gltf::texture::{MagFilter, WrappingMode};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// A texture that a material refers to, with its texture coordinates.
+#[derive(Clone)]
+pub(super) struct TextureReference<'a> {
+    /// The texture.
+    pub texture: gltf::Texture<'a>,
+    /// Number of the texture coordinates.
+    pub set: u32,
+    /// Transform from the texture coordinates of the scene to those of the picture.
+    pub transform: TexcoordTransformDescription,
+}
+
+/// Values that a material takes from a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum TextureUse {
+    /// Colors in sRGB, times a factor.
+    Color(DVec3),
+    /// One linear channel (0 for red to 3 for alpha), times a factor.
+    Channel(usize, f64),
+    /// GGX α from the green channel: the square of the channel times a factor.
+    Roughness(f64),
+    /// 1 where alpha times the factor reaches the cutoff, else 0.
+    AlphaMask(f64, f64),
+    /// Normals in tangent space; the factor scales x and y.
+    Normal(f64),
+}
+
+/// Values that a material takes from a picture: one value, or the name of a texture.
+#[derive(Clone, Debug)]
+pub(super) enum TextureValues {
+    /// All pixels have this value.
+    Constant(DVec3),
+    /// Name of a texture with different pixels, and their mean.
+    Texture(Spanned<String>, DVec3),
+}
+
+impl TextureValues {
+    /// Returns the mean over the picture.
+    pub fn mean(&self) -> DVec3 {
+        match self {
+            Self::Constant(mean) | Self::Texture(_, mean) => *mean,
+        }
+    }
+}
+
+/// Pictures and textures that the materials use so far.
+pub(super) struct Pictures<'a> {
+    context: &'a FileContext<'a>,
+    buffers: &'a Buffers<'a>,
+    /// Decoded pictures, by number of the image; `None` for one that is not read.
+    decoded: HashMap<usize, Option<Rc<RgbaLevels>>>,
+    /// Names of embedded pictures with their means, by number of the image and use.
+    embedded: HashMap<(usize, String), TextureValues>,
+    /// Names of textures, by picture, wrap mode and transform.
+    names: HashMap<String, Spanned<String>>,
+    /// Textures of the description.
+    pub textures: Vec<Spanned<TextureDescription>>,
+    /// Embedded pictures, by path.
+    pub pictures: BTreeMap<String, Arc<Image>>,
+}
+
+impl<'a> Pictures<'a> {
+    /// Returns the pictures of a file, of which none is decoded yet.
+    pub fn new(context: &'a FileContext<'a>, buffers: &'a Buffers<'a>) -> Self {
+        Self {
+            context,
+            buffers,
+            decoded: HashMap::new(),
+            embedded: HashMap::new(),
+            names: HashMap::new(),
+            textures: Vec::new(),
+            pictures: BTreeMap::new(),
+        }
+    }
+
+    /// Returns the values that a use of a texture has; `None` if its picture is not read.
+    pub fn values(
+        &mut self,
+        reference: &TextureReference<'_>,
+        wanted: TextureUse,
+        notes: &mut ImportNotes,
+    ) -> ReadResult<Option<TextureValues>> {
+        let Some(image) = reference.texture.source() else {
+            let place = format!("textures[{}]", reference.texture.index());
+            notes.add_unsupported("textures in other formats than PNG and JPEG are left out", place);
+            return Ok(None);
+        };
+        let key = (image.index(), format!("{wanted:?}"));
+        let values = match self.embedded.get(&key) {
+            Some(values) => values.clone(),
+            None => {
+                let Some(levels) = self.decoded_levels(image.index(), &image, notes)? else { return Ok(None) };
+                let values = self.embed(&levels, wanted)?;
+                self.embedded.insert(key, values.clone());
+                values
+            }
+        };
+        Ok(Some(match values {
+            TextureValues::Constant(_) => values,
+            TextureValues::Texture(path, mean) => TextureValues::Texture(self.texture(reference, path, notes), mean),
+        }))
+    }
+
+    /// Removes all textures but those called `names`, and pictures that no texture shows.
+    pub fn keep_textures(&mut self, names: &HashSet<String>) {
+        self.textures.retain(|texture| names.contains(&texture.name));
+        let shown = |path: &str| {
+            self.textures.iter().any(|texture| match &texture.kind {
+                TextureKindDescription::Image { path: shown, .. } => shown.value == path,
+                TextureKindDescription::Checker { .. } | TextureKindDescription::Solid { .. } => false,
+            })
+        };
+        let unused: Vec<String> = self.pictures.keys().filter(|path| !shown(path)).cloned().collect();
+        unused.iter().for_each(|path| drop(self.pictures.remove(path)));
+    }
+
+    /// Returns the name of the texture that shows the embedded picture `path` by `reference`.
+    fn texture(
+        &mut self,
+        reference: &TextureReference<'_>,
+        path: Spanned<String>,
+        notes: &mut ImportNotes,
+    ) -> Spanned<String> {
+        let sampler = reference.texture.sampler();
+        let place = format!("textures[{}]", reference.texture.index());
+        let wrap = match sampler.wrap_s() {
+            WrappingMode::Repeat => WrapMode::Repeat,
+            WrappingMode::ClampToEdge => WrapMode::Clamp,
+            WrappingMode::MirroredRepeat => WrapMode::Mirror,
+        };
+        if sampler.wrap_s() != sampler.wrap_t() {
+            notes.add_unsupported("textures wrap along v as along u", place.clone());
+        }
+        if sampler.mag_filter() == Some(MagFilter::Nearest) {
+            notes.add_unsupported("textures are interpolated instead of showing square pixels", place);
+        }
+        let coordinates = reference.transform;
+        let key = format!("{} {wrap:?} {coordinates:?}", path.value);
+        if let Some(name) = self.names.get(&key) {
+            return name.clone();
+        }
+        let name = format!("texture{}", self.textures.len());
+        let kind = TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates };
+        self.textures.push(Spanned::new(TextureDescription { name: name.clone(), kind }, Span::default()));
+        let name = Spanned::new(name, Span::default());
+        self.names.insert(key, name.clone());
+        name
+    }
+
+    /// Returns the levels of an image; `None` if its format is not read.
+    fn decoded_levels(
+        &mut self,
+        index: usize,
+        image: &gltf::Image<'_>,
+        notes: &mut ImportNotes,
+    ) -> ReadResult<Option<Rc<RgbaLevels>>> {
+        if let Some(decoded) = self.decoded.get(&index) {
+            return Ok(decoded.clone());
+        }
+        let place = format!("images[{index}]");
+        let bytes = match image.source() {
+            Source::View { view, .. } => self.buffers.view_bytes(&view)?.into_vec(),
+            Source::Uri { uri, .. } => self.context.read_uri(&place, uri)?,
+        };
+        let levels = decode_rgba_levels(self.context.path, &bytes, self.context.free_memory())
+            .map_err(|e| self.context.error(&place, e))?
+            .map(Rc::new);
+        if levels.is_none() {
+            notes.add_unsupported("textures in other formats than PNG and JPEG are left out", place);
+        }
+        self.decoded.insert(index, levels.clone());
+        Ok(levels)
+    }
+
+    /// Embeds a picture of the wanted values, with the path of its picture in place of a name.
+    fn embed(&mut self, levels: &RgbaLevels, wanted: TextureUse) -> ReadResult<TextureValues> {
+        self.context.check_memory(12 * levels.pixels.len() as u64)?;
+        let greatest = f64::from(levels.greatest);
+        let srgb = if matches!(wanted, TextureUse::Color(_)) { levels.srgb_table() } else { Vec::new() };
+        let gray = |value: f64| Vec3::splat(value as f32);
+        let value = |pixel: &[u16; 4]| {
+            let channel = |k: usize| f64::from(pixel[k]) / greatest;
+            match wanted {
+                TextureUse::Color(factor) => {
+                    let [r, g, b] = [0, 1, 2].map(|k| srgb[usize::from(pixel[k])]);
+                    Vec3::new(r, g, b) * factor.as_vec3()
+                }
+                TextureUse::Channel(k, factor) => gray(channel(k) * factor),
+                TextureUse::Roughness(factor) => {
+                    let roughness = channel(1) * factor;
+                    gray(roughness * roughness)
+                }
+                TextureUse::AlphaMask(factor, cutoff) => gray(f64::from(channel(3) * factor >= cutoff)),
+                TextureUse::Normal(scale) => {
+                    let [x, y, z] = [0, 1, 2].map(channel);
+                    if scale == 1.0 {
+                        return Vec3::new(x as f32, y as f32, z as f32);
+                    }
+                    let normal = (2.0 * DVec3::new(x, y, z) - 1.0) * DVec3::new(scale, scale, 1.0);
+                    (0.5 * normal.normalize_or(DVec3::Z) + 0.5).as_vec3()
+                }
+            }
+        };
+        let pixels: Vec<Rgb> = levels.pixels.iter().map(value).collect();
+        if pixels.iter().all(|pixel| *pixel == pixels[0]) {
+            return Ok(TextureValues::Constant(pixels[0].as_dvec3()));
+        }
+        let mean = pixels.iter().map(|pixel| pixel.as_dvec3()).sum::<DVec3>() / pixels.len() as f64;
+        let path = format!("picture{}", self.pictures.len());
+        let image =
+            Image::from_pixels(levels.width, levels.height, pixels).map_err(|e| self.context.error("images", e))?;
+        self.pictures.insert(path.clone(), Arc::new(image));
+        Ok(TextureValues::Texture(Spanned::new(path, Span::default()), mean))
+    }
+}
+
+impl<'a> TextureReference<'a> {
+    /// Returns the reference of a material, with the extension KHR_texture_transform applied.
+    pub fn from_info(info: &gltf::texture::Info<'a>) -> Self {
+        let extension = info.texture_transform();
+        let set = extension.as_ref().and_then(|t| t.tex_coord()).unwrap_or(info.tex_coord());
+        let transform = extension.map_or_else(TexcoordTransformDescription::default, |t| {
+            scene_transform(t.offset().map(f64::from), f64::from(t.rotation()), t.scale().map(f64::from))
+        });
+        Self { texture: info.texture(), set, transform }
+    }
+
+    /// Returns the reference of a normal texture, whose transform is raw JSON.
+    pub fn from_normal_texture(normal: &gltf::material::NormalTexture<'a>) -> Self {
+        let extension = normal.extension_value("KHR_texture_transform");
+        let numbers = |key: &str, default: f64| -> [f64; 2] {
+            let number = |i: usize| extension?.get(key)?.get(i)?.as_f64();
+            [0, 1].map(|i| number(i).unwrap_or(default))
+        };
+        let number = |key: &str| extension?.get(key)?.as_f64();
+        let set = number("texCoord").map_or(normal.tex_coord(), |set| set as u32);
+        let transform = if extension.is_some() {
+            scene_transform(numbers("offset", 0.0), number("rotation").unwrap_or(0.0), numbers("scale", 1.0))
+        } else {
+            TexcoordTransformDescription::default()
+        };
+        Self { texture: normal.texture(), set, transform }
+    }
+
+    /// True if all numbers of the transform are finite and no scale is 0.
+    pub fn is_valid(&self) -> bool {
+        let TexcoordTransformDescription { scale, rotate, offset } = self.transform;
+        scale.is_finite() && scale.x != 0.0 && scale.y != 0.0 && rotate.is_finite() && offset.is_finite()
+    }
+}
+
+/// Converts a transform of texture coordinates whose v grows downwards to one whose v grows
+/// upwards.
+fn scene_transform(offset: [f64; 2], rotation: f64, scale: [f64; 2]) -> TexcoordTransformDescription {
+    let (sin, cos) = (libm::sin(rotation), libm::cos(rotation));
+    TexcoordTransformDescription {
+        scale: scale.into(),
+        rotate: rotation.to_degrees(),
+        offset: DVec2::new(offset[0] + scale[1] * sin, 1.0 - offset[1] - scale[1] * cos),
+    }
+}

@@ -1,0 +1,70 @@
+//! Decoding of PNG and JPEG pictures with alpha, for scenes of other programs.
+
+use super::buffer::pixel_count;
+use super::error::{DecodeFailure, ReadError, check_compression_ratio, check_memory};
+use super::tone::srgb_decode;
+use ::image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
+use std::io::Cursor;
+use std::path::Path;
+
+/// Levels of a picture with alpha, without a transfer function.
+#[derive(Clone, Debug)]
+pub(crate) struct RgbaLevels {
+    /// Picture width in pixels.
+    pub width: u32,
+    /// Picture height in pixels.
+    pub height: u32,
+    /// Levels of red, green, blue and alpha from 0 to `greatest`, in rows from the top.
+    pub pixels: Vec<[u16; 4]>,
+    /// Level of full intensity: 255 or 65,535.
+    pub greatest: u16,
+}
+
+impl RgbaLevels {
+    /// Returns the linear value of each level by the sRGB transfer function.
+    pub fn srgb_table(&self) -> Vec<f32> {
+        (0..=self.greatest).map(|level| srgb_decode(f64::from(level) / f64::from(self.greatest)) as f32).collect()
+    }
+}
+
+/// Largest number of bytes per pixel that a decoder may allocate: four channels of 16 bits, twice.
+const DECODED_BYTES_PER_PIXEL: u64 = 16;
+
+/// Memory that a decoder may allocate in addition, for tables \[bytes].
+const DECODER_BYTES: u64 = 1 << 20;
+
+/// Decodes a PNG or JPEG picture; `Ok(None)` for another format. Errors name `path`.
+///
+/// Fails if decoding needs more than `free` bytes of memory; `None` is no limit.
+///
+/// # Errors
+/// [`ReadError`] if the picture is damaged or too large.
+pub(crate) fn decode_rgba_levels(path: &Path, file: &[u8], free: Option<u64>) -> Result<Option<RgbaLevels>, ReadError> {
+    let format = match ::image::guess_format(file) {
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
+        Ok(_) | Err(_) => return Ok(None),
+    };
+    decode_levels(file, format, free).map(Some).map_err(|failure| failure.into_read_error(path.to_owned()))
+}
+
+fn decode_levels(file: &[u8], format: ImageFormat, free: Option<u64>) -> Result<RgbaLevels, DecodeFailure> {
+    let reason = |error: ImageError| DecodeFailure::Reason(error.to_string());
+    let (width, height) = ImageReader::with_format(Cursor::new(file), format).into_dimensions().map_err(reason)?;
+    let pixels = pixel_count(width, height)?;
+    // A PNG has at least one bit per pixel. A JPEG codes each block of 64 pixels by a bit or more.
+    check_compression_ratio(pixels as u64 / 8, file.len())?;
+    check_memory(pixels, free)?;
+    let mut reader = ImageReader::with_format(Cursor::new(file), format);
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(DECODED_BYTES_PER_PIXEL * pixels as u64 + DECODER_BYTES);
+    reader.limits(limits);
+    let decoded = reader.decode().map_err(reason)?;
+    let (pixels, greatest) = match decoded {
+        DynamicImage::ImageLuma16(_)
+        | DynamicImage::ImageLumaA16(_)
+        | DynamicImage::ImageRgb16(_)
+        | DynamicImage::ImageRgba16(_) => (decoded.into_rgba16().pixels().map(|p| p.0).collect(), u16::MAX),
+        _ => (decoded.into_rgba8().pixels().map(|p| p.0.map(u16::from)).collect(), 255),
+    };
+    Ok(RgbaLevels { width, height, pixels, greatest })
+}
