@@ -10,7 +10,6 @@ use super::shard::Shard;
 use super::{ConvertArguments, DiffArguments, FilmArguments, MergeArguments, MeshArguments};
 use crate::camera::FilterKind;
 use crate::format::{IMPORTERS, ImportOptions};
-use crate::image::{BitDepth, ExrPrecision};
 use crate::integrate::{Algorithm, FinalGathering, IndirectPhotons, LightTracing, VolumeEstimator};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
@@ -239,8 +238,8 @@ pub struct RenderArguments {
     #[arg(long, value_parser = parse_duration, default_value = "5m", value_name = "TIME", requires = "film")]
     pub save_every: Duration,
 
-    /// Make only the K-th of N parts of the passes, such as 3/16. `caustica merge` adds the films of
-    /// all parts
+    /// Make only the K-th of N parts of the passes, such as 3/16. `caustica merge` adds the films
+    /// of all parts
     #[arg(long, value_name = "K/N", requires_all = ["film", "passes"], conflicts_with_all = ["time", "target_error", "preview"])]
     pub shard: Option<Shard>,
 
@@ -490,20 +489,4 @@ fn parse_scene_format(text: &str) -> Result<String, String> {
     }
     let known = extensions().copied().collect::<Vec<_>>().join(", ");
     Err(format!("`{text}` is no scene format: write one of {known}"))
-}
-
-pub(super) fn parse_png_depth(text: &str) -> Result<BitDepth, String> {
-    match text {
-        "8" => Ok(BitDepth::Eight),
-        "16" => Ok(BitDepth::Sixteen),
-        _ => Err(format!("`{text}` is not a bit depth of PNG: write 8 or 16")),
-    }
-}
-
-pub(super) fn parse_exr_depth(text: &str) -> Result<ExrPrecision, String> {
-    match text {
-        "16" => Ok(ExrPrecision::Half),
-        "32" => Ok(ExrPrecision::Single),
-        _ => Err(format!("`{text}` is not a bit depth of OpenEXR: write 16 or 32")),
-    }
 }

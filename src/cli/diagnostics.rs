@@ -1,6 +1,6 @@
 //! Notes that explain a black picture, or a render that stored no photon.
 
-use super::plan::count_with_noun;
+use super::number::count_with_noun;
 use crate::color::Rgb;
 use crate::photon::EnergyAudit;
 use crate::render::RenderResult;

@@ -5,7 +5,8 @@
 use super::forecast_text::{self, ErrorEstimateUnsupportedError, duration_text};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
 use super::memory::{check_error_estimate_memory, check_photon_memory};
-use super::plan::{count_with_noun, print_plan};
+use super::number::count_with_noun;
+use super::plan::print_plan;
 use super::progress::ProgressDisplay;
 use super::scene::{load_scene, with_thread_pool};
 use super::settings::{method_flags, settings_from_arguments};

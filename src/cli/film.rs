@@ -1,6 +1,6 @@
 //! Film files of the command line: `caustica film`, and the film that a render saves and continues.
 
-use super::plan::count_with_noun;
+use super::number::count_with_noun;
 use super::progress::print_message;
 use super::settings::method_flags;
 use super::{CommandFailure, Exit, RenderArguments, forecast_text};

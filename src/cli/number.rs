@@ -87,6 +87,11 @@ pub(super) fn parse_threads(text: &str) -> Result<u32, String> {
     }
 }
 
+/// Returns a count with its noun in the singular or plural, such as `2 passes`.
+pub(super) fn count_with_noun(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
 /// Parses an exposure in stops.
 pub(super) fn parse_exposure_stops(text: &str) -> Result<f32, String> {
     let value = text.parse::<f32>().ok().filter(|x| x.abs() <= MAX_EXPOSURE_STOPS);

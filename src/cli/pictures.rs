@@ -1,9 +1,7 @@
 //! Flags and messages of the pictures that a command writes.
 
-use super::args::{parse_exr_depth, parse_png_depth};
-use super::number::parse_exposure_stops;
+use super::number::{count_with_noun, parse_exposure_stops};
 use super::outputs::OutputFailures;
-use super::plan::count_with_noun;
 use super::progress::{ProgressDisplay, print_message};
 use crate::image::{
     self, BitDepth, ClippedPixelReport, ExrPrecision, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions,
@@ -81,5 +79,21 @@ fn report_clipped_pixels(written: &ClippedPixelReport, path: &Path, exposure: f3
     }
     if written.negative > 0 {
         progress.print_line(&format!("note: {}: negative, clipped to black", pixels(written.negative)));
+    }
+}
+
+fn parse_png_depth(text: &str) -> Result<BitDepth, String> {
+    match text {
+        "8" => Ok(BitDepth::Eight),
+        "16" => Ok(BitDepth::Sixteen),
+        _ => Err(format!("`{text}` is not a bit depth of PNG: write 8 or 16")),
+    }
+}
+
+fn parse_exr_depth(text: &str) -> Result<ExrPrecision, String> {
+    match text {
+        "16" => Ok(ExrPrecision::Half),
+        "32" => Ok(ExrPrecision::Single),
+        _ => Err(format!("`{text}` is not a bit depth of OpenEXR: write 16 or 32")),
     }
 }

@@ -1,6 +1,7 @@
 //! `caustica plan`, and texts about a plan for other commands.
 
 use super::args::PlanArguments;
+use super::number::count_with_noun;
 use super::progress::{ProgressDisplay, print_message};
 use super::scene::{load_scene, with_thread_pool};
 use super::settings::settings_from_arguments;
@@ -99,11 +100,6 @@ fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
          less variance",
         report.gain
     ))
-}
-
-/// Returns a count with its noun in the singular or plural, such as `2 passes`.
-pub(super) fn count_with_noun(n: usize, one: &str, many: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { many })
 }
 
 /// Returns a warning for each effect that the scene needs but the plan omits.

@@ -5,9 +5,10 @@ use super::diagnostics::{all_lights_are_black, black_picture_note, no_photon_sto
 use super::film::{SavedFilm, film_header};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
 use super::memory::{check_error_estimate_memory, check_photon_memory, check_picture_memory};
+use super::number::count_with_noun;
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use super::pictures::write_pictures;
-use super::plan::{self, count_with_noun};
+use super::plan;
 use super::progress::{InputFileCollector, ProgressDisplay, print_message, warn_of_rejected_samples};
 use super::report::{EstimatedErrorReport, RenderReport, RenderSetup};
 use super::scene::{load_scene_and_file, with_thread_pool};

@@ -132,7 +132,7 @@ impl Level {
         self.cell_side() * self.cell_side() * self.cell_side() * self.bin_side() * self.bin_side()
     }
 
-    /// Returns the index of the bin of the next coarser level that contains bin `bin` of this level.
+    /// Returns the index of the bin of the next coarser level that contains `bin` of this level.
     fn parent_bin(self, bin: usize) -> usize {
         let (cells, bins) = (self.cell_side(), self.bin_side());
         let (cell, bin) = (bin / (bins * bins), bin % (bins * bins));

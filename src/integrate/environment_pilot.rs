@@ -32,8 +32,8 @@ const RAYS_PER_POINT: u32 = 6;
 
 /// Reduction of variance above which passes use guided shadow rays.
 ///
-/// It exceeds 1, because guided rays take longer to sample, and because camera paths that sample the
-/// BSDF find a widely visible environment too.
+/// It exceeds 1, because guided rays take longer to sample, and because camera paths that sample
+/// the BSDF find a widely visible environment too.
 const MIN_GAIN: f64 = 2.0;
 
 /// Fraction of unguided shadow rays that reach the environment above which the pilot ends after the

@@ -53,8 +53,8 @@ pub(super) struct NextEventEstimator<'a> {
 }
 
 impl<'a> NextEventEstimator<'a> {
-    /// Makes an estimator of the direct light that `policy` simulates. `guide` guides shadow rays to
-    /// the environment light, if any.
+    /// Makes an estimator of the direct light that `policy` simulates. `guide` guides shadow rays
+    /// to the environment light, if any.
     pub fn new(scene: &'a Scene, policy: &PathPolicy, guide: Option<Arc<EnvironmentGuide>>) -> Self {
         let PathPolicy { effects, light_sampling, directions, .. } = *policy;
         // A light sampled at its center emits its mean radiance there.

@@ -269,8 +269,8 @@ impl<'a> StopCriteria<'a> {
         Self { min_passes: 1, passes: None, time: None, target: None, ends_at_bias: false, interrupted }
     }
 
-    /// Returns the reason to end the render after `passes` passes and after the time `elapsed`; `None`
-    /// to go on. `error` is the estimated error, if it was estimated now.
+    /// Returns the reason to end the render after `passes` passes and after the time `elapsed`;
+    /// `None` to go on. `error` is the estimated error, if it was estimated now.
     fn end_reason(
         &self,
         passes: u32,

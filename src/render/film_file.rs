@@ -1,10 +1,10 @@
 //! Film files: the sums of a render, from which it is continued or merged with others.
 //!
 //! A file begins with the line `CAUSTICA FILM 1`. Then come blocks. Each block has a head of three
-//! little-endian 32-bit numbers: the size of its content, the size of the content compressed by LZ4,
-//! and the CRC-32 of the compressed bytes. Then come the compressed bytes. The first block holds the
-//! header as JSON. The others hold the sums in the format of the crate `postcard`. An empty block
-//! ends the file.
+//! little-endian 32-bit numbers: the size of its content, the size of the content compressed by
+//! LZ4, and the CRC-32 of the compressed bytes. Then come the compressed bytes. The first block
+//! holds the header as JSON. The others hold the sums in the format of the crate `postcard`. An
+//! empty block ends the file.
 
 use super::driver::RenderResult;
 use super::pass_set::PassSet;
@@ -34,7 +34,7 @@ pub struct InputDigest {
     pub digest: String,
 }
 
-/// What the passes of a render depend on.
+/// Scene, settings and version, on which the passes of a render depend.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FilmHeader {
     /// Version of the program.
@@ -51,14 +51,14 @@ pub struct FilmHeader {
     pub settings: Vec<String>,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Number of passes of the whole render, of which this one makes a part; `None` if it makes all.
+    /// Number of passes of the whole render, if this one makes only a part of them; else `None`.
     pub planned_passes: Option<u32>,
 }
 
 /// A film file: the header, and the render so far.
 #[derive(Debug)]
 pub struct FilmFile {
-    /// What the passes depend on.
+    /// Scene, settings and version, on which the passes depend.
     pub header: FilmHeader,
     /// Passes, sums, error estimator and statistics.
     pub rendered: RenderResult,
@@ -76,7 +76,7 @@ pub enum FilmFileError {
     /// The content contradicts its checksum or itself.
     #[error("it is damaged ({what}): copy it again, or delete it to begin anew")]
     Damaged {
-        /// What is wrong.
+        /// The damaged part.
         what: &'static str,
     },
     /// The system could not read the file.

@@ -36,7 +36,8 @@
 //! | purpose `RayPhotonBalance` | `Key::pilot_trial_key` | trial | independent trials |
 //! | `Camera` of a trial | `Key::film_point_key` | set · 2³² + point | one per point of a pilot |
 //! | purpose `LightWeights` | `Key::light_power_pilot_key` | light | one per light |
-//! | purposes `GuidingTraining`, `EnvironmentGuiding` | `Key::training_round_key` | round | one per round |
+//! | purpose `GuidingTraining` | `Key::training_round_key` | round | one per training round |
+//! | purpose `EnvironmentGuiding` | `Key::training_round_key` | round | one per training round |
 
 use glam::Vec2;
 use rand::{SeedableRng, rngs::SmallRng};

@@ -29,8 +29,8 @@ fn half_lit_guide() -> EnvironmentGuide {
     fit.guide().unwrap()
 }
 
-/// The pdf integrates to 1, and samples weighted by 1/pdf integrate a function over the sphere, each
-/// within five standard errors.
+/// The pdf integrates to 1, and samples weighted by 1/pdf integrate a function over the sphere,
+/// each within five standard errors.
 #[test]
 fn guided_directions_follow_their_pdf() {
     let (guide, sky) = (half_lit_guide(), sky());
