@@ -7,9 +7,8 @@
 //! ray's contribution to the picture (Rath et al. 2020, "Variance-Aware Path Guiding").
 
 use crate::light::{DirectLightSample, EnvironmentLight, ShadowTarget};
-use crate::math::Bounds;
 use crate::sampling::SquareGridDistribution;
-use glam::{UVec3, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 
 /// Number of bins along each side of the unit square of a cell.
 const SIDE: usize = 32;
@@ -35,7 +34,7 @@ const PARENT_WEIGHT: f64 = 2.0;
 /// Distribution of the directions from which the environment light reaches each part of a scene.
 #[derive(Debug)]
 pub(super) struct EnvironmentGuide {
-    bounds: Bounds,
+    grid: CellGrid,
     /// Distributions over the unit square from which the light samples directions, of each cell.
     cells: Vec<SquareGridDistribution>,
 }
@@ -43,7 +42,7 @@ pub(super) struct EnvironmentGuide {
 /// Numbers of pilot rays, and sums of their squared contributions to the picture, in each bin of
 /// each cell.
 pub(super) struct EnvironmentGuideFit {
-    bounds: Bounds,
+    grid: CellGrid,
     counts: Vec<f64>,
     squares: Vec<f64>,
 }
@@ -64,7 +63,7 @@ impl EnvironmentGuide {
     /// `wi` at `p`.
     #[inline]
     pub fn pdf_li(&self, light: &EnvironmentLight, p: Vec3, wi: Vec3) -> f32 {
-        let cell = &self.cells[cell_index(&self.bounds, p)];
+        let cell = &self.cells[self.grid.cell_index(p)];
         light.pdf(wi) * light.inverse_sample(wi).map_or(0.0, |u| cell.pdf(u))
     }
 
@@ -72,21 +71,22 @@ impl EnvironmentGuide {
     /// pdf. `u` is uniform in \[0, 1)².
     #[inline]
     pub fn guided_sample(&self, p: Vec3, u: Vec2) -> (Vec2, f32) {
-        self.cells[cell_index(&self.bounds, p)].sample(u)
+        self.cells[self.grid.cell_index(p)].sample(u)
     }
 }
 
 impl EnvironmentGuideFit {
-    /// Makes an empty fit for the points in `bounds`. Points outside belong to the nearest cell.
-    pub fn new(bounds: Bounds) -> Self {
+    /// Makes an empty fit. The planes between cells divide the positions `points` evenly along each
+    /// axis.
+    pub fn new(points: &[Vec3]) -> Self {
         let bins = (CELLS * CELLS * CELLS) as usize * BINS;
-        Self { bounds, counts: vec![0.0; bins], squares: vec![0.0; bins] }
+        Self { grid: CellGrid::new(points), counts: vec![0.0; bins], squares: vec![0.0; bins] }
     }
 
     /// Adds a ray from `p`, sampled from the point `u` in \[0, 1)². `square` is the square of what
     /// it would contribute to the picture without guiding.
     pub fn add(&mut self, p: Vec3, u: Vec2, square: f64) {
-        let bin = cell_index(&self.bounds, p) * BINS + SquareGridDistribution::cell_index(SIDE, u);
+        let bin = self.grid.cell_index(p) * BINS + SquareGridDistribution::cell_index(SIDE, u);
         self.counts[bin] += 1.0;
         self.squares[bin] += square;
     }
@@ -107,7 +107,7 @@ impl EnvironmentGuideFit {
             means = (0..counts.len()).map(mean).collect();
         }
         let cells = means.chunks_exact(BINS).map(distribution).collect::<Option<Vec<_>>>()?;
-        Some(EnvironmentGuide { bounds: self.bounds, cells })
+        Some(EnvironmentGuide { grid: self.grid.clone(), cells })
     }
 }
 
@@ -167,13 +167,30 @@ fn distribution(means: &[f64]) -> Option<SquareGridDistribution> {
     SquareGridDistribution::new(SIDE, &roots.iter().map(weight).collect::<Vec<_>>())
 }
 
-/// Returns the index of the cell that contains `p`, or of the nearest cell.
-#[inline]
-fn cell_index(bounds: &Bounds, p: Vec3) -> usize {
-    let place = (p - bounds.min) / bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE)) * CELLS as f32;
-    // A float outside the range of integers becomes the nearest one, NaN becomes 0.
-    let [x, y, z] = UVec3::new(place.x as u32, place.y as u32, place.z as u32).min(UVec3::splat(CELLS - 1)).to_array();
-    ((z * CELLS + y) * CELLS + x) as usize
+/// Division of space into cells by planes at right angles to the axes.
+#[derive(Clone, Debug)]
+struct CellGrid {
+    /// Positions of the planes on each axis, in ascending order.
+    planes: [[f32; CELLS as usize - 1]; 3],
+}
+
+impl CellGrid {
+    fn new(points: &[Vec3]) -> Self {
+        let planes = [0, 1, 2].map(|axis| {
+            let mut positions: Vec<f32> = points.iter().map(|p| p[axis]).collect();
+            positions.sort_by(f32::total_cmp);
+            let plane = |i: usize| positions.get((i + 1) * positions.len() / CELLS as usize).copied().unwrap_or(0.0);
+            std::array::from_fn(plane)
+        });
+        Self { planes }
+    }
+
+    /// Returns the index of the cell that contains `p`.
+    #[inline]
+    fn cell_index(&self, p: Vec3) -> usize {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.planes[axis].partition_point(|plane| *plane <= p[axis]));
+        (z * CELLS as usize + y) * CELLS as usize + x
+    }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::policy::PathContinuation;
 use super::visible_pilot::record_receiver_points;
 use crate::color::{self, Rgb};
 use crate::light::EnvironmentLight;
-use crate::math::{Bounds, Ray, offset_ray_origin};
+use crate::math::{Ray, offset_ray_origin};
 use crate::photon::VisiblePoint;
 use crate::plan::Effects;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
@@ -34,10 +34,10 @@ const RAYS_PER_POINT: u32 = 6;
 ///
 /// It exceeds 1, because guided rays take longer to sample, and because camera paths that sample
 /// the BSDF find a widely visible environment too.
-const MIN_GAIN: f64 = 2.0;
+const MIN_GAIN: f64 = 1.5;
 
 /// Fraction of unguided shadow rays that reach the environment above which the pilot ends after the
-/// first round: guiding could hardly save more than every other ray.
+/// first round: camera paths that sample the BSDF find so wide a sky too.
 const MAX_UNOCCLUDED: f64 = 0.25;
 
 /// Work of the pilot of environment guiding, and its estimated benefit.
@@ -81,7 +81,7 @@ pub(super) fn guide_environment_light(
     let paths = width.saturating_mul(height).clamp(PATHS.0, PATHS.1);
     let points =
         record_receiver_points(scene, effects, key.training_round_key(0), paths, PathContinuation::Always, MAX_BOUNCES);
-    let mut fit = EnvironmentGuideFit::new(Bounds::from_points(points.iter().map(|point| point.position)));
+    let mut fit = EnvironmentGuideFit::new(&points.iter().map(|point| point.position).collect::<Vec<_>>());
     let mut report = EnvironmentGuidingReport { gain: 1.0, ..EnvironmentGuidingReport::default() };
     let mut guide = None;
     for round in 1..=ROUNDS {

@@ -8,8 +8,9 @@ fn test_key(i: u64) -> Key {
     Key::new(8).purpose_key(Purpose::Test).child_key(i)
 }
 
-fn unit_cube() -> Bounds {
-    Bounds { min: Vec3::ZERO, max: Vec3::ONE }
+/// Positions whose planes divide the unit cube into 8 × 8 × 8 equal cells.
+fn unit_cube() -> Vec<Vec3> {
+    (0..64).map(|i| Vec3::splat(i as f32 / 64.0)).collect()
 }
 
 /// A sky with a bright upper half.
@@ -20,7 +21,7 @@ fn sky() -> EnvironmentLight {
 
 /// A guide of rays that contribute only from u.x < 1/4, where p.x < 1/2.
 fn half_lit_guide() -> EnvironmentGuide {
-    let mut fit = EnvironmentGuideFit::new(unit_cube());
+    let mut fit = EnvironmentGuideFit::new(&unit_cube());
     for i in 0..200_000 {
         let (p, u) = (test_key(i).uniform_2d(Dimension::Film), test_key(i).uniform_2d(Dimension::LightPosition));
         let square = if u.x < 0.25 && p.x < 0.5 { 4.0 } else { 0.0 };
@@ -78,7 +79,7 @@ fn guided_samples_lie_where_rays_contributed() {
 
 #[test]
 fn guides_need_a_ray_that_contributes() {
-    let mut fit = EnvironmentGuideFit::new(unit_cube());
+    let mut fit = EnvironmentGuideFit::new(&unit_cube());
     assert!(fit.guide().is_none());
     fit.add(Vec3::splat(0.5), Vec2::splat(0.5), 0.0);
     assert!(fit.guide().is_none());
@@ -100,9 +101,21 @@ fn parent_bins_have_32_children() {
 
 #[test]
 fn cells_of_points_outside_are_the_nearest() {
-    let bounds = Bounds { min: Vec3::ZERO, max: Vec3::new(8.0, 8.0, 0.0) };
-    assert_eq!(cell_index(&bounds, Vec3::new(3.5, 1.5, 0.0)), 8 + 3);
-    assert_eq!(cell_index(&bounds, Vec3::new(-9.0, 99.0, 0.0)), 7 * 8);
-    assert_eq!(cell_index(&bounds, Vec3::NAN), 0);
-    assert_eq!(cell_index(&Bounds::EMPTY, Vec3::ONE), cell_index(&Bounds::EMPTY, Vec3::ZERO));
+    let grid = CellGrid::new(&unit_cube());
+    assert_eq!(grid.cell_index(Vec3::new(0.45, 0.2, 0.0)), 8 + 3);
+    assert_eq!(grid.cell_index(Vec3::new(-9.0, 99.0, 0.0)), 7 * 8);
+    assert!(grid.cell_index(Vec3::NAN) < 512);
+    let empty = CellGrid::new(&[]);
+    assert_eq!(empty.cell_index(Vec3::ONE), empty.cell_index(Vec3::splat(2.0)));
+}
+
+/// A few far positions, such as those on a large ground plane, do not widen the other cells.
+#[test]
+fn far_points_keep_cells_small() {
+    let mut points = unit_cube();
+    points.extend([Vec3::splat(-1000.0), Vec3::splat(1000.0)]);
+    let grid = CellGrid::new(&points);
+    let cells: std::collections::BTreeSet<usize> =
+        (0..16).map(|i| grid.cell_index(Vec3::new((i as f32 + 0.5) / 16.0, 0.5, 0.5))).collect();
+    assert_eq!(cells.len(), 8);
 }

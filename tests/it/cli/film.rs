@@ -74,7 +74,7 @@ fn often_killed_renders_go_on_from_the_film() {
 fn films_of_other_renders_are_refused() {
     let sandbox = CliSandbox::new();
     sandbox.put("ball.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    let mesh = format!("{}\nGroup {{ MaterialName white  TriangleMesh {{ objFile ball.obj }} }}\n", super::BOX);
+    let mesh = format!("{}\nGroup {{ MaterialName white  TriangleMesh {{ obj_file ball.obj }} }}\n", super::BOX);
     sandbox.put("mesh.txt", &mesh);
     sandbox.render("mesh.txt", &flags("a", 1, "--film a.film")).expect(0, &[]);
     let before = sandbox.bytes("a.film");

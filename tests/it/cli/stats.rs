@@ -43,7 +43,8 @@ fn docs_describe_exactly_every_stats_field() {
     let mut found = BTreeSet::new();
     // Without given photon counts, so that every field has a value.
     let balanced = CliSandbox::new();
-    let arguments = "render box.txt -o a.png --integrator sppm --size 8x8 --passes 4 --stats a.json";
+    balanced.put("sky.txt", super::BOX.replace("Lights {", "Lights { EnvironmentLight { radiance .1 .1 .1 }"));
+    let arguments = "render sky.txt -o a.png --integrator sppm --size 8x8 --passes 4 --stats a.json";
     balanced.run(&arguments.split(' ').collect::<Vec<_>>()).expect(0, &[]);
     json_paths(&serde_json::from_slice(&balanced.bytes("a.json")).unwrap(), "", &mut found);
     // `photons` and `emission_guiding` hold the same fields for both maps. The page describes them
