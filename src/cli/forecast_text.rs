@@ -27,9 +27,9 @@ pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
 
 /// Returns a text about the time until a lower error, such as `; 1.0 % in about 42 s`.
 ///
-/// The pair holds the error that the text names, and the estimated error that must be reached.
-/// `pass_seconds` is the time of one pass \[s]. The text is empty if the estimated error is 0
-/// already.
+/// `shown` is the error that the text names. `aim` is the estimated error that the render must
+/// reach. `pass_seconds` is the time of one pass \[s]. The text is empty if the estimated error is
+/// 0 already.
 pub(super) fn time_to_error_text(
     estimate: &ErrorEstimate,
     forecast: &ErrorForecast,
