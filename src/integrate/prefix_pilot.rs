@@ -64,8 +64,8 @@ const MIN_MEAN_COUNT: f64 = 1e-3;
 /// Threshold above which the pilot's prefix rays read photon maps in a pixel.
 ///
 /// It is compared with the variance of the pixel's photon estimate times n² for n camera paths per
-/// pixel, relative to the mean variance of whole camera paths. Lookups of a pass pay only from about
-/// eight times this variance on.
+/// pixel, relative to the mean variance of whole camera paths. Lookups of a pass pay only from
+/// about eight times this variance on.
 const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
 
 /// Work of one density estimate apart from its photons, relative to tracing a photon ray.
