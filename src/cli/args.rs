@@ -184,7 +184,8 @@ pub struct ImportArguments {
 }
 
 impl ImportArguments {
-    /// Returns the options of reading a scene within `memory`.
+    /// Returns the options for reading a scene with these flags. `memory` limits the memory that
+    /// reading may take.
     pub(super) fn import_options(&self, memory: MemoryLimit) -> ImportOptions {
         ImportOptions { memory, format: self.format.clone(), allows_outside_files: self.allow_outside }
     }
@@ -357,8 +358,8 @@ pub struct EstimateArguments {
     pub quiet: bool,
 }
 
-/// Fields of [`StudyModeArguments`] that set up a study of methods. `--effects` excludes their
-/// flags.
+/// Fields of [`StudyModeArguments`] that set up a study of methods. Their flags conflict with
+/// `--effects`.
 const METHOD_STUDY_FLAGS: [&str; 8] =
     ["methods", "variants", "knobs", "budget", "seeds", "truth", "truth_time", "save_truth"];
 

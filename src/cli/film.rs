@@ -71,7 +71,7 @@ pub(super) struct SavedFilm<'a> {
 /// Lock of a film file: a locked file beside it.
 struct FileLock {
     path: PathBuf,
-    /// Keeps the lock. The system releases it when the process ends.
+    /// Open file that holds the lock. The system releases the lock when the process ends.
     _file: File,
 }
 
@@ -212,7 +212,8 @@ impl<'a> SavedFilm<'a> {
         Err(CommandFailure::usage_error(OtherShardError { path: self.path.to_owned(), passes }))
     }
 
-    /// Saves `rendered` if a save is due. An error is a warning: the next save may succeed.
+    /// Saves `rendered` if a save is due. If writing fails, prints a warning: the next save may
+    /// succeed.
     pub fn save_if_due(&mut self, rendered: &RenderResult) {
         let start = Instant::now();
         if start < self.next {
@@ -252,7 +253,7 @@ impl FileLock {
                 }
                 Err(TryLockError::Error(error)) => return Err(CommandFailure::output_error(error)),
             }
-            // A process that ended in between may have removed the file.
+            // If a process that just ended has removed the lock file, try again.
             if is_file_at(&file, &lock) {
                 return Ok(Self { path: lock, _file: file });
             }
@@ -262,7 +263,7 @@ impl FileLock {
 
 impl Drop for FileLock {
     fn drop(&mut self) {
-        // A file that stays is no harm: the next render locks it again.
+        // If the lock file stays, the next render locks it again.
         let _ = fs::remove_file(&self.path);
     }
 }
@@ -275,7 +276,8 @@ fn is_file_at(file: &File, path: &Path) -> bool {
     open.is_ok_and(|open| named.is_ok_and(|named| (open.dev(), open.ino()) == (named.dev(), named.ino())))
 }
 
-/// True if `path` leads to the open `file`: the system does not remove open files.
+/// True if `path` leads to the open `file`. Systems other than Unix do not remove open files, so an
+/// existing file at `path` is `file`.
 #[cfg(not(unix))]
 fn is_file_at(_: &File, path: &Path) -> bool {
     path.exists()

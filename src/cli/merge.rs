@@ -86,8 +86,8 @@ fn is_film(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(FILM_EXTENSION))
 }
 
-/// Returns the sum of the films at `paths`. Two of them are in memory at a time. A film whose
-/// passes are those of an earlier one counts once.
+/// Returns the sum of the films at `paths`. Skips a film with the same passes as an earlier film.
+/// At most two films are in memory at a time.
 fn merged_film(paths: &[PathBuf], progress: &ProgressDisplay) -> Result<FilmFile, CommandFailure> {
     let mut total: Option<FilmFile> = None;
     let mut added: Vec<PassSet> = Vec::new();

@@ -137,7 +137,10 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     write_render_outputs(arguments, progress, setup, &stop, all_lights_are_black(&scene), &rendered, film.as_ref())
 }
 
-/// Returns the numbers of the passes to render, and `stop` with the number of passes of `--shard`.
+/// Returns the numbers of the passes to render, and `stop` with the number of these passes as
+/// limit.
+///
+/// Without `--shard`, the numbers have no limit and `stop` stays unchanged.
 fn passes_of_shard<'a>(
     arguments: &RenderArguments,
     stop: StopCriteria<'a>,

@@ -10,7 +10,7 @@ use crate::stats::{Counters, cpu_seconds, peak_memory};
 use serde::Serialize;
 
 /// Version of the JSON schema. It rises when a field's name or meaning changes.
-const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 3;
 
 /// JSON report that `--stats` writes.
 #[derive(Debug, Serialize)]

@@ -13,8 +13,10 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Returns the numbers of the shard's passes, out of `passes`. Shards differ by one pass at
-    /// most.
+    /// Returns the numbers of the passes, counted from 0, that this shard makes of `passes` in
+    /// total.
+    ///
+    /// The sizes of shards differ by at most one pass.
     #[must_use]
     pub fn passes(self, passes: u32) -> Range<u32> {
         let end_of = |number: u32| (u64::from(passes) * u64::from(number) / u64::from(self.count)) as u32;

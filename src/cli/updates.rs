@@ -25,7 +25,8 @@ pub(super) struct PictureUpdates<'a> {
 }
 
 impl<'a> PictureUpdates<'a> {
-    /// Writes pictures to `paths` after the first pass, and then at most once per `interval`.
+    /// Makes a writer that updates the pictures at `paths` after the first pass, and then at most
+    /// once per `interval`.
     pub fn new(paths: &'a [PathBuf], options: &'a WriteOptions, interval: Duration) -> Self {
         Self { paths, options, interval, next: None, failed: false }
     }

@@ -93,7 +93,7 @@ fn visit_file_paths(description: &mut SceneDescription, visit: &mut impl FnMut(&
             DensityDescription::Homogeneous | DensityDescription::Cloud { .. } => {}
         }
     }
-    // These fields hold either the name of a texture or a path.
+    // These fields hold either the name of a texture or the path of a picture.
     let mut visit_path = |name: &mut Spanned<String>| {
         if !textures.contains(&name.value) {
             visit(&mut name.value);

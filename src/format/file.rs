@@ -71,6 +71,7 @@ impl SceneFile {
     /// Builds the scene within `memory`; `monitor` receives the progress of reading meshes.
     ///
     /// Looks up files in the same folders as [`SceneFile::resolve`].
+    ///
     /// # Errors
     /// [`SceneError`].
     pub fn resolve_monitored(&self, monitor: &dyn MeshReadMonitor, memory: MemoryLimit) -> Result<Scene, SceneError> {

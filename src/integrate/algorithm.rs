@@ -60,7 +60,7 @@ impl Algorithm {
         }
     }
 
-    /// Returns the number of passes of a render without limits and without error estimates.
+    /// Returns the number of passes of a render that has no limits and estimates no error.
     #[must_use]
     pub fn default_passes(self) -> u32 {
         match self {

@@ -34,7 +34,7 @@ const STORED_PHOTON_WORK: f64 = 1.5;
 /// Work of one photon in a density estimate, relative to tracing a photon ray.
 pub(super) const GATHERED_PHOTON_WORK: f64 = 0.2;
 
-/// One source of noise in a pass: camera rays, aimed photon paths or unaimed photon paths.
+/// One source of noise in a pass: the camera rays, or one of the two sets of photon paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NoiseSource {
     /// Variance if there is one sample: one camera ray per pixel, or one photon path.
@@ -51,8 +51,8 @@ impl NoiseSource {
     }
 }
 
-/// Returns the number of samples of each source that gives least noise for the work of the default
-/// numbers.
+/// Returns the number of samples of each source for which the pass has least noise. The total work
+/// stays that of the default numbers.
 ///
 /// No number changes by more than a factor of [`MAX_CHANGE`]. A source without noise keeps its
 /// number, and its work is not counted.
@@ -95,11 +95,12 @@ pub(super) fn photon_storage_work(photons: u64) -> f64 {
     STORED_PHOTON_WORK * photons as f64
 }
 
-/// Returns the mean relative variance of one radiance estimate, over points of the film.
+/// Returns the relative variance of one radiance estimate, as a mean over points of the film; 0 if
+/// all points are black.
 ///
 /// `one` and `other` are independent estimates at the same points. `light` is the mean radiance at
 /// each point. The squared difference at a point is divided by the squared radiance there plus the
-/// squared median radiance.
+/// squared median radiance of all points.
 pub(super) fn relative_variance(one: &[Rgb], other: &[Rgb], light: &[f64]) -> f64 {
     let mut sorted: Vec<f64> = light.iter().copied().filter(|l| *l > 0.0).collect();
     sorted.sort_by(f64::total_cmp);

@@ -132,7 +132,7 @@ pub(super) fn trace_camera_path<I: Interior>(
             path.throughput *= hit.transmittance;
             path.count_crossed_boundary(hit.crossed);
 
-            // Add emission, weighted against next-event estimation.
+            // Add emission, weighted by MIS against next-event estimation at the previous vertex.
             if hit.surface.emission != Rgb::ZERO && may_add_hit_emission(policy, &path) {
                 let weight = path.prev.map_or(1.0, |prev| emission_mis_weight(nee, &prev, &hit.surface));
                 let found = path.throughput * hit.surface.emission * weight;
@@ -345,28 +345,30 @@ fn photon_radiance<I: Interior>(
     estimate
 }
 
-/// True if photon estimates find all or part of the indirect light at a receiver. `history` is that
-/// of the camera path before it.
+/// True if photon estimates find part or all of the indirect light at a receiver: only at the first
+/// receiver of a camera path.
 ///
-/// They do so only at the first receiver of a camera path.
+/// `history` counts the receivers and casters on the path before it.
 #[inline]
 fn shares_indirect_light(indirect: IndirectWeights, history: PathHistory) -> bool {
     indirect.photons > 0.0 && history.receivers == 0
 }
 
-/// True if the camera path continues at its first receiver, whose sampler is `sampler`.
+/// True if the camera path continues at its first receiver. `sampler` is that of the path's vertex
+/// there.
 ///
-/// Photon estimates share the indirect light there, so only some of a pixel's paths continue.
+/// If photon estimates find part of the indirect light at the receiver, only some of a pixel's
+/// paths continue.
 #[inline]
 fn is_path_continued(indirect: IndirectWeights, sampler: Sampler) -> bool {
     indirect.is_sample_continued(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ChosenLobe))
 }
 
-/// Returns `light`, which `path` found by hitting an emitter or by a shadow ray at a caster.
+/// Returns `light`, multiplied by a weight if `path` found it before its first receiver. Prefix
+/// rays find this light too; see [`PrefixLight`](super::prefix_rays::PrefixLight).
 ///
-/// Before the path's first receiver, the result is weighted, because prefix rays find the same
-/// light; see [`PrefixLight`](super::prefix_rays::PrefixLight). The light is also added to sums of
-/// `worker`.
+/// `light` is emission that the path hit, or direct light at a caster. The function also adds it to
+/// sums of `worker`.
 #[inline]
 fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, worker: &mut PathWorker) -> Rgb {
     if path.history.receivers > 0 {
@@ -400,9 +402,9 @@ fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bo
         && vertex.distance > paths.min_gather_distance
 }
 
-/// True if a camera path may add light that it finds after the vertices of `history`.
+/// True if a camera path may add light that it finds after the receivers and casters of `history`.
 ///
-/// False if that light forms a caustic and photons carry caustics.
+/// False if this light forms a caustic and only photons carry caustics.
 #[inline]
 fn may_add_found_light(policy: &PathPolicy, history: PathHistory) -> bool {
     policy.counts_caustics || !history.is_caustic()
@@ -410,9 +412,8 @@ fn may_add_found_light(policy: &PathPolicy, history: PathHistory) -> bool {
 
 /// True if the path may add the emission of the light that it hits now.
 ///
-/// False for caustics that photons carry. If soft shadows are off, next-event estimation samples
-/// only the centers of area lights; then it is also false after a vertex with next-event
-/// estimation.
+/// False for caustics that photons carry. Also false after next-event estimation if soft shadows
+/// are off, because next-event estimation then samples only the centers of area lights.
 #[inline]
 fn may_add_hit_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
     (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && may_add_found_light(policy, path.history)
@@ -467,8 +468,10 @@ impl<'a> PathContext<'a> {
 }
 
 impl<I: Interior> PathState<I> {
-    /// Sets the weight of the indirect light that the path finds after its first receiver, whose
-    /// sampler is `sampler`.
+    /// Makes photon estimates share the light that this path finds after its first receiver: sets
+    /// the path's weight.
+    ///
+    /// `sampler` is that of the path's vertex at the receiver.
     #[inline]
     fn share_indirect_light(&mut self, indirect: IndirectWeights, sampler: Sampler) {
         let (_, samples) = sampler.sample_index_and_count();
@@ -493,7 +496,7 @@ impl<I: Interior> PathState<I> {
         }
     }
 
-    /// If `crossed`, counts a caster and drops the previous vertex.
+    /// Counts a caster and drops the previous vertex if `crossed` is true.
     ///
     /// `crossed` means that the path has crossed a boundary that blocks shadow rays but not light.
     #[inline]

@@ -1,10 +1,12 @@
-//! Guided sampling of the environment light: from which directions it reaches each part of a scene.
+//! Guided sampling of the environment light: shadow rays prefer directions from which it reaches
+//! the scene.
 //!
-//! Shadow rays towards the environment are blocked by walls: in a room, only those through a window
-//! count. A grid over the scene holds in each cell a distribution over the unit square from which
-//! the environment map samples directions. So guided directions follow the product of the map and
-//! of what is visible from the cell. The best pdf is proportional to the root mean square of a
-//! ray's contribution to the picture (Rath et al. 2020, "Variance-Aware Path Guiding").
+//! Walls block shadow rays towards the environment: in a room, only rays through a window find
+//! light. A grid over the scene holds in each cell a distribution over the unit square. The
+//! environment map turns points of this square into directions. So guided directions follow the
+//! product of the map and of its visibility from the cell. The best pdf is proportional to the root
+//! mean square of a ray's contribution to the picture (Rath et al. 2020, "Variance-Aware Path
+//! Guiding").
 
 use crate::light::{DirectLightSample, EnvironmentLight, ShadowTarget};
 use crate::sampling::SquareGridDistribution;
@@ -22,7 +24,7 @@ const SUBDIVISIONS: u32 = 3;
 /// Number of cells along each axis.
 const CELLS: u32 = 1 << SUBDIVISIONS;
 
-/// Probability with which each distribution is uniform (defensive sampling).
+/// Fraction of each distribution that is uniform (defensive sampling).
 ///
 /// A guided ray has at most 5 times the weight of the same ray without guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
@@ -35,7 +37,8 @@ const PARENT_WEIGHT: f64 = 2.0;
 #[derive(Debug)]
 pub(super) struct EnvironmentGuide {
     grid: CellGrid,
-    /// Distributions over the unit square from which the light samples directions, of each cell.
+    /// Distribution over the unit square for each cell. [`EnvironmentLight::sample`] turns points
+    /// of the square into directions.
     cells: Vec<SquareGridDistribution>,
 }
 
@@ -53,7 +56,7 @@ impl EnvironmentGuide {
     pub fn sample_li(&self, light: &EnvironmentLight, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
         let (u, _) = self.guided_sample(p, u);
         let (wi, _) = light.sample(u)?;
-        // The same function as in MIS weights: rounding may move the direction to another bin.
+        // Compute the pdf as MIS weights do: rounding may move the direction to another bin.
         let pdf = self.pdf_li(light, p, wi);
         let weight = light.radiance(wi) / pdf;
         (pdf > 0.0).then_some(DirectLightSample { wi, target: ShadowTarget::Infinity, weight, pdf: Some(pdf) })
@@ -141,7 +144,8 @@ impl Level {
         (cell * (bins / 2) + bin / bins / 2) * (bins / 2) + bin % bins / 2
     }
 
-    /// Returns the sums over the bins of this level of `values`, which belong to the finest level.
+    /// Returns the sum of `values` in each bin of this level. `values` belong to the bins of the
+    /// finest level.
     fn sums(self, values: &[f64]) -> Vec<f64> {
         let mut sums = values.to_vec();
         for fine in (self.0 + 1..=SUBDIVISIONS).rev().map(Level) {
@@ -170,7 +174,7 @@ fn distribution(means: &[f64]) -> Option<SquareGridDistribution> {
 /// Division of space into cells by planes at right angles to the axes.
 #[derive(Clone, Debug)]
 struct CellGrid {
-    /// Positions of the planes on each axis, in ascending order.
+    /// Coordinates of the planes on each axis, in ascending order \[length].
     planes: [[f32; CELLS as usize - 1]; 3],
 }
 

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 /// path per pixel.
 const PATHS: (u32, u32) = (4000, 8000);
 
-/// Largest number of bounces of these paths.
+/// Largest number of bounces of the pilot's camera paths.
 const MAX_BOUNCES: u32 = 2;
 
 /// Number of rounds. Each round is guided by the rays of all earlier rounds.
@@ -56,7 +56,7 @@ pub struct EnvironmentGuidingReport {
 
 /// Shadow ray of the pilot.
 struct PilotRay {
-    /// Index of its point.
+    /// Index of the recorded point from which the ray starts.
     point: usize,
     /// Point in \[0, 1)² from which the light samples the direction.
     u: Vec2,
@@ -66,8 +66,8 @@ struct PilotRay {
     contribution: f64,
 }
 
-/// Returns a guide of the environment `light` of `scene`, and a report. The guide is `None` if the
-/// pilot finds that it does not pay.
+/// Returns a guide of the environment `light` of `scene`, and a report. The guide is `None` if it
+/// would not reduce the noise enough.
 ///
 /// The result depends only on the scene, `effects` and `seed`.
 pub(super) fn guide_environment_light(
@@ -106,7 +106,7 @@ pub(super) fn guide_environment_light(
     (guide.filter(|_| report.used), report)
 }
 
-/// Traces the shadow rays of a round, in the order of their points.
+/// Returns the shadow rays of a round, traced and in the order of their points.
 fn trace_round(
     scene: &Scene,
     light: &EnvironmentLight,
@@ -138,7 +138,7 @@ fn trace_round(
 
 /// Returns the transmittance along `ray` to the environment; 0 if a surface blocks it.
 ///
-/// Media count only on rays that cross null interfaces, where the walk along the ray finds them.
+/// Media attenuate only rays that cross null interfaces. For other rays the result is 0 or 1.
 fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key: Key) -> Rgb {
     if !scene.occluded(ray) {
         return Rgb::ONE;
@@ -148,7 +148,7 @@ fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key:
         return Rgb::ZERO;
     }
     for_interior!(effects, <I> {
-        // The interior outside all bodies; crossed boundaries tell of bodies around the point.
+        // Start outside all bodies. Crossed boundaries reveal the bodies around the origin.
         let interior = scene.start_light_path::<I>(light, *ray, effects).interior;
         scene.shadow_transmittance(ray, interior, key)
     })

@@ -6,12 +6,12 @@
 //!
 //! In pass number i, let v be the variance of the mean of the continued paths, u the variance of
 //! the photon estimate, and b its bias. The photon estimate gets the weight v/(v + u + i·b²). The
-//! bias counts i times because all passes share it, while noise averages out. As gather discs
-//! shrink to the relative area A, u grows as 1/A and b falls as A. So camera paths take over in the
-//! long run, and the mean of the passes converges as fast as camera paths alone.
+//! bias counts i times because all passes share it, while noise averages out. If gather discs
+//! shrink to the relative area A, u grows as 1/A and b falls as A. So camera paths take over after
+//! many passes, and the mean of the passes converges as fast as camera paths alone.
 //!
-//! A pilot measures variances and bias in the cells of a grid over the film. Between the centers of
-//! cells they are interpolated.
+//! A pilot measures variances and bias in the cells of a grid over the film. Values between the
+//! centers of cells are interpolated.
 
 use crate::color::Rgb;
 use glam::Vec2;
@@ -29,8 +29,8 @@ pub(super) struct IndirectWeights {
     pub samples: u32,
 }
 
-/// Contribution to the pixel of the indirect light that each technique finds along one camera path
-/// of a pilot.
+/// Indirect light that each technique finds along one camera path of a pilot, as its contribution
+/// to the pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct IndirectLight {
     /// Light found by the camera path after its first receiver \[W/(m² sr)].
@@ -68,7 +68,8 @@ pub(super) struct IndirectDivision {
     pub samples: u32,
     /// Number of photon paths per pass that fill the interreflection map.
     pub photons: u32,
-    /// Reduction of variance that is worth the work of one more continued camera path.
+    /// Relative reduction of variance that one more continued camera path must bring to pay for its
+    /// work.
     pub path_price: f32,
     /// Number of passes with photon estimates of indirect light. Later passes use camera paths
     /// alone.
@@ -156,10 +157,11 @@ impl IndirectErrors {
         let photons = self.photon_error(division.photons, number, area);
         let paths = self.path_variance;
         if photons <= 0.0 || paths <= 0.0 {
-            // Nothing is known of one technique.
+            // The pilot found no light by one of the techniques.
             return IndirectWeights::default();
         }
-        // The error of both is 1/(1/photons + n/paths). Its derivative by n is −error²/paths.
+        // With n continued paths, the combined error is 1/(1/photons + n/paths). Its derivative by
+        // n is −error²/paths.
         let wanted = (paths / division.path_price).sqrt() - paths / photons;
         let continued = wanted.clamp(0.0, samples as f32).round();
         let error = paths / continued.max(f32::MIN_POSITIVE);

@@ -1,10 +1,12 @@
 //! Pilot that divides indirect light between camera paths and photon estimates.
 //!
-//! It traces camera paths through each cell of a grid over the film, with both techniques and no
-//! weights, twice with independent random numbers. The differences between the two trials measure
-//! the variance of each technique. The photon estimate's bias is proportional to the area of its
-//! disc, so the difference to a disc of half the area measures it. The product of the differences
-//! in both trials is an unbiased estimate of its square.
+//! It traces camera paths through each cell of a grid over the film. Both techniques find all
+//! indirect light of each path. A second trial with independent random numbers does the same. The
+//! differences between the two trials measure the variance of each technique.
+//!
+//! The bias of a photon estimate is proportional to the area of its disc. So the difference from an
+//! estimate with half the area measures the bias. The product of this difference in both trials is
+//! an unbiased estimate of the squared bias.
 //!
 //! No pass uses photons or rays of the pilot, so the mean of the passes stays unbiased.
 
@@ -27,77 +29,81 @@ const CELLS: u32 = 24;
 /// Number of camera paths through each cell.
 const CELL_POINTS: u32 = 16;
 
-/// Smallest divisor of the number of photon paths.
+/// Smallest divisor of the number of photon paths: a trial traces at most 1/8 of the paths of a
+/// pass.
 const MIN_DIVISOR: u32 = 8;
 
-/// Most photon paths of a trial.
+/// Largest number of photon paths of a trial.
 const MAX_PATHS: u32 = 1 << 17;
 
 /// Number of the pass, counted from 1, for whose error the price of camera paths is chosen.
 const TYPICAL_PASS: u32 = 4;
 
-/// Most passes in which photons may take part.
+/// Largest number of passes with photon estimates of indirect light.
 const MAX_PASSES: u32 = 1 << 16;
 
-/// Largest error times work, relative to path tracing, at which photons take part.
+/// Largest product of error and work, relative to camera paths alone, for which photon estimates
+/// are used.
 const MAX_COST: f64 = 0.8;
 
-/// Numbers of photon paths that the pilot may choose, relative to the setting.
+/// Numbers of photon paths from which the pilot chooses, relative to the number in the settings.
 const PHOTON_PARTS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
 
-/// Step between the film points by which the pilot measures work: every eighth one is traced.
+/// Stride over the film points: the pilot measures work at every eighth point.
 const WORK_STEP: usize = 8;
 
 /// Number of steps of the search for the price of a camera path.
 const SEARCH_STEPS: u32 = 12;
 
-/// Work of a density estimate beside its photons, relative to tracing a photon ray.
+/// Work of one density estimate apart from its photons, relative to tracing a photon ray.
 const LOOKUP_WORK: f64 = 20.0;
 
-/// Work of one photon in a density estimate, with the search, relative to tracing a photon ray.
+/// Work of one photon in a density estimate, including its search, relative to tracing a photon
+/// ray.
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
-/// Part of the indirect light of a cell. If photon estimates of the pilot miss more, they found
-/// almost nothing.
+/// Fraction of a cell's indirect light. If photon estimates of the pilot miss more than this,
+/// photons are too rare there for the pilot to measure their variance.
 const MOST_MISSED: f64 = 0.9;
 
-/// Variance of photon estimates that found almost nothing in a scene with scattering media,
-/// relative to the squared indirect light.
+/// Variance assumed for photon estimates that miss more than [`MOST_MISSED`] in a scene with
+/// scattering media, relative to the squared indirect light.
 ///
 /// In thick media, photons near the camera may be rare, but then each carries great flux.
 const RARE_IN_MEDIA: f64 = 1e4;
 
-/// Ratio of the bias of a density estimate to its difference from one with half the disc area.
+/// Factor from the difference between density estimates with full and half disc area to the bias of
+/// the full one.
 const BIAS_FACTOR: f64 = 2.0;
 
-/// Light of one camera path, averaged over RGB \[W/(m² sr)].
+/// Parts of the light of one camera path, averaged over RGB \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
 struct PointLight {
     /// Direct light at the first receiver.
     direct: f64,
     /// Emission that the path finds up to its first receiver, and the caustics there. Other pilots
-    /// look after their noise.
+    /// reduce their noise.
     apart: f64,
-    /// Indirect light by the continued path.
+    /// Indirect light found by the continued camera path.
     paths: f64,
-    /// Indirect light by the photon estimate.
+    /// Indirect light found by the photon estimate.
     photons: f64,
-    /// Bias of the photon estimate, with noise.
+    /// Noisy estimate of the bias of the photon estimate.
     bias: f64,
 }
 
-/// Work of a pass per pixel, in photon rays of equal work, and its noise beside indirect light.
+/// Work of a pass per pixel, relative to tracing one photon ray, and the noise of its direct light.
 #[derive(Clone, Copy, Debug, Default)]
 struct PassCost {
     /// Relative variance of the direct light of one camera path.
     direct_variance: f64,
     /// Work of one camera path up to its first receiver.
     prefix: f64,
-    /// Work of the rest of a camera path.
+    /// Work of one camera path after its first receiver.
     continuation: f64,
     /// Work of tracing, storing and gathering photons.
     photons: f64,
-    /// Work of one photon estimate beside its photons.
+    /// Work of one photon estimate apart from its photons.
     lookup: f64,
 }
 
@@ -167,7 +173,7 @@ fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
     (size, (cells(width), cells(height)))
 }
 
-/// Work of the parts of a trial, in photon rays of equal work.
+/// Work of the parts of a trial, relative to tracing one photon ray.
 struct TrialWork {
     /// Work of the camera paths.
     paths: f64,
@@ -175,18 +181,19 @@ struct TrialWork {
     prefixes: f64,
     /// Work of tracing and storing the photons of the interreflection map.
     photons: f64,
-    /// Work of the photons of that map that the camera paths gathered.
+    /// Work of gathering the photons of the interreflection map.
     gathering: f64,
 }
 
-/// Photon maps of one trial, and the pass that reports their photons.
+/// Photon maps of one trial, and the report on their photons.
 struct Trial<'a> {
     maps: PhotonMaps<'a>,
     report: Pass,
 }
 
 impl<'a> Trial<'a> {
-    /// Traces 1/`divisor` of the photon paths of a pass.
+    /// Builds the photon maps of trial number `trial` from 1/`divisor` of the photon paths of a
+    /// pass.
     fn new(pilot: &PassRenderer<'a>, trial: u32, divisor: u32) -> Self {
         let key = pilot_key(pilot).pilot_trial_key(trial);
         let options = MapBuildOptions::for_pilot(key, divisor);
@@ -208,8 +215,10 @@ impl<'a> Trial<'a> {
         map_paths_through_film_points(&paths, points, nests_estimates, PointLight::take_from)
     }
 
-    /// Measures the work of camera paths through `points`, whose counters with both techniques are
-    /// `both`, and of the photons of the interreflection map.
+    /// Measures the work of camera paths through `points` and of the photons of the interreflection
+    /// map.
+    ///
+    /// `both` holds the counters of these paths when both techniques find indirect light.
     fn measure_work(&self, pilot: &PassRenderer<'_>, points: &[FilmPoint], both: &Counters) -> TrialWork {
         let some_points: Vec<FilmPoint> = points.iter().step_by(WORK_STEP).copied().collect();
         let (_, alone) = self.trace(pilot, &some_points, IndirectTechnique::Paths);
@@ -228,7 +237,8 @@ impl<'a> Trial<'a> {
 }
 
 impl PointLight {
-    /// Takes the light of the camera path of radiance `radiance` from `worker`.
+    /// Splits the `radiance` of a camera path into its parts by the sums in `worker`, and resets
+    /// these sums.
     fn take_from(radiance: Rgb, worker: &mut PathWorker) -> Self {
         let light = std::mem::take(&mut worker.indirect_light);
         let prefix = std::mem::take(&mut worker.prefix);
@@ -245,11 +255,12 @@ impl PointLight {
     }
 }
 
-/// Returns the relative errors of both techniques in each cell, and the mean variance of the direct
-/// light of a camera path; `None` if all is black.
+/// Returns the relative errors of both techniques in each cell, and the mean relative variance of
+/// the direct light of a camera path; `None` if all is black.
 ///
-/// `paths` is the number of photon paths of a trial. `rare` is the variance of photon estimates
-/// that found almost no light, relative to the squared light that camera paths found.
+/// `one` and `other` hold the light of two trials. `paths` is the number of photon paths of a
+/// trial. `rare` is the variance of photon estimates that found almost no light, relative to the
+/// squared light that camera paths found.
 fn cell_errors(
     one: &[PointLight],
     other: &[PointLight],
@@ -265,8 +276,8 @@ fn cell_errors(
     let mut sorted: Vec<f64> = cell_light.iter().copied().filter(|l| *l > 0.0).collect();
     sorted.sort_by(f64::total_cmp);
     let median = *sorted.get(sorted.len() / 2)?;
-    // Relative to the light of a cell: variances of direct light, of paths and of photons, squared
-    // bias, and the mean light that each technique finds.
+    // Six values for each cell, relative to the light of the cell: the variances of direct light,
+    // of paths and of photons, the squared bias, and the mean light that each technique finds.
     let raw: Vec<[f64; 6]> = cells
         .iter()
         .zip(&cell_light)
@@ -295,7 +306,7 @@ fn cell_errors(
     };
     let errors = |i: usize| {
         let (by_paths, by_photons) = (smoothed(i, 4), smoothed(i, 5));
-        // Where photons are too rare for the pilot, a pass finds few.
+        // If photons are too rare for the pilot, assume a variance.
         let missed = (by_paths - by_photons).max(0.0);
         let relative_variance = if missed > MOST_MISSED * by_paths {
             rare
@@ -312,18 +323,18 @@ fn cell_errors(
         }
     };
     let mut direct: Vec<f64> = raw.iter().map(|sums| sums[0]).collect();
-    // A few cells with rare bright light say nothing about the others.
+    // Leave out the 5 % noisiest cells: rare bright light says nothing about other cells.
     direct.sort_by(f64::total_cmp);
     let kept = direct.len() - direct.len() / 20;
     let direct = direct[..kept].iter().sum::<f64>() / kept as f64;
     Some(((0..cells.len()).map(errors).collect(), direct))
 }
 
-/// Completes `division` by the numbers of photon paths and of passes, and by the price of camera
-/// paths, for which error times work is least. Returns `None` if camera paths alone are as good.
+/// Returns `division` with the numbers of photon paths and passes, and the price of camera paths,
+/// for which error times work is least. Returns `None` if camera paths alone are as good.
 ///
 /// `parts` are the numbers of photon paths to choose from, relative to that of `division`. `area`
-/// returns the relative disc area of a pass.
+/// returns the relative disc area of a pass, counted from 0.
 fn choose(
     division: &IndirectDivision,
     parts: &[f64],
@@ -361,7 +372,8 @@ fn choose(
     if !pays(1) {
         return None;
     }
-    // The cost grows from pass to pass.
+    // The product of error and work grows from pass to pass: find the last pass in which photons
+    // pay.
     let (mut passes, mut limit) = (1, MAX_PASSES);
     while passes + 1 < limit {
         let middle = passes + (limit - passes) / 2;

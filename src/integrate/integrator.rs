@@ -42,9 +42,9 @@ pub trait Integrator: Sync {
     }
 
     /// Returns the share in \[0, 1] of indirect light that photon estimates carry in pass `pass`,
-    /// as a mean over the picture; camera paths carry the rest.
+    /// as a mean over the picture. Camera paths carry the rest.
     ///
-    /// It refers to the first surface on each camera path that stores photons.
+    /// The indirect light is that at the first surface on each camera path that stores photons.
     fn indirect_photon_share(&self, _pass: u32) -> f64 {
         0.0
     }
@@ -65,8 +65,8 @@ pub trait Integrator: Sync {
         false
     }
 
-    /// Returns the work and benefit of guiding shadow rays to the environment light; `None` without
-    /// the pilot that finds them.
+    /// Returns the work and benefit of guiding shadow rays to the environment light; `None` if no
+    /// pilot tried to guide them.
     fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {
         None
     }

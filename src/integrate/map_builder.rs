@@ -29,7 +29,7 @@ use std::time::Instant;
 /// Default limit on the number of photons of a density estimate in the caustic map.
 pub const CAUSTIC_K: u32 = 50;
 
-/// Divisor of the number of photon paths in all directions: 1/16 of that number is traced to guide
+/// Divisor of the number of unaimed photon paths that gives the number of paths for guiding
 /// final-gathering rays.
 const GUIDE_INTERVAL: u32 = 16;
 
@@ -137,7 +137,7 @@ impl<'a> PhotonMapBuilder<'a> {
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         let mut request = policy.photon_map_request();
         if policy.indirect_photons != IndirectPhotons::Off && has_emitting_media(scene, policy.effects) {
-            // Media emit no photons, so camera paths carry the indirect light that they cause.
+            // Media emit no photons, so camera paths carry the indirect light of emitting media.
             request.unaimed = StoreMask::NONE;
         }
         let source = |mask: StoreMask, paths: u32, new_source: &dyn Fn() -> Option<PhotonSource<'a>>| {
@@ -146,7 +146,8 @@ impl<'a> PhotonMapBuilder<'a> {
             }
             restrict_to_effects(new_source()?, policy.effects)
         };
-        // Caustics forced on in a scene without lit casters start in all directions.
+        // If a user forces caustics on in a scene without lit casters, aimed paths start in all
+        // directions.
         let aimed =
             || PhotonSource::aimed_at_casters(scene).or_else(|| PhotonSource::emitting_in_all_directions(scene));
         let aimed_source = source(request.aimed, settings.caustic_photons, &aimed);
@@ -313,8 +314,8 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Traces the photons of slice `slice` of pass `pass` and builds its maps. Adds ray counts,
     /// reports and times to `out`.
     ///
-    /// The gather radii are those of the whole pass: the mean of the estimates of all slices has
-    /// the noise and bias of one estimate with the photons of all.
+    /// The gather radii are those of the whole pass. So the mean of the estimates of all slices has
+    /// the noise and bias of one estimate from the photons of all slices.
     pub fn build(
         &self,
         pass: u32,
@@ -491,7 +492,7 @@ impl<'a> PhotonMapBuilder<'a> {
             radii.volume.points * kernel_radius_ratio(point_dimensions, alpha, pass),
         );
         let band = WAVELENGTH_BAND * area.sqrt() as f32;
-        // One number for all maps: their beams belong to different paths.
+        // All maps use the same random number: their beams belong to different paths.
         let start = options.photon_path_key(Purpose::BeamThinning).uniform_1d(Dimension::Roulette);
         let beams = thin_beams(photons.volume.beams, radii.volume.kept_beams, start);
         let volume_photons = VolumePhotons { beams, ..photons.volume };

@@ -23,7 +23,7 @@ const CENTER: Vec2 = Vec2::splat(0.5);
 /// photons) send a shadow ray to every light.
 const FEW_LIGHTS: usize = 4;
 
-/// Lights to which one vertex sends shadow rays, and the number of rays.
+/// Scheme of one vertex's shadow rays: to which lights they go, and how many.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ShadowRayScheme {
     /// This many shadow rays to every light.
@@ -104,7 +104,8 @@ impl<'a> NextEventEstimator<'a> {
         (!self.centers && self.effects.has(Effect::Shadows)).then_some(environment)
     }
 
-    /// Samples the light with index `light` that reaches `p`, by `u` in \[0, 1)².
+    /// Samples the direct light at `p` from the light with index `light`, by `u` in \[0, 1)²;
+    /// `None` if no light reaches `p`.
     #[inline]
     fn sample_li(&self, light: usize, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
         match (&self.lights[light], &self.environment_guide) {
@@ -129,8 +130,8 @@ impl<'a> NextEventEstimator<'a> {
 
     /// Estimates the direct light that `vertex` scatters towards the previous vertex \[W/(m² sr)].
     ///
-    /// If the path `continues`, it may hit a light itself. The balance heuristic then weights the
-    /// estimate against that hit.
+    /// If the path `continues`, its next ray may hit a light too. The balance heuristic then
+    /// weights the estimate against this second technique.
     pub fn estimate_direct_light<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,

@@ -10,11 +10,11 @@ use std::ops::AddAssign;
 /// Stage of a pass, for progress reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PassStage {
-    /// Photon tracing. Its unit of progress is a photon path.
+    /// Photon tracing. Progress counts photon paths.
     Photons,
-    /// Construction of the photon maps. Its unit of progress is a photon.
+    /// Construction of the photon maps. Progress counts photons.
     Indexing,
-    /// Tracing of camera paths. Its unit of progress is a pixel.
+    /// Tracing of camera paths. Progress counts pixels.
     Camera,
 }
 
@@ -87,8 +87,8 @@ pub struct Pass {
     /// Differences between photon estimates with nested discs, for each pixel; empty unless the
     /// error is estimated.
     pub nested: Vec<NestedEstimates>,
-    /// Radiance of some pixels by camera paths that no other pass traces, as pairs of the index in
-    /// `image` and the radiance \[W/(m² sr)].
+    /// Radiance of some pixels by camera paths that no other pass traces: pairs of an index in
+    /// `image` and a radiance \[W/(m² sr)].
     ///
     /// Empty unless all passes share the camera paths of `image` and the error is estimated.
     pub fresh: Vec<(u32, Rgb)>,

@@ -89,8 +89,11 @@ impl<'a> PassRenderer<'a> {
         self.environment_guide = guide;
     }
 
-    /// Finds a guide of shadow rays to the environment light by a pilot. The guide is `None` if it
-    /// does not pay, the report if no light or setting allows one.
+    /// Runs the pilot that guides shadow rays to the environment light. Returns the guide and a
+    /// report.
+    ///
+    /// The guide is `None` if it would not reduce the noise enough. Both are `None` if the scene
+    /// has no light to guide or the settings forbid it.
     pub fn find_environment_guide(&self) -> (Option<Arc<EnvironmentGuide>>, Option<EnvironmentGuidingReport>) {
         let light = self.nee.guidable_environment_light().filter(|_| self.settings.guides_environment);
         let Some(light) = light.filter(|_| self.policy.direct_light) else { return (None, None) };
@@ -109,8 +112,10 @@ impl<'a> PassRenderer<'a> {
         self.policy.effects.has(Effect::Motion) && self.scene.has_motion()
     }
 
-    /// Returns the number of slices of each pass: one for each [`SLICE_PIXELS`] pixels that things
-    /// move, as far as cost allows; 1 if nothing moves.
+    /// Returns the number of slices of the shutter interval in each pass; 1 if nothing moves.
+    ///
+    /// There is one slice for each [`SLICE_PIXELS`] pixels of motion on the film, unless so many
+    /// cost too much.
     pub fn find_slice_count(&self) -> u32 {
         if !self.has_motion() {
             return 1;
@@ -124,7 +129,7 @@ impl<'a> PassRenderer<'a> {
         let most = if !self.map_builder.traces_photons() {
             MAX_SLICES
         } else if self.policy.reads_photons_each_sample() {
-            // All indirect light is that of photons, and a ray meets those of its slice only.
+            // Photons carry all indirect light, and a camera ray reads only photons of its slice.
             self.samples.min(MAX_PHOTON_SLICES)
         } else {
             self.samples.saturating_mul(2).min(MAX_PHOTON_SLICES)

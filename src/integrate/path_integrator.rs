@@ -1,4 +1,4 @@
-//! The integrator of all algorithms that a [`PathPolicy`](super::policy::PathPolicy) expresses.
+//! Integrator that follows a [`PathPolicy`](super::policy::PathPolicy).
 
 use super::balance::RayPhotonBalance;
 use super::camera_path::{self, PathContext};
@@ -26,7 +26,8 @@ use crate::stats::Counters;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Integrator of all algorithms that a [`PathPolicy`](super::policy::PathPolicy) describes.
+/// Integrator of all algorithms that a [`PathPolicy`](super::policy::PathPolicy) describes: all
+/// except `raycast`.
 #[derive(Debug)]
 pub(super) struct PathIntegrator<'a> {
     renderer: PassRenderer<'a>,
@@ -63,7 +64,8 @@ impl Integrator for PathIntegrator<'_> {
             let mut slice_maps =
                 map_builder.traces_photons().then(|| map_builder.build(pass, slice, monitor, &mut out));
             if let Some(maps) = &mut slice_maps {
-                // Each slice estimates the light of the whole interval.
+                // Each slice estimates the light of the whole interval, so the picture needs the
+                // mean of the slices.
                 let share = 1.0 / slice.count as f32;
                 maps.splats.iter_mut().for_each(|splat| splat.radiance *= share);
                 splats.append(&mut maps.splats);
@@ -88,7 +90,7 @@ impl Integrator for PathIntegrator<'_> {
             add_splats(splats, &renderer.settings.camera_paths.filter, width, &mut out.image);
         }
 
-        // Trace some tiles by fresh paths if passes share theirs.
+        // If passes share camera paths, trace some tiles a second time by fresh paths.
         if let Some((sampling, key)) = renderers[0].unshared_path_sampling(pass, cameras()) {
             let fresh = render_camera_paths(&paths, &sampling, key, &SilentMonitor);
             out.fresh = fresh.pixels.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
@@ -182,8 +184,8 @@ impl<'a> PathIntegrator<'a> {
         } else {
             None
         };
-        // Balance camera rays against photons. Effects that add nothing must not matter: the
-        // picture is the same with them.
+        // Balance camera rays against photons. Use only effects that change the picture, so that
+        // the others do not change the balance.
         let balances =
             settings.balance && settings.camera_paths.samples.is_none() && policy.allows_ray_photon_balance();
         let balance = match (balances, needed == effects) {
@@ -210,7 +212,7 @@ impl<'a> PathIntegrator<'a> {
         // Divide directly visible caustics between photon estimates and light tracing.
         renderer.map_builder.find_density_estimate_shares();
 
-        // Trace more of the camera paths' prefixes where highlights and caustics need them.
+        // Add prefix rays where highlights and caustics need them.
         if settings.prefix_rays && policy.allows_prefix_rays() {
             renderer.prefix_rays = if needed == effects {
                 find_prefix_ray_counts(&renderer)

@@ -1,7 +1,7 @@
 //! Path policies: the rules that distinguish the algorithms.
 //!
-//! A [`PathPolicy`] says what a camera path does at its vertices. Each algorithm's file makes one
-//! from the simulated effects. The policy also decides which photon maps are built: see
+//! A [`PathPolicy`] says what a camera path does at its vertices. Each algorithm's file makes a
+//! policy from the simulated effects. The policy also decides which photon maps are built: see
 //! [`PathPolicy::photon_map_request`].
 
 use super::settings::{IndirectPhotons, LightTracing, Settings};
@@ -20,7 +20,7 @@ pub(super) struct PathPolicy {
     pub samples: u32,
     /// True if every pass traces the same camera paths.
     pub shares_paths: bool,
-    /// True if camera paths do next-event estimation.
+    /// True if camera paths find direct light by next-event estimation.
     pub direct_light: bool,
     /// Number and targets of the shadow rays of next-event estimation.
     pub light_sampling: LightSampling,
@@ -59,7 +59,7 @@ pub(super) enum LightSampling {
 /// Receivers (surfaces that store photons, or scattering media) from which a camera path continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathContinuation {
-    /// No receiver: a camera path ends at its first one.
+    /// No receiver: a camera path ends at the first receiver.
     Never,
     /// Receivers whose sampled BSDF lobe is not diffuse.
     Glossy,
@@ -86,9 +86,9 @@ pub(super) enum DirectionSampling {
 pub(super) enum PhotonLookups {
     /// No lookup.
     Never,
-    /// The photon maps at the first receiver, but only by few camera paths of each pixel and pass:
-    /// on surfaces one for each slice of the shutter interval, in media one. Prefix rays may read
-    /// them too.
+    /// The photon maps at the first receiver, read by only a few camera paths of each pixel and
+    /// pass: on surfaces one path for each slice of the shutter interval, in media one. Prefix rays
+    /// may read the maps too.
     ///
     /// The pixel's other paths would read almost the same photons.
     FewPerPixel,
@@ -161,7 +161,8 @@ impl PathPolicy {
                 (bounces, StoreMask { after_direct: merges && interreflection, ..StoreMask::NONE })
             }
             PhotonLookups::FirstReceiver => (false, unaimed(false)),
-            // Gather rays do no next-event estimation where they end.
+            // Next-event estimation is left out at the end of gather rays, so the map holds direct
+            // light too.
             PhotonLookups::GatherRays => (false, unaimed(true)),
         };
         let aimed =

@@ -16,7 +16,7 @@ use crate::plan::Effects;
 /// Returns the rules of camera paths for progressive photon mapping.
 pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
     PathPolicy {
-        // No later pass adds camera rays.
+        // Later passes trace the same camera rays, so the first pass must have enough of them.
         samples: 4,
         shares_paths: true,
         light_sampling: LightSampling::Rays(1),

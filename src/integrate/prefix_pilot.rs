@@ -1,20 +1,20 @@
 //! Pilot for prefix rays: it finds how many of them each pixel needs.
 //!
-//! The *prefix* of a camera path is its part up to the first receiver. Highlights of small lamps,
-//! and caustics seen in mirrors and through glass, are found by prefixes alone. They often cover a
+//! The *prefix* of a camera path is its part up to the first receiver. Prefixes alone find
+//! highlights of small lamps, and caustics seen in mirrors and through glass. These often cover a
 //! fraction of a pixel, so their noise is large, but a ray that ends at the first receiver costs
 //! little.
 //!
-//! A pixel with n camera paths and m prefix rays has the variance σ_r²/n + σ_f²/(n + m) +
-//! σ_p²/(1 + l) if l prefix rays read photon maps. The terms are light after the first receiver,
-//! emission that the prefix finds, and the photon estimate. One camera path reads photon maps too,
-//! hence 1 + l. The pilot estimates these variances and the work of a ray and of a lookup. It
-//! minimizes the variance of the picture times the work of a pass, which is the inverse of
-//! efficiency (Pharr, Jakob and Humphreys 2023, section 2.2.1).
+//! A pixel with n camera paths and m prefix rays has the variance σ_r²/n + σ_f²/(n + m) + σ_p²/(1 +
+//! l) if l prefix rays read photon maps. The terms are light after the first receiver, emission
+//! that the prefix finds, and the photon estimate. One camera path reads photon maps too, hence 1 +
+//! l. The pilot estimates these variances and the work of a ray and of a lookup. It minimizes the
+//! variance of the picture times the work of a pass, which is the inverse of efficiency (Pharr,
+//! Jakob and Humphreys 2023, section 2.2.1).
 //!
 //! Two pictures of whole camera paths show in which pixels the photon estimate may need prefix
-//! rays. Only there do the prefix rays of the next pictures read photon maps, which is most of
-//! their work.
+//! rays. The prefix rays of the next pictures read photon maps only in these pixels, because
+//! lookups are most of their work.
 //!
 //! No pass uses rays of the pilot, so the mean stays unbiased.
 
@@ -40,34 +40,35 @@ const WHOLE_PICTURES: u32 = 2;
 /// Number of pictures of prefix rays, with one ray per pixel each.
 const PREFIX_PICTURES: u32 = 4;
 
-/// Number of the pictures of prefix rays that read photon maps in some pixels.
+/// Number of pictures of prefix rays in which some pixels read photon maps.
 const LOOKUP_PICTURES: u32 = 2;
 
 /// Smallest divisor of the number of photon paths: the pilot traces at most a quarter of the paths
 /// of a pass.
 const MIN_DIVISOR: u32 = 4;
 
-/// Most photon paths of the pilot for one map.
+/// Largest number of photon paths of the pilot for one map.
 const MAX_PATHS: u32 = 1 << 20;
 
-/// Number of steps of the search for the efficient numbers of rays.
+/// Number of steps of each search for the most efficient numbers of rays.
 const SEARCH_STEPS: u32 = 20;
 
-/// Most work of prefix rays, relative to the work of the rest of a pass.
+/// Largest work of prefix rays, relative to the work of the rest of a pass.
 ///
-/// It bounds what is lost where the pilot found a rare bright ray by luck.
+/// It limits the work wasted on a pixel in which the pilot met a rare bright ray by chance.
 const MAX_WORK: f64 = 0.3;
 
 /// Mean number of prefix rays per pixel below which none are traced.
 const MIN_MEAN_COUNT: f64 = 1e-3;
 
-/// Variance of the photon estimate, relative to the mean variance of whole camera paths, above
-/// which prefix rays of the pilot read photon maps in a pixel.
+/// Threshold above which the pilot's prefix rays read photon maps in a pixel.
 ///
-/// A pass traces prefix rays that read them from about eight times this variance on.
+/// It is compared with the variance of the pixel's photon estimate times n² for n camera paths per
+/// pixel, relative to the mean variance of whole camera paths. Lookups of a pass pay only from
+/// about eight times this variance on.
 const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
 
-/// Work of a density estimate beside its photons, relative to tracing a photon ray.
+/// Work of one density estimate apart from its photons, relative to tracing a photon ray.
 const LOOKUP_WORK: f64 = 20.0;
 
 /// Running mean and sum of squared differences from it (Welford 1962).
@@ -83,7 +84,7 @@ impl RunningVariance {
         self.count += 1;
         let before = value - self.mean;
         self.mean += before / self.count as f32;
-        // The square of a small f32 could underflow.
+        // Use f64: the square of a small f32 could underflow.
         self.squares += f64::from(before) * f64::from(value - self.mean);
     }
 
@@ -106,13 +107,14 @@ struct PixelLight {
     products: f64,
 }
 
-/// Variances of one ray of a pixel, relative to the light of the pixel and of the picture.
+/// Variances of one ray of a pixel, relative to the light of the pixel and of the picture; see
+/// [`pixel_variances`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct PixelVariance {
     /// Variance of the light after the first receiver.
     rest: f64,
-    /// Variance of emission and direct light that the prefix found, reduced by twice its negative
-    /// covariance with the light after the first receiver: a ray past an edge finds either.
+    /// Variance of emission and direct light that the prefix found. A negative covariance with
+    /// `rest` is added twice, because a ray past an edge finds one of the two.
     found: f64,
     /// Variance of the photon estimate at the first receiver.
     photons: f64,
@@ -120,8 +122,8 @@ struct PixelVariance {
 
 /// Returns the number of prefix rays of each pixel for the camera rays and photons of a pass.
 ///
-/// Returns `None` if prefix rays do not pay, or if media scatter or emit: then the light that
-/// prefixes find includes that of the media.
+/// Returns `None` if prefix rays do not pay, or if media scatter or emit. In such media, prefixes
+/// also find light of the media, which this pilot does not model.
 pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<PrefixRayCounts> {
     let (scene, effects) = (renderer.scene, renderer.policy.effects);
     if effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.scatters() || medium.emits()) {
@@ -219,7 +221,7 @@ enum PathParts {
     Prefix,
 }
 
-/// Returns for each pixel whether the pilot reads photon maps there by prefix rays.
+/// Returns for each pixel true if the pilot's prefix rays should read photon maps there.
 ///
 /// `variances` are those of single whole camera paths. A pass traces n = `samples` paths in each
 /// pixel, and only one of them reads photon maps. A further estimate pays if its variance is above
@@ -267,8 +269,8 @@ fn render_light_parts(
 /// Returns the relative variances of one ray of each pixel; `None` if the picture is black.
 ///
 /// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ its median over
-/// the picture. This lies between the absolute error, which ignores dark places, and the relative
-/// error, which ignores highlights.
+/// the picture. This measure lies between the absolute error, which neglects dark pixels, and the
+/// relative error, which neglects bright ones.
 fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<Vec<PixelVariance>> {
     let mean: Vec<f32> = light.iter().map(|l| l.rest.mean + l.found.mean + l.photons.mean).collect();
     let mut sorted: Vec<f32> = mean.iter().copied().filter(|l| *l > 0.0).collect();
@@ -299,7 +301,7 @@ fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<
     Some((0..light.len()).into_par_iter().map(variance).collect())
 }
 
-/// Work of a pass per pixel, in photon rays of equal work.
+/// Work of a pass per pixel, relative to tracing one photon ray.
 #[derive(Clone, Copy, Debug)]
 struct PassWork {
     /// Work of the camera paths of a pixel.
@@ -313,17 +315,17 @@ struct PassWork {
 }
 
 /// Returns the numbers of prefix rays for which variance times work of a pass is least, within
-/// [`MAX_WORK`]; `None` if there are almost none.
+/// [`MAX_WORK`]; `None` if almost no pixel needs prefix rays.
 ///
-/// The variance that photons cause is not known. It is taken to be to the work of photons as the
-/// variance of camera paths is to theirs: the balance of rays and photons makes it so.
+/// The variance that photons cause is not measured. Because a pilot balances rays and photons,
+/// variance and work are assumed to have the same ratio for photons as for camera paths.
 fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWork) -> Option<Vec<PrefixRayCount>> {
     let n = f64::from(samples);
     let (ray_scale, lookup_scale) = (1.0 / work.prefix_ray.sqrt(), 1.0 / (work.prefix_ray + work.lookup).sqrt());
-    // Numbers of rays and lookups of a pixel. The derivative of the variance by the work is the
-    // same for all pixels: −1/scale².
+    // Number of rays and of lookups of a pixel. The derivative of variance by work is the same for
+    // all pixels: −1/scale².
     let count = |v: &PixelVariance, scale: f64| {
-        // `max` ignores NaN, so broken variances give no ray.
+        // `max` ignores NaN, so a NaN variance gives no ray.
         let whole = |n: f64| n.max(0.0).floor().min(f64::from(u8::MAX));
         let lookups = whole(v.photons.sqrt() * scale * lookup_scale - 1.0);
         (whole(v.found.sqrt() * scale * ray_scale - n).max(lookups), lookups)
@@ -346,7 +348,7 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
         variances.iter().map(pixel_variance).sum::<f64>() / pixels
     };
 
-    // Where variance times work is least, that derivative is the variance over the work of a pass.
+    // At the least product of variance and work, 1/scale² is the variance over the work of a pass.
     let mut scale = 0.0;
     for _ in 0..SEARCH_STEPS {
         let next = ((rest_work + prefix_work(scale)) / variance(scale)).sqrt();
@@ -356,7 +358,7 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
         scale = next;
     }
 
-    // Fewer rays if their work is above the limit.
+    // If the work of prefix rays is above the limit, bisect for fewer rays.
     if prefix_work(scale) > MAX_WORK * rest_work {
         let (mut low, mut high) = (0.0, scale);
         for _ in 0..SEARCH_STEPS {

@@ -19,7 +19,7 @@ pub(super) struct PrefixLight {
     /// Number of camera paths of the pixel, or of prefix rays, that read photon maps: those with
     /// the lowest sample indices.
     pub lookups: u32,
-    /// Factor of the photon estimate beside its multiplication by the number of samples.
+    /// Factor on the photon estimate, apart from its multiplication by the number of samples.
     ///
     /// With n camera paths, k of which read maps, m prefix rays, and l prefix rays that read maps,
     /// it is 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.
@@ -75,7 +75,7 @@ impl PrefixLight {
     }
 }
 
-/// Number of prefix rays of each pixel, as a pilot chose them, and their work.
+/// Number of prefix rays of each pixel as chosen by a pilot, and their work.
 ///
 /// Prefix rays are extra camera paths that end at the first surface that stores photons.
 #[derive(Clone, Debug)]

@@ -25,7 +25,8 @@ pub fn squared_radius_ratio(alpha: f64, pass: u32) -> f64 {
     (1..=pass).map(f64::from).map(|i| (i + alpha) / (i + 1.0)).product()
 }
 
-/// Returns the kernel radius of pass `pass` relative to the first pass, in d = `dimensions`.
+/// Returns the kernel radius of pass `pass` relative to the first pass, for a kernel in
+/// `dimensions` (d) dimensions.
 ///
 /// The kernel's length, area or volume shrinks by [`squared_radius_ratio`] with the exponent 1 − (1
 /// − `alpha`)·3d/(4 + d). For the default `alpha` this is 4/(4 + d), which balances variance and
@@ -49,7 +50,7 @@ mod tests {
                     < 1e-6
             );
         }
-        // N^(α−1)/d: −1/5, −1/6 and −1/7.
+        // The radius falls as N^((α−1)/d), which gives the powers −1/5, −1/6 and −1/7.
         for (dimensions, power) in [(1, -0.2), (2, -1.0 / 6.0), (3, -1.0 / 7.0)] {
             let ratio = f64::from(
                 kernel_radius_ratio(dimensions, ALPHA, 99_999) / kernel_radius_ratio(dimensions, ALPHA, 9999),

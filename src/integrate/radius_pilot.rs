@@ -14,11 +14,11 @@ use glam::Vec2;
 /// pass.
 pub(super) const MAX_PATHS: u32 = 1 << 16;
 
-/// Largest number of photon paths of a pilot for a map of indirect light, whose density varies
-/// little between neighbouring photons.
+/// Largest number of photon paths of a pilot for a map of indirect light. Few suffice, because the
+/// density of indirect photons varies slowly.
 pub(super) const MAX_INDIRECT_PATHS: u32 = 1 << 14;
 
-/// Largest number of photon paths of a pilot, as a multiple of the paths of a pass.
+/// Factor from the photon paths of a pass to those of a pilot.
 const MAX_PASSES: u32 = 4;
 
 /// Smallest number of photon paths of a pilot, even if a pass traces far fewer.
@@ -33,8 +33,8 @@ const RADIUS_QUANTILE: f64 = 0.75;
 /// Largest gather radius relative to the scene's radius. A larger one would blur the whole scene.
 const MAX_RADIUS: f32 = 0.1;
 
-/// Smallest gather radius relative to the distance from the origin. Single precision cannot resolve
-/// smaller ones.
+/// Smallest gather radius relative to the distance from the origin: single precision cannot resolve
+/// smaller radii.
 const MIN_RADIUS: f32 = 1e-6;
 
 /// Smallest gather radius, relative to the width of a pixel's footprint on the closest visible
@@ -50,12 +50,12 @@ const MEDIA_RAYS: u32 = 512;
 /// Largest number of casters (such as glass or mirrors) on a camera path of the pilot for media.
 const MAX_CASTERS: u32 = 8;
 
-/// Target for the median number of beams or photons within the kernel radius of a camera ray. Rays
-/// that find none do not count.
+/// Target for the median number of beams or photons within the kernel radius of a camera ray. The
+/// median leaves out rays that find none.
 const MEDIAN_COUNT: f64 = 64.0;
 
-/// Kernel radius of photon beams below which fewer beams are kept instead, relative to the width of
-/// a pixel's footprint in the medium.
+/// Smallest kernel radius of photon beams, relative to the width of a pixel's footprint in the
+/// medium. If a smaller one would do, passes keep fewer beams instead.
 const BEAM_PIXEL_PART: f32 = 0.25;
 
 /// Kernel radius with which a pilot counts photons in media, relative to the scene's radius.
@@ -91,7 +91,7 @@ pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
 /// neighbours.
 ///
 /// The radius is for a pass of `paths` photon paths, and at least `min_radius`. The pilot traces at
-/// most `max_pilot_paths`. Returns `None` if it stores no photon.
+/// most `max_pilot_paths` paths. Returns `None` if it stores no photon.
 pub(super) fn find_gather_radius(
     pass: &PhotonPass<'_>,
     (paths, max_pilot_paths): (u32, u32),
@@ -119,9 +119,9 @@ pub(super) fn find_gather_radius(
     let quantile = ((radii.len() - 1) as f64 * RADIUS_QUANTILE) as usize;
     let mut coordinates: Vec<f32> = photons.iter().step_by(step).map(|p| p.position.abs().max_element()).collect();
     coordinates.sort_by(f32::total_cmp);
-    // Photons at the origin alone give no distance.
+    // If all photons lie at the origin, use the scene's radius.
     let far = Some(coordinates[quantile]).filter(|far| *far > 0.0).unwrap_or(size);
-    // Photon density grows with the number of paths, disc area with the square of the radius.
+    // Photon density is proportional to the number of paths, disc area to the square of the radius.
     let scaled = radii[quantile] * (pilot as f32 / paths as f32).sqrt();
     Some(scaled.max(min_radius).clamp(size.min(far) * MIN_RADIUS, size * MAX_RADIUS))
 }
@@ -159,9 +159,9 @@ impl Default for VolumeKernelRadii {
 /// Returns the kernel radii within which the median camera ray finds 64 beams or photons in media
 /// \[length], and the fraction of beams that passes keep.
 ///
-/// If 64 beams lie within a small part of a pixel's footprint, the radius is that part, and as many
-/// beams are kept as make 64. This costs little sharpness, and beams that lie so densely take long
-/// to search: their boxes are far larger than the radius.
+/// If the radius for beams is below [`BEAM_PIXEL_PART`] of a pixel's footprint, it is raised to
+/// this size, and passes keep only as many beams as give 64. This costs little sharpness and saves
+/// time: the bounding boxes of dense beams are far larger than such a small radius.
 ///
 /// The radii are for a pass of `paths` photon paths. Returns `None` if the pilot stores no photon
 /// in media.
@@ -217,8 +217,11 @@ pub(super) fn find_volume_kernel_radii(
     Some(VolumeKernelRadii { beams: beams.max(widest), points, kept_beams })
 }
 
-/// Returns the width of a pixel's footprint halfway along the median of `camera_paths` in media
-/// \[length]; 0 if none of them crosses a medium.
+/// Returns the width of a pixel's footprint in the medium \[length]; 0 if none of `camera_paths`
+/// crosses a medium.
+///
+/// It is measured at the median distance from the camera to the middle of a path's way through
+/// media.
 fn median_footprint(scene: &Scene, camera_paths: &[Vec<Ray>]) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint();
     let size = scene.photon_domain().radius;

@@ -125,7 +125,8 @@ impl PhongAppearance {
             },
             MaterialKind::Conductor { eta, k, .. } => Self::from_diffuse(conductor_reflectance(1.0, *eta, *k)),
             MaterialKind::Dielectric { body, .. } => Self::from_diffuse((-body.absorption).map(libm::expf)),
-            // An interaction has resolved each mix to a leaf.
+            // A surface interaction resolves each mix to one of its leaf materials, so `Mix` does
+            // not occur.
             MaterialKind::Black | MaterialKind::Mix { .. } => Self::from_diffuse(Rgb::ZERO),
         }
     }

@@ -29,7 +29,7 @@ pub(super) fn collect_gather_directions<I: Interior>(
     let guide = RefCell::new(gather_guide);
     let bandwidth = Bandwidth { radius: min_gather_distance * GUIDE_RADIUS, k: GUIDE_PHOTONS };
     let (p, normal) = (vertex.surface.point.p, vertex.surface.facing_normal());
-    // The estimate itself is not used: the lookup visits the photons.
+    // The lookup visits the photons; its estimate is not used.
     let _ = maps.guides.estimate_radiance(p, normal, bandwidth, Kernel::Cone, guide_lookup, |flux| {
         guide.borrow_mut().push(flux.incident_direction());
         Rgb::ZERO
@@ -68,7 +68,7 @@ pub(super) fn pdf<I: Interior>(
 
 /// True if directions at `vertex` are sampled from the BSDF and from the gather guide.
 ///
-/// False at casters (such as glass or mirrors), because the guide holds photons near the last
+/// False at casters (such as glass or mirrors): the guide holds directions of photons at the last
 /// surface that stores photons.
 #[inline]
 fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool {

@@ -17,7 +17,7 @@ pub struct CameraPathSettings {
     pub seed: u64,
     /// Reconstruction filter of pixels.
     pub filter: Filter,
-    /// True if a pilot distributes camera rays over the pixels by their noise.
+    /// True if a pilot gives noisier pixels more camera rays.
     pub adaptive: bool,
     /// True if passes also return photon estimates of smaller radii, for error estimation.
     ///
@@ -56,7 +56,7 @@ pub struct Settings {
     ///
     /// `photons`, `caustic_photons` and the camera rays per pixel are then starting values.
     pub balance: bool,
-    /// Largest number of photons of a density estimate, 0 for no limit.
+    /// Largest number of photons of a density estimate; 0 for no limit.
     ///
     /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the indirect
     /// map. The farthest photon only sets the radius, so a limit of 1 acts like 2.
@@ -84,12 +84,12 @@ pub struct Settings {
     pub indirect_photons: IndirectPhotons,
     /// Density estimator for photons in media.
     pub volume: VolumeEstimator,
-    /// Place where [`Algorithm::Pm`](super::Algorithm::Pm) reads the indirect map.
+    /// Surface at which [`Algorithm::Pm`](super::Algorithm::Pm) reads the indirect map.
     pub final_gathering: FinalGathering,
 }
 
-/// Place where [`Algorithm::Pm`](super::Algorithm::Pm) reads the indirect map: at visible surfaces
-/// or by final gathering.
+/// Surface at which [`Algorithm::Pm`](super::Algorithm::Pm) reads the indirect map: the visible
+/// surface, or the end of a final-gathering ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FinalGathering {
     /// At the visible surface, without final gathering (direct visualization of the map).

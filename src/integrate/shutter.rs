@@ -8,15 +8,16 @@ use crate::camera::Camera;
 use crate::math::gcd;
 use crate::sampling::{Dimension, Key, Purpose};
 
-/// Way on the film that the fastest part of the scene moves in one slice \[pixels]. The times of
-/// passes interleave, so the mean of four passes has one position for each pixel.
+/// Distance on the film that the fastest part of the scene moves in one slice \[pixels].
+///
+/// The times of passes interleave, so in four passes that part takes one position per pixel.
 pub(super) const SLICE_PIXELS: f32 = 4.0;
 
 /// Largest number of slices of a pass.
 pub(super) const MAX_SLICES: u32 = 64;
 
-/// Largest number of slices of a pass that traces photons. The photon maps of more slices would
-/// cost more to search, and hold too few photons for an estimate.
+/// Largest number of slices of a pass that traces photons. The maps of more slices would take
+/// longer to search, and hold too few photons for an estimate.
 pub(super) const MAX_PHOTON_SLICES: u32 = 8;
 
 /// One slice of the shutter interval of a pass.
@@ -32,7 +33,8 @@ impl ShutterSlice {
     /// The whole shutter interval.
     pub const WHOLE: Self = Self { index: 0, count: 1 };
 
-    /// Returns the time of the slice in pass `pass`, in \[0, 1).
+    /// Returns the time of the slice in pass `pass`, as a fraction in \[0, 1) of the shutter
+    /// interval.
     ///
     /// The times are stratified: the first 2ⁿ passes divide each slice into equal steps.
     pub fn time(self, seed: u64, pass: u32) -> f64 {
@@ -60,15 +62,15 @@ pub(super) struct SlicedCameras<'a> {
 /// Division of the camera rays of one pixel among the slices of a pass.
 ///
 /// Ray i of n takes stratum i·s mod n of the shutter interval, where s is coprime to n. So the
-/// first rays spread over the interval. The strata are shifted by an offset that each pixel draws
-/// for itself. So each ray takes each slice with the same probability, and if there are more
-/// slices than rays, neighbouring pixels take different ones.
+/// first rays spread over the interval. A random offset for each pixel shifts the strata. So each
+/// ray takes each slice with the same probability. If there are more slices than rays, neighbouring
+/// pixels take different slices.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RaySlices {
     slices: u32,
     rays: u32,
     stride: u32,
-    /// Offset of the strata \[strata].
+    /// Offset of the strata, in units of a stratum.
     offset: f64,
 }
 

@@ -35,7 +35,7 @@ pub(super) struct FilmSampling<'a> {
     /// Slices of the shutter interval among which camera rays are divided; `None` sends all rays
     /// through `camera`.
     pub slices: Option<SlicedCameras<'a>>,
-    /// Interval of rendered tiles: 1 renders all tiles, n renders one of n tiles and leaves the
+    /// Stride of the rendered tiles: 1 renders all tiles, n renders one of n tiles and leaves the
     /// others black.
     pub every: u32,
 }
@@ -54,9 +54,9 @@ pub(super) struct PrefixRays<'a> {
 pub(super) struct FilmImage {
     /// Radiance of each pixel, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
-    /// Nested photon estimates of each pixel; empty unless requested.
+    /// Nested photon estimates of each pixel; empty unless [`FilmSampling::nested`] is true.
     pub nested: Vec<NestedEstimates>,
-    /// Indices of the rendered pixels if some tiles are left out; else empty.
+    /// Indices of the rendered pixels if the stride skips tiles; else empty.
     pub pixels: Vec<u32>,
     pub counters: Counters,
 }
@@ -67,7 +67,7 @@ struct Tile<'a> {
     index: u32,
     /// Parts of the picture's rows that lie in the tile, from the top.
     image: Vec<&'a mut [Rgb]>,
-    /// Rows of nested estimates in the tile; none unless requested.
+    /// Rows of nested estimates in the tile; empty unless [`FilmSampling::nested`] is true.
     nested: Vec<&'a mut [NestedEstimates]>,
 }
 
@@ -131,7 +131,8 @@ impl FilmSampling<'_> {
     #[inline]
     fn film_position(&self, corner: Vec2, sampler: Sampler) -> (Vec2, f32) {
         let Some(filter) = self.filter else { return (corner + Vec2::Y, 1.0) };
-        // The correction for negative lobes is unbiased only if samples are independent.
+        // Filters with negative lobes need independent samples: else [`PixelSum::weighted_sum`] is
+        // biased.
         let film = if filter.has_negative_values() {
             sampler.sample_key().uniform_2d(Dimension::Film)
         } else {
@@ -239,7 +240,7 @@ pub(super) fn render_tiles<T: Default>(
     FilmImage { image, nested, pixels: rendered_pixels, counters }
 }
 
-/// Returns the interval n ≥ 2 such that rendering one of n tiles renders about `wanted` tiles.
+/// Returns the stride n ≥ 2 for which rendering one of n tiles renders about `wanted` tiles.
 pub(super) fn rendered_tile_stride((width, height): (u32, u32), wanted: u32) -> u32 {
     (width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE) / wanted).max(2)
 }
@@ -248,7 +249,7 @@ pub(super) fn rendered_tile_stride((width, height): (u32, u32), wanted: u32) -> 
 ///
 /// Rendered tiles lie on diagonal lines, so they are spread over all rows and columns.
 fn is_tile_rendered(tile: u32, columns: u32, every: u32) -> bool {
-    // A slant that shares a factor with the interval would leave columns out.
+    // A slant that shares a factor with the stride would leave out columns.
     let slant = (1..=every.div_ceil(2)).rev().find(|slant| gcd(*slant, every) == 1).unwrap_or(1);
     (tile % columns + tile / columns * slant).is_multiple_of(every)
 }
@@ -286,17 +287,18 @@ impl PixelSum {
         self.values.value()
     }
 
-    /// Returns an unbiased estimate of the weighted sum of radiance values.
+    /// Returns an unbiased estimate of the sum of radiance values times filter weights.
     ///
     /// Each sample adds wᵢLᵢ + (1 − wᵢ)·(mean of the other values), which has less noise than wᵢLᵢ
-    /// alone. The sum is unbiased, because weights have mean 1, and exact if all values are equal.
+    /// alone. The sum is unbiased, because weights have mean 1. It is exact if all values are
+    /// equal.
     fn weighted_sum(&self) -> DVec3 {
         let (values, weighted) = (self.values.value(), self.weighted.value());
         let others = f64::from(self.count) - 1.0;
         if others < 1.0 {
             return weighted;
         }
-        // Σ (1 − wᵢ)(S − Lᵢ)/(n − 1), from the sums above.
+        // Add Σ (1 − wᵢ)(S − Lᵢ)/(n − 1), where S is the sum of all values.
         let lacks = (weighted - values) - values * self.excess;
         weighted + lacks / others
     }

@@ -31,7 +31,7 @@ pub(super) struct PathVertex<'a, I> {
     pub surface: &'a SurfaceInteraction<'a>,
     /// Nested bodies and medium on the side of the surface from which the path arrived.
     pub interior: &'a I,
-    /// Receivers and casters before this vertex. A caster at this vertex is counted too.
+    /// Numbers of receivers and casters before this vertex. A caster at this vertex is counted too.
     pub history: PathHistory,
     /// Factor from radiance that leaves the vertex to radiance of the pixel.
     pub throughput: Rgb,
@@ -44,8 +44,8 @@ pub(super) struct PathVertex<'a, I> {
 }
 
 impl<I: Interior> PathVertex<'_, I> {
-    /// Returns the unit normal of the hemisphere from which incident light is scattered to the
-    /// viewer; `None` if the BSDF also transmits.
+    /// Returns the unit normal of the hemisphere from which the BSDF scatters light to the viewer;
+    /// `None` if the BSDF also transmits.
     #[inline]
     pub fn scattering_hemisphere(&self) -> Option<Vec3> {
         (!self.surface.bsdf.transmits()).then(|| self.surface.facing_normal())
@@ -93,8 +93,8 @@ pub(super) struct MediumPathSegment<'a, I> {
 pub(super) struct PrevVertex {
     /// Position of the vertex.
     pub p: Vec3,
-    /// Unit normal of the hemisphere from which incident light is scattered there; `None` for the
-    /// whole sphere.
+    /// Unit normal of the hemisphere from which the vertex scatters light; `None` for the whole
+    /// sphere.
     pub hemisphere: Option<Vec3>,
     /// Receivers and casters before the vertex.
     pub history: PathHistory,

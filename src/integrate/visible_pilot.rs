@@ -17,8 +17,8 @@ use glam::Vec2;
 /// per pixel.
 const RAYS: (u32, u32) = (2000, 20_000);
 
-/// Largest radius around a visible point, relative to the diagonal of the bounding box of all
-/// visible points.
+/// Largest radius around a visible point within which photons count as visible, relative to the
+/// diagonal of the bounding box of all visible points.
 const MAX_RADIUS: f32 = 0.1;
 
 /// Returns a map of the surface points that the camera sees directly or over casters, such as glass
@@ -64,7 +64,7 @@ pub(super) fn record_receiver_points(
     workers.into_iter().flat_map(|worker| worker.visible).collect()
 }
 
-/// Returns the rules of camera paths that record visible points and compute no light.
+/// Returns the rules of camera paths that record visible points but compute no light.
 fn path_policy(effects: Effects) -> PathPolicy {
     PathPolicy {
         effects,

@@ -16,8 +16,8 @@ use std::f32::consts::{FRAC_1_SQRT_2, SQRT_2};
 /// Estimator of in-scattered radiance from photons in media.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VolumeEstimator {
-    /// Photon beams near the ray (Jarosz et al. 2011). In heterogeneous media, `BeamRadiance`
-    /// replaces it.
+    /// Photon beams near the ray (Jarosz et al. 2011). Heterogeneous media use `BeamRadiance`
+    /// instead.
     #[default]
     Beams,
     /// Beam radiance estimate: photons near the ray (Jarosz, Zwicker and Jensen 2008).
@@ -48,8 +48,8 @@ pub(super) struct BeamAndPointMaps {
 
 /// Sums of the radiance from photons, for a kernel of the full radius and of smaller nested radii.
 ///
-/// One photon is chosen with a probability proportional to its radiance. At it, probe rays measure
-/// which part of the kernel surfaces leave free.
+/// One photon is chosen with a probability proportional to its radiance. Probe rays at this photon
+/// measure which part of the kernel no surface hides.
 struct NestedKernelSums {
     sums: [Rgb; LEVELS],
     /// Number of dimensions of the kernel.
@@ -61,7 +61,7 @@ struct NestedKernelSums {
 
 /// The photon at which an estimate in a medium measures the coverage of its kernel.
 struct ChosenPhoton {
-    /// Radiance times the kernel value of the full radius.
+    /// Radiance of the photon times the kernel value for the full radius.
     radiance: Rgb,
     /// Squared distance of the photon from the kernel's center, relative to the squared full
     /// radius.
@@ -93,13 +93,13 @@ impl NestedKernelSums {
         }
     }
 
-    /// Returns all sums times `factor`, corrected for the part of each kernel that lies behind
-    /// surfaces. `radius` is the full radius \[length], `axis` the unit direction of the ray.
+    /// Returns all sums times `factor`, corrected for the part of each kernel that surfaces hide.
+    /// `radius` is the full radius \[length], `axis` the unit direction of the ray.
     ///
-    /// A photon's radiance f should be divided by the coverage c of the kernel that is measured
-    /// towards the photon; photons behind a surface should be left out. For all photons, that takes
-    /// too many probe rays. So one is chosen with probability f/F, where F is the sum, and F/c − F
-    /// or −F is added. This has the same mean.
+    /// A photon's radiance f should be divided by the coverage c: the part of the kernel that is
+    /// not hidden. Photons behind a surface should be left out. Measuring c for all photons takes
+    /// too many probe rays. So one photon is chosen with probability f/F, where F is the sum. The
+    /// function adds F/c − F for it, or −F if it is hidden. This has the same mean.
     fn corrected(mut self, scene: &Scene, axis: Vec3, radius: f32, factor: Rgb) -> [Rgb; LEVELS] {
         if let Some(ChosenPhoton { radiance, x2, towards }) = self.chosen {
             let probes = KernelProbes::trace(scene, &towards, axis, self.dimensions, radius);
@@ -270,7 +270,8 @@ impl BeamAndPointMaps {
             let radiance = photon.flux() * wavelength_kernel_weight(own, photon.wavelength, self.band);
             sums.add(radiance, phase * weight, x2, rng, || ray_along(p, photon.position - p, ray.direction));
         });
-        // The weight is σs·T over the pdf, but the photons are scattered light already.
+        // The weight is σs·T over the pdf, but photons already carry scattered light, so divide by
+        // σs.
         let factor = divide_by_scattering(distance_sample.weight, medium, p);
         sums.corrected(scene, ray.direction, self.points.radius(), factor)
     }
@@ -296,8 +297,8 @@ fn divide_by_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
     Rgb::select(scattering.cmpgt(Rgb::ZERO), weight / scattering, Rgb::ZERO)
 }
 
-/// Returns the factor on a photon's flux that accounts for the wavelengths of photon and camera
-/// path.
+/// Returns the factor on a photon's flux for the difference between the wavelengths of photon and
+/// camera path.
 ///
 /// `own` is the wavelength of the camera path, `other` the wavelength code of the photon. If both
 /// are set, the factor replaces the photon's spectral weight by a box kernel of half width `band`

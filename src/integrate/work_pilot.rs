@@ -43,13 +43,13 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     };
     let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
 
-    // Estimate the radiance at each point four times: as is, and with one source of noise
-    // replaced each time.
+    // Estimate the radiance at each point four times: once as reference, and once with each of the
+    // three sources of noise replaced.
     let (points, other_points) = (pilot_film_points(renderer.scene, key, 0), pilot_film_points(renderer.scene, key, 1));
     let reference = estimate_at_points(renderer, Some(&maps), &points);
     let other_camera = estimate_at_points(renderer, Some(&maps), &other_points);
     std::mem::swap(&mut maps.caustic, &mut other_maps.caustic);
-    // The aimed paths may fill both maps.
+    // If aimed paths fill both maps, replace both.
     let one_source = renderer.map_builder.request.aimed.separates_after_caustic;
     if one_source {
         std::mem::swap(&mut maps.indirect, &mut other_maps.indirect);
@@ -74,7 +74,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     // Measure the work of each source.
     let pixel_count = pixel_count(renderer.scene);
     let points = f64::from(POINTS);
-    // An estimate of a pass gathers more photons than one of the pilot, by the same factor.
+    // With more photon paths, an estimate of a pass gathers more photons than one of the pilot.
     let gathering =
         |counters: &Counters| balance::gathering_work(counters) / points * pixel_count * f64::from(PILOT_DIVISOR);
     let gathered = gathering(&reference.counters);
@@ -184,8 +184,7 @@ mod tests {
     use crate::shape::{Plane, Shape, Sphere};
     use glam::{DVec3, Vec3};
 
-    /// The setting for the number of unaimed photon paths has no influence where `hybrid` traces
-    /// none.
+    /// If `hybrid` traces no unaimed photon paths, the setting for their number has no influence.
     ///
     /// It traces none if photon estimates of indirect light are off.
     #[test]

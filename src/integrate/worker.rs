@@ -30,7 +30,8 @@ pub(super) struct PathWorker {
     pub nests_estimates: bool,
     /// Sum of the nested photon estimates of the current pixel.
     pub nested: NestedEstimateSum,
-    /// Difference between the last photon estimate and that with half its disc area \[W/(m² sr)].
+    /// Difference between the last photon estimate and the estimate with half its disc area \[W/(m²
+    /// sr)].
     pub photon_step: Rgb,
     /// Transmittance along the current segment of a medium.
     pub transmittance: TransmittanceCurve,
@@ -39,13 +40,15 @@ pub(super) struct PathWorker {
     /// Weights and sums of the light that paths find up to their first receiver (surface that
     /// stores photons).
     pub prefix: PrefixLight,
-    /// Film position of the current pixel's center or camera ray \[pixels from the top left].
+    /// Film position of the current camera ray, or of the center of its pixel \[pixels from the top
+    /// left].
     pub film_position: Vec2,
     /// Slice of the shutter interval of the current camera ray.
     pub slice: usize,
-    /// Weights of camera paths and photon estimates for indirect light, of the current camera path.
+    /// Weights that divide the indirect light of the current camera path between camera paths and
+    /// photon estimates.
     pub indirect_weights: IndirectWeights,
-    /// Contribution to the pixel of the indirect light that each technique finds along the current
-    /// camera path of a pilot.
+    /// Indirect light that each technique finds along the current camera path of a pilot, as its
+    /// contribution to the pixel.
     pub indirect_light: IndirectLight,
 }

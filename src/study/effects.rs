@@ -31,7 +31,7 @@ pub enum StudyError {
 pub enum ClockKind {
     /// Processor time, summed over all threads of this process.
     Processor,
-    /// Wall time. It is used if the system does not report processor time.
+    /// Wall time, used if the system does not report processor time.
     Wall,
 }
 
@@ -275,7 +275,7 @@ fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Se
     fixed
 }
 
-/// Returns the mean of `image` over pixels and channels. `channel_sums` holds the sum over the
+/// Returns the mean over the pixels and channels of `image`. `channel_sums` holds the sum over the
 /// channels of each pixel.
 fn mean_over_image(channel_sums: impl Iterator<Item = f64>, image: &Image) -> f64 {
     channel_sums.sum::<f64>() / (3.0 * image.pixels().len() as f64)

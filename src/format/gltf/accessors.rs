@@ -6,7 +6,7 @@ use gltf::buffer::{Source, View};
 use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 
-/// The buffers of a file. Each is read when it is first needed.
+/// Buffers of a glTF file. Each buffer is read when it is first needed.
 pub(super) struct Buffers<'a> {
     context: &'a FileContext<'a>,
     blob: RefCell<Option<Vec<u8>>>,
@@ -170,13 +170,16 @@ struct Layout {
     is_normalized: bool,
 }
 
-/// Returns the number of components of one element. Matrices are not padded: no attribute that is
-/// read has one.
+/// Returns the number of components of one element. Padding of matrix columns is not counted,
+/// because the importer reads no matrices.
 fn component_count(dimensions: Dimensions) -> usize {
     dimensions.multiplicity()
 }
 
-/// Returns the number that little-endian `bytes` hold.
+/// Returns the number that the little-endian `bytes` of a component hold; NaN if their length does
+/// not fit `kind`.
+///
+/// Normalized integers become numbers in \[−1, 1].
 fn decoded_component(bytes: &[u8], kind: DataType, is_normalized: bool) -> f64 {
     let scaled = |number: f64, greatest: f64| if is_normalized { (number / greatest).max(-1.0) } else { number };
     match (kind, bytes) {

@@ -26,7 +26,8 @@ pub(super) struct FileContext<'a> {
 }
 
 impl FileContext<'_> {
-    /// Returns the name of the file without text, because spans do not refer to it.
+    /// Returns a source with the name of the file and an empty text, because a glTF description has
+    /// no text positions.
     pub fn source(&self) -> SourceText {
         SourceText::new(&self.path.display().to_string(), "")
     }
@@ -65,7 +66,8 @@ impl FileContext<'_> {
         Ok(bytes)
     }
 
-    /// Returns the content of a data URI, or of a file below the folder of the glTF file.
+    /// Returns the content of a data URI or of a file. The file must lie below the folder of the
+    /// glTF file, unless the options allow other folders.
     pub fn read_uri(&self, place: &str, uri: &str) -> ReadResult<Vec<u8>> {
         if let Some(data) = uri.strip_prefix("data:") {
             let Some((_, digits)) = data.split_once(";base64,") else {

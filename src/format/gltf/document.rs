@@ -51,7 +51,7 @@ pub(super) struct GltfFile {
     pub blob: Option<Vec<u8>>,
 }
 
-/// Parses the bytes of a `.gltf` or `.glb` file, whichever it is.
+/// Parses the bytes of a glTF file. Their first bytes tell `.glb` from `.gltf`.
 pub(super) fn parse_document(context: &FileContext<'_>, bytes: &[u8], notes: &mut ImportNotes) -> ReadResult<GltfFile> {
     let (json, blob) = if bytes.starts_with(b"glTF") { split_container(context, bytes)? } else { (bytes, None) };
     let count = |wanted: u8| json.iter().filter(|byte| **byte == wanted).count() as u64;
@@ -105,7 +105,8 @@ fn split_container<'b>(context: &FileContext<'_>, bytes: &'b [u8]) -> ReadResult
     Ok((json, blob))
 }
 
-/// Empties the list of required extensions, which the crate `gltf` would refuse in part.
+/// Removes the list of required extensions, because the crate `gltf` refuses some that this
+/// importer reads.
 ///
 /// Returns an error if the importer does not read one of them.
 fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: &mut ImportNotes) -> ReadResult<()> {
@@ -126,7 +127,8 @@ fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: 
     Ok(())
 }
 
-/// Removes animations, which the crate `gltf` refuses in part, and adds missing lists of nodes.
+/// Removes animations, because the crate `gltf` refuses some. Gives scenes without a list of nodes
+/// an empty one.
 fn remove_animations_and_add_nodes(root: &mut Value, notes: &mut ImportNotes) {
     let Some(root) = root.as_object_mut() else { return };
     if let Some(animations) = root.remove("animations") {
@@ -164,7 +166,8 @@ fn check_defects(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
     Err(context.error(first, message))
 }
 
-/// Returns an error if the accessor of positions does not exist, on which validation would panic.
+/// Returns an error if a primitive refers to an accessor of positions that does not exist.
+/// Validation by the crate `gltf` would panic on it.
 fn check_positions(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
     for (i, mesh) in root.meshes.iter().enumerate() {
         for (k, primitive) in mesh.primitives.iter().enumerate() {

@@ -40,7 +40,7 @@ const MIN_ATTENUATION_DISTANCE: f64 = 1e-10;
 const MIN_ABBE_NUMBER: f64 = 2.0;
 const MAX_DISPERSIVE_INDEX: f64 = 3.0;
 
-/// A material of the scene language, as the objects with a material of the file use it.
+/// Material of the description that was made from a material of the file.
 #[derive(Clone, Debug)]
 pub(super) struct ImportedMaterial {
     /// Name in the description.
@@ -211,7 +211,7 @@ impl Conversion<'_, '_> {
         Ok(ImportedMaterial { name: self.name.clone(), set: self.set, is_invisible, emits })
     }
 
-    /// Returns what reflects and transmits light.
+    /// Returns the reflection and transmission of a material, without its alpha.
     fn surface<'t>(
         &mut self,
         material: &gltf::Material<'t>,
@@ -419,7 +419,9 @@ impl Conversion<'_, '_> {
         })
     }
 
-    /// Returns the emission of a surface with alpha, of which only the opaque share emits.
+    /// Returns `emission` times alpha, because only the opaque share of a surface emits.
+    ///
+    /// A texture of alpha is ignored with a message.
     fn masked_emission(&mut self, emission: EmissionDescription, alpha: &TexturedValue<f64>) -> EmissionDescription {
         let alpha = match alpha {
             TexturedValue::Plain(alpha) => *alpha,
@@ -465,7 +467,8 @@ impl Conversion<'_, '_> {
         })
     }
 
-    /// Returns a number from 0 to 1 with its mean. `wanted` has the factor of the texture.
+    /// Returns a parameter in \[0, 1] and its mean. The parameter is constant or varies by
+    /// `texture`; `wanted` says how it follows from the texture.
     fn scalar(
         &mut self,
         texture: Option<&TextureReference<'_>>,
@@ -534,7 +537,7 @@ fn phong_gain(shininess: f64) -> f64 {
     0.5 * (shininess + 2.0)
 }
 
-/// Returns a factor of the file, limited to \[0, 1].
+/// Returns `factor` limited to \[0, 1]; 0 for NaN.
 fn unit(factor: f32) -> f64 {
     if factor.is_nan() { 0.0 } else { f64::from(factor).clamp(0.0, 1.0) }
 }

@@ -3,7 +3,7 @@
 use crate::format::import::ImportNote;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Places of one message that are named. Further ones are counted only.
+/// Largest number of places that one message names. Further places are only counted.
 const NAMED_PLACES: usize = 3;
 
 /// Messages about a file: one for each kind, with the places where it applies.
@@ -14,9 +14,9 @@ pub(super) struct ImportNotes {
 }
 
 impl ImportNotes {
-    /// Notes that the file asks at `place` for something that is ignored or approximated.
+    /// Notes content at `place` that is ignored or approximated.
     ///
-    /// `message` says what, and what is done instead. Equal messages become one.
+    /// `message` says which content, and what the importer does instead. Equal messages become one.
     pub fn add_unsupported(&mut self, message: &str, place: impl Into<String>) {
         self.add(true, message, place.into());
     }

@@ -63,9 +63,9 @@ impl TextureValues {
 pub(super) struct Pictures<'a> {
     context: &'a FileContext<'a>,
     buffers: &'a Buffers<'a>,
-    /// Decoded pictures, by number of the image; `None` for one that is not read.
+    /// Decoded pictures, by image number; `None` for an image in a format that is not read.
     decoded: HashMap<usize, Option<Rc<RgbaLevels>>>,
-    /// Names of embedded pictures with their means, by number of the image and use.
+    /// Values of pictures that were embedded, by image number and use.
     embedded: HashMap<(usize, String), TextureValues>,
     /// Names of textures, by picture, wrap mode and transform.
     names: HashMap<String, Spanned<String>>,
@@ -89,7 +89,8 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    /// Returns the values that a use of a texture has; `None` if its picture is not read.
+    /// Returns the values that `wanted` takes from a texture; `None` if the texture's picture is
+    /// not read.
     pub fn values(
         &mut self,
         reference: &TextureReference<'_>,
@@ -188,7 +189,8 @@ impl<'a> Pictures<'a> {
         Ok(levels)
     }
 
-    /// Embeds a picture of the wanted values, with the path of its picture in place of a name.
+    /// Makes a picture of the wanted values and embeds it. If its pixels differ, the returned
+    /// values hold its path in place of a texture's name.
     fn embed(&mut self, levels: &RgbaLevels, wanted: TextureUse) -> ReadResult<TextureValues> {
         self.context.check_memory(12 * levels.pixels.len() as u64)?;
         let greatest = f64::from(levels.greatest);

@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// Luminous flux of one watt \[lm/W]: luminous units of the file are divided by it.
 const LUMENS_PER_WATT: f64 = 683.0;
 
-/// Height of a picture in pixels, of which the file says nothing.
+/// Height of pictures \[pixels], because glTF files do not state it.
 const PICTURE_HEIGHT: f64 = 720.0;
 
 /// Ratio of width to height of pictures if the camera does not give one.
@@ -355,7 +355,7 @@ impl NodeWalker<'_, '_> {
     }
 }
 
-/// Returns a camera with a picture of the usual height.
+/// Returns a camera whose picture is [`PICTURE_HEIGHT`] pixels high.
 fn camera_description(
     center: DVec3,
     direction: DVec3,

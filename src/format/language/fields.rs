@@ -141,7 +141,7 @@ pub(super) fn parse_block_fields<'a>(
             Err(error) => (None, error),
         };
         parser.errors.extend(last_error.take());
-        // A word that starts a block elsewhere: this block lacks its `}`.
+        // A word that starts another block shows that this block lacks its `}`.
         let block_start =
             word.filter(|word| block.find_field(word.text).is_none() && looks_like_block_keyword(word.text, &words));
         if let Some(word) = block_start {

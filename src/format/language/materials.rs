@@ -317,7 +317,7 @@ fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
         return Ok(MetalDescription::Named(name));
     }
     if f.get("k").is_none() {
-        // If both are absent, the error names both.
+        // If both are absent, the error names both of them.
         f.require_one_field_of(&["metal", "eta"])?;
     }
     Ok(MetalDescription::Index { eta: f.value("eta")?, k: f.value("k")? })

@@ -54,7 +54,6 @@ impl<'a> Parser<'a> {
     /// `last` is the error that stopped the parser, if any. It is dropped if the text ends inside a
     /// block and there are other errors, because one of them is the likely cause.
     pub fn into_joined_error(mut self, last: Option<SceneError>) -> Option<SceneError> {
-        // A text that ends inside a block often does so because of an earlier error.
         self.errors.extend(last.filter(|_| !self.has_unclosed_block || self.errors.is_empty()));
         SceneError::from_errors(self.errors)
     }
@@ -100,9 +99,9 @@ impl<'a> Parser<'a> {
 
     /// Skips the rest of a field or object that has a syntax error.
     ///
-    /// `mark` is the block nesting at its start. If blocks were opened since then, skips past their
-    /// ends. If a block was opened and closed, skips nothing. Otherwise skips to a word of
-    /// `allowed` or a `}`, or past one block.
+    /// `mark` is the block nesting at the start of the field or object. If blocks were opened since
+    /// then, skips past their ends. If a block was opened and closed, skips nothing. Otherwise
+    /// skips to a word of `allowed` or a `}`, or past one block.
     #[inline(never)]
     pub fn skip_to_next_entry(&mut self, mark: SavedBlockNesting, allowed: &[&str]) {
         let mut braces = self.open_blocks.len().saturating_sub(mark.open_blocks);

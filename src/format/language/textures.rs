@@ -47,7 +47,7 @@ static COLOR_FIELDS: &[FieldSchema] = &[
     field_schema("color1", FieldKind::Color, "second color").with_default_numbers(&[1.0, 1.0, 1.0]),
 ];
 
-// The last octave is 32,768 times finer than the first.
+// The last of 16 octaves is 32,768 times finer than the first.
 static PATTERN_FIELDS: &[FieldSchema] = &[
     field_schema("octaves", FieldKind::Whole, "octaves of noise")
         .with_range(FieldRange::Within(1.0, 16.0))

@@ -33,7 +33,8 @@ pub(super) fn parse_transform_block<'a, T>(
     Ok((steps, object))
 }
 
-/// Parses a `Moving` block: transform steps, then one object, light or camera. Returns both.
+/// Parses a `Moving` block: transform steps, then one object, light or camera. Returns the steps
+/// and the moving item.
 ///
 /// The steps are the motion while the shutter is open. `parse_object` parses the moving item after
 /// its keyword, which is in `allowed`.
@@ -48,7 +49,8 @@ pub(super) fn parse_moving_block<'a, T>(
     Ok((steps, object))
 }
 
-/// Parses `{ … }` with transform steps and one object, light or camera, and returns both.
+/// Parses `{ … }` with transform steps and one object, light or camera. Returns the steps and the
+/// object.
 ///
 /// The keyword of the object is in `allowed`.
 fn parse_steps_and_object<'a, T>(

@@ -167,7 +167,7 @@ impl Display for QuotedIfNeeded<'_> {
 
 /// Displays a name, in quotes unless it is an identifier.
 ///
-/// For fields where the parser would take other bare words for a number or `{`.
+/// It serves fields whose parser would take other bare words for a number or `{`.
 struct QuotedUnlessIdentifier<'a>(&'a str);
 
 impl Display for QuotedUnlessIdentifier<'_> {

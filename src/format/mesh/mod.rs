@@ -173,7 +173,8 @@ pub struct LoadedMesh {
     pub vertices: usize,
     /// Number of vertices in the file that no face uses. `mesh` does not contain them.
     pub isolated: usize,
-    /// True if the file indexes normals and texture coordinates separately from positions, as OBJ.
+    /// True if the file indexes normals and texture coordinates separately from positions, as OBJ
+    /// files do.
     pub has_separate_indices: bool,
 }
 

@@ -48,9 +48,9 @@ pub struct MtlMaterial {
 /// Reads the material files of a mesh, in the order of `libraries`.
 ///
 /// `mesh` is the path of the mesh file, and `libraries` its `mtllib` arguments. An argument is one
-/// path. If no file has that path, it is a list of paths separated by spaces. The last definition
-/// of a material counts. Fails before allocating if a file takes more than `free` bytes; `None`
-/// sets no limit.
+/// path. If no file has that path, the argument is a list of paths separated by spaces. The last
+/// definition of a material counts. Fails before allocating if a file takes more than `free` bytes;
+/// `None` sets no limit.
 ///
 /// # Errors
 /// [`MeshError`], which names the file.

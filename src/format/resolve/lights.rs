@@ -121,7 +121,8 @@ fn make_oriented_light(
             let profile =
                 parse_intensity_profile(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
             let map = map_from_intensity_profile(&profile).map_err(|e| refuse(&e.to_string()))?;
-            // Profiles are symmetric about the top of their map, which lies along the axis.
+            // The map of a profile is symmetric about its up direction, so `up` is the axis of the
+            // light.
             (IntensityPattern::Map(Arc::new(map)), direction.any_orthogonal_vector(), direction)
         }
     };

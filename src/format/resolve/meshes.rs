@@ -19,7 +19,8 @@ use crate::stats::format_bytes;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Least number of triangles that sharing must save before still meshes become instances.
+/// Smallest number of triangles that sharing must save before meshes without motion become
+/// instances.
 const MIN_SHARED_TRIANGLES: usize = 50_000;
 
 const MESH_REMEDY: &str = "repair the mesh or name another";

@@ -12,7 +12,8 @@ use crate::scene::{Interior, MediumSegment, PathEvent};
 use glam::DVec3;
 use rand::rngs::SmallRng;
 
-/// Advances `path` to its next vertex. Adds emission and in-scattering of media to `radiance`.
+/// Advances `path` to its next vertex. Adds emission and in-scattering of media on the way to
+/// `radiance`.
 ///
 /// Returns the event at the vertex, and the phase function of the medium there. The phase function
 /// has a meaning only for scattering events.

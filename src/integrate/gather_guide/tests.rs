@@ -28,7 +28,8 @@ fn uniform_random_numbers(i: u64) -> (f32, Vec2) {
 
 /// The mean of 4π·pdf over n uniform directions is 1.
 ///
-/// The cones cover at least a fraction c of the sphere, so its standard error is below √(1/(nc)).
+/// The cones cover at least a fraction c of the sphere, so the mean has a standard error below
+/// √(1/(nc)).
 #[test]
 fn gather_guide_pdf_integrates_to_one() {
     let guide = GatherGuide { directions: vec![Vec3::Z, Vec3::X, Vec3::X] };

@@ -49,7 +49,7 @@ const PROBE_PATHS: u32 = 4096;
 impl<'a> PhotonMapBuilder<'a> {
     /// Guides photon emission towards visible points if a pilot finds that more efficient.
     pub(super) fn guide_emission(&mut self) {
-        // Points on surfaces do not describe what is visible in media.
+        // Visible points lie on surfaces, so they cannot guide photons that are stored in media.
         if !self.traces_photons() || self.stores_volume_photons() {
             return;
         }
@@ -67,7 +67,8 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         self.emission_guiding_reports.caustic =
             guide(&mut self.aimed_source, self.request.aimed, settings.caustic_photons, EmissionGuidingPilot::PATHS);
-        // Gather rays read the indirect map everywhere.
+        // If gather rays read the indirect map, its photons are needed everywhere: do not guide
+        // them.
         if !self.request.unaimed.direct {
             let max_paths = if self.policy.indirect_photons == IndirectPhotons::Off {
                 EmissionGuidingPilot::PATHS
@@ -151,8 +152,8 @@ impl<'a> PhotonMapBuilder<'a> {
         VolumeKernelRadiiPerMap { caustic, indirect, interreflection }
     }
 
-    /// Sets the share of caustic flux that photon estimates carry at each pixel beside light
-    /// tracing.
+    /// Sets the share of caustic flux that photon estimates carry at each pixel. Light tracing
+    /// carries the rest.
     ///
     /// The shares depend on the current number of photon paths.
     pub fn find_density_estimate_shares(&mut self) {

@@ -25,8 +25,8 @@ impl NextEventEstimator<'_> {
     /// Estimates the direct light that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
     /// `distance_sample` holds the distance at which the path itself scatters. If the path
-    /// `continues` from there, it may hit a light itself. The balance heuristic then weights the
-    /// estimate against that hit.
+    /// `continues` from there, its next ray may hit a light too. The balance heuristic then weights
+    /// the estimate against this second technique.
     pub fn estimate_direct_light_in_medium<I: Interior>(
         &self,
         path_segment: &MediumPathSegment<'_, I>,
@@ -106,7 +106,8 @@ impl NextEventEstimator<'_> {
         let segment = path_segment.segment;
         let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
         let Some(sample) = self.sample_li(light, point.p, u) else { return Rgb::ZERO };
-        // Light travels against `wi`, and then against the path.
+        // Light arrives along −`wi` and leaves along the reversed ray direction: the two signs
+        // cancel.
         let phase = segment.medium.phase.evaluate(segment.ray.direction.dot(sample.wi));
         let mut scattered = point.weight * sample.weight * (phase / rays);
         if scattered == Rgb::ZERO {
@@ -184,7 +185,8 @@ impl EquiangularDistribution {
     fn new(ray: &Ray, pivot: Vec3) -> Self {
         let to = pivot - ray.origin;
         let closest = to.dot(ray.direction);
-        // Any distance above zero is unbiased. One below rounding would lose the rest of the ray.
+        // Any positive distance is unbiased. With a distance below rounding errors, all samples
+        // would fall on the closest point.
         let distance = (to - ray.direction * closest).length().max(1e-5 * to.length()).max(f32::MIN_POSITIVE);
         let angle = |t: f32| libm::atanf((t - closest) / distance);
         Self { closest, distance, from: angle(0.0), to: angle(ray.t_max) }

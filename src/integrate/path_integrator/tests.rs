@@ -32,7 +32,7 @@ fn white_ball_in_fog() -> Scene {
 /// photon estimates of weight 1/2 keep the mean radiance.
 ///
 /// The mean may differ from 1 by five standard errors, and by the bias of photon beams near the
-/// boundaries, whose kernel is .03 wide.
+/// boundaries, whose kernel is 0.03 wide.
 #[test]
 fn weights_of_indirect_light_in_fog_sum_to_one() {
     const SAMPLES: u32 = 8;

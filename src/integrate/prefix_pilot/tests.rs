@@ -27,7 +27,7 @@ fn only_pixels_with_noisy_prefixes_get_prefix_rays() {
     assert_eq!(efficient_ray_counts(&[ordinary; 200], SAMPLES, &WORK), None);
 }
 
-/// Twice or half as many rays give a larger product of variance and work.
+/// Numbers of rays twice or half as large give a larger product of variance and work.
 #[test]
 fn ray_counts_minimize_variance_times_work() {
     let special = PixelVariance { found: 20.0, photons: 2.0, rest: 0.1 };

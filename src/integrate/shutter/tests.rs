@@ -1,7 +1,7 @@
 use super::*;
 use glam::DVec3;
 
-/// Returns the number of rays in each slice, over the pixels of a picture of 64 × 64 pixels.
+/// Returns the number of rays in each slice, summed over 64 × 64 pixels.
 fn rays_in_slices(slices: usize, rays: u32, pass: u32) -> (Vec<u32>, bool) {
     let camera = Camera::orthographic(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 1.0, 64, 64).unwrap();
     let key = Key::new(5).purpose_key(Purpose::Shutter);
@@ -17,8 +17,8 @@ fn rays_in_slices(slices: usize, rays: u32, pass: u32) -> (Vec<u32>, bool) {
     (all, distinct)
 }
 
-/// Each pixel has rays in as many slices as possible. The share of a slice that pixels draw by
-/// chance has a variance of at most ¼ per pixel.
+/// Each pixel has rays in as many slices as possible. The number of rays that a pixel draws for a
+/// slice by chance has a variance of at most ¼.
 #[test]
 fn slices_share_the_rays_of_each_pixel() {
     for (slices, rays, pass) in [(8, 8, 0), (4, 8, 3), (32, 8, 1), (8, 2, 9), (7, 15, 2), (64, 1, 4)] {

@@ -41,7 +41,7 @@ fn signed_filters_are_unbiased_and_keep_flat_areas_noiseless() {
         let even = render_filtered_row(FilterKind::Mitchell, samples, |_| 0.7);
         assert!(even.iter().all(|(mean, error)| (mean - 0.7).abs() < 1e-6 && *error < 1e-6), "{even:?}");
         let edge = render_filtered_row(FilterKind::Mitchell, samples, |x| if x < 6.3 { 1.0 } else { 0.0 });
-        // Cells of the table misplace a thousandth of the weight at most.
+        // The filter's table misplaces at most a thousandth of the weight.
         for (x, (mean, error)) in edge.iter().enumerate() {
             let weight = |y: f64| FilterKind::Mitchell.unnormalized_value(y);
             let (mut left, mut all) = (0.0, 0.0);
@@ -53,7 +53,7 @@ fn signed_filters_are_unbiased_and_keep_flat_areas_noiseless() {
             let expected = left / all;
             assert!((mean - expected).abs() < 5.0 * error + 2e-3, "{samples}, {x}: {mean} ± {error}, {expected}");
         }
-        // A test that passes without negative values could not tell the filter from its
+        // Check that some pixels are negative: else the test could not tell the filter from its
         // positive part.
         assert!(samples < 16 || edge.iter().any(|(mean, error)| *mean < -5.0 * error));
     }

@@ -114,7 +114,7 @@ fn estimates_beside_a_wall_match_single_scattering() {
             let along = (1.0 - transmittance(1.99)) / EXTINCTION;
             let expected = f64::from(SCATTERING * transmittance(1.2) * along) / (4.0 * PI);
             let means = estimates_along_x(&foggy_room(false), origin, estimate, |pass| parallel_light(pass, estimate));
-            // Eight and twelve probe rays measure a coverage to a few percent of 1.
+            // Coverages measured by 8 or 12 probe rays differ from the true ones by a few percent.
             let slack = if estimate == VolumeEstimator::Beams || part > 1.0 { 0.0 } else { 0.01 };
             for ((mean, error), (expected, sharp)) in
                 means.into_iter().zip([(expected, 0.03), (0.0, 0.03), (0.0, 0.03)])
@@ -130,8 +130,8 @@ fn estimates_beside_a_wall_match_single_scattering() {
     }
 }
 
-/// A wall thinner than the kernel hides the light behind it: half of the room is lit, and the ray
-/// beside the wall in the dark half finds none.
+/// A wall thinner than the kernel hides the light behind it: half of the room is lit, and a ray
+/// beside the wall in the dark half finds no light.
 #[test]
 fn light_behind_a_thin_wall_does_not_leak() {
     for estimate in [VolumeEstimator::Beams, VolumeEstimator::BeamRadiance, VolumeEstimator::Points] {

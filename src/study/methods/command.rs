@@ -32,8 +32,8 @@ impl StudiedScene {
     }
 }
 
-/// File name made of `label`: each run of other characters than letters, digits and dots becomes
-/// a dash.
+/// Returns a file name made from `label`. Each run of characters other than letters, digits and
+/// dots becomes a dash.
 fn label_to_file_name(label: &str) -> String {
     let parts = label.split(|c: char| !(c.is_ascii_alphanumeric() || c == '.')).filter(|part| !part.is_empty());
     parts.collect::<Vec<_>>().join("-")

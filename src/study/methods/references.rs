@@ -69,7 +69,7 @@ pub struct ReferencePictures {
 }
 
 impl ReferencePictures {
-    /// Makes reference pictures of `a` and `b`. Without `b`, `a` is taken as exact.
+    /// Makes reference pictures from `a` and `b`. Without `b`, `a` is taken as exact.
     ///
     /// `source` describes their origin in reports.
     ///
@@ -105,8 +105,8 @@ impl ReferencePictures {
         }
     }
 
-    /// Renders two references with the settings `like`, except for seeds and the number of camera
-    /// rays.
+    /// Renders two references with the settings `like`, but with other seeds and another number of
+    /// camera rays.
     ///
     /// Makes passes until each reference has taken at least `seconds` of processor time. After each
     /// pass, calls `after` with the number of passes and the elapsed fraction of `seconds`. Returns

@@ -166,9 +166,9 @@ impl<'a> MethodStudy<'a> {
     #[must_use]
     pub fn study_picture_bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
         let (variants, seeds) = (variants as u64, u64::from(seeds));
-        // For each variant: films; last picture, difference and error map.
-        // Once: both references and their mean; their scale; pictures and temporary images of the
-        // seeds of one variant.
+        // For each variant: the films of all seeds; the last picture, its difference and its error
+        // map. Once: both references and their mean; the weights of relative errors; pictures and
+        // temporary images of the seeds of one variant.
         let pixel = variants * (BYTES_PER_FILM_PIXEL * seeds + 2 * BYTES_PER_PICTURE_PIXEL + 4)
             + 3 * BYTES_PER_PICTURE_PIXEL
             + 8

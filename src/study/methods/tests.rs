@@ -63,7 +63,8 @@ fn noise_and_bias_are_separated() {
     for square in &found.squares {
         assert_near(*square, 0.5 * (bias2 + noise2), of_mean(bias2 + noise2 + truth2));
     }
-    // A variance of n values with three degrees of freedom each is known to √(2/3n).
+    // The variance of n values with three degrees of freedom each has a relative deviation of
+    // √(2/(3n)).
     assert_near(found.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / (3.0 * CHANNELS)).sqrt());
     assert_near(found.bias2, 0.5 * bias2, of_mean(bias2 + 0.25 * noise2 + truth2));
     let mean: f64 = found.squares.iter().sum::<f64>() / 4.0;
@@ -83,7 +84,8 @@ fn error_map_has_the_mean_error() {
     let truth = ReferencePictures::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
     let pictures = [noisy_picture(0.1, 0.0, 0), noisy_picture(-0.3, 0.0, 0)];
     let map = pixel_errors(&truth, &pictures);
-    // √(½ · ½(.01 + .09)); f32 pixels near 1 are known to 6e-8, their errors of .1 to 6e-7.
+    // The error is √(½ · ½(0.01 + 0.09)). f32 pixels near 1 have an error of 6e-8, so errors of 0.1
+    // have one of 6e-7.
     assert!(map.iter().all(|e| (f64::from(*e) - 0.025f64.sqrt()).abs() < 1e-6), "{}", map[0]);
 }
 
@@ -121,7 +123,7 @@ impl Integrator for SyntheticIntegrator<'_> {
     fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> Pass {
         let SyntheticMethod { bias, sigma, cost, interrupts } = self.fake;
         let processor = cost * (1.0 + 0.5 * self.seed as f64);
-        // Other programs have the processor for a fifth of the time.
+        // Other programs use the processor for a fifth of the time.
         let wall = processor / (0.8 * rayon::current_num_threads() as f64);
         *self.world.time.lock().unwrap() += CpuWallTime { processor, wall };
         self.world.log.lock().unwrap().push((cost, self.seed, pass));
@@ -242,7 +244,7 @@ fn interrupted_method_studies_finish_their_round() {
     );
     assert!(found.interrupted);
     assert_eq!((checkpoint_pass_counts(&found, 0), checkpoint_pass_counts(&found, 1)), (vec![1, 2, 3], vec![1, 2, 3]));
-    // In the last round of all, nothing is missing.
+    // An interruption in the last round cuts no pass.
     let whole = run_synthetic_study(
         &SyntheticStudyState::default(),
         &[SyntheticMethod { interrupts: true, ..SLOW_METHOD }],
@@ -261,8 +263,8 @@ fn measured_errors_match_synthetic_methods() {
     for (method, SyntheticMethod { bias, sigma, .. }) in found.methods.iter().zip([SLOW_METHOD, FAST_METHOD]) {
         for checkpoint in &method.checkpoints {
             let noise2 = sigma * sigma / f64::from(checkpoint.passes);
-            // Known to √(2/n), with one degree of freedom a channel; means are rounded at 6e-8 of
-            // 1.
+            // With one degree of freedom per channel, the relative deviation is √(2/n). Means near
+            // 1 are rounded at 6e-8.
             assert_near(checkpoint.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / CHANNELS).sqrt() + 1e-9);
             let v = bias * bias + noise2;
             assert_near(checkpoint.mean_squared_error(), 0.5 * v, v / CHANNELS.sqrt());
@@ -270,7 +272,7 @@ fn measured_errors_match_synthetic_methods() {
         }
         let error = method.error.iter().map(|e| f64::from(e * e)).sum::<f64>() / f64::from(SIZE.0 * SIZE.1);
         assert!((error - method.checkpoints.last().unwrap().mean_squared_error()).abs() < 1e-6, "{error}");
-        // The mean of n values of deviation σ/√(16 · 2 seeds).
+        // The mean of n values, each with deviation σ/√(16 passes · 2 seeds).
         let mean = method.difference.pixels().iter().map(|d| d.as_dvec3().element_sum()).sum::<f64>() / CHANNELS;
         assert_near(mean, bias, sigma / (32.0 * CHANNELS).sqrt());
     }

@@ -36,7 +36,7 @@ pub(super) struct PlotSeries {
     pub(super) style: usize,
     pub(super) stroke: LineStyle,
     pub(super) points: Vec<(f64, f64)>,
-    /// Confidence interval of each point; `None` if unknown. May be shorter than `points`.
+    /// Confidence interval of each point; `None` if unknown. The list may be shorter than `points`.
     pub(super) bars: Vec<Option<[f64; 2]>>,
 }
 

@@ -273,7 +273,8 @@ proptest::proptest! {
     }
 }
 
-/// Reads a file in which a face corner takes one byte, but 32 bytes in memory.
+/// A face corner that takes one byte in the file takes 32 bytes in memory. Reading must check the
+/// limit before it allocates them.
 #[test]
 fn face_memory_is_checked_before_allocation() {
     let head = format!("ply\nformat binary_little_endian 1.0\nelement vertex 4\n{VERTEX}element face 1\n");

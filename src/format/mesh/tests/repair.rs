@@ -87,7 +87,7 @@ fn cavities_face_inward() {
     nested.orient_outward();
     let volume: f64 = shells.iter().map(|(size, sign)| 8.0 * sign * size * size * size).sum();
     assert!((nested.mesh_report().volume.unwrap() - volume - 8.0).abs() < 1e-12);
-    // A shell of another material is no hollow.
+    // A shell of another material is not a hollow of the first.
     let mut other = union_of_meshes(cube_mesh(), &scaled_and_translated_mesh(cube_mesh(), 0.5, DVec3::ZERO));
     other.materials = vec!["a".to_owned(), "b".to_owned()];
     other.triangle_materials = [[0; 12], [1; 12]].concat();

@@ -299,7 +299,7 @@ fn point_lights_have_the_given_strength() {
         })
         .collect();
     let expected = [c * PI * 9.0, c, c / (4.0 * PI), c * PI, c];
-    // Relative to 85, a few roundings.
+    // For values up to 85, 3e-5 is a few roundings.
     assert!(strengths.iter().zip(expected).all(|(a, b)| (*a - b).abs().max_element() < 3e-5), "{strengths:?}");
 }
 

@@ -3,7 +3,7 @@
 use crate::sampling::{Dimension, Key};
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult};
 
-/// Largest ratio of the passes of a method's last checkpoint to the passes of a fitted checkpoint.
+/// Largest ratio of the passes at the last checkpoint to the passes at a fitted checkpoint.
 const TAIL_RATIO: u32 = 16;
 
 /// Minimum number of checkpoints for a fit. Two are too few: they always lie on a line.
@@ -71,8 +71,8 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     Some(ConvergenceFit { passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
 }
 
-/// Returns the checkpoints to fit: those with positive time, and with at least 1/16 of the passes
-/// of the last checkpoint.
+/// Returns the checkpoints to fit: the tail with positive times and at least 1/16 of the passes of
+/// the last checkpoint.
 fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceCheckpoint] {
     let last = checkpoints.last().map_or(0, |c| c.passes);
     let early =
@@ -100,7 +100,8 @@ fn fit_convergence_slopes(
     let [by_time, by_passes] = of(None)?;
     let replicates: Vec<[f64; 2]> =
         (0..BOOTSTRAP_REPLICATES).filter_map(|replicate| of(Some(&bootstrap_seed_weights(replicate, seeds)))).collect();
-    // An interval needs all but 2.5 % of the replicates; in the others, `square` is not positive.
+    // An interval needs at least 97.5 % of the replicates. The others were dropped, because
+    // `square` was not positive.
     let has_interval = seeds >= 2 && replicates.len() as u64 * 40 >= BOOTSTRAP_REPLICATES * 39;
     let slope = |value: f64, which: usize| {
         let interval = has_interval.then(|| {

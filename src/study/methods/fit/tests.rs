@@ -110,8 +110,8 @@ fn fitted_slopes_match_theory() {
     let path = fit_convergence(&synthetic_method(Algorithm::Path, 0.0, 1.0, &passes, 1)).unwrap();
     let sppm = fit_convergence(&synthetic_method(Algorithm::Sppm, 4.0, ALPHA, &passes, 2)).unwrap();
     let pm = fit_convergence(&synthetic_method(Algorithm::Pm, 4.0, 1.0, &passes, 3)).unwrap();
-    // A root's logarithm deviates by 1/√(2 · SEEDS · PIXELS) = .031, a slope by that over √(10
-    // log²2) = 2.19; four deviations.
+    // The logarithm of a root deviates by 1/√(2 · SEEDS · PIXELS) = 0.031. A slope deviates by this
+    // over √(10 log²2) = 2.19. Allow four deviations.
     let close = |slopes: Option<ConvergenceSlopes>, slope: f64| {
         let ConvergenceSlopes { by_time, by_passes } = slopes.unwrap();
         assert!(
@@ -137,7 +137,7 @@ fn verdicts_name_the_cause_of_bias() {
         |algorithm, bias, alpha, passes: &[u32]| fitted_verdict(&synthetic_method(algorithm, bias, alpha, passes, 5));
     assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), ConvergenceVerdict::Expected { ahead: None, .. }));
     assert!(matches!(is(Algorithm::Sppm, 3.0, ALPHA, &passes), ConvergenceVerdict::Expected { ahead: None, .. }));
-    // 0.1 · 3 is the bias.
+    // The bias is 0.1 · 3.
     let plateau = is(Algorithm::Pm, 3.0, 1.0, &passes);
     assert!(
         matches!(plateau, ConvergenceVerdict::Plateau { floor, cause: BiasCause::Radii(_) } if (floor - 0.3).abs() < 0.01),
@@ -153,9 +153,9 @@ fn verdicts_name_the_cause_of_bias() {
         is(Algorithm::Whitted, 3.0, 1.0, &passes),
         ConvergenceVerdict::Plateau { cause: BiasCause::LeavesOut, .. }
     ));
-    // A tenth of the noise that is left.
+    // The bias is a tenth of the noise at the last checkpoint.
     assert!(matches!(is(Algorithm::Pm, 0.001, 1.0, &passes), ConvergenceVerdict::Hidden { most, .. } if most < 0.005));
-    // As much as the noise that is left.
+    // The bias is as large as the noise at the last checkpoint.
     assert!(matches!(is(Algorithm::Pm, 1.0 / 16.0, 1.0, &passes), ConvergenceVerdict::Expected { ahead: Some(_), .. }));
     assert!(matches!(is(Algorithm::Path, 0.0, ALPHA, &passes), ConvergenceVerdict::Slower { .. }));
     assert!(matches!(
@@ -169,7 +169,7 @@ fn verdicts_name_the_cause_of_bias() {
 fn errors_below_the_truth_are_not_judged() {
     let method = synthetic_method(Algorithm::Path, 0.0, 1.0, &powers_of_two(9), 6);
     let fit = fit_convergence(&method);
-    // The last error is .1/16.
+    // The last error is 0.1/16.
     assert!(matches!(
         judge_convergence(&method, fit.as_ref(), Some(0.01)),
         ConvergenceVerdict::TooSmall { truth: Some(_) }

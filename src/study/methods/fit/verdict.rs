@@ -100,7 +100,7 @@ pub fn judge_convergence(
         return ConvergenceVerdict::Wide { slope };
     };
     let bias = law(ErrorComponent::Bias);
-    // The slowest slope of noise and bias that falls at all. A constant bias does not count.
+    // Flattest of the falling slopes of noise and bias. A constant bias does not count.
     let falling = bias.filter(|b| b.flattest < 0.0).map_or(noise.flattest, |b| b.flattest.max(noise.flattest));
     if low > falling && last.bias2 >= BIAS_DOMINATED_SHARE * last.mean_squared_error() {
         return ConvergenceVerdict::Plateau { floor: last.bias2.sqrt(), cause: bias_cause(method) };

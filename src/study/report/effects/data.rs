@@ -116,7 +116,7 @@ mod tests {
         let rows: Vec<&str> = table.split("\r\n").collect();
         assert_eq!(rows.len(), 1 + findings.plan.decisions.len() + 1);
         assert!(rows.iter().any(|row| row.starts_with("shadows,true,false,")));
-        // An effect that is off has no figures.
+        // An effect that is off has empty cells.
         assert!(rows.iter().any(|row| row.starts_with("caustics,false,") && row.ends_with(",,,,,,,,,,,")));
         let about = ReportContext { scene: "a_b.txt".into(), integrator: "whitted", seed: 3, exposure: 0.0 };
         let text = markdown_report(&about, &findings);

@@ -8,7 +8,7 @@ use crate::study::methods::fit::{
 use crate::study::methods::{MethodResult, MethodStudyResult};
 use crate::study::report::text::{self, count_text, duration_text, error_percent_text};
 
-/// Relative errors for which reports give the time to reach them.
+/// Relative errors for which reports give the time that methods take to reach them.
 pub(super) const TARGET_ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
 
 /// Conclusions from a study: the convergence of each method, the Pareto front and a recommendation.
