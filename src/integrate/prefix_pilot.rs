@@ -136,7 +136,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let counts = renderer.map_builder.counts;
     let divisor = counts.unaimed.max(counts.aimed).div_ceil(MAX_PATHS).max(MIN_DIVISOR);
     let maps = renderer.map_builder.traces_photons().then(|| {
-        let options = MapBuildOptions { connects: true, ..MapBuildOptions::for_pilot(key, divisor) };
+        let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, divisor) };
         renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out)
     });
     let (width, height) = scene.camera().size();

@@ -40,11 +40,11 @@ impl Integrator for RaycastIntegrator<'_> {
             filter,
             samples,
             lens: false,
-            density: None,
+            relative_ray_counts: None,
             prefix_rays: None,
             slices: None,
             nested: false,
-            every: 1,
+            tile_stride: 1,
         };
         let key = Key::new(self.seed).purpose_key(Purpose::Camera).pass_key(pass);
         let FilmImage { image, counters, .. } =

@@ -204,7 +204,7 @@ impl<'a> EffectStudy<'a> {
         all.fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
             photons: a.photons.max(b.photons),
-            most: a.most.max(b.most),
+            largest_map: a.largest_map.max(b.largest_map),
         })
     }
 
