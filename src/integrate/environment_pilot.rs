@@ -24,20 +24,20 @@ const PATHS: (u32, u32) = (4000, 8000);
 /// Largest number of bounces of the pilot's camera paths.
 const MAX_BOUNCES: u32 = 2;
 
-/// Number of rounds. Each round is guided by the rays of all earlier rounds.
+/// Number of rounds of the pilot. Each round is guided by the rays of all earlier rounds.
 const ROUNDS: u32 = 4;
 
 /// Number of shadow rays from each point in each round.
 const RAYS_PER_POINT: u32 = 6;
 
-/// Reduction of variance above which passes use guided shadow rays.
+/// Factor of variance reduction above which passes use guided shadow rays.
 ///
 /// It exceeds 1, because guided rays take longer to sample, and because camera paths that sample
 /// the BSDF find a widely visible environment too.
 const MIN_GAIN: f64 = 1.5;
 
-/// Fraction of unguided shadow rays that reach the environment above which the pilot ends after the
-/// first round: camera paths that sample the BSDF find so wide a sky too.
+/// Largest fraction of unguided shadow rays that reach the environment. Above it, the pilot ends
+/// after the first round: camera paths that sample the BSDF find such a widely visible sky too.
 const MAX_UNOCCLUDED: f64 = 0.25;
 
 /// Work of the pilot of environment guiding, and its estimated benefit.
@@ -106,7 +106,7 @@ pub(super) fn guide_environment_light(
     (guide.filter(|_| report.used), report)
 }
 
-/// Returns the shadow rays of a round, traced and in the order of their points.
+/// Traces the shadow rays of a round. Returns them in the order of their points.
 fn trace_round(
     scene: &Scene,
     light: &EnvironmentLight,

@@ -166,7 +166,8 @@ fn pilot_key(pilot: &PassRenderer<'_>) -> Key {
     Key::new(pilot.settings.camera_paths.seed).purpose_key(Purpose::IndirectDivision)
 }
 
-/// Returns the edge length of a cell \[pixels], and the numbers of columns and rows.
+/// Returns the edge length of a cell of the film grid \[pixels], and the grid's numbers of columns
+/// and rows.
 fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
     let size = (width.max(height) as f32 / CELLS as f32).max(1.0);
     let cells = |pixels: u32| ((pixels as f32 / size).ceil() as u32).max(1);

@@ -245,7 +245,7 @@ pub(super) fn rendered_tile_stride((width, height): (u32, u32), wanted: u32) -> 
     (width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE) / wanted).max(2)
 }
 
-/// True if the tile with index `tile` is rendered when only one of `every` tiles is.
+/// True if the tile with index `tile` is rendered when one of `stride` tiles is.
 ///
 /// Rendered tiles lie on diagonal lines, so they are spread over all rows and columns.
 fn is_tile_rendered(tile: u32, columns: u32, stride: u32) -> bool {

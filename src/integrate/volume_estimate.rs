@@ -188,7 +188,7 @@ impl BeamAndPointMaps {
     }
 
     /// Estimates radiance from photon beams, with a one-dimensional kernel over the distance
-    /// between ray and beam. Returns it for each kernel size, largest first.
+    /// between ray and beam. Returns one value for each kernel size, largest first.
     fn estimate_by_beams<I: Interior>(
         &self,
         scene: &Scene,
@@ -215,7 +215,7 @@ impl BeamAndPointMaps {
     }
 
     /// Estimates radiance from photon points, with a two-dimensional kernel around the ray. Returns
-    /// it for each kernel size, largest first.
+    /// one value for each kernel size, largest first.
     fn estimate_along_ray<I: Interior>(
         &self,
         scene: &Scene,
@@ -246,7 +246,7 @@ impl BeamAndPointMaps {
     }
 
     /// Estimates radiance from photon points, with a three-dimensional kernel around one sampled
-    /// point of the ray. Returns it for each kernel size, largest first.
+    /// point of the ray. Returns one value for each kernel size, largest first.
     fn estimate_at_sampled_point<I: Interior>(
         &self,
         scene: &Scene,

@@ -25,8 +25,8 @@ impl PhotonPathCounts {
     }
 }
 
-/// Returns the limit on the photons of a density estimate, if 1/`divisor` of a pass's photon paths are
-/// traced.
+/// Returns the limit on the photons of a density estimate, if 1/`divisor` of a pass's photon paths
+/// are traced.
 ///
 /// `k` is the limit for all paths of a pass. 0 means no limit.
 pub(super) fn photon_limit(k: u32, divisor: u32) -> u32 {
@@ -52,8 +52,8 @@ pub(in crate::integrate) struct MapBuildOptions {
 }
 
 impl MapBuildOptions {
-    /// Options of a pilot that traces 1/`divisor` of the photon paths of the first pass, for the whole
-    /// shutter interval, without light tracing.
+    /// Options of a pilot that traces 1/`divisor` of the photon paths of the first pass, for the
+    /// whole shutter interval, without light tracing.
     pub fn for_pilot(key: Key, divisor: u32) -> Self {
         Self { key, pass: 0, divisor, slice: ShutterSlice::WHOLE, has_photon_limit: true, connects_to_camera: false }
     }
