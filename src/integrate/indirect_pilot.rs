@@ -72,8 +72,8 @@ const MOST_MISSED: f64 = 0.9;
 /// In thick media, photons near the camera may be rare, but then each carries great flux.
 const RARE_IN_MEDIA: f64 = 1e4;
 
-/// Factor from the difference between density estimates with full and half disc area to the bias of
-/// the full one.
+/// Ratio of the bias of a density estimate to its difference from an estimate with half the disc
+/// area.
 const BIAS_FACTOR: f64 = 2.0;
 
 /// Parts of the light of one camera path, averaged over RGB \[W/(m² sr)].

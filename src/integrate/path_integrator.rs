@@ -106,7 +106,7 @@ impl Integrator for PathIntegrator<'_> {
     fn expected_work(&self, effects: Effects) -> Counters {
         let policy = (self.make_policy)(effects, &self.renderer.settings);
         let mut work = measure_pass_work(&self.renderer.with_policy(policy));
-        // Most prefix rays follow specular surfaces, so their work counts as that of this effect.
+        // Most prefix rays follow specular surfaces, so their work counts as work of this effect.
         if effects.has(Effect::Specular)
             && let Some(prefix_rays) = &self.renderer.prefix_rays
         {

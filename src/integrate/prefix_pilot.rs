@@ -225,7 +225,7 @@ enum PathParts {
 ///
 /// `variances` are those of single whole camera paths. A pass traces n = `samples` paths in each
 /// pixel, and only one of them reads photon maps. A further estimate pays if its variance is above
-/// about 1/n² of that of a camera path.
+/// about 1/n² of the variance of a camera path.
 fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
     let total: f64 = variances.iter().map(|v| v.rest + v.found).sum();

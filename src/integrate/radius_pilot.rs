@@ -18,7 +18,7 @@ pub(super) const MAX_PATHS: u32 = 1 << 16;
 /// density of indirect photons varies slowly.
 pub(super) const MAX_INDIRECT_PATHS: u32 = 1 << 14;
 
-/// Factor from the photon paths of a pass to those of a pilot.
+/// Number of passes whose photon paths a pilot traces, within the limits on a pilot.
 const PILOT_PASSES: u32 = 4;
 
 /// Smallest number of photon paths of a pilot, even if a pass traces far fewer.

@@ -74,7 +74,7 @@ impl PictureCost {
 }
 
 /// Cost of an effect: cost of the picture with all effects, minus cost of the picture without this
-/// one.
+/// effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectCost {
     /// Time that the effect adds to a pass, mean over passes \[s].

@@ -88,7 +88,7 @@ struct Conversion<'m, 'a> {
 }
 
 impl<'a> Materials<'a> {
-    /// Returns the materials of a file, of which none is used yet.
+    /// Makes the materials of a file. None is used yet.
     pub fn new(pictures: Pictures<'a>) -> Self {
         let (names, used) = (HashSet::new(), HashMap::new());
         Self { pictures, descriptions: Vec::new(), names, clear: None, used }
