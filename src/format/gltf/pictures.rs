@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub(super) struct TextureReference<'a> {
     /// The texture.
     pub texture: gltf::Texture<'a>,
-    /// Number of the texture coordinates.
+    /// Index of the set of texture coordinates.
     pub set: u32,
     /// Transform from the texture coordinates of the scene to those of the picture.
     pub transform: TexcoordTransformDescription,

@@ -19,7 +19,7 @@ fn sky() -> EnvironmentLight {
     EnvironmentLight::new(Image::from_pixels(8, 4, pixels.collect()).unwrap(), 0.3, Vec3::ONE).unwrap()
 }
 
-/// A guide of rays that contribute only from u.x < 1/4, where p.x < 1/2.
+/// A guide made from rays that contribute only if p.x < 1/2 and u.x < 1/4.
 fn half_lit_guide() -> EnvironmentGuide {
     let mut fit = EnvironmentGuideFit::new(&unit_cube());
     for i in 0..200_000 {
