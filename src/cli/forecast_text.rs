@@ -1,7 +1,7 @@
 //! Texts about the estimated error of a picture, and about the time until it is lower.
 
 use crate::render::ErrorTarget;
-use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, StopForecast};
+use crate::render::error_estimate::{ErrorEstimate, StopForecast};
 use crate::study::text::percent_text;
 
 /// Help text for an error that more passes cannot lower.
@@ -29,12 +29,12 @@ pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
 /// Returns a text about the time until a render would end by `target`, such as `; 1.0 % in about
 /// 42 s (35 s to 50 s)`.
 ///
-/// `pass_seconds` is the time of one pass \[s]. The text is empty if the estimated error is 0
-/// already.
+/// `forecast` is the forecast for `target`. `pass_seconds` is the time of one pass \[s]. The text is
+/// empty if the estimated error is 0 already.
 pub(super) fn time_to_target_text(
     estimate: &ErrorEstimate,
-    forecast: &ErrorForecast,
     target: ErrorTarget,
+    forecast: StopForecast,
     pass_seconds: f64,
 ) -> String {
     if estimate.error == 0.0 {
@@ -42,7 +42,7 @@ pub(super) fn time_to_target_text(
     }
     let error = percent_text(target.error);
     let time = |n: u32| duration_text(f64::from(n.saturating_sub(estimate.passes)) * pass_seconds);
-    match forecast.stop(target.error, target.interval_confidence()) {
+    match forecast {
         StopForecast::Passes(range) => {
             let high = range.high.map_or("unknown".to_owned(), time);
             format!("; {error} in about {} ({} to {high})", time(range.median), time(range.low))
