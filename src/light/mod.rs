@@ -304,6 +304,6 @@ impl Light {
     }
 }
 
-/// Upper bound of the rounding error of a position in f32, divided by its distance from the origin
-/// or from another position.
+/// Upper bound of the relative rounding error of a position in f32, with respect to its distance
+/// from the origin or from another position.
 const RELATIVE_POSITION_ERROR: f32 = 1e-5;

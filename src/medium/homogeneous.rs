@@ -34,8 +34,8 @@ pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
     exp_neg(optical_depth(sigma, f64::from(distance.max(0.0))))
 }
 
-/// Samples a scattering distance by the extinction of one channel. The probability of each channel
-/// is proportional to its throughput.
+/// Samples a scattering distance by the extinction of one color channel. The channel is chosen with
+/// a probability proportional to its throughput.
 ///
 /// The weight uses the pdf of the mixture of all channels (balance heuristic). If the chosen
 /// channel has no extinction, the ray passes through.
@@ -44,8 +44,8 @@ pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, r
     let probability = channel_probabilities(throughput);
     let mut choice = rng.random::<f64>();
     let mut channel = 0;
-    // Rounding may leave a rest behind the last channel. The last channel of positive probability
-    // is then chosen.
+    // If rounding leaves `choice` positive after the last channel, the last channel with positive
+    // probability is chosen.
     for i in 0..3 {
         if probability[i] > 0.0 {
             channel = i;

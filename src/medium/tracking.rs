@@ -1,8 +1,8 @@
 //! Null-collision methods for heterogeneous media.
 //!
-//! Tentative collisions are sampled with the majorant of each block as extinction. Each is a real
-//! collision or a null collision (Woodcock 1965). Absorption reduces the weight of a path and does
-//! not end it.
+//! Tentative collisions are sampled with the majorant of each block as extinction. Each tentative
+//! collision is a real collision or a null collision (Woodcock 1965). Absorption does not end a
+//! path but reduces its weight.
 
 use super::grid_density::{GridDensity, GridRay};
 use super::{DistanceSample, Medium, TransmittanceCurve, channel_probabilities, zero_improbable_channels};
@@ -11,11 +11,11 @@ use crate::math::Ray;
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-/// Transmittance below which Russian roulette may end tracking.
+/// Path weight below which Russian roulette may end tracking.
 const ROULETTE_THRESHOLD: f64 = 0.1;
 
-/// Number of tentative collisions after which Russian roulette ends tracking with probability ½,
-/// each time. It bounds the time of tracking at high majorants.
+/// Interval, in tentative collisions, at which Russian roulette ends tracking with probability ½.
+/// It bounds the mean time of tracking at high majorants.
 const COLLISIONS_PER_ROULETTE: u32 = 1 << 14;
 
 /// Smallest mean number of tentative collisions along a ray in an estimate of emission.
@@ -28,8 +28,8 @@ const MIN_CURVE_COLLISIONS: f64 = 16.0;
 struct TentativeCollision {
     /// Distance along the ray.
     t: f64,
-    /// Density divided by the number of tentative collisions per length \[length]. Multiplied by a
-    /// coefficient of the medium, such as σs, it is the probability of that event.
+    /// Density of the medium divided by the mean number of tentative collisions per length
+    /// \[length]. Its product with a coefficient, such as σs, is the probability of that event.
     density: f64,
 }
 
@@ -41,14 +41,15 @@ enum TrackingDecision {
 /// Samples tentative collisions along `line` and calls `visit` for each. Returns false if `visit`
 /// stopped the tracking.
 ///
-/// The number of tentative collisions per length is `rate` times the majorant of the block.
+/// The mean number of tentative collisions per length is `rate` times the majorant of the block.
 fn track_collisions<R: Rng>(
     line: &GridRay,
     rate: f64,
     rng: &mut R,
     mut visit: impl FnMut(TentativeCollision, &mut R) -> TrackingDecision,
 ) -> bool {
-    // Optical depth to the next collision; the rest of each block carries over to the next block.
+    // `depth` is the optical depth to the next collision. What a block does not use up carries over
+    // to the next block.
     let mut depth = sample_exponential(rng);
     for (start, stop, majorant) in line.blocks_along_ray() {
         let mut t = start;
@@ -145,8 +146,8 @@ fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng)
 
 /// Samples a scattering distance by spectral tracking (Kutz, Habel, Li, Novák 2017, section 4.3).
 ///
-/// Each tentative collision scatters or is null. The probabilities are proportional to the channel
-/// mean of the throughput after either event. This mean never increases, except through Russian
+/// Each tentative collision scatters or is null. The probability of each event is proportional to
+/// the channel mean of the throughput after it. This mean never increases, except through Russian
 /// roulette.
 pub(super) fn distance_sample(
     medium: &Medium,
@@ -205,7 +206,7 @@ pub(super) fn emitted_radiance(
     if depth <= 0.0 {
         return Rgb::ZERO;
     }
-    // A minimum number of collisions also samples thin media.
+    // The minimum makes thin media collide often enough for a low variance.
     let rate = sigma.max_element().max(MIN_EMISSION_COLLISIONS / depth);
     let (mut sum, mut left, mut steps) = (DVec3::ZERO, DVec3::ONE, 0u32);
     track_collisions(&line, rate, rng, |collision, rng| {

@@ -20,7 +20,8 @@ pub(super) const MIN_COVERAGE: f32 = 0.05;
 /// A density estimate assumes that the whole disc of `radius` \[length] around `p` is surface.
 /// Where the surface ends, bends or is occluded, the estimate is too dark (boundary bias, Jensen
 /// 2001, section 7.2.3). Division by the coverage corrects this bias. Probe rays along −`normal`
-/// measure the coverage. It is exactly 1 on a flat surface, and may exceed 1 on a slope.
+/// measure the coverage. It is at least 0.05, exactly 1 on a flat surface, and may exceed 1 on a
+/// slope.
 #[must_use]
 pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let frame = Frame::from_normal(normal);

@@ -5,14 +5,15 @@ use super::{Kernel, PhotonData, PhotonMap};
 use crate::color::Rgb;
 use glam::{DVec3, Vec3};
 
-/// Bandwidth of a density estimate: limits the size of its disc.
+/// Bandwidth of a density estimate: two upper bounds of the size of its disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bandwidth {
     /// Largest radius of the disc \[length].
     pub radius: f32,
     /// Largest number of photons in the disc, k; 0 for no limit.
     ///
-    /// If more photons lie within `radius`, the disc shrinks to the distance of the k-th nearest.
+    /// If more photons lie within `radius`, the disc shrinks to the distance of the k-th nearest
+    /// photon.
     pub k: u32,
 }
 
@@ -31,7 +32,8 @@ pub struct RadianceEstimate {
 /// next larger one.
 pub const LEVELS: usize = 3;
 
-/// Radiance estimates from concentric discs of decreasing size, which share their photons.
+/// Radiance estimates from concentric discs of decreasing size. Photons in a small disc also count
+/// in the larger ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NestedRadianceEstimate {
     /// Estimate with the largest disc.
@@ -75,12 +77,12 @@ const MIN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 /// Number of photons whose f32 sum is formed before it is added to an f64 total.
 const BLOCK: u32 = 64;
 
-/// Photons count in an estimate if the cosine between their normal and the normal of the query
-/// point is larger than this.
+/// Lower bound of the cosine between the normals of a photon and of the query point. Other photons
+/// do not count in an estimate.
 pub(super) const SAME_SIDE: f32 = 0.5;
 
-/// Photons count in an estimate if their tangent plane is not farther from the query point than
-/// this fraction of the radius of the largest disc.
+/// Upper bound of the distance between the query point and the tangent plane of a photon, as a
+/// fraction of the radius of the largest disc. Other photons do not count in an estimate.
 pub(super) const FLATNESS: f32 = 0.25;
 
 impl PhotonMap {
@@ -173,12 +175,12 @@ impl PhotonMap {
         sums.into_radiance(radius, count)
     }
 
-    /// Finds the k photons nearest to `p` on its surface, and returns the squared distance of the
-    /// k-th.
+    /// Finds the k photons nearest to `p` on the surface of `p`, and returns the squared distance
+    /// of the k-th.
     ///
-    /// The photons are written to `scratch`. If fewer than k lie within the largest radius, all of
-    /// them are written, and the function returns `None`. The search radius grows from a first
-    /// guess, because the kd-tree of crate kiddo cannot shrink a radius during a query.
+    /// The photons are written to `scratch`. If fewer than k lie within the largest radius, the
+    /// function writes all of them and returns `None`. The search radius grows from a first guess,
+    /// because the kd-tree of crate kiddo cannot shrink a radius during a query.
     fn find_k_nearest(
         &self,
         p: Vec3,
@@ -220,7 +222,8 @@ impl PhotonMap {
 }
 
 impl PhotonMap {
-    /// Distance from `p` to the k-th nearest photon on its surface \[length].
+    /// Distance from `p` to the k-th nearest photon on the surface of `p` \[length]. `normal` is
+    /// the unit geometric normal at `p`.
     ///
     /// Returns `None` if fewer than k photons lie within the distance `most` \[length]. Photons on
     /// other surfaces do not count, as in [`PhotonMap::estimate_radiance`].
@@ -289,8 +292,8 @@ impl<const N: usize> KernelSums<N> {
 
 /// True if a photon lies on the surface of a query point with tangent plane `plane`.
 ///
-/// Its normal must be similar, and its own tangent plane must pass near the query point. `radius`
-/// is the largest radius of the estimate \[length].
+/// The photon's normal must be similar, and the photon's tangent plane must pass near the query
+/// point. `radius` is the largest radius of the estimate \[length].
 #[inline]
 pub(super) fn is_on_query_surface(data: &PhotonData, plane: &TangentPlane, radius: f32) -> bool {
     let (cosine, height) = data.normal_cosine_and_height(plane);

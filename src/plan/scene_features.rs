@@ -84,8 +84,9 @@ impl SceneFeatures {
             moving: scene.has_motion(),
             one_flat_object: false,
         };
-        // The bounding sphere of a scene of infinite planes may be a point, through which distant
-        // lights have no power. They still light the planes, so a unit sphere replaces it.
+        // In a scene of infinite planes, the bounding sphere may be a point. The power of lights at
+        // infinity would be 0 there, although they light the planes. A unit sphere therefore
+        // replaces it.
         let domain = BoundingSphere { center: Vec3::ZERO, radius: 1.0 };
         let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(domain) != Rgb::ZERO).collect();
         features.lights = lights.len();

@@ -11,11 +11,11 @@ use crate::medium::Medium;
 use crate::sampling::Key;
 use glam::Vec3;
 
-/// Properties of a shape, mesh or plane that describe it without its geometry, for planning and
-/// photon emission.
+/// Summary of a shape, mesh or plane for planning and photon emission: bounds, material and
+/// emission.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectSummary {
-    /// Bounding sphere, tight for spheres; `None` for unbounded planes.
+    /// Bounding sphere; `None` for unbounded planes. It is tight for spheres.
     pub ball: Option<BoundingSphere>,
     /// Point and unit normal of the plane that contains the object; `None` if the object may not be
     /// flat.
@@ -56,8 +56,8 @@ impl Scene {
         self.animation.is_some()
     }
 
-    /// Number of parts of the scene that a copy for another shutter time does not share: moving
-    /// shapes, planes, lights and texture mappings.
+    /// Number of objects that a copy for another shutter time stores anew: moving shapes, and all
+    /// planes, lights and texture mappings.
     #[must_use]
     pub fn unshared_part_count(&self) -> usize {
         let Self { geometry, lights, mappings, .. } = self;
@@ -142,7 +142,7 @@ impl Scene {
         indices.into_iter().map(|index| &self.media[index as usize]).collect()
     }
 
-    /// Returns two flags: true if a parameter is textured, and true if shading normals are
+    /// Returns two flags: whether a BSDF parameter is textured, and whether shading normals are
     /// perturbed.
     ///
     /// The flags apply to the material with index `material` or, for a mix, to any of its

@@ -23,7 +23,7 @@ pub(super) struct EmissionGuidingSample {
     pub square: f64,
 }
 
-/// A grid is refined only if it then has at least this mean number of samples per cell.
+/// Smallest mean number of samples per cell. A grid is refined only if the finer grid reaches it.
 const MIN_SAMPLES_PER_CELL: usize = 4;
 
 /// Largest number of subdivisions of a grid. A subdivision splits each cell into four, so a grid
@@ -34,8 +34,8 @@ const MAX_SUBDIVISIONS: u32 = 6;
 /// (shrinkage estimator).
 const PARENT_WEIGHT: f64 = 8.0;
 
-/// Numbers of subdivisions of a grid over \[0, 1)⁴: first of the unit square of positions, then of
-/// that of directions.
+/// Numbers of subdivisions of a grid over \[0, 1)⁴: of the unit square of positions, and of the
+/// unit square of directions.
 ///
 /// n subdivisions give 2ⁿ cells along each side of the square.
 type CellResolution = (u32, u32);

@@ -1,5 +1,5 @@
 //! Emission guiding: a pilot measures which photon paths contribute to the picture. The render then
-//! emits more such paths.
+//! emits more paths of this kind.
 
 mod distribution;
 #[cfg(test)]
@@ -149,7 +149,7 @@ impl PhotonSource<'_> {
                     },
                 );
             }
-            // An infinite change cannot be normalised, so it is ignored.
+            // An infinite contribution cannot be normalised, so it is ignored.
             let square = if square.is_finite() { square } else { 0.0 };
             let weight = 1.0 / f64::from(point.pdf);
             let contribution = weight / f64::from(point.probability);

@@ -119,7 +119,7 @@ impl PassStatistics {
     }
 
     fn agrees_within_five_sigma(&self, other: &Self) -> bool {
-        // Rounding of the sums alone where both have no variance.
+        // If both have no variance, only the rounding of the sums remains.
         let rounding = 1e-5 * self.mean().abs();
         (self.mean() - other.mean()).abs()
             <= 5.0 * (self.variance() / self.n + other.variance() / other.n).sqrt() + rounding

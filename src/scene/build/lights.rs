@@ -36,8 +36,8 @@ pub(super) struct CollectedLights {
 
 /// Collects delta lights, area lights of emissive objects, and the environment light.
 ///
-/// Results are relative to `origin` and at mid-shutter. The error is [`BuildError::Flattened`] for
-/// a singular motion.
+/// Lights are in coordinates relative to `origin`, at mid-shutter. A singular motion is the error
+/// [`BuildError::Flattened`].
 pub(super) fn collect_lights(
     sources: &[DeltaLight],
     objects: &[SceneObject],
@@ -94,7 +94,7 @@ pub(super) fn collect_lights(
         });
         found.of_object.push(light);
     }
-    // The environment light comes last: [`LegacyLight`] has no counterpart of it.
+    // The environment light comes last, because [`LegacyLight`] has no counterpart of it.
     if let Some(environment) = environment {
         found.environment_light_index = Some(found.lights.len());
         found.lights.push(Light::Environment(Arc::new(environment)));

@@ -36,7 +36,7 @@ pub(super) struct PlacedGeometry {
     pub mesh_ranges: Vec<Range<u32>>,
 }
 
-/// Texture mappings from coordinates relative to [`Scene::origin`](crate::scene::Scene::origin).
+/// Texture mappings in coordinates relative to [`Scene::origin`](crate::scene::Scene::origin).
 pub(super) struct PlacedTextureMappings {
     /// All texture mappings. Objects that define none use the first one.
     pub list: Vec<TextureMapping>,
