@@ -30,7 +30,7 @@ struct TentativeCollision {
     t: f64,
     /// Density of the medium divided by the mean number of tentative collisions per length
     /// \[length]. Its product with a coefficient, such as σs, is the probability of that event.
-    density: f64,
+    density_over_rate: f64,
 }
 
 enum TrackingDecision {
@@ -61,8 +61,8 @@ fn track_collisions<R: Rng>(
             }
             t += step;
             // Interpolation may round above the majorant.
-            let density = line.density(t).min(majorant) / (rate * majorant);
-            if matches!(visit(TentativeCollision { t, density }, rng), TrackingDecision::Stop) {
+            let density_over_rate = line.density(t).min(majorant) / (rate * majorant);
+            if matches!(visit(TentativeCollision { t, density_over_rate }, rng), TrackingDecision::Stop) {
                 return false;
             }
             depth = sample_exponential(rng);
@@ -93,7 +93,7 @@ pub(super) fn transmittance(medium: &Medium, grid: &GridDensity, ray: &Ray, dist
     }
     let (mut left, mut steps) = (DVec3::ONE, 0u32);
     let through = track_collisions(&grid.ray_in_grid(ray, distance), rate, rng, |collision, rng| {
-        left *= DVec3::ONE - sigma * collision.density;
+        left *= DVec3::ONE - sigma * collision.density_over_rate;
         transmittance_roulette(&mut left, &mut steps, rng)
     });
     if through { left.as_vec3() } else { Rgb::ZERO }
@@ -119,7 +119,7 @@ pub(super) fn transmittance_curve(
     let rate = sigma.max_element().max(MIN_CURVE_COLLISIONS / depth);
     let (mut left, mut steps) = (DVec3::ONE, 0u32);
     let through = track_collisions(&line, rate, rng, |collision, rng| {
-        left *= DVec3::ONE - sigma * collision.density;
+        left *= DVec3::ONE - sigma * collision.density_over_rate;
         let step = transmittance_roulette(&mut left, &mut steps, rng);
         curve.steps.push((collision.t as f32, left.as_vec3()));
         step
@@ -165,8 +165,8 @@ pub(super) fn distance_sample(
     let (mut left, mut steps, mut scattered) = (DVec3::ONE, 0u32, None);
     let through = rate <= 0.0
         || track_collisions(&grid.ray_in_grid(ray, distance), rate, rng, |collision, rng| {
-            let real = left * scattering * collision.density;
-            let null = left * (DVec3::ONE - sigma * collision.density).max(DVec3::ZERO);
+            let real = left * scattering * collision.density_over_rate;
+            let null = left * (DVec3::ONE - sigma * collision.density_over_rate).max(DVec3::ZERO);
             let (a, b) = (probabilities.dot(real), probabilities.dot(null));
             if a + b <= 0.0 {
                 return TrackingDecision::Stop;
@@ -210,8 +210,8 @@ pub(super) fn emitted_radiance(
     let rate = sigma.max_element().max(MIN_EMISSION_COLLISIONS / depth);
     let (mut sum, mut left, mut steps) = (DVec3::ZERO, DVec3::ONE, 0u32);
     track_collisions(&line, rate, rng, |collision, rng| {
-        sum += left * emission * collision.density;
-        left *= DVec3::ONE - sigma * collision.density;
+        sum += left * emission * collision.density_over_rate;
+        left *= DVec3::ONE - sigma * collision.density_over_rate;
         transmittance_roulette(&mut left, &mut steps, rng)
     });
     sum.as_vec3()

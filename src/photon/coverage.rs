@@ -2,7 +2,7 @@
 //! boundary bias.
 
 use super::Kernel;
-use super::estimate::{FLATNESS, LEVELS, SAME_SIDE};
+use super::estimate::{LEVELS, MAX_RELATIVE_HEIGHT, MIN_NORMAL_COSINE};
 use crate::math::{Frame, Ray, warp};
 use crate::sampling::{Dimension, Key, sobol_2d};
 use crate::scene::Scene;
@@ -25,7 +25,7 @@ pub(super) const MIN_COVERAGE: f32 = 0.05;
 #[must_use]
 pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let frame = Frame::from_normal(normal);
-    let height = radius * FLATNESS;
+    let height = radius * MAX_RELATIVE_HEIGHT;
     let (mut covered, mut whole) = (0.0, 0.0);
     for i in 0..PROBES {
         let d = warp::square_to_uniform_disc(sobol_2d(i, key, Dimension::Probe));
@@ -35,7 +35,7 @@ pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: 
         let ray = Ray { t_max: 2.0 * height, ..Ray::new(above, -normal) };
         let Some(hit) = scene.intersect(&ray) else { continue };
         let cos = scene.normal_at(&ray, &hit).dot(normal).abs();
-        if cos > SAME_SIDE {
+        if cos > MIN_NORMAL_COSINE {
             let rise = (height - hit.t) / radius;
             // A flat surface is hit at `height` up to rounding errors, and must count as flat.
             let shape = if rise.abs() < 1e-3 {

@@ -79,11 +79,11 @@ const BLOCK: u32 = 64;
 
 /// Lower bound of the cosine between the normals of a photon and of the query point. Other photons
 /// do not count in an estimate.
-pub(super) const SAME_SIDE: f32 = 0.5;
+pub(super) const MIN_NORMAL_COSINE: f32 = 0.5;
 
 /// Upper bound of the distance between the query point and the tangent plane of a photon, as a
 /// fraction of the radius of the largest disc. Other photons do not count in an estimate.
-pub(super) const FLATNESS: f32 = 0.25;
+pub(super) const MAX_RELATIVE_HEIGHT: f32 = 0.25;
 
 impl PhotonMap {
     /// Estimates the reflected radiance at `p`: Σ f·ΔΦ·K over photons (Jensen 2001, section 7.2).
@@ -138,7 +138,11 @@ impl PhotonMap {
         let mut radius = bandwidth.radius;
         // A smaller disc has a smaller limit of the height over the tangent plane.
         let height = |data: &PhotonData| {
-            if N > 1 { data.normal_cosine_and_height(&plane).1.abs() / (bandwidth.radius * FLATNESS) } else { 0.0 }
+            if N > 1 {
+                data.normal_cosine_and_height(&plane).1.abs() / (bandwidth.radius * MAX_RELATIVE_HEIGHT)
+            } else {
+                0.0
+            }
         };
         if bandwidth.k > 0 {
             let least = resolved.max(radius * MIN_RADIUS_FRACTION).max(self.min_radius).min(radius);
@@ -297,7 +301,7 @@ impl<const N: usize> KernelSums<N> {
 #[inline]
 pub(super) fn is_on_query_surface(data: &PhotonData, plane: &TangentPlane, radius: f32) -> bool {
     let (cosine, height) = data.normal_cosine_and_height(plane);
-    cosine > SAME_SIDE && height.abs() <= radius * FLATNESS
+    cosine > MIN_NORMAL_COSINE && height.abs() <= radius * MAX_RELATIVE_HEIGHT
 }
 
 /// Truncates `found` to the k nearest photons, and returns the squared distance of the k-th.

@@ -53,7 +53,7 @@ impl KernelProbes {
 
     /// True if no surface lies within `distance` on the first probe ray.
     #[must_use]
-    pub fn sees(&self, distance: f32) -> bool {
+    pub fn first_probe_is_clear(&self, distance: f32) -> bool {
         self.distances[0] > distance
     }
 

@@ -16,7 +16,7 @@ use glam::Vec3;
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectSummary {
     /// Bounding sphere; `None` for unbounded planes. It is tight for spheres.
-    pub ball: Option<BoundingSphere>,
+    pub bounding_sphere: Option<BoundingSphere>,
     /// Point and unit normal of the plane that contains the object; `None` if the object may not be
     /// flat.
     pub plane: Option<(Vec3, Vec3)>,
@@ -76,8 +76,8 @@ impl Scene {
     /// Summaries of all objects: shapes, then meshes with triangles, then planes.
     pub fn object_summaries(&self) -> impl Iterator<Item = ObjectSummary> {
         let geometry = &self.geometry;
-        let summary = |attributes: &ObjectAttributes, ball, plane| ObjectSummary {
-            ball,
+        let summary = |attributes: &ObjectAttributes, bounding_sphere, plane| ObjectSummary {
+            bounding_sphere,
             plane,
             material: attributes.material,
             has_emission_texture: self.has_emission_texture(attributes),
@@ -167,7 +167,7 @@ impl Scene {
             self.for_each_leaf_material(material, &mut |leaf| casts |= leaf.casts_caustics());
             casts
         };
-        self.object_summaries().filter(|o| casts_caustics(o.material)).map(|o| o.ball).collect()
+        self.object_summaries().filter(|o| casts_caustics(o.material)).map(|o| o.bounding_sphere).collect()
     }
 
     /// Returns the first ray of a camera path: `ray`, with the interior around its origin and the

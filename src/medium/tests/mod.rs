@@ -6,8 +6,8 @@
 mod distance_samples;
 mod extremes;
 mod grids;
-mod majorants;
 mod phase_functions;
+mod random_walks;
 
 use super::*;
 use crate::sampling::{Key, Purpose};

@@ -72,8 +72,9 @@ fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec
     // The camera may be outside of the box, but the origin must not.
     let view = view.map(|(center, size)| FineDetailRegion { center: center.clamp(min, max), size });
     let targets: Vec<FineDetailRegion> = boxes.iter().map(target).chain(view).filter(|t| t.size > 0.0).collect();
-    let distance = |m: DVec3| targets.iter().map(|t| (t.center - m).abs().max_element() / t.size).fold(0.0, f64::max);
-    let most = distance(center);
+    let greatest_ratio =
+        |m: DVec3| targets.iter().map(|t| (t.center - m).abs().max_element() / t.size).fold(0.0, f64::max);
+    let most = greatest_ratio(center);
     if most.is_nan() || most <= MAX_DISTANCE_IN_SIZES {
         return Some(center);
     }
