@@ -108,9 +108,9 @@ pub(super) fn check_photon_memory(
     free: Option<u64>,
 ) -> Result<(), MemoryError> {
     let free = free.map(|free| free.saturating_sub(pictures));
-    let ExpectedPhotons { paths, photons: stored, most } = expected;
-    if most > u64::from(u32::MAX) {
-        return Err(MemoryError::Indices { paths, stored: most });
+    let ExpectedPhotons { paths, photons: stored, largest_map } = expected;
+    if largest_map > u64::from(u32::MAX) {
+        return Err(MemoryError::Indices { paths, stored: largest_map });
     }
     let needed = stored * BYTES_PER_PHOTON;
     match free {
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn too_many_photons_are_refused() {
         let index = u64::from(u32::MAX);
-        let expected = |photons, most| ExpectedPhotons { paths: 1, photons, most };
+        let expected = |photons, largest_map| ExpectedPhotons { paths: 1, photons, largest_map };
         assert_eq!(check_photon_memory(expected(2 * index, index), 0, None), Ok(()));
         assert!(matches!(
             check_photon_memory(expected(2 * index, index + 1), 0, None),

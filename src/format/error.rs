@@ -23,7 +23,7 @@ pub struct SourceText {
 }
 
 impl SourceText {
-    /// Returns the text that was read from the file `name`.
+    /// Makes a source from the `text` that was read from the file `name`.
     #[must_use]
     pub fn new(name: &str, text: &str) -> Self {
         Self { name: name.into(), text: text.into() }

@@ -18,19 +18,19 @@ const SIDE: usize = 32;
 /// Number of bins of a cell.
 const BINS: usize = SIDE * SIDE;
 
-/// Number of subdivisions of the scene's bounding box. A subdivision splits each cell into eight.
-const SUBDIVISIONS: u32 = 3;
+/// Number of times that the grid is refined. Each refinement splits each cell into eight.
+const REFINEMENTS: u32 = 3;
 
 /// Number of cells along each axis.
-const CELLS: u32 = 1 << SUBDIVISIONS;
+const CELLS: u32 = 1 << REFINEMENTS;
 
 /// Fraction of each distribution that is uniform (defensive sampling).
 ///
 /// A guided ray has at most 5 times the weight of the same ray without guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
-/// Weight of the parent cell's mean in the mean of a bin, expressed as a number of rays (shrinkage
-/// estimator).
+/// Weight of the parent bin's mean in the estimated mean of a bin (shrinkage estimator), expressed
+/// as a number of rays.
 const PARENT_WEIGHT: f64 = 2.0;
 
 /// Distribution of the directions from which the environment light reaches each part of a scene.
@@ -51,7 +51,10 @@ pub(super) struct EnvironmentGuideFit {
 }
 
 impl EnvironmentGuide {
-    /// Samples the direct light at `p` by `u` in \[0, 1)². Returns `None` if `light` is black.
+    /// Samples direct light of the environment `light` at `p`, by `u` in \[0, 1)². Directions
+    /// follow the guide.
+    ///
+    /// Returns `None` if `light` is black or the pdf is 0.
     #[inline]
     pub fn sample_li(&self, light: &EnvironmentLight, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
         let (u, _) = self.guided_sample(p, u);
@@ -94,14 +97,14 @@ impl EnvironmentGuideFit {
         self.squares[bin] += square;
     }
 
-    /// Returns the guide. Returns `None` if no ray contributed.
+    /// Returns the guide that follows from the added rays; `None` if no ray contributed.
     ///
     /// The mean of a bin is drawn towards the mean of the bin that contains it in the next coarser
     /// level, and so on up to the whole scene.
     pub fn guide(&self) -> Option<EnvironmentGuide> {
         let mean = self.squares.iter().sum::<f64>() / self.counts.iter().sum::<f64>().max(1.0);
         let mut means = vec![mean; Level(0).bin_count()];
-        for level in (0..=SUBDIVISIONS).map(Level) {
+        for level in (0..=REFINEMENTS).map(Level) {
             let (counts, squares) = (level.sums(&self.counts), level.sums(&self.squares));
             let mean = |i: usize| {
                 let parent = if level == Level(0) { mean } else { means[level.parent_bin(i)] };
@@ -114,7 +117,7 @@ impl EnvironmentGuideFit {
     }
 }
 
-/// Level of the hierarchy of cells and bins: 0 is the coarsest, and each subdivision halves the
+/// Level of the hierarchy of cells and bins: 0 is the coarsest, and each refinement halves the
 /// edges of cells and bins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Level(u32);
@@ -127,7 +130,7 @@ impl Level {
 
     /// Number of bins along each side of a cell's unit square.
     fn bin_side(self) -> usize {
-        SIDE >> (SUBDIVISIONS - self.0)
+        SIDE >> (REFINEMENTS - self.0)
     }
 
     /// Number of bins of all cells.
@@ -148,7 +151,7 @@ impl Level {
     /// finest level.
     fn sums(self, values: &[f64]) -> Vec<f64> {
         let mut sums = values.to_vec();
-        for fine in (self.0 + 1..=SUBDIVISIONS).rev().map(Level) {
+        for fine in (self.0 + 1..=REFINEMENTS).rev().map(Level) {
             let mut coarse = vec![0.0; Level(fine.0 - 1).bin_count()];
             for (i, value) in sums.iter().enumerate() {
                 coarse[fine.parent_bin(i)] += value;

@@ -24,20 +24,20 @@ const PATHS: (u32, u32) = (4000, 8000);
 /// Largest number of bounces of the pilot's camera paths.
 const MAX_BOUNCES: u32 = 2;
 
-/// Number of rounds. Each round is guided by the rays of all earlier rounds.
+/// Number of rounds of the pilot. Each round is guided by the rays of all earlier rounds.
 const ROUNDS: u32 = 4;
 
 /// Number of shadow rays from each point in each round.
 const RAYS_PER_POINT: u32 = 6;
 
-/// Reduction of variance above which passes use guided shadow rays.
+/// Factor of variance reduction above which passes use guided shadow rays.
 ///
 /// It exceeds 1, because guided rays take longer to sample, and because camera paths that sample
 /// the BSDF find a widely visible environment too.
 const MIN_GAIN: f64 = 1.5;
 
-/// Fraction of unguided shadow rays that reach the environment above which the pilot ends after the
-/// first round: camera paths that sample the BSDF find so wide a sky too.
+/// Largest fraction of unguided shadow rays that reach the environment. Above it, the pilot ends
+/// after the first round: camera paths that sample the BSDF find such a widely visible sky too.
 const MAX_UNOCCLUDED: f64 = 0.25;
 
 /// Work of the pilot of environment guiding, and its estimated benefit.
@@ -61,7 +61,7 @@ struct PilotRay {
     /// Point in \[0, 1)² from which the light samples the direction.
     u: Vec2,
     /// Pdf of `u`.
-    density: f32,
+    pdf: f32,
     /// Contribution to the picture without guiding; 0 if occluded.
     contribution: f64,
 }
@@ -106,7 +106,7 @@ pub(super) fn guide_environment_light(
     (guide.filter(|_| report.used), report)
 }
 
-/// Returns the shadow rays of a round, traced and in the order of their points.
+/// Traces the shadow rays of a round. Returns them in the order of their points.
 fn trace_round(
     scene: &Scene,
     light: &EnvironmentLight,
@@ -120,7 +120,7 @@ fn trace_round(
         let point = (index / RAYS_PER_POINT) as usize;
         let VisiblePoint { position: p, error, normal, weight } = points[point];
         let u = Sampler::new(key, index, count).get_2d(Dimension::LightPosition);
-        let (u, density) = guide.map_or((u, 1.0), |guide| guide.guided_sample(p, u));
+        let (u, u_pdf) = guide.map_or((u, 1.0), |guide| guide.guided_sample(p, u));
         let contribution = light.sample(u).map_or(0.0, |(wi, pdf)| {
             let cosine = wi.dot(normal);
             let origin = offset_ray_origin(p, error, normal, wi);
@@ -131,7 +131,7 @@ fn trace_round(
             let radiance = light.radiance(wi) * transmittance;
             f64::from(weight * cosine) * f64::from(color::channel_mean(radiance) / pdf)
         });
-        PilotRay { point, u, density, contribution }
+        PilotRay { point, u, pdf: u_pdf, contribution }
     };
     (0..count).into_par_iter().map(ray).collect()
 }
@@ -159,9 +159,9 @@ fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key:
 fn gain(rays: &[PilotRay]) -> f64 {
     let (mut unguided, mut guided) = (0.0, 0.0);
     for ray in rays {
-        let (square, density) = (ray.contribution * ray.contribution, f64::from(ray.density));
-        unguided += square / density;
-        guided += square / (density * density);
+        let (square, pdf) = (ray.contribution * ray.contribution, f64::from(ray.pdf));
+        unguided += square / pdf;
+        guided += square / (pdf * pdf);
     }
     if guided > 0.0 { unguided / guided } else { 1.0 }
 }

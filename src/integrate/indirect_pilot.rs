@@ -72,18 +72,18 @@ const MOST_MISSED: f64 = 0.9;
 /// In thick media, photons near the camera may be rare, but then each carries great flux.
 const RARE_IN_MEDIA: f64 = 1e4;
 
-/// Factor from the difference between density estimates with full and half disc area to the bias of
-/// the full one.
+/// Ratio of the bias of a density estimate to its difference from an estimate with half the disc
+/// area.
 const BIAS_FACTOR: f64 = 2.0;
 
 /// Parts of the light of one camera path, averaged over RGB \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
-struct PointLight {
+struct LightParts {
     /// Direct light at the first receiver.
     direct: f64,
     /// Emission that the path finds up to its first receiver, and the caustics there. Other pilots
     /// reduce their noise.
-    apart: f64,
+    emission_and_caustics: f64,
     /// Indirect light found by the continued camera path.
     paths: f64,
     /// Indirect light found by the photon estimate.
@@ -166,7 +166,8 @@ fn pilot_key(pilot: &PassRenderer<'_>) -> Key {
     Key::new(pilot.settings.camera_paths.seed).purpose_key(Purpose::IndirectDivision)
 }
 
-/// Returns the edge length of a cell \[pixels], and the numbers of columns and rows.
+/// Returns the edge length of a cell of the film grid \[pixels], and the grid's numbers of columns
+/// and rows.
 fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
     let size = (width.max(height) as f32 / CELLS as f32).max(1.0);
     let cells = |pixels: u32| ((pixels as f32 / size).ceil() as u32).max(1);
@@ -209,10 +210,10 @@ impl<'a> Trial<'a> {
         pilot: &PassRenderer<'_>,
         points: &[FilmPoint],
         technique: IndirectTechnique<'_>,
-    ) -> (Vec<PointLight>, Counters) {
+    ) -> (Vec<LightParts>, Counters) {
         let nests_estimates = matches!(technique, IndirectTechnique::Comparison);
         let paths = pilot.path_context(Some(&self.maps), 0).with_indirect_technique(technique);
-        map_paths_through_film_points(&paths, points, nests_estimates, PointLight::take_from)
+        map_paths_through_film_points(&paths, points, nests_estimates, LightParts::take_from)
     }
 
     /// Measures the work of camera paths through `points` and of the photons of the interreflection
@@ -236,7 +237,7 @@ impl<'a> Trial<'a> {
     }
 }
 
-impl PointLight {
+impl LightParts {
     /// Splits the `radiance` of a camera path into its parts by the sums in `worker`, and resets
     /// these sums.
     fn take_from(radiance: Rgb, worker: &mut PathWorker) -> Self {
@@ -247,7 +248,7 @@ impl PointLight {
                 .map(|v| f64::from(color::channel_mean(v)));
         Self {
             direct: total - found - all_photons - paths,
-            apart: found + all_photons - photons,
+            emission_and_caustics: found + all_photons - photons,
             paths,
             photons,
             bias: BIAS_FACTOR * step,
@@ -262,15 +263,15 @@ impl PointLight {
 /// trial. `rare` is the variance of photon estimates that found almost no light, relative to the
 /// squared light that camera paths found.
 fn cell_errors(
-    one: &[PointLight],
-    other: &[PointLight],
+    one: &[LightParts],
+    other: &[LightParts],
     columns: u32,
     paths: f64,
     rare: f64,
 ) -> Option<(Vec<IndirectErrors>, f64)> {
     let size = CELL_POINTS as usize;
-    let light = |p: &PointLight| p.direct + p.apart + 0.5 * (p.paths + p.photons);
-    let cells: Vec<(&[PointLight], &[PointLight])> = one.chunks(size).zip(other.chunks(size)).collect();
+    let light = |p: &LightParts| p.direct + p.emission_and_caustics + 0.5 * (p.paths + p.photons);
+    let cells: Vec<(&[LightParts], &[LightParts])> = one.chunks(size).zip(other.chunks(size)).collect();
     let cell_light: Vec<f64> =
         cells.iter().map(|(a, b)| a.iter().chain(*b).map(light).sum::<f64>() / (2 * size) as f64).collect();
     let mut sorted: Vec<f64> = cell_light.iter().copied().filter(|l| *l > 0.0).collect();

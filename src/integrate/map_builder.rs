@@ -31,7 +31,7 @@ pub const CAUSTIC_K: u32 = 50;
 
 /// Divisor of the number of unaimed photon paths that gives the number of paths for guiding
 /// final-gathering rays.
-const GUIDE_INTERVAL: u32 = 16;
+const GUIDE_PHOTON_DIVISOR: u32 = 16;
 
 /// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
 const WAVELENGTH_BAND: f32 = 20.0;
@@ -324,7 +324,14 @@ impl<'a> PhotonMapBuilder<'a> {
         out: &mut Pass,
     ) -> PhotonMaps<'a> {
         let key = Key::new(self.settings.camera_paths.seed);
-        let options = MapBuildOptions { key, pass, part: slice.count, slice, limited: true, connects: true };
+        let options = MapBuildOptions {
+            key,
+            pass,
+            divisor: slice.count,
+            slice,
+            has_photon_limit: true,
+            connects_to_camera: true,
+        };
         self.build_with_options(&options, monitor, out)
     }
 
@@ -352,12 +359,12 @@ impl<'a> PhotonMapBuilder<'a> {
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
     ) -> (PhotonEstimator<'a>, AimedPathResults) {
-        let shares = self.density_estimate_shares.as_deref().filter(|_| options.connects);
+        let shares = self.density_estimate_shares.as_deref().filter(|_| options.connects_to_camera);
         let light_tracer = shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares)));
         let task = PhotonTracingTask {
             source: self.aimed_source.as_ref(),
             mask: self.request.aimed,
-            paths: self.counts.divided_by(options.part).aimed,
+            paths: self.counts.divided_by(options.divisor).aimed,
             key: options.photon_path_key(Purpose::CausticPhotons),
             light_tracer: light_tracer.as_ref(),
         };
@@ -368,7 +375,7 @@ impl<'a> PhotonMapBuilder<'a> {
         // The limit grows with the number of paths, so that discs keep their size.
         let ratio = f64::from(self.counts.aimed) / f64::from(self.settings.caustic_photons.max(1));
         let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
-        let k = photon_limit(self.settings.gather_k.unwrap_or(usual_k), options.part);
+        let k = photon_limit(self.settings.gather_k.unwrap_or(usual_k), options.divisor);
         let surface = self.radii.map_or(1.0, |radii| radii.caustic);
         let limits = DensityEstimateLimits { radii: MapRadii { surface, volume: self.volume_radii.caustic }, k };
         let photons = MapPhotons { surface: deposits.photons, volume: deposits.volume };
@@ -394,7 +401,7 @@ impl<'a> PhotonMapBuilder<'a> {
         } else {
             self.trace_unaimed_photons(options, monitor, out)
         };
-        let k = photon_limit(self.settings.gather_k.unwrap_or(0), options.part);
+        let k = photon_limit(self.settings.gather_k.unwrap_or(0), options.divisor);
         let surface = self.radii.map_or(1.0, |radii| radii.indirect);
         let limits = DensityEstimateLimits { radii: MapRadii { surface, volume: self.volume_radii.indirect }, k };
         self.index_photons(photons, limits, options, monitor, out)
@@ -412,7 +419,7 @@ impl<'a> PhotonMapBuilder<'a> {
             return None;
         }
         let photons = self.trace_unaimed_photons(options, monitor, out);
-        let k = photon_limit(self.settings.gather_k.unwrap_or(0), options.part);
+        let k = photon_limit(self.settings.gather_k.unwrap_or(0), options.divisor);
         let radii = MapRadii { surface: self.interreflection_radius, volume: self.volume_radii.interreflection };
         Some(self.index_photons(photons, DensityEstimateLimits { radii, k }, options, monitor, out))
     }
@@ -427,7 +434,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let task = PhotonTracingTask {
             source: self.unaimed_source.as_ref(),
             mask: self.request.unaimed,
-            paths: self.counts.divided_by(options.part).unaimed,
+            paths: self.counts.divided_by(options.divisor).unaimed,
             key: options.photon_path_key(Purpose::UnaimedPhotons),
             light_tracer: None,
         };
@@ -450,7 +457,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let task = PhotonTracingTask {
             source: self.unaimed_source.as_ref(),
             mask: StoreMask::INDIRECT,
-            paths: self.counts.divided_by(options.part).unaimed / GUIDE_INTERVAL,
+            paths: self.counts.divided_by(options.divisor).unaimed / GUIDE_PHOTON_DIVISOR,
             key: options.photon_path_key(Purpose::GatherRayGuides),
             light_tracer: None,
         };
@@ -497,7 +504,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let beams = thin_beams(photons.volume.beams, radii.volume.kept_beams, start);
         let volume_photons = VolumePhotons { beams, ..photons.volume };
         let volume = BeamAndPointMaps::build(volume_photons, volume_radii, self.settings.volume, band);
-        let limit = if options.limited { k } else { 0 };
+        let limit = if options.has_photon_limit { k } else { 0 };
         let shrunk_k = (f64::from(limit) * area).round().max(MIN_K) as u32;
         let bandwidth = Bandwidth { radius: radii.surface * area.sqrt() as f32, k: shrunk_k.min(limit) };
         let map = PhotonMap::build(photons.surface).with_min_radius(self.min_radius * area.sqrt() as f32);

@@ -4,10 +4,10 @@
 //! `PathPolicy` describes: `hybrid.rs` makes such a policy, and `camera_path.rs` holds the loop
 //! that follows it. Ray casting implements [`Integrator`] directly, in `raycast.rs`.
 
+mod adaptive_pilot;
 mod algorithm;
 mod balance;
 mod camera_path;
-mod density_pilot;
 mod distributed;
 mod environment_guide;
 mod environment_pilot;

@@ -296,8 +296,10 @@ impl<'a> NextEventEstimator<'a> {
     }
 }
 
-/// Returns the sample (`i` + `start`)/`count` in \[0, 1): the position `start` in \[0, 1) within
-/// stratum `i` of `count`.
+/// Returns the sample (`i` + `start`)/`count`, which lies in stratum `i` of `count` equal strata of
+/// \[0, 1).
+///
+/// `start` in \[0, 1) is the position within the stratum.
 #[inline]
 fn stratified_sample(i: u32, start: f32, count: u32) -> f32 {
     ((i as f32 + start) / count as f32).min(1.0 - f32::EPSILON / 2.0)

@@ -66,7 +66,7 @@ pub struct ExpectedPhotons {
     /// Expected number of stored photons of all maps.
     pub photons: u64,
     /// Expected number of stored photons in the largest map.
-    pub most: u64,
+    pub largest_map: u64,
 }
 
 /// Result of one pass.

@@ -33,7 +33,7 @@ pub(super) struct PassRenderer<'a> {
     /// Mean number of camera rays per pixel and pass.
     pub samples: u32,
     /// Number of camera rays of each pixel relative to `samples`; `None` gives all pixels the mean.
-    pub density: Option<Arc<[f32]>>,
+    pub relative_ray_counts: Option<Arc<[f32]>>,
     /// Number of prefix rays of each pixel, and their work; `None` traces none.
     ///
     /// Prefix rays are extra camera paths that end at the first surface that stores photons.
@@ -54,7 +54,7 @@ impl<'a> PassRenderer<'a> {
             map_builder: PhotonMapBuilder::new(scene, settings.clone(), policy),
             samples: settings.camera_paths.samples.unwrap_or(policy.samples),
             settings,
-            density: None,
+            relative_ray_counts: None,
             prefix_rays: None,
         }
     }
@@ -70,7 +70,7 @@ impl<'a> PassRenderer<'a> {
             environment_guide: self.environment_guide.clone(),
             map_builder: self.map_builder.for_scene_at_time(scene),
             samples: self.samples,
-            density: self.density.clone(),
+            relative_ray_counts: self.relative_ray_counts.clone(),
             prefix_rays: self.prefix_rays.clone(),
         }
     }
@@ -104,7 +104,7 @@ impl<'a> PassRenderer<'a> {
 
     /// Returns this renderer with one camera ray per pixel and no prefix rays.
     pub fn with_one_sample(&self) -> Self {
-        Self { samples: 1, density: None, prefix_rays: None, ..self.for_scene_at_time(self.scene) }
+        Self { samples: 1, relative_ray_counts: None, prefix_rays: None, ..self.for_scene_at_time(self.scene) }
     }
 
     /// True if passes show the scene at different times.
@@ -170,14 +170,14 @@ impl<'a> PassRenderer<'a> {
             filter: Some(&self.settings.camera_paths.filter),
             samples: self.samples,
             lens: self.policy.effects.has(Effect::Lens),
-            density: self.density.as_deref(),
+            relative_ray_counts: self.relative_ray_counts.as_deref(),
             prefix_rays: self
                 .prefix_rays
                 .as_ref()
                 .map(|rays| PrefixRays { counts: &rays.counts, key: self.prefix_ray_key(pass) }),
             nested: self.settings.camera_paths.estimate_error && self.policy.reads_photons(),
             slices: None,
-            every: 1,
+            tile_stride: 1,
         }
     }
 
@@ -195,8 +195,8 @@ impl<'a> PassRenderer<'a> {
         if !(sampling.nested && self.policy.shares_paths) {
             return None;
         }
-        let every = tiles::rendered_tile_stride(sampling.camera.size(), FRESH_TILE_COUNT);
+        let tile_stride = tiles::rendered_tile_stride(sampling.camera.size(), FRESH_TILE_COUNT);
         let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera).fresh_paths_key(pass);
-        Some((FilmSampling { nested: false, every, ..sampling }, key))
+        Some((FilmSampling { nested: false, tile_stride, ..sampling }, key))
     }
 }

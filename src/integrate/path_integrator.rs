@@ -1,8 +1,8 @@
 //! Integrator that follows a [`PathPolicy`](super::policy::PathPolicy).
 
+use super::adaptive_pilot::find_relative_ray_counts;
 use super::balance::RayPhotonBalance;
 use super::camera_path::{self, PathContext};
-use super::density_pilot::find_relative_ray_counts;
 use super::environment_pilot::EnvironmentGuidingReport;
 use super::indirect_division::IndirectDivision;
 use super::indirect_pilot::divide_indirect_light;
@@ -106,7 +106,7 @@ impl Integrator for PathIntegrator<'_> {
     fn expected_work(&self, effects: Effects) -> Counters {
         let policy = (self.make_policy)(effects, &self.renderer.settings);
         let mut work = measure_pass_work(&self.renderer.with_policy(policy));
-        // Most prefix rays follow specular surfaces, so their work counts as that of this effect.
+        // Most prefix rays follow specular surfaces, so their work counts as work of this effect.
         if effects.has(Effect::Specular)
             && let Some(prefix_rays) = &self.renderer.prefix_rays
         {
@@ -222,7 +222,8 @@ impl<'a> PathIntegrator<'a> {
         }
 
         // Distribute camera rays over the pixels.
-        renderer.density = if settings.camera_paths.adaptive { find_relative_ray_counts(&renderer) } else { None };
+        renderer.relative_ray_counts =
+            if settings.camera_paths.adaptive { find_relative_ray_counts(&renderer) } else { None };
 
         // Divide the shutter interval.
         let slices = if needed == effects {

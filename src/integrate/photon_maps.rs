@@ -60,8 +60,8 @@ impl PhotonMaps<'_> {
     /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from the
     /// maps that `lookup` names, times `samples` \[W/(m² sr)].
     ///
-    /// If one of a pixel's camera paths reads the maps for others too, `samples` is their number,
-    /// times a weight.
+    /// One camera path may read the maps for all paths of its pixel. `samples` is then the number
+    /// of these paths, times a weight.
     #[inline]
     pub fn radiance<I: Interior>(
         &self,
@@ -81,10 +81,10 @@ impl PhotonMaps<'_> {
     }
 
     /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from the
-    /// interreflection map, times `samples` \[W/(m² sr)].
+    /// interreflection map, times `samples` \[W/(m² sr)]. Adds it to `worker.indirect_light` too.
     ///
-    /// If one of a pixel's camera paths reads the map for others too, `samples` is their number,
-    /// times a weight. The estimate is also added to `worker.indirect_light`.
+    /// One camera path may read the map for all paths of its pixel. `samples` is then the number of
+    /// these paths, times a weight.
     #[inline]
     pub fn interreflection_radiance<I: Interior>(
         &self,
@@ -103,7 +103,8 @@ impl PhotonMaps<'_> {
     /// Returns the radiance that a medium scatters to the start of a segment, estimated from
     /// photons, times `samples` \[W/(m² sr)].
     ///
-    /// If one of a pixel's camera paths reads the maps for others too, `samples` is their number.
+    /// One camera path may read the maps for all paths of its pixel. `samples` is then the number
+    /// of these paths.
     #[inline]
     pub fn radiance_in_medium<I: Interior>(
         &self,
@@ -118,10 +119,10 @@ impl PhotonMaps<'_> {
     }
 
     /// Returns the radiance that a medium scatters to the start of a segment, estimated from the
-    /// interreflection map, times `samples` \[W/(m² sr)].
+    /// interreflection map, times `samples` \[W/(m² sr)]. Adds it to `worker.indirect_light` too.
     ///
-    /// If one of a pixel's camera paths reads the map for others too, `samples` is their number,
-    /// times a weight. The estimate is also added to `worker.indirect_light`.
+    /// One camera path may read the map for all paths of its pixel. `samples` is then the number of
+    /// these paths, times a weight.
     #[inline]
     pub fn interreflection_radiance_in_medium<I: Interior>(
         &self,

@@ -136,7 +136,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let counts = renderer.map_builder.counts;
     let divisor = counts.unaimed.max(counts.aimed).div_ceil(MAX_PATHS).max(MIN_DIVISOR);
     let maps = renderer.map_builder.traces_photons().then(|| {
-        let options = MapBuildOptions { connects: true, ..MapBuildOptions::for_pilot(key, divisor) };
+        let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, divisor) };
         renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out)
     });
     let (width, height) = scene.camera().size();
@@ -225,7 +225,7 @@ enum PathParts {
 ///
 /// `variances` are those of single whole camera paths. A pass traces n = `samples` paths in each
 /// pixel, and only one of them reads photon maps. A further estimate pays if its variance is above
-/// about 1/n² of that of a camera path.
+/// about 1/n² of the variance of a camera path.
 fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
     let total: f64 = variances.iter().map(|v| v.rest + v.found).sum();

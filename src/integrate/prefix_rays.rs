@@ -57,16 +57,19 @@ impl Default for PrefixLight {
 }
 
 impl PrefixLight {
-    /// Returns the weights of a pixel's `samples` camera paths if `prefix` prefix rays are traced
-    /// too. The first `lookups` camera paths read photon maps.
+    /// Returns the weights of a pixel's `samples` camera paths. `prefix` counts the pixel's prefix
+    /// rays.
+    ///
+    /// The first `lookups` camera paths read photon maps.
     pub fn camera_path_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.rays));
         let lookup_weight = 1.0 / (lookups as f32 + f32::from(prefix.lookups));
         Self { found_weight: n / (n + m), lookups, lookup_weight, ..Self::default() }
     }
 
-    /// Returns the weights of `prefix` prefix rays, at least one, in a pixel with `samples` camera
-    /// paths. The first `lookups` of these paths read photon maps.
+    /// Returns the weights of a pixel's prefix rays. `prefix` counts these rays, at least one.
+    ///
+    /// The pixel has `samples` camera paths; the first `lookups` of them read photon maps.
     pub fn prefix_ray_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.rays));
         let weights = Self::camera_path_weights(samples, lookups, prefix);

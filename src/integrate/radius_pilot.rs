@@ -18,8 +18,8 @@ pub(super) const MAX_PATHS: u32 = 1 << 16;
 /// density of indirect photons varies slowly.
 pub(super) const MAX_INDIRECT_PATHS: u32 = 1 << 14;
 
-/// Factor from the photon paths of a pass to those of a pilot.
-const MAX_PASSES: u32 = 4;
+/// Number of passes whose photon paths a pilot traces, within the limits on a pilot.
+const PILOT_PASSES: u32 = 4;
 
 /// Smallest number of photon paths of a pilot, even if a pass traces far fewer.
 const MIN_PATHS: u32 = 1 << 14;
@@ -84,7 +84,7 @@ pub struct EmissionGuidingReportPerMap {
 /// Returns the number of photon paths of a pilot: four times the `paths` of a pass, but at least
 /// 16,384 and at most `most`.
 pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
-    paths.saturating_mul(MAX_PASSES).max(MIN_PATHS).min(most)
+    paths.saturating_mul(PILOT_PASSES).max(MIN_PATHS).min(most)
 }
 
 /// Returns the gather radius \[length] within which three of four stored photons have `k`

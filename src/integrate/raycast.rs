@@ -40,11 +40,11 @@ impl Integrator for RaycastIntegrator<'_> {
             filter,
             samples,
             lens: false,
-            density: None,
+            relative_ray_counts: None,
             prefix_rays: None,
             slices: None,
             nested: false,
-            every: 1,
+            tile_stride: 1,
         };
         let key = Key::new(self.seed).purpose_key(Purpose::Camera).pass_key(pass);
         let FilmImage { image, counters, .. } =
@@ -88,9 +88,14 @@ impl<'a> RaycastIntegrator<'a> {
             }
             ray = surface.spawn_ray(ray.direction);
         };
-        let look = phong_appearance(self.scene, &surface, &hit, &cone);
+        let appearance = phong_appearance(self.scene, &surface, &hit, &cone);
         surface.emission
-            + self.scene.legacy_lights().iter().map(|light| phong_shading_of_light(&surface, &look, light)).sum::<Rgb>()
+            + self
+                .scene
+                .legacy_lights()
+                .iter()
+                .map(|light| phong_shading_of_light(&surface, &appearance, light))
+                .sum::<Rgb>()
     }
 }
 
@@ -147,7 +152,7 @@ fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, 
 /// `surface.wo` is V, its shading normal N, and L the unit direction to the light. By the course's
 /// definition, surfaces that face away from the light keep their highlight. Normals are not flipped
 /// towards the viewer, and 0⁰ is 1.
-fn phong_shading_of_light(surface: &SurfaceInteraction<'_>, look: &PhongAppearance, light: &LegacyLight) -> Rgb {
+fn phong_shading_of_light(surface: &SurfaceInteraction<'_>, appearance: &PhongAppearance, light: &LegacyLight) -> Rgb {
     let (to_light, color) = match light {
         LegacyLight::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),
         LegacyLight::Directional(direction, color) => (-*direction, *color),
@@ -155,6 +160,6 @@ fn phong_shading_of_light(surface: &SurfaceInteraction<'_>, look: &PhongAppearan
     let n = surface.point.ns;
     let cos = n.dot(to_light);
     let mirror = n * (2.0 * cos) - to_light;
-    let highlight = libm::powf(surface.wo.dot(mirror).max(0.0), look.shininess);
-    color * (look.diffuse * cos.max(0.0) + look.specular * highlight)
+    let highlight = libm::powf(surface.wo.dot(mirror).max(0.0), appearance.shininess);
+    color * (appearance.diffuse * cos.max(0.0) + appearance.specular * highlight)
 }

@@ -26,7 +26,7 @@ pub(super) struct FilmSampling<'a> {
     /// True if rays start at random points of the lens; false if at its center.
     pub lens: bool,
     /// Number of rays of each pixel relative to the mean; `None` gives all pixels the mean.
-    pub density: Option<&'a [f32]>,
+    pub relative_ray_counts: Option<&'a [f32]>,
     /// Prefix rays: extra camera paths that end at the first surface that stores photons. `None`
     /// traces none.
     pub prefix_rays: Option<PrefixRays<'a>>,
@@ -37,7 +37,7 @@ pub(super) struct FilmSampling<'a> {
     pub slices: Option<SlicedCameras<'a>>,
     /// Stride of the rendered tiles: 1 renders all tiles, n renders one of n tiles and leaves the
     /// others black.
-    pub every: u32,
+    pub tile_stride: u32,
 }
 
 /// Number of prefix rays of each pixel of a picture, and the key of their random numbers.
@@ -96,8 +96,8 @@ impl FilmSampling<'_> {
     /// Returns the number of camera rays of a pixel, at least one. `pixel` is an index by rows from
     /// the top.
     fn ray_count(&self, pixel: usize) -> u32 {
-        let exact = |density: &[f32]| (self.samples as f32 * density[pixel]).round().max(1.0) as u32;
-        self.density.map_or(self.samples, exact)
+        let exact = |counts: &[f32]| (self.samples as f32 * counts[pixel]).round().max(1.0) as u32;
+        self.relative_ray_counts.map_or(self.samples, exact)
     }
 
     /// Returns the numbers of prefix rays of a pixel, which end at the first surface that stores
@@ -154,18 +154,18 @@ pub(super) fn render_tiles<T: Default>(
     radiance: impl Fn(&Ray, Sampler, &mut PathWorker, &mut T) -> Rgb + Sync,
 ) -> FilmImage {
     let (width, height) = sampling.camera.size();
-    let (columns, every) = (width.div_ceil(TILE_SIZE), sampling.every);
+    let (columns, stride) = (width.div_ceil(TILE_SIZE), sampling.tile_stride);
     let pixels = width as usize * height as usize;
     let is_signed = sampling.filter.is_some_and(Filter::has_negative_values);
-    monitor.begin_stage(PassStage::Camera, pixels as u64 / u64::from(every));
+    monitor.begin_stage(PassStage::Camera, pixels as u64 / u64::from(stride));
 
     // Cut the picture into tiles.
     let mut image = vec![Rgb::ZERO; pixels];
     let mut nested = vec![NestedEstimates::default(); if sampling.nested { pixels } else { 0 }];
     let mut tiles = Tile::split_image_into_tiles(&mut image, &mut nested, width);
-    tiles.retain(|tile| is_tile_rendered(tile.index, columns, every));
+    tiles.retain(|tile| is_tile_rendered(tile.index, columns, stride));
     let indices = |tile: &Tile<'_>| tile_pixels(tile.index, columns, width, height).map(|(x, y)| y * width + x);
-    let rendered_pixels = if every > 1 { tiles.iter().flat_map(indices).collect() } else { Vec::new() };
+    let rendered_pixels = if stride > 1 { tiles.iter().flat_map(indices).collect() } else { Vec::new() };
 
     let work = tiles.into_par_iter().map(|mut tile| {
         let mut worker = PathWorker { nests_estimates: sampling.nested, ..PathWorker::default() };
@@ -245,13 +245,13 @@ pub(super) fn rendered_tile_stride((width, height): (u32, u32), wanted: u32) -> 
     (width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE) / wanted).max(2)
 }
 
-/// True if the tile with index `tile` is rendered when only one of `every` tiles is.
+/// True if the tile with index `tile` is rendered when one of `stride` tiles is.
 ///
 /// Rendered tiles lie on diagonal lines, so they are spread over all rows and columns.
-fn is_tile_rendered(tile: u32, columns: u32, every: u32) -> bool {
+fn is_tile_rendered(tile: u32, columns: u32, stride: u32) -> bool {
     // A slant that shares a factor with the stride would leave out columns.
-    let slant = (1..=every.div_ceil(2)).rev().find(|slant| gcd(*slant, every) == 1).unwrap_or(1);
-    (tile % columns + tile / columns * slant).is_multiple_of(every)
+    let slant = (1..=stride.div_ceil(2)).rev().find(|slant| gcd(*slant, stride) == 1).unwrap_or(1);
+    (tile % columns + tile / columns * slant).is_multiple_of(stride)
 }
 
 /// Returns the column and row of each pixel of a tile.

@@ -41,7 +41,7 @@ impl VolumeEstimator {
 pub(super) struct BeamAndPointMaps {
     beams: PhotonBeamMap,
     points: VolumePhotonMap,
-    estimate: VolumeEstimator,
+    estimator: VolumeEstimator,
     /// Half width of the kernel over wavelengths, for estimates in media and on surfaces \[nm].
     pub band: f32,
 }
@@ -138,12 +138,12 @@ impl BeamAndPointMaps {
     /// Builds the search structures of photons in media.
     ///
     /// `beams` and `points` are the kernel radii of photon beams and of photon points \[length].
-    pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimate: VolumeEstimator, band: f32) -> Self {
+    pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimator: VolumeEstimator, band: f32) -> Self {
         let VolumePhotons { beams: stored_beams, points: stored_points } = volume;
         Self {
             beams: PhotonBeamMap::build(stored_beams, beams),
             points: VolumePhotonMap::build(stored_points, points),
-            estimate,
+            estimator,
             band,
         }
     }
@@ -172,7 +172,7 @@ impl BeamAndPointMaps {
             add(self.estimate_by_beams(scene, path_segment, rng, count, nested));
         }
         if !self.points.is_empty() {
-            add(match self.estimate {
+            add(match self.estimator {
                 VolumeEstimator::Points => self.estimate_at_sampled_point(scene, path_segment, rng, count, nested),
                 VolumeEstimator::Beams | VolumeEstimator::BeamRadiance => {
                     curve.sample(medium, ray, ray.t_max, rng);
@@ -188,7 +188,7 @@ impl BeamAndPointMaps {
     }
 
     /// Estimates radiance from photon beams, with a one-dimensional kernel over the distance
-    /// between ray and beam. Returns it for each kernel size, largest first.
+    /// between ray and beam. Returns one value for each kernel size, largest first.
     fn estimate_by_beams<I: Interior>(
         &self,
         scene: &Scene,
@@ -215,7 +215,7 @@ impl BeamAndPointMaps {
     }
 
     /// Estimates radiance from photon points, with a two-dimensional kernel around the ray. Returns
-    /// it for each kernel size, largest first.
+    /// one value for each kernel size, largest first.
     fn estimate_along_ray<I: Interior>(
         &self,
         scene: &Scene,
@@ -246,7 +246,7 @@ impl BeamAndPointMaps {
     }
 
     /// Estimates radiance from photon points, with a three-dimensional kernel around one sampled
-    /// point of the ray. Returns it for each kernel size, largest first.
+    /// point of the ray. Returns one value for each kernel size, largest first.
     fn estimate_at_sampled_point<I: Interior>(
         &self,
         scene: &Scene,

@@ -37,8 +37,10 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let counts = renderer.map_builder.counts;
     let build = |trial| {
         let mut out = Pass::default();
-        let options =
-            MapBuildOptions { limited: false, ..MapBuildOptions::for_pilot(key.pilot_trial_key(trial), PILOT_DIVISOR) };
+        let options = MapBuildOptions {
+            has_photon_limit: false,
+            ..MapBuildOptions::for_pilot(key.pilot_trial_key(trial), PILOT_DIVISOR)
+        };
         (renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out), out)
     };
     let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
@@ -123,7 +125,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
 pub(super) fn measure_pass_work(renderer: &PassRenderer<'_>) -> Counters {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let mut out = Pass::default();
-    let options = MapBuildOptions { connects: true, ..MapBuildOptions::for_pilot(key, PILOT_DIVISOR) };
+    let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, PILOT_DIVISOR) };
     let maps = renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out);
     let counters = estimate_at_points(renderer, Some(&maps), &pilot_film_points(renderer.scene, key, 0)).counters;
     let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;

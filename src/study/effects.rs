@@ -74,7 +74,7 @@ impl PictureCost {
 }
 
 /// Cost of an effect: cost of the picture with all effects, minus cost of the picture without this
-/// one.
+/// effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectCost {
     /// Time that the effect adds to a pass, mean over passes \[s].
@@ -204,7 +204,7 @@ impl<'a> EffectStudy<'a> {
         all.fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
             photons: a.photons.max(b.photons),
-            most: a.most.max(b.most),
+            largest_map: a.largest_map.max(b.largest_map),
         })
     }
 

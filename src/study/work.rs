@@ -31,7 +31,7 @@ impl ExpectedWork {
 
 /// Returns the expected work of the first pass, without the work of pilots.
 ///
-/// The estimate comes from tracing a few film points.
+/// The estimate comes from camera paths through a few film points.
 #[must_use]
 pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
     let effects = integrator.plan().simulated_effects();

@@ -16,7 +16,7 @@ const MEMORY_PER_ELEMENT: u64 = 100;
 /// Estimated bytes of memory for each byte of the JSON text, mostly of strings.
 const MEMORY_PER_BYTE: u64 = 4;
 
-/// Required extensions that the importer reads, beside those of the crate `gltf`.
+/// Required extensions that the importer reads, in addition to those of the crate `gltf`.
 ///
 /// Files with other required extensions are refused.
 const READ_EXTENSIONS: [&str; 7] = [

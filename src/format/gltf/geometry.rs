@@ -14,7 +14,8 @@ const MEMORY_PER_CORNER: u64 = 200;
 
 /// Reads a primitive as a triangle mesh; `None` if it has no triangles.
 ///
-/// `set` is the number of the texture coordinates that the material uses; `None` if it uses none.
+/// `set` is the index of the set of texture coordinates that the material uses; `None` if it uses
+/// none.
 pub(super) fn read_primitive(
     buffers: &Buffers<'_>,
     context: &FileContext<'_>,

@@ -22,7 +22,7 @@ const IGNORED_EXTENSIONS: [(&str, &str); 6] = [
     ("KHR_materials_subsurface", "subsurface scattering is ignored"),
 ];
 
-/// Least GGX α of a Phong lobe. The lobe of a smaller one is narrower than a degree.
+/// Least GGX α that becomes a Phong lobe: a smaller α gives a lobe narrower than a degree.
 const MIN_PHONG_ALPHA: f64 = 0.01;
 
 /// Greatest reflectance of a conductor at normal incidence: its index is infinite for 1.
@@ -31,7 +31,8 @@ const MAX_METAL_REFLECTANCE: f64 = 0.999_9;
 /// Least transmittance of glass, which may not be opaque.
 const MIN_TRANSMITTANCE: f64 = 1e-6;
 
-/// Least distance of attenuation. With the least transmittance, absorption stays below 10¹².
+/// Least attenuation distance. Together with [`MIN_TRANSMITTANCE`], it keeps absorption
+/// coefficients below 10¹².
 const MIN_ATTENUATION_DISTANCE: f64 = 1e-10;
 
 /// Least Abbe number, and greatest index of refraction, of a body with dispersion.
@@ -45,7 +46,7 @@ const MAX_DISPERSIVE_INDEX: f64 = 3.0;
 pub(super) struct ImportedMaterial {
     /// Name in the description.
     pub name: String,
-    /// Number of the texture coordinates that its textures use; `None` if it has no textures.
+    /// Index of the set of texture coordinates that its textures use; `None` if it has no textures.
     pub set: Option<u32>,
     /// True if the surface is fully transparent.
     pub is_invisible: bool,
@@ -82,13 +83,13 @@ struct Conversion<'m, 'a> {
     context: &'m FileContext<'a>,
     /// Name in the description, which messages give as the place.
     name: String,
-    /// Number of the texture coordinates of the first texture.
+    /// Index of the set of texture coordinates that the first texture uses.
     set: Option<u32>,
     normal: Option<NormalPerturbationDescription>,
 }
 
 impl<'a> Materials<'a> {
-    /// Returns the materials of a file, of which none is used yet.
+    /// Makes the materials of a file. None is used yet.
     pub fn new(pictures: Pictures<'a>) -> Self {
         let (names, used) = (HashSet::new(), HashMap::new());
         Self { pictures, descriptions: Vec::new(), names, clear: None, used }
@@ -489,8 +490,8 @@ impl Conversion<'_, '_> {
 
     /// Returns the values of a texture; `None` without a texture that can be read.
     ///
-    /// All textures of a material use the texture coordinates of the first. A texture with others
-    /// becomes its mean.
+    /// All textures of a material use the texture coordinates of the first texture. A texture with
+    /// other coordinates becomes its mean.
     fn values(
         &mut self,
         texture: Option<&TextureReference<'_>>,

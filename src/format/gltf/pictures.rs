@@ -1,4 +1,4 @@
-//! Textures of a glTF file: decoded pictures, one channel or color of which becomes a texture.
+//! Textures of a glTF file, made from decoded pictures: from their color or from one channel.
 
 use super::accessors::Buffers;
 use super::context::{FileContext, ReadResult};
@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub(super) struct TextureReference<'a> {
     /// The texture.
     pub texture: gltf::Texture<'a>,
-    /// Number of the texture coordinates.
+    /// Index of the set of texture coordinates.
     pub set: u32,
     /// Transform from the texture coordinates of the scene to those of the picture.
     pub transform: TexcoordTransformDescription,
@@ -76,7 +76,7 @@ pub(super) struct Pictures<'a> {
 }
 
 impl<'a> Pictures<'a> {
-    /// Returns the pictures of a file, of which none is decoded yet.
+    /// Makes the pictures of a file. None is decoded yet.
     pub fn new(context: &'a FileContext<'a>, buffers: &'a Buffers<'a>) -> Self {
         Self {
             context,

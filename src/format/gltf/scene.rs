@@ -140,7 +140,8 @@ fn local_transform(node: &gltf::Node<'_>) -> DAffine3 {
     }
 }
 
-/// Returns a scale, then a rotation by a quaternion of any length, then a translation.
+/// Returns the affine map of a scale, then a rotation by a quaternion of any length, then a
+/// translation.
 fn placement(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DAffine3 {
     let rotation = DQuat::from_array(rotation);
     let length = rotation.length();

@@ -209,8 +209,8 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraPose) -> Result<Option<LensDescr
 
 /// Parses the field `direction` or `lookAt` of a camera or light that is at `center`.
 ///
-/// Returns the field, and the direction from `center`, of any length. Error messages call the field
-/// of `center` by its name `center_name`.
+/// Returns the field, and the direction from `center`, of any length. `center_name` is the keyword
+/// of the field that holds `center`, for error messages.
 pub(super) fn parse_direction_or_target(
     f: &BlockFields<'_>,
     center_name: &str,

@@ -65,8 +65,8 @@ impl TriangleMesh {
         merge::merge_equal_vertices(self);
     }
 
-    /// Numbers the distinct positions; returns the number of each vertex's position, and their
-    /// count.
+    /// Returns the index of each vertex's position among the distinct positions, and the number of
+    /// distinct positions.
     ///
     /// Coordinates −0 and 0 are equal here.
     #[must_use]

@@ -21,7 +21,7 @@ pub struct MeshRepairs {
 impl MeshRepairs {
     /// Default distance for merging vertices, relative to the diagonal of the mesh's bounds.
     ///
-    /// Single precision does not resolve so small a distance.
+    /// Single precision cannot distinguish vertices that are so close.
     pub const DEFAULT_WELD_TOLERANCE: f64 = 1e-9;
 }
 

@@ -49,7 +49,7 @@ const MAX_CORNER_TANGENT: f64 = 65_536.0;
 
 /// Returns an error if single precision cannot distinguish the pixels of a perspective picture.
 ///
-/// `angle` is the vertical field of view in degrees, and the size is that of the picture in pixels.
+/// `angle` is the vertical field of view in degrees. `width` and `height` are in pixels.
 fn check_field_of_view(angle: f64, (width, height): (u32, u32)) -> Result<(), MessageAndRemedy> {
     let (width, height) = (f64::from(width), f64::from(height));
     let pixel = 2.0 * libm::tan(0.5 * angle.to_radians()) / height;

@@ -93,10 +93,10 @@ pub(super) fn resolve_material(
     })
 }
 
-/// Returns the refractive index at the d line (587.56 nm), and the index of the glass that
-/// describes its dispersion.
+/// Adds the glass of a described refractive index to the scene.
 ///
-/// Adds that glass to the scene. Returns `None` in its place if there is no dispersion.
+/// Returns the refractive index at the d line (587.56 nm), and the position of the glass among the
+/// glasses of the scene. The position is `None` if there is no dispersion.
 fn add_refractive_index(
     r: &mut Resolver<'_>,
     described: &RefractiveIndexDescription,

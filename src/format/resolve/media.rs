@@ -26,7 +26,7 @@ pub(super) fn add_media(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Returns the medium of a description; reads its grid file or samples its cloud.
+/// Converts a described medium; reads its grid file or samples its cloud.
 fn make_medium(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Result<Medium, SceneError> {
     let (absorption, scattering) = match described.coefficients {
         MediumCoefficients::AbsorptionScattering { absorption, scattering } => (absorption, scattering),

@@ -30,8 +30,8 @@ const MESH_REMEDY: &str = "repair the mesh or name another";
 /// Measured: 436 to 482, on grids of a million triangles with normals and texture coordinates.
 const MEMORY_PER_TRIANGLE: u64 = 500;
 
-/// Path and options of a mesh that was read: the flags of [`MeshOptions`], and the bits of its
-/// angle.
+/// Key of a mesh that was read: its path, the flags of [`MeshOptions`], and the bits of the
+/// smoothing angle.
 pub(super) type MeshKey = (PathBuf, bool, bool, Option<u64>);
 
 /// Triangles of a mesh file that have one material.
@@ -41,7 +41,7 @@ pub(super) struct MeshPart {
     file_material: Option<AddedMeshFileMaterial>,
 }
 
-/// Name, index and emission of a material that comes from a mesh's MTL file, in the scene.
+/// Material of a mesh's MTL file after it was added to the scene: its name, index and emission.
 #[derive(Clone, Debug)]
 pub(super) struct AddedMeshFileMaterial {
     name: Rc<str>,

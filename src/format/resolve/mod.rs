@@ -275,8 +275,8 @@ impl Resolver<'_> {
         })
     }
 
-    /// Returns the path of an existing file that a description names; `kind` is its type for
-    /// errors.
+    /// Returns the path of an existing file that a description names. `kind` names the type of file
+    /// in errors, such as "mesh".
     ///
     /// An embedded asset keeps the path that the description gives it.
     fn find_file(&self, kind: &str, path: &Spanned<String>) -> Result<PathBuf, SceneError> {

@@ -19,7 +19,7 @@ fn sky() -> EnvironmentLight {
     EnvironmentLight::new(Image::from_pixels(8, 4, pixels.collect()).unwrap(), 0.3, Vec3::ONE).unwrap()
 }
 
-/// A guide of rays that contribute only from u.x < 1/4, where p.x < 1/2.
+/// A guide made from rays that contribute only if p.x < 1/2 and u.x < 1/4.
 fn half_lit_guide() -> EnvironmentGuide {
     let mut fit = EnvironmentGuideFit::new(&unit_cube());
     for i in 0..200_000 {
@@ -90,12 +90,12 @@ fn guides_need_a_ray_that_contributes() {
 /// A bin of any level holds 32 bins of the next finer level: 8 cells of 4 bins.
 #[test]
 fn parent_bins_have_32_children() {
-    for level in (1..=SUBDIVISIONS).map(Level) {
+    for level in (1..=REFINEMENTS).map(Level) {
         let mut children = vec![0; Level(level.0 - 1).bin_count()];
         (0..level.bin_count()).for_each(|bin| children[level.parent_bin(bin)] += 1);
         assert!(children.iter().all(|n| *n == 32), "{level:?}");
     }
-    let ones = vec![1.0; Level(SUBDIVISIONS).bin_count()];
+    let ones = vec![1.0; Level(REFINEMENTS).bin_count()];
     assert_eq!(Level(0).sums(&ones), vec![32.0 * 32.0 * 32.0; Level(0).bin_count()]);
 }
 

@@ -29,7 +29,7 @@ fn weights_of_both_techniques_sum_to_one() {
 }
 
 /// A pilot's single path continues with probability n/N, where n of a pixel's N paths continue. It
-/// has the weight of a continued one of N paths.
+/// then has the weight of one continued path among N.
 #[test]
 fn paths_of_pilots_stand_for_all_samples() {
     let weights = IndirectWeights { photons: 0.25, continued: 3, samples: 12 };

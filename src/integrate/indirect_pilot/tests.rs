@@ -48,11 +48,11 @@ fn trials_measure_variances_and_bias() {
         let u = key.child_key(i).uniform_2d(Dimension::Film);
         (-2.0 * libm::log(1.0 - f64::from(u.x))).sqrt() * libm::cos(TAU * f64::from(u.y))
     };
-    let trial = |seed: u64| -> Vec<PointLight> {
+    let trial = |seed: u64| -> Vec<LightParts> {
         let keys = [0, 1, 2, 3].map(|i| Key::new(seed).child_key(i));
-        let point = |i: u64| PointLight {
+        let point = |i: u64| LightParts {
             direct: 1.0 + 0.2 * normal(keys[0], i),
-            apart: 0.0,
+            emission_and_caustics: 0.0,
             paths: 1.0 + 0.5 * normal(keys[1], i),
             photons: 1.0 + 0.1 * normal(keys[2], i),
             bias: 0.05 + 0.05 * normal(keys[3], i),

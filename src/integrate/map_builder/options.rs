@@ -19,18 +19,18 @@ pub(in crate::integrate) struct PhotonPathCounts {
 }
 
 impl PhotonPathCounts {
-    /// Returns these counts divided by `part`, rounded up.
-    pub fn divided_by(self, part: u32) -> Self {
-        Self { unaimed: self.unaimed.div_ceil(part), aimed: self.aimed.div_ceil(part) }
+    /// Returns these counts divided by `divisor`, rounded up.
+    pub fn divided_by(self, divisor: u32) -> Self {
+        Self { unaimed: self.unaimed.div_ceil(divisor), aimed: self.aimed.div_ceil(divisor) }
     }
 }
 
-/// Returns the limit on the photons of a density estimate, if 1/`part` of a pass's photon paths are
-/// traced.
+/// Returns the limit on the photons of a density estimate, if 1/`divisor` of a pass's photon paths
+/// are traced.
 ///
 /// `k` is the limit for all paths of a pass. 0 means no limit.
-pub(super) fn photon_limit(k: u32, part: u32) -> u32 {
-    if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PHOTON_LIMIT) }
+pub(super) fn photon_limit(k: u32, divisor: u32) -> u32 {
+    if k == 0 { 0 } else { k.div_ceil(divisor).max(MIN_PHOTON_LIMIT) }
 }
 
 /// Random key, pass number and number of photons for building the maps of a pass or of a pilot.
@@ -42,20 +42,20 @@ pub(in crate::integrate) struct MapBuildOptions {
     pub pass: u32,
     /// Divisor of the number of photon paths: 1 for a pass, larger for a pilot or for a slice of
     /// the shutter interval.
-    pub part: u32,
+    pub divisor: u32,
     /// Slice of the shutter interval whose photons are traced.
     pub slice: ShutterSlice,
     /// True if density estimates use at most the k nearest photons; false if all within the radius.
-    pub limited: bool,
+    pub has_photon_limit: bool,
     /// True if light tracing connects caustic photons to the camera.
-    pub connects: bool,
+    pub connects_to_camera: bool,
 }
 
 impl MapBuildOptions {
-    /// Options of a pilot that traces 1/`part` of the photon paths of the first pass, for the whole
-    /// shutter interval, without light tracing.
-    pub fn for_pilot(key: Key, part: u32) -> Self {
-        Self { key, pass: 0, part, slice: ShutterSlice::WHOLE, limited: true, connects: false }
+    /// Options of a pilot that traces 1/`divisor` of the photon paths of the first pass, for the
+    /// whole shutter interval, without light tracing.
+    pub fn for_pilot(key: Key, divisor: u32) -> Self {
+        Self { key, pass: 0, divisor, slice: ShutterSlice::WHOLE, has_photon_limit: true, connects_to_camera: false }
     }
 
     /// Returns the random key of the photon paths that are traced for `purpose` in this pass.

@@ -1,7 +1,7 @@
 //! Pilots of the map builder: small photon simulations that guide emission, find gather radii,
 //! divide caustics between estimates and light tracing, and predict how many photons a pass stores.
 
-use super::{CAUSTIC_K, GUIDE_INTERVAL, PhotonMapBuilder, VolumeKernelRadiiPerMap};
+use super::{CAUSTIC_K, GUIDE_PHOTON_DIVISOR, PhotonMapBuilder, VolumeKernelRadiiPerMap};
 use crate::integrate::pass::ExpectedPhotons;
 use crate::integrate::radius_pilot::{
     self, GatherRadii, VolumeKernelRadii, find_gather_radius, find_volume_kernel_radii, pilot_path_count,
@@ -188,9 +188,9 @@ impl<'a> PhotonMapBuilder<'a> {
             let one = scale(traced.deposits.photons.len() + volume_photon_size(&traced.deposits.volume));
             let other =
                 scale(traced.deposits.after_caustic.len() + volume_photon_size(&traced.deposits.after_caustic_volume));
-            ExpectedPhotons { paths: paths.into(), photons: one + other, most: one.max(other) }
+            ExpectedPhotons { paths: paths.into(), photons: one + other, largest_map: one.max(other) }
         };
-        let guides = if self.request.guides { self.counts.unaimed / GUIDE_INTERVAL } else { 0 };
+        let guides = if self.request.guides { self.counts.unaimed / GUIDE_PHOTON_DIVISOR } else { 0 };
         let maps = [
             expected(&self.aimed_source, self.request.aimed, self.counts.aimed),
             expected(&self.unaimed_source, self.request.unaimed, self.counts.unaimed),
@@ -199,7 +199,7 @@ impl<'a> PhotonMapBuilder<'a> {
         maps.into_iter().fold(ExpectedPhotons::default(), |all, map| ExpectedPhotons {
             paths: all.paths + map.paths,
             photons: all.photons + map.photons,
-            most: all.most.max(map.most),
+            largest_map: all.largest_map.max(map.largest_map),
         })
     }
 }

@@ -142,11 +142,9 @@ impl NextEventEstimator<'_> {
 /// Samples a scattering point on a segment in a homogeneous medium, for light that leaves the point
 /// `pivot`.
 ///
-/// Half of the samples follow the transmittance, the other half the angle seen from `pivot`
-/// (equiangular sampling).
-///
-/// Equiangular sampling: Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing
-/// in Participating Media".
+/// Half of the samples follow the transmittance, the other half the angle seen from `pivot`:
+/// equiangular sampling (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing
+/// in Participating Media").
 fn sample_scatter_point_near<I: Interior>(
     path_segment: &MediumPathSegment<'_, I>,
     pivot: Vec3,
@@ -169,15 +167,15 @@ fn sample_scatter_point_near<I: Interior>(
     Some(ScatterPoint { p: ray.at(t), weight: transmittance * medium.scattering / pdf })
 }
 
-/// Distribution of distances along a ray, uniform in the angle that they subtend at a given point.
+/// Distribution of distances along a ray, uniform in the angle that they subtend at a pivot point.
 struct EquiangularDistribution {
-    /// Distance along the ray from its origin to the position closest to the point \[length].
+    /// Distance along the ray from its origin to the position closest to the pivot \[length].
     closest: f32,
-    /// Smallest distance between the ray's line and the point \[length].
+    /// Smallest distance between the ray's line and the pivot \[length].
     distance: f32,
-    /// Angle from the closest position to the start of the ray, seen from the point \[rad].
+    /// Angle from the closest position to the start of the ray, seen from the pivot \[rad].
     from: f32,
-    /// Angle from the closest position to the end of the ray, seen from the point \[rad].
+    /// Angle from the closest position to the end of the ray, seen from the pivot \[rad].
     to: f32,
 }
 

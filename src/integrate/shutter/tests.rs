@@ -1,7 +1,8 @@
 use super::*;
 use glam::DVec3;
 
-/// Returns the number of rays in each slice, summed over 64 × 64 pixels.
+/// Returns the number of rays in each slice, summed over 64 × 64 pixels, and true if each pixel has
+/// rays in as many slices as possible.
 fn rays_in_slices(slices: usize, rays: u32, pass: u32) -> (Vec<u32>, bool) {
     let camera = Camera::orthographic(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 1.0, 64, 64).unwrap();
     let key = Key::new(5).purpose_key(Purpose::Shutter);

@@ -13,11 +13,11 @@ fn render_filtered_row(kind: FilterKind, samples: u32, scene: impl Fn(f32) -> f3
         filter: Some(&filter),
         samples,
         lens: false,
-        density: None,
+        relative_ray_counts: None,
         prefix_rays: None,
         nested: false,
         slices: None,
-        every: 1,
+        tile_stride: 1,
     };
     let passes = 400u32;
     let mut sums = vec![(0.0, 0.0); 12];
@@ -63,11 +63,11 @@ fn signed_filters_are_unbiased_and_keep_flat_areas_noiseless() {
 fn rendered_tiles_are_enough_and_cover_all_columns() {
     for size in [(96u32, 72u32), (640, 480), (1920, 1080), (16, 16), (4000, 16)] {
         let (columns, rows) = (size.0.div_ceil(TILE_SIZE), size.1.div_ceil(TILE_SIZE));
-        let every = rendered_tile_stride(size, 48);
-        let rendered: Vec<u32> = (0..columns * rows).filter(|tile| is_tile_rendered(*tile, columns, every)).collect();
-        assert!(rendered.len() as u32 >= 40.min(columns * rows / 2).max(1), "{size:?} {every}: {}", rendered.len());
+        let stride = rendered_tile_stride(size, 48);
+        let rendered: Vec<u32> = (0..columns * rows).filter(|tile| is_tile_rendered(*tile, columns, stride)).collect();
+        assert!(rendered.len() as u32 >= 40.min(columns * rows / 2).max(1), "{size:?} {stride}: {}", rendered.len());
         let columns_rendered: std::collections::HashSet<u32> = rendered.iter().map(|tile| tile % columns).collect();
-        assert!(rows < every || columns_rendered.len() as u32 == columns, "{size:?} {every}");
+        assert!(rows < stride || columns_rendered.len() as u32 == columns, "{size:?} {stride}");
     }
 }
 

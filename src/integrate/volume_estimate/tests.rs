@@ -1,4 +1,4 @@
-//! Photon estimates near walls, against closed forms.
+//! Tests of photon estimates near walls, against closed forms.
 
 use super::*;
 use crate::camera::Camera;

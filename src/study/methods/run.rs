@@ -157,7 +157,7 @@ impl<'a> MethodStudy<'a> {
         self.runs.iter().map(|run| run.expected).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
             photons: a.photons.max(b.photons),
-            most: a.most.max(b.most),
+            largest_map: a.largest_map.max(b.largest_map),
         })
     }
 

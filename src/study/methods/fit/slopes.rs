@@ -140,7 +140,8 @@ fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
     (values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt()
 }
 
-/// Half-width of a 95 % confidence interval, divided by the standard deviation of the bootstrap.
+/// Half-width of a 95 % confidence interval, divided by the standard deviation of the bootstrap
+/// replicates.
 ///
 /// The factor is the quantile of Student's t times √(S/(S − 1)) for S seeds. The root corrects the
 /// variance of the bootstrap, which has the divisor S instead of S − 1 (Hesterberg 2015, section

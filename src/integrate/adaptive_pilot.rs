@@ -22,10 +22,10 @@ const PILOT_PICTURES: u32 = 4;
 const PILOT_DIVISOR: u32 = 16;
 
 /// Smallest number of camera rays of a pixel, relative to the mean over all pixels.
-const MIN_DENSITY: f64 = 0.5;
+const MIN_RELATIVE_COUNT: f64 = 0.5;
 
 /// Largest number of camera rays of a pixel, relative to the mean over all pixels.
-const MAX_DENSITY: f64 = 8.0;
+const MAX_RELATIVE_COUNT: f64 = 8.0;
 
 /// Returns how many camera rays each pixel needs, relative to the mean over all pixels.
 ///
@@ -93,12 +93,12 @@ fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, sampl
         return None;
     }
     // Every pixel gets at least one ray.
-    let least = MIN_DENSITY.max(1.0 / f64::from(samples));
-    let share = |scale: f64, w: f64| (scale * w).clamp(least, MAX_DENSITY);
+    let least = MIN_RELATIVE_COUNT.max(1.0 / f64::from(samples));
+    let share = |scale: f64, w: f64| (scale * w).clamp(least, MAX_RELATIVE_COUNT);
     let total = |scale: f64| wanted.iter().map(|w| share(scale, *w)).sum::<f64>() / wanted.len() as f64;
     let (mut low, mut high) = (0.0, 1.0 / largest);
     // If few pixels need rays, the upper bound leaves some rays unused.
-    while total(high) < 1.0 && high * largest < MAX_DENSITY * 1e6 {
+    while total(high) < 1.0 && high * largest < MAX_RELATIVE_COUNT * 1e6 {
         high *= 2.0;
     }
     // The mean grows with the scale; sixty bisections exhaust double precision.
@@ -131,7 +131,7 @@ mod tests {
         assert!((mean - 1.0).abs() < 1e-3, "{mean}");
         for (i, share) in shares.iter().enumerate() {
             match i % width {
-                0..4 => assert_eq!(*share, MIN_DENSITY as f32),
+                0..4 => assert_eq!(*share, MIN_RELATIVE_COUNT as f32),
                 // Half of the pixels would get 1.5 mean shares each. Pixels near the middle average
                 // both sides.
                 12.. => assert!((1.2..1.6).contains(share), "{i}: {share}"),
