@@ -121,7 +121,7 @@ impl Light {
         dispatch!(self, light => light.sample_le_towards(aim, domain, position, direction))
     }
 
-    /// Tells on which arguments of [`Light::sample_le`] the emitted ray depends.
+    /// The arguments of [`Light::sample_le`] on which the emitted ray depends.
     #[must_use]
     pub fn emission_dimensions(&self) -> EmissionDimensions {
         match self.geometry() {

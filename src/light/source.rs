@@ -42,7 +42,7 @@ pub struct EmissionSample {
     pub flux: Rgb,
 }
 
-/// Tells on which arguments of [`Light::sample_le`] the emitted ray depends.
+/// The arguments of [`Light::sample_le`] on which the emitted ray depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EmissionDimensions {
     /// True if the ray depends on the argument `position` of [`Light::sample_le`].

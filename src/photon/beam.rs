@@ -203,7 +203,8 @@ impl BeamPiece {
 
 /// Splits each beam into pieces of equal length, because short pieces have small bounding boxes.
 ///
-/// A beam is split into ⌈beam length · g/`length`⌉ pieces, where g is [`sqrt_half_box_area`].
+/// A beam is split into ⌈beam length · g/`length`⌉ pieces, where g is [`sqrt_half_box_area`]. So
+/// `length` is the largest length of a piece along a diagonal of the axes, where g is 1.
 fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
     let pieces_of = |(index, beam): (usize, &PhotonBeam)| {
         let (index, whole) = (index as u32, beam.length);

@@ -55,8 +55,8 @@ pub(super) struct PrimaryEmissionSample {
 }
 
 impl<'a> PhotonSource<'a> {
-    /// Creates a source that emits in all directions in which the lights emit; `None` if no light
-    /// has power.
+    /// Creates a source that emits from all lights, in all directions of each light; `None` if no
+    /// light has power.
     ///
     /// Lights are chosen in proportion to their power.
     #[must_use]

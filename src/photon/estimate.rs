@@ -74,15 +74,16 @@ const MIN_RELATIVE_RADIUS: f32 = 1e-5;
 /// radiance finite if photons coincide.
 const MIN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 
-/// Number of photons whose f32 sum is formed before it is added to an f64 total.
+/// Number of photons that are summed in f32 before their sum is added to a total in f64.
 const BLOCK: u32 = 64;
 
-/// Lower bound of the cosine between the normals of a photon and of the query point. Other photons
-/// do not count in an estimate.
+/// Lower bound of the cosine between the normals of a photon and of the query point. A photon below
+/// this bound does not count in an estimate.
 pub(super) const MIN_NORMAL_COSINE: f32 = 0.5;
 
 /// Upper bound of the distance between the query point and the tangent plane of a photon, as a
-/// fraction of the radius of the largest disc. Other photons do not count in an estimate.
+/// fraction of the radius of the largest disc. A photon above this bound does not count in an
+/// estimate.
 pub(super) const MAX_RELATIVE_HEIGHT: f32 = 0.25;
 
 impl PhotonMap {

@@ -56,8 +56,8 @@ impl Scene {
         self.animation.is_some()
     }
 
-    /// Number of objects that a copy for another shutter time stores anew: moving shapes, and all
-    /// planes, lights and texture mappings.
+    /// Number of parts of the scene that a copy for another shutter time stores anew: moving
+    /// shapes, and all planes, lights and texture mappings.
     #[must_use]
     pub fn unshared_part_count(&self) -> usize {
         let Self { geometry, lights, mappings, .. } = self;

@@ -230,8 +230,8 @@ impl Interior for InteriorStack {
     }
 }
 
-/// Returns the event for a path that meets `surface`, the dielectric body on the inner side, and
-/// the interface between inner and outer side.
+/// Returns three results for a path that meets `surface`: the event, the dielectric body on the
+/// inner side, and the interface between both sides.
 ///
 /// Argument `body` is the body that `surface` bounds. Boundaries that coincide with `surface` take
 /// part: they may change the bodies on both sides, and `surface` gets their greatest roughness.
