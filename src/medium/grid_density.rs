@@ -174,6 +174,7 @@ impl GridDensity {
 pub(super) struct GridRay<'a> {
     grid: &'a SharedGridData,
     origin: DVec3,
+    /// Change of the position in grid space per unit of distance along the ray.
     step: DVec3,
     distance: f64,
 }

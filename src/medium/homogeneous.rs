@@ -1,6 +1,6 @@
 //! Homogeneous media, in closed form.
 
-use super::{DistanceSample, Medium, channel_probabilities, zero_improbable_channels};
+use super::{DistanceSample, Medium, channel_probabilities, zero_unsampled_channels};
 use crate::color::Rgb;
 use glam::DVec3;
 use rand::{Rng, RngExt};
@@ -63,11 +63,11 @@ pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, r
         let density = probability.dot(sigma.as_dvec3() * left);
         DistanceSample {
             scattered: Some(t as f32),
-            weight: zero_improbable_channels(medium.scattering.as_dvec3() * left / density, probability),
+            weight: zero_unsampled_channels(medium.scattering.as_dvec3() * left / density, probability),
         }
     } else {
         let left = exp_neg(optical_depth(sigma, distance));
-        DistanceSample { scattered: None, weight: zero_improbable_channels(left / probability.dot(left), probability) }
+        DistanceSample { scattered: None, weight: zero_unsampled_channels(left / probability.dot(left), probability) }
     }
 }
 

@@ -241,7 +241,7 @@ fn channel_probabilities(throughput: Rgb) -> DVec3 {
 }
 
 /// Converts the weight `w` of a distance sample to f32. Channels with probability 0 get weight 0.
-fn zero_improbable_channels(w: DVec3, probabilities: DVec3) -> Rgb {
+fn zero_unsampled_channels(w: DVec3, probabilities: DVec3) -> Rgb {
     let most = f64::from(f32::MAX);
     DVec3::select(probabilities.cmpgt(DVec3::ZERO), w.min(DVec3::splat(most)), DVec3::ZERO).as_vec3()
 }

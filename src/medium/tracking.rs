@@ -5,7 +5,7 @@
 //! path but reduces its weight.
 
 use super::grid_density::{GridDensity, GridRay};
-use super::{DistanceSample, Medium, TransmittanceCurve, channel_probabilities, zero_improbable_channels};
+use super::{DistanceSample, Medium, TransmittanceCurve, channel_probabilities, zero_unsampled_channels};
 use crate::color::Rgb;
 use crate::math::Ray;
 use glam::DVec3;
@@ -188,7 +188,7 @@ pub(super) fn distance_sample(
             }
         });
     let lost = !through && scattered.is_none();
-    DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { zero_improbable_channels(left, probabilities) } }
+    DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { zero_unsampled_channels(left, probabilities) } }
 }
 
 /// Estimates emitted radiance as a sum over tentative collisions: the transmittance up to each

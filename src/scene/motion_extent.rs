@@ -91,12 +91,14 @@ fn moved_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec
     move |step| motion.at_time(step_time(step)).transform_point3(before)
 }
 
-/// Length of the longest path of any moving part of the scene while the shutter is open \[pixels];
-/// 0 if nothing moves.
+/// Longest distance that any part of the scene moves while the shutter is open \[pixels]; 0 if
+/// nothing moves.
 ///
-/// The bounds of moving shapes are measured by their corners, both on the film and through the
-/// scene in pixels at the center of the photon domain. Lights are measured only through the scene.
-/// Moving planes and a moving camera are measured by points that the camera sees.
+/// - A shape is measured by the corners of its bounds, on the film and through the scene.
+/// - A light is measured by points around it, through the scene.
+/// - A plane or the camera is measured by points that the camera sees, on the film.
+///
+/// Distances through the scene are in pixels at the center of the photon domain.
 #[must_use]
 pub fn motion_on_film(scene: &Scene) -> f32 {
     let Some(animation) = &scene.animation else { return 0.0 };

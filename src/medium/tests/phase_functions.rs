@@ -15,8 +15,8 @@ fn tested_phase_functions() -> Vec<PhaseFunction> {
     phases
 }
 
-/// Bins of the scattering angle, which are narrow where the phase function peaks. Bins divide a
-/// coordinate x in \[0, 1] evenly; `bin_edge_angle` maps x to the angle.
+/// Bins of the scattering angle, narrow where the phase function peaks. Each bin covers an equal
+/// interval of a coordinate x in \[0, 1]. `bin_edge_angle` maps x to the angle.
 struct AngleBins {
     width: f64,
     backwards: bool,

@@ -20,7 +20,7 @@ pub(super) struct EmissionGuidingSample {
     ///
     /// It is computed with the flux at emission, which is not divided by the pdf or by the
     /// probability of the light.
-    pub square: f64,
+    pub squared_contribution: f64,
 }
 
 /// Smallest mean number of samples per cell. A grid is refined only if the finer grid reaches it.
@@ -68,7 +68,7 @@ impl EmissionGuidingCells {
             let sum = &mut sums[cell_index(resolution, s.position, s.direction)];
             sum.count += 1.0;
             sum.weight += s.weight;
-            sum.square += s.weight * s.square;
+            sum.square += s.weight * s.squared_contribution;
         }
         let center = |i: usize, side: usize| (Vec2::new((i % side) as f32, (i / side) as f32) + 0.5) / side as f32;
         let square = |(i, sum): (usize, &CellSum)| {
@@ -105,7 +105,11 @@ impl EmissionGuidingCells {
     /// only if the cells were fitted to other samples.
     fn second_moment<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s EmissionGuidingSample>) -> f64 {
         let cell_pdfs = self.cell_pdfs(uniform);
-        samples.map(|s| s.weight * s.square / cell_pdfs[cell_index(self.resolution, s.position, s.direction)]).sum()
+        samples
+            .map(|s| {
+                s.weight * s.squared_contribution / cell_pdfs[cell_index(self.resolution, s.position, s.direction)]
+            })
+            .sum()
     }
 }
 

@@ -39,7 +39,7 @@ pub(super) struct CollectedLights {
 /// Lights are in coordinates relative to `origin`, at mid-shutter. A singular motion is the error
 /// [`BuildError::Flattened`].
 pub(super) fn collect_lights(
-    sources: &[DeltaLight],
+    delta_lights: &[DeltaLight],
     objects: &[SceneObject],
     geometry: &PlacedGeometry,
     mappings: &PlacedTextureMappings,
@@ -54,10 +54,10 @@ pub(super) fn collect_lights(
         moving: Vec::new(),
         of_object: Vec::new(),
     };
-    for source in sources.iter().filter(|source| source.motion.is_none()) {
+    for source in delta_lights.iter().filter(|source| source.motion.is_none()) {
         found.add_light(resolve_light(&source.kind, source.strength, origin));
     }
-    for source in sources {
+    for source in delta_lights {
         let Some(motion) = &source.motion else { continue };
         let motion = motion.followed_by_map(DAffine3::from_translation(-origin));
         let strength = physical_light_strength_at_mid_shutter(&source.kind, source.strength, &motion);
