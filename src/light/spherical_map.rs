@@ -89,7 +89,7 @@ impl EquirectangularMap {
         self.integral
     }
 
-    /// Value of the map in unit `direction`.
+    /// Value of the map in unit `direction`, interpolated bilinearly between pixels.
     #[inline]
     pub(super) fn value_in_direction(&self, direction: Vec3) -> Rgb {
         let at = self.pixel_coordinates(direction) - 0.5;

@@ -36,7 +36,8 @@ pub struct Medium {
     density: Option<Arc<GridDensity>>,
 }
 
-/// Sampled distance along a ray through a medium.
+/// Result of distance sampling: the place where a ray scatters in a medium, if it does, and a
+/// weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DistanceSample {
     /// Distance of the scattering point; `None` if the ray passes through.
@@ -112,7 +113,7 @@ impl Medium {
         self.absorption + self.scattering
     }
 
-    /// True if the density is constant.
+    /// True if the medium has no density grid: its density is 1 everywhere.
     #[must_use]
     pub fn is_homogeneous(&self) -> bool {
         self.density.is_none()

@@ -126,8 +126,8 @@ impl PassStatistics {
     }
 }
 
-/// Statistics of four fluxes over 32 passes: stored on the visible corner, on the other floor, on
-/// the wall, and emitted.
+/// Statistics of four fluxes over 32 passes: stored on the visible corner, on the rest of the
+/// floor, on the wall, and emitted.
 fn fluxes_by_region(scene: &Scene, source: &PhotonSource<'_>) -> [PassStatistics; 4] {
     let floor = to_scene_frame(scene, DVec3::ZERO).y;
     let edge = to_scene_frame(scene, DVec3::new(6.0, 0.0, 6.0));
