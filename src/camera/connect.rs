@@ -4,8 +4,8 @@ use super::{Camera, CameraProjection};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// Connection of a scene point to the camera: the camera ray through the point, and its film
-/// position.
+/// Connection of a scene point to the camera: the camera ray through the point, and the film
+/// position of the ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraConnection {
     /// Film position \[pixels from the top left]; may lie outside the film.
@@ -20,11 +20,12 @@ pub struct CameraConnection {
 }
 
 impl Camera {
-    /// Connects `p` to the camera; `None` if `p` lies behind the camera.
+    /// Connects world-space point `p` to the camera; `None` if `p` is behind or at the camera.
     ///
-    /// The connection lies on the ray that [`Camera::generate_ray`] returns for `lens` and the film
-    /// position of the connection. Pixels average radiance over the film without a cosine, so the
-    /// importance is the Jacobian from the scene to the film (Veach 1997, section 8.3.2).
+    /// `lens` in \[0, 1)² samples a point of the lens, as in [`Camera::generate_ray`]. The camera
+    /// ray through this point and `p` has the film position of the connection. Pixels average
+    /// radiance over the film without a cosine, so the importance is the Jacobian from the scene to
+    /// the film (Veach 1997, section 8.3.2).
     #[must_use]
     pub fn connect_to_point(&self, p: Vec3, lens: Option<Vec2>) -> Option<CameraConnection> {
         let p = p.as_dvec3();
@@ -85,14 +86,14 @@ impl Camera {
 
     /// Film position of a ray, relative to the film's center \[pixels right and up].
     ///
-    /// For a perspective camera, `v` is the vector from the camera's center to the ray's point at
-    /// depth 1. For an orthographic camera, it may end anywhere on the ray.
+    /// `v` leads from the camera center to a point of the ray: for a perspective camera to the
+    /// point at depth 1, for an orthographic camera to any point.
     fn film_offset_from_center(&self, v: DVec3) -> DVec2 {
         DVec2::new(v.dot(self.right), v.dot(self.up)) / (self.pixel_size * self.pixel_size)
     }
 
-    /// Makes the connection of `p` to the camera ray that starts at `origin`; `None` if a number is
-    /// not finite or the points coincide.
+    /// Makes the connection of `p` to the camera ray that starts at `origin`; `None` if the points
+    /// coincide or a number is not finite.
     ///
     /// `offset` is the film position relative to the film's center \[pixels right and up].
     fn camera_connection_to_point(

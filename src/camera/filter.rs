@@ -1,7 +1,7 @@
 //! Pixel reconstruction filters.
 //!
 //! Offsets from the pixel center are sampled with a pdf proportional to the absolute filter value.
-//! All samples therefore have the same weight, up to its sign.
+//! All samples of a filter therefore have the same weight, except for its sign.
 
 use glam::Vec2;
 use std::str::FromStr;
@@ -53,7 +53,8 @@ impl FilterKind {
         }
     }
 
-    /// Unnormalized filter value at a distance of `x` pixels along one axis.
+    /// Unnormalized filter value at distance `x` from the pixel center along one axis \[pixels].
+    /// `x` must be within the radius.
     #[must_use]
     pub fn unnormalized_value(self, x: f64) -> f64 {
         match self {
@@ -86,11 +87,13 @@ const VALUE_CELLS: usize = 256;
 /// A separable reconstruction filter, with tables for importance sampling and for evaluation.
 #[derive(Clone, Debug)]
 pub struct Filter {
-    /// Offsets \[pixels] at equal steps of the cumulative absolute filter value.
+    /// Sample offsets along one axis \[pixels], at equal steps of the integral of the absolute
+    /// filter value.
     quantiles: [f32; CELLS + 1],
     /// Offset \[pixels] beyond which the filter is negative; infinite for a non-negative filter.
     negative_beyond: f32,
-    /// Integral of the absolute filter value along one axis, over the integral of the filter value.
+    /// Integral of the absolute filter value along one axis, divided by the integral of the filter
+    /// value.
     absolute_over_signed: f32,
     /// Radius \[pixels].
     radius: f32,
@@ -122,7 +125,7 @@ impl Filter {
             let weight = kind.unnormalized_value(center);
             signed += weight;
             cumulative[i + 1] = cumulative[i] + weight.abs();
-            // All filters are positive in the middle, and change sign at most once on each side.
+            // All filters are positive in the middle and change sign at most once on each side.
             if weight < 0.0 && center > 0.0 {
                 negative_beyond = negative_beyond.min(at(i));
             }

@@ -12,24 +12,22 @@ pub struct Lens {
     pub radius: f64,
     /// Distance from the lens to the focal plane, along the viewing direction \[length].
     pub focus: f64,
-    /// Number of edges of the aperture, a regular polygon. Its corners have the distance `radius`
-    /// from the center.
-    ///
-    /// If there are fewer than three, the aperture is a disc.
+    /// Number of edges of the aperture, a regular polygon; below 3, the aperture is a disc.
+    /// `radius` is the distance of the corners from the center.
     pub blades: u32,
 }
 
 impl Lens {
-    /// Samples a point of the aperture, uniformly by area, from `u` in \[0, 1)².
+    /// Samples a point of the aperture uniformly by area, by `u` in \[0, 1)².
     ///
-    /// Returns its coordinates right and up from the lens center \[length]. One corner of a polygon
+    /// Returns the coordinates right and up from the lens center \[length]. One corner of a polygon
     /// points up.
     #[inline]
     pub(super) fn sample(&self, u: Vec2) -> glam::DVec2 {
         self.radius * self.sample_unit_aperture(u).as_dvec2()
     }
 
-    /// Samples a point of the aperture uniformly by area, scaled to radius 1.
+    /// Samples a point of the aperture, scaled to radius 1, uniformly by area.
     fn sample_unit_aperture(&self, u: Vec2) -> Vec2 {
         if self.blades < 3 {
             return warp::square_to_uniform_disc(u);

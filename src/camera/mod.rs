@@ -20,8 +20,8 @@ pub struct Camera {
     right: DVec3,
     /// Vector to the top in the image, of length `pixel_size`.
     up: DVec3,
-    /// Width of a pixel \[length]: in the plane at distance 1 for a perspective camera, in the
-    /// image plane for an orthographic one. It is 1 for a panorama.
+    /// Width of a pixel \[length]. For a perspective camera, it is measured in the plane at
+    /// distance 1; for an orthographic camera, in the image plane. It is 1 for a panorama.
     pixel_size: f64,
     projection: CameraProjection,
     width: u32,
@@ -67,7 +67,7 @@ impl Camera {
     /// Creates an orthographic camera, whose rays start in a plane through `center` and run along
     /// `direction`.
     ///
-    /// `size` is the height of the image plane \[length].
+    /// `size` is the height of the image in world space \[length].
     ///
     /// # Errors
     /// [`DegenerateUpVector`] if `direction × up` vanishes.
@@ -118,8 +118,8 @@ impl Camera {
         Ok(Self { center, forward, right: right * pixel_size, up, pixel_size, projection, width, height })
     }
 
-    /// Returns a copy with the lens `lens`; a lens of radius 0 is a pinhole. The copy is unchanged
-    /// unless this is a perspective camera.
+    /// Returns a copy with the lens `lens`; a lens of radius 0 is a pinhole. Orthographic cameras
+    /// and panoramas ignore lenses.
     #[must_use]
     pub fn with_lens(self, lens: Lens) -> Self {
         match self.projection {
@@ -130,7 +130,7 @@ impl Camera {
         }
     }
 
-    /// The lens; `None` for a pinhole and for other projections.
+    /// The thin lens of a perspective camera; `None` for a pinhole or another projection.
     #[must_use]
     pub fn lens(&self) -> Option<Lens> {
         match self.projection {
@@ -192,8 +192,8 @@ impl Camera {
 
     /// Generates the world-space ray through image point `p` \[pixels from the top left].
     ///
-    /// The ray has a unit direction. It starts at the lens point sampled by `lens` in \[0, 1)², or
-    /// at the lens center for `None`.
+    /// The ray has a unit direction. `lens` in \[0, 1)² samples the point of the lens where the ray
+    /// starts; `None` stands for the lens center. Cameras without a lens ignore it.
     #[inline]
     #[must_use]
     pub fn generate_ray(&self, p: Vec2, lens: Option<Vec2>) -> Ray {
@@ -203,8 +203,8 @@ impl Camera {
             (CameraProjection::Perspective(Some(thin)), Some(u)) => {
                 let on_lens = thin.sample(u) / self.pixel_size;
                 let offset = self.right * on_lens.x + self.up * on_lens.y;
-                // Relative to the center: a small aperture with near focus would lose its digits in
-                // world coordinates.
+                // Vectors are relative to the camera center. In world coordinates, a small aperture
+                // with near focus would lose its digits.
                 let in_focus = (self.right * x + self.up * y + self.forward) * thin.focus;
                 Ray::new((self.center + offset).as_vec3(), (in_focus - offset).normalize().as_vec3())
             }

@@ -92,8 +92,9 @@ impl NestedEstimateSum {
         self.ray = [Rgb::ZERO; LEVELS - 1];
     }
 
-    /// Returns the differences of radiance, as means over the `rays` camera rays of the pixel, and
-    /// the mean discs. Resets the sums for the next pixel.
+    /// Returns the pixel's nested estimates, and resets the sums for the next pixel.
+    ///
+    /// Differences of radiance are means over the pixel's `rays` camera rays.
     pub fn finish_pixel(&mut self, rays: u32) -> NestedEstimates {
         let steps = self.pixel.map(|sum| (sum / f64::from(rays)).as_vec3());
         let estimates = NestedEstimates { steps, caustic: self.caustic.mean(), indirect: self.indirect.mean() };

@@ -103,7 +103,7 @@ impl NestedKernelSums {
     fn corrected(mut self, scene: &Scene, axis: Vec3, radius: f32, factor: Rgb) -> [Rgb; LEVELS] {
         if let Some(ChosenPhoton { radiance, x2, towards }) = self.chosen {
             let probes = KernelProbes::trace(scene, &towards, axis, self.dimensions, radius);
-            let sees = probes.sees(x2.sqrt() * radius);
+            let sees = probes.first_probe_is_clear(x2.sqrt() * radius);
             let all = self.sums[0].element_sum() / radiance.element_sum();
             let mut radius = radius;
             for (sum, ratio) in self.sums.iter_mut().zip(kernel_ratios(self.dimensions, x2)) {

@@ -39,7 +39,7 @@ pub enum LightSurface {
 pub struct AreaLight {
     /// The emitting surface.
     pub surface: LightSurface,
-    /// Emitted radiance \[W/(m² sr)]; if there is a texture, its mean over the surface.
+    /// Emitted radiance \[W/(m² sr)]. With a texture, it is the mean radiance of the surface.
     pub radiance: Rgb,
     /// Texture of the radiance; `None` if the radiance is uniform.
     pub texture: Option<Arc<EmissionTexture>>,
@@ -114,8 +114,8 @@ impl LightSurface {
         }
     }
 
-    /// Texture coordinates that the surface defines at its point `p`, which has the parametric
-    /// coordinates `coord`.
+    /// Texture coordinates of the surface at its point `p`. `coord` holds the parametric
+    /// coordinates of `p`.
     fn tex_coord(&self, p: Vec3, coord: SurfaceCoord) -> TexCoord {
         match (self, coord) {
             (Self::Shape(shape), SurfaceCoord::Shape(uv)) => shape.tex_coord(p, uv),
@@ -126,7 +126,8 @@ impl LightSurface {
         }
     }
 
-    /// A sample point of the surface, offset to its outer side by the rounding errors of positions.
+    /// A point of the surface, offset to the outer side by more than the rounding error of
+    /// positions.
     pub(super) fn emission_point(&self) -> Vec3 {
         let point = self.sample(Vec2::splat(0.5)).point;
         offset_ray_origin(point.p, point.error, point.ng, point.ng)
@@ -140,8 +141,7 @@ impl LightSurface {
         }
     }
 
-    /// A point of the surface with its normal, if the surface is a planar analytic shape; `None`
-    /// for curved shapes and meshes.
+    /// A point of a planar analytic shape, with its normal; `None` for curved shapes and meshes.
     fn point_if_planar(&self) -> Option<SurfacePoint> {
         match self {
             Self::Shape(shape) => shape.point_if_planar(),
@@ -217,7 +217,8 @@ impl AreaLight {
         }
     }
 
-    /// Samples a point of the surface by area, and returns it with its pdf per solid angle at `p`.
+    /// Samples a point of the surface by area, and returns it with its pdf per solid angle at `p`
+    /// \[1/sr] and its parametric coordinates.
     ///
     /// Returns `None` if `p` is behind the surface at the sampled point.
     #[inline]
@@ -248,7 +249,8 @@ impl LightSource for AreaLight {
             SolidAngleSampleResult::Invisible => return None,
             SolidAngleSampleResult::Unsupported => self.sample_surface_by_area(p, u)?,
         };
-        // The rounded direction of a shadow ray moves its end in proportion to its length.
+        // Rounding of the shadow ray's direction moves the ray's end in proportion to the ray's
+        // length.
         let relative_error = match &self.surface {
             LightSurface::Shape(shape) => shape.relative_hit_error(),
             LightSurface::Triangles { .. } => TRIANGLE_HIT_ERROR,

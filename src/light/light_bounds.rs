@@ -13,8 +13,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub(super) struct LightBounds {
     /// Bounding box in world space.
     pub space: Bounds,
-    /// Cone that contains all surface normals. For lights at a point, it contains the axes of
-    /// emission.
+    /// Cone that contains all surface normals. For a light at a point, it is a cone of emission
+    /// axes: each emitted direction lies within `spread` of one of them.
     normals: DirectionCone,
     /// Largest angle \[radians] between an emitted direction and the nearest direction in
     /// `normals`, at most π/2.
@@ -67,9 +67,9 @@ pub(super) fn angle_between(a: DVec3, b: DVec3) -> f64 {
 impl LightBounds {
     /// Creates the bounds of one light with the given flux \[W].
     ///
-    /// `normals` contains all surface normals, or the axes of emission of a light at a point.
-    /// `spread` is the largest angle \[radians] between an emitted direction and the nearest of
-    /// them.
+    /// `normals` contains all surface normals. For a light at a point, it contains the axes from
+    /// which emitted directions are measured. `spread` is the largest angle \[radians] between an
+    /// emitted direction and the nearest direction in `normals`.
     pub fn new(space: Bounds, normals: DirectionCone, spread: f64, flux: Rgb) -> Self {
         Self { space, normals, spread, flux: f64::from(color::channel_mean(flux)) }
     }
@@ -93,8 +93,8 @@ impl LightBounds {
 
     /// Solid angle of the emitted directions \[sr].
     ///
-    /// A direction outside the cone of normals counts only with the cosine of its angle to the
-    /// cone.
+    /// Directions inside the cone of normals have weight 1. A direction outside has the cosine of
+    /// its angle to the cone as weight.
     fn solid_angle(&self) -> f64 {
         let o = self.normals.angle;
         let w = (o + self.spread).min(PI);
@@ -114,7 +114,8 @@ impl LightBounds {
 /// multiple of the squared radius of the bounding sphere.
 ///
 /// The mean of 1/d² over a ball of radius R is 3/R². A cube has the volume of a ball whose radius
-/// is 0.7 of the half diagonal, so R² is about half of the squared bounding radius.
+/// is 0.7 of the half diagonal, so R² is about half of the squared bounding radius: R²/3 is ⅙ of
+/// it.
 const MIN_SQUARED_DISTANCE: f64 = 1.0 / 6.0;
 
 /// Bounds of lights in a form from which their importance at a point is computed fast.
@@ -156,7 +157,7 @@ impl CosSin {
 impl From<LightBounds> for LightImportance {
     fn from(bounds: LightBounds) -> Self {
         let sphere = bounds.space.bounding_sphere();
-        // The radius covers the rounding of the sphere. It is above zero because it bounds a
+        // The radius includes the rounding errors of the sphere. It is positive because it bounds a
         // divisor.
         let radius = (f64::from(sphere.radius) * (1.0 + 1e-6)).max(f64::from(f32::MIN_POSITIVE));
         let (sin, cos) = libm::sincos(bounds.normals.angle);
@@ -174,8 +175,8 @@ impl From<LightBounds> for LightImportance {
 impl LightImportance {
     /// Importance of the lights at `p`: their approximate irradiance \[W/m²].
     ///
-    /// If a unit normal `n` is given, only light on its side counts. The result is 0 only if no
-    /// light can arrive.
+    /// If a unit normal `n` is given, only light that arrives on its side counts. The result is 0
+    /// only if no light can arrive.
     #[inline]
     pub fn importance_at(&self, p: Vec3, n: Option<Vec3>) -> f64 {
         let to = p.as_dvec3() - self.center.as_dvec3();
@@ -187,7 +188,7 @@ impl LightImportance {
         };
         let angle = |cos: f64| CosSin::from_cos(cos.clamp(-1.0, 1.0));
         let emitted = angle(w.dot(self.axis.as_dvec3())).subtract_clamped(self.normals).subtract_clamped(subtended).0;
-        // Equality counts: with zero spread, light stays within the cone itself.
+        // Not `<=`: with zero spread, a direction inside the cone has the cosine 1 = `cos_spread`.
         if emitted < self.cos_spread {
             return 0.0;
         }

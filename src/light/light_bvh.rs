@@ -6,8 +6,7 @@ use crate::color;
 use crate::math::{BoundingSphere, Bounds};
 use glam::Vec3;
 
-/// Samples one of many lights for a given point, by the flux, distance and orientation of the
-/// lights.
+/// Samples one of many lights for a given point, by flux, distance and orientation.
 ///
 /// A binary tree holds all lights that have a position. Sampling descends the tree, and chooses
 /// each child with a probability proportional to its importance (Conty Estevez and Kulla 2018;
@@ -55,7 +54,7 @@ enum LightBvhLocation {
     Tree(u64),
 }
 
-/// Depth in the tree from which nodes are split into halves of equal count. The total depth then
+/// Depth in the tree from which lights are split into halves of equal count. The tree depth then
 /// stays below 64, even for 2³² lights.
 const HALVING_DEPTH: u32 = 31;
 
@@ -119,7 +118,7 @@ impl LightBvhSampler {
     /// Samples a light for the point `p` by `u` in \[0, 1).
     ///
     /// Returns the index of the light, its probability, and a remapped `u` that is uniform again.
-    /// If a unit normal `n` is given, light that cannot arrive on its side does not count. Returns
+    /// If a unit normal `n` is given, lights that cannot illuminate its side do not count. Returns
     /// `None` if the descent reaches a node whose lights cannot illuminate `p`.
     #[inline]
     #[must_use]
@@ -189,7 +188,7 @@ impl LightBvhSampler {
     fn child_probabilities(&self, parent: usize, second: usize, p: Vec3, n: Option<Vec3>) -> Option<[f64; 2]> {
         let [a, b] = [parent + 1, second].map(|i| self.nodes[i].importance.importance_at(p, n));
         let total = a + b;
-        // Two quotients: 1 − a/total would round a small probability to zero.
+        // Two quotients, because 1 − a/total would round a small probability to zero.
         (total > 0.0).then(|| [a / total, b / total])
     }
 }
@@ -197,9 +196,9 @@ impl LightBvhSampler {
 /// Splits two or more lights into two non-empty groups for the children of a light BVH node.
 ///
 /// The split is at the bucket boundary of least cost. The cost is the sum of
-/// [`LightBounds::bvh_node_cost`], times the largest extent over the extent along the split axis.
-/// From depth [`HALVING_DEPTH`] on, or if no bucket boundary separates the lights, the split is at
-/// the median along the axis of largest extent.
+/// [`LightBounds::bvh_node_cost`] over both groups, times the largest extent over the extent along
+/// the split axis. From depth [`HALVING_DEPTH`] on, or if no bucket boundary separates the lights,
+/// the split is at the median along the axis of largest extent.
 fn split_lights_by_cost(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
     let center = |l: &BoundedLight| l.1.space.center();
     let centers = Bounds::from_points(lights.iter().map(center));

@@ -121,7 +121,7 @@ impl Light {
         dispatch!(self, light => light.sample_le_towards(aim, domain, position, direction))
     }
 
-    /// Tells on which arguments of [`Light::sample_le`] the emitted ray depends.
+    /// The arguments of [`Light::sample_le`] on which the emitted ray depends.
     #[must_use]
     pub fn emission_dimensions(&self) -> EmissionDimensions {
         match self.geometry() {
@@ -304,6 +304,6 @@ impl Light {
     }
 }
 
-/// Upper bound of the rounding error of a position in f32, divided by its distance from the origin
-/// or from another position.
+/// Upper bound of the relative rounding error of a position in f32, with respect to its distance
+/// from the origin or from another position.
 const RELATIVE_POSITION_ERROR: f32 = 1e-5;

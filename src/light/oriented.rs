@@ -1,5 +1,4 @@
-//! Projectors and goniometric lights in the frame of the scene description, before the scene is
-//! built.
+//! Projectors and goniometric lights in the frame of the scene description.
 
 use super::{EquirectangularMap, GoniometricLight, Light, ProjectedPicture, ProjectorLight};
 use crate::color::{self, Rgb};
@@ -27,7 +26,7 @@ pub struct OrientedPointLight {
     pub direction: DVec3,
     /// Direction towards the top of the pattern, not parallel to `direction`.
     pub up: DVec3,
-    /// Intensity in each direction, up to a factor that [`Self::to_light`] takes.
+    /// Intensity in each direction, up to the factor `scale` of [`Self::to_light`].
     pub pattern: IntensityPattern,
 }
 

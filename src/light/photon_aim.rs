@@ -73,8 +73,10 @@ impl PhotonAim {
     /// Samples a unit direction from `p` towards a sphere by `u` in \[0, 1)². Returns the direction
     /// and its pdf \[1/sr].
     ///
-    /// `horizon` is the unit normal of an emitting surface at `p`, or `None`. Spheres below the
-    /// plane of this surface are not sampled. Returns `None` if there are no other spheres.
+    /// `horizon` is the unit normal of an emitting surface at `p`, or `None` if light leaves `p` in
+    /// all directions. Spheres below the plane of this surface are not sampled; if no other spheres
+    /// exist, the result is `None`. If a sphere contains `p`, all directions above the surface are
+    /// sampled.
     #[must_use]
     pub fn sample_direction(&self, p: Vec3, horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
         let mut cones = [SubtendedCone { axis: Vec3::Z, one_minus_cos: 0.0 }; MAX_SPHERES];
@@ -98,7 +100,7 @@ impl PhotonAim {
             .to_world(warp::square_to_uniform_cone(Vec2::new(within, u.y), cone.one_minus_cos));
         // |w − a|² = 2(1 − cos) keeps its digits in narrow cones.
         let around = cones.iter().filter(|c| (direction - c.axis).length_squared() <= 2.0 * c.one_minus_cos);
-        // The chosen cone contains its own direction, whatever rounding says at its rim.
+        // The chosen cone contains the direction, even if rounding at its rim says otherwise.
         let count = around.count().max(1);
         Some((direction, count as f32 / (TAU * total)))
     }
@@ -106,8 +108,9 @@ impl PhotonAim {
     /// Samples the origin of a ray that travels along unit `direction` and enters a sphere, by `u`
     /// in \[0, 1)².
     ///
-    /// Returns the origin with its pdf per area \[1/length²]. All origins lie in one plane, which
-    /// is perpendicular to `direction` and contains the point −`upstream`·`direction`.
+    /// Returns the origin with its pdf per area \[1/length²]; `None` if there are no spheres. All
+    /// origins lie in one plane. It is perpendicular to `direction` and contains the point
+    /// −`upstream`·`direction`.
     #[must_use]
     pub fn sample_parallel_ray_start(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
         let areas = || self.spheres.iter().map(|s| PI * s.radius * s.radius);

@@ -33,8 +33,8 @@ pub(super) trait PositionalLight {
     /// Radiant flux \[W].
     fn flux(&self) -> Rgb;
 
-    /// Largest radiant intensity \[W/sr]. For a light with a picture or map, the intensity where
-    /// its value is 1.
+    /// Largest radiant intensity \[W/sr]. For a light with a picture or map, it is the intensity
+    /// where the picture or map has the value 1.
     fn peak_intensity(&self) -> Rgb;
 
     /// Returns the arguments `normals` and `spread` of [`LightBounds::new`].
@@ -135,11 +135,11 @@ impl<L: PositionalLight> LightSource for L {
 pub(super) fn cone_may_illuminate(position: Vec3, axis: Vec3, one_minus_cos: f32, sphere: BoundingSphere) -> bool {
     let to = sphere.center - position;
     let distance = to.length();
-    // A cone wider than a right angle is not convex: the test below does not hold for it.
+    // The test below assumes a convex cone: a half angle of at most 90°.
     if distance <= sphere.radius || one_minus_cos > 1.0 {
         return true;
     }
-    // Narrow cones: 2 asin(chord/2) is accurate, acos is not. The sphere subtends asin(r/d).
+    // 2 asin(chord/2) is accurate in narrow cones, acos is not. The sphere subtends asin(r/d).
     let angle = 2.0 * libm::asinf((0.5 * (to / distance - axis).length()).min(1.0));
     angle
         <= 2.0 * libm::asinf((0.5 * one_minus_cos).sqrt())

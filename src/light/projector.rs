@@ -12,8 +12,8 @@ use crate::sampling::PiecewiseConstant2d;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use std::sync::Arc;
 
-/// A point light that projects a picture. Its intensity in each direction is the value of one
-/// pixel.
+/// A point light that projects a picture. Its intensity in each direction is the value of the pixel
+/// there, times a factor.
 #[derive(Clone, Debug)]
 pub struct ProjectorLight {
     /// Position of the pinhole in world space.
@@ -90,7 +90,7 @@ impl ProjectedPicture {
 
     /// Samples a unit direction by `u` in \[0, 1)², with the components right, up and forward.
     ///
-    /// Returns the direction, the value of its pixel and its pdf \[1/sr].
+    /// Returns the direction, the value of its pixel and its pdf \[1/sr]; `None` if the pdf is 0.
     fn sample(&self, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
         let (pixel, within, pdf) = self.distribution.sample(u);
         let size = DVec2::new(f64::from(self.picture.width()), f64::from(self.picture.height()));

@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 /// The end of a shadow ray towards a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShadowTarget {
-    /// A point of the light, offset from the light's own surface, which therefore does not occlude
+    /// A point of the light, offset from the light's surface so that this surface does not occlude
     /// the ray.
     Point(Vec3),
     /// The light is at infinity, so the ray has no end.
@@ -42,7 +42,7 @@ pub struct EmissionSample {
     pub flux: Rgb,
 }
 
-/// Tells on which arguments of [`Light::sample_le`] the emitted ray depends.
+/// The arguments of [`Light::sample_le`] on which the emitted ray depends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EmissionDimensions {
     /// True if the ray depends on the argument `position` of [`Light::sample_le`].

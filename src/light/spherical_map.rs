@@ -51,8 +51,8 @@ pub struct EquirectangularMap {
     /// Distribution over the pixels, proportional to mean pixel value times solid angle; `None` if
     /// the map is black.
     distribution: Option<PiecewiseConstant2d>,
-    /// Cosine of the angle from +y to the upper edge of each row, and last to the lower edge of the
-    /// last row.
+    /// Cosine of the angle from +y to the upper edge of each row. The last element belongs to the
+    /// lower edge of the last row.
     row_edge_cosines: Vec<f64>,
     /// Integral of the map over all directions \[pixel value · sr].
     integral: Rgb,
@@ -68,7 +68,7 @@ impl EquirectangularMap {
         let (w, h) = (map.width() as usize, map.height() as usize);
         let row_edge_cosines: Vec<f64> = (0..=h).map(|row| cos(PI * row as f64 / h as f64)).collect();
         let brightness = |x: usize, y: usize| f64::from(color::channel_mean(map.pixels()[y * w + x]));
-        // The mean of the interpolated radiance over a pixel is positive wherever the radiance is.
+        // The mean of the interpolated value over a pixel is positive if any value in the pixel is.
         let across = |x: usize, y: usize| {
             0.125 * (brightness((x + w - 1) % w, y) + brightness((x + 1) % w, y)) + 0.75 * brightness(x, y)
         };
@@ -89,7 +89,7 @@ impl EquirectangularMap {
         self.integral
     }
 
-    /// Value of the map in unit `direction`.
+    /// Value of the map in unit `direction`, interpolated bilinearly between pixels.
     #[inline]
     pub(super) fn value_in_direction(&self, direction: Vec3) -> Rgb {
         let at = self.pixel_coordinates(direction) - 0.5;
@@ -170,8 +170,8 @@ fn row_interpolation_integral(row: usize, rows: usize) -> f64 {
         return 2.0;
     }
     if row == 0 || row == rows - 1 {
-        // The constant part contributes 1 − cos, then the falling flank. The last row mirrors the
-        // first.
+        // The constant part contributes 1 − cos(step/2); the rest is the falling flank. The last
+        // row mirrors the first.
         return 1.0 - (sin(1.5 * step) - sin(0.5 * step)) / step;
     }
     sin(center) * 2.0 * (1.0 - cos(step)) / step

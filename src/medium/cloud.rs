@@ -5,38 +5,39 @@ use crate::texture::noise::fractal_noise;
 use glam::DVec3;
 use rand::RngExt;
 
-/// A procedural cloud of fractal noise in the ellipsoid inscribed in the unit cube.
+/// A procedural cloud: fractal noise inside the ball that is inscribed in the unit cube.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cloud {
-    /// Number of noise octaves; each has half the wavelength and half the amplitude of the one
-    /// before.
+    /// Number of noise octaves; each has half the wavelength and half the amplitude of the previous
+    /// one.
     pub octaves: u32,
-    /// Number of wavelengths of the first octave along a side of the cube.
+    /// Number of wavelengths of the first octave along each side of the cube.
     pub scale: f64,
-    /// Fraction of the noise values that become cloud, from 0 (empty) to 1 (all of them).
+    /// Fraction of the range of noise values, 0 to 1, that becomes cloud. At 0 the cube is empty;
+    /// at 1 all of the ball is cloud.
     pub cover: f64,
-    /// Fraction of the radius, from 0 to 1, over which the density falls to 0 at the edge; 0 is a
-    /// hard edge.
+    /// Width of the soft edge, as a fraction of the radius from 0 to 1. At 0 the edge is hard.
     pub softness: f64,
     /// Seed of the noise.
     pub seed: u64,
 }
 
 impl Cloud {
-    /// Returns the function from a point of the unit cube to the density there, from 0 to 1.
+    /// Returns a function that maps a point of the unit cube to the density there, in \[0, 1].
     ///
-    /// Noise finer than `width` is filtered out. The side of the cube is the unit of `width`; 0
-    /// does not filter.
+    /// `width` is the width of the noise filter, as a fraction of the side of the cube; 0 does not
+    /// filter. The filter removes noise finer than its width.
     pub fn density(&self, width: f64) -> impl Fn(DVec3) -> f32 + Sync + use<> {
         let mut rng = Key::new(self.seed).rng();
-        // The shift separates the noise of different seeds, and is small enough for coordinates to
+        // The shift separates the noise of different seeds. It is small enough for coordinates to
         // keep their digits.
         let shift = DVec3::from_array(std::array::from_fn(|_| 65536.0 * rng.random::<f64>()));
         let Self { octaves, scale, cover, softness, .. } = *self;
         move |p| {
             let inwards = 1.0 - (2.0 * p - 1.0).length();
             let edge = if inwards > 0.0 { smoothstep(inwards / softness.max(f64::MIN_POSITIVE)) } else { 0.0 };
-            // The edge lowers the coverage, so it frays instead of fading.
+            // The edge lowers the coverage, not the density: the cloud frays there instead of
+            // fading.
             let cover = cover.clamp(0.0, 1.0) * edge;
             if cover <= 0.0 {
                 return 0.0;

@@ -6,8 +6,8 @@ use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Number of cells along each side of a block of the grid. Each block has one majorant of the
-/// density.
+/// Number of cells along each side of a block. The grid stores one majorant of the density for each
+/// block.
 pub(super) const BLOCK_SIDE: u32 = 8;
 
 /// Reason why a density grid is invalid.
@@ -44,10 +44,10 @@ pub enum GridDensityError {
     Placement(#[from] SingularTransformError),
 }
 
-/// A density grid in a box; 0 outside of the box.
+/// Density of a medium on a regular grid that fills a box; 0 outside the box.
 ///
-/// Values are at the centers of cells, x fastest. Density is trilinear between centers, and
-/// constant in the outer half of the outer cells. Clones share the values.
+/// Values lie at cell centers and are stored with x fastest. The density is trilinear between
+/// centers, and constant in the outer half of the outer cells. Clones share the values.
 #[derive(Clone, Debug)]
 pub struct GridDensity {
     grid: Arc<SharedGridData>,
@@ -55,7 +55,7 @@ pub struct GridDensity {
     placement: Transform,
 }
 
-/// Densities and majorants, which all translated copies of a grid share.
+/// Densities and majorants, which all copies of a grid share.
 #[derive(Debug)]
 struct SharedGridData {
     size: [u32; 3],
@@ -70,6 +70,9 @@ struct SharedGridData {
 impl GridDensity {
     /// Creates a grid of `size` cells with densities `values`, x fastest. `placement` maps the unit
     /// cube to the box of the grid in scene coordinates.
+    ///
+    /// # Errors
+    /// [`GridDensityError`] if a size, a density or the placement is invalid.
     pub fn new(size: [u32; 3], values: Vec<f32>, placement: DAffine3) -> Result<Self, GridDensityError> {
         let expected = checked_cell_count(size)?;
         if values.len() != expected {
@@ -87,8 +90,11 @@ impl GridDensity {
         Ok(Self { grid: Arc::new(SharedGridData { size, values, blocks, majorants, max_density }), placement })
     }
 
-    /// Creates a grid from a function `density` of position, evaluated at cell centers in the unit
-    /// cube. `placement` maps this cube to scene coordinates.
+    /// Creates a grid with the values of `density` at the cell centers. The argument of `density`
+    /// is a point of the unit cube, which `placement` maps to scene coordinates.
+    ///
+    /// # Errors
+    /// [`GridDensityError`] if the size, a density or the placement is invalid.
     pub fn from_fn(
         size: [u32; 3],
         placement: DAffine3,
@@ -168,6 +174,7 @@ impl GridDensity {
 pub(super) struct GridRay<'a> {
     grid: &'a SharedGridData,
     origin: DVec3,
+    /// Change of the position in grid space per unit of distance along the ray.
     step: DVec3,
     distance: f64,
 }
@@ -225,8 +232,8 @@ fn lerp(t: f32, a: f32, b: f32) -> f32 {
     a * (1.0 - t) + b * t
 }
 
-/// Returns the number of cells of a grid of `size` cells along each side, or an error if it is 0 or
-/// too large for memory.
+/// Returns the number of cells of a grid with `size` cells along each side; an error if the number
+/// is 0 or the values do not fit into memory.
 fn checked_cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     let [x, y, z] = size;
     if x.min(y).min(z) == 0 {
@@ -236,8 +243,7 @@ fn checked_cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     cells.filter(|n| n.checked_mul(size_of::<f32>()).is_some()).ok_or(GridDensityError::TooLarge(x, y, z))
 }
 
-/// Returns the majorant of each block: the largest density of its cells and of the cells next to
-/// it.
+/// Returns the majorant of each block: the largest density of its cells and of all adjacent cells.
 fn block_majorants(size: [u32; 3], values: &[f32], blocks: [u32; 3]) -> Vec<f32> {
     let [nx, ny, _] = size.map(|n| n as usize);
     let [bx, by, bz] = blocks;

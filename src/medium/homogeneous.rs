@@ -1,6 +1,6 @@
 //! Homogeneous media, in closed form.
 
-use super::{DistanceSample, Medium, channel_probabilities, zero_improbable_channels};
+use super::{DistanceSample, Medium, channel_probabilities, zero_unsampled_channels};
 use crate::color::Rgb;
 use glam::DVec3;
 use rand::{Rng, RngExt};
@@ -34,8 +34,8 @@ pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
     exp_neg(optical_depth(sigma, f64::from(distance.max(0.0))))
 }
 
-/// Samples a scattering distance by the extinction of one channel. The probability of each channel
-/// is proportional to its throughput.
+/// Samples a scattering distance by the extinction of one color channel. The channel is chosen with
+/// a probability proportional to its throughput.
 ///
 /// The weight uses the pdf of the mixture of all channels (balance heuristic). If the chosen
 /// channel has no extinction, the ray passes through.
@@ -44,8 +44,8 @@ pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, r
     let probability = channel_probabilities(throughput);
     let mut choice = rng.random::<f64>();
     let mut channel = 0;
-    // Rounding may leave a rest behind the last channel. The last channel of positive probability
-    // is then chosen.
+    // If rounding leaves `choice` positive after the last channel, the last channel with positive
+    // probability is chosen.
     for i in 0..3 {
         if probability[i] > 0.0 {
             channel = i;
@@ -63,11 +63,11 @@ pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, r
         let density = probability.dot(sigma.as_dvec3() * left);
         DistanceSample {
             scattered: Some(t as f32),
-            weight: zero_improbable_channels(medium.scattering.as_dvec3() * left / density, probability),
+            weight: zero_unsampled_channels(medium.scattering.as_dvec3() * left / density, probability),
         }
     } else {
         let left = exp_neg(optical_depth(sigma, distance));
-        DistanceSample { scattered: None, weight: zero_improbable_channels(left / probability.dot(left), probability) }
+        DistanceSample { scattered: None, weight: zero_unsampled_channels(left / probability.dot(left), probability) }
     }
 }
 

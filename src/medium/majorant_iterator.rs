@@ -8,12 +8,17 @@ use glam::DVec3;
 /// Every step enters another block, so the iterator ends.
 pub(super) struct MajorantIterator {
     origin: DVec3,
+    /// Change of the position per unit of distance along the ray.
     step: DVec3,
+    /// Number of blocks along each axis.
     count: [u32; 3],
+    /// Current block: its index along each axis.
     cell: [u32; 3],
     /// Distance along the ray to the next block face perpendicular to each axis.
     next: [f64; 3],
+    /// Distance along the ray where it enters the current block.
     t: f64,
+    /// Distance along the ray where it leaves the grid, or where the iteration ends.
     end: f64,
 }
 

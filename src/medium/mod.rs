@@ -18,7 +18,8 @@ use glam::{DAffine3, DVec3, Vec3};
 use rand::Rng;
 use std::sync::Arc;
 
-/// A participating medium: coefficients at density 1, and an optional density grid.
+/// A participating medium: coefficients at density 1, and an optional grid of densities. A
+/// coefficient at a point is its value at density 1 times the density there.
 ///
 /// Coefficients are finite and at least 0; scene import checks this.
 #[derive(Clone, Debug)]
@@ -35,14 +36,15 @@ pub struct Medium {
     density: Option<Arc<GridDensity>>,
 }
 
-/// Sampled distance along a ray through a medium.
+/// Result of distance sampling: the place where a ray scatters in a medium, if it does, and a
+/// weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DistanceSample {
     /// Distance of the scattering point; `None` if the ray passes through.
     pub scattered: Option<f32>,
-    /// Factor by which the throughput changes. After scattering, it is σs·T over the pdf of the
-    /// distance, where T is the transmittance. Otherwise, it is T over the probability that the ray
-    /// passes through. Channels without throughput get 0.
+    /// Factor by which the throughput changes; 0 in channels without throughput. After scattering,
+    /// it is σs·T divided by the pdf of the distance, where T is the transmittance. If the ray
+    /// passes through, it is T divided by the probability of passing through.
     pub weight: Rgb,
 }
 
@@ -71,7 +73,7 @@ impl TransmittanceCurve {
         }
     }
 
-    /// Transmittance up to distance `t`; exact in a homogeneous medium.
+    /// Transmittance from the ray origin to distance `t`; exact in a homogeneous medium.
     #[inline]
     #[must_use]
     pub fn transmittance_at(&self, t: f32) -> Rgb {
@@ -111,7 +113,7 @@ impl Medium {
         self.absorption + self.scattering
     }
 
-    /// True if the density is constant.
+    /// True if the medium has no density grid: its density is 1 everywhere.
     #[must_use]
     pub fn is_homogeneous(&self) -> bool {
         self.density.is_none()
@@ -154,8 +156,8 @@ impl Medium {
         }
     }
 
-    /// Returns the result of [`Medium::transmittance`] in f64. A product over many segments would
-    /// lose digits of factors near 1 in f32.
+    /// Returns [`Medium::transmittance`] in f64, for products over many segments: in f32, a factor
+    /// near 1 loses digits.
     #[must_use]
     pub fn transmittance_f64(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> DVec3 {
         match &self.density {
@@ -229,19 +231,18 @@ impl Medium {
     }
 }
 
-/// Probabilities with which distance sampling chooses an RGB channel: in proportion to throughput,
-/// or equal if all are zero.
+/// Probabilities with which distance sampling chooses each RGB channel, proportional to
+/// `throughput`. They are equal if the throughput is zero or its sum is infinite.
 fn channel_probabilities(throughput: Rgb) -> DVec3 {
-    // `max` takes 0 over a NaN.
+    // `max` turns NaN into 0.
     let part = throughput.to_array().map(|x| f64::from(x.max(0.0)));
     let part = DVec3::from_array(part);
     let sum = part.element_sum();
     if sum > 0.0 && sum.is_finite() { part / sum } else { DVec3::splat(1.0 / 3.0) }
 }
 
-/// Converts the weight `w` of a distance sample to f32. Channels that are never chosen, with
-/// probability 0, get weight 0.
-fn zero_improbable_channels(w: DVec3, probabilities: DVec3) -> Rgb {
+/// Converts the weight `w` of a distance sample to f32. Channels with probability 0 get weight 0.
+fn zero_unsampled_channels(w: DVec3, probabilities: DVec3) -> Rgb {
     let most = f64::from(f32::MAX);
     DVec3::select(probabilities.cmpgt(DVec3::ZERO), w.min(DVec3::splat(most)), DVec3::ZERO).as_vec3()
 }

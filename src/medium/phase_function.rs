@@ -9,7 +9,8 @@ use std::f32::consts::PI;
 pub enum PhaseFunction {
     /// Isotropic scattering: equal in all directions.
     Isotropic,
-    /// Henyey and Greenstein 1941, with the mean cosine g in (−1, 1). Positive g scatters forwards.
+    /// The function of Henyey and Greenstein 1941. Its parameter is the mean cosine g in (−1, 1);
+    /// positive g scatters forwards.
     HenyeyGreenstein(f32),
     /// Rayleigh scattering, by particles much smaller than the wavelength.
     Rayleigh,
@@ -24,8 +25,8 @@ impl PhaseFunction {
         match *self {
             Self::Isotropic => 1.0 / (4.0 * PI),
             Self::HenyeyGreenstein(g) => {
-                // The sum of two non-negative terms keeps the digits of 1 + g² − 2g·cos at the
-                // peak.
+                // `square` is 1 + g² − 2g·cos. This sum of two non-negative terms keeps its digits
+                // at the peak.
                 let a = g.abs();
                 let drop = (1.0 - cos.copysign(cos * g)).max(0.0);
                 let square = (1.0 - a) * (1.0 - a) + 2.0 * a * drop;
@@ -35,8 +36,9 @@ impl PhaseFunction {
         }
     }
 
-    /// Samples the unit direction of travel after scattering, by `u` in \[0, 1)². Returns it with
-    /// its pdf \[1/sr]. `direction` is the unit direction of travel before.
+    /// Samples the unit direction of travel after scattering by `u` in \[0, 1)². Returns the
+    /// direction and its pdf \[1/sr]. `direction` is the unit direction of travel before
+    /// scattering.
     ///
     /// The pdf equals [`evaluate`](Self::evaluate), so the weight of a sample is 1.
     #[inline]
@@ -49,7 +51,7 @@ impl PhaseFunction {
         };
         let (s, c) = sin_cos_turns(u.y);
         let next = Frame::from_normal(direction).to_world(Vec3::new(sin * c, sin * s, cos));
-        // Rounding must not accumulate over thousands of scattering events.
+        // Normalized, because rounding errors would accumulate over thousands of scattering events.
         (next.normalize(), self.evaluate(cos))
     }
 

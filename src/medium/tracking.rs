@@ -1,21 +1,21 @@
 //! Null-collision methods for heterogeneous media.
 //!
-//! Tentative collisions are sampled with the majorant of each block as extinction. Each is a real
-//! collision or a null collision (Woodcock 1965). Absorption reduces the weight of a path and does
-//! not end it.
+//! Tentative collisions are sampled with the majorant of each block as extinction. Each tentative
+//! collision is a real collision or a null collision (Woodcock 1965). Absorption does not end a
+//! path but reduces its weight.
 
 use super::grid_density::{GridDensity, GridRay};
-use super::{DistanceSample, Medium, TransmittanceCurve, channel_probabilities, zero_improbable_channels};
+use super::{DistanceSample, Medium, TransmittanceCurve, channel_probabilities, zero_unsampled_channels};
 use crate::color::Rgb;
 use crate::math::Ray;
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-/// Transmittance below which Russian roulette may end tracking.
+/// Path weight below which Russian roulette may end tracking.
 const ROULETTE_THRESHOLD: f64 = 0.1;
 
-/// Number of tentative collisions after which Russian roulette ends tracking with probability ½,
-/// each time. It bounds the time of tracking at high majorants.
+/// Interval, in tentative collisions, at which Russian roulette ends tracking with probability ½.
+/// It bounds the mean time of tracking at high majorants.
 const COLLISIONS_PER_ROULETTE: u32 = 1 << 14;
 
 /// Smallest mean number of tentative collisions along a ray in an estimate of emission.
@@ -28,9 +28,9 @@ const MIN_CURVE_COLLISIONS: f64 = 16.0;
 struct TentativeCollision {
     /// Distance along the ray.
     t: f64,
-    /// Density divided by the number of tentative collisions per length \[length]. Multiplied by a
-    /// coefficient of the medium, such as σs, it is the probability of that event.
-    density: f64,
+    /// Density of the medium divided by the mean number of tentative collisions per length
+    /// \[length]. Its product with a coefficient, such as σs, is the probability of that event.
+    density_over_rate: f64,
 }
 
 enum TrackingDecision {
@@ -41,14 +41,15 @@ enum TrackingDecision {
 /// Samples tentative collisions along `line` and calls `visit` for each. Returns false if `visit`
 /// stopped the tracking.
 ///
-/// The number of tentative collisions per length is `rate` times the majorant of the block.
+/// The mean number of tentative collisions per length is `rate` times the majorant of the block.
 fn track_collisions<R: Rng>(
     line: &GridRay,
     rate: f64,
     rng: &mut R,
     mut visit: impl FnMut(TentativeCollision, &mut R) -> TrackingDecision,
 ) -> bool {
-    // Optical depth to the next collision; the rest of each block carries over to the next block.
+    // `depth` is the optical depth to the next collision. What a block does not use up carries over
+    // to the next block.
     let mut depth = sample_exponential(rng);
     for (start, stop, majorant) in line.blocks_along_ray() {
         let mut t = start;
@@ -60,8 +61,8 @@ fn track_collisions<R: Rng>(
             }
             t += step;
             // Interpolation may round above the majorant.
-            let density = line.density(t).min(majorant) / (rate * majorant);
-            if matches!(visit(TentativeCollision { t, density }, rng), TrackingDecision::Stop) {
+            let density_over_rate = line.density(t).min(majorant) / (rate * majorant);
+            if matches!(visit(TentativeCollision { t, density_over_rate }, rng), TrackingDecision::Stop) {
                 return false;
             }
             depth = sample_exponential(rng);
@@ -92,7 +93,7 @@ pub(super) fn transmittance(medium: &Medium, grid: &GridDensity, ray: &Ray, dist
     }
     let (mut left, mut steps) = (DVec3::ONE, 0u32);
     let through = track_collisions(&grid.ray_in_grid(ray, distance), rate, rng, |collision, rng| {
-        left *= DVec3::ONE - sigma * collision.density;
+        left *= DVec3::ONE - sigma * collision.density_over_rate;
         transmittance_roulette(&mut left, &mut steps, rng)
     });
     if through { left.as_vec3() } else { Rgb::ZERO }
@@ -118,7 +119,7 @@ pub(super) fn transmittance_curve(
     let rate = sigma.max_element().max(MIN_CURVE_COLLISIONS / depth);
     let (mut left, mut steps) = (DVec3::ONE, 0u32);
     let through = track_collisions(&line, rate, rng, |collision, rng| {
-        left *= DVec3::ONE - sigma * collision.density;
+        left *= DVec3::ONE - sigma * collision.density_over_rate;
         let step = transmittance_roulette(&mut left, &mut steps, rng);
         curve.steps.push((collision.t as f32, left.as_vec3()));
         step
@@ -145,8 +146,8 @@ fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng)
 
 /// Samples a scattering distance by spectral tracking (Kutz, Habel, Li, Novák 2017, section 4.3).
 ///
-/// Each tentative collision scatters or is null. The probabilities are proportional to the channel
-/// mean of the throughput after either event. This mean never increases, except through Russian
+/// Each tentative collision scatters or is null. The probability of each event is proportional to
+/// the channel mean of the throughput after it. This mean never increases, except through Russian
 /// roulette.
 pub(super) fn distance_sample(
     medium: &Medium,
@@ -164,8 +165,8 @@ pub(super) fn distance_sample(
     let (mut left, mut steps, mut scattered) = (DVec3::ONE, 0u32, None);
     let through = rate <= 0.0
         || track_collisions(&grid.ray_in_grid(ray, distance), rate, rng, |collision, rng| {
-            let real = left * scattering * collision.density;
-            let null = left * (DVec3::ONE - sigma * collision.density).max(DVec3::ZERO);
+            let real = left * scattering * collision.density_over_rate;
+            let null = left * (DVec3::ONE - sigma * collision.density_over_rate).max(DVec3::ZERO);
             let (a, b) = (probabilities.dot(real), probabilities.dot(null));
             if a + b <= 0.0 {
                 return TrackingDecision::Stop;
@@ -187,7 +188,7 @@ pub(super) fn distance_sample(
             }
         });
     let lost = !through && scattered.is_none();
-    DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { zero_improbable_channels(left, probabilities) } }
+    DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { zero_unsampled_channels(left, probabilities) } }
 }
 
 /// Estimates emitted radiance as a sum over tentative collisions: the transmittance up to each
@@ -205,12 +206,12 @@ pub(super) fn emitted_radiance(
     if depth <= 0.0 {
         return Rgb::ZERO;
     }
-    // A minimum number of collisions also samples thin media.
+    // The minimum makes thin media collide often enough for a low variance.
     let rate = sigma.max_element().max(MIN_EMISSION_COLLISIONS / depth);
     let (mut sum, mut left, mut steps) = (DVec3::ZERO, DVec3::ONE, 0u32);
     track_collisions(&line, rate, rng, |collision, rng| {
-        sum += left * emission * collision.density;
-        left *= DVec3::ONE - sigma * collision.density;
+        sum += left * emission * collision.density_over_rate;
+        left *= DVec3::ONE - sigma * collision.density_over_rate;
         transmittance_roulette(&mut left, &mut steps, rng)
     });
     sum.as_vec3()

@@ -16,8 +16,8 @@ pub struct EnergyAudit {
     pub absorbed: [f64; 3],
     /// Flux that escaped from the scene \[W].
     pub escaped: [f64; 3],
-    /// Flux \[W] of paths that were stopped, at the bounce limit or because all photons that could
-    /// follow are of kinds that the pass does not store.
+    /// Flux \[W] of paths that were stopped: at the bounce limit, or because the pass would store
+    /// none of their further photons.
     pub stopped: [f64; 3],
     /// Flux removed by Russian roulette minus flux added by it \[W].
     pub roulette: [f64; 3],

@@ -52,7 +52,7 @@ impl PhotonBeam {
     }
 }
 
-/// Closest approach of a camera ray and a photon beam.
+/// Closest approach of a camera ray and a photon beam: distances, angle and weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamIntersection {
     /// Distance \[length] from the ray's origin to the point on the ray that is closest to the
@@ -101,12 +101,13 @@ impl BeamIntersection {
     }
 }
 
-/// Photon beams in a bounding volume hierarchy, for the beam × beam estimate with a 1D blur.
+/// Photon beams in a bounding volume hierarchy, for the beam × beam estimate with a 1D kernel.
 ///
-/// The radiance that arrives at the ray's origin is Σ flux · σs · p(cos) · T(ray, t) · T(beam, s) ·
-/// weight over the beams near the ray. σs is the scattering coefficient, p the phase function and T
-/// the transmittance. `cos`, `t`, `s` and `weight` are the fields of [`BeamIntersection`] (Jarosz
-/// et al. 2011, "A comprehensive theory of volumetric radiance estimation", section 4.3).
+/// The radiance that arrives at the ray's origin is the sum, over the beams near the ray, of flux ·
+/// σs · p(cos) · T(ray, t) · T(beam, s) · weight. σs is the scattering coefficient, p the phase
+/// function and T the transmittance. `cos`, `t`, `s` and `weight` are the fields of
+/// [`BeamIntersection`] (Jarosz et al. 2011, "A comprehensive theory of volumetric radiance
+/// estimation", section 4.3).
 pub struct PhotonBeamMap {
     beams: Vec<PhotonBeam>,
     packets: Vec<BeamPiecePacket>,
@@ -115,7 +116,7 @@ pub struct PhotonBeamMap {
     radius: f32,
 }
 
-/// Upper bound of the number of pieces into which a beam is split, on average over all beams.
+/// Upper bound of the mean number of pieces of a beam.
 const MAX_PIECES: f64 = 4.0;
 
 impl PhotonBeamMap {
@@ -159,7 +160,7 @@ impl PhotonBeamMap {
         self.radius
     }
 
-    /// Calls `visitor` once for each beam whose closest approach to `ray` is within the blur
+    /// Calls `visitor` once for each beam whose closest approach to `ray` is within the kernel
     /// radius.
     ///
     /// `ray` must have a unit direction. A beam is skipped if one of the two closest points lies
@@ -202,7 +203,8 @@ impl BeamPiece {
 
 /// Splits each beam into pieces of equal length, because short pieces have small bounding boxes.
 ///
-/// A beam is split into ⌈beam length · g/`length`⌉ pieces, where g is [`sqrt_half_box_area`].
+/// A beam is split into ⌈beam length · g/`length`⌉ pieces, where g is [`sqrt_half_box_area`]. So
+/// `length` is the largest length of a piece along a diagonal of the axes, where g is 1.
 fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
     let pieces_of = |(index, beam): (usize, &PhotonBeam)| {
         let (index, whole) = (index as u32, beam.length);
@@ -216,9 +218,9 @@ fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
 /// Square root of half the surface area of the bounding box of a segment that has length 1 and the
 /// beam's direction.
 ///
-/// The value g is 0 along an axis, and 1 along a diagonal of the coordinate axes. Suppose that a
-/// beam of length L is split into n pieces, whose boxes are expanded by r. Half the area of all
-/// boxes is L²g²/n + 12nr² + constant. It is least for n = Lg/(√12 r).
+/// The value g is 0 along a coordinate axis, and 1 along a diagonal. If a beam of length L is split
+/// into n pieces and their boxes are expanded by r, half the area of all boxes is L²g²/n + 12nr² +
+/// constant. It is least for n = Lg/(√12 r).
 fn sqrt_half_box_area(beam: &PhotonBeam) -> f64 {
     let b = beam.direction.abs();
     f64::from(b.x * b.y + b.y * b.z + b.z * b.x).sqrt()

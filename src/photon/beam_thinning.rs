@@ -1,13 +1,13 @@
-//! Thinning of photon beams: fewer beams of more flux, with the same mean.
+//! Thinning of photon beams: fewer beams of more flux, with the same expected flux.
 
 use super::PhotonBeam;
 
-/// Keeps about the fraction `share` of `beams`, each with a probability proportional to its flux,
-/// and divides the flux of a kept beam by its probability.
+/// Keeps about the fraction `share` of `beams`, each with a probability proportional to its flux.
+/// The flux of a kept beam is divided by its probability.
 ///
-/// Systematic sampling (Kitagawa 1996): `start` in \[0, 1) is the one random number. Any sum over
-/// beams keeps its mean, because a beam with more than the mean flux of a kept one is always kept.
-/// Beams keep their order. A `share` of 1 or more keeps all beams as they are.
+/// `start` in \[0, 1) is the only random number (systematic sampling, Kitagawa 1996). The expected
+/// flux of each beam stays the same. A beam with more flux than the mean of the kept beams is
+/// always kept. Beams keep their order. A `share` of 1 or more keeps all beams unchanged.
 #[must_use]
 pub fn thin_beams(mut beams: Vec<PhotonBeam>, share: f32, start: f32) -> Vec<PhotonBeam> {
     let flux = |beam: &PhotonBeam| f64::from(beam.flux.x) + f64::from(beam.flux.y) + f64::from(beam.flux.z);
@@ -38,8 +38,8 @@ mod tests {
     use crate::color::Rgb;
     use glam::Vec3;
 
-    /// Over evenly spaced starts, each beam keeps its mean flux, be it weak or strong; the number
-    /// of kept beams follows the share.
+    /// Over evenly spaced `start` values, weak and strong beams keep their mean flux. The number of
+    /// kept beams does not exceed the share.
     #[test]
     fn thinning_keeps_the_mean_flux_of_each_beam() {
         let flux = |i: u32| Rgb::new(1.0, 0.5, 0.25) * [1.0, 3.0, 0.01, 60.0][i as usize % 4] * (1 + i % 7) as f32;
@@ -56,7 +56,7 @@ mod tests {
             }
             assert!(count as f32 <= (share * 40.0 + 1.0) * starts as f32 && count > 0, "{share}: {count}");
             for (i, mean) in (0..).zip(sums) {
-                // The weakest beam is kept at one start of 20,000, with an error of as much.
+                // A weak beam is kept for few of the 20,000 starts. The tolerance is two of them.
                 let smallest = share * 40.0 * flux(i).x / beams.iter().map(|b| b.flux.x).sum::<f32>();
                 let tolerance = 1e-3 + 2.0 / (smallest * starts as f32);
                 assert!((mean.x / flux(i).x - 1.0).abs() < tolerance, "{share}, beam {i}: {mean}");

@@ -2,7 +2,7 @@
 //! boundary bias.
 
 use super::Kernel;
-use super::estimate::{FLATNESS, LEVELS, SAME_SIDE};
+use super::estimate::{LEVELS, MAX_RELATIVE_HEIGHT, MIN_NORMAL_COSINE};
 use crate::math::{Frame, Ray, warp};
 use crate::sampling::{Dimension, Key, sobol_2d};
 use crate::scene::Scene;
@@ -20,11 +20,12 @@ pub(super) const MIN_COVERAGE: f32 = 0.05;
 /// A density estimate assumes that the whole disc of `radius` \[length] around `p` is surface.
 /// Where the surface ends, bends or is occluded, the estimate is too dark (boundary bias, Jensen
 /// 2001, section 7.2.3). Division by the coverage corrects this bias. Probe rays along −`normal`
-/// measure the coverage. It is exactly 1 on a flat surface, and may exceed 1 on a slope.
+/// measure the coverage. It is at least 0.05, exactly 1 on a flat surface, and may exceed 1 on a
+/// slope.
 #[must_use]
 pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let frame = Frame::from_normal(normal);
-    let height = radius * FLATNESS;
+    let height = radius * MAX_RELATIVE_HEIGHT;
     let (mut covered, mut whole) = (0.0, 0.0);
     for i in 0..PROBES {
         let d = warp::square_to_uniform_disc(sobol_2d(i, key, Dimension::Probe));
@@ -34,7 +35,7 @@ pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: 
         let ray = Ray { t_max: 2.0 * height, ..Ray::new(above, -normal) };
         let Some(hit) = scene.intersect(&ray) else { continue };
         let cos = scene.normal_at(&ray, &hit).dot(normal).abs();
-        if cos > SAME_SIDE {
+        if cos > MIN_NORMAL_COSINE {
             let rise = (height - hit.t) / radius;
             // A flat surface is hit at `height` up to rounding errors, and must count as flat.
             let shape = if rise.abs() < 1e-3 {

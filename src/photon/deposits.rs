@@ -6,8 +6,8 @@ use crate::math::Ray;
 use crate::scene::SurfaceInteraction;
 use glam::{Vec2, Vec3};
 
-/// Optical depth at which an infinitely long photon beam is cut. The flux there is 2·10⁻⁹ of that
-/// at the start.
+/// Optical depth at which an infinitely long photon beam is cut. The flux there is 2·10⁻⁹ of the
+/// flux at the start.
 const MAX_OPTICAL_DEPTH: f32 = 20.0;
 
 /// Photon beams and photon points stored in participating media.
@@ -46,7 +46,7 @@ pub struct Deposits {
     /// Surface photons of [`PhotonKind::AfterCaustic`], if
     /// [`StoreMask::separates_after_caustic`](super::StoreMask) is set.
     ///
-    /// Otherwise this list is empty, and `photons` holds them.
+    /// Otherwise this list is empty, and `photons` holds these photons.
     pub after_caustic: Vec<Photon>,
     /// Photons in media, except the photons in `after_caustic_volume`.
     pub volume: VolumePhotons,

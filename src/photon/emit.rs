@@ -55,8 +55,8 @@ pub(super) struct PrimaryEmissionSample {
 }
 
 impl<'a> PhotonSource<'a> {
-    /// Creates a source that emits in all directions in which the lights emit; `None` if no light
-    /// has power.
+    /// Creates a source that emits from all lights, in all directions of each light; `None` if no
+    /// light has power.
     ///
     /// Lights are chosen in proportion to their power.
     #[must_use]
@@ -113,7 +113,8 @@ impl<'a> PhotonSource<'a> {
     /// Returns the source without the environment light; `None` if no other light has power.
     #[must_use]
     pub fn without_environment_light(self) -> Option<Self> {
-        // Recomputed probabilities would differ by rounding.
+        // Without an environment light, the probabilities are kept: recomputing would change their
+        // rounding.
         let Some(environment) = self.scene.environment_light_index() else { return Some(self) };
         let weight = |i| if i == environment { 0.0 } else { f64::from(self.light_distribution.probability(i)) };
         let light_distribution = DiscreteDistribution::new((0..self.scene.lights().len()).map(weight))?;
@@ -139,8 +140,9 @@ impl<'a> PhotonSource<'a> {
         Self { effects, ..self }
     }
 
-    /// Returns the kind of [`Interior`](crate::scene::Interior) that photon paths carry. It tracks
-    /// the nested bodies, the medium and the wavelength, as far as the effects need them.
+    /// Returns the kind of [`Interior`](crate::scene::Interior) that photon paths need for the
+    /// simulated effects. An `Interior` tracks the nested bodies, the medium and the wavelength of
+    /// a path.
     pub(super) fn interior_kind(&self) -> InteriorKind {
         self.effects.interior_kind()
     }
@@ -182,11 +184,11 @@ impl<'a> PhotonSource<'a> {
     /// Returns the primary sample in \[0, 1) of the wavelength of photon path `index`, which starts
     /// at light number `light`, in a pass of `paths` paths.
     ///
-    /// It is the position of the path in the run of indices that start at the light. Aligned runs
-    /// of Sobol' points fill the unit square evenly, so each range of wavelengths has its share of
-    /// paths in each part of the square, as in a Hammersley set. The rotation by one number per
-    /// pass makes each wavelength uniform, whatever the number of paths (Cranley and Patterson
-    /// 1976).
+    /// The sample is the relative position of `index` among the consecutive path indices of the
+    /// light, rotated by one random number per pass (Cranley and Patterson 1976). Aligned runs of
+    /// Sobol' points fill the unit square evenly. Each range of wavelengths therefore has its share
+    /// of paths in each part of the square, as in a Hammersley set. The rotation makes the
+    /// wavelength of each path uniform.
     fn wavelength_sample(&self, pass_key: Key, index: u32, paths: u32, light: usize) -> f32 {
         let u = systematic_light_sample(pass_key, index, paths);
         (self.light_distribution.remapped_sample(u, light) + pass_key.uniform_1d(Dimension::Wavelength)).fract()
@@ -218,7 +220,7 @@ impl<'a> PhotonSource<'a> {
 }
 
 /// Primary sample in \[0, 1) that chooses the light of photon path `index` in a pass of `paths`
-/// paths. It grows with the index: systematic sampling.
+/// paths. It increases with `index` in equal steps (systematic sampling).
 #[inline]
 fn systematic_light_sample(pass_key: Key, index: u32, paths: u32) -> f32 {
     let u = (f64::from(index) + f64::from(pass_key.uniform_1d(Dimension::Light))) / f64::from(paths);

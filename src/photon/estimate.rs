@@ -5,14 +5,15 @@ use super::{Kernel, PhotonData, PhotonMap};
 use crate::color::Rgb;
 use glam::{DVec3, Vec3};
 
-/// Bandwidth of a density estimate: limits the size of its disc.
+/// Bandwidth of a density estimate: two upper bounds of the size of its disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bandwidth {
     /// Largest radius of the disc \[length].
     pub radius: f32,
     /// Largest number of photons in the disc, k; 0 for no limit.
     ///
-    /// If more photons lie within `radius`, the disc shrinks to the distance of the k-th nearest.
+    /// If more photons lie within `radius`, the disc shrinks to the distance of the k-th nearest
+    /// photon.
     pub k: u32,
 }
 
@@ -31,7 +32,8 @@ pub struct RadianceEstimate {
 /// next larger one.
 pub const LEVELS: usize = 3;
 
-/// Radiance estimates from concentric discs of decreasing size, which share their photons.
+/// Radiance estimates from concentric discs of decreasing size. Photons in a small disc also count
+/// in the larger ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NestedRadianceEstimate {
     /// Estimate with the largest disc.
@@ -72,16 +74,17 @@ const MIN_RELATIVE_RADIUS: f32 = 1e-5;
 /// radiance finite if photons coincide.
 const MIN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 
-/// Number of photons whose f32 sum is formed before it is added to an f64 total.
+/// Number of photons that are summed in f32 before their sum is added to a total in f64.
 const BLOCK: u32 = 64;
 
-/// Photons count in an estimate if the cosine between their normal and the normal of the query
-/// point is larger than this.
-pub(super) const SAME_SIDE: f32 = 0.5;
+/// Lower bound of the cosine between the normals of a photon and of the query point. A photon below
+/// this bound does not count in an estimate.
+pub(super) const MIN_NORMAL_COSINE: f32 = 0.5;
 
-/// Photons count in an estimate if their tangent plane is not farther from the query point than
-/// this fraction of the radius of the largest disc.
-pub(super) const FLATNESS: f32 = 0.25;
+/// Upper bound of the distance between the query point and the tangent plane of a photon, as a
+/// fraction of the radius of the largest disc. A photon above this bound does not count in an
+/// estimate.
+pub(super) const MAX_RELATIVE_HEIGHT: f32 = 0.25;
 
 impl PhotonMap {
     /// Estimates the reflected radiance at `p`: Σ f·ΔΦ·K over photons (Jensen 2001, section 7.2).
@@ -136,7 +139,11 @@ impl PhotonMap {
         let mut radius = bandwidth.radius;
         // A smaller disc has a smaller limit of the height over the tangent plane.
         let height = |data: &PhotonData| {
-            if N > 1 { data.normal_cosine_and_height(&plane).1.abs() / (bandwidth.radius * FLATNESS) } else { 0.0 }
+            if N > 1 {
+                data.normal_cosine_and_height(&plane).1.abs() / (bandwidth.radius * MAX_RELATIVE_HEIGHT)
+            } else {
+                0.0
+            }
         };
         if bandwidth.k > 0 {
             let least = resolved.max(radius * MIN_RADIUS_FRACTION).max(self.min_radius).min(radius);
@@ -173,12 +180,12 @@ impl PhotonMap {
         sums.into_radiance(radius, count)
     }
 
-    /// Finds the k photons nearest to `p` on its surface, and returns the squared distance of the
-    /// k-th.
+    /// Finds the k photons nearest to `p` on the surface of `p`, and returns the squared distance
+    /// of the k-th.
     ///
-    /// The photons are written to `scratch`. If fewer than k lie within the largest radius, all of
-    /// them are written, and the function returns `None`. The search radius grows from a first
-    /// guess, because the kd-tree of crate kiddo cannot shrink a radius during a query.
+    /// The photons are written to `scratch`. If fewer than k lie within the largest radius, the
+    /// function writes all of them and returns `None`. The search radius grows from a first guess,
+    /// because the kd-tree of crate kiddo cannot shrink a radius during a query.
     fn find_k_nearest(
         &self,
         p: Vec3,
@@ -220,7 +227,8 @@ impl PhotonMap {
 }
 
 impl PhotonMap {
-    /// Distance from `p` to the k-th nearest photon on its surface \[length].
+    /// Distance from `p` to the k-th nearest photon on the surface of `p` \[length]. `normal` is
+    /// the unit geometric normal at `p`.
     ///
     /// Returns `None` if fewer than k photons lie within the distance `most` \[length]. Photons on
     /// other surfaces do not count, as in [`PhotonMap::estimate_radiance`].
@@ -289,12 +297,12 @@ impl<const N: usize> KernelSums<N> {
 
 /// True if a photon lies on the surface of a query point with tangent plane `plane`.
 ///
-/// Its normal must be similar, and its own tangent plane must pass near the query point. `radius`
-/// is the largest radius of the estimate \[length].
+/// The photon's normal must be similar, and the photon's tangent plane must pass near the query
+/// point. `radius` is the largest radius of the estimate \[length].
 #[inline]
 pub(super) fn is_on_query_surface(data: &PhotonData, plane: &TangentPlane, radius: f32) -> bool {
     let (cosine, height) = data.normal_cosine_and_height(plane);
-    cosine > SAME_SIDE && height.abs() <= radius * FLATNESS
+    cosine > MIN_NORMAL_COSINE && height.abs() <= radius * MAX_RELATIVE_HEIGHT
 }
 
 /// Truncates `found` to the k nearest photons, and returns the squared distance of the k-th.

@@ -58,8 +58,8 @@ impl Kernel {
         if x < 1.0 { self.unnormalized_value(x) } else { 0.0 }
     }
 
-    /// Factor \[1/length²] that makes the kernel's integral over a disc of squared radius `r2` 1.
-    /// [`Kernel::unnormalized_value`] is multiplied by it.
+    /// Factor \[1/length²] that normalizes [`Kernel::unnormalized_value`]: with it, the kernel has
+    /// integral 1 over a disc of squared radius `r2`.
     #[inline]
     #[must_use]
     pub fn normalization_factor(self, r2: f32) -> f32 {
@@ -119,7 +119,7 @@ mod tests {
                 step += (k - finer) * (k - finer) * ring * f64::from(std::f32::consts::PI * r * r);
             }
             assert!((integral - 1.0).abs() < 1e-5, "{kernel:?} {integral}");
-            // The box ends within a ring of the sum, whose weight is 1/n.
+            // The edge of the box kernel lies within one ring of the sum, whose weight is 1/n.
             let expected = f64::from(kernel.nested_difference_variance());
             assert!((step / square - expected).abs() < 5e-5, "{kernel:?} {}", step / square);
         }

@@ -135,7 +135,7 @@ impl<'a> LightTracer<'a> {
         deposit: &mut impl FnMut(Deposit<'_>),
     ) -> u8 {
         let p = surface.point.p;
-        // The share must not depend on the lens sample: it belongs to a position on the surface.
+        // The share belongs to a position on the surface, so it must not depend on the lens sample.
         let Some(central) = self.camera.connect_to_point(p, None) else { return SHARE_STEPS };
         let share = self.shares.map_or(SHARE_STEPS, |shares| shares.share_steps_at_film_position(central.film));
         let splat_share = match self.shares {
@@ -217,7 +217,7 @@ pub fn add_splats(mut splats: Vec<Splat>, filter: &Filter, width: u32, image: &m
         let end = splats.partition_point(|splat| row_of(splat) <= y + reach);
         sums.fill(DVec3::ZERO);
         for splat in &splats[first..end] {
-            // Pixel centers lie at halves.
+            // Pixel centers have the fractional part ½.
             let position = splat.film - 0.5;
             let weight = filter.normalized_value(y as f32 - position.y);
             if weight == 0.0 {

@@ -60,7 +60,7 @@ pub struct VolumePhotonMap {
     photons: Vec<VolumePhoton>,
     /// Positions of the photons, eight in a packet.
     packets: Vec<PointPacket>,
-    /// Hierarchy over the bounding boxes of the packets, which are expanded by the kernel radius.
+    /// Hierarchy over the bounding boxes of the packets. Each box is expanded by the kernel radius.
     boxes: BoxTree,
     radius: f32,
 }

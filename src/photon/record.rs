@@ -201,7 +201,7 @@ pub(super) fn encode_octahedral(v: Vec3) -> [u16; 2] {
     [p.x, p.y].map(|c| ((c * 0.5 + 0.5) * 65_535.0 + 0.5) as u16)
 }
 
-/// Unit vector of 16-bit octahedral coordinates.
+/// Decodes the unit vector that [`encode_octahedral`] has encoded, up to rounding.
 #[inline]
 pub(super) fn decode_octahedral(e: [u16; 2]) -> Vec3 {
     let [x, y] = e.map(|c| f32::from(c) * (2.0 / 65_535.0) - 1.0);

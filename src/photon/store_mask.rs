@@ -12,11 +12,11 @@ pub enum PhotonKind {
     /// Caustic: all path vertices between the light and the photon are on casters, such as glass or
     /// mirrors.
     Caustic,
-    /// Indirect light of a caustic: the path has scattered at a receiver (diffuse surface or
-    /// medium), which it had reached over casters.
+    /// Indirect light of a caustic: the path has reached a receiver (diffuse surface or medium)
+    /// over one or more casters, and has scattered there.
     AfterCaustic,
-    /// Other indirect light: the path has scattered at a receiver (diffuse surface or medium),
-    /// which it had reached straight from the light.
+    /// Other indirect light: the path has reached a receiver (diffuse surface or medium) straight
+    /// from the light, and has scattered there.
     AfterDirect,
 }
 
@@ -31,12 +31,13 @@ pub struct StoreMask {
     pub after_caustic: bool,
     /// True to store [`PhotonKind::AfterDirect`].
     pub after_direct: bool,
-    /// True to store photons of kind [`PhotonKind::AfterCaustic`] in lists of their own, and fewer
-    /// of them.
+    /// True to store photons of kind [`PhotonKind::AfterCaustic`] in separate lists, and to thin
+    /// them.
     ///
-    /// `hybrid` builds its map of indirect light from them, so it needs no further photon pass. Few
-    /// photons suffice, because their density is smooth. Russian roulette therefore continues one
-    /// of [`AFTER_CAUSTIC_THINNING`] paths after a caustic, and multiplies its flux by that number.
+    /// `hybrid` builds its map of indirect light from these photons, so it needs no further photon
+    /// pass. Few photons suffice, because their density is smooth. Russian roulette therefore
+    /// continues one in [`AFTER_CAUSTIC_THINNING`] paths after a caustic, and multiplies its flux
+    /// by that number.
     pub separates_after_caustic: bool,
     /// True to store photon beams in homogeneous media; false to store photons at scattering
     /// points.
@@ -92,7 +93,7 @@ impl StoreMask {
     }
 }
 
-/// Ratio of photon paths that reach a caustic to paths that continue after it, if
+/// Number of photon paths that reach a caustic for each path that continues after it, if
 /// [`StoreMask::separates_after_caustic`] is set.
 pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 

@@ -231,8 +231,8 @@ impl PhotonPass<'_> {
     /// passes through.
     ///
     /// `flux` \[W] is the flux at the last vertex. `weight` is the product of the distance sampling
-    /// weights of all segments since that vertex. The function multiplies it by the weight of this
-    /// segment. It deposits a beam or a point if `mask` stores `kind` in media.
+    /// weights of all segments since that vertex; the function multiplies `weight` by the weight of
+    /// this segment. It deposits a beam or a point if `mask` stores `kind` in media.
     #[inline]
     fn sample_medium_segment<I: Interior>(
         &self,

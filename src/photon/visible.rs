@@ -1,4 +1,4 @@
-//! Importance of photons for the picture: the density of visible points on surfaces.
+//! Importance of photons for the picture, from the density of visible points on surfaces.
 
 use super::{Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers};
 use crate::color::Rgb;
@@ -37,7 +37,7 @@ pub struct VisiblePointMap {
 /// Number of nearest visible points from which the importance of a photon is estimated.
 const NEIGHBOURS: u32 = 16;
 
-/// Largest number of visible points at which the distance to the 16th neighbour is measured.
+/// Largest number of visible points for which the distance to the 16th neighbour is measured.
 const PROBES: usize = 256;
 
 impl VisiblePointMap {

@@ -1,5 +1,5 @@
-//! Coverage of kernels in media: the part of a kernel that surfaces leave free. Division by it
-//! corrects boundary bias.
+//! Coverage of kernels in media: the part of a kernel that surfaces do not hide from its center.
+//! Division by it corrects boundary bias.
 
 use super::coverage::MIN_COVERAGE;
 use crate::math::{Frame, Ray};
@@ -20,11 +20,14 @@ pub struct KernelProbes {
 }
 
 impl KernelProbes {
-    /// Traces probe rays of length `radius` from the center of a kernel. The first is `towards`.
+    /// Traces probe rays of length `radius` from the center of a kernel. The first one is
+    /// `towards`, cut to this length.
     ///
-    /// A kernel of one dimension has a second probe ray in the opposite direction; one of two
-    /// dimensions, eight at equal angles about the unit vector `axis`, to which `towards` is
-    /// perpendicular; one of three dimensions, twelve to the corners of an icosahedron.
+    /// The number of `dimensions` of the kernel determines all probe rays:
+    /// - One: two rays in opposite directions.
+    /// - Two: eight rays at equal angles about the unit vector `axis`, which is perpendicular to
+    ///   `towards`.
+    /// - Three: twelve rays to the corners of an icosahedron.
     #[must_use]
     pub fn trace(scene: &Scene, towards: &Ray, axis: Vec3, dimensions: u32, radius: f32) -> Self {
         let mut probes = Self { distances: [f32::INFINITY; MAX_PROBES], count: 0, dimensions };
@@ -50,11 +53,11 @@ impl KernelProbes {
 
     /// True if no surface lies within `distance` on the first probe ray.
     #[must_use]
-    pub fn sees(&self, distance: f32) -> bool {
+    pub fn first_probe_is_clear(&self, distance: f32) -> bool {
         self.distances[0] > distance
     }
 
-    /// Returns the part of a kernel of radius `radius` \[length] that lies before the nearest
+    /// Returns the part of a kernel of radius `radius` \[length] that lies in front of the nearest
     /// surfaces; at least 1/20. It is exactly 1 if no probe ray hits a surface.
     #[must_use]
     pub fn coverage(&self, radius: f32) -> f32 {
@@ -76,8 +79,8 @@ fn part_within(x: f32, dimensions: u32) -> f32 {
     }
 }
 
-/// Unit vectors to six corners of a regular icosahedron. `first` is the first of them. The other
-/// corners are opposite.
+/// Unit vectors to six corners of a regular icosahedron, from its center. The first is `first`. The
+/// other six corners lie opposite.
 fn icosahedron(first: Vec3) -> [Vec3; 6] {
     // cos 72°, sin 72°, cos 144° and sin 144°.
     const TURNS: [(f32, f32); 5] = [

@@ -196,12 +196,12 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
             Ok(EffectReason::Objects(scattering, "may reflect caustics"))
         }
         Effect::Interreflection => {
-            // Only scattered paths show the background behind a scattering medium.
+            // The background is visible behind a scattering medium only along scattered paths.
             let hazy = features.background && features.scattering_media > 0;
             need(features.lights + features.emitting_media > 0 || hazy, EffectReason::NoLight)?;
             any(receivers, EffectReason::NoReceiver)?;
             any(scattering, EffectReason::BlackReceivers)?;
-            // Scattered paths also find light of soft lights, by MIS. With a soft light,
+            // This holds for soft lights too, which scattered paths find by MIS: with a soft light,
             // `one_flat_object` is always false.
             need(!features.one_flat_object, EffectReason::OneFlatObject)?;
             Ok(EffectReason::Objects(scattering, "may light other objects"))

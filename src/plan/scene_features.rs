@@ -84,8 +84,9 @@ impl SceneFeatures {
             moving: scene.has_motion(),
             one_flat_object: false,
         };
-        // The bounding sphere of a scene of infinite planes may be a point, through which distant
-        // lights have no power. They still light the planes, so a unit sphere replaces it.
+        // In a scene of infinite planes, the bounding sphere may be a point. The power of lights at
+        // infinity would be 0 there, although they light the planes. A unit sphere therefore
+        // replaces it.
         let domain = BoundingSphere { center: Vec3::ZERO, radius: 1.0 };
         let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(domain) != Rgb::ZERO).collect();
         features.lights = lights.len();
@@ -102,19 +103,20 @@ impl SceneFeatures {
         }
         features.soft_lights = lights.iter().filter(|l| !l.is_delta()).count();
         for object in &objects {
-            let (mut receives, mut scatters, mut casts, mut bounds, mut parts) = (false, false, false, false, false);
+            let (mut receives, mut scatters, mut casts, mut bounds_body, mut disperses) =
+                (false, false, false, false, false);
             scene.for_each_leaf_material(object.material, &mut |leaf| {
                 casts |= leaf.casts_caustics();
                 if let Some(body) = leaf.bounded_body {
-                    bounds = true;
-                    parts |= body.glass.is_some();
+                    bounds_body = true;
+                    disperses |= body.glass.is_some();
                 } else if leaf.bsdf.stores_photons() {
                     receives = true;
                     scatters |= !leaf.bsdf.is_black();
                 }
             });
-            let ball = object.ball.filter(|_| !features.moving);
-            let reached = || lights.iter().any(|light| light.may_illuminate(ball, scene.photon_domain()));
+            let sphere = object.bounding_sphere.filter(|_| !features.moving);
+            let reached = || lights.iter().any(|light| light.may_illuminate(sphere, scene.photon_domain()));
             let (textured, bumpy) = scene.texture_usage(object.material);
             features.textured += usize::from(textured || object.has_emission_texture);
             features.bump_mapped += usize::from(bumpy);
@@ -122,8 +124,8 @@ impl SceneFeatures {
             features.scattering_receivers += usize::from(scatters);
             features.casters += usize::from(casts);
             features.lit_casters += usize::from(casts && reached());
-            features.bodies += usize::from(bounds);
-            features.dispersive += usize::from(parts);
+            features.bodies += usize::from(bounds_body);
+            features.dispersive += usize::from(disperses);
         }
         features
     }

@@ -17,8 +17,9 @@ use std::sync::Arc;
 /// Time for which a scene is built: the middle of the shutter interval, which runs from 0 to 1.
 pub(super) const MID_SHUTTER: f64 = 0.5;
 
-/// The moving shapes, planes, lights, camera, texture mappings and media of a scene, each before
-/// its motion. Each motion maps to coordinates relative to [`Scene::origin`].
+/// The moving shapes, planes, lights, camera, texture mappings and media of a scene. Each part is
+/// stored as it is before its motion, except media. Each motion maps to coordinates relative to
+/// [`Scene::origin`].
 #[derive(Debug, Default)]
 pub(super) struct Animation {
     /// Moving shapes, which the scene lists after the shapes at rest.
@@ -74,14 +75,14 @@ pub(super) fn texture_mapping_at_time(kind: TextureMappingKind, motion: &Motion,
     Some(TextureMapping::new(kind, motion_transform_at_time(motion, time)?))
 }
 
-/// `medium`, whose body is moved by `motion`, at `time`. `medium` has the place of its density grid
-/// when the shutter opens. `None` if a transform is singular.
+/// Copy of `medium` whose density grid moves with a body by `motion`, at `time`. The argument
+/// `medium` has its grid where it is when the shutter opens. `None` if a transform is singular.
 pub(super) fn medium_at_time(medium: &Medium, motion: &Motion, time: f64) -> Option<Medium> {
     let opening = motion_transform_at_time(motion, 0.0)?;
     medium.transformed(motion.at_time(time) * *opening.inverse())
 }
 
-/// Strength of a moving delta light, with [`LightStrength::Course`] converted to physical units at
+/// Strength of a moving delta light in physical units: [`LightStrength::Course`] is converted at
 /// mid-shutter.
 ///
 /// The conversion depends on the distance of the light from the origin. The light keeps the

@@ -25,7 +25,7 @@ pub(super) struct ObjectAttributes {
 pub struct Hit {
     /// Ray parameter of the intersection; the distance if the ray has a unit direction.
     pub t: f32,
-    /// The primitive that was hit, and where on it.
+    /// The primitive that was hit, with the coordinates of the hit on it.
     pub(super) primitive: HitPrimitive,
 }
 
@@ -41,8 +41,8 @@ pub(super) enum HitPrimitive {
     Plane(u32),
 }
 
-/// Group of objects whose boundaries count as one, when a path crosses several coincident
-/// boundaries at once.
+/// Group of objects whose boundaries count as one when a path crosses several coincident boundaries
+/// at once.
 ///
 /// Usually each object is a group of its own. All shapes that may share edges with neighbours form
 /// one group, because a ray through a common edge can hit two of them.
@@ -90,7 +90,8 @@ pub(super) struct Geometry {
 }
 
 impl Geometry {
-    /// Builds the hierarchies over the given primitives.
+    /// Builds the hierarchies over the given primitives. The shapes from index `first_moving` on
+    /// move; all others rest.
     pub fn new(
         objects: Vec<ObjectAttributes>,
         shapes: Vec<Shape>,
@@ -164,7 +165,8 @@ impl Geometry {
         &self.objects[self.object_index(primitive) as usize]
     }
 
-    /// The nearest intersection of `ray` with any primitive, for 0 < t < `ray.t_max`.
+    /// The nearest intersection of `ray` with any primitive, for 0 < t < `ray.t_max`; `None` if the
+    /// ray hits nothing.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let Self { shapes, planes, hierarchy, moving, .. } = self;

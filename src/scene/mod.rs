@@ -55,8 +55,8 @@ use textured::{TextureFootprint, perturbed_normal};
 
 /// A scene ready to be rendered, with moving objects placed at one time of the shutter interval.
 ///
-/// Coordinates are relative to [`Scene::origin`]. The scene hands ray queries to its `Geometry`,
-/// which knows primitives only. It then adds the material, textures and emission at a hit.
+/// Coordinates are relative to [`Scene::origin`]. The private type `Geometry` answers ray queries,
+/// but knows primitives only. The scene adds the material, textures and emission at a hit.
 #[derive(Clone)]
 pub struct Scene {
     camera: Camera,
@@ -100,7 +100,8 @@ impl Scene {
         &self.camera
     }
 
-    /// Radiance of camera rays that hit nothing, used if there is no environment light.
+    /// Radiance \[W/(m² sr)] of camera rays that hit nothing, used if there is no environment
+    /// light.
     ///
     /// The background does not illuminate surfaces.
     #[must_use]
@@ -108,7 +109,7 @@ impl Scene {
         self.background
     }
 
-    /// Radiance that a ray in unit `direction` receives if it hits nothing.
+    /// Radiance \[W/(m² sr)] that a ray in unit `direction` receives if it hits nothing.
     ///
     /// It is the radiance of the environment light, or the background if there is none.
     #[inline]
@@ -144,8 +145,8 @@ impl Scene {
         &self.legacy_lights
     }
 
-    /// Distance \[length] below which a surface point touches light `light`; 0 for area lights and
-    /// lights at infinity.
+    /// Distance \[length] below which a surface point counts as touching the light with index
+    /// `light`; 0 for area lights and lights at infinity.
     ///
     /// A light that touches a surface illuminates both sides of the surface. Positions are rounded
     /// to 2⁻²⁴ of their coordinates, so the true side of the light is unknown.
@@ -161,7 +162,7 @@ impl Scene {
         &self.materials
     }
 
-    /// The glasses: refractive indices that depend on the wavelength.
+    /// Dispersion formulas of the glasses: refractive index by wavelength.
     #[must_use]
     pub fn glasses(&self) -> &[DispersionFormula] {
         &self.glasses
@@ -213,7 +214,8 @@ impl Scene {
         self.geometry.shapes.iter().filter(analytic).count() + self.geometry.planes.len()
     }
 
-    /// The nearest intersection of `ray` with any surface, for 0 < t < `ray.t_max`.
+    /// The nearest intersection of `ray` with any surface, for 0 < t < `ray.t_max`; `None` if the
+    /// ray hits nothing.
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
@@ -229,9 +231,9 @@ impl Scene {
 
     /// Returns the surface at `hit` of `ray`, which must have a unit direction.
     ///
-    /// Textures are filtered over the width of `cone`. A mix calls `u_mix` for a uniform number in
-    /// \[0, 1) and selects one of its materials by it. The boundary of a dielectric body gets the
-    /// BSDF that it has in air; [`Interior::resolve_boundary`] replaces this BSDF.
+    /// Textures are filtered over the width of `cone`. At a mix, a uniform number in \[0, 1) from
+    /// `u_mix` selects one of its materials. The boundary of a dielectric body gets the BSDF that
+    /// it has in air; [`Interior::resolve_boundary`] replaces this BSDF.
     #[inline]
     #[must_use]
     pub fn surface_interaction(

@@ -1,4 +1,4 @@
-//! How far the moving parts of a scene move on the film while the shutter is open.
+//! Distance that the moving parts of a scene move on the film while the shutter is open.
 
 use super::animation::MID_SHUTTER;
 use super::geometry::HitPrimitive;
@@ -7,18 +7,19 @@ use crate::camera::Camera;
 use crate::math::Motion;
 use glam::{DVec3, Vec2};
 
-/// Number of steps into which the shutter interval is cut to measure the length of a path.
+/// Number of steps of the shutter interval between which paths of points count as straight.
 const STEPS: u32 = 16;
 
-/// Largest number of moving shapes that are measured. Of more shapes, evenly spaced ones are.
+/// Largest number of moving shapes that are measured. If there are more, every n-th shape is
+/// measured.
 const MAX_SHAPES: usize = 4096;
 
-/// Number of film points along each side of the film at which a moving camera is measured.
+/// Number of film points along each side of the film at which camera motion is measured.
 const FILM_POINTS: u32 = 5;
 
-/// Cameras and film of a scene, by which the length of a path is measured in pixels.
+/// Cameras and film of a scene, which convert the length of the path of a point to pixels.
 struct FilmMeasure {
-    /// The camera at the ends of all steps.
+    /// The camera when the shutter opens and at the end of each step.
     cameras: Vec<Camera>,
     /// Width and height of the film \[pixels].
     size: Vec2,
@@ -44,8 +45,9 @@ impl FilmMeasure {
         }
     }
 
-    /// Returns the length of the path of a point on the film \[pixels]. Parts beyond the edge of
-    /// the film count as moving along it. `position` returns the point at the end of a step.
+    /// Returns the length of the path of a point on the film \[pixels]. `position` returns the
+    /// point, in scene coordinates, after a number of steps. Beyond the edge of the film, the
+    /// nearest point of the edge counts.
     fn length_on_film(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
         let film = |(step, camera): (u32, &Camera)| {
             let at = camera.connect_to_point(position(step).as_vec3(), None)?.film;
@@ -59,15 +61,17 @@ impl FilmMeasure {
         places.windows(2).map(step).sum()
     }
 
-    /// Returns the length of the path of a point, in pixels at the center of the photon domain.
+    /// Returns the length of the path of a point through the scene, in pixels at the center of the
+    /// photon domain. `position` is as in [`Self::length_on_film`].
     ///
-    /// Shadows and caustics of a thing that is not in the picture move about as far.
+    /// An object outside the picture may cast shadows and caustics into it. They move about as far
+    /// as the object.
     fn length_in_scene(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
         (0..STEPS).map(|step| position(step).distance(position(step + 1))).sum::<f64>() / self.pixel
     }
 }
 
-/// Time at the end of step `step`.
+/// Shutter time after `step` steps, from 0 to 1.
 fn step_time(step: u32) -> f64 {
     f64::from(step) / f64::from(STEPS)
 }
@@ -80,19 +84,21 @@ fn box_corners((min, max): (DVec3, DVec3)) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Returns the position to which `motion` moves `point`, as a function of the step. `point` is a
-/// position at mid-shutter.
+/// Returns a function from the number of steps to the position of a moving point. At mid-shutter,
+/// `motion` moves this point to `point`.
 fn moved_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec3 + use<'_> {
     let before = motion.at_time(MID_SHUTTER).inverse().transform_point3(point);
     move |step| motion.at_time(step_time(step)).transform_point3(before)
 }
 
-/// The longest way that any part of the scene moves while the shutter is open \[pixels]; 0 if
+/// Longest distance that any part of the scene moves while the shutter is open \[pixels]; 0 if
 /// nothing moves.
 ///
-/// Corners of the bounds of moving shapes are measured on the film, and through the scene in pixels
-/// at the center of the photon domain. Lights are measured only through the scene, moving planes
-/// and a moving camera by what the camera sees.
+/// - A shape is measured by the corners of its bounds, on the film and through the scene.
+/// - A light is measured by points around it, through the scene.
+/// - A plane or the camera is measured by points that the camera sees, on the film.
+///
+/// Distances through the scene are in pixels at the center of the photon domain.
 #[must_use]
 pub fn motion_on_film(scene: &Scene) -> f32 {
     let Some(animation) = &scene.animation else { return 0.0 };

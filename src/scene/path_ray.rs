@@ -23,11 +23,12 @@ pub struct PathRay<I> {
 /// The part of a path segment that lies in one medium.
 #[derive(Clone, Copy, Debug)]
 pub struct MediumSegment<'a, I> {
-    /// The part as a ray of unit direction. `t_max` is its length, which may be infinite.
+    /// This part of the segment as a ray of unit direction. `t_max` is its length, which may be
+    /// infinite.
     pub ray: Ray,
     /// Index of the medium in [`Scene::media`].
     pub index: u32,
-    /// The medium that fills the part.
+    /// The medium.
     pub medium: &'a Medium,
     /// The dielectric bodies and media around this part.
     pub interior: I,
@@ -77,14 +78,15 @@ impl<I: Interior> PathRay<I> {
     /// Traces the ray to the next vertex of the path, and returns the event there.
     ///
     /// The ray passes through boundaries that do not scatter. `key` is the random key of the next
-    /// vertex. `through` is called, in order, for each part of the segment in a medium. It returns
-    /// the distance \[length] from the start of the part at which light scatters, or `None`.
+    /// vertex. `sample_scattering` is called, in order, for each part of the segment in a medium.
+    /// It returns the distance \[length] from the start of the part at which light scatters, or
+    /// `None` if the path passes through.
     #[inline]
     pub fn next_vertex<'a>(
         &mut self,
         scene: &'a Scene,
         key: Key,
-        mut through: impl FnMut(&MediumSegment<'a, I>) -> Option<f32>,
+        mut sample_scattering: impl FnMut(&MediumSegment<'a, I>) -> Option<f32>,
     ) -> PathEvent<'a> {
         // Sums of optical depths keep digits that products of transmittances near 1 would lose.
         let mut depth = DVec3::ZERO;
@@ -111,7 +113,7 @@ impl<I: Interior> PathRay<I> {
                 let (medium, interior) = (&scene.media[index as usize], self.interior);
                 let segment =
                     MediumSegment { ray, index, medium, interior, transmittance_before: transmittance, crossed };
-                if let Some(t) = through(&segment) {
+                if let Some(t) = sample_scattering(&segment) {
                     self.ray = Ray::new(ray.at(t), ray.direction);
                     self.cone = cone;
                     self.cone.widen_over_distance(from + t);
@@ -235,7 +237,7 @@ fn medium_segment<I: Interior>(scene: &Scene, ray: &Ray, end: f32, interior: &I)
     let radius = f64::from(extent.radius);
     let middle = -o.dot(d);
     let half = (radius * radius - (o + d * middle).length_squared()).sqrt();
-    // NaN if the ray misses the ball, so the comparison below must be false for NaN.
+    // `half` is NaN if the ray misses the ball, so the comparison below must be false for NaN.
     let (from, to) = ((middle - half).max(0.0) as f32, ((middle + half) as f32).min(end));
     if !(half > 0.0 && from < to) {
         return None;

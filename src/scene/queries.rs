@@ -11,12 +11,12 @@ use crate::medium::Medium;
 use crate::sampling::Key;
 use glam::Vec3;
 
-/// Properties of a shape, mesh or plane that describe it without its geometry, for planning and
-/// photon emission.
+/// Summary of a shape, mesh or plane for planning and photon emission: bounds, material and
+/// emission.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectSummary {
-    /// Bounding sphere, tight for spheres; `None` for unbounded planes.
-    pub ball: Option<BoundingSphere>,
+    /// Bounding sphere; `None` for unbounded planes. It is tight for spheres.
+    pub bounding_sphere: Option<BoundingSphere>,
     /// Point and unit normal of the plane that contains the object; `None` if the object may not be
     /// flat.
     pub plane: Option<(Vec3, Vec3)>,
@@ -56,8 +56,8 @@ impl Scene {
         self.animation.is_some()
     }
 
-    /// Number of parts of the scene that a copy for another shutter time does not share: moving
-    /// shapes, planes, lights and texture mappings.
+    /// Number of parts of the scene that a copy for another shutter time stores anew: moving
+    /// shapes, and all planes, lights and texture mappings.
     #[must_use]
     pub fn unshared_part_count(&self) -> usize {
         let Self { geometry, lights, mappings, .. } = self;
@@ -76,8 +76,8 @@ impl Scene {
     /// Summaries of all objects: shapes, then meshes with triangles, then planes.
     pub fn object_summaries(&self) -> impl Iterator<Item = ObjectSummary> {
         let geometry = &self.geometry;
-        let summary = |attributes: &ObjectAttributes, ball, plane| ObjectSummary {
-            ball,
+        let summary = |attributes: &ObjectAttributes, bounding_sphere, plane| ObjectSummary {
+            bounding_sphere,
             plane,
             material: attributes.material,
             has_emission_texture: self.has_emission_texture(attributes),
@@ -142,7 +142,7 @@ impl Scene {
         indices.into_iter().map(|index| &self.media[index as usize]).collect()
     }
 
-    /// Returns two flags: true if a parameter is textured, and true if shading normals are
+    /// Returns two flags: whether a BSDF parameter is textured, and whether shading normals are
     /// perturbed.
     ///
     /// The flags apply to the material with index `material` or, for a mix, to any of its
@@ -167,7 +167,7 @@ impl Scene {
             self.for_each_leaf_material(material, &mut |leaf| casts |= leaf.casts_caustics());
             casts
         };
-        self.object_summaries().filter(|o| casts_caustics(o.material)).map(|o| o.ball).collect()
+        self.object_summaries().filter(|o| casts_caustics(o.material)).map(|o| o.bounding_sphere).collect()
     }
 
     /// Returns the first ray of a camera path: `ray`, with the interior around its origin and the

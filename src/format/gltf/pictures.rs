@@ -164,7 +164,8 @@ impl<'a> Pictures<'a> {
         name
     }
 
-    /// Returns the levels of an image; `None` if its format is not read.
+    /// Returns the pixels of an image as integer levels, decoded once; `None` if its format is not
+    /// read.
     fn decoded_levels(
         &mut self,
         index: usize,

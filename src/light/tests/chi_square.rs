@@ -5,8 +5,8 @@ use crate::math::Frame;
 use crate::sampling::Dimension;
 use glam::{Vec2, Vec3};
 
-/// P-value of Pearson's chi-square test of `counts` against `expected`. It has one degree of
-/// freedom less than cells.
+/// P-value of Pearson's chi-square test of `counts` against `expected`. There is one degree of
+/// freedom fewer than cells.
 ///
 /// Cells with fewer than ten expected samples are pooled, because the chi-square distribution does
 /// not hold for them.
@@ -26,8 +26,8 @@ pub fn chi_square_p_value(counts: &[f64], expected: &[f64]) -> f64 {
     if pool.1 >= 10.0 {
         add(pool.0, pool.1);
     } else {
-        // So few are no evidence unless they are impossible: five sigma of a count, and one in a
-        // million of none.
+        // The pool is too small for a chi-square term. Its count must stay within five standard
+        // deviations plus 5.
         assert!(pool.0 <= pool.1 + 5.0 * pool.1.sqrt() + 5.0, "{} draws where {} were expected", pool.0, pool.1);
     }
     // Wilson–Hilferty: the cube root of χ²/ν is normal with mean 1 − 2/(9ν) and variance 2/(9ν).
@@ -51,14 +51,14 @@ const RINGS: usize = 16;
 const SECTORS: usize = 24;
 /// Number of steps of the midpoint rule along each side of a cell.
 const STEPS: usize = 32;
-/// Number of finer steps along each side of a midpoint rule step, where the pdf changes within the
-/// step.
+/// Number of finer steps along each side of a step of the midpoint rule, if the pdf changes within
+/// the step.
 ///
-/// An edge of the light that is parallel to the grid costs at worst 1/(2 · 32 · 16) = 0.1 % of a
-/// cell. That is 5 of 5000 samples, 1/14 of their standard deviation.
+/// The edge of a light may run parallel to the grid. The error is then at most 1/(2 · 32 · 16) =
+/// 0.1 % of a cell: 5 of 5000 samples, 1/14 of their standard deviation.
 const FINER: usize = 16;
-/// Upper bound of the error of an integrated pdf: 0.1 % in half of the cells, through which an edge
-/// of the light passes.
+/// Upper bound of the error of an integrated pdf: 0.1 % in half of the cells, if an edge of the
+/// light passes through them.
 pub const INTEGRAL_ERROR: f64 = 5e-4;
 const DRAWS: u64 = 300_000;
 
@@ -122,7 +122,8 @@ impl DirectionCells {
     ) -> (f64, f64) {
         let cells = self.integrate_over_cells(density);
         let total = cells.iter().sum::<f64>();
-        // A rest below the integration error is no cell of its own.
+        // If the pdf integrates to 1 within the integration error, no samples are expected outside
+        // the cone.
         let all = if (total - 1.0).abs() < INTEGRAL_ERROR { total } else { 1.0 };
         let mut expected: Vec<f64> = cells.iter().map(|c| c / all * DRAWS as f64).collect();
         expected.push(((1.0 - total / all) * DRAWS as f64).max(0.0));
@@ -142,8 +143,8 @@ fn chi_square_detects_a_wrong_pdf() {
     let uniform = 0.25 / std::f64::consts::PI;
     let (p, total) = cells.test_samples_against_pdf(&draw, &|_| uniform);
     assert!(p > sidak_significance_level(1) && (total - 1.0).abs() < 1e-9, "{p} {total}");
-    // Five per cent more above than below: 300,000 · 0.025² = 190 more of chi-square, whose
-    // deviation is √(2 · 384) = 28.
+    // A pdf that is 5 % larger above than below adds 300,000 · 0.025² = 190 to chi-square, whose
+    // standard deviation is √(2 · 384) = 28.
     let (p, _) = cells.test_samples_against_pdf(&draw, &|w| uniform * if w.y > 0.0 { 1.025 } else { 0.975 });
     assert!(p < sidak_significance_level(1), "{p}");
 }

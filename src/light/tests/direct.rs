@@ -61,10 +61,10 @@ fn surfaces_and_viewpoints() -> Vec<(LightSurface, Vec3, bool)> {
         (Shape::Rectangle(slanted), Vec3::new(0.3, 0.1, 0.2), true),
         (Shape::Rectangle(rectangle), Vec3::new(0.3, 0.1, 0.2), true),
         (Shape::Rectangle(rectangle), Vec3::new(-2.0, 0.2, -1.0), true),
-        // Near its plane, beside it and below its middle.
+        // Near the plane of the rectangle: beside the rectangle and below its middle.
         (Shape::Rectangle(rectangle), Vec3::new(-0.4, 0.9, 0.0), true),
         (Shape::Rectangle(rectangle), Vec3::new(0.9, 0.99, 0.6), true),
-        // Far away: by area.
+        // Far away, where the rectangle is sampled by area.
         (Shape::Rectangle(rectangle), Vec3::new(90.0, -90.0, 3.0), true),
     ];
     let shapes = shapes.into_iter().map(|(shape, p, all)| (LightSurface::Shape(shape), p, all));
@@ -87,20 +87,20 @@ fn direct_samples_follow_pdf_li() {
     let views = surfaces_and_viewpoints();
     let threshold = sidak_significance_level(views.len());
     for (emitter, p, all) in views {
-        // By area, the density of an ellipsoid grows without bound towards its outline, where
-        // midpoints fail.
+        // An ellipsoid is sampled by area. The pdf per solid angle then grows without bound towards
+        // its outline, where the midpoint rule fails.
         let least_cos = if matches!(emitter, LightSurface::Shape(Shape::Ellipsoid(_))) { 0.2 } else { 0.0 };
         let light = Light::Area(AreaLight::with_uniform_radiance(emitter.clone(), Rgb::ONE));
         let drawn = |u: glam::Vec2| {
             let sample = light.sample_li(p, u)?;
             let ShadowTarget::Point(end) = sample.target else { panic!("a surface is not at infinity") };
-            // What the light itself hides is no draw.
+            // A sample that the light itself occludes does not count.
             let point = first_hit_on_light_surface(&emitter, p, sample.wi)
                 .filter(|point| (point.p - end).length() < 1e-4 && sample.wi.dot(point.ng) < 0.0)?;
             let (density, pdf) = (light.pdf_li(p, sample.wi, Some(&point)), sample.pdf?);
-            // Rounding of the direction by 2⁻²³ moves the crossing by d/cos of that, and turns the
-            // normal by the curvature, at most 25 here, times that: the cosine changes by 2⁻²³ · 25
-            // d/cos² of itself.
+            // Rounding the direction by 2⁻²³ moves the hit by 2⁻²³ d/cos. The normal turns by this
+            // distance times the curvature, at most 25. So the relative error of the cosine is 2⁻²³
+            // · 25 d/cos².
             let cos = -sample.wi.dot(point.ng);
             assert!((density / pdf - 1.0).abs() < 1e-5 / (cos * cos), "{light:?} {p}: {density} {pdf}");
             assert!((sample.weight.x * pdf - 1.0).abs() < 1e-5);
@@ -116,19 +116,19 @@ fn direct_samples_follow_pdf_li() {
     }
 }
 
-/// Irradiance below and beside a rectangle light agrees with closed forms, at any distance from its
-/// plane. In its plane, and behind it, there is no light.
+/// Irradiance below and beside a rectangle light agrees with closed forms, at any distance from the
+/// plane of the light. In this plane, and behind it, there is no light.
 #[test]
 fn rectangle_sampling_is_exact_near_its_plane() {
     let (a, b) = (2.0f64, 1.5);
     for h in [1e-1f64, 1e-3, 1e-6, 1e-12, 1e-30] {
         let light = area_light(Shape::Rectangle(Rectangle::new(point_on_y_axis(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
-        // Below the corner: a quarter of the sky, in the limit.
+        // Below a corner. In the limit h → 0, the light covers a quarter of the hemisphere.
         let term = |p: f64, q: f64| p / (h * h + p * p).sqrt() * libm::atan(q / (h * h + p * p).sqrt());
         let truth = 2.5 * (term(a, b) + term(b, a));
         assert_within_five_sigma(estimate_irradiance(&light, Vec3::new(0.0, -h as f32, 0.0), Vec3::Y), truth);
-        // On a wall that faces it from the side, one off: a perpendicular rectangle less the part
-        // up to the light.
+        // On a wall at distance 1 beside the light, facing it: a perpendicular rectangle minus the
+        // part between the wall and the light.
         let part = |x: f64| h / libm::hypot(x, h) * libm::atan(b / libm::hypot(x, h));
         assert_within_five_sigma(
             estimate_irradiance(&light, Vec3::new(-1.0, -h as f32, 0.0), Vec3::X),

@@ -133,7 +133,7 @@ fn emitted_directions_follow_their_pdf() {
     let lights: Vec<Light> =
         lights_of_all_kinds().into_iter().filter(|light| !matches!(light, Light::Directional(_))).collect();
     for light in &lights {
-        // On a sphere the direction depends on the position too, which is drawn by a hash of u.
+        // On a sphere, the direction also depends on the position, which is sampled by a hash of u.
         let position = |u: Vec2| test_key(u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits()));
         let draw = |u: Vec2| light.sample_le(DOMAIN, position(u).uniform_2d(Dimension::LightTarget), u);
         let cells = DirectionCells::new(Vec3::NEG_Y, std::f64::consts::PI);

@@ -63,7 +63,8 @@ fn means_differ_significantly(a: (f64, f64), b: (f64, f64)) -> bool {
 #[test]
 fn half_textured_light_equals_half_sized_light() {
     for (whole, half) in textured_and_equivalent_lights() {
-        // Near, where rectangles are drawn by solid angle, and far, where they are drawn by area.
+        // Near points, where rectangles are sampled by solid angle, and a far point, where they are
+        // sampled by area.
         for p in [Vec3::ZERO, Vec3::new(1.0, 1.5, 0.2), Vec3::new(-3.0, -9.0, 1.0)] {
             let [a, b] = [&whole, &half].map(|light| estimate_irradiance(light, p, Vec3::Y));
             assert!(!means_differ_significantly(a, b) && b.0 > 0.0, "{p}: {a:?} {b:?}");
@@ -77,7 +78,7 @@ fn half_textured_light_emits_half_the_flux() {
     let ball = BoundingSphere { center: Vec3::new(0.3, 0.0, 0.1), radius: 0.7 };
     let aim = PhotonAim::new([ball]);
     for (whole, half) in textured_and_equivalent_lights() {
-        // Equal powers by the mean, and what photons carry.
+        // The powers are equal, and so is the mean flux of photons.
         assert!((whole.power(domain) - half.power(domain)).abs().max_element() < 1e-5);
         let draw = |k: Key| (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
         for aimed in [false, true] {

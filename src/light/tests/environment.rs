@@ -44,8 +44,8 @@ fn environment_samples_follow_the_pdf() {
     }
 }
 
-/// The inverse returns the number that made a direction, except for the sign of a direction near a
-/// pole or the cell of a direction near an edge. Both are rarer than 1 in 1,000.
+/// `inverse_sample` returns the `u` from which a direction was sampled. Rounding causes exceptions
+/// near the poles and the cell edges, for fewer than 1 in 1,000 directions.
 #[test]
 fn inverse_samples_make_the_same_direction() {
     for environment in [constant_environment_light(), random_sky_light(0.0), random_sky_light(0.4)] {
@@ -81,7 +81,6 @@ fn power_is_the_integral_of_radiance() {
     let area = PI * 9.0;
     assert!((f64::from(constant_environment_light().power(disc).x) / (area * 8.0 * PI) - 1.0).abs() < 1e-6);
     for environment in [random_sky_light(0.0), random_sky_light(1.0)] {
-        // Uniform directions: five sigma.
         let seen = estimate_mean_and_variance(400_000, |k| {
             let w = warp::square_to_uniform_sphere(k.uniform_2d(Dimension::LightDirection));
             4.0 * PI * area * f64::from(environment.radiance(w).x)
@@ -103,7 +102,7 @@ fn one_column_map_power_matches_quadrature() {
             f64::from(environment.radiance(Vec3::new(sin as f32, cos as f32, 0.0)).x) * sin
         };
         let truth = 2.0 * PI * PI / f64::from(n) * (0..n).map(ring).sum::<f64>();
-        // Of area 1; powers are rounded to f32 thrice.
+        // The disc has area 1. Powers are rounded to f32 three times.
         let disc = BoundingSphere { center: Vec3::ZERO, radius: (1.0 / PI).sqrt() as f32 };
         let power = f64::from(environment.power(disc).x);
         assert!((power / truth - 1.0).abs() < 1e-6, "{h}: {power} {truth}");
@@ -126,8 +125,8 @@ fn constant_environment_irradiance_is_pi_times_radiance() {
     });
     let truth = PI * a * a * 4.0 * PI * 2.0;
     assert_within_five_sigma(flux, truth);
-    // Aimed at the ball alone, every photon carries all of that; targets are larger than their
-    // balls by some 10⁻⁵.
+    // If photons are aimed at the ball only, each carries the whole flux. Aim spheres are larger
+    // than the balls by about 10⁻⁵.
     let aim = PhotonAim::new([BoundingSphere { center: ball, radius: a as f32 }]);
     for i in 0..100 {
         let (u, v) =
@@ -137,8 +136,7 @@ fn constant_environment_irradiance_is_pi_times_radiance() {
     }
 }
 
-/// The bright sun makes the variance of uniform sampling large, but not that of importance
-/// sampling.
+/// Uniform sampling has a large variance because of the bright sun. Importance sampling does not.
 #[test]
 fn importance_sampling_reduces_variance() {
     let environment = random_sky_light(0.4);
@@ -155,21 +153,21 @@ fn importance_sampling_reduces_variance() {
 
 #[test]
 fn map_orientation_matches_documentation() {
-    // Four columns by two rows, each of its own brightness.
+    // Four columns and two rows of pixels, each with its own brightness.
     let pixels: Vec<Rgb> = (0..8).map(|i| Rgb::splat(i as f32)).collect();
     let at = |angle: f64, w: Vec3| {
         let map = Image::from_pixels(4, 2, pixels.clone()).unwrap();
         EnvironmentLight::new(map, angle, Rgb::splat(10.0)).unwrap().radiance(w.normalize()).x
     };
     let close = |a: f32, b: f32| assert!((a - b).abs() < 1e-4, "{a} {b}");
-    // Towards −z, between the second and the third column, and just right of it; the seam behind;
-    // level between the rows.
+    // In this order: towards −z, between columns 1 and 2; to the right of it; at the seam, towards
+    // +z; at the lower left; level, between the rows.
     close(at(0.0, Vec3::new(0.0, 1.0, -1.0)), 15.0);
     close(at(0.0, Vec3::new(1.0, 2f32.sqrt(), -1.0)), 20.0);
     close(at(0.0, Vec3::new(0.0, 1.0, 1.0)), 15.0);
     close(at(0.0, Vec3::new(-1.0, -(2f32.sqrt()), -1.0)), 50.0);
     close(at(0.0, Vec3::NEG_Z), 35.0);
-    // A quarter turn anticlockwise brings what was at −z to −x.
+    // A quarter turn anticlockwise moves the part of the map at −z to −x.
     close(at(PI / 2.0, Vec3::new(-1.0, 1.0, 0.0)), 15.0);
     close(at(PI / 2.0, Vec3::new(-1.0, 2f32.sqrt(), -1.0)), 20.0);
 }

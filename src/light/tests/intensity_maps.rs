@@ -65,8 +65,8 @@ fn profile_power_matches_closed_forms() {
         let light = GoniometricLight::new(Vec3::ZERO, DVec3::X, DVec3::NEG_Y, map, Rgb::ONE);
         f64::from(Light::Goniometric(light).power(BoundingSphere { center: Vec3::ZERO, radius: 1.0 }).x)
     };
-    // Isotropic; linear from the axis to its opposite; one hemisphere, with an edge of a quarter of
-    // a degree.
+    // The profiles are isotropic; linear from the axis to the opposite direction; and one
+    // hemisphere, with an edge of a quarter of a degree.
     for (profile, expected, tolerance) in [
         (&[(0.0, 1.0), (180.0, 1.0)][..], 4.0 * PI, 1e-5),
         (&[(0.0, 1.0), (180.0, 0.0)], 2.0 * PI, 1e-5),

@@ -24,7 +24,7 @@ fn random_finite_lights(n: u64) -> Vec<Light> {
         match i % 6 {
             0 => Light::Point(PointLight { position: place, intensity: Rgb::splat(strength) }),
             1 => {
-                // Half of them have no rim.
+                // Half of the spotlights have no falloff.
                 let outer = if i % 12 == 1 { 0.4 } else { 0.1 };
                 Light::Spot(SpotLight {
                     position: place,
@@ -72,7 +72,7 @@ fn light_probabilities_match_samples_and_sum_to_one() {
     for (p, normal) in random_points_and_normals(n) {
         let mut expected: Vec<f64> = (0..lights.len()).map(|i| f64::from(choice.probability(p, normal, i))).collect();
         let total: f64 = expected.iter().sum();
-        // Only where a normal shuts a group out is there anything left.
+        // The sum may be far below 1 only where a normal excludes a group of lights.
         assert!(total < 1.0 + 1e-5 && (normal.is_some() || total > 1.0 - 0.1), "{total}");
         expected.push((1.0 - total).max(0.0));
         let draws = 100_000u64;
@@ -128,7 +128,8 @@ fn contributing_lights_have_positive_probability() {
             }
         }
     }
-    // Half of the flat lights are seen from behind, and half of all are below a horizon.
+    // The points see half of the flat lights from behind, and half of all lights are below a
+    // horizon.
     assert!(shut_out > 2000 * 100 / 4, "{shut_out}");
 }
 
@@ -150,11 +151,11 @@ fn degenerate_light_bvhs_contain_all_lights() {
     }
 }
 
-/// Relative variance of the irradiance at `p` from one sampled light, for N ways of choosing the
-/// light.
+/// Relative variance of the irradiance at `p`, estimated from one sampled light, for N ways of
+/// choosing the light.
 ///
-/// `choices` give the probability of each light. With contribution fᵢ and probability pᵢ of light
-/// i, the relative variance is (Σ E\[fᵢ²]/pᵢ − (Σ E\[fᵢ])²) / (Σ E\[fᵢ])².
+/// `choices` give the probability of each light, by its index. With contribution fᵢ and probability
+/// pᵢ of light i, the relative variance is (Σ E\[fᵢ²]/pᵢ − (Σ E\[fᵢ])²) / (Σ E\[fᵢ])².
 fn relative_variances<const N: usize>(
     lights: &[Light],
     p: Vec3,

@@ -33,7 +33,7 @@ fn grid_values_are_at_cell_centers() {
     let field = GridDensity::from_fn(size, HERE, |p| (p.x * 3.0 + p.y * 400.0 + p.z * 50_000.0) as f32).unwrap();
     let middle = |x: f32, y: f32, z: f32| Vec3::new((x + 0.5) / 3.0, (y + 0.5) / 4.0, (z + 0.5) / 5.0);
     let value = |x: f32, y: f32, z: f32| x + 0.5 + 100.0 * (y + 0.5) + 10_000.0 * (z + 0.5);
-    // Points are f32: an ulp of them moves the steepest ramp by .003.
+    // Rounding a point to f32 changes the value of the steepest ramp by up to 0.003.
     for (x, y, z) in [(0.0, 0.0, 0.0), (2.0, 3.0, 4.0), (1.0, 2.0, 0.0), (0.5, 1.25, 3.75)] {
         let found = field.density(middle(x, y, z));
         assert!((found - value(x, y, z)).abs() < 0.02, "{x} {y} {z}: {found}");
@@ -49,8 +49,8 @@ fn grid_values_are_at_cell_centers() {
     );
 }
 
-/// Checks that the blocks along a ray adjoin and cover the grid once, and that their majorants
-/// bound the density up to rounding.
+/// Checks that the blocks along a ray cover its part inside the grid without gaps or overlaps, and
+/// that their majorants bound the density up to rounding.
 #[test]
 fn majorants_bound_the_density_along_rays() {
     let mut random = test_rng(11);

@@ -1,13 +1,13 @@
 //! Media against closed forms.
 //!
 //! Random numbers have fixed keys, so results are deterministic. Tolerances are five standard
-//! errors of the mean; 6·10⁻⁷ of all keys would exceed them.
+//! errors of the mean; a correct estimate exceeds them with probability 6·10⁻⁷.
 
 mod distance_samples;
 mod extremes;
 mod grids;
-mod majorants;
 mod phase_functions;
+mod random_walks;
 
 use super::*;
 use crate::sampling::{Key, Purpose};
@@ -38,11 +38,11 @@ impl RunningMean {
         self.assert_near_with_value_bound(truth, DVec3::ZERO, what);
     }
 
-    /// Asserts that the mean agrees with `truth`. `most` bounds the values, which may be rare and
-    /// large.
+    /// Asserts that the mean agrees with `truth`, for values that may be rare and large. `most` is
+    /// an upper bound of the values.
     ///
-    /// The bound adds 29·most/n to five standard errors (empirical Bernstein bound of Maurer and
-    /// Pontil 2009, ln(2/δ) = 12.5).
+    /// The tolerance is five standard errors plus 29·most/n (empirical Bernstein bound of Maurer
+    /// and Pontil 2009, ln(2/δ) = 12.5).
     fn assert_near_with_value_bound(&self, truth: DVec3, most: DVec3, what: &str) {
         let mean = self.sum / self.n;
         for i in 0..3 {

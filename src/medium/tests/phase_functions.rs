@@ -15,8 +15,8 @@ fn tested_phase_functions() -> Vec<PhaseFunction> {
     phases
 }
 
-/// Bins of the scattering angle, which are narrow where the phase function peaks. Bins divide a
-/// coordinate x in \[0, 1] evenly; `bin_edge_angle` maps x to the angle.
+/// Bins of the scattering angle, narrow where the phase function peaks. Each bin covers an equal
+/// interval of a coordinate x in \[0, 1]. `bin_edge_angle` maps x to the angle.
 struct AngleBins {
     width: f64,
     backwards: bool,
@@ -89,8 +89,8 @@ fn phase_samples_follow_their_pdf() {
                 assert!((next.length() - 1.0).abs() < 3e-7 && pdf > 0.0 && pdf.is_finite(), "{phase:?} {next} {pdf}");
                 let d = next.as_dvec3();
                 let [x, y, z] = [side, axis.cross(side), axis].map(|a| a.dot(d));
-                // A dot product of unit vectors in f32 errs by less than 4·2⁻²⁴, the density by
-                // that times its slope.
+                // A dot product of unit vectors in f32 errs by less than 4·2⁻²⁴. The pdf errs by
+                // this error times its slope.
                 let a = f64::from(phase.mean_cosine().abs());
                 let slope = 3.0 * a / ((1.0 - a) * (1.0 - a) + 2.0 * a * (1.0 - z.abs()));
                 let again = f64::from(phase.evaluate(travel.dot(next)));

@@ -115,7 +115,8 @@ fn intersection_is_the_closest_approach() {
         if let Some(c) = crossing {
             count += 1;
             let weight = 0.75 / 0.2 * (1.0 - x * x) / det.sqrt();
-            // f32 results of f64 arithmetic, which loses 1/sin² of its digits.
+            // The f64 arithmetic loses the factor 1/sin² of precision. Results are then rounded to
+            // f32.
             let error = 1e-7 + 1e-15 / det;
             assert!((f64::from(c.t) - t).abs() < error * (1.0 + t) && (f64::from(c.s) - s).abs() < error * (1.0 + s));
             assert!(
@@ -140,7 +141,7 @@ fn beam_kernel_has_unit_integral() {
         sum += crossing.weight * sine * 2.0 * radius / n as f32;
         assert!((crossing.cos - 0.8).abs() < 1e-6 && (crossing.s * sine - 1.0).abs() < 1e-6);
     }
-    // The rule errs by n⁻², sums of n terms by γ(n) at worst.
+    // The midpoint rule errs by n⁻², the sum of n terms by at most γ(n).
     assert!((sum - 1.0).abs() < rounding_error_bound(n), "{sum}");
 }
 
@@ -225,7 +226,7 @@ fn assert_mean(values: &[f64], truth: f64, precision: f64) {
 /// The beam estimate of the radiance along a ray that crosses parallel light equals the closed
 /// form.
 ///
-/// The beams are uniform across the blur, so the blur adds no bias.
+/// The beams are uniform across the kernel, so the kernel adds no bias.
 #[test]
 fn collimated_beam_radiance_is_exact() {
     let (extinction, scattering, depth, across) = (1.3f64, 0.9f64, 0.7f64, 1.6f64);
@@ -233,8 +234,8 @@ fn collimated_beam_radiance_is_exact() {
     let ray = Ray { origin: Vec3::new(0.0, 0.0, depth as f32), direction: Vec3::X, t_max: across as f32 };
     let run = |run: u64| {
         let n = 20_000u64;
-        // Beams fill −½ … ½ across the plane, further than the radius, and more than the ray's
-        // length along it.
+        // Across the ray, the beams fill a width of 1, more than the kernel. Along the ray, they
+        // extend ½ beyond each end.
         let flux = (irradiance * (across + 1.0) / n as f64) as f32;
         let one = |i: u64| {
             let u = test_key(run * n + i).uniform_2d(Dimension::LightPosition);
@@ -276,7 +277,7 @@ fn isotropic_chords_give_mean_fluence() {
         PhotonBeamMap::build(beams, 0.05).visit_near_ray(&ray, |_, c| sum += f64::from(c.weight));
         sums.push(sum);
     }
-    // Chords of a ball of radius 1 are 4/3 long in the mean, with deviation √2/3 each.
+    // Chords of a ball of radius 1 have the mean length 4/3 and the standard deviation √2/3.
     assert!((lengths / n as f64 - 4.0 / 3.0).abs() < 5.0 * 0.4715 / ((runs * n) as f64).sqrt());
     assert_mean(&sums, lengths / (4.0 * PI / 3.0) * 1.1, 0.01);
 }

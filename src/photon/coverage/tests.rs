@@ -78,9 +78,9 @@ fn coverage_is_half_at_edges_quarter_at_corners() {
 
 /// Compares the coverage at half a radius from an edge with a numerical integral of the kernel K.
 ///
-/// A circle of t radii around the point, t in \[½, 1], has an arc of angle 2 acos(1/(2t)) beyond
-/// the edge. The uncovered part is the integral over t of 2 acos(1/(2t)) K(t) t. The midpoint rule
-/// with 2000 steps errs by less than 10⁻⁴.
+/// Distances are relative to the radius of the disc. A circle of radius t around the point, t in
+/// \[½, 1], has an arc of angle 2 acos(1/(2t)) beyond the edge. The uncovered part is the integral
+/// over t of 2 acos(1/(2t)) K(t) t. The midpoint rule with 2000 steps errs by less than 10⁻⁴.
 #[test]
 fn edge_coverage_matches_kernel_integral() {
     for kernel in KERNELS {

@@ -20,10 +20,10 @@ pub(super) struct EmissionGuidingSample {
     ///
     /// It is computed with the flux at emission, which is not divided by the pdf or by the
     /// probability of the light.
-    pub square: f64,
+    pub squared_contribution: f64,
 }
 
-/// A grid is refined only if it then has at least this mean number of samples per cell.
+/// Smallest mean number of samples per cell. A grid is refined only if the finer grid reaches it.
 const MIN_SAMPLES_PER_CELL: usize = 4;
 
 /// Largest number of subdivisions of a grid. A subdivision splits each cell into four, so a grid
@@ -34,8 +34,8 @@ const MAX_SUBDIVISIONS: u32 = 6;
 /// (shrinkage estimator).
 const PARENT_WEIGHT: f64 = 8.0;
 
-/// Numbers of subdivisions of a grid over \[0, 1)⁴: first of the unit square of positions, then of
-/// that of directions.
+/// Numbers of subdivisions of a grid over \[0, 1)⁴: of the unit square of positions, and of the
+/// unit square of directions.
 ///
 /// n subdivisions give 2ⁿ cells along each side of the square.
 type CellResolution = (u32, u32);
@@ -68,7 +68,7 @@ impl EmissionGuidingCells {
             let sum = &mut sums[cell_index(resolution, s.position, s.direction)];
             sum.count += 1.0;
             sum.weight += s.weight;
-            sum.square += s.weight * s.square;
+            sum.square += s.weight * s.squared_contribution;
         }
         let center = |i: usize, side: usize| (Vec2::new((i % side) as f32, (i / side) as f32) + 0.5) / side as f32;
         let square = |(i, sum): (usize, &CellSum)| {
@@ -105,7 +105,11 @@ impl EmissionGuidingCells {
     /// only if the cells were fitted to other samples.
     fn second_moment<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s EmissionGuidingSample>) -> f64 {
         let cell_pdfs = self.cell_pdfs(uniform);
-        samples.map(|s| s.weight * s.square / cell_pdfs[cell_index(self.resolution, s.position, s.direction)]).sum()
+        samples
+            .map(|s| {
+                s.weight * s.squared_contribution / cell_pdfs[cell_index(self.resolution, s.position, s.direction)]
+            })
+            .sum()
     }
 }
 

@@ -1,5 +1,5 @@
 //! Emission guiding: a pilot measures which photon paths contribute to the picture. The render then
-//! emits more such paths.
+//! emits more paths of this kind.
 
 mod distribution;
 #[cfg(test)]
@@ -87,7 +87,7 @@ impl PhotonSource<'_> {
             report.paths += found.samples.len() as u64;
             report.rays += found.rays;
             if round == 0 {
-                let useful = found.samples.iter().filter(|s| s.square > 0.0).count();
+                let useful = found.samples.iter().filter(|s| s.squared_contribution > 0.0).count();
                 report.useful = useful as f64 / found.samples.len().max(1) as f64;
                 unguided_moment = found.second_moment;
             } else if found.second_moment > 0.0 && unguided_moment > 0.0 {
@@ -132,7 +132,7 @@ impl PhotonSource<'_> {
         let mut found = PilotRoundSamples::default();
         for index in range {
             let point = self.primary_emission_sample(key, index, paths);
-            let mut square = 0.0;
+            let mut squared_contribution = 0.0;
             if let Some((ray, flux)) = self.start_photon_path::<I>(&point) {
                 pass.follow_photon_path(
                     ray,
@@ -145,17 +145,23 @@ impl PhotonSource<'_> {
                         let flux = f64::from(color::channel_mean(deposit.flux));
                         let importance =
                             pilot.visible.photon_importance(surface.point.p, surface.facing_normal(), &mut scratch);
-                        square += flux * flux * f64::from(importance);
+                        squared_contribution += flux * flux * f64::from(importance);
                     },
                 );
             }
-            // An infinite change cannot be normalised, so it is ignored.
-            let square = if square.is_finite() { square } else { 0.0 };
+            // An infinite contribution cannot be normalised, so it is ignored.
+            let squared_contribution = if squared_contribution.is_finite() { squared_contribution } else { 0.0 };
             let weight = 1.0 / f64::from(point.pdf);
-            let contribution = weight / f64::from(point.probability);
-            found.second_moment += square * contribution * contribution;
+            let inverse_pdf = weight / f64::from(point.probability);
+            found.second_moment += squared_contribution * inverse_pdf * inverse_pdf;
             let (position, direction) = (point.position, point.direction);
-            found.samples.push(EmissionGuidingSample { light: point.light, position, direction, weight, square });
+            found.samples.push(EmissionGuidingSample {
+                light: point.light,
+                position,
+                direction,
+                weight,
+                squared_contribution,
+            });
         }
         found.rays = tally.rays;
         found

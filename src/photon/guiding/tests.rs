@@ -119,15 +119,15 @@ impl PassStatistics {
     }
 
     fn agrees_within_five_sigma(&self, other: &Self) -> bool {
-        // Rounding of the sums alone where both have no variance.
+        // If both have no variance, only the rounding of the sums remains.
         let rounding = 1e-5 * self.mean().abs();
         (self.mean() - other.mean()).abs()
             <= 5.0 * (self.variance() / self.n + other.variance() / other.n).sqrt() + rounding
     }
 }
 
-/// Statistics of four fluxes over 32 passes: stored on the visible corner, on the other floor, on
-/// the wall, and emitted.
+/// Statistics of four fluxes over 32 passes: stored on the visible corner, on the rest of the
+/// floor, on the wall, and emitted.
 fn fluxes_by_region(scene: &Scene, source: &PhotonSource<'_>) -> [PassStatistics; 4] {
     let floor = to_scene_frame(scene, DVec3::ZERO).y;
     let edge = to_scene_frame(scene, DVec3::new(6.0, 0.0, 6.0));

@@ -42,7 +42,7 @@ fn queries_match_a_linear_scan() {
     for (size, middle) in [(1.0, Vec3::ZERO), (1e-9, Vec3::ZERO), (1e12, Vec3::ZERO), (1.0, Vec3::new(5e3, 0.0, -7e3))]
     {
         for part in [0.01, 0.2] {
-            // An odd number leaves a packet with vacancies.
+            // An odd number of photons leaves lanes of a packet unused.
             let photons = random_photons(5003, |i| middle + (random_point(i) - 0.5) * size);
             let radius = part * size;
             let map = VolumePhotonMap::build(photons.clone(), radius);
@@ -72,7 +72,7 @@ fn assert_ray_query_matches_scan(map: &VolumePhotonMap, photons: &[VolumePhoton]
         let to = p.position.as_dvec3() - ray.origin.as_dvec3();
         let t = to.dot(d) / d.dot(d);
         let x2 = to.cross(d).length_squared() / (d.dot(d) * r * r);
-        // Rounding in f64 decides at the rim, where the weight is almost zero.
+        // At the edge of the kernel, rounding decides, but the weight is almost zero there.
         if x2 < 1.0 - 1e-9 && t > 0.0 && t < f64::from(ray.t_max) {
             expected.push((p.medium, t, 3.0 / (PI * r * r) * (1.0 - x2) * (1.0 - x2)));
         }
@@ -166,7 +166,8 @@ fn collimated_beam_radiance_is_exact() {
     for run in 0..24u64 {
         let n = 100_000u64;
         let (wide, high) = (across as f32 + 0.2, 0.11);
-        // Transmittance 0.1 before the ray and 0.1 beyond it. Only photons in between can count.
+        // Transmittances at distances 0.1 before and 0.1 beyond the ray. Only photons between them
+        // can count.
         let (before, beyond) = (libm::exp(-extinction * (depth - 0.1)), libm::exp(-extinction * (depth + 0.1)));
         let power = (irradiance * f64::from(wide * high) * (before - beyond) / n as f64) as f32;
         let one = |i: u64| {

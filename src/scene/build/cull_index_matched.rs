@@ -8,7 +8,7 @@ use crate::scene::Material;
 ///
 /// Such a body has an effect only where it displaces another body or the ambient medium. All
 /// objects are therefore kept in a scene with an ambient medium. An object is also kept if it
-/// moves, if it emits light, or if its box overlaps the box of a body unlike air.
+/// moves, if it emits light, or if its box overlaps the box of a body other than air.
 pub(super) fn cull_index_matched(
     mut objects: Vec<SceneObject>,
     mut mesh: MeshData,
@@ -45,7 +45,7 @@ pub(super) fn cull_index_matched(
     (objects, mesh)
 }
 
-/// True if `material` bounds a [`Body`](crate::scene::Body) unlike air, or if it is a mix and a
+/// True if `material` bounds a [`Body`](crate::scene::Body) other than air, or if it is a mix and a
 /// component bounds any body.
 fn may_bound_visible_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];

@@ -6,7 +6,8 @@ use crate::math::{BoundingSphere, Ray, rounding_error_bound};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Contact distance of a light, in units of the position error of light and surface.
+/// Contact distance of a light, as a multiple of the sum of the position errors of light and
+/// surface.
 const CONTACT_POSITION_ERRORS: f32 = 40.0;
 
 /// Bound on the number of f64 rounding errors in the difference of two positions, with a safety
@@ -24,8 +25,8 @@ pub(super) fn light_contact_distance(scene: &Scene, domain: BoundingSphere, ligh
     let Some(position) = light.position() else { return 0.0 };
     let own = position.length() * rounding_error_bound(1)
         + (scene.origin.length() * POSITION_ROUNDINGS * 0.5 * f64::EPSILON) as f32;
-    // No position error exceeds that of a triangle across the domain, √3·18 roundings. Some axis
-    // hits a surface at that distance within √3 times the distance.
+    // `reach` bounds every position error: a triangle across the domain has √3·18 roundings. If a
+    // surface is at distance d, a ray along some axis hits it within √3·d.
     let reach =
         rounding_error_bound(64) * (domain.radius + domain.center.abs().max_element() + position.length()) + own;
     let mut error = own;

@@ -36,10 +36,10 @@ pub(super) struct CollectedLights {
 
 /// Collects delta lights, area lights of emissive objects, and the environment light.
 ///
-/// Results are relative to `origin` and at mid-shutter. The error is [`BuildError::Flattened`] for
-/// a singular motion.
+/// Lights are in coordinates relative to `origin`, at mid-shutter. A singular motion is the error
+/// [`BuildError::Flattened`].
 pub(super) fn collect_lights(
-    sources: &[DeltaLight],
+    delta_lights: &[DeltaLight],
     objects: &[SceneObject],
     geometry: &PlacedGeometry,
     mappings: &PlacedTextureMappings,
@@ -54,10 +54,10 @@ pub(super) fn collect_lights(
         moving: Vec::new(),
         of_object: Vec::new(),
     };
-    for source in sources.iter().filter(|source| source.motion.is_none()) {
+    for source in delta_lights.iter().filter(|source| source.motion.is_none()) {
         found.add_light(resolve_light(&source.kind, source.strength, origin));
     }
-    for source in sources {
+    for source in delta_lights {
         let Some(motion) = &source.motion else { continue };
         let motion = motion.followed_by_map(DAffine3::from_translation(-origin));
         let strength = physical_light_strength_at_mid_shutter(&source.kind, source.strength, &motion);
@@ -94,7 +94,7 @@ pub(super) fn collect_lights(
         });
         found.of_object.push(light);
     }
-    // The environment light comes last: [`LegacyLight`] has no counterpart of it.
+    // The environment light comes last, because [`LegacyLight`] has no counterpart of it.
     if let Some(environment) = environment {
         found.environment_light_index = Some(found.lights.len());
         found.lights.push(Light::Environment(Arc::new(environment)));

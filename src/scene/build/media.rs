@@ -31,8 +31,8 @@ pub(super) fn place_media(
     media.iter().enumerate().map(place).collect()
 }
 
-/// Returns the motion of the bodies that medium `index` fills; `None` if one of them rests, if
-/// there are none, or if the medium is the same everywhere.
+/// Returns the motion of the first body that medium `index` fills. Returns `None` if one of the
+/// bodies that it fills rests, if there are none, or if the medium is homogeneous.
 fn motion_of_medium<'a>(
     index: u32,
     medium: &Medium,

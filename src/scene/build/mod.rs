@@ -45,7 +45,7 @@ pub struct SceneBuilder {
     objects: Vec<SceneObject>,
     /// The triangles of all mesh objects.
     mesh: MeshData,
-    sources: Vec<DeltaLight>,
+    delta_lights: Vec<DeltaLight>,
     camera_motion: Option<Motion>,
 }
 
@@ -177,7 +177,7 @@ impl SceneBuilder {
 
     /// Adds a light that emits from one point or from one direction.
     pub fn add_delta_light(&mut self, kind: DeltaLightKind, strength: LightStrength) -> &mut Self {
-        self.sources.push(DeltaLight { kind, strength, motion: None });
+        self.delta_lights.push(DeltaLight { kind, strength, motion: None });
         self
     }
 
@@ -190,7 +190,7 @@ impl SceneBuilder {
         motion: &Motion,
     ) -> &mut Self {
         let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.pivoted_at_point(position));
-        self.sources.push(DeltaLight { kind, strength, motion: Some(motion) });
+        self.delta_lights.push(DeltaLight { kind, strength, motion: Some(motion) });
         self
     }
 
@@ -212,8 +212,15 @@ impl SceneBuilder {
         let origin = choose_scene_origin(&objects, &mesh, &camera)?;
         let PlacedObjects { objects, geometry, mappings, mut animation } = place_objects(objects, mesh, origin)?;
         validate_coordinate_range(&geometry, &animation)?;
-        let CollectedLights { lights, environment_light_index, legacy_lights, moving, of_object } =
-            collect_lights(&self.sources, &objects, &geometry, &mappings, &self.textures, self.environment, origin)?;
+        let CollectedLights { lights, environment_light_index, legacy_lights, moving, of_object } = collect_lights(
+            &self.delta_lights,
+            &objects,
+            &geometry,
+            &mappings,
+            &self.textures,
+            self.environment,
+            origin,
+        )?;
         animation.lights = moving;
         let camera = place_camera(&camera, self.camera_motion, origin, &mut animation)?;
         let media = place_media(&self.media, &objects, &self.materials, origin, &mut animation);

@@ -36,7 +36,7 @@ pub(super) struct PlacedGeometry {
     pub mesh_ranges: Vec<Range<u32>>,
 }
 
-/// Texture mappings from coordinates relative to [`Scene::origin`](crate::scene::Scene::origin).
+/// Texture mappings in coordinates relative to [`Scene::origin`](crate::scene::Scene::origin).
 pub(super) struct PlacedTextureMappings {
     /// All texture mappings. Objects that define none use the first one.
     pub list: Vec<TextureMapping>,
@@ -87,15 +87,15 @@ fn place_texture_mappings(
     let mut mappings =
         PlacedTextureMappings { list: vec![TextureMapping::default().translated(-origin)], of_object: Vec::new() };
     for object in objects {
-        let Some((form, motion)) = &object.mapping else {
+        let Some((kind, motion)) = &object.mapping else {
             mappings.of_object.push(0);
             continue;
         };
         let (index, placed) = (mappings.list.len(), motion.followed_by_map(recenter));
-        mappings.list.push(texture_mapping_at_time(*form, &placed, MID_SHUTTER).ok_or(BuildError::Flattened)?);
+        mappings.list.push(texture_mapping_at_time(*kind, &placed, MID_SHUTTER).ok_or(BuildError::Flattened)?);
         mappings.of_object.push(index as u32);
         if !motion.is_constant() {
-            animation.mappings.push((index, *form, placed));
+            animation.mappings.push((index, *kind, placed));
         }
     }
     Ok(mappings)

@@ -72,8 +72,9 @@ fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec
     // The camera may be outside of the box, but the origin must not.
     let view = view.map(|(center, size)| FineDetailRegion { center: center.clamp(min, max), size });
     let targets: Vec<FineDetailRegion> = boxes.iter().map(target).chain(view).filter(|t| t.size > 0.0).collect();
-    let distance = |m: DVec3| targets.iter().map(|t| (t.center - m).abs().max_element() / t.size).fold(0.0, f64::max);
-    let most = distance(center);
+    let greatest_ratio =
+        |m: DVec3| targets.iter().map(|t| (t.center - m).abs().max_element() / t.size).fold(0.0, f64::max);
+    let most = greatest_ratio(center);
     if most.is_nan() || most <= MAX_DISTANCE_IN_SIZES {
         return Some(center);
     }
@@ -99,7 +100,7 @@ fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<Cam
 
 /// Coordinate along `axis` that minimizes the greatest ratio of a target's distance to its size.
 ///
-/// Distances are measured along `axis`. `most` is an upper bound of that ratio.
+/// Distances are measured along `axis`. `most` is an upper bound of the result's ratio.
 fn minimax_coordinate(targets: &[FineDetailRegion], axis: usize, most: f64) -> f64 {
     let within = |t: f64| {
         let ends =
@@ -141,7 +142,7 @@ mod tests {
             bounding_box_of_ball(DVec3::new(-2.0, 0.5, 0.0), 0.25),
         ];
         let found = origin_for_extents(&boxes, None).unwrap();
-        // Four times 0.5/0.75 from the larger ball.
+        // The origin divides the distance 4 between the balls in the ratio of their sizes, 1 : 0.5.
         assert!((found.x - (2.0 - 4.0 / 1.5)).abs() < 1e-9 && (found.y - 0.5).abs() < 1.0, "{found}");
         assert!((origin_for_extents(&[floor], Some((DVec3::Y, 1.0))).unwrap().y).abs() < 2.0);
         assert_eq!(origin_for_extents(&[floor], None), Some(DVec3::Y * -1e5));

@@ -5,13 +5,14 @@ use crate::color::Rgb;
 /// A volume enclosed by a dielectric boundary: its refractive index, absorption and medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {
-    /// Absolute refractive index; 1 is air. If it depends on the wavelength, the index at 587.56 nm
-    /// (the d line).
+    /// Absolute refractive index; 1 is air. For a glass with dispersion, it is the index at 587.56
+    /// nm (the d line).
     pub index: f32,
     /// Absorption coefficient \[1/length].
     pub absorption: Rgb,
-    /// Priority where bodies overlap: the highest wins, and among equals the one entered last
-    /// (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
+    /// Priority where bodies overlap. The body of highest priority wins; among equals, the body
+    /// that the path entered last (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced
+    /// Images").
     pub priority: u8,
     /// Index of the dispersion formula in [`Scene::glasses`](crate::scene::Scene::glasses); `None`
     /// if the refractive index is the same at all wavelengths.
@@ -19,8 +20,8 @@ pub struct Body {
     /// Index of the medium that fills the dielectric body, if any.
     pub medium: Option<u32>,
     /// True if the boundary is a null interface, which light crosses without reflection or
-    /// refraction. Where such a dielectric body overlaps one of equal priority with a real
-    /// boundary, the other body wins.
+    /// refraction. If bodies of equal priority overlap, a body with a real boundary wins over one
+    /// with a null interface.
     pub is_null_interface: bool,
 }
 

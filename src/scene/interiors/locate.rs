@@ -5,7 +5,8 @@ use crate::math::Ray;
 use crate::scene::{Effects, RayCone, Scene};
 use glam::Vec3;
 
-/// Returns the dielectric bodies that contain point `p`. It traces a ray from `p` out of the scene.
+/// Returns the dielectric bodies that contain point `p`, by tracing a ray from `p` out of the
+/// scene.
 ///
 /// A body contains the point if the ray leaves the body without having entered it.
 pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorStack {

@@ -71,10 +71,10 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// The interior at the start of a light path from light `light`.
     fn interior_at_light(scene: &Scene, light: usize, effects: Effects) -> Self;
 
-    /// Sets the primary sample in \[0, 1) that determines the path's first wavelength.
+    /// Sets the uniform number in \[0, 1) that determines the path's first wavelength.
     ///
-    /// `sample` returns it, and is called only if the path can meet dispersive surfaces. Without
-    /// this call, the first wavelength is independent of those of other paths.
+    /// The closure `sample` returns this number. It is called only if the path can meet dispersive
+    /// surfaces. Without this call, each path samples its first wavelength independently.
     #[inline]
     fn set_wavelength_sample(&mut self, _: &Scene, _sample: impl FnOnce() -> f32) {}
 
@@ -101,13 +101,13 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
         exp_neg(self.optical_depth(scene, distance))
     }
 
-    /// Adds the dielectric body that `surface` bounds, if the path leaves the body without having
+    /// Adds the dielectric body that `surface` bounds, if the path leaves this body without having
     /// entered it.
     ///
     /// The path must then have started inside the body.
     fn infer_starting_body(&mut self, surface: &SurfaceInteraction<'_>);
 
-    /// Determines how `surface` affects the path, and returns that event.
+    /// Returns the event for a path that meets `surface`.
     ///
     /// Sets the BSDF of the surface for the refractive indices on both sides. `key` is the random
     /// key of the path vertex.
@@ -230,8 +230,8 @@ impl Interior for InteriorStack {
     }
 }
 
-/// Returns the event for a path that meets `surface`, the dielectric body on the inner side, and
-/// the interface between inner and outer side.
+/// Returns three results for a path that meets `surface`: the event, the dielectric body on the
+/// inner side, and the interface between both sides.
 ///
 /// Argument `body` is the body that `surface` bounds. Boundaries that coincide with `surface` take
 /// part: they may change the bodies on both sides, and `surface` gets their greatest roughness.

@@ -101,7 +101,7 @@ impl Interior for SpectralInterior {
         }
         let disperses = body.glass.is_some() || interface.outside.is_some_and(|body| body.glass.is_some());
         if disperses && interface.real && self.wavelength.is_none() {
-            // A second wavelength must not depend on the first.
+            // `take`: a second wavelength must not depend on the first.
             let u = self.wavelength_sample.take().unwrap_or_else(|| key.uniform_1d(Dimension::Wavelength));
             self.wavelength = Some(Wavelength::sample(u));
             self.sampled_at = Some(Dielectric { eta: interface.relative_ior(&body, |body| body.index) });
@@ -121,7 +121,8 @@ impl Interior for SpectralInterior {
 
     #[inline]
     fn wavelength_weight_before_scattering(&mut self, surface: &SurfaceInteraction<'_>) -> Rgb {
-        // Next-event estimation happens here too, so the weight is due now.
+        // At a surface that is not specular, next-event estimation needs the weight too. So it is
+        // applied before scattering.
         if surface.bsdf.is_specular() || self.sampled_at.take().is_none() {
             return Rgb::ONE;
         }

@@ -4,7 +4,7 @@ use super::{Body, BoundaryEvent};
 use crate::scene::Material;
 use glam::Vec3;
 
-/// Capacity of the stack. If it is full, the dielectric body entered first is dropped.
+/// Capacity of the stack. If a body is pushed on a full stack, the body entered first is dropped.
 const MAX_BODIES: usize = 12;
 
 /// The bodies around a point, by material index and in the order of entry (Schmidt and Budge 2002,
@@ -73,7 +73,8 @@ impl InteriorStack {
         }
     }
 
-    /// Inserts a dielectric body below all others: the path must have started inside it.
+    /// Inserts the dielectric body of `material` below all others, because the path has started
+    /// inside it. Does nothing if the stack is full.
     pub(in crate::scene) fn insert_outermost_body(&mut self, material: u32) {
         if usize::from(self.count) < MAX_BODIES {
             self.bodies.copy_within(0..usize::from(self.count), 1);

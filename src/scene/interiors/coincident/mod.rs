@@ -83,9 +83,9 @@ impl InteriorStack {
     /// Returns the dielectric bodies around a path after it crosses the boundary `own` and all
     /// boundaries in `coincident`.
     ///
-    /// The path may already have crossed a coincident boundary at its previous vertex. So an entry
-    /// into a body that is already on the stack is skipped, unless the path leaves the same body
-    /// through `own`. An exit from a body that is not on the stack has no effect.
+    /// The path may already have crossed a coincident boundary at its previous vertex. Therefore,
+    /// an entry into a body that is already on the stack is skipped, unless the path leaves the
+    /// same body through `own`. An exit from a body that is not on the stack has no effect.
     pub(super) fn stack_after_crossing(&self, own: CoincidentFace, coincident: &CoincidentFaces) -> Self {
         let mut far = *self;
         let count = |material: u32| self.bodies().iter().filter(|m| **m == material).count();

@@ -11,8 +11,8 @@ use std::sync::Arc;
 /// Maximum number of faces in a leaf of the search tree.
 const LEAF_FACES: usize = 8;
 
-/// Maximum number of pairs of faces that the search tests, per face. If it is exceeded, all faces
-/// are flagged.
+/// Maximum number of pairs of faces that the search tests, divided by the number of faces. If it is
+/// exceeded, all faces count as possibly coincident.
 const PAIRS_PER_FACE: usize = 1000;
 
 /// Margin by which bounding boxes are expanded, relative to coordinates and size. It exceeds the

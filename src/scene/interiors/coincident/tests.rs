@@ -37,7 +37,8 @@ fn coincident_faces_are_crossed_together() {
             "{own:?}"
         );
     }
-    // Both at once from the open, and out again; then two parts of one body that share a face.
+    // Enter both bodies at once from air, and leave both at once. Then cross a face that two parts
+    // of one body share.
     assert_eq!(
         InteriorStack::EMPTY
             .stack_after_crossing(coincident_face(1, true), &coincident_faces_from_list(&[coincident_face(0, true)]))
@@ -98,7 +99,7 @@ fn a_boundary_just_crossed_is_not_crossed_again() {
             .bodies(),
         &[1]
     );
-    // A film thinner than its error is no film.
+    // A film thinner than the position error has no effect.
     assert_eq!(
         InteriorStack::EMPTY
             .stack_after_crossing(coincident_face(1, true), &coincident_faces_from_list(&[coincident_face(1, false)]))

@@ -21,7 +21,7 @@ use std::fmt::Write;
 /// Number of windows with large errors that the page shows.
 const CROP_COUNT: usize = 2;
 
-/// Magnification of each window.
+/// Factor by which the page enlarges each window with large errors.
 const CROP_MAGNIFICATION: u32 = 4;
 
 /// Makes an HTML figure of the element `what`, with a caption and the shell command that repeats
