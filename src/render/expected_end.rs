@@ -10,7 +10,8 @@ pub struct ExpectedEnd {
     pub ended: EndReason,
     /// Expected number of passes.
     pub passes: u32,
-    /// Expected relative error of the picture, see [`ErrorEstimate`](super::error_estimate::ErrorEstimate).
+    /// Expected relative error of the picture, see
+    /// [`ErrorEstimate`](super::error_estimate::ErrorEstimate).
     pub error: f64,
 }
 

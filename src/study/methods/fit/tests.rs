@@ -248,8 +248,8 @@ fn only_noise_falls_above_a_plateau() {
     assert_eq!(time_to_error(&method, fit.as_ref(), &verdict, 0.1), TimeToError::Never { floor: 0.1 });
 }
 
-/// A slope of −0.5 takes 10⁶ times as long to a thousandth of the error, which is not predicted. An
-/// interval that contains 0 has an upper end of a thousand times the prediction.
+/// A slope of −0.5 takes 10⁶ times as long to a thousandth of the error, which is not predicted.
+/// An interval that contains 0 has an upper end of a thousand times the prediction.
 #[test]
 fn predictions_end_at_a_thousand_times_the_measured_time() {
     let method = method_without_noise();
