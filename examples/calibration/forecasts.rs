@@ -1,56 +1,105 @@
-//! Compares forecasts of a pilot of eight passes with the render that continues it.
-//!
-//! Times are processor times without preparation. A render ends by its own error estimate, at the
-//! first pass that reaches the target.
+//! Table of forecasts and real ends.
 
-use super::{SIZE, scene, settings};
-use caustica::integrate::{Algorithm, SilentMonitor};
-use caustica::render::error_estimate::{Confidence, PassesNeeded};
-use caustica::render::{ErrorTarget, RenderResult, StopCriteria, render};
-use caustica::scene::Scene;
-use caustica::stats::cpu_seconds;
-use std::error::Error;
-use std::sync::atomic::AtomicBool;
+use super::trace::{Trace, groups};
+use caustica::render::error_estimate::{PassRange, StopForecast};
 
-const PILOT: u32 = 8;
+/// Numbers of passes after which forecasts are made.
+const PILOTS: [u32; 3] = [8, 16, 31];
 
-/// Renders and returns the film with the processor time of its passes \[s].
-fn rendered(scene: &Scene, algorithm: Algorithm, seed: u64, stop: &StopCriteria<'_>) -> (RenderResult, f64) {
-    let mut settings = settings(seed);
-    settings.camera_paths.estimate_error = true;
-    let integrator = algorithm.prepare(scene, settings);
-    let start = cpu_seconds().unwrap_or(0.0);
-    let rendered = render(integrator.as_ref(), SIZE, stop, &SilentMonitor, |_| {});
-    (rendered, cpu_seconds().unwrap_or(0.0) - start)
+/// A render that made this many times the passes of the forecast, or more, is compared with it.
+const LEAST_EXTRAPOLATION: f64 = 1.3;
+
+/// Counts of comparisons of forecasts with real ends.
+#[derive(Clone, Copy, Debug, Default)]
+struct Score {
+    cases: f64,
+    /// Median of the forecast within a factor of 1.5 of the real number of passes.
+    near: f64,
+    /// Range of the forecast contains the real number of passes.
+    held: f64,
+    /// Forecasts without a median.
+    silent: f64,
+    /// Pairs of forecasts after n and about 2n passes.
+    pairs: f64,
+    /// Pairs of medians that differ by less than a factor of 2, or that both lie in one range.
+    steady: f64,
 }
 
-/// Prints forecast and actual time by scene, method, seed and error.
-pub fn print(scenes: &[String], methods: &[Algorithm], errors: &[f64], seeds: u64) -> Result<(), Box<dyn Error>> {
-    println!("| scene | method | seed | error | foretold | passes | it took | passes | foretold / taken |");
-    println!("|{}", " --- |".repeat(9));
-    for name in scenes {
-        let scene = scene(name)?;
-        for (method, seed) in methods.iter().flat_map(|method| (0..seeds).map(move |seed| (*method, seed))) {
-            let interrupted = AtomicBool::new(false);
-            let pilot = StopCriteria { passes: Some(PILOT), ..StopCriteria::unlimited(&interrupted) };
-            let (made, seconds) = rendered(&scene, method, seed, &pilot);
-            let estimator = made.estimator.as_ref().ok_or("no error estimator")?;
-            let forecast = estimator.forecast(&estimator.estimate(&made.film)).ok_or("no forecast")?;
-            for error in errors {
-                let row = format!("| {name} | {} | {seed} | {:.1} %", method.name(), 100.0 * error);
-                let PassesNeeded::Passes(passes) = forecast.passes_to_reach(*error) else {
-                    println!("{row} | {:?} | | | | |", forecast.passes_to_reach(*error));
-                    continue;
-                };
-                let target =
-                    Some(ErrorTarget { error: *error, confidence: Confidence::new(0.5).ok_or("half is a part")? });
-                let (done, taken) =
-                    rendered(&scene, method, seed, &StopCriteria { passes: Some(2000), target, ..pilot });
-                let foretold = seconds / f64::from(PILOT) * f64::from(passes);
-                let (took, ratio) = (done.film.passes(), foretold / taken);
-                println!("{row} | {foretold:.1} s | {passes} | {taken:.1} s | {took} | {ratio:.2} |");
+impl Score {
+    fn add(&mut self, other: &Self) {
+        self.cases += other.cases;
+        self.near += other.near;
+        self.held += other.held;
+        self.silent += other.silent;
+        self.pairs += other.pairs;
+        self.steady += other.steady;
+    }
+
+    fn text(&self) -> String {
+        let percent = |part: f64, of: f64| if of > 0.0 { format!("{:.0} %", 100.0 * part / of) } else { "–".into() };
+        format!(
+            "{} | {} | {} | {} | {}",
+            self.cases,
+            percent(self.near, self.cases),
+            percent(self.held, self.cases),
+            percent(self.silent, self.cases),
+            percent(self.steady, self.pairs)
+        )
+    }
+}
+
+/// Prints how well forecasts agree with the passes after which renders end.
+pub fn print(traces: &[Trace]) {
+    println!("| scene | method | passes | cases | within 1.5 | in the range | cannot tell | steady |");
+    println!("|{}", " --- |".repeat(8));
+    let mut totals = [Score::default(); PILOTS.len()];
+    for group in groups(traces) {
+        let scores = PILOTS.map(|pilot| score_of_pilot(group, pilot));
+        for ((score, pilot), total) in scores.iter().zip(PILOTS).zip(&mut totals) {
+            total.add(score);
+            println!("| {} | {} | {pilot} | {} |", group[0].scene, group[0].algorithm.name(), score.text());
+        }
+    }
+    for (score, pilot) in totals.iter().zip(PILOTS) {
+        println!("| all | | {pilot} | {} |", score.text());
+    }
+}
+
+/// Compares the forecasts after `pilot` passes with the ends of the same renders.
+fn score_of_pilot(traces: &[Trace], pilot: u32) -> Score {
+    let mut score = Score::default();
+    for trace in traces {
+        let forecast_after = |passes: f64| {
+            let near = |p: &&super::trace::TracePoint| (f64::from(p.estimate.passes) / passes - 1.0).abs() < 0.06;
+            trace.points.iter().find(near).and_then(|point| point.forecast)
+        };
+        let Some(forecast) = forecast_after(f64::from(pilot)) else { continue };
+        let later = forecast_after(2.0 * f64::from(pilot));
+        for reached in trace.reached_targets() {
+            let passes = reached.end.estimate.passes;
+            if f64::from(passes) < LEAST_EXTRAPOLATION * f64::from(pilot) {
+                continue;
+            }
+            let (error, confidence) = (reached.target.error, reached.target.interval_confidence());
+            score.cases += 1.0;
+            let StopForecast::Passes(range) = forecast.stop(error, confidence) else {
+                score.silent += 1.0;
+                continue;
+            };
+            let factor = f64::from(range.median) / f64::from(passes);
+            score.near += f64::from((1.0 / 1.5..=1.5).contains(&factor));
+            score.held += f64::from(contains(range, passes));
+            if let Some(StopForecast::Passes(other)) = later.map(|later| later.stop(error, confidence)) {
+                let factor = f64::from(range.median) / f64::from(other.median);
+                score.pairs += 1.0;
+                let covered = contains(range, other.median) || contains(other, range.median);
+                score.steady += f64::from(covered || (0.5..=2.0).contains(&factor));
             }
         }
     }
-    Ok(())
+    score
+}
+
+fn contains(range: PassRange, passes: u32) -> bool {
+    range.low <= passes && range.high.is_none_or(|high| passes <= high)
 }

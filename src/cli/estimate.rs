@@ -12,7 +12,7 @@ use super::scene::{load_scene, with_thread_pool};
 use super::settings::{method_flags, settings_from_arguments};
 use super::{CommandFailure, EstimateArguments, Exit};
 use crate::integrate::{Algorithm, Integrator};
-use crate::render::error_estimate::{Confidence, ErrorEstimate, ErrorForecast, PassesNeeded};
+use crate::render::error_estimate::{Confidence, ErrorEstimate, ErrorForecast, RANGE_PROBABILITY, StopForecast};
 use crate::render::{
     DEFAULT_ERROR, EndReason, ErrorTarget, ExpectedEnd, PREVIEW_ERROR, RenderLimits, RenderResult, StopCriteria, render,
 };
@@ -121,6 +121,9 @@ struct CostEstimateReport {
     pass_seconds: f64,
     pass_photons: f64,
     peak_memory_bytes: Option<u64>,
+    /// Probability that the time of a render lies between `seconds_low` and `seconds_high` of its
+    /// price.
+    range_probability: f64,
     #[serde(rename = "prices")]
     estimates: Vec<CostEstimate>,
     /// Expected end of a render without limits.
@@ -140,18 +143,17 @@ struct ExpectedEndReport {
     error: f64,
 }
 
-/// Estimated cost of reaching one relative error.
+/// Estimated cost of a render that ends by one error target.
 #[derive(Debug, Serialize)]
 struct CostEstimate {
     error: f64,
-    /// Number of passes that reach the error; `None` if the error cannot be reached.
+    /// Expected number of passes: the median; `None` if it is unknown or no number is enough.
     passes: Option<u32>,
-    /// Expected time until the error is reached, with preparation \[s]; `None` if it cannot be
-    /// reached.
+    /// Expected time of the render, with preparation \[s]; `None` if `passes` is.
     seconds: Option<f64>,
-    /// `seconds` if the pilot's true error is at the lower end of its confidence interval \[s].
+    /// Lower end of the range of likely times \[s].
     seconds_low: Option<f64>,
-    /// `seconds` if the pilot's true error is at the upper end of its confidence interval \[s].
+    /// Upper end of the range of likely times \[s]; `None` if it is unknown.
     seconds_high: Option<f64>,
     photons: Option<f64>,
     /// Relative bias that no number of passes removes; `None` if bias does not prevent the error.
@@ -183,18 +185,17 @@ impl CostEstimateReport {
         }
         let words = words.join(" ");
         let estimate = |error: &f64| {
-            let estimate = CostEstimate::new(*error, &pilot, &forecast, (setup, pass_seconds, pass_photons));
-            CostEstimate { flags: estimate.passes.map(|n| format!("{words} --passes {n}")), ..estimate }
+            let estimate = CostEstimate::new(*error, &forecast, (setup, pass_seconds, pass_photons));
+            let flags = estimate.floor.is_none().then(|| format!("{words} --target-error {error}"));
+            CostEstimate { flags, ..estimate }
         };
         let expected_end = |stop: &StopCriteria<'_>| {
-            let confidence = stop.target.map_or(Confidence::default(), ErrorTarget::interval_confidence);
-            let pilot = estimator?.estimate_with_confidence(&rendered.film, confidence);
-            let ExpectedEnd { ended, passes, error } = stop.expected_end(&pilot, &forecast, pass_seconds)?;
+            let ExpectedEnd { ended, passes, error } = stop.expected_end(&forecast, pass_seconds)?;
             Some(ExpectedEndReport { ended, passes, seconds: setup + f64::from(passes) * pass_seconds, error })
         };
         let (width, height) = rendered.film.size();
         Ok(Self {
-            schema: 2,
+            schema: 3,
             version: env!("CARGO_PKG_VERSION"),
             scene: arguments.scene.scene.display().to_string(),
             integrator: algorithm.name(),
@@ -206,6 +207,7 @@ impl CostEstimateReport {
             pass_seconds,
             pass_photons,
             peak_memory_bytes: peak_memory(),
+            range_probability: RANGE_PROBABILITY,
             estimates: arguments.errors.iter().map(estimate).collect(),
             default: expected_end(default),
             preview: expected_end(preview),
@@ -223,10 +225,11 @@ impl CostEstimateReport {
             pilot.passes,
             forecast_text::error_text(pilot)
         );
+        let range = format!("{} range", percent_text(RANGE_PROBABILITY));
         let _ = writeln!(
             text,
-            "  {:>7} {:>9} {:>14} {:>24} {:>9} {:>8}  flags",
-            "error", "passes", "time", "likely range", "photons", "memory"
+            "  {:>7} {:>9} {:>14} {range:>24} {:>9} {:>8}  flags",
+            "error", "passes", "time", "photons", "memory"
         );
         for estimate in &self.estimates {
             let error = percent_text(estimate.error);
@@ -235,7 +238,10 @@ impl CostEstimateReport {
                     Some(floor) => {
                         format!("never: {} is bias that stays; {}", percent_text(floor), forecast_text::BIAS_REMEDY)
                     }
-                    None => "more than ten million passes".to_owned(),
+                    None => format!(
+                        "cannot tell yet: at least {}; a longer --pilot tells more",
+                        estimate.seconds_low.map_or(String::new(), duration_text)
+                    ),
                 };
                 let _ = writeln!(text, "  {error:>7} {why}");
                 continue;
@@ -278,34 +284,30 @@ impl ExpectedEndReport {
 }
 
 impl CostEstimate {
-    fn new(
-        error: f64,
-        pilot: &ErrorEstimate,
-        forecast: &ErrorForecast,
-        (setup, pass_seconds, pass_photons): (f64, f64, f64),
-    ) -> Self {
-        let needed = |aim: f64| match forecast.passes_to_reach(aim) {
-            PassesNeeded::Passes(n) => Ok(n),
-            PassesNeeded::Never { floor } => Err(Some(floor)),
-            PassesNeeded::TooMany => Err(None),
-        };
+    fn new(error: f64, forecast: &ErrorForecast, (setup, pass_seconds, pass_photons): (f64, f64, f64)) -> Self {
+        let target = ErrorTarget { error, confidence: Confidence::default() };
         let time = |n: u32| setup + pass_seconds * f64::from(n);
-        // A pilot whose true error is `end` must lower it by the factor error / end. An error of 0
-        // takes one pass.
-        let at = |end: f64| if end > 0.0 { needed(error * pilot.error / end).ok().map(time) } else { Some(time(1)) };
-        let (passes, floor) = match needed(error) {
-            Ok(n) => (Some(n), None),
-            Err(floor) => (None, floor),
-        };
-        Self {
+        let unknown = Self {
             error,
-            passes,
-            seconds: passes.map(time),
-            seconds_low: passes.and_then(|_| at(pilot.low)),
-            seconds_high: passes.and_then(|_| at(pilot.high)),
-            photons: passes.map(|n| f64::from(n) * pass_photons),
-            floor,
+            passes: None,
+            seconds: None,
+            seconds_low: None,
+            seconds_high: None,
+            photons: None,
+            floor: None,
             flags: None,
+        };
+        match forecast.stop(error, target.interval_confidence()) {
+            StopForecast::Passes(range) => Self {
+                passes: Some(range.median),
+                seconds: Some(time(range.median)),
+                seconds_low: Some(time(range.low)),
+                seconds_high: range.high.map(time),
+                photons: Some(f64::from(range.median) * pass_photons),
+                ..unknown
+            },
+            StopForecast::Never { floor } => Self { floor: Some(floor), ..unknown },
+            StopForecast::TooFar { at_least } => Self { seconds_low: Some(time(at_least)), ..unknown },
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Texts about the estimated error of a picture, and about the time until it is lower.
 
-use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, PassesNeeded};
+use crate::render::ErrorTarget;
+use crate::render::error_estimate::{ErrorEstimate, StopForecast};
 use crate::study::text::percent_text;
 
 /// Help text for an error that more passes cannot lower.
@@ -25,28 +26,31 @@ pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
     )
 }
 
-/// Returns a text about the time until a lower error, such as `; 1.0 % in about 42 s`.
+/// Returns a text about the time until a render would end by `target`, such as `; 1.0 % in about
+/// 42 s (35 s to 50 s)`.
 ///
-/// `shown` is the error that the text names. `aim` is the estimated error that the render must
-/// reach. `pass_seconds` is the time of one pass \[s]. The text is empty if the estimated error is
-/// 0 already.
-pub(super) fn time_to_error_text(
+/// `forecast` is the forecast for `target`. `pass_seconds` is the time of one pass \[s]. The text is
+/// empty if the estimated error is 0 already.
+pub(super) fn time_to_target_text(
     estimate: &ErrorEstimate,
-    forecast: &ErrorForecast,
-    (shown, aim): (f64, f64),
+    target: ErrorTarget,
+    forecast: StopForecast,
     pass_seconds: f64,
 ) -> String {
     if estimate.error == 0.0 {
         return String::new();
     }
-    let shown = percent_text(shown);
-    match forecast.passes_to_reach(aim) {
-        PassesNeeded::Passes(n) => {
-            let more = n.saturating_sub(estimate.passes);
-            format!("; {shown} in about {}", duration_text(f64::from(more) * pass_seconds))
+    let error = percent_text(target.error);
+    let time = |n: u32| duration_text(f64::from(n.saturating_sub(estimate.passes)) * pass_seconds);
+    match forecast {
+        StopForecast::Passes(range) => {
+            let high = range.high.map_or("unknown".to_owned(), time);
+            format!("; {error} in about {} ({} to {high})", time(range.median), time(range.low))
         }
-        PassesNeeded::Never { floor } => format!("; {shown} never: {} is bias that stays", percent_text(floor)),
-        PassesNeeded::TooMany => format!("; {shown} in more than {}", duration_text(1e7 * pass_seconds)),
+        StopForecast::Never { floor } => format!("; {error} never: {} is bias that stays", percent_text(floor)),
+        StopForecast::TooFar { at_least } => {
+            format!("; {error}: cannot tell yet, at least {}", time(at_least))
+        }
     }
 }
 

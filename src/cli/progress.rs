@@ -75,6 +75,11 @@ impl ProgressDisplay {
         }
     }
 
+    /// True if nothing is shown.
+    pub fn is_quiet(&self) -> bool {
+        matches!(self, Self::Quiet)
+    }
+
     /// True if progress is printed as plain lines instead of a bar.
     pub fn uses_plain_lines(&self) -> bool {
         matches!(self, Self::Lines(_))

@@ -18,7 +18,7 @@ use super::updates::PictureUpdates;
 use super::{CommandFailure, Exit, RenderArguments, aov, forecast_text};
 use crate::image::{self, Image, ToneCurve, WriteOptions};
 use crate::integrate::{Algorithm, EmissionGuidingReportPerMap, Integrator};
-use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, MIN_PASSES, PassesNeeded};
+use crate::render::error_estimate::{Confidence, MIN_PASSES, StopForecast};
 use crate::render::{EndReason, ErrorTarget, RenderLimits, RenderResult, StopCriteria, continue_render};
 use crate::scene::Scene;
 use crate::study::text::percent_text;
@@ -203,14 +203,17 @@ fn render_passes(
     let began = Instant::now();
     continue_render(before, numbers, integrator, stop, progress, |standing| {
         let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes - passes_before);
-        let error = standing.error.as_ref().map(|(estimate, forecast)| {
-            // Without a target, the forecast is the time until the error is halved.
-            let shown = target.map_or(0.5 * estimate.error, |target| target.error);
-            let aim = target.map_or(shown, |target| error_estimate_at_target(target, estimate));
+        let forecast = standing.error.as_ref().filter(|_| !progress.is_quiet()).map(|(estimate, forecast)| {
+            // Without a target, the forecast is for half of the error.
+            let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
+            let target = target.unwrap_or(half);
+            (estimate, target, forecast.stop(target.error, target.interval_confidence()))
+        });
+        let error = forecast.as_ref().map(|(estimate, target, forecast)| {
             format!(
                 "error {}{}",
                 forecast_text::error_text(estimate),
-                forecast_text::time_to_error_text(estimate, forecast, (shown, aim), pass_seconds)
+                forecast_text::time_to_target_text(estimate, *target, *forecast, pass_seconds)
             )
         });
         if progress.uses_plain_lines() {
@@ -221,9 +224,8 @@ fn render_passes(
         }
         progress.set_pass_number(standing.passes + 1, passes);
         // Most passes estimate no error. The previous forecast stays after them.
-        if let Some(left) =
-            time_until_stop(stop, standing.passes, standing.error.as_ref(), began.elapsed(), pass_seconds)
-        {
+        let forecast = forecast.map(|(_, _, forecast)| forecast);
+        if let Some(left) = time_until_stop(stop, standing.passes, forecast, began.elapsed(), pass_seconds) {
             progress.set_time_left(Some(left));
         }
         error.into_iter().for_each(|note| progress.set_progress_note(note));
@@ -233,30 +235,24 @@ fn render_passes(
     })
 }
 
-/// Returns the estimated error at which the render is expected to reach its target: when the upper
-/// end of the confidence interval equals `target`. `estimate` is the error after the last pass.
-fn error_estimate_at_target(target: ErrorTarget, estimate: &ErrorEstimate) -> f64 {
-    target.error * estimate.error / estimate.high
-}
-
 /// Returns the expected time until the first stop criterion holds; `None` if the time is unknown,
 /// as with a target after a pass without an error estimate.
+///
+/// `forecast` is the forecast for the target of `stop`, if there is one.
 fn time_until_stop(
     stop: &StopCriteria<'_>,
     passes: u32,
-    error: Option<&(ErrorEstimate, ErrorForecast)>,
+    forecast: Option<StopForecast>,
     elapsed: Duration,
     pass_seconds: f64,
 ) -> Option<Duration> {
-    if stop.target.is_some() && error.is_none() {
+    if stop.target.is_some() && forecast.is_none() {
         return None;
     }
     let of_passes = |n: u32| f64::from(n.saturating_sub(passes)) * pass_seconds;
-    let by_target = stop.target.zip(error).and_then(|(target, (estimate, forecast))| {
-        match forecast.passes_to_reach(error_estimate_at_target(target, estimate)) {
-            PassesNeeded::Passes(n) => Some(of_passes(n)),
-            PassesNeeded::Never { .. } | PassesNeeded::TooMany => None,
-        }
+    let by_target = forecast.filter(|_| stop.target.is_some()).and_then(|forecast| match forecast {
+        StopForecast::Passes(range) => Some(of_passes(range.median)),
+        StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
     });
     let by_time = stop.time.map(|time| time.saturating_sub(elapsed).as_secs_f64());
     let all = [stop.passes.map(of_passes), by_time, by_target];

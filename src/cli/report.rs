@@ -4,13 +4,13 @@ use super::plan::EffectDecisionReport;
 use crate::integrate::{
     EmissionGuidingReportPerMap, EnvironmentGuidingReport, GatherRadii, PhotonReport, RayPhotonBalance, StageTimes,
 };
-use crate::render::error_estimate::{Confidence, ErrorEstimate, PassesNeeded};
+use crate::render::error_estimate::{Confidence, ErrorEstimate, StopForecast};
 use crate::render::{EndReason, ErrorTarget, RenderLimits, RenderResult, StopCriteria};
 use crate::stats::{Counters, cpu_seconds, peak_memory};
 use serde::Serialize;
 
 /// Version of the JSON schema. It rises when a field's name or meaning changes.
-const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 3;
 
 /// JSON report that `--stats` writes.
 #[derive(Debug, Serialize)]
@@ -78,10 +78,10 @@ pub(super) struct EstimatedErrorReport {
     pub estimate: ErrorEstimate,
     /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
     pub confidence: Confidence,
-    /// Total number of passes after which the error would be half as large; `None` if no number is
-    /// enough.
+    /// Total number of passes after which half of the error would be reached as a target, median of
+    /// the forecast; `None` if no number is enough or known.
     halving_passes: Option<u32>,
-    /// Further time until the error is half as large \[s]; `None` if it never is.
+    /// Further time until then \[s].
     halving_seconds: Option<f64>,
 }
 
@@ -90,9 +90,10 @@ impl EstimatedErrorReport {
         let estimator = rendered.estimator.as_ref()?;
         let estimate = estimator.estimate_with_confidence(&rendered.film, confidence);
         let forecast = estimator.forecast(&estimate)?;
-        let halving_passes = match forecast.passes_to_reach(0.5 * estimate.error) {
-            PassesNeeded::Passes(n) => Some(n),
-            PassesNeeded::Never { .. } | PassesNeeded::TooMany => None,
+        let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
+        let halving_passes = match forecast.stop(half.error, half.interval_confidence()) {
+            StopForecast::Passes(range) => Some(range.median),
+            StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
         };
         let pass_seconds = rendered.wall.as_secs_f64() / f64::from(estimate.passes);
         let halving_seconds = halving_passes.map(|n| f64::from(n.saturating_sub(estimate.passes)) * pass_seconds);

@@ -1,6 +1,6 @@
 //! The loop over passes and its stop criteria.
 
-use super::error_estimate::{Confidence, ErrorEstimate, ErrorEstimator, ErrorForecast, PassesNeeded};
+use super::error_estimate::{Confidence, ErrorEstimate, ErrorEstimator, ErrorForecast, EstimateSchedule};
 use super::film::Film;
 use super::merge_error::MergeError;
 use super::pass_set::PassSet;
@@ -100,10 +100,6 @@ pub struct PassProgress<'a> {
     pub error: Option<(ErrorEstimate, ErrorForecast)>,
 }
 
-/// Ratio of the numbers of passes at two successive error estimates. One estimate costs a fraction
-/// of a pass.
-const ESTIMATE_INTERVAL_FACTOR: f64 = 1.05;
-
 /// Smallest number of passes after which a render may give up its error target.
 pub(super) const GIVE_UP_PASSES: u32 = 16;
 
@@ -142,8 +138,8 @@ pub fn continue_render(
 ) -> RenderResult {
     let start = Instant::now();
     let wall = rendered.wall;
-    let mut next_estimate = 0.0;
-    (1..=rendered.film.passes()).for_each(|passes| _ = is_estimate_due(passes, &mut next_estimate));
+    let mut schedule = EstimateSchedule::default();
+    (1..=rendered.film.passes()).for_each(|passes| _ = schedule.is_due(passes));
     if rendered.film.passes() > 0 {
         let error = estimate_error(&rendered, stop);
         if let Some(ended) = stop.end_reason(rendered.film.passes(), error.as_ref(), Duration::ZERO) {
@@ -168,7 +164,7 @@ pub fn continue_render(
         rendered.aimed += pass.aimed;
         let passes = rendered.film.passes();
         rendered.wall = wall + start.elapsed();
-        let error = if is_estimate_due(passes, &mut next_estimate) { estimate_error(&rendered, stop) } else { None };
+        let error = if schedule.is_due(passes) { estimate_error(&rendered, stop) } else { None };
         let no_pass_is_left = || rendered.numbers.first_missing(numbers.clone()).is_none().then_some(EndReason::Passes);
         let ended = stop.end_reason(passes, error.as_ref(), start.elapsed()).or_else(no_pass_is_left);
         after_pass(&PassProgress { passes, rendered: &rendered, ended, error });
@@ -179,16 +175,6 @@ pub fn continue_render(
             return rendered;
         }
     }
-}
-
-/// True if the error is estimated after `passes` passes. `next` is the number of passes from which
-/// the next estimate is due.
-fn is_estimate_due(passes: u32, next: &mut f64) -> bool {
-    let due = f64::from(passes) >= *next;
-    if due {
-        *next = ESTIMATE_INTERVAL_FACTOR * f64::from(passes);
-    }
-    due
 }
 
 impl RenderResult {
@@ -297,7 +283,7 @@ impl<'a> StopCriteria<'a> {
         if estimate.high <= target.error {
             return Some(EndReason::Target);
         }
-        let PassesNeeded::Never { floor } = forecast.passes_to_reach(target.error) else { return None };
+        let floor = forecast.bias_floor().filter(|floor| *floor >= target.error)?;
         let hopeless = estimate.passes >= GIVE_UP_PASSES && GIVE_UP_MARGIN * floor > target.error;
         let has_no_other_limit = self.passes.is_none() && self.time.is_none();
         let is_only_bias = self.ends_at_bias && estimate.noise <= target.error;

@@ -1,7 +1,7 @@
 //! Prediction of the end of a render, from the error estimate of a pilot.
 
 use super::driver::{EndReason, GIVE_UP_MARGIN, GIVE_UP_PASSES, StopCriteria};
-use super::error_estimate::{ErrorEstimate, ErrorForecast, MIN_PASSES, PassesNeeded};
+use super::error_estimate::{ErrorForecast, StopForecast};
 
 /// Expected end of a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,7 +10,7 @@ pub struct ExpectedEnd {
     pub ended: EndReason,
     /// Expected number of passes.
     pub passes: u32,
-    /// Expected relative error of the picture, see [`ErrorEstimate`].
+    /// Expected relative error of the picture, see [`ErrorEstimate`](super::error_estimate::ErrorEstimate).
     pub error: f64,
 }
 
@@ -18,36 +18,28 @@ impl StopCriteria<'_> {
     /// Returns the expected end of a render whose passes take `pass_seconds` \[s] each; `None`
     /// without a criterion that will hold.
     ///
-    /// `estimate` is the error of a pilot of this render, with the confidence of its interval that
-    /// `target` asks for. `forecast` extrapolates it.
+    /// `forecast` extrapolates the error of a pilot of this render.
     #[must_use]
-    pub fn expected_end(
-        &self,
-        estimate: &ErrorEstimate,
-        forecast: &ErrorForecast,
-        pass_seconds: f64,
-    ) -> Option<ExpectedEnd> {
+    pub fn expected_end(&self, forecast: &ErrorForecast, pass_seconds: f64) -> Option<ExpectedEnd> {
         let passes_in = |seconds: f64| (seconds / pass_seconds).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;
         let by_passes = self.passes.map(|passes| (EndReason::Passes, passes));
         let by_time = self.time.map(|time| (EndReason::Time, passes_in(time.as_secs_f64()).max(self.min_passes)));
-        let by_error = self.expected_end_by_error(estimate, forecast);
+        let by_error = self.expected_end_by_error(forecast);
         // Of equal numbers of passes the first counts, as in `render`.
         let ends = [by_passes, by_error, by_time];
         let (ended, passes) = ends.into_iter().flatten().min_by_key(|(_, passes)| *passes)?;
         Some(ExpectedEnd { ended, passes, error: forecast.error_after_passes(passes) })
     }
 
-    fn expected_end_by_error(&self, estimate: &ErrorEstimate, forecast: &ErrorForecast) -> Option<(EndReason, u32)> {
+    fn expected_end_by_error(&self, forecast: &ErrorForecast) -> Option<(EndReason, u32)> {
         let target = self.target?;
-        // The upper end of the interval must reach the target. It falls with the error.
-        let aim = if estimate.high > 0.0 { target.error * estimate.error / estimate.high } else { target.error };
-        match forecast.passes_to_reach(aim) {
-            PassesNeeded::Passes(n) => Some((EndReason::Target, n.max(MIN_PASSES).max(self.min_passes))),
-            PassesNeeded::Never { floor } if self.ends_at_bias && GIVE_UP_MARGIN * floor > target.error => {
+        match forecast.stop(target.error, target.interval_confidence()) {
+            StopForecast::Passes(range) => Some((EndReason::Target, range.median.max(self.min_passes))),
+            StopForecast::Never { floor } if self.ends_at_bias && GIVE_UP_MARGIN * floor > target.error => {
                 let n = forecast.passes_to_reach_noise(target.error)?;
                 Some((EndReason::Floor, n.max(GIVE_UP_PASSES).max(self.min_passes)))
             }
-            PassesNeeded::Never { .. } | PassesNeeded::TooMany => None,
+            StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
         }
     }
 }

@@ -11,7 +11,7 @@ const MIN_CORRELATION: f64 = -0.5;
 /// differences of density estimates L with disc radius r.
 ///
 /// The bound is the ratio at a straight edge of light, for the Epanechnikov kernel.
-const EDGE_CORRELATION: f64 = 0.7275;
+pub(super) const EDGE_CORRELATION: f64 = 0.7275;
 
 /// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) for light that is not smooth, with the Epanechnikov
 /// kernel.
@@ -33,6 +33,7 @@ const EXTRAPOLATION_ERROR: f64 = 0.5;
 
 /// Mean squares and products over the picture of the differences D₀ = L(r) − L(r/√2) and D₁ =
 /// L(r/√2) − L(r/2), where L(r) is the density estimate with disc radius r. Noise adds no bias.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NestedDifferenceMoments {
     /// ‖D₀‖²: mean square over the picture of D₀ = L(r) − L(r/√2), where L(r) is the density
     /// estimate with disc radius r.
@@ -48,6 +49,34 @@ pub(super) struct NestedDifferenceMoments {
     pub variance: f64,
     /// Variance of the estimate `d0`.
     pub d0_variance: f64,
+    /// Relative variance of the squared noise of D₀: 2 / effective sample count.
+    pub scatter: f64,
+}
+
+impl NestedDifferenceMoments {
+    /// Returns the variance of the estimate of ‖D₀‖² from `passes` passes.
+    ///
+    /// `d0` is ‖D₀‖² and `variance` the variance of D₀ in one pass. `scatter` is the relative
+    /// variance of the squared noise. The terms are noise of pairs of passes, and products of noise
+    /// and expected difference.
+    pub fn d0_estimate_variance(d0: f64, variance: f64, scatter: f64, passes: f64) -> f64 {
+        variance * variance * scatter / (passes * (passes - 1.0)) + 2.0 * d0.max(0.0) * variance * scatter / passes
+    }
+
+    /// Weight of measured ratios of differences against those of smooth light, in \[0, 1].
+    ///
+    /// It is 1 if `d0` has no noise.
+    pub fn trust(&self) -> f64 {
+        let d0 = self.d0.max(0.0);
+        if d0 > 0.0 { d0 * d0 / (d0 * d0 + 4.0 * self.d0_variance) } else { 0.0 }
+    }
+
+    /// Returns the measured ratio D₀·D₁ / ‖D₀‖², limited to values that light can cause. ‖D₀‖² must
+    /// be positive.
+    pub fn correlation(&self) -> f64 {
+        let limit = (self.d1 / self.d0).clamp(0.0, ROUGH[2].0).sqrt();
+        (self.d0_d1 / self.d0).clamp(MIN_CORRELATION, EDGE_CORRELATION).clamp(-limit, limit)
+    }
 }
 
 /// Estimated blur of the picture as a relative error, see
@@ -78,12 +107,9 @@ impl BlurEstimate {
         if d0 <= 0.0 {
             return Self { square: 0.0, variance: 16.0 * differences.d0_variance, ratio: 0.5, extrapolation: 0.0 };
         }
-        let trust = d0 * d0 / (d0 * d0 + 4.0 * differences.d0_variance);
-        let squared = (differences.d1 / d0).clamp(0.0, ROUGH[2].0);
-        let correlation =
-            (differences.d0_d1 / d0).clamp(MIN_CORRELATION, EDGE_CORRELATION).clamp(-squared.sqrt(), squared.sqrt());
-        let squared = 0.25 + trust * (squared - 0.25);
-        let correlation = 0.5 + trust * (correlation - 0.5);
+        let trust = differences.trust();
+        let squared = 0.25 + trust * ((differences.d1 / d0).clamp(0.0, ROUGH[2].0) - 0.25);
+        let correlation = 0.5 + trust * (differences.correlation() - 0.5);
         let whole = squared_bias_ratio(correlation, squared);
         let measured = 1.0 + 2.0 * correlation + squared;
         let square = d0 * whole;

@@ -1,6 +1,8 @@
 //! The estimated error of a picture.
 
+use super::blur::NestedDifferenceMoments;
 use super::fireflies::FireflyHistogram;
+use super::squared_error::SquaredErrorParts;
 use serde::Serialize;
 
 /// Estimated error of the mean of the passes so far.
@@ -33,13 +35,12 @@ pub struct ErrorEstimate {
     /// with full and quarter disc area.
     #[serde(skip)]
     pub(super) extrapolation: f64,
-    /// Relative variance of the image of one pass, mean over pixels.
+    /// Parts of the squared error, with their variances.
     #[serde(skip)]
-    pub(super) variance: f64,
-    /// Relative variance, in one pass, of the difference between density estimates with full and
-    /// half disc area.
+    pub(super) parts: SquaredErrorParts,
+    /// Moments of differences between nested density estimates; all 0 without photon estimates.
     #[serde(skip)]
-    pub(super) difference_variance: f64,
+    pub(super) differences: NestedDifferenceMoments,
     /// Histogram of fireflies: pixels whose relative squared noise exceeds 1.
     #[serde(skip)]
     pub(super) fireflies: FireflyHistogram,

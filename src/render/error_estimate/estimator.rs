@@ -8,6 +8,7 @@ use super::forecast::ErrorForecast;
 use super::leading_passes::LeadingPasses;
 use super::pixel_variance::PixelVarianceSums;
 use super::shared_paths::SharedPathErrorSums;
+use super::squared_error::SquaredErrorParts;
 use crate::image::RelativeErrorWeights;
 use crate::integrate::{MeanGatherDisc, NestedEstimates, Pass, RadiusLaw};
 use crate::math::BinnedSums;
@@ -208,29 +209,33 @@ impl ErrorEstimator {
             self.photon_estimates.as_ref().map(|estimates| estimates.nested_difference_moments(&scale, n));
         let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&scale, film.size().0, n);
-        let square = noise2 + blur.square + shared2;
         // The true error of this picture scatters about its expectation, which is estimated too.
         let scatter = self.leading.squared_error_variance(scale.pixel_weights(), n);
-        let realised = noise2 * noise2 * scatter + 2.0 * noise2 * (blur.square + shared2) * scatter;
         // A variance estimate scatters by (kurtosis − 1) / 2 times that of Gaussian noise.
         let tail_factor = if fourth > 0.0 { 0.5 * tails / fourth } else { 1.0 };
-        let estimated = noise2 * noise2 * independent.max(tail_factor * scatter / (n - 1.0));
-        let deviation = (realised + estimated + blur.variance + shared_variance).sqrt();
-        let half_width = confidence.gaussian_half_width() * deviation;
-        let error = square.sqrt();
+        let parts = SquaredErrorParts {
+            noise: noise2,
+            noise_scatter: scatter,
+            noise_uncertainty: independent.max(tail_factor * scatter / (n - 1.0)),
+            blur: blur.square,
+            blur_variance: blur.variance,
+            shared_paths: shared2,
+            shared_paths_variance: shared_variance,
+        };
+        let (low, high) = parts.error_interval(confidence.gaussian_half_width());
         ErrorEstimate {
             passes,
-            error,
-            low: (square - half_width).max(0.0).sqrt(),
-            high: (square + half_width).sqrt(),
+            error: parts.total().sqrt(),
+            low,
+            high,
             noise: noise2.sqrt(),
             bias: (blur.square + shared2).sqrt(),
             blur: blur.square.sqrt(),
             shared_paths: shared2.sqrt(),
             blur_ratio: blur.ratio,
             extrapolation: blur.extrapolation,
-            variance: noise2 * n,
-            difference_variance: differences.map_or(0.0, |differences| differences.variance),
+            parts,
+            differences: differences.unwrap_or_default(),
             fireflies,
         }
     }
@@ -240,7 +245,7 @@ impl ErrorEstimator {
     #[must_use]
     pub fn forecast(&self, estimate: &ErrorEstimate) -> Option<ErrorForecast> {
         let law = self.radius_law.map(|law| (law.alpha, law.kernel.nested_difference_variance()));
-        estimate.error.is_finite().then(|| ErrorForecast::new(estimate, law))
+        estimate.error.is_finite().then(|| ErrorForecast::new(*estimate, law))
     }
 
     /// Returns the estimated error of each pixel. `film` must hold exactly the passes added so far.
@@ -322,10 +327,9 @@ impl NestedEstimateSums {
         }
         let [d0, d0_d1, d1] = square.map(|sum| sum / pixels as f64);
         let variance = n * variance / pixels as f64;
-        // Terms: noise of pairs of passes, and products of noise and expected difference.
         let scatter = self.leading.squared_error_variance(scale.pixel_weights(), n);
-        let d0_variance = variance * variance * scatter / (n * (n - 1.0)) + 2.0 * d0.max(0.0) * variance * scatter / n;
-        NestedDifferenceMoments { d0, d0_d1, d1, variance, d0_variance }
+        let d0_variance = NestedDifferenceMoments::d0_estimate_variance(d0, variance, scatter, n);
+        NestedDifferenceMoments { d0, d0_d1, d1, variance, d0_variance, scatter }
     }
 }
 

@@ -11,18 +11,24 @@
 
 mod blur;
 mod confidence;
+mod disc_area_sums;
 mod estimate;
 mod estimator;
 mod fireflies;
 mod forecast;
 mod leading_passes;
 mod pixel_variance;
+mod schedule;
 mod shared_paths;
+mod squared_error;
+mod stop_forecast;
 
 pub use confidence::Confidence;
 pub use estimate::ErrorEstimate;
 pub use estimator::{ErrorEstimator, ErrorMaps, MIN_PASSES};
-pub use forecast::{ErrorForecast, PassesNeeded};
+pub use forecast::ErrorForecast;
+pub use schedule::EstimateSchedule;
+pub use stop_forecast::{PassRange, RANGE_PROBABILITY, StopForecast};
 
 #[cfg(test)]
 mod tests;

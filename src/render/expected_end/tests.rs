@@ -14,10 +14,10 @@ fn ends(limits: RenderLimits, integrator: &NoisyIntegrator, pass_seconds: f64) -
     let eight = StopCriteria { passes: Some(8), ..StopCriteria::unlimited(&interrupted) };
     let pilot = render(integrator, SIZE, &eight, &SilentMonitor, |_| {});
     let estimator = pilot.estimator.unwrap();
-    let estimate = estimator.estimate_with_confidence(&pilot.film, stop.target.unwrap().interval_confidence());
+    let estimate = estimator.estimate(&pilot.film);
     let forecast = estimator.forecast(&estimate).unwrap();
     let made = render(integrator, SIZE, &stop, &SilentMonitor, |_| {});
-    (stop.expected_end(&estimate, &forecast, pass_seconds).unwrap(), (made.ended, made.film.passes()))
+    (stop.expected_end(&forecast, pass_seconds).unwrap(), (made.ended, made.film.passes()))
 }
 
 /// The number of passes is right to a twentieth, the interval at which `render` estimates errors.

@@ -64,7 +64,7 @@ fn docs_describe_exactly_every_stats_field() {
 fn stats_report_given_settings() {
     let stats = stats("--seed 5 --threads 2 --passes 3 --photons 2k --caustic-photons 700 --spp 2 --radius .25");
     for (field, value) in [
-        ("schema", 2),
+        ("schema", 3),
         ("seed", 5),
         ("threads", 2),
         ("passes", 3),

@@ -231,6 +231,57 @@ fn plateaus_never_reach_smaller_errors() {
     assert!(matches!(time_to_tenth_of_error(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
 }
 
+/// A bias of 0.1 and a noise of 0.1 after 256 passes: an error of 0.12 leaves 0.0044 for the squared
+/// noise, which 256 · 0.01/0.0044 passes reach.
+#[test]
+fn only_noise_falls_above_a_plateau() {
+    let mut method = method_without_noise();
+    for c in &mut method.checkpoints {
+        let noise2 = 0.01 * 256.0 / f64::from(c.passes);
+        c.squares = vec![0.01 + noise2; SEEDS];
+        (c.noises, c.noise2, c.bias2) = (vec![noise2; SEEDS], noise2, 0.01);
+    }
+    let fit = fit_convergence(&method);
+    let verdict = ConvergenceVerdict::Expected { slope: -0.3, ahead: Some(0.1) };
+    let TimeToError::Predicted { effort, .. } = time_to_error(&method, fit.as_ref(), &verdict, 0.12) else { panic!() };
+    assert!((effort.passes / (256.0 * 0.01 / 0.0044) - 1.0).abs() < 1e-6, "{effort:?}");
+    assert_eq!(time_to_error(&method, fit.as_ref(), &verdict, 0.1), TimeToError::Never { floor: 0.1 });
+}
+
+/// A slope of −0.5 takes 10⁶ times as long to a thousandth of the error, which is not predicted. An
+/// interval that contains 0 has an upper end of a thousand times the prediction.
+#[test]
+fn predictions_end_at_a_thousand_times_the_measured_time() {
+    let method = method_without_noise();
+    let mut fit = fit_convergence(&method).unwrap();
+    let verdict = judge_convergence(&method, Some(&fit), None);
+    assert_eq!(time_to_error(&method, Some(&fit), &verdict, 0.1 / 16e3), TimeToError::Unknown);
+    fit.error.as_mut().unwrap().by_time.interval = Some([-0.6, 0.1]);
+    let TimeToError::Predicted { effort, seconds: Some([low, high]) } =
+        time_to_error(&method, Some(&fit), &verdict, 0.1 / 64.0)
+    else {
+        panic!()
+    };
+    assert!((high / (1000.0 * effort.seconds) - 1.0).abs() < 1e-9 && low < effort.seconds, "{low} {high}");
+}
+
+/// Errors of seeds that scatter up to 18-fold before the last checkpoint agree with many slopes.
+#[test]
+fn wide_intervals_give_no_verdict() {
+    let mut method = method_without_noise();
+    for (i, c) in method.checkpoints.iter_mut().enumerate() {
+        let square = 0.01 / f64::from(c.passes);
+        let spread = if i == 8 { 0.3 } else { 1.2 };
+        let factor = |seed: usize| libm::exp2(spread * (((seed * 5 + i * 3) % 8) as f64 - 3.5));
+        c.squares = (0..SEEDS).map(|seed| square * factor(seed)).collect();
+        (c.noises, c.noise2) = (c.squares.clone(), c.mean_squared_error());
+    }
+    let verdict = fitted_verdict(&method);
+    let ConvergenceVerdict::Undecided { slope, interval: [low, high] } = verdict else { panic!("{verdict:?}") };
+    assert!(high - low > 0.25 && (low..=high).contains(&slope), "{verdict}");
+    assert!(verdict.to_string().starts_with("cannot tell: slope "), "{verdict}");
+}
+
 /// A pass of the second method takes twice as long. The error of the second method begins at a
 /// third of the first method's error, and does not fall.
 #[test]

@@ -4,6 +4,13 @@ use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
+/// Largest ratio of a predicted time to the measured time, and of the ends of its range to the
+/// predicted time.
+pub const MAX_EXTRAPOLATION: f64 = 1000.0;
+
+/// Slope of noise over time without a fit.
+const NOISE_SLOPE: f64 = -0.5;
+
 /// Time and work that a method takes to reach an error.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct RenderEffort {
@@ -44,8 +51,9 @@ pub enum TimeToError {
     Predicted {
         /// Time and work by the fitted slope.
         effort: RenderEffort,
-        /// Processor times \[s] for the slopes at both ends of the confidence interval; may be
-        /// infinite. `None` if the slope has no interval.
+        /// Processor times \[s] for the slopes at both ends of the confidence interval, at most
+        /// [`MAX_EXTRAPOLATION`] times away from that of `effort`. `None` if the slope has no
+        /// interval.
         seconds: Option<[f64; 2]>,
     },
     /// The error is never reached, because the bias stays above it.
@@ -53,7 +61,8 @@ pub enum TimeToError {
         /// Relative error that remains.
         floor: f64,
     },
-    /// Time and work are unknown, because there is no fit or the error does not fall.
+    /// Time and work are unknown: there is no fit, the error does not fall, or it would take more
+    /// than [`MAX_EXTRAPOLATION`] times the measured time.
     Unknown,
 }
 
@@ -100,16 +109,28 @@ fn extrapolate_time_to_error(
     if let Some(floor) = floor.filter(|floor| *floor >= error) {
         return TimeToError::Never { floor };
     }
-    let Some(SlopeEstimate { value, interval }) = fit.and_then(|fit| fit.error).map(|slopes| slopes.by_time) else {
-        return TimeToError::Unknown;
+    // Above a constant bias, only noise falls.
+    let (slopes, square, target) = match floor {
+        Some(floor) => {
+            (fit.and_then(|fit| fit.noise), last.mean_squared_error() - floor * floor, error * error - floor * floor)
+        }
+        None => (fit.and_then(|fit| fit.error), last.mean_squared_error(), error * error),
     };
-    let ratio = last.mean_squared_error().sqrt() / error;
+    let slope = match (slopes, floor) {
+        (Some(slopes), _) => slopes.by_time,
+        (None, Some(_)) => SlopeEstimate { value: NOISE_SLOPE, interval: None },
+        (None, None) => return TimeToError::Unknown,
+    };
+    let ratio = (square / target).max(1.0).sqrt();
     let factor = |slope: f64| if slope < 0.0 { libm::pow(ratio, -1.0 / slope) } else { f64::INFINITY };
-    if value >= 0.0 {
+    let predicted = factor(slope.value);
+    if predicted > MAX_EXTRAPOLATION {
         return TimeToError::Unknown;
     }
-    let seconds = interval.map(|ends| ends.map(|slope| last.seconds * factor(slope)));
-    TimeToError::Predicted { effort: RenderEffort::effort_at_checkpoint(last).scaled_by(factor(value)), seconds }
+    let limits = [predicted / MAX_EXTRAPOLATION, predicted * MAX_EXTRAPOLATION].map(|factor| last.seconds * factor);
+    let end = |slope: f64| (last.seconds * factor(slope)).clamp(limits[0], limits[1]);
+    let effort = RenderEffort::effort_at_checkpoint(last).scaled_by(predicted);
+    TimeToError::Predicted { effort, seconds: slope.interval.map(|ends| ends.map(end)) }
 }
 
 /// Returns the time and work to reach a tenth of the method's error at its last checkpoint.

@@ -12,6 +12,10 @@ use std::fmt;
 /// The error then exceeds the bias by at most 12 %.
 pub const BIAS_DOMINATED_SHARE: f64 = 0.8;
 
+/// Width of a slope's confidence interval from which no verdict is given: half of the range between
+/// a constant error and an error that falls like that of `path`.
+const UNDECIDED_WIDTH: f64 = 0.25;
+
 /// Verdict on how the error of a method falls with the number of passes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConvergenceVerdict {
@@ -27,6 +31,14 @@ pub enum ConvergenceVerdict {
     Wide {
         /// Slope over passes.
         slope: f64,
+    },
+    /// The slope agrees with theory, but its confidence interval is so wide that other slopes agree
+    /// too.
+    Undecided {
+        /// Slope over passes.
+        slope: f64,
+        /// 95 % confidence interval of `slope`.
+        interval: [f64; 2],
     },
     /// The error does not fall any more, because bias dominates it.
     Plateau {
@@ -111,6 +123,9 @@ pub fn judge_convergence(
     if high < total.steepest {
         return ConvergenceVerdict::Faster { slope, law: total };
     }
+    if high - low > UNDECIDED_WIDTH {
+        return ConvergenceVerdict::Undecided { slope, interval: [low, high] };
+    }
     let seen = squared_bias_interval(last);
     match seen {
         Some([low, most]) if low <= 0.0 && bias.is_some() => {
@@ -141,6 +156,10 @@ impl fmt::Display for ConvergenceVerdict {
             }
             Self::TooSmall { truth: None } => write!(f, "too small to measure with these seeds"),
             Self::Wide { slope } => write!(f, "slope {}; too few seeds for an interval", slope_text(*slope)),
+            Self::Undecided { slope, interval } => {
+                let [low, high] = interval.map(slope_text);
+                write!(f, "cannot tell: slope {}, between {low} and {high}; more seeds tell more", slope_text(*slope))
+            }
             Self::Plateau { floor, cause } => write!(f, "plateau: bias of {} stays{cause}", error_percent_text(*floor)),
             Self::Hidden { slope, most } => {
                 let (most, slope) = (error_percent_text(*most), slope_text(*slope));

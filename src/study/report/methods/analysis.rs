@@ -1,8 +1,8 @@
 //! Conclusions from a study of methods, for all its reports.
 
 use crate::study::methods::fit::{
-    ConvergenceFit, ConvergenceSlopes, ConvergenceVerdict, ErrorComponent, MethodRecommendation, ParetoPoint,
-    RenderEffort, SlopeRange, TimeToError, fit_convergence, judge_convergence, pareto_front,
+    ConvergenceFit, ConvergenceSlopes, ConvergenceVerdict, ErrorComponent, MAX_EXTRAPOLATION, MethodRecommendation,
+    ParetoPoint, RenderEffort, SlopeRange, TimeToError, fit_convergence, judge_convergence, pareto_front,
     predicted_convergence_slopes, recommend_method, time_to_error, time_to_tenth_of_error,
 };
 use crate::study::methods::{MethodResult, MethodStudyResult};
@@ -106,7 +106,11 @@ pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (Str
         TimeToError::Within(effort) => (format!("< {}", duration_text(effort.seconds)), work(effort).collect()),
         TimeToError::Measured(effort) => (duration_text(effort.seconds), work(effort).collect()),
         TimeToError::Predicted { effort, seconds } => {
-            let range = seconds.map(|[low, high]| format!("{} to {}", duration_text(low), duration_text(high)));
+            let range = seconds.map(|[low, high]| {
+                let is_open = high >= MAX_EXTRAPOLATION * effort.seconds;
+                let high = if is_open { "unknown".to_owned() } else { duration_text(high) };
+                format!("{} to {high}", duration_text(low))
+            });
             (format!("≈ {}", duration_text(effort.seconds)), range.into_iter().chain(work(effort)).collect())
         }
         TimeToError::Never { floor } => {

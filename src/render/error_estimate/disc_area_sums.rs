@@ -1,0 +1,80 @@
+//! Sums over passes of powers of the disc area of photon estimates.
+
+use crate::integrate::squared_radius_ratio;
+
+/// Number of passes that are summed one by one.
+pub(super) const EXACT_PASSES: u32 = 1024;
+
+/// Divisor of the number n of passes summed so far: a group of later passes has n/`GROUP_DIVISOR`
+/// passes.
+pub(super) const GROUP_DIVISOR: u32 = 128;
+
+/// Sums over passes of powers of the disc area of photon estimates, divided by that of the first
+/// pass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DiscAreaSums {
+    /// Exponent α of the radius law; 1 for fixed radii.
+    alpha: f64,
+    /// Exponent p: the blur of a pass is proportional to its disc area to the power p.
+    power: f64,
+    /// Number of summed passes.
+    pub passes: u32,
+    /// Disc area of the next pass.
+    area: f64,
+    /// Sum of 1/area.
+    pub inverse_area: f64,
+    /// Sum of area^`power`.
+    pub blur: f64,
+}
+
+impl DiscAreaSums {
+    pub fn new(alpha: f64, power: f64) -> Self {
+        Self { alpha, power, passes: 0, area: squared_radius_ratio(alpha, 0), inverse_area: 0.0, blur: 0.0 }
+    }
+
+    /// Returns the sums over `passes` passes, to a relative error below 10⁻³.
+    pub fn of_passes(alpha: f64, power: f64, passes: u32) -> Self {
+        let mut sums = Self::new(alpha, power);
+        sums.advance_to(passes);
+        sums
+    }
+
+    /// Adds passes up to the number `passes`.
+    pub fn advance_to(&mut self, passes: u32) {
+        while self.passes < passes {
+            if self.passes + self.group() > passes { self.add_pass() } else { self.add_group() }
+        }
+    }
+
+    /// Adds the next group of passes: one pass below [`EXACT_PASSES`], then 1 % of those summed so
+    /// far.
+    pub fn add_group(&mut self) {
+        if self.group() > 1 { self.add_passes_by_midpoint(self.group()) } else { self.add_pass() }
+    }
+
+    /// Number of passes of the next group.
+    fn group(&self) -> u32 {
+        if self.passes < EXACT_PASSES { 1 } else { self.passes / GROUP_DIVISOR }
+    }
+
+    fn add_pass(&mut self) {
+        self.inverse_area += 1.0 / self.area;
+        self.blur += if self.power == 1.0 { self.area } else { libm::pow(self.area, self.power) };
+        self.passes += 1;
+        let i = f64::from(self.passes);
+        self.area *= (i + self.alpha) / (i + 1.0);
+    }
+
+    /// Adds the next `count` passes at once by the midpoint rule.
+    ///
+    /// The rule uses area ∝ n^(α − 1), which holds for large n.
+    fn add_passes_by_midpoint(&mut self, count: u32) {
+        let n = f64::from(self.passes);
+        let at = |i: f64| self.area * libm::pow(i / n, self.alpha - 1.0);
+        let middle = at(n + 0.5 * f64::from(count));
+        self.area = at(n + f64::from(count));
+        self.inverse_area += f64::from(count) / middle;
+        self.blur += f64::from(count) * libm::pow(middle, self.power);
+        self.passes += count;
+    }
+}

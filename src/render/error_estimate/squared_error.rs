@@ -1,0 +1,45 @@
+//! The squared error of a picture: its parts, and their uncertainty.
+
+/// Parts of the squared relative error of a picture, with the variances of their estimates.
+///
+/// Errors are relative, see [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct SquaredErrorParts {
+    /// Squared noise.
+    pub noise: f64,
+    /// Relative variance of the squared noise of one picture about its expectation: 2 / effective
+    /// sample count.
+    pub noise_scatter: f64,
+    /// Relative variance of the estimate `noise` about the expectation of the squared noise.
+    pub noise_uncertainty: f64,
+    /// Squared blur.
+    pub blur: f64,
+    /// Variance of the estimate `blur`.
+    pub blur_variance: f64,
+    /// Squared error of camera paths that all passes share.
+    pub shared_paths: f64,
+    /// Variance of the estimate `shared_paths`.
+    pub shared_paths_variance: f64,
+}
+
+impl SquaredErrorParts {
+    /// Squared error: the sum of the parts.
+    pub fn total(&self) -> f64 {
+        self.noise + self.blur + self.shared_paths
+    }
+
+    /// Variance of [`total`](Self::total) about the squared error of the picture.
+    fn variance(&self) -> f64 {
+        let bias = self.blur + self.shared_paths;
+        let realised = self.noise * (self.noise + 2.0 * bias) * self.noise_scatter;
+        let estimated = self.noise * self.noise * self.noise_uncertainty;
+        realised + estimated + self.blur_variance + self.shared_paths_variance
+    }
+
+    /// Returns the ends of the interval of the error, `half_width` standard deviations of the
+    /// squared error on either side of its estimate.
+    pub fn error_interval(&self, half_width: f64) -> (f64, f64) {
+        let deviation = half_width * self.variance().sqrt();
+        ((self.total() - deviation).max(0.0).sqrt(), (self.total() + deviation).sqrt())
+    }
+}

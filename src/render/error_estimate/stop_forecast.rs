@@ -1,0 +1,303 @@
+//! Forecast of the pass after which a render reaches an error target.
+//!
+//! A render ends once the upper end of its error interval is at most the target. The forecast
+//! simulates this rule: it draws values of what is not known yet, computes the upper end after each
+//! later pass, and counts after how many passes each draw ends. Unknown are the expected noise, the
+//! expected blur, the exponent of its decay, and the noise of later blur estimates.
+
+use super::blur::{BlurEstimate, EDGE_CORRELATION, NestedDifferenceMoments};
+use super::confidence::Confidence;
+use super::disc_area_sums::DiscAreaSums;
+use super::estimator::MIN_PASSES;
+use super::forecast::{ErrorForecast, MAX_PASSES};
+use super::schedule::EstimateSchedule;
+use super::squared_error::SquaredErrorParts;
+use std::sync::LazyLock;
+
+/// Probability that a render ends within a [`PassRange`].
+pub const RANGE_PROBABILITY: f64 = 0.8;
+
+/// Largest ratio of a forecast number of passes to the number of passes made.
+const MAX_EXTRAPOLATION: u32 = 1000;
+
+/// Number of draws.
+const DRAWS: usize = 64;
+
+/// Relative standard deviation of the predicted noise variance of distant passes, due to the model.
+const MODEL_DEVIATION: f64 = 0.2;
+
+/// Exponent of the prior density of ‖D₀‖², with D₀ = L(r) − L(r/√2) for the density estimate L(r)
+/// with disc radius r.
+///
+/// An exponent of 0 would make large blur likely wherever it is not measured yet, an exponent of 1
+/// would exclude it.
+const PRIOR_EXPONENT: f64 = 0.5;
+
+/// Possible exponents p of the decay of blur, which is proportional to disc area to the power p: ¼
+/// at edges, 1 in smooth light. All are equally likely before measurement.
+const POWERS: [f64; 5] = [0.25, 0.4375, 0.625, 0.8125, 1.0];
+
+/// Least weight of an exponent of [`POWERS`], relative to the most likely one.
+const LEAST_POWER_WEIGHT: f64 = 1e-3;
+
+/// When a render is expected to reach its error target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StopForecast {
+    /// After a number of passes in this range.
+    Passes(PassRange),
+    /// Never: more passes do not remove this relative bias.
+    Never {
+        /// Relative bias that no number of passes removes.
+        floor: f64,
+    },
+    /// Too late to tell from the passes made.
+    TooFar {
+        /// Number of passes after which the render ends with a probability of 10 % at most.
+        at_least: u32,
+    },
+}
+
+/// Range that contains a total number of passes with the probability [`RANGE_PROBABILITY`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PassRange {
+    /// Lower end of the range: the 10 % quantile.
+    pub low: u32,
+    /// Median.
+    pub median: u32,
+    /// Upper end of the range: the 90 % quantile; `None` if it is too far to tell.
+    pub high: Option<u32>,
+}
+
+/// Values of the unknowns, as standard normal or uniform variates.
+struct Draw {
+    /// Normal variate of the expected noise.
+    noise: f64,
+    /// Uniform variate of the exponent of the decay of blur.
+    power: f64,
+    /// Uniform variate of the expected blur.
+    blur: f64,
+    /// Normal variate of the noise of later blur estimates.
+    later_blur: f64,
+}
+
+/// Draws with stratified noise. The other dimensions are an additive recurrence (Roberts 2018, "The
+/// unreasonable effectiveness of quasirandom sequences").
+static ALL_DRAWS: LazyLock<Vec<Draw>> = LazyLock::new(|| {
+    // Positive root of x⁴ = x + 1.
+    let root: f64 = 1.220_744_084_605_759_5;
+    let steps = [1.0 / root, 1.0 / (root * root), 1.0 / (root * root * root)];
+    let draw = |i: usize| {
+        let [power, blur, later_blur] = steps.map(|step| (0.5 + i as f64 * step).fract());
+        let noise = (i as f64 + 0.5) / DRAWS as f64;
+        Draw { noise: normal_quantile(noise), power, blur, later_blur: normal_quantile(later_blur) }
+    };
+    (0..DRAWS).map(draw).collect()
+});
+
+/// Returns the value that a standard normal variate exceeds with probability 1 − `probability`, for
+/// 0 < `probability` < 1.
+fn normal_quantile(probability: f64) -> f64 {
+    let half_width = Confidence::new((2.0 * probability - 1.0).abs()).map_or(0.0, Confidence::gaussian_half_width);
+    half_width.copysign(probability - 0.5)
+}
+
+impl ErrorForecast {
+    /// Predicts after how many passes the upper end of the error interval is at most `target`.
+    ///
+    /// `confidence` is that of the interval. The render estimates its error by
+    /// [`EstimateSchedule`].
+    #[must_use]
+    pub fn stop(&self, target: f64, confidence: Confidence) -> StopForecast {
+        if let Some(floor) = self.bias_floor().filter(|floor| *floor >= target) {
+            return StopForecast::Never { floor };
+        }
+        let half_width = confidence.gaussian_half_width();
+        let ends = self.ends_of_draws(target, half_width);
+        let quantile = |fraction: f64| ends[(fraction * (DRAWS - 1) as f64).round() as usize];
+        let tail = 0.5 * (1.0 - RANGE_PROBABILITY);
+        let [low, median, high] = [tail, 0.5, 1.0 - tail].map(quantile);
+        match (low, median) {
+            (Some(low), Some(median)) => StopForecast::Passes(PassRange { low, median, high }),
+            _ => StopForecast::TooFar { at_least: low.unwrap_or_else(|| self.horizon()) },
+        }
+    }
+
+    /// Largest number of passes of a simulated render.
+    fn horizon(&self) -> u32 {
+        self.estimate.passes.saturating_mul(MAX_EXTRAPOLATION).min(MAX_PASSES)
+    }
+
+    /// Returns the numbers of passes after which the draws end, in ascending order; `None` beyond
+    /// [`horizon`](Self::horizon).
+    fn ends_of_draws(&self, target: f64, half_width: f64) -> Vec<Option<u32>> {
+        let made = self.estimate.passes;
+        let ended = self.estimate.parts.error_interval(half_width).1 <= target;
+        let possible = if ended { MIN_PASSES..=made } else { made + 1..=self.horizon() };
+        let (weights, densities) = (self.power_weights(), self.blur_quantiles());
+        let mut sums = POWERS.map(|power| DiscAreaSums::new(self.alpha, power));
+        let at_pilot = POWERS.map(|power| DiscAreaSums::of_passes(self.alpha, power, made));
+        let choices: Vec<(usize, f64)> =
+            ALL_DRAWS.iter().map(|draw| (index_at(&weights, draw.power), quantile_at(&densities, draw.blur))).collect();
+        let mut ends = vec![None; DRAWS];
+        let due = EstimateSchedule::due_passes().skip_while(|n| n < possible.start());
+        for passes in due.take_while(|n| possible.contains(n)) {
+            sums.iter_mut().for_each(|sums| sums.advance_to(passes));
+            for ((end, draw), (power, d0)) in ends.iter_mut().zip(ALL_DRAWS.iter()).zip(&choices) {
+                if end.is_none() {
+                    let parts = self.simulated_parts(draw, *power, *d0, (&sums[*power], &at_pilot[*power]));
+                    *end = (parts.error_interval(half_width).1 <= target).then_some(passes);
+                }
+            }
+            if ends.iter().all(Option::is_some) {
+                break;
+            }
+        }
+        // A render that has ended did so after the passes made at the latest.
+        if ended {
+            ends.iter_mut().for_each(|end| *end = end.or(Some(made)));
+        }
+        ends.sort_by_key(|end| end.unwrap_or(u32::MAX));
+        ends
+    }
+
+    /// Returns the parts of the squared error that a render estimates after the passes that `sums`
+    /// holds.
+    ///
+    /// `power` is an index of [`POWERS`]. `d0` is the expectation of ‖D₀‖² after the passes made,
+    /// whose sums are `at_pilot`.
+    fn simulated_parts(
+        &self,
+        draw: &Draw,
+        power: usize,
+        d0: f64,
+        (sums, at_pilot): (&DiscAreaSums, &DiscAreaSums),
+    ) -> SquaredErrorParts {
+        let parts = &self.estimate.parts;
+        let (n, made) = (f64::from(sums.passes), f64::from(at_pilot.passes));
+        let distance = 1.0 - n.min(made) / n.max(made);
+        let deviation = (parts.noise_uncertainty + MODEL_DEVIATION * MODEL_DEVIATION * distance * distance).sqrt();
+        let noise = self.squared_noise(sums) * libm::exp(draw.noise * deviation);
+        let blur = self.simulated_blur(draw, power, d0, (sums, at_pilot));
+        SquaredErrorParts {
+            noise,
+            noise_uncertainty: parts.noise_uncertainty * made / n,
+            blur: blur.square,
+            blur_variance: blur.variance,
+            shared_paths_variance: parts.shared_paths_variance * made / n,
+            ..*parts
+        }
+    }
+
+    /// Returns the blur that a render estimates after the passes that `sums` holds. The arguments
+    /// are those of [`simulated_parts`](Self::simulated_parts).
+    fn simulated_blur(
+        &self,
+        draw: &Draw,
+        power: usize,
+        d0: f64,
+        (sums, at_pilot): (&DiscAreaSums, &DiscAreaSums),
+    ) -> BlurEstimate {
+        let measured = &self.estimate.differences;
+        if measured.variance <= 0.0 && d0 <= 0.0 {
+            return BlurEstimate::default();
+        }
+        let n = f64::from(sums.passes);
+        let decay = (sums.blur / n) / (at_pilot.blur / f64::from(at_pilot.passes));
+        let growth = (sums.inverse_area / n) / (at_pilot.inverse_area / f64::from(at_pilot.passes));
+        let (expected, variance) = (d0 * decay * decay, measured.variance * growth);
+        let d0_variance = NestedDifferenceMoments::d0_estimate_variance(expected, variance, measured.scatter, n);
+        let d0 = expected + draw.later_blur * d0_variance.sqrt();
+        let squared = squared_ratio(POWERS[power]);
+        let smooth_to_edge = (squared - 0.25) / (squared_ratio(POWERS[0]) - 0.25);
+        let correlation = 0.5 + (EDGE_CORRELATION - 0.5) * smooth_to_edge;
+        let trust = measured.trust();
+        let correlation =
+            if trust > 0.0 { correlation + trust * (measured.correlation() - correlation) } else { correlation };
+        BlurEstimate::from_differences(&NestedDifferenceMoments {
+            d0,
+            d0_d1: correlation * d0,
+            d1: squared * d0,
+            variance,
+            d0_variance,
+            scatter: measured.scatter,
+        })
+    }
+
+    /// Returns the cumulative probabilities of [`POWERS`] after measurement.
+    ///
+    /// The likelihood of an exponent p is that of the measured ‖D₁‖² = 2^(−2p) ‖D₀‖². The estimate
+    /// of ‖D₁‖² has about the variance of the estimate of ‖D₀‖².
+    fn power_weights(&self) -> [f64; POWERS.len()] {
+        let measured = &self.estimate.differences;
+        // Ratios between those of two neighbouring exponents fit both, however exact they are.
+        let rounding = 1e-4 * measured.d0 * measured.d0;
+        let square = |power: f64| {
+            let ratio = squared_ratio(power);
+            let difference = measured.d1 - ratio * measured.d0;
+            let variance = (1.0 + ratio * ratio) * measured.d0_variance + rounding;
+            if variance > 0.0 { difference * difference / variance } else { 0.0 }
+        };
+        let squares = POWERS.map(square);
+        let least = squares.into_iter().fold(f64::INFINITY, f64::min);
+        let mut sum = 0.0;
+        squares.map(|square| {
+            sum += libm::exp(-0.5 * (square - least)) + LEAST_POWER_WEIGHT;
+            sum
+        })
+    }
+
+    /// Returns pairs of a value of ‖D₀‖² and its cumulative probability after measurement, both in
+    /// ascending order. The probability is not normalized.
+    ///
+    /// The measured ‖D₀‖² has Gaussian noise. The prior density is a power law
+    /// ([`PRIOR_EXPONENT`]).
+    fn blur_quantiles(&self) -> Vec<(f64, f64)> {
+        const VALUES: i32 = 80;
+        const LEAST: f64 = 1e-3;
+        let measured = &self.estimate.differences;
+        let (d0, deviation) = (measured.d0.max(0.0), measured.d0_variance.sqrt());
+        if deviation <= 0.0 {
+            return vec![(d0, 1.0)];
+        }
+        let most = d0 / deviation + 5.0;
+        let factor = libm::pow(most / LEAST, 1.0 / f64::from(VALUES - 1));
+        let (mut low, mut high, mut sum) = (0.0, LEAST, 0.0);
+        let mut quantiles = vec![(0.0, 0.0)];
+        for _ in 0..VALUES {
+            let middle = 0.5 * (low + high);
+            let off = middle - measured.d0 / deviation;
+            sum += libm::exp(-0.5 * off * off) * libm::pow(middle, -PRIOR_EXPONENT) * (high - low);
+            quantiles.push((high * deviation, sum));
+            (low, high) = (high, high * factor);
+        }
+        quantiles
+    }
+}
+
+/// Returns ‖D₁‖² / ‖D₀‖² where blur is proportional to disc area to the power `power`.
+fn squared_ratio(power: f64) -> f64 {
+    libm::exp2(-2.0 * power)
+}
+
+/// Returns the first index whose cumulative weight exceeds the fraction `uniform` of the last one.
+fn index_at(cumulative: &[f64], uniform: f64) -> usize {
+    let total = cumulative.last().copied().unwrap_or(0.0);
+    cumulative.partition_point(|weight| *weight <= uniform * total).min(cumulative.len() - 1)
+}
+
+/// Returns the value at the fraction `uniform` of the last cumulative weight, by linear
+/// interpolation. The pairs are values and cumulative weights.
+fn quantile_at(quantiles: &[(f64, f64)], uniform: f64) -> f64 {
+    let total = quantiles.last().map_or(0.0, |last| last.1);
+    let above = quantiles.partition_point(|(_, weight)| *weight <= uniform * total).min(quantiles.len() - 1);
+    let (value, weight) = quantiles[above];
+    let (below, below_weight) = quantiles[above.saturating_sub(1)];
+    if weight > below_weight {
+        below + (value - below) * (uniform * total - below_weight) / (weight - below_weight)
+    } else {
+        value
+    }
+}
+
+#[cfg(test)]
+mod tests;

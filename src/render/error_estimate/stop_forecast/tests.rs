@@ -1,0 +1,122 @@
+use super::*;
+use crate::render::error_estimate::ErrorEstimate;
+
+/// Confidence of an interval whose upper end is the mean: its half width is 0.
+const CENTER: Confidence = Confidence::LEAST;
+
+/// Returns the forecast after 8 passes of relative variance 0.08 each, so that the noise is 0.1,
+/// with the given moments of nested differences.
+fn forecast_with(differences: NestedDifferenceMoments, alpha: Option<f64>) -> ErrorForecast {
+    let blur = BlurEstimate::from_differences(&differences);
+    let parts =
+        SquaredErrorParts { noise: 0.01, blur: blur.square, blur_variance: blur.variance, ..Default::default() };
+    let estimate = ErrorEstimate {
+        passes: 8,
+        error: parts.total().sqrt(),
+        blur: blur.square.sqrt(),
+        blur_ratio: if blur.ratio > 0.0 { blur.ratio } else { 0.5 },
+        parts,
+        differences,
+        ..ErrorEstimate::default()
+    };
+    ErrorForecast::new(estimate, alpha.map(|alpha| (alpha, 0.5)))
+}
+
+fn range(forecast: StopForecast) -> PassRange {
+    let StopForecast::Passes(range) = forecast else { panic!("{forecast:?}") };
+    range
+}
+
+/// Smooth light of blur 2·√d0, known exactly.
+fn smooth(d0: f64) -> NestedDifferenceMoments {
+    NestedDifferenceMoments { d0, d0_d1: 0.5 * d0, d1: 0.25 * d0, ..Default::default() }
+}
+
+#[test]
+fn normal_quantiles_match_tables() {
+    for (probability, expected) in [(0.5, 0.0), (0.9, 1.281_552), (0.025, -1.959_964), (0.999, 3.090_232)] {
+        assert!((normal_quantile(probability) - expected).abs() < 1e-5, "{probability}");
+    }
+}
+
+#[test]
+fn draws_are_spread_evenly() {
+    let mean = |of: fn(&Draw) -> f64| ALL_DRAWS.iter().map(of).sum::<f64>() / DRAWS as f64;
+    assert!(mean(|draw| draw.noise).abs() < 0.05 && mean(|draw| draw.later_blur).abs() < 0.05);
+    assert!((mean(|draw| draw.power) - 0.5).abs() < 0.02 && (mean(|draw| draw.blur) - 0.5).abs() < 0.02);
+    assert!((mean(|draw| draw.noise * draw.noise) - 1.0).abs() < 0.1);
+    assert!(mean(|draw| draw.noise * draw.later_blur).abs() < 0.1);
+}
+
+/// Noise of 0.1 after 8 passes falls to 0.05 after 32. The range is that of the model's doubt.
+#[test]
+fn noise_alone_needs_four_times_the_passes() {
+    let forecast = forecast_with(NestedDifferenceMoments::default(), None);
+    let PassRange { low, median, high } = range(forecast.stop(0.05, CENTER));
+    assert!((31..=34).contains(&median), "{median}");
+    // Deviation 0.2·¾ of the variance, and the schedule of estimates.
+    let factor = libm::exp(1.2816 * 0.15);
+    assert!((f64::from(low) * factor / 32.0 - 1.0).abs() < 0.08, "{low}");
+    assert!((f64::from(high.unwrap()) / factor / 32.0 - 1.0).abs() < 0.08, "{high:?}");
+}
+
+/// A wider interval must fall further: its upper end is √(1 + z·√uncertainty) times the error.
+#[test]
+fn the_upper_end_of_the_interval_is_foretold() {
+    let mut forecast = forecast_with(NestedDifferenceMoments::default(), None);
+    forecast.estimate.parts.noise_scatter = 0.04;
+    let center = range(forecast.stop(0.05, CENTER)).median;
+    let upper = range(forecast.stop(0.05, Confidence::new(0.8).unwrap())).median;
+    let expected = 1.0 + 1.2816 * 0.2;
+    assert!((f64::from(upper) / f64::from(center) / expected - 1.0).abs() < 0.06, "{upper} {center}");
+}
+
+/// Targets that the pilot has reached are foretold at its passes or before.
+#[test]
+fn reached_targets_are_not_in_the_future() {
+    let forecast = forecast_with(NestedDifferenceMoments::default(), None);
+    let PassRange { low, median, high } = range(forecast.stop(0.1001, CENTER));
+    assert!(MIN_PASSES <= low && median <= 8 && high.unwrap() <= 8, "{low} {median} {high:?}");
+    assert!(range(forecast.stop(0.5, CENTER)).high == Some(MIN_PASSES));
+    assert!(range(forecast.stop(0.0999, CENTER)).low > 8);
+}
+
+#[test]
+fn fixed_radii_never_reach_targets_below_their_blur() {
+    let forecast = forecast_with(smooth(1e-4), Some(1.0));
+    assert_eq!(forecast.stop(0.019, CENTER), StopForecast::Never { floor: 0.02 });
+    // 0.01·8/n + 0.02² = 0.03².
+    let median = range(forecast.stop(0.03, CENTER)).median;
+    assert!((155..=175).contains(&median), "{median}");
+}
+
+/// Light at edges blurs as n^(−1/12), smooth light as n^(−1/3): the same blur takes longer to fall.
+#[test]
+fn blur_at_edges_takes_longer_than_in_smooth_light() {
+    let edge = |d0: f64| NestedDifferenceMoments { d0, d0_d1: 0.7275 * d0, d1: 0.707 * d0, ..Default::default() };
+    let [smooth, edge] = [smooth(0.25e-2), edge(0.01 / 14.6)].map(|differences| {
+        let forecast = forecast_with(differences, Some(2.0 / 3.0));
+        assert!((forecast.estimate.blur / 0.1 - 1.0).abs() < 0.02, "{}", forecast.estimate.blur);
+        range(forecast.stop(0.08, CENTER)).median
+    });
+    assert!(edge > 2 * smooth, "{edge} {smooth}");
+}
+
+/// Blur that is not known yet widens the range.
+#[test]
+fn unknown_blur_widens_the_range() {
+    let known = forecast_with(NestedDifferenceMoments::default(), Some(2.0 / 3.0));
+    let deviation = 2e-4;
+    let noisy = NestedDifferenceMoments { d0_variance: deviation * deviation, variance: 0.01, ..Default::default() };
+    let unknown = forecast_with(NestedDifferenceMoments { scatter: 0.02, ..noisy }, Some(2.0 / 3.0));
+    let ends = [&known, &unknown].map(|forecast| range(forecast.stop(0.04, CENTER)));
+    assert!(ends[1].median >= ends[0].median);
+    let width = |range: &PassRange| f64::from(range.high.unwrap_or(u32::MAX)) / f64::from(range.low);
+    assert!(width(&ends[1]) > 1.3 * width(&ends[0]), "{ends:?}");
+}
+
+#[test]
+fn distant_targets_are_not_foretold() {
+    let forecast = forecast_with(NestedDifferenceMoments::default(), None);
+    assert_eq!(forecast.stop(1e-6, CENTER), StopForecast::TooFar { at_least: 8000 });
+}
