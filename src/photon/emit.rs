@@ -38,8 +38,8 @@ pub struct PhotonSource<'a> {
     effects: Effects,
 }
 
-/// A sampled light, and the primary sample in \[0, 1)⁴ that determines the position and direction
-/// of the emitted ray.
+/// A sampled light, and the primary sample: the random numbers in \[0, 1)⁴ that determine the
+/// position and direction of the emitted ray (Kelemen et al. 2002).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimaryEmissionSample {
     /// Index of the light.

@@ -17,7 +17,7 @@ const MAX_SHAPES: usize = 4096;
 /// Number of film points along each side of the film at which camera motion is measured.
 const FILM_POINTS: u32 = 5;
 
-/// Cameras and film of a scene, which convert the length of the path of a point to pixels.
+/// Measures the length of the path of a point in pixels, by the cameras and the film of a scene.
 struct FilmMeasure {
     /// The camera when the shutter opens and at the end of each step.
     cameras: Vec<Camera>,

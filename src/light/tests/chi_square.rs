@@ -57,8 +57,8 @@ const STEPS: usize = 32;
 /// The edge of a light may run parallel to the grid. The error is then at most 1/(2 · 32 · 16) =
 /// 0.1 % of a cell: 5 of 5000 samples, 1/14 of their standard deviation.
 const FINER: usize = 16;
-/// Upper bound of the error of an integrated pdf: 0.1 % in half of the cells, if an edge of the
-/// light passes through them.
+/// Upper bound of the error of an integrated pdf. An edge of the light may pass through half of the
+/// cells, each with an error of 0.1 %.
 pub const INTEGRAL_ERROR: f64 = 5e-4;
 const DRAWS: u64 = 300_000;
 
