@@ -231,8 +231,8 @@ fn plateaus_never_reach_smaller_errors() {
     assert!(matches!(time_to_tenth_of_error(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
 }
 
-/// A bias of 0.1 and a noise of 0.1 after 256 passes: an error of 0.12 leaves 0.0044 for the squared
-/// noise, which 256 · 0.01/0.0044 passes reach.
+/// A bias of 0.1 and a noise of 0.1 after 256 passes: an error of 0.12 leaves 0.0044 for the
+/// squared noise, which 256 · 0.01/0.0044 passes reach.
 #[test]
 fn only_noise_falls_above_a_plateau() {
     let mut method = method_without_noise();
