@@ -345,6 +345,10 @@ pub struct EstimateArguments {
     #[arg(long, value_parser = parse_relative_error, value_delimiter = ',', default_value = "10%,5%,3%,2%,1%", value_name = "ERROR,…")]
     pub errors: Vec<f64>,
 
+    /// Further algorithms to estimate the cost of; a table tells which of all is the fastest
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "METHOD,…")]
+    pub compare: Vec<Algorithm>,
+
     /// Duration of the pilot render, which makes at least eight passes
     #[arg(long, value_parser = parse_duration, default_value = "10s", value_name = "TIME")]
     pub pilot: Duration,

@@ -154,3 +154,22 @@ fn error_flags_need_an_estimating_integrator() {
     render(&sandbox, "--aov a.png").expect(3, &[".exr"]);
     assert_eq!(sandbox.names(), ["box.txt"]);
 }
+
+#[test]
+fn estimate_compares_algorithms() {
+    let sandbox = CliSandbox::new();
+    let line = format!("price box.txt {FEW} --integrator path --pilot 0s --errors 40%,30% --compare path,sppm");
+    let run = |line: &str| sandbox.run(&line.split_whitespace().collect::<Vec<_>>());
+    let table = run(&line).stdout;
+    let (_, times) = table.split_once("time by method").expect(&table);
+    let rows: Vec<&str> = times.lines().skip(1).collect();
+    assert_eq!(rows[0].split_whitespace().collect::<Vec<_>>(), ["error", "path", "sppm"]);
+    assert!(rows.len() == 3 && rows[1..].iter().all(|row| row.matches('*').count() == 1), "{table}");
+
+    let report: Value = serde_json::from_str(&run(&format!("{line} --json --quiet")).stdout).unwrap();
+    let compared = report["compared"].as_array().unwrap();
+    assert!(report["integrator"] == "path" && compared.len() == 1 && compared[0]["integrator"] == "sppm", "{report}");
+    assert!(compared[0]["prices"][1]["flags"].as_str().unwrap().contains("--integrator sppm"));
+
+    run(&format!("price box.txt {FEW} --compare sppm,whitted")).expect(2, &["whitted, which leaves light out"]);
+}

@@ -1,0 +1,85 @@
+//! Comparison of algorithms by the time that they take to reach an error.
+
+use super::report::{CostEstimate, CostEstimateReport};
+use crate::cli::forecast_text::duration_text;
+use crate::integrate::Algorithm;
+use crate::study::text::percent_text;
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// Usage error: an algorithm leaves light out by design, so its estimated error is not its true
+/// error.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("--compare cannot compare {name}, which leaves light out by design")]
+#[diagnostic(help("choose among hybrid, path, sppm, ppm and pm"))]
+pub(super) struct IncompleteAlgorithmError {
+    name: &'static str,
+}
+
+/// Returns an error if one of `algorithms` leaves light out by design.
+pub(super) fn check_comparable(algorithms: &[Algorithm]) -> Result<(), IncompleteAlgorithmError> {
+    let is_complete = |algorithm: Algorithm| match algorithm {
+        Algorithm::Hybrid | Algorithm::Path | Algorithm::Sppm | Algorithm::Ppm | Algorithm::Pm => true,
+        Algorithm::Distributed | Algorithm::Whitted | Algorithm::Raycast => false,
+    };
+    match algorithms.iter().find(|algorithm| !is_complete(**algorithm)) {
+        Some(algorithm) => Err(IncompleteAlgorithmError { name: algorithm.name() }),
+        None => Ok(()),
+    }
+}
+
+/// Costs of errors by one algorithm, and by others for comparison.
+#[derive(Debug, Serialize)]
+pub(super) struct Comparison {
+    #[serde(flatten)]
+    report: CostEstimateReport,
+    /// Reports of the algorithms of `--compare`.
+    compared: Vec<CostEstimateReport>,
+}
+
+impl Comparison {
+    /// Creates a comparison without other algorithms.
+    pub(super) fn new(report: CostEstimateReport) -> Self {
+        Self { report, compared: Vec::new() }
+    }
+
+    /// True if there is no report by `algorithm`.
+    pub(super) fn lacks(&self, algorithm: Algorithm) -> bool {
+        self.reports().all(|report| report.integrator != algorithm.name())
+    }
+
+    pub(super) fn add(&mut self, report: CostEstimateReport) {
+        self.compared.push(report);
+    }
+
+    fn reports(&self) -> impl Iterator<Item = &CostEstimateReport> {
+        std::iter::once(&self.report).chain(&self.compared)
+    }
+
+    /// Returns the table of each algorithm, and the table of times if there are several.
+    pub(super) fn text(&self) -> String {
+        let mut text: String = self.reports().map(CostEstimateReport::text_table).collect();
+        if self.compared.is_empty() {
+            return text;
+        }
+        let _ = write!(text, "time by method; the least of each row has a star\n  {:>7}", "error");
+        self.reports().for_each(|report| _ = write!(text, " {:>16}", report.integrator));
+        text.push('\n');
+        for row in 0..self.report.estimates.len() {
+            let prices: Vec<&CostEstimate> = self.reports().map(|report| &report.estimates[row]).collect();
+            let least = prices.iter().filter_map(|price| price.seconds).fold(f64::INFINITY, f64::min);
+            let _ = write!(text, "  {:>7}", percent_text(prices[0].error));
+            for price in prices {
+                let cell = match (price.seconds, price.floor) {
+                    (Some(seconds), _) if seconds == least => format!("{} *", duration_text(seconds)),
+                    (Some(seconds), _) => duration_text(seconds),
+                    (None, Some(_)) => "never".to_owned(),
+                    (None, None) => "cannot tell".to_owned(),
+                };
+                let _ = write!(text, " {cell:>16}");
+            }
+            text.push('\n');
+        }
+        text
+    }
+}
