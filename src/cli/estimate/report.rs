@@ -80,8 +80,8 @@ pub(super) struct CostEstimate {
 impl CostEstimateReport {
     /// Creates the report of a pilot by the algorithm of `method`.
     ///
-    /// `setup` is the time of preparation and `pass_seconds` that of a later pass \[s]. The render ends
-    /// by `default` without limits, and by `preview` with `--preview`.
+    /// `setup` is the time of preparation and `pass_seconds` that of a later pass \[s]. The render
+    /// ends by `default` without limits, and by `preview` with `--preview`.
     pub(super) fn new(
         arguments: &EstimateArguments,
         method: &MethodArguments,
