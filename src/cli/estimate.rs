@@ -9,7 +9,7 @@ use super::args::MethodArguments;
 use super::forecast_text::ErrorEstimateUnsupportedError;
 use super::interrupt::{INTERRUPTED, listen_for_signals};
 use super::memory::{check_error_estimate_memory, check_photon_memory};
-use super::plan::print_plan;
+use super::plan::{finds_caustics_only_by_chance, print_plan};
 use super::progress::ProgressDisplay;
 use super::scene::{load_scene, with_thread_pool};
 use super::settings::settings_from_arguments;
@@ -87,6 +87,7 @@ fn estimate_method(
         let limits = RenderLimits { preview, ..RenderLimits::default() };
         limits.stop_criteria(method.integrator, integrator.as_ref(), &INTERRUPTED)
     });
+    let method = (method, finds_caustics_only_by_chance(integrator.as_ref()));
     let report = CostEstimateReport::new(arguments, method, &rendered, (setup, pass_seconds), &ends);
     report.map_err(|e| CommandFailure::new(Exit::Interrupted, e))
 }

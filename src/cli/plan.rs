@@ -52,9 +52,16 @@ pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay
     indirect_photons_line(integrator).iter().for_each(|line| progress.print_line(line));
     environment_guiding_line(integrator).iter().for_each(|line| progress.print_line(line));
     omitted_effect_warnings(integrator.plan()).for_each(|line| print_message(&line));
-    if integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
+    if finds_caustics_only_by_chance(integrator) {
         print_message(UNSAMPLED_CAUSTICS);
     }
+}
+
+/// True if the scene has caustics and the algorithm of `integrator` traces no photons.
+///
+/// Its estimated error then leaves out the caustics that its camera paths did not hit.
+pub(super) fn finds_caustics_only_by_chance(integrator: &dyn Integrator) -> bool {
+    integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none()
 }
 
 /// Warning for a scene with caustics and an algorithm without photons.

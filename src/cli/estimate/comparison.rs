@@ -62,15 +62,22 @@ impl Comparison {
         if self.compared.is_empty() {
             return text;
         }
-        let _ = write!(text, "time by method; the least of each row has a star\n  {:>7}", "error");
+        let misses_caustics = self.reports().any(|report| report.misses_caustics);
+        let brackets =
+            if misses_caustics { "; times in brackets leave out caustics that the pilot missed" } else { "" };
+        let _ = write!(text, "time by method; the least of each row has a star{brackets}\n  {:>7}", "error");
         self.reports().for_each(|report| _ = write!(text, " {:>16}", report.integrator));
         text.push('\n');
         for row in 0..self.report.estimates.len() {
-            let prices: Vec<&CostEstimate> = self.reports().map(|report| &report.estimates[row]).collect();
-            let least = prices.iter().filter_map(|price| price.seconds).fold(f64::INFINITY, f64::min);
-            let _ = write!(text, "  {:>7}", percent_text(prices[0].error));
-            for price in prices {
+            let prices: Vec<(&CostEstimate, bool)> =
+                self.reports().map(|report| (&report.estimates[row], report.misses_caustics)).collect();
+            // An algorithm that misses caustics does not know its error: it is never the fastest.
+            let known = prices.iter().filter(|(_, misses_caustics)| !misses_caustics);
+            let least = known.filter_map(|(price, _)| price.seconds).fold(f64::INFINITY, f64::min);
+            let _ = write!(text, "  {:>7}", percent_text(prices[0].0.error));
+            for (price, misses_caustics) in prices {
                 let cell = match (price.seconds, price.floor) {
+                    (Some(seconds), _) if misses_caustics => format!("({})", duration_text(seconds)),
                     (Some(seconds), _) if seconds == least => format!("{} *", duration_text(seconds)),
                     (Some(seconds), _) => duration_text(seconds),
                     (None, Some(_)) => "never".to_owned(),

@@ -30,6 +30,9 @@ pub(super) struct CostEstimateReport {
     width: u32,
     height: u32,
     threads: usize,
+    /// True if the algorithm finds caustics of the scene only by chance. The estimated error then
+    /// leaves out what the pilot did not find.
+    pub(super) misses_caustics: bool,
     /// Estimated error of the pilot's picture.
     pilot: ErrorEstimate,
     setup_seconds: f64,
@@ -80,11 +83,12 @@ pub(super) struct CostEstimate {
 impl CostEstimateReport {
     /// Creates the report of a pilot by the algorithm of `method`.
     ///
+    /// `misses_caustics` is true if that algorithm finds caustics of the scene only by chance.
     /// `setup` is the time of preparation and `pass_seconds` that of a later pass \[s]. The render
     /// ends by `default` without limits, and by `preview` with `--preview`.
     pub(super) fn new(
         arguments: &EstimateArguments,
-        method: &MethodArguments,
+        (method, misses_caustics): (&MethodArguments, bool),
         rendered: &RenderResult,
         (setup, pass_seconds): (f64, f64),
         [default, preview]: &[StopCriteria<'_>; 2],
@@ -121,6 +125,7 @@ impl CostEstimateReport {
             width,
             height,
             threads: rayon::current_num_threads(),
+            misses_caustics,
             pilot,
             setup_seconds: setup,
             pass_seconds,
