@@ -70,8 +70,9 @@
 //!    `LightTracer::splat_and_return_share` also sends caustic photons to the pixel that sees them.
 //! 6. [`Bsdf::sample`](bsdf::Bsdf::sample) chooses the next direction. Russian roulette then ends
 //!    the path by its throughput.
-//! 7. [`PhotonMap::build`](photon::PhotonMap::build) makes the caustic map, the indirect map, the
-//!    interreflection map of `hybrid`, and the map that guides gather rays.
+//! 7. [`PhotonMap::build`](photon::PhotonMap::build) makes each photon map that the algorithm
+//!    reads: the caustic map, the indirect map, the interreflection map of `hybrid`, or the map
+//!    that guides gather rays.
 //!
 //! # The path of one camera ray
 //!
@@ -79,15 +80,17 @@
 //!    of a pixel, the reconstruction filter chooses a point, and
 //!    [`Camera::generate_ray`] makes a ray through it.
 //! 2. `camera_path::trace_camera_path` returns the radiance along this ray. It calls
-//!    [`PathRay::next_vertex`](scene::PathRay::next_vertex), for each vertex of the path. It
-//!    asks `Geometry::intersect`, and so `Hierarchy::closest_hit`, for the nearest surface.
+//!    [`PathRay::next_vertex`](scene::PathRay::next_vertex) for each vertex of the path.
+//!    `next_vertex` asks `Geometry::intersect`, and so `Hierarchy::closest_hit`, for the nearest
+//!    surface.
 //! 3. At casters, for example glass and mirrors
 //!    ([`Bsdf::casts_caustics`](bsdf::Bsdf::casts_caustics)), `scatter_at_caster` continues the
 //!    path. Smooth glass splits the path while both branches carry enough light.
 //! 4. At a surface that stores photons, `NextEventEstimator::estimate_direct_light` adds direct
 //!    light, and `PhotonMaps::radiance` adds the estimates from the photon maps
 //!    ([`PhotonMap::estimate_radiance`](photon::PhotonMap::estimate_radiance)). In
-//!    [`Algorithm::Hybrid`], few paths of a pixel read the maps, at their first such surface.
+//!    [`Algorithm::Hybrid`], only a few paths of a pixel read the maps, each at the first surface
+//!    on the path that stores photons.
 //! 5. `continue_path` samples the next direction and applies Russian roulette.
 //!
 //! In all photon algorithms except `pm`, gather radii shrink from pass to pass. So the mean of the

@@ -2,7 +2,7 @@
 
 /// Wavelengths of the Fraunhofer lines F, d and C \[nm].
 const LINES: [f64; 3] = [486.13, 587.56, 656.27];
-/// Shortest and longest wavelength that is rendered \[nm].
+/// Shortest and longest rendered wavelength \[nm].
 const BAND: [u32; 2] = [380, 720];
 
 /// A formula for the refractive index n of a transparent medium at the wavelength λ \[µm].

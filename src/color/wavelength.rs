@@ -23,10 +23,11 @@ const LONGEST: f32 = 720.0;
 const CELLS: usize = 255;
 /// Width of a wavelength interval of constant response \[nm\].
 const STEP: f32 = (LONGEST - SHORTEST) / CELLS as f32;
-/// Least distance of sampled wavelengths from the ends of their interval, relative to its width.
+/// Least distance of a sampled wavelength from the ends of its interval, relative to the interval's
+/// width.
 const EDGE: f32 = 1.0 / 4096.0;
 
-/// A sampled wavelength between 380 and 720 nm.
+/// A sampled wavelength in \[380, 720] nm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wavelength(f32);
 
@@ -98,6 +99,7 @@ struct SpectralResponseTable {
     weights: [Rgb; CELLS],
 }
 
+/// Responses of the RGB channels and sampling tables, computed at first use.
 static RESPONSE_TABLE: LazyLock<SpectralResponseTable> = LazyLock::new(|| {
     let center = |cell: usize| f64::from(SHORTEST) + (cell as f64 + 0.5) * f64::from(STEP);
     let responses: [DVec3; CELLS] =

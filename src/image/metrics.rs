@@ -104,7 +104,7 @@ pub struct PixelDifferences {
     pub pixels: usize,
 }
 
-/// Finds the largest differences of two pictures. 0 and −0 are equal.
+/// Finds the largest difference of two pictures in each channel. 0 and −0 are equal.
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.
@@ -125,7 +125,8 @@ pub fn largest_differences(a: &Image, b: &Image) -> Result<PixelDifferences, Met
     Ok(found)
 }
 
-/// Relative root mean square error; [`RelativeErrorWeights`] defines what the error is relative to.
+/// Relative root mean square error of `a`: errors are divided by about the local radiance of
+/// `reference`, see [`RelativeErrorWeights`].
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ or a pixel is not finite.

@@ -63,7 +63,8 @@ pub fn read_with_format(path: &Path) -> Result<(Image, PictureFormat), ReadError
     decode(path, &file, PixelMeaning::Radiance, None)
 }
 
-/// Reads a picture like [`read`], but PNG samples as data from 0 to 1 without a transfer function.
+/// Reads a picture like [`read`], but returns PNG samples as numbers from 0 to 1, without a
+/// transfer function.
 ///
 /// # Errors
 /// [`ReadError`], see [`read`].
@@ -82,7 +83,8 @@ pub enum PixelMeaning {
     Data,
 }
 
-/// Reads a picture like [`read`], if that needs at most `free` bytes of memory; `None` is no limit.
+/// Reads a picture of the given `meaning`, if that needs at most `free` bytes of memory; `None` is
+/// no limit.
 ///
 /// # Errors
 /// [`ReadError`], see [`read`]; also if the memory does not suffice.

@@ -30,7 +30,7 @@ impl RgbaLevels {
 /// Largest number of bytes per pixel that a decoder may allocate: four channels of 16 bits, twice.
 const DECODED_BYTES_PER_PIXEL: u64 = 16;
 
-/// Memory that a decoder may allocate in addition, for tables \[bytes].
+/// Memory that a decoder may allocate for tables, in addition to the memory for pixels \[bytes].
 const DECODER_BYTES: u64 = 1 << 20;
 
 /// Decodes a PNG or JPEG picture; `Ok(None)` for another format. Errors name `path`.

@@ -76,7 +76,7 @@ pub struct ToneMap {
     pub exposure_stops: f32,
 }
 
-/// Numbers of pixels whose values the file format could not store.
+/// Numbers of pixels with values that the file format could not store.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ClippedPixelReport {
     /// Number of pixels with a NaN or infinite channel. PNG stores NaN as 0.

@@ -56,20 +56,20 @@ impl NoiseSource {
 ///
 /// No number changes by more than a factor of [`MAX_CHANGE`]. A source without noise keeps its
 /// number, and its work is not counted.
-pub(super) fn balance_sample_counts(parts: &[NoiseSource; 3]) -> [f64; 3] {
+pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
     let work = |numbers: &[f64; 3]| -> f64 {
-        let active = parts.iter().zip(numbers).filter(|(p, _)| p.has_noise());
+        let active = sources.iter().zip(numbers).filter(|(p, _)| p.has_noise());
         active.map(|(p, n)| p.cost * n).sum()
     };
     let numbers = |scale: f64| {
-        parts.map(|p| {
+        sources.map(|p| {
             let best = scale * (p.variance / p.cost).sqrt();
             if p.has_noise() { best.clamp(p.count / MAX_CHANGE, p.count * MAX_CHANGE) } else { p.count }
         })
     };
-    let given = work(&parts.map(|p| p.count));
+    let given = work(&sources.map(|p| p.count));
     let (mut low, mut high) = (0.0, 0.0f64);
-    for p in parts.iter().filter(|p| p.has_noise()) {
+    for p in sources.iter().filter(|p| p.has_noise()) {
         high = high.max(MAX_CHANGE * p.count / (p.variance / p.cost).sqrt());
     }
     // The work grows with the scale; sixty bisections exhaust double precision.

@@ -159,7 +159,7 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
         passes: MAX_PASSES,
     };
     let parts = if renderer.settings.balance { &PHOTON_PARTS[..] } else { &PHOTON_PARTS[..1] };
-    choose(&division, parts, &cost, |pass| renderer.map_builder.relative_disc_area(pass))
+    least_cost_division(&division, parts, &cost, |pass| renderer.map_builder.relative_disc_area(pass))
 }
 
 fn pilot_key(pilot: &PassRenderer<'_>) -> Key {
@@ -336,7 +336,7 @@ fn cell_errors(
 ///
 /// `parts` are the numbers of photon paths to choose from, relative to that of `division`. `area`
 /// returns the relative disc area of a pass, counted from 0.
-fn choose(
+fn least_cost_division(
     division: &IndirectDivision,
     parts: &[f64],
     cost: &PassCost,

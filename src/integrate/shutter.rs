@@ -79,7 +79,7 @@ impl RaySlices {
     pub const WHOLE: Self = Self { slices: 1, rays: 1, stride: 1, offset: 0.0 };
 
     /// Returns the number of slices among which `rays` rays of a pixel are divided.
-    pub fn distinct(self) -> u32 {
+    pub fn used_slice_count(self) -> u32 {
         self.slices.min(self.rays)
     }
 

@@ -177,7 +177,7 @@ pub(super) fn render_tiles<T: Default>(
             let (samples, prefix) = (sampling.ray_count(index), sampling.prefix_ray_count(index));
             let mut sum = PixelSum::default();
             let slices = sampling.divide_rays(x, y, samples);
-            worker.prefix = PrefixLight::camera_path_weights(samples, slices.distinct(), prefix);
+            worker.prefix = PrefixLight::camera_path_weights(samples, slices.used_slice_count(), prefix);
             worker.film_position = corner + 0.5;
             for sample in 0..samples {
                 // Trace one camera ray.
@@ -202,7 +202,7 @@ pub(super) fn render_tiles<T: Default>(
             if let Some(PrefixRays { key, .. }) = sampling.prefix_rays
                 && prefix.rays > 0
             {
-                worker.prefix = PrefixLight::prefix_ray_weights(samples, slices.distinct(), prefix);
+                worker.prefix = PrefixLight::prefix_ray_weights(samples, slices.used_slice_count(), prefix);
                 let slices = sampling.divide_rays(x, y, prefix.rays.into());
                 for ray in 0..u32::from(prefix.rays) {
                     // Trace one prefix ray and add its light.

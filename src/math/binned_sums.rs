@@ -3,32 +3,39 @@
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Width of a bin \[bits].
+/// Base-2 logarithm of the ratio between the upper and the lower quantum of a pixel.
 const BIN_BITS: i32 = 31;
 
-/// Number of lower quanta in an upper quantum.
+/// Ratio between the upper and the lower quantum of a pixel: 2³¹. A quantum is the unit of an
+/// integer sum.
 const BIN_SIZE: f64 = (1u64 << BIN_BITS) as f64;
 
-/// Number of levels. The sum of three squares of f32 values is below the limit of the last level.
+/// Number of levels. A level is a choice of the two quanta of a pixel.
+///
+/// The sum of three squares of f32 values is below the limit of the last level.
 const LEVELS: usize = 18;
 
-/// Exponent of the upper quantum of level 0. The limits of levels are 2^(15 + 31 i), so common
-/// values lie far above a limit and keep 47 bits after the binary point.
+/// Exponent of the upper quantum of level 0, a power of two.
+///
+/// The limits of levels are 2^(15 + 31 i) for integers i. Values from 2⁻¹⁶ to 2¹⁵ share a level,
+/// whose lower quantum is 2⁻⁴⁶.
 const FIRST_EXPONENT: i32 = -294;
 
-/// Upper quantum of each level.
+/// Upper quantum of each level: the unit of the upper integer sum.
 const QUANTA: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT, BIN_BITS);
 
 /// Inverse of the upper quantum of each level.
 const INVERSE_QUANTA: [f64; LEVELS] = powers_of_two(-FIRST_EXPONENT, -BIN_BITS);
 
-/// Limit of each level: half the upper quantum of the next level. Absolute values are below it.
+/// Limit of each level: half the upper quantum of the next level. Absolute values of a pixel are
+/// below the limit of its level.
 const LIMITS: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT + BIN_BITS - 1, BIN_BITS);
 
 /// Adding this number rounds a small f64 to an integer, which the last bits of the sum then hold.
 const ROUNDER: f64 = (3u64 << 51) as f64;
 
-/// Bits of a tag that hold the level. Above them, two bits of each channel tell of infinite values.
+/// Number of low bits of a tag that hold the level. Above these bits, two bits of each channel mark
+/// sums of +∞, −∞ or NaN.
 const LEVEL_BITS: u16 = 5;
 
 /// Sums of N channels, for each pixel of a picture. They do not depend on the order of the values.
@@ -54,7 +61,7 @@ impl<const N: usize> BinnedSums<N> {
     /// Size of the sums of one pixel \[bytes].
     pub const BYTES_PER_PIXEL: usize = size_of::<[[i64; N]; 2]>() + size_of::<u16>();
 
-    /// Returns sums of `pixels` pixels without values.
+    /// Returns empty sums for `pixels` pixels.
     #[must_use]
     pub fn new(pixels: usize) -> Self {
         const { assert!(LEVEL_BITS as usize + 2 * N <= u16::BITS as usize, "too many channels for a tag") };
@@ -128,7 +135,8 @@ impl<const N: usize> BinnedSums<N> {
         sums
     }
 
-    /// Returns the lower quantum of pixel `i`. Each of its values is rounded to a multiple of it.
+    /// Returns the lower quantum of pixel `i`. Each value of the pixel is rounded to a multiple of
+    /// this quantum.
     #[inline]
     #[must_use]
     pub fn quantum(&self, i: usize) -> f64 {
@@ -216,7 +224,7 @@ fn add_beyond_limit<const N: usize>(bins: &mut [[i64; N]; 2], tag: &mut u16, mut
     add_to_bins(bins, level, values);
 }
 
-/// Raises the level of a pixel to `level`, which is not below its own.
+/// Raises the level of a pixel to `level`, which is not below the pixel's present level.
 fn raise_level<const N: usize>(bins: &mut [[i64; N]; 2], tag: &mut u16, level: usize) {
     let steps = level - level_of(*tag);
     // All values round to 0 in upper quanta of the next level.

@@ -5,9 +5,9 @@ use glam::Vec3;
 /// Axis-aligned box; empty if any component of `min` exceeds that of `max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// Lower corner.
+    /// Corner with the smallest coordinates.
     pub min: Vec3,
-    /// Upper corner.
+    /// Corner with the largest coordinates.
     pub max: Vec3,
 }
 
@@ -72,7 +72,8 @@ impl Bounds {
         })
     }
 
-    /// Smallest sphere that contains the box; it passes through the corners.
+    /// Smallest sphere that contains the box. It passes through the corners; for an empty box, it
+    /// has radius 0.
     #[must_use]
     pub fn bounding_sphere(&self) -> BoundingSphere {
         BoundingSphere { center: self.center(), radius: 0.5 * self.extent().length() }

@@ -8,6 +8,7 @@ use glam::DVec3;
 /// of the sum of absolute values, for n values in any order. A sum that overflows is infinite.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CompensatedSum {
+    /// Sum of the values, rounded after each addition.
     high: DVec3,
     /// Sum of the rounding errors that occurred when values were added to `high`.
     low: DVec3,

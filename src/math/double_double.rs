@@ -46,9 +46,9 @@ pub(super) struct DoubleDoubleVec3([DoubleDouble; 3]);
 impl DoubleDoubleVec3 {
     /// Cross product a × b in double-double arithmetic.
     pub fn cross(a: DVec3, b: DVec3) -> Self {
-        let of =
+        let minor =
             |x: f64, y: f64, u: f64, v: f64| DoubleDouble::exact_product(x, y).minus(DoubleDouble::exact_product(u, v));
-        Self([of(a.y, b.z, a.z, b.y), of(a.z, b.x, a.x, b.z), of(a.x, b.y, a.y, b.x)])
+        Self([minor(a.y, b.z, a.z, b.y), minor(a.z, b.x, a.x, b.z), minor(a.x, b.y, a.y, b.x)])
     }
 
     /// Dot product with `b` in double-double arithmetic, rounded to f64.

@@ -12,7 +12,7 @@ pub const fn rounding_error_bound(n: u32) -> f32 {
     e / (1.0 - e)
 }
 
-/// Real roots of a t² + 2 b t + c, ascending; `None` if the discriminant is negative.
+/// Real roots t of a t² + 2 b t + c = 0, ascending; `None` if the discriminant is negative.
 ///
 /// The coefficient of t is 2 b, not b. `discriminant` is b² − a c, computed by the caller, and `a`
 /// must not be 0. The formula avoids cancellation (Higham 2002, section 1.8).

@@ -6,14 +6,14 @@ use rayon::prelude::*;
 
 /// Indices of `items`, sorted by the Morton codes of their positions.
 ///
-/// `place` returns an item's position, which must be finite. The grid of the codes has 2²⁰ cells
+/// `position` returns an item's position, which must be finite. The grid of the codes has 2²⁰ cells
 /// along each axis. Items in one cell keep their order. The result does not depend on the number of
 /// threads.
 #[must_use]
-pub fn morton_order<T: Sync>(items: &[T], place: impl Fn(&T) -> Vec3 + Sync) -> Vec<u32> {
-    let bounds = Bounds::from_points(items.iter().map(&place));
+pub fn morton_order<T: Sync>(items: &[T], position: impl Fn(&T) -> Vec3 + Sync) -> Vec<u32> {
+    let bounds = Bounds::from_points(items.iter().map(&position));
     let scale = Vec3::splat(f32::from(u16::MAX) * 16.0) / bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
-    let key = |(i, item)| (morton_code((place(item) - bounds.min) * scale), i as u32);
+    let key = |(i, item)| (morton_code((position(item) - bounds.min) * scale), i as u32);
     let mut keyed: Vec<(u64, u32)> = items.par_iter().enumerate().map(key).collect();
     keyed.par_sort_unstable();
     keyed.par_iter().map(|(_, i)| *i).collect()

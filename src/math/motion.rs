@@ -2,12 +2,12 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-/// Factor of the product of affine maps that makes up a [`Motion`].
+/// One factor of a [`Motion`], which is a product of affine maps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MotionStep {
     /// A map that does not depend on time.
     Fixed(DAffine3),
-    /// Translation by this vector times the time in \[0, 1].
+    /// Translation by this vector \[length] times the time in \[0, 1].
     Translate(DVec3),
     /// Right-handed rotation about a unit axis through the origin.
     ///

@@ -224,9 +224,7 @@ impl PhotonMap {
             radius = (radius * missing.clamp(1.2, 3.0)).min(bandwidth.radius);
         }
     }
-}
 
-impl PhotonMap {
     /// Distance from `p` to the k-th nearest photon on the surface of `p` \[length]. `normal` is
     /// the unit geometric normal at `p`.
     ///

@@ -95,9 +95,7 @@ impl Photon {
     pub fn with_wavelength(self, wavelength: u8) -> Self {
         Self { data: PhotonData { wavelength, ..self.data }, ..self }
     }
-}
 
-impl Photon {
     /// Returns the photon with [`PhotonData::density_estimate_share`] set to
     /// `steps`/[`SHARE_STEPS`].
     #[inline]

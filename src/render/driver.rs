@@ -23,8 +23,8 @@ pub struct StopCriteria<'a> {
     pub time: Option<Duration>,
     /// Error at which the render ends; `None` for no target.
     pub target: Option<ErrorTarget>,
-    /// True to end the render also once its noise is below the error of `target`, if bias keeps its
-    /// error above it for any number of passes.
+    /// True to give up `target` once the noise is below its error, if bias keeps the total error
+    /// above it after any number of passes.
     pub ends_at_bias: bool,
     /// Flag that another thread sets to true to end the render after the current pass.
     pub interrupted: &'a AtomicBool,
@@ -67,13 +67,13 @@ pub enum EndReason {
 /// Result of a render.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct RenderResult {
-    /// Numbers of the passes.
+    /// Numbers of the passes in `film`, counted from 0.
     pub numbers: PassSet,
     /// Film with all passes; its mean is the picture.
     pub film: Film,
     /// Error estimator of the passes; `None` if [`Integrator::returns_nested_estimates`] is false.
     pub estimator: Option<ErrorEstimator>,
-    /// Why the render ended.
+    /// Reason why the render ended.
     pub ended: EndReason,
     /// Counts of rays and density estimates of all passes.
     pub counters: Counters,
@@ -96,7 +96,8 @@ pub struct PassProgress<'a> {
     pub rendered: &'a RenderResult,
     /// Why the render ends after this pass; `None` if another pass follows.
     pub ended: Option<EndReason>,
-    /// Estimated error and its forecast; `None` if the error was not estimated after this pass.
+    /// Estimated error, and a forecast of the error after more passes; `None` if the error was not
+    /// estimated after this pass.
     pub error: Option<(ErrorEstimate, ErrorForecast)>,
 }
 
@@ -122,11 +123,11 @@ pub fn render(
     continue_render(RenderResult::without_passes(integrator, size), 0..u32::MAX, integrator, stop, monitor, after_pass)
 }
 
-/// Adds the passes of `numbers` that `rendered` lacks, until a criterion of `stop` holds or all are
-/// done.
+/// Renders the passes with numbers in `numbers` that `rendered` lacks, and adds them to it. Ends
+/// when a criterion of `stop` holds or no pass is left.
 ///
-/// The criteria count all passes of `rendered`, but only the time of this call. The result is that
-/// of one render: its picture and its error estimate have the same bits. Calls `after_pass` after
+/// The criteria count all passes of `rendered`, but only the time of this call. Picture and error
+/// estimate have the same bits as after one render without interruption. Calls `after_pass` after
 /// each pass.
 pub fn continue_render(
     mut rendered: RenderResult,
@@ -224,7 +225,7 @@ impl RenderResult {
 
     /// True if all sums belong to the same passes and pixels.
     ///
-    /// A result from a damaged file may have others.
+    /// False for some results that were read from damaged files.
     pub(super) fn is_consistent(&self) -> bool {
         let (width, height) = self.film.size();
         let passes = self.film.passes();
@@ -238,7 +239,7 @@ impl RenderResult {
     }
 }
 
-/// Returns the estimated error of the picture and its forecast.
+/// Returns the estimated error of the picture, and a forecast of the error after more passes.
 ///
 /// `None` if `rendered` has no error estimator, or has too few passes.
 fn estimate_error(rendered: &RenderResult, stop: &StopCriteria<'_>) -> Option<(ErrorEstimate, ErrorForecast)> {

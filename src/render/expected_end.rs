@@ -26,7 +26,7 @@ impl StopCriteria<'_> {
         let by_passes = self.passes.map(|passes| (EndReason::Passes, passes));
         let by_time = self.time.map(|time| (EndReason::Time, passes_in(time.as_secs_f64()).max(self.min_passes)));
         let by_error = self.expected_end_by_error(forecast);
-        // Of equal numbers of passes the first counts, as in `render`.
+        // If two criteria hold after equally many passes, the first one counts, as in `render`.
         let ends = [by_passes, by_error, by_time];
         let (ended, passes) = ends.into_iter().flatten().min_by_key(|(_, passes)| *passes)?;
         Some(ExpectedEnd { ended, passes, error: forecast.error_after_passes(passes) })

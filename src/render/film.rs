@@ -74,7 +74,7 @@ impl Film {
 
     /// True if the film has sums for each pixel of its size.
     ///
-    /// A film from a damaged file may have others.
+    /// False for some films that were read from damaged files.
     pub(super) fn is_consistent(&self) -> bool {
         u64::from(self.width) * u64::from(self.height) == self.sums.len() as u64
     }

@@ -1,4 +1,5 @@
-//! Film files: the sums of a render, from which it is continued or merged with others.
+//! Film files: the stored sums of a render, with which the render can be continued or merged with
+//! others.
 //!
 //! A file begins with the line `CAUSTICA FILM 1`. Then come blocks. Each block has a head of three
 //! little-endian 32-bit numbers: the size of its content, the size of the content compressed by
@@ -11,10 +12,10 @@ use super::pass_set::PassSet;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Read, Write};
 
-/// First line of a film file. The number is that of the format.
+/// First line of a film file, with the version number of the format.
 const MAGIC: &[u8; 16] = b"CAUSTICA FILM 1\n";
 
-/// Largest content of a block \[bytes].
+/// Largest uncompressed content of a block \[bytes].
 const BLOCK: usize = 1 << 20;
 
 /// Largest number of bytes of the sums of a picture without pixels.
@@ -22,7 +23,7 @@ const MAX_FIXED_BYTES: u64 = 1 << 20;
 
 /// Largest number of bytes per pixel of the sums of a picture.
 ///
-/// A 64-bit integer takes at most 10 bytes.
+/// The format of the crate `postcard` stores a 64-bit integer in at most 10 bytes.
 const MAX_BYTES_PER_PIXEL: u64 = 1024;
 
 /// Name of an input file of a scene, and the SHA-256 digest of its content.
@@ -34,7 +35,8 @@ pub struct InputDigest {
     pub digest: String,
 }
 
-/// Scene, settings and version, on which the passes of a render depend.
+/// Header of a film file: the scene, settings and program version on which the passes of a render
+/// depend.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FilmHeader {
     /// Version of the program.
@@ -55,7 +57,7 @@ pub struct FilmHeader {
     pub planned_passes: Option<u32>,
 }
 
-/// A film file: the header, and the render so far.
+/// Content of a film file: the header, and the render so far.
 #[derive(Debug)]
 pub struct FilmFile {
     /// Scene, settings and version, on which the passes depend.
@@ -67,7 +69,7 @@ pub struct FilmFile {
 /// Error of reading a film file.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmFileError {
-    /// The file has another first line.
+    /// The first line is not that of a film file of this version.
     #[error("it is no film of this version of the program")]
     NoFilm,
     /// The file ends before its last block.
@@ -85,8 +87,8 @@ pub enum FilmFileError {
 }
 
 impl FilmHeader {
-    /// Returns what differs between renders whose passes cannot be added, a line each; nothing if
-    /// they can.
+    /// Returns one line for each difference that forbids adding the passes of two renders; empty if
+    /// they can be added.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let mut lines = Vec::new();
@@ -115,7 +117,8 @@ impl FilmHeader {
         lines
     }
 
-    /// Returns the passes that the whole render plans and `done` lacks.
+    /// Returns the passes that `done` lacks, among the planned passes of the whole render and those
+    /// below the last pass of `done`.
     #[must_use]
     pub fn missing_passes(&self, done: &PassSet) -> PassSet {
         done.missing_below(self.planned_passes.unwrap_or(0).max(done.end()))
@@ -123,10 +126,10 @@ impl FilmHeader {
 }
 
 impl FilmFile {
-    /// Writes the file to `out`.
+    /// Writes a film file with `header` and `rendered` to `out`.
     ///
     /// # Errors
-    /// Those of `out`.
+    /// [`io::Error`] if `out` cannot be written.
     pub fn write(header: &FilmHeader, rendered: &RenderResult, out: &mut impl Write) -> io::Result<()> {
         out.write_all(MAGIC)?;
         write_block(out, &serde_json::to_vec(header)?)?;
@@ -139,7 +142,7 @@ impl FilmFile {
     /// Reads a file from `input`.
     ///
     /// # Errors
-    /// [`FilmFileError`] for anything but a whole film file.
+    /// [`FilmFileError`] if `input` is not a complete, undamaged film file of this version.
     pub fn read(mut input: impl Read) -> Result<Self, FilmFileError> {
         let mut magic = [0; MAGIC.len()];
         let read = input.read_exact(&mut magic);
@@ -194,7 +197,7 @@ impl<W: Write> Write for BlockWriter<'_, W> {
     }
 }
 
-/// Writes a block with content `content`.
+/// Writes `content` as one compressed block of a film file.
 fn write_block(out: &mut impl Write, content: &[u8]) -> io::Result<()> {
     let compressed = lz4_flex::block::compress(content);
     for number in [content.len() as u32, compressed.len() as u32, crc32fast::hash(&compressed)] {
@@ -203,7 +206,7 @@ fn write_block(out: &mut impl Write, content: &[u8]) -> io::Result<()> {
     out.write_all(&compressed)
 }
 
-/// Reads a block and returns its content.
+/// Reads one block of a film file, and returns its uncompressed content.
 fn read_block(input: &mut impl Read) -> Result<Vec<u8>, FilmFileError> {
     let mut number = || {
         let mut bytes = [0; 4];

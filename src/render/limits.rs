@@ -15,13 +15,13 @@ pub const PREVIEW_ERROR: f64 = 0.1;
 /// Wall time after which a render without limits ends.
 pub const DEFAULT_TIME: Duration = Duration::from_secs(5 * 60);
 
-/// Limits of a render, which ends at the first that it reaches.
+/// Limits of a render. The render ends at the first limit that it reaches.
 ///
-/// Without `passes`, `time` and `target_error`, it ends at [`DEFAULT_ERROR`] or after
-/// [`DEFAULT_TIME`], or once its noise is below that error and bias keeps its error above it.
+/// Without `passes`, `time` and `target_error`, the render ends at [`DEFAULT_ERROR`] or after
+/// [`DEFAULT_TIME`]. It also ends once its noise is below [`DEFAULT_ERROR`], if bias keeps the
+/// total error above it.
 ///
-/// An integrator without error estimates has no default error. Its render without limits makes
-/// [`Algorithm::default_passes`] passes.
+/// Without limits and without error estimates, a render makes [`Algorithm::default_passes`] passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderLimits {
     /// Largest number of passes.

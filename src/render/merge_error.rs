@@ -13,7 +13,7 @@ pub enum MergeError {
         /// Width and height of the film that is added \[pixels].
         other: (u32, u32),
     },
-    /// Together there are more than 2³² − 1 passes.
+    /// The two films together have more than 2³² − 1 passes.
     #[error("two films of {own} and {other} passes have too many: at most {} are allowed", u32::MAX)]
     Passes {
         /// Passes of the film that grows.

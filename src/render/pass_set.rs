@@ -82,7 +82,7 @@ impl PassSet {
 
     /// True if the ranges are in ascending order with gaps between them.
     ///
-    /// A set from a damaged file may have others.
+    /// False for some sets that were read from damaged files.
     pub(super) fn is_consistent(&self) -> bool {
         self.ranges.iter().all(|range| range.start < range.end)
             && self.ranges.windows(2).all(|pair| pair[0].end < pair[1].start)

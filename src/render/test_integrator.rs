@@ -14,8 +14,9 @@ pub(super) const SIZE: (u32, u32) = (40, 40);
 pub(super) struct NoisyIntegrator {
     /// Standard deviation of each channel of a pixel.
     pub sigma: f32,
-    /// Bias of each channel, as of photon estimates with fixed radii in smooth light.
+    /// Bias of each channel. It behaves like the blur of fixed gather radii in smooth light.
     pub bias: f32,
+    /// True if passes return nested estimates, from which the error is estimated.
     pub estimates_error: bool,
 }
 

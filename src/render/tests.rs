@@ -51,8 +51,8 @@ fn add_pass((film, estimator): &mut Render, number: u32, pass: &Pass) {
     film.add(&pass.image);
 }
 
-/// Deals `passes` at random to up to nine renders, each in random order, and merges those in random
-/// order.
+/// Deals `passes` at random to up to nine renders, each in random order, and merges the renders in
+/// random order.
 fn render_in_parts(passes: &[Pass], seed: u64) -> Render {
     let key = Key::new(seed).purpose_key(Purpose::Test);
     let mut parts: Vec<Render> = (0..=seed % 9).map(|_| empty_render()).collect();

@@ -25,7 +25,8 @@ impl DiscreteDistribution {
         }
         let mut sum = 0.0;
         for c in &mut cumulative {
-            // `probability` would round a smaller part to zero, and samples are divided by it.
+            // `probability` would round a smaller weight to zero, and samples are divided by their
+            // probability.
             sum += if *c / total < MIN_PROBABILITY { 0.0 } else { *c };
             *c = sum;
         }

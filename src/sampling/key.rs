@@ -6,7 +6,8 @@
 //! # Map of the key space
 //! A [`Key`] is a hash of its parent key and one 64-bit word. A random number is a hash of a key
 //! and a [`Dimension`]. The table lists all words that the renderer uses. Two functions may use one
-//! word of a parent only if their dimensions differ. The last column says why keys are distinct.
+//! word of a parent only if they draw numbers of different dimensions. The last column says why
+//! keys are distinct.
 //!
 //! A trial is one repetition of a pilot simulation. A round is one iteration of the training of
 //! guiding; environment guiding traces its camera paths in round 0. A bounce counts the scattering
@@ -49,14 +50,14 @@ use rand::{SeedableRng, rngs::SmallRng};
 pub enum Purpose {
     /// Photon paths that are emitted in all directions, not towards chosen objects.
     UnaimedPhotons = 1,
-    /// Photon paths that are emitted towards casters, which
-    /// [`PhotonKind`](crate::photon::PhotonKind) defines.
+    /// Photon paths that are emitted towards casters: surfaces, such as glass or mirrors, that cast
+    /// caustics.
     CausticPhotons,
     /// Camera paths.
     Camera,
     /// Pilot simulation that finds gather radii before the first pass.
     Pilot,
-    /// Pilot simulation that finds the light probabilities for caustic photons.
+    /// Pilot simulation that finds the probability with which each light emits caustic photons.
     LightWeights,
     /// Statistical tests.
     Test,
@@ -78,7 +79,8 @@ pub enum Purpose {
     IndirectDivision,
     /// Choice of the photon beams that a pass keeps.
     BeamThinning,
-    /// Pilot simulation that finds from where the environment light reaches each part of a scene.
+    /// Pilot simulation that finds the directions from which the environment light reaches each
+    /// part of a scene.
     EnvironmentGuiding,
 }
 
@@ -104,18 +106,22 @@ pub enum Dimension {
     Roulette,
     /// Choice of a component of a mix material.
     Mix,
-    /// Position of a probe ray in the gather disc of a photon density estimate.
+    /// Position of a probe ray in the gather disc of a photon density estimate. Probe rays measure
+    /// how much of the disc is surface.
     Probe,
     /// Choice between diffuse and glossy lobe in the algorithm `distributed`.
     ChosenLobe,
-    /// Russian roulette before shading a vertex of low throughput, and for photons after a caustic.
+    /// Russian roulette before a vertex of low throughput is shaded, and for photon paths that
+    /// continue after a caustic.
     ShadingRoulette,
     /// Position on the lens of the camera.
     Lens,
     /// Time of a pass or of a camera ray while the shutter is open.
     Time,
-    /// Wavelength that a path keeps after its first dispersive interface. The key is that of the
-    /// camera path's pixel, of the photon path's pass, or, for later wavelengths, of the vertex.
+    /// Wavelength that a path keeps after its first dispersive interface.
+    ///
+    /// Camera paths use the key of their pixel, photon paths the key of their pass. Wavelengths
+    /// that are sampled later use the key of the vertex.
     Wavelength,
     /// Direction after scattering in a medium.
     Phase,
@@ -123,8 +129,8 @@ pub enum Dimension {
     Medium,
 }
 
-/// A 64-bit hash that names an independent source of random numbers. The module documentation lists
-/// all keys.
+/// A 64-bit hash that identifies an independent source of random numbers. The module documentation
+/// lists all keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key(u64);
 
@@ -161,7 +167,7 @@ impl Key {
         self.child_key(u64::from(pass))
     }
 
-    /// Key of camera paths, if all passes trace the same ones.
+    /// Key of camera paths for integrators whose passes all trace the same camera paths.
     #[must_use]
     pub fn shared_paths_key(self) -> Self {
         self.child_key(0)

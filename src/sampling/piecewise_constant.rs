@@ -84,8 +84,7 @@ mod tests {
             let (cell, within, pdf) = grid.sample(u);
             let i = (cell.y * 3 + cell.x) as usize;
             assert!(within.cmpge(Vec2::ZERO).all() && within.cmplt(Vec2::ONE).all());
-            // Probabilities are differences of sums of f64, rounded to f32.
-            // Both are rounded to f32.
+            // The inverse and the pdf are computed in f64 and rounded to f32.
             assert!((grid.inverse_sample(cell, within) - u).abs().max_element() < 2e-7, "{cell} {within} {u}");
             assert!((f64::from(pdf) / (weights[i] / 16.0 * 9.0) - 1.0).abs() < 1e-6 && pdf == grid.pdf(cell));
             counts[i] += 1;

@@ -3,7 +3,7 @@
 use super::{Dimension, Key, sobol_2d};
 use glam::Vec2;
 
-/// Source of random numbers for sample `index` of `count` samples with a common key.
+/// Source of random numbers for one sample: number `index` of `count` samples that share a key.
 ///
 /// Each number is uniform. In each dimension, the numbers of the `count` samples are stratified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -16,7 +16,7 @@ pub struct SquareGridDistribution {
     columns: Vec<f32>,
 }
 
-/// Number of steps between 0 and 1, in which probabilities are counted: 2²⁴.
+/// Number of steps between 0 and 1: probabilities are multiples of 1/`STEPS` = 2⁻²⁴.
 const STEPS: f64 = 16_777_216.0;
 
 /// Minimum probability, in steps of 2⁻²⁴, of a row or of a column in its row, unless its weight is

@@ -70,7 +70,8 @@ pub fn peak_memory() -> Option<u64> {
     COUNTER.get().map_or_else(|| read_proc_bytes("/proc/self/status", "VmHWM:"), |counter| Some((counter.peak)()))
 }
 
-/// Reads the value of a line such as `VmHWM: 1024 kB` from a file in `/proc` \[bytes].
+/// Reads the value of a line such as `VmHWM: 1024 kB` from a file in `/proc` \[bytes]; `None` if
+/// there is no such line.
 fn read_proc_bytes(file: &str, key: &str) -> Option<u64> {
     let text = std::fs::read_to_string(file).ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix(key))?;

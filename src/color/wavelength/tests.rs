@@ -54,7 +54,8 @@ fn wavelength_hues_follow_the_spectrum() {
     assert!(yellow.weight().x.min(yellow.weight().y) > 2.0 * yellow.weight().z, "{}", yellow.weight());
     assert!(green.weight().y > 1.8, "{}", green.weight());
     assert!(blue.weight().z > 2.2, "{}", blue.weight());
-    // Outside these the spectral colours hardly change, and the fit's hue wanders by degrees.
+    // Outside 440 to 640 nm, spectral colours hardly change, and the fitted hue varies by a few
+    // degrees.
     let cells = wavelength_of_nanometres(440.0).response_interval_index()
         ..=wavelength_of_nanometres(640.0).response_interval_index();
     let hues: Vec<f32> = cells.map(|cell| hue_degrees(RESPONSE_TABLE.weights[cell])).collect();
@@ -78,7 +79,8 @@ fn wavelength_samples_follow_the_pdf() {
     for _ in 0..n {
         counts[Wavelength::sample(rng.random()).response_interval_index()] += 1;
     }
-    // Neighbours are put together up to twenty expected, below which a count is not normal.
+    // Neighbouring intervals are pooled until they expect 20 samples, so that counts are nearly
+    // normal.
     let (mut chi2, mut nu) = (0.0, -1.0);
     let (mut count, mut expected) = (0.0, 0.0);
     for (cell, c) in counts.iter().enumerate() {
@@ -90,7 +92,7 @@ fn wavelength_samples_follow_the_pdf() {
             (count, expected) = (0.0, 0.0);
         }
     }
-    // Wilson–Hilferty, as for the keys.
+    // Wilson–Hilferty: the cube root of χ²/ν is normal with mean 1 − 2/(9ν) and variance 2/(9ν).
     let z = (libm::cbrt(chi2 / nu) - (1.0 - 2.0 / (9.0 * nu))) / (2.0 / (9.0 * nu)).sqrt();
     assert!(nu > 190.0 && z.abs() < 3.9, "z = {z}, nu = {nu}");
 }

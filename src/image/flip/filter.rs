@@ -4,10 +4,13 @@ use super::color::relative_luminance;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Parameters (a, b) of the contrast sensitivity filter of channel Y. The filter is
-/// a·√(π/b)·exp(−π²x²/b) at a distance of x degrees (Andersson et al. 2020, table 1).
+/// Parameters (a, b) of the contrast sensitivity filter of channel Y, luminance.
+///
+/// The filter is a·√(π/b)·exp(−π²x²/b) at a distance of x degrees (Andersson et al. 2020, table 1).
 const LUMINANCE: (f64, f64) = (1.0, 0.0047);
+/// Parameters (a, b) of the filter of channel Cx, red-green, as in [`LUMINANCE`].
 const RED_GREEN: (f64, f64) = (1.0, 0.0053);
+/// Parameters (a, b) of two Gaussians whose sum is the filter of channel Cz, blue-yellow.
 const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
 
 /// Width of the edge detector from peak to trough \[degrees] (Andersson et al. 2020, section 4.2).

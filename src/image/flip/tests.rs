@@ -38,8 +38,8 @@ fn assert_same_result(a: &FlipMetricResult, b: &FlipMetricResult) {
     assert!(a == b, "means {} and {}", a.mean, b.mean);
 }
 
-/// Asserts the mean error and three pixel errors: the largest, that in column 30 of row 20, and
-/// that of the first pixel.
+/// Asserts the mean error and three errors of pixels: the largest error, the error in column 30 of
+/// row 20, and the error of the first pixel.
 #[track_caller]
 fn assert_flip_values(found: &FlipMetricResult, mean: f64, [largest, inside, first]: [f32; 3]) {
     // The authors' program computes in f32. Roots of small features amplify its rounding to about

@@ -8,8 +8,8 @@ fn gray_image(width: u32, values: &[f32]) -> Image {
 /// In a reference of uniform radiance 2, an error of 0.1 is a relative error of 0.1 / √(2² + 2²).
 #[test]
 fn error_weights_of_uniform_pictures_follow_their_radiance() {
-    let scale = RelativeErrorWeights::from_image(&gray_image(8, &[2.0; 64]));
-    let square = scale.mean(|_| DVec3::splat(0.01));
+    let error_weights = RelativeErrorWeights::from_image(&gray_image(8, &[2.0; 64]));
+    let square = error_weights.mean(|_| DVec3::splat(0.01));
     assert!((square - 0.01 / 8.0).abs() < 1e-15, "{square}");
 }
 
@@ -19,19 +19,19 @@ fn bright_pixels_change_only_their_neighbourhood() {
     let mut values = vec![1.0; 16 * 16];
     values[0] = 1000.0;
     values[255] = 0.0;
-    let scale = RelativeErrorWeights::from_image(&gray_image(16, &values));
-    assert!((scale.pixel_weights()[8 * 16 + 8] * 3.0 - 0.5).abs() < 1e-12);
+    let error_weights = RelativeErrorWeights::from_image(&gray_image(16, &values));
+    assert!((error_weights.pixel_weights()[8 * 16 + 8] * 3.0 - 0.5).abs() < 1e-12);
     // The neighbourhood of a corner has nine pixels.
     let corner = 1008.0 / 9.0;
-    assert!((scale.pixel_weights()[0] * 3.0 * (corner * corner + 1.0) - 1.0).abs() < 1e-12);
-    assert!(scale.pixel_weights()[255] * 3.0 <= 1.0);
+    assert!((error_weights.pixel_weights()[0] * 3.0 * (corner * corner + 1.0) - 1.0).abs() < 1e-12);
+    assert!(error_weights.pixel_weights()[255] * 3.0 <= 1.0);
 }
 
 #[test]
 fn relative_error_counts_a_firefly_as_one_pixel() {
-    let scale = RelativeErrorWeights::from_image(&gray_image(8, &[1.0; 64]));
+    let error_weights = RelativeErrorWeights::from_image(&gray_image(8, &[1.0; 64]));
     let firefly = |i| if i == 5 { DVec3::splat(1e9) } else { DVec3::ZERO };
-    assert_eq!((scale.mean(firefly), scale.mean(|i| -firefly(i))), (1.0 / 64.0, -1.0 / 64.0));
+    assert_eq!((error_weights.mean(firefly), error_weights.mean(|i| -firefly(i))), (1.0 / 64.0, -1.0 / 64.0));
 }
 
 #[test]

@@ -4,37 +4,37 @@ fn noise_source(variance: f64, cost: f64, count: f64) -> NoiseSource {
     NoiseSource { variance, cost, count }
 }
 
-fn variance_and_work(parts: &[NoiseSource; 3], numbers: &[f64; 3]) -> (f64, f64) {
-    let noise = parts.iter().zip(numbers).filter(|(p, _)| p.variance > 0.0).map(|(p, n)| p.variance / n).sum();
-    (noise, parts.iter().zip(numbers).filter(|(p, _)| p.variance > 0.0).map(|(p, n)| p.cost * n).sum())
+fn variance_and_work(sources: &[NoiseSource; 3], numbers: &[f64; 3]) -> (f64, f64) {
+    let noise = sources.iter().zip(numbers).filter(|(p, _)| p.variance > 0.0).map(|(p, n)| p.variance / n).sum();
+    (noise, sources.iter().zip(numbers).filter(|(p, _)| p.variance > 0.0).map(|(p, n)| p.cost * n).sum())
 }
 
 /// For two sources of equal cost the optimum is n ∝ σ, computed by hand.
 #[test]
 fn sample_counts_follow_noise_over_cost() {
-    let parts = [noise_source(4.0, 1.0, 10.0), noise_source(1.0, 1.0, 10.0), noise_source(0.0, 5.0, 7.0)];
-    let [a, b, c] = balance_sample_counts(&parts);
+    let sources = [noise_source(4.0, 1.0, 10.0), noise_source(1.0, 1.0, 10.0), noise_source(0.0, 5.0, 7.0)];
+    let [a, b, c] = balance_sample_counts(&sources);
     assert!((a - 40.0 / 3.0).abs() < 1e-9 && (b - 20.0 / 3.0).abs() < 1e-9 && c == 7.0, "{a} {b} {c}");
 }
 
 /// Each small shift of work between two sources, within the bounds, adds noise.
 #[test]
 fn balance_has_the_least_noise() {
-    for parts in [
+    for sources in [
         [noise_source(1.0, 3.0, 8.0), noise_source(50.0, 0.01, 1000.0), noise_source(3.0, 0.02, 500.0)],
         [noise_source(1e-6, 3.0, 8.0), noise_source(50.0, 0.01, 1000.0), noise_source(3000.0, 0.02, 500.0)],
     ] {
-        let best = balance_sample_counts(&parts);
-        let (noise, work) = variance_and_work(&parts, &best);
-        let (before, given) = variance_and_work(&parts, &parts.map(|p| p.count));
+        let best = balance_sample_counts(&sources);
+        let (noise, work) = variance_and_work(&sources, &best);
+        let (before, given) = variance_and_work(&sources, &sources.map(|p| p.count));
         assert!(noise <= before && (work / given - 1.0).abs() < 1e-9);
         for (i, j) in [(0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2)] {
             let mut other = best;
-            let moved = 1e-3 * parts[i].cost * best[i];
-            other[i] -= moved / parts[i].cost;
-            other[j] += moved / parts[j].cost;
-            let within = |k: usize| (parts[k].count / MAX_CHANGE..=parts[k].count * MAX_CHANGE).contains(&other[k]);
-            assert!(!within(i) || !within(j) || variance_and_work(&parts, &other).0 >= noise, "{i} to {j}");
+            let moved = 1e-3 * sources[i].cost * best[i];
+            other[i] -= moved / sources[i].cost;
+            other[j] += moved / sources[j].cost;
+            let within = |k: usize| (sources[k].count / MAX_CHANGE..=sources[k].count * MAX_CHANGE).contains(&other[k]);
+            assert!(!within(i) || !within(j) || variance_and_work(&sources, &other).0 >= noise, "{i} to {j}");
         }
     }
 }

@@ -22,20 +22,24 @@ fn area(pass: u32) -> f64 {
 
 #[test]
 fn photons_take_part_where_they_pay() {
-    let precise = choose(&division(0.4, 0.002, 1e-4), &PHOTON_PARTS, &COST, area).unwrap();
+    let precise = least_cost_division(&division(0.4, 0.002, 1e-4), &PHOTON_PARTS, &COST, area).unwrap();
     assert!(precise.passes > 100, "{}", precise.passes);
-    let biased = choose(&division(0.4, 0.002, 2e-3), &PHOTON_PARTS, &COST, area).unwrap();
+    let biased = least_cost_division(&division(0.4, 0.002, 2e-3), &PHOTON_PARTS, &COST, area).unwrap();
     assert!(biased.passes < precise.passes, "{}", biased.passes);
-    assert_eq!(choose(&division(0.4, 2.0, 1e-4), &PHOTON_PARTS, &COST, area), None);
-    assert_eq!(choose(&division(0.4, 0.002, 3.0), &PHOTON_PARTS, &COST, area), None);
+    assert_eq!(least_cost_division(&division(0.4, 2.0, 1e-4), &PHOTON_PARTS, &COST, area), None);
+    assert_eq!(least_cost_division(&division(0.4, 0.002, 3.0), &PHOTON_PARTS, &COST, area), None);
     // Photons must not cost more than the camera paths that they save.
-    assert_eq!(choose(&division(0.4, 0.002, 1e-4), &PHOTON_PARTS, &PassCost { photons: 1e4, ..COST }, area), None);
-    assert_eq!(choose(&division(0.0, 0.0, 0.0), &PHOTON_PARTS, &COST, area), None);
+    assert_eq!(
+        least_cost_division(&division(0.4, 0.002, 1e-4), &PHOTON_PARTS, &PassCost { photons: 1e4, ..COST }, area),
+        None
+    );
+    assert_eq!(least_cost_division(&division(0.0, 0.0, 0.0), &PHOTON_PARTS, &COST, area), None);
 }
 
 #[test]
 fn fewer_photons_are_traced_where_few_suffice() {
-    let photons = |variance| choose(&division(0.4, variance, 0.0), &PHOTON_PARTS, &COST, area).unwrap().photons;
+    let photons =
+        |variance| least_cost_division(&division(0.4, variance, 0.0), &PHOTON_PARTS, &COST, area).unwrap().photons;
     assert!(photons(1e-6) < photons(5e-3), "{} {}", photons(1e-6), photons(5e-3));
 }
 

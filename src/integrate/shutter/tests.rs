@@ -12,7 +12,7 @@ fn rays_in_slices(slices: usize, rays: u32, pass: u32) -> (Vec<u32>, bool) {
         let division = cameras.divide_rays(pixel % 64, pixel / 64, rays);
         let mut own = vec![0; slices];
         (0..rays).for_each(|ray| own[division.slice(ray)] += 1);
-        distinct &= own.iter().filter(|n| **n > 0).count() == division.distinct() as usize;
+        distinct &= own.iter().filter(|n| **n > 0).count() == division.used_slice_count() as usize;
         all.iter_mut().zip(own).for_each(|(sum, n)| *sum += n);
     }
     (all, distinct)

@@ -32,7 +32,8 @@ const MAX_RATIO: f64 = 0.841;
 const EXTRAPOLATION_ERROR: f64 = 0.5;
 
 /// Mean squares and products over the picture of the differences D₀ = L(r) − L(r/√2) and D₁ =
-/// L(r/√2) − L(r/2), where L(r) is the density estimate with disc radius r. Noise adds no bias.
+/// L(r/√2) − L(r/2), where L(r) is the density estimate with disc radius r. Products are taken
+/// between different passes, so noise adds no bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NestedDifferenceMoments {
     /// ‖D₀‖²: mean square over the picture of D₀ = L(r) − L(r/√2), where L(r) is the density
@@ -63,9 +64,9 @@ impl NestedDifferenceMoments {
         variance * variance * scatter / (passes * (passes - 1.0)) + 2.0 * d0.max(0.0) * variance * scatter / passes
     }
 
-    /// Weight of measured ratios of differences against those of smooth light, in \[0, 1].
+    /// Weight in \[0, 1] of the measured ratios of D₁ to D₀, against the ratios in smooth light.
     ///
-    /// It is 1 if `d0` has no noise.
+    /// It is 1 if the measured ‖D₀‖² has no noise, and 0 if that is not above 0.
     pub fn trust(&self) -> f64 {
         let d0 = self.d0.max(0.0);
         if d0 > 0.0 { d0 * d0 / (d0 * d0 + 4.0 * self.d0_variance) } else { 0.0 }
@@ -79,7 +80,7 @@ impl NestedDifferenceMoments {
     }
 }
 
-/// Estimated blur of the picture as a relative error, see
+/// Estimated blur of the picture (bias of photon density estimates) as a relative error, see
 /// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
 #[derive(Default)]
 pub(super) struct BlurEstimate {
@@ -95,8 +96,10 @@ pub(super) struct BlurEstimate {
 }
 
 impl BlurEstimate {
-    /// Extrapolates the blur, which is the sum of all differences Dᵢ, from D₀ and D₁.
-    /// [`error_estimate`](super) defines them.
+    /// Extrapolates the blur from two differences of density estimates with nested discs.
+    ///
+    /// Let L(r) be the density estimate with disc radius r. The differences are D₀ = L(r) − L(r/√2)
+    /// and D₁ = L(r/√2) − L(r/2). The blur is the sum of all Dᵢ of this series.
     ///
     /// In smooth light, each difference is half of the previous one, so ‖bias‖² = 4‖D₀‖². At edges,
     /// the model is Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|, with ratio q and correlation c. Its sum is ‖Σ

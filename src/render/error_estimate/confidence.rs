@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct Confidence(f64);
 
 impl Confidence {
-    /// Smallest confidence, 10⁻⁹. Its interval has practically no width.
+    /// Smallest confidence: 10⁻⁹. An interval of this confidence has practically no width.
     pub const LEAST: Self = Self(1e-9);
 
     /// Confidence of the given `probability`; `None` unless 0 < `probability` < 1.

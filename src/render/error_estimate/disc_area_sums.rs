@@ -5,12 +5,12 @@ use crate::integrate::squared_radius_ratio;
 /// Number of passes that are summed one by one.
 pub(super) const EXACT_PASSES: u32 = 1024;
 
-/// Divisor of the number n of passes summed so far: a group of later passes has n/`GROUP_DIVISOR`
-/// passes.
+/// Divisor that gives the size of a group of passes that is summed at once: n/`GROUP_DIVISOR` after
+/// n passes.
 pub(super) const GROUP_DIVISOR: u32 = 128;
 
-/// Sums over passes of powers of the disc area of photon estimates, divided by that of the first
-/// pass.
+/// Sums over passes of two powers of the gather disc area: 1/area and area^`power`. Areas are
+/// relative to the first pass.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DiscAreaSums {
     /// Exponent α of the radius law; 1 for fixed radii.
@@ -19,7 +19,7 @@ pub(super) struct DiscAreaSums {
     power: f64,
     /// Number of summed passes.
     pub passes: u32,
-    /// Disc area of the next pass.
+    /// Disc area of the next pass, relative to the first pass.
     area: f64,
     /// Sum of 1/area.
     pub inverse_area: f64,
@@ -39,20 +39,20 @@ impl DiscAreaSums {
         sums
     }
 
-    /// Adds passes up to the number `passes`.
+    /// Adds passes until the sums hold `passes` passes, or more if they already do.
     pub fn advance_to(&mut self, passes: u32) {
         while self.passes < passes {
             if self.passes + self.group() > passes { self.add_pass() } else { self.add_group() }
         }
     }
 
-    /// Adds the next group of passes: one pass below [`EXACT_PASSES`], then 1 % of those summed so
-    /// far.
+    /// Adds the next group of passes: one pass below [`EXACT_PASSES`] passes, later
+    /// 1/[`GROUP_DIVISOR`] of the passes summed so far.
     pub fn add_group(&mut self) {
         if self.group() > 1 { self.add_passes_by_midpoint(self.group()) } else { self.add_pass() }
     }
 
-    /// Number of passes of the next group.
+    /// Number of passes in the next group that is summed at once.
     fn group(&self) -> u32 {
         if self.passes < EXACT_PASSES { 1 } else { self.passes / GROUP_DIVISOR }
     }

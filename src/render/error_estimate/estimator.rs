@@ -63,6 +63,7 @@ struct NestedEstimateSums {
     leading: LeadingPasses,
 }
 
+/// Sums over passes of the mean gather radius and photon count of one pixel, for one photon map.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 struct GatherDiscTotals {
     radius: f32,
@@ -141,7 +142,7 @@ impl ErrorEstimator {
 
     /// True if the estimator holds `passes` passes of pictures of `pixels` pixels.
     ///
-    /// An estimator from a damaged file may hold others.
+    /// False for some estimators that were read from damaged files.
     pub(in crate::render) fn is_consistent(&self, passes: u32, pixels: usize) -> bool {
         let fits = |count: usize| count == pixels;
         let photon_estimates = self.photon_estimates.as_ref();
@@ -187,12 +188,12 @@ impl ErrorEstimator {
             return ErrorEstimate { passes, error, low, high, noise, bias, ..ErrorEstimate::default() };
         }
         let n = f64::from(passes);
-        let scale = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
+        let error_weights = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
         let mut fireflies = FireflyHistogram::default();
-        let fraction = 1.0 / scale.pixel_weights().len() as f64;
+        let fraction = 1.0 / error_weights.pixel_weights().len() as f64;
         // Sums over pixels: squared noise, its square, and its square times the kurtosis − 1.
         let (mut noise2, mut fourth, mut tails) = (0.0, 0.0, 0.0);
-        for (deviations, weight) in self.variances.deviations(film).zip(scale.pixel_weights()) {
+        for (deviations, weight) in self.variances.deviations(film).zip(error_weights.pixel_weights()) {
             let square = weight * deviations.squares.element_sum() / (n * (n - 1.0));
             if square > 1.0 {
                 fireflies.add(square, fraction);
@@ -206,11 +207,11 @@ impl ErrorEstimator {
         let independent = if noise2 > 0.0 { tails / (n * noise2 * noise2) } else { 0.0 };
         let noise2 = noise2 * fraction;
         let differences =
-            self.photon_estimates.as_ref().map(|estimates| estimates.nested_difference_moments(&scale, n));
+            self.photon_estimates.as_ref().map(|estimates| estimates.nested_difference_moments(&error_weights, n));
         let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
-        let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&scale, film.size().0, n);
+        let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&error_weights, film.size().0, n);
         // The true error of this picture scatters about its expectation, which is estimated too.
-        let scatter = self.leading.squared_error_variance(scale.pixel_weights(), n);
+        let scatter = self.leading.squared_error_variance(error_weights.pixel_weights(), n);
         // A variance estimate scatters by (kurtosis − 1) / 2 times that of Gaussian noise.
         let tail_factor = if fourth > 0.0 { 0.5 * tails / fourth } else { 1.0 };
         let parts = SquaredErrorParts {
@@ -310,24 +311,25 @@ impl NestedEstimateSums {
         self.differences.each_ref().map(|sums| DVec3::from_array(sums.value(i)))
     }
 
-    /// Returns the means over the picture of D₀², D₀·D₁ and D₁², for `n` passes.
+    /// Returns the means over the picture of D₀², D₀·D₁ and D₁² after `n` passes, with their
+    /// variances.
     ///
     /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
     /// radius r. Each product combines two different passes, so its noise has mean zero.
-    fn nested_difference_moments(&self, scale: &RelativeErrorWeights, n: f64) -> NestedDifferenceMoments {
-        let pixels = scale.pixel_weights().len();
+    fn nested_difference_moments(&self, error_weights: &RelativeErrorWeights, n: f64) -> NestedDifferenceMoments {
+        let pixels = error_weights.pixel_weights().len();
         let (mut square, mut variance) = ([0.0; 3], 0.0);
         for i in 0..pixels {
             let [a, b] = self.difference_sums(i);
             let products = self.products.value(i);
             for ((sum, all), same_pass) in square.iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]).zip(products) {
-                *sum += scale.clamped_relative_product(i, (all - same_pass) / (n * (n - 1.0)));
+                *sum += error_weights.clamped_relative_product(i, (all - same_pass) / (n * (n - 1.0)));
             }
-            variance += scale.clamped_relative_product(i, (products[0] - a.dot(a) / n) / (n * (n - 1.0)));
+            variance += error_weights.clamped_relative_product(i, (products[0] - a.dot(a) / n) / (n * (n - 1.0)));
         }
         let [d0, d0_d1, d1] = square.map(|sum| sum / pixels as f64);
         let variance = n * variance / pixels as f64;
-        let scatter = self.leading.squared_error_variance(scale.pixel_weights(), n);
+        let scatter = self.leading.squared_error_variance(error_weights.pixel_weights(), n);
         let d0_variance = NestedDifferenceMoments::d0_estimate_variance(d0, variance, scatter, n);
         NestedDifferenceMoments { d0, d0_d1, d1, variance, d0_variance, scatter }
     }

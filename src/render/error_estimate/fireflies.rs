@@ -18,8 +18,8 @@ pub(super) struct FireflyHistogram {
 }
 
 impl FireflyHistogram {
-    /// Adds pixels with relative squared noise `square` > 1. They are the given `fraction` of all
-    /// pixels.
+    /// Adds pixels with relative squared noise `square` > 1, which make up the given `fraction` of
+    /// all pixels.
     pub(super) fn add(&mut self, square: f64, fraction: f64) {
         let octave = libm::log2(square).clamp(0.0, (OCTAVES - 1) as f64);
         self.fractions[octave as usize] += fraction;

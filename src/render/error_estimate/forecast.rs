@@ -17,7 +17,7 @@ pub struct ErrorForecast {
     pub(super) estimate: ErrorEstimate,
     /// Exponent α of the radius law; 1 for fixed radii.
     pub(super) alpha: f64,
-    /// Relative variance of one pass, without that of photon estimates and fireflies.
+    /// Relative variance of one pass, without the variance of photon estimates and fireflies.
     path_variance: f64,
     /// Relative variance of photon estimates in the first pass.
     photon_variance: f64,
@@ -77,8 +77,8 @@ impl ErrorForecast {
         (self.path_variance * n + self.photon_variance * sums.inverse_area) / (n * n) + fireflies
     }
 
-    /// Returns the predicted relative noise and bias after the passes that `sums` holds. They are
-    /// sums for the power of this forecast.
+    /// Returns the predicted relative noise and bias after the passes that `sums` holds. `sums`
+    /// must use the exponent of this forecast.
     fn noise_and_bias(&self, sums: &DiscAreaSums) -> (f64, f64) {
         let blur = self.blur * sums.blur / f64::from(sums.passes);
         (self.squared_noise(sums).sqrt(), blur.hypot(self.estimate.shared_paths))

@@ -4,27 +4,27 @@ use crate::color::Rgb;
 
 /// Grey pictures of the leading passes: those with the lowest pass numbers.
 ///
-/// The difference of two passes, divided by √2, contains only noise. Its mean square is the
-/// variance. Let Σ be the covariance matrix of the pixels. The scalar product of two differences
-/// without a common pass has mean zero and variance tr Σ². The effective sample count is
-/// (tr Σ)² / tr Σ² (Satterthwaite 1946). It is the number of independent values with as much
-/// scatter as the noise.
+/// The difference of two passes, divided by √2, contains only noise. The mean square of the
+/// difference is the variance. Let Σ be the covariance matrix of the pixels. The scalar product of
+/// two differences without a common pass has mean zero and variance tr Σ². The effective sample
+/// count is (tr Σ)² / tr Σ² (Satterthwaite 1946). It is the number of independent values with as
+/// much scatter as the noise.
 ///
 /// The set of leading passes is a function of the set of passes, in whatever order they come.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct LeadingPasses {
-    /// Pass number and grey picture of each leading pass, by pass number. Values that are not
-    /// finite are 0.
+    /// Pass number and grey picture of each leading pass, in ascending order of pass numbers.
+    /// Non-finite values are replaced by 0.
     pictures: Vec<(u32, Vec<f32>)>,
 }
 
 /// Largest number of leading passes.
 const MAX_PASSES: usize = 8;
 
-/// Effective sample count that is assumed before anything is measured.
+/// Effective sample count that is assumed before measurement.
 const PRIOR_SAMPLES: f64 = 100.0;
 
-/// Weight of [`PRIOR_SAMPLES`], which counts as this many measured products of differences.
+/// Weight of [`PRIOR_SAMPLES`] against measurements, expressed as a number of measured products.
 const PRIOR_PRODUCTS: f64 = 2.0;
 
 impl LeadingPasses {
@@ -94,7 +94,7 @@ impl LeadingPasses {
                 }
             }
         }
-        // Products are linear functions of as many independent numbers as a polygon has diagonals.
+        // For n passes, the products are linear functions of n(n − 3)/2 independent numbers.
         let independent = (n * n.saturating_sub(3) / 2) as f64;
         (variance, if count > 0.0 { sum / count } else { 0.0 }, independent)
     }

@@ -5,7 +5,7 @@ use crate::math::BinnedSums;
 use crate::render::film::Film;
 use glam::DVec3;
 
-/// Kurtosis of Gaussian noise.
+/// Kurtosis of Gaussian noise: its fourth central moment divided by the squared variance.
 const GAUSSIAN_KURTOSIS: f64 = 3.0;
 
 /// Sums over passes from which the variance of each pixel is computed.
@@ -13,11 +13,11 @@ const GAUSSIAN_KURTOSIS: f64 = 3.0;
 pub(super) struct PixelVarianceSums {
     /// Sums of squared radiance over passes, by channel.
     squares: BinnedSums<3>,
-    /// Largest absolute radiance of all passes and channels.
+    /// Largest absolute radiance of each pixel, over all passes and channels.
     peaks: Vec<f32>,
 }
 
-/// Squared deviations of a pixel from its mean, and how rare the largest one is.
+/// Squared deviations of a pixel's passes from their mean, and a bound of their kurtosis.
 pub(super) struct PixelDeviations {
     /// Σ (x − mean)² over passes, by channel; 0 if it is below rounding errors.
     pub squares: DVec3,

@@ -13,7 +13,7 @@ pub struct EstimateSchedule {
 }
 
 impl EstimateSchedule {
-    /// True if an estimate is due after `passes` passes. Numbers of passes must ascend from call to
+    /// True if an error estimate is due after `passes` passes. `passes` must ascend from call to
     /// call.
     pub fn is_due(&mut self, passes: u32) -> bool {
         let due = f64::from(passes) >= self.next;

@@ -64,7 +64,12 @@ impl SharedPathErrorSums {
     ///
     /// `columns` is the width of the picture \[pixels], and `n` the number of passes. The variance
     /// is measured between blocks of [`BLOCK`] × [`BLOCK`] pixels.
-    pub(super) fn shared_path_squared_error(&self, scale: &RelativeErrorWeights, columns: u32, n: f64) -> (f64, f64) {
+    pub(super) fn shared_path_squared_error(
+        &self,
+        error_weights: &RelativeErrorWeights,
+        columns: u32,
+        n: f64,
+    ) -> (f64, f64) {
         if self.pixels.is_empty() {
             return (0.0, 0.0);
         }
@@ -72,11 +77,12 @@ impl SharedPathErrorSums {
         let one = |(i, at): (usize, &u32)| {
             let (sum, [square]) = (DVec3::from_array(self.sums.value(i)), self.squares.value(i));
             let product = (sum.length_squared() - square) / (n * (n - 1.0));
-            (block(*at), scale.clamped_relative_product(*at as usize, product))
+            (block(*at), error_weights.clamped_relative_product(*at as usize, product))
         };
         let values: Vec<_> = self.pixels.iter().enumerate().map(one).collect();
         let mean = values.iter().map(|(_, value)| value).sum::<f64>() / values.len() as f64;
-        // Blocks at the border are smaller, so the variance is that of sums, not of means.
+        // Blocks at the border have fewer pixels, so the variance is measured between sums instead
+        // of means.
         let blocks = values.chunk_by(|a, b| a.0 == b.0);
         let sums: Vec<f64> = blocks.map(|block| block.iter().map(|(_, value)| value - mean).sum()).collect();
         let count = sums.len() as f64;

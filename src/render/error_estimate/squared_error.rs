@@ -5,14 +5,14 @@
 /// Errors are relative, see [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SquaredErrorParts {
-    /// Squared noise.
+    /// Squared noise: the variance of the mean of the passes.
     pub noise: f64,
     /// Relative variance of the squared noise of one picture about its expectation: 2 / effective
     /// sample count.
     pub noise_scatter: f64,
     /// Relative variance of the estimate `noise` about the expectation of the squared noise.
     pub noise_uncertainty: f64,
-    /// Squared blur.
+    /// Squared blur: the bias of photon density estimates.
     pub blur: f64,
     /// Variance of the estimate `blur`.
     pub blur_variance: f64,

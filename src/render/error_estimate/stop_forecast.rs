@@ -1,9 +1,10 @@
 //! Forecast of the pass after which a render reaches an error target.
 //!
 //! A render ends once the upper end of its error interval is at most the target. The forecast
-//! simulates this rule: it draws values of what is not known yet, computes the upper end after each
-//! later pass, and counts after how many passes each draw ends. Unknown are the expected noise, the
-//! expected blur, the exponent of its decay, and the noise of later blur estimates.
+//! simulates this rule: it draws values of the unknown quantities, computes the upper end after
+//! each later pass, and counts after how many passes each draw ends. Unknown are the expected
+//! noise, the expected blur, the exponent of the decay of blur, and the noise of later blur
+//! estimates.
 
 use super::blur::{BlurEstimate, EDGE_CORRELATION, NestedDifferenceMoments};
 use super::confidence::Confidence;
@@ -20,7 +21,7 @@ pub const RANGE_PROBABILITY: f64 = 0.8;
 /// Largest ratio of a forecast number of passes to the number of passes made.
 const MAX_EXTRAPOLATION: u32 = 1000;
 
-/// Number of draws.
+/// Number of draws of the unknown quantities in a forecast.
 const DRAWS: usize = 64;
 
 /// Relative standard deviation of the predicted noise variance of distant passes, due to the model.
@@ -40,7 +41,7 @@ const POWERS: [f64; 5] = [0.25, 0.4375, 0.625, 0.8125, 1.0];
 /// Least weight of an exponent of [`POWERS`], relative to the most likely one.
 const LEAST_POWER_WEIGHT: f64 = 1e-3;
 
-/// When a render is expected to reach its error target.
+/// Forecast of the number of passes after which a render reaches its error target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StopForecast {
     /// After a number of passes in this range.
@@ -50,7 +51,7 @@ pub enum StopForecast {
         /// Relative bias that no number of passes removes.
         floor: f64,
     },
-    /// Too late to tell from the passes made.
+    /// After more passes than can be predicted from the passes made.
     TooFar {
         /// Number of passes after which the render ends with a probability of 10 % at most.
         at_least: u32,
@@ -64,11 +65,12 @@ pub struct PassRange {
     pub low: u32,
     /// Median.
     pub median: u32,
-    /// Upper end of the range: the 90 % quantile; `None` if it is too far to tell.
+    /// Upper end of the range: the 90 % quantile; `None` if it is too far to predict.
     pub high: Option<u32>,
 }
 
-/// Values of the unknowns, as standard normal or uniform variates.
+/// One draw of the quantities that a forecast does not know, as standard normal or uniform
+/// variates.
 struct Draw {
     /// Normal variate of the expected noise.
     noise: f64,
@@ -104,8 +106,8 @@ fn normal_quantile(probability: f64) -> f64 {
 impl ErrorForecast {
     /// Predicts after how many passes the upper end of the error interval is at most `target`.
     ///
-    /// `confidence` is that of the interval. The render estimates its error by
-    /// [`EstimateSchedule`].
+    /// `confidence` is the confidence of the interval. The render estimates its error after the
+    /// passes of [`EstimateSchedule`].
     #[must_use]
     pub fn stop(&self, target: f64, confidence: Confidence) -> StopForecast {
         if let Some(floor) = self.bias_floor().filter(|floor| *floor >= target) {
@@ -127,8 +129,8 @@ impl ErrorForecast {
         self.estimate.passes.saturating_mul(MAX_EXTRAPOLATION).min(MAX_PASSES)
     }
 
-    /// Returns the numbers of passes after which the draws end, in ascending order; `None` beyond
-    /// [`horizon`](Self::horizon).
+    /// Returns the number of passes after which each draw ends, in ascending order; `None` for a
+    /// draw that ends beyond [`horizon`](Self::horizon).
     fn ends_of_draws(&self, target: f64, half_width: f64) -> Vec<Option<u32>> {
         let made = self.estimate.passes;
         let ended = self.estimate.parts.error_interval(half_width).1 <= target;
@@ -152,7 +154,7 @@ impl ErrorForecast {
                 break;
             }
         }
-        // A render that has ended did so after the passes made at the latest.
+        // A render that has reached its target did so after the passes made at the latest.
         if ended {
             ends.iter_mut().for_each(|end| *end = end.or(Some(made)));
         }
@@ -160,8 +162,8 @@ impl ErrorForecast {
         ends
     }
 
-    /// Returns the parts of the squared error that a render estimates after the passes that `sums`
-    /// holds.
+    /// Returns the parts of the squared error that a simulated render estimates after the passes
+    /// that `sums` holds.
     ///
     /// `power` is an index of [`POWERS`]. `d0` is the expectation of ‖D₀‖² after the passes made,
     /// whose sums are `at_pilot`.
@@ -188,8 +190,8 @@ impl ErrorForecast {
         }
     }
 
-    /// Returns the blur that a render estimates after the passes that `sums` holds. The arguments
-    /// are those of [`simulated_parts`](Self::simulated_parts).
+    /// Returns the blur that a simulated render estimates after the passes that `sums` holds.
+    /// [`simulated_parts`](Self::simulated_parts) explains the arguments.
     fn simulated_blur(
         &self,
         draw: &Draw,
@@ -225,11 +227,13 @@ impl ErrorForecast {
 
     /// Returns the cumulative probabilities of [`POWERS`] after measurement.
     ///
-    /// The likelihood of an exponent p is that of the measured ‖D₁‖² = 2^(−2p) ‖D₀‖². The estimate
-    /// of ‖D₁‖² has about the variance of the estimate of ‖D₀‖².
+    /// An exponent p predicts ‖D₁‖² = 2^(−2p) ‖D₀‖². The difference between this prediction and the
+    /// measured ‖D₁‖² gives its likelihood. The estimate of ‖D₁‖² has about the variance of the
+    /// estimate of ‖D₀‖².
     fn power_weights(&self) -> [f64; POWERS.len()] {
         let measured = &self.estimate.differences;
-        // Ratios between those of two neighbouring exponents fit both, however exact they are.
+        // Floor of the variance. With it, a ratio between the ratios of two neighbouring exponents
+        // fits both exponents, even if it is measured exactly.
         let rounding = 1e-4 * measured.d0 * measured.d0;
         let square = |power: f64| {
             let ratio = squared_ratio(power);

@@ -78,17 +78,17 @@ fn intervals_contain_the_true_error() {
     for seed in 0..pictures {
         let (estimator, film) = render_noisy_passes(8, 100 + seed, 0.3, 0.0);
         let estimate = estimator.estimate(&film);
-        let scale = RelativeErrorWeights::from_pixels(film.size(), &[Rgb::ONE; PIXELS]);
+        let error_weights = RelativeErrorWeights::from_pixels(film.size(), &[Rgb::ONE; PIXELS]);
         let mean = film.mean();
-        let error = scale.mean(|i| (mean[i] - Rgb::ONE).as_dvec3() * (mean[i] - Rgb::ONE).as_dvec3()).sqrt();
+        let error = error_weights.mean(|i| (mean[i] - Rgb::ONE).as_dvec3() * (mean[i] - Rgb::ONE).as_dvec3()).sqrt();
         held += i32::from(estimate.low <= error && error <= estimate.high);
     }
     // 90 % of 200 less three standard deviations of the binomial distribution.
     assert!(held >= 180 - 13, "{held}");
 }
 
-/// Error of shared paths is reported as bias. Here it is 0.2 at each of 16 pixels; fresh paths have
-/// noise only.
+/// The error of shared paths is reported as bias. Here it is 0.2 at each of 16 pixels; fresh paths
+/// have only noise.
 #[test]
 fn shared_paths_are_bias() {
     let (mut estimator, mut film) = (ErrorEstimator::new(None), Film::new(WIDTH, WIDTH));
@@ -143,11 +143,11 @@ fn edges_are_not_extrapolated_as_smooth() {
         film.add(&pass.image);
     }
     let estimate = estimator.estimate(&film);
-    let scale = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
-    let error = scale.mean(|i| DVec3::splat((row[i][0] - row[i][3]) * (row[i][0] - row[i][3]))).sqrt();
+    let error_weights = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
+    let error = error_weights.mean(|i| DVec3::splat((row[i][0] - row[i][3]) * (row[i][0] - row[i][3]))).sqrt();
     assert!(estimate.low <= error && error <= estimate.high, "{estimate:?} {error}");
     assert!((estimate.blur / error - 1.0).abs() < 0.25, "{} {error}", estimate.blur);
     // The law of smooth light would give 2 ‖D₀‖.
-    let smooth = 2.0 * scale.mean(|i| DVec3::splat((row[i][0] - row[i][1]) * (row[i][0] - row[i][1]))).sqrt();
+    let smooth = 2.0 * error_weights.mean(|i| DVec3::splat((row[i][0] - row[i][1]) * (row[i][0] - row[i][1]))).sqrt();
     assert!(smooth < 0.75 * error, "{smooth} {error}");
 }

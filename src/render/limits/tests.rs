@@ -3,7 +3,7 @@ use crate::integrate::SilentMonitor;
 use crate::render::driver::{EndReason, RenderResult, render};
 use crate::render::test_integrator::{NoisyIntegrator, SIZE};
 
-/// The error is σ/√(2n) after n passes: 3 % after 50, 10 % after 5.
+/// Integrator with the error σ/√(2n) after n passes: 3 % after 50 passes, 10 % after 5.
 const NOISY: NoisyIntegrator = NoisyIntegrator { sigma: 0.3, bias: 0.0, estimates_error: true };
 
 fn rendered(integrator: &NoisyIntegrator, stop: &StopCriteria<'_>) -> RenderResult {

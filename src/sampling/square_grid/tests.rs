@@ -33,7 +33,7 @@ fn grid_samples_follow_the_pdf() {
         assert_eq!(density, histogram.pdf(at));
         counts[SquareGridDistribution::cell_index(fine, at)] += 1.0;
     }
-    // Cells that expect fewer than ten points are pooled.
+    // Cells with fewer than ten expected points are pooled.
     let (mut chi2, mut nu, mut rest) = (0.0, -1.0, (0.0, 0.0));
     for (i, count) in counts.iter().enumerate() {
         let middle = (Vec2::new((i % fine) as f32, (i / fine) as f32) + 0.5) / fine as f32;
@@ -56,8 +56,10 @@ fn grid_samples_follow_the_pdf() {
     assert!(z.abs() < 3.9, "z = {z}, {nu} degrees of freedom");
 }
 
-/// Compares the pdf of each cell with its weight. The tolerance allows for the minimum probability
-/// of 64 steps of 2⁻²⁴ that each row gets, and each cell in its row.
+/// Compares the pdf of each cell with its weight.
+///
+/// Each row, and each cell in its row, has a minimum probability of 64 steps of 2⁻²⁴. The tolerance
+/// allows for it.
 #[test]
 fn grid_pdf_is_proportional_to_weights() {
     let weights = grid_weights_with_zeros();
@@ -77,7 +79,7 @@ fn grid_pdf_is_proportional_to_weights() {
     assert!(rare.pdf(Vec2::new(0.75, 0.25)) > 0.0, "a weight above zero must keep some density");
 }
 
-/// Counts 256 stratified points in each row, and compares with the expected number. The tolerance
+/// Compares the number of 256 stratified points in each row with the expected number. The tolerance
 /// is one point at each end of the row.
 #[test]
 fn grid_distribution_keeps_points_stratified() {

@@ -48,7 +48,8 @@ fn draws_are_spread_evenly() {
     assert!(mean(|draw| draw.noise * draw.later_blur).abs() < 0.1);
 }
 
-/// Noise of 0.1 after 8 passes falls to 0.05 after 32. The range is that of the model's doubt.
+/// Noise of 0.1 after 8 passes falls to 0.05 after 32 passes. The range comes from the uncertainty
+/// of the model.
 #[test]
 fn noise_alone_needs_four_times_the_passes() {
     let forecast = forecast_with(NestedDifferenceMoments::default(), None);
@@ -62,7 +63,7 @@ fn noise_alone_needs_four_times_the_passes() {
 
 /// A wider interval must fall further: its upper end is √(1 + z·√uncertainty) times the error.
 #[test]
-fn the_upper_end_of_the_interval_is_foretold() {
+fn forecast_uses_the_upper_end_of_the_interval() {
     let mut forecast = forecast_with(NestedDifferenceMoments::default(), None);
     forecast.estimate.parts.noise_scatter = 0.04;
     let center = range(forecast.stop(0.05, CENTER)).median;
@@ -71,7 +72,7 @@ fn the_upper_end_of_the_interval_is_foretold() {
     assert!((f64::from(upper) / f64::from(center) / expected - 1.0).abs() < 0.06, "{upper} {center}");
 }
 
-/// Targets that the pilot has reached are foretold at its passes or before.
+/// The forecast for a target that the pilot has reached is at most the pilot's number of passes.
 #[test]
 fn reached_targets_are_not_in_the_future() {
     let forecast = forecast_with(NestedDifferenceMoments::default(), None);
@@ -116,7 +117,7 @@ fn unknown_blur_widens_the_range() {
 }
 
 #[test]
-fn distant_targets_are_not_foretold() {
+fn distant_targets_have_no_forecast() {
     let forecast = forecast_with(NestedDifferenceMoments::default(), None);
     assert_eq!(forecast.stop(1e-6, CENTER), StopForecast::TooFar { at_least: 8000 });
 }
