@@ -3,7 +3,7 @@
 //! The mean of n rays of a pixel has variance σ²/n. For a given total of rays, the mean relative
 //! variance of the pixels is least if n is proportional to σ over the radiance. The pilot estimates
 //! σ and the radiance from a few pictures before the first pass. No pass uses rays of the pilot, so
-//! the mean stays unbiased.
+//! the mean of the passes stays unbiased.
 
 use super::camera_path;
 use super::map_builder::MapBuildOptions;
@@ -132,8 +132,8 @@ mod tests {
         for (i, share) in shares.iter().enumerate() {
             match i % width {
                 0..4 => assert_eq!(*share, MIN_RELATIVE_COUNT as f32),
-                // Half of the pixels would get 1.5 mean shares each. Pixels near the middle average
-                // both sides.
+                // The noisy half of the pixels gets about 1.5 times the mean each. Pixels near the
+                // middle average both sides.
                 12.. => assert!((1.2..1.6).contains(share), "{i}: {share}"),
                 _ => {}
             }

@@ -101,7 +101,7 @@ impl Algorithm {
 
     /// Makes the integrator that renders `scene` with this algorithm.
     ///
-    /// For settings that are `None`, it uses the algorithm's default or a value that a pilot (small
+    /// Settings that are `None` get the algorithm's default, or a value that a pilot (small
     /// simulation) finds.
     #[must_use]
     pub fn prepare(self, scene: &Scene, settings: Settings) -> Box<dyn Integrator + '_> {

@@ -52,10 +52,10 @@ impl NoiseSource {
 }
 
 /// Returns the number of samples of each source for which the pass has least noise. The total work
-/// stays that of the default numbers.
+/// is the same as with the default numbers.
 ///
 /// No number changes by more than a factor of [`MAX_CHANGE`]. A source without noise keeps its
-/// number, and its work is not counted.
+/// number of samples, and its work is not counted.
 pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
     let work = |numbers: &[f64; 3]| -> f64 {
         let active = sources.iter().zip(numbers).filter(|(p, _)| p.has_noise());

@@ -25,16 +25,17 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Interior, PathEvent, PathRay, Scene, SurfaceInteraction, SurfaceVertex};
 use glam::Vec3;
 
-/// Throughput above which a camera path splits at a smooth dielectric.
+/// Throughput above which a camera path splits into a reflected and a refracted branch at a smooth
+/// dielectric.
 ///
-/// The fainter of the reflected and the refracted branch must exceed it.
+/// The throughput of the fainter branch must exceed it.
 const MIN_SPLIT_THROUGHPUT: f32 = 0.001;
 
 /// Throughput, as the mean of its channels, below which Russian roulette may end a path.
 const ROULETTE_THROUGHPUT: f32 = 0.125;
 
-/// Number of bounces during which Russian roulette spares a path that has met only casters, such as
-/// glass or mirrors.
+/// Number of bounces without Russian roulette for a path that has met only casters, such as glass
+/// or mirrors.
 const ROULETTE_BOUNCE: u32 = 8;
 
 /// Largest number of branches of one camera path that wait on the stack to be traced.
@@ -78,7 +79,8 @@ pub(super) struct PathState<I> {
     ///
     /// The throughput is multiplied by this weight after the emission at the next vertex is added.
     indirect_weight: f32,
-    /// True once the path has left a first receiver whose indirect light photon estimates find too.
+    /// True once the path has left its first receiver, if photon estimates there find indirect
+    /// light too.
     shares_indirect: bool,
     /// Previous vertex if next-event estimation there could have sampled the light that the path
     /// hits now. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
@@ -345,17 +347,17 @@ fn photon_radiance<I: Interior>(
     estimate
 }
 
-/// True if photon estimates find part or all of the indirect light at a receiver: only at the first
-/// receiver of a camera path.
+/// True if photon estimates find part or all of the indirect light at a receiver (surface that
+/// stores photons, or medium). They do so only at the first receiver of a camera path.
 ///
-/// `history` counts the receivers and casters on the path before it.
+/// `history` counts the receivers and casters on the path before this receiver.
 #[inline]
 fn shares_indirect_light(indirect: IndirectWeights, history: PathHistory) -> bool {
     indirect.photons > 0.0 && history.receivers == 0
 }
 
-/// True if the camera path continues at its first receiver. `sampler` is that of the path's vertex
-/// there.
+/// True if the camera path continues at its first receiver (surface that stores photons, or
+/// medium). `sampler` is the sampler of the vertex there.
 ///
 /// If photon estimates find part of the indirect light at the receiver, only some of a pixel's
 /// paths continue.
@@ -364,8 +366,9 @@ fn is_path_continued(indirect: IndirectWeights, sampler: Sampler) -> bool {
     indirect.is_sample_continued(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ChosenLobe))
 }
 
-/// Returns `light`, multiplied by a weight if `path` found it before its first receiver. Prefix
-/// rays find this light too; see [`PrefixLight`](super::prefix_rays::PrefixLight).
+/// Returns `light`, multiplied by a weight if `path` found it before its first receiver (surface
+/// that stores photons). Prefix rays find such light too; see
+/// [`PrefixLight`](super::prefix_rays::PrefixLight).
 ///
 /// `light` is emission that the path hit, or direct light at a caster. The function also adds it to
 /// sums of `worker`.
@@ -393,8 +396,8 @@ fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut Pa
     worker.visible.push(VisiblePoint { position: surface.point.p, error: surface.point.error, normal, weight });
 }
 
-/// True if `vertex` is the end of a final-gathering ray that is long enough to read the indirect
-/// map there.
+/// True if `vertex` ends a final-gathering ray that is long enough for a lookup in the indirect
+/// map.
 #[inline]
 fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bool {
     paths.policy.continuation == PathContinuation::GatherRays
@@ -468,10 +471,10 @@ impl<'a> PathContext<'a> {
 }
 
 impl<I: Interior> PathState<I> {
-    /// Makes photon estimates share the light that this path finds after its first receiver: sets
-    /// the path's weight.
+    /// Sets the weight of the indirect light that this path finds after its first receiver. Photon
+    /// estimates carry the rest of that light.
     ///
-    /// `sampler` is that of the path's vertex at the receiver.
+    /// `sampler` is the sampler of the path's vertex at the receiver.
     #[inline]
     fn share_indirect_light(&mut self, indirect: IndirectWeights, sampler: Sampler) {
         let (_, samples) = sampler.sample_index_and_count();

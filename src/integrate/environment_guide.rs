@@ -12,16 +12,18 @@ use crate::light::{DirectLightSample, EnvironmentLight, ShadowTarget};
 use crate::sampling::SquareGridDistribution;
 use glam::{Vec2, Vec3};
 
-/// Number of bins along each side of the unit square of a cell.
+/// Number of bins along each side of the unit square over which each cell of the grid has a
+/// distribution.
 const SIDE: usize = 32;
 
-/// Number of bins of a cell.
+/// Number of bins of a cell's distribution.
 const BINS: usize = SIDE * SIDE;
 
-/// Number of times that the grid is refined. Each refinement splits each cell into eight.
+/// Number of times that the grid over the scene is refined. Each refinement splits each cell into
+/// eight.
 const REFINEMENTS: u32 = 3;
 
-/// Number of cells along each axis.
+/// Number of cells of the finest grid along each axis of the scene.
 const CELLS: u32 = 1 << REFINEMENTS;
 
 /// Fraction of each distribution that is uniform (defensive sampling).
@@ -33,7 +35,8 @@ const DEFENSIVE_FRACTION: f64 = 0.2;
 /// as a number of rays.
 const PARENT_WEIGHT: f64 = 2.0;
 
-/// Distribution of the directions from which the environment light reaches each part of a scene.
+/// Distributions of the directions from which the environment light reaches each cell of a grid
+/// over the scene.
 #[derive(Debug)]
 pub(super) struct EnvironmentGuide {
     grid: CellGrid,
@@ -89,8 +92,8 @@ impl EnvironmentGuideFit {
         Self { grid: CellGrid::new(points), counts: vec![0.0; bins], squares: vec![0.0; bins] }
     }
 
-    /// Adds a ray from `p`, sampled from the point `u` in \[0, 1)². `square` is the square of what
-    /// it would contribute to the picture without guiding.
+    /// Adds a ray from `p` whose direction the light has sampled from the point `u` in \[0, 1)².
+    /// `square` is its squared contribution to the picture without guiding.
     pub fn add(&mut self, p: Vec3, u: Vec2, square: f64) {
         let bin = self.grid.cell_index(p) * BINS + SquareGridDistribution::cell_index(SIDE, u);
         self.counts[bin] += 1.0;

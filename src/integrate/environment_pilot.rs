@@ -58,7 +58,7 @@ pub struct EnvironmentGuidingReport {
 struct PilotRay {
     /// Index of the recorded point from which the ray starts.
     point: usize,
-    /// Point in \[0, 1)² from which the light samples the direction.
+    /// Point in \[0, 1)² from which the light samples the ray's direction.
     u: Vec2,
     /// Pdf of `u`.
     pdf: f32,

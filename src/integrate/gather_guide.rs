@@ -6,7 +6,8 @@ use glam::{Vec2, Vec3};
 /// Number of nearby photons whose directions guide a final-gathering ray.
 pub(super) const GUIDE_PHOTONS: u32 = 32;
 
-/// 1 − cosine of the half angle of the cone around each photon's direction; the angle is 0.2 rad.
+/// 1 − cosine of the half angle of the cone around each photon's direction. The half angle is 0.2
+/// rad.
 ///
 /// Without overlap, the cones of 32 photons cover 64 % of a hemisphere.
 const ONE_MINUS_COS: f32 = 0.02;

@@ -37,8 +37,8 @@ pub(super) struct IndirectLight {
     pub paths: Rgb,
     /// Light found by the photon estimate \[W/(m² sr)].
     pub photons: Rgb,
-    /// Photon estimate with the full gather disc minus that with half its area \[W/(m² sr)]; 0
-    /// without nested estimates.
+    /// Photon estimate with the full gather disc minus the estimate with half its area \[W/(m²
+    /// sr)]; 0 without nested estimates.
     pub photon_step: Rgb,
 }
 
@@ -54,8 +54,8 @@ pub(super) struct IndirectErrors {
     pub squared_bias: f32,
 }
 
-/// Division of indirect light between camera paths and photon estimates: the errors of both over
-/// the film, and the sample counts from which their weights follow.
+/// Division of indirect light between camera paths and photon estimates: the errors of both
+/// techniques over the film, and the sample counts from which their weights follow.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct IndirectDivision {
     /// Number of columns of the grid of cells over the film.
@@ -85,7 +85,8 @@ pub(super) enum IndirectTechnique<'a> {
     Paths,
     /// Density estimates in the interreflection map.
     Photons,
-    /// Camera paths and photon estimates, both with weight 1, for a pilot that compares them.
+    /// Camera paths and photon estimates, both with weight 1, for a pilot that compares the two
+    /// techniques.
     Comparison,
     /// Camera paths and photon estimates, with weights that sum to 1.
     Both {
@@ -124,7 +125,8 @@ impl IndirectWeights {
     /// Weight 1 for camera paths and for photon estimates, so that indirect light counts twice.
     const COMPARISON: Self = Self { photons: 1.0, continued: u32::MAX, samples: u32::MAX };
 
-    /// True if camera path `index` of a pixel's `count` paths continues at its first receiver.
+    /// True if camera path `index` of a pixel's `count` paths continues at its first receiver
+    /// (surface that stores photons, or medium).
     ///
     /// A pilot traces a single path per pixel (`count` is 1). Then `u` in \[0, 1) decides at
     /// random.

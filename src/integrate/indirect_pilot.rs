@@ -1,8 +1,8 @@
 //! Pilot that divides indirect light between camera paths and photon estimates.
 //!
-//! It traces camera paths through each cell of a grid over the film. Both techniques find all
-//! indirect light of each path. A second trial with independent random numbers does the same. The
-//! differences between the two trials measure the variance of each technique.
+//! It traces camera paths through each cell of a grid over the film. For each path, camera paths
+//! and photon estimates both find all indirect light. A second trial uses independent random
+//! numbers. The differences between the two trials measure the variance of each technique.
 //!
 //! The bias of a photon estimate is proportional to the area of its disc. So the difference from an
 //! estimate with half the area measures the bias. The product of this difference in both trials is
@@ -36,7 +36,7 @@ const MIN_DIVISOR: u32 = 8;
 /// Largest number of photon paths of a trial.
 const MAX_PATHS: u32 = 1 << 17;
 
-/// Number of the pass, counted from 1, for whose error the price of camera paths is chosen.
+/// Number of the pass, counted from 1, whose error and work determine the price of a camera path.
 const TYPICAL_PASS: u32 = 4;
 
 /// Largest number of passes with photon estimates of indirect light.
@@ -46,13 +46,14 @@ const MAX_PASSES: u32 = 1 << 16;
 /// are used.
 const MAX_COST: f64 = 0.8;
 
-/// Numbers of photon paths from which the pilot chooses, relative to the number in the settings.
+/// Candidate numbers of photon paths per pass, relative to the number in the settings. The pilot
+/// chooses one.
 const PHOTON_PARTS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
 
 /// Stride over the film points: the pilot measures work at every eighth point.
 const WORK_STEP: usize = 8;
 
-/// Number of steps of the search for the price of a camera path.
+/// Number of iterations of the search for the price of a camera path.
 const SEARCH_STEPS: u32 = 12;
 
 /// Work of one density estimate apart from its photons, relative to tracing a photon ray.
@@ -62,8 +63,8 @@ const LOOKUP_WORK: f64 = 20.0;
 /// ray.
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
-/// Fraction of a cell's indirect light. If photon estimates of the pilot miss more than this,
-/// photons are too rare there for the pilot to measure their variance.
+/// Largest fraction of a cell's indirect light that photon estimates of the pilot may miss. If they
+/// miss more, photons are too rare there for the pilot to measure their variance.
 const MOST_MISSED: f64 = 0.9;
 
 /// Variance assumed for photon estimates that miss more than [`MOST_MISSED`] in a scene with
@@ -219,7 +220,8 @@ impl<'a> Trial<'a> {
     /// Measures the work of camera paths through `points` and of the photons of the interreflection
     /// map.
     ///
-    /// `both` holds the counters of these paths when both techniques find indirect light.
+    /// `both` holds the counters of these paths from [`IndirectTechnique::Comparison`], in which
+    /// both techniques find indirect light.
     fn measure_work(&self, pilot: &PassRenderer<'_>, points: &[FilmPoint], both: &Counters) -> TrialWork {
         let some_points: Vec<FilmPoint> = points.iter().step_by(WORK_STEP).copied().collect();
         let (_, alone) = self.trace(pilot, &some_points, IndirectTechnique::Paths);
@@ -324,18 +326,18 @@ fn cell_errors(
         }
     };
     let mut direct: Vec<f64> = raw.iter().map(|sums| sums[0]).collect();
-    // Leave out the 5 % noisiest cells: rare bright light says nothing about other cells.
+    // Leave out the noisiest 5 % of the cells: rare bright light says nothing about other cells.
     direct.sort_by(f64::total_cmp);
     let kept = direct.len() - direct.len() / 20;
     let direct = direct[..kept].iter().sum::<f64>() / kept as f64;
     Some(((0..cells.len()).map(errors).collect(), direct))
 }
 
-/// Returns `division` with the numbers of photon paths and passes, and the price of camera paths,
-/// for which error times work is least. Returns `None` if camera paths alone are as good.
+/// Returns `division` with the number of photon paths, the number of passes and the price of camera
+/// paths for which error times work is least. Returns `None` if camera paths alone are as good.
 ///
-/// `parts` are the numbers of photon paths to choose from, relative to that of `division`. `area`
-/// returns the relative disc area of a pass, counted from 0.
+/// `parts` are the numbers of photon paths to choose from, relative to the number of `division`.
+/// `area` returns the relative disc area of a pass, counted from 0.
 fn least_cost_division(
     division: &IndirectDivision,
     parts: &[f64],

@@ -44,7 +44,7 @@ pub trait Integrator: Sync {
     /// Returns the share in \[0, 1] of indirect light that photon estimates carry in pass `pass`,
     /// as a mean over the picture. Camera paths carry the rest.
     ///
-    /// The indirect light is that at the first surface on each camera path that stores photons.
+    /// Only indirect light at the first surface that stores photons on each camera path counts.
     fn indirect_photon_share(&self, _pass: u32) -> f64 {
         0.0
     }

@@ -74,7 +74,7 @@ struct DensityEstimateLimits {
     k: u32,
 }
 
-/// Results of the photon paths aimed at casters, except the caustic map.
+/// Results of the photon paths aimed at casters (such as glass or mirrors), except the caustic map.
 struct AimedPathResults {
     /// Photons for the indirect map of `hybrid`: light that a caustic has reflected. Empty for
     /// other algorithms.
@@ -146,8 +146,8 @@ impl<'a> PhotonMapBuilder<'a> {
             }
             restrict_to_effects(new_source()?, policy.effects)
         };
-        // If a user forces caustics on in a scene without lit casters, aimed paths start in all
-        // directions.
+        // If a user forces the effect of caustics on in a scene without lit casters, aimed paths
+        // start in all directions.
         let aimed =
             || PhotonSource::aimed_at_casters(scene).or_else(|| PhotonSource::emitting_in_all_directions(scene));
         let aimed_source = source(request.aimed, settings.caustic_photons, &aimed);
@@ -185,7 +185,7 @@ impl<'a> PhotonMapBuilder<'a> {
     }
 
     /// Returns a builder for `policy`, the same policy with fewer effects of light. The new builder
-    /// keeps what pilots found.
+    /// keeps the results of pilots.
     pub fn with_policy(&self, policy: &PathPolicy) -> Self {
         let request = policy.photon_map_request();
         let keep = |source: &Option<PhotonSource<'a>>, mask: StoreMask| {
@@ -205,7 +205,7 @@ impl<'a> PhotonMapBuilder<'a> {
     }
 
     /// Returns a builder for `scene`, the same scene at another shutter time. The new builder keeps
-    /// what pilots found.
+    /// the results of pilots.
     pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PhotonMapBuilder<'b> {
         let placed = |source: &Option<PhotonSource<'a>>| source.as_ref().map(|source| source.for_scene_at_time(scene));
         PhotonMapBuilder {
@@ -219,8 +219,8 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// Returns the photon source of the indirect map, the kinds of photons that the map stores, and
-    /// the number of photon paths per pass that fill it.
+    /// Returns the inputs of the indirect map: its photon source, the kinds of photons that it
+    /// stores, and the number of photon paths per pass that fill it.
     fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
         if self.aimed_paths_fill_indirect_map() {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
@@ -511,7 +511,8 @@ impl<'a> PhotonMapBuilder<'a> {
         PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume, has_density_estimate_shares: false }
     }
 
-    /// Returns the photon paths from `source` that store the kinds of photons of `mask`.
+    /// Returns the inputs of a photon pass from `source` that stores the kinds of photons of
+    /// `mask`.
     fn photon_pass<'b>(&'b self, source: &'b PhotonSource<'a>, mask: StoreMask) -> PhotonPass<'b> {
         PhotonPass { scene: self.scene, source, mask, max_bounces: self.settings.camera_paths.max_bounces }
     }

@@ -23,7 +23,7 @@ const CENTER: Vec2 = Vec2::splat(0.5);
 /// photons) send a shadow ray to every light.
 const FEW_LIGHTS: usize = 4;
 
-/// Scheme of one vertex's shadow rays: to which lights they go, and how many.
+/// Targets and number of the shadow rays of one vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ShadowRayScheme {
     /// This many shadow rays to every light.
@@ -45,8 +45,8 @@ pub(super) struct NextEventEstimator<'a> {
     centers: bool,
     /// Sampler that chooses lights; `None` if every vertex sends shadow rays to all lights.
     light_sampler: Option<LightBvhSampler>,
-    /// Shadow rays of a vertex: first for vertices up to the path's first receiver (surface that
-    /// stores photons), then for later vertices.
+    /// Shadow rays of a vertex. The first scheme is for vertices up to the path's first receiver
+    /// (surface that stores photons), the second for later vertices.
     schemes: [ShadowRayScheme; 2],
     /// Guide of shadow rays to the environment light; `None` lets the light sample directions.
     environment_guide: Option<Arc<EnvironmentGuide>>,
@@ -262,8 +262,8 @@ impl<'a> NextEventEstimator<'a> {
         target - sample.wi * self.scene.light_contact_distance(light).min(0.5 * (target - p).length())
     }
 
-    /// Returns the transmittance of a shadow ray; 0 unless all surfaces on its way are null
-    /// interfaces. At least one surface must be on its way.
+    /// Returns the transmittance of a shadow ray that hits at least one surface; 0 unless all
+    /// surfaces on its way are null interfaces.
     fn transmittance_through_null_interfaces<I: Interior>(
         &self,
         light: usize,

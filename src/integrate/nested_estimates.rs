@@ -21,8 +21,8 @@ pub struct MeanGatherDisc {
 /// their noise, so their differences measure the bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NestedEstimates {
-    /// Two differences of radiance \[W/(m² sr)]: the estimate with the full disc minus that with
-    /// half the area, and the latter minus that with a quarter of the area.
+    /// Two differences of radiance \[W/(m² sr)] between estimates with discs of neighbouring areas:
+    /// full minus half, and half minus quarter.
     pub steps: [Rgb; LEVELS - 1],
     /// Mean radius and photon count of the estimates from the caustic map; `None` without an
     /// estimate.

@@ -60,7 +60,7 @@ impl<'a> PassRenderer<'a> {
     }
 
     /// Returns a renderer for `scene`, the same scene at another shutter time. The new renderer
-    /// keeps what pilots found.
+    /// keeps the results of pilots.
     pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PassRenderer<'b> {
         PassRenderer {
             scene,
@@ -76,7 +76,7 @@ impl<'a> PassRenderer<'a> {
     }
 
     /// Returns a renderer for `policy`, the same policy with fewer effects of light. The new
-    /// renderer keeps what pilots found.
+    /// renderer keeps the results of pilots.
     pub fn with_policy(&self, policy: PathPolicy) -> Self {
         let nee = NextEventEstimator::new(self.scene, &policy, self.environment_guide.clone());
         let map_builder = self.map_builder.with_policy(&policy);
@@ -114,8 +114,8 @@ impl<'a> PassRenderer<'a> {
 
     /// Returns the number of slices of the shutter interval in each pass; 1 if nothing moves.
     ///
-    /// There is one slice for each [`SLICE_PIXELS`] pixels of motion on the film, unless so many
-    /// cost too much.
+    /// There is one slice for each [`SLICE_PIXELS`] pixels of motion on the film, or fewer if that
+    /// costs too much.
     pub fn find_slice_count(&self) -> u32 {
         if !self.has_motion() {
             return 1;

@@ -245,7 +245,7 @@ fn sliced_cameras<'b>(renderers: &'b [PassRenderer<'_>], pass: u32) -> SlicedCam
     }
 }
 
-/// Traces the camera paths of `sampling`, and returns their picture. `paths` holds the inputs of
+/// Traces the camera paths of `sampling`, and returns their picture. `paths` holds one context for
 /// each slice of the shutter interval.
 fn render_camera_paths(
     paths: &[PathContext<'_>],

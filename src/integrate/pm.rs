@@ -8,7 +8,8 @@
 //!   photons.
 //!   - *Direct visualization*: the path also reads the indirect map there, and ends.
 //!   - *Final gathering*: the path sends a gather ray and reads both maps at its end. This hides
-//!     the blur of the indirect map. A path continues where a gather ray is too short for that.
+//!     the blur of the indirect map. Where a gather ray is too short to hide the blur, the path
+//!     continues instead.
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{FinalGathering, IndirectPhotons, LightTracing, Settings};

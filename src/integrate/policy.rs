@@ -26,7 +26,7 @@ pub(super) struct PathPolicy {
     pub light_sampling: LightSampling,
     /// Receivers (surfaces that store photons, or media) from which a camera path continues.
     pub continuation: PathContinuation,
-    /// Strategy that samples the path's next direction at surfaces that store photons.
+    /// Strategy by which the path samples its next direction at surfaces that store photons.
     pub directions: DirectionSampling,
     /// True if camera paths also find caustics; false leaves caustics to photons.
     pub counts_caustics: bool,

@@ -1,4 +1,4 @@
-//! Pilot for prefix rays: it finds how many of them each pixel needs.
+//! Pilot for prefix rays: it finds how many prefix rays each pixel needs.
 //!
 //! The *prefix* of a camera path is its part up to the first receiver. Prefixes alone find
 //! highlights of small lamps, and caustics seen in mirrors and through glass. These often cover a
@@ -16,7 +16,7 @@
 //! rays. The prefix rays of the next pictures read photon maps only in these pixels, because
 //! lookups are most of their work.
 //!
-//! No pass uses rays of the pilot, so the mean stays unbiased.
+//! No pass uses rays of the pilot, so the mean of the passes stays unbiased.
 
 use super::balance;
 use super::camera_path;
@@ -50,7 +50,7 @@ const MIN_DIVISOR: u32 = 4;
 /// Largest number of photon paths of the pilot for one map.
 const MAX_PATHS: u32 = 1 << 20;
 
-/// Number of steps of each search for the most efficient numbers of rays.
+/// Number of iterations of each search for the most efficient numbers of rays.
 const SEARCH_STEPS: u32 = 20;
 
 /// Largest work of prefix rays, relative to the work of the rest of a pass.

@@ -4,8 +4,8 @@ use crate::color::Rgb;
 use crate::stats::Counters;
 use std::sync::Arc;
 
-/// Weights and sums of the light that the camera paths of a pixel find up to their first receiver
-/// (surface that stores photons).
+/// Weights and sums of the light that camera paths or prefix rays of a pixel find up to their first
+/// receiver (surface that stores photons).
 ///
 /// The *prefix* of a camera path is its part up to the first receiver. *Prefix rays* trace only
 /// prefixes. A pixel's n camera paths and m prefix rays find the same emission, so they share it by
@@ -19,10 +19,10 @@ pub(super) struct PrefixLight {
     /// Number of camera paths of the pixel, or of prefix rays, that read photon maps: those with
     /// the lowest sample indices.
     pub lookups: u32,
-    /// Factor on the photon estimate, apart from its multiplication by the number of samples.
+    /// Factor on the photon estimate, in addition to the number of samples.
     ///
-    /// With n camera paths, k of which read maps, m prefix rays, and l prefix rays that read maps,
-    /// it is 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.
+    /// Let k of n camera paths and l of m prefix rays read maps. The factor is 1/(k + l) for camera
+    /// paths and n/(m·(k + l)) for prefix rays.
     pub lookup_weight: f32,
     /// True for prefix rays, which end at the first surface that stores photons.
     pub ends_at_receiver: bool,

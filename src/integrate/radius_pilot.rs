@@ -18,7 +18,7 @@ pub(super) const MAX_PATHS: u32 = 1 << 16;
 /// density of indirect photons varies slowly.
 pub(super) const MAX_INDIRECT_PATHS: u32 = 1 << 14;
 
-/// Number of passes whose photon paths a pilot traces, within the limits on a pilot.
+/// Number of photon paths of a pilot relative to a pass, within the limits on a pilot.
 const PILOT_PASSES: u32 = 4;
 
 /// Smallest number of photon paths of a pilot, even if a pass traces far fewer.
@@ -30,7 +30,8 @@ const PROBES: usize = 512;
 /// Quantile of the distances to the k-th nearest photon that becomes the gather radius.
 const RADIUS_QUANTILE: f64 = 0.75;
 
-/// Largest gather radius relative to the scene's radius. A larger one would blur the whole scene.
+/// Largest gather radius relative to the scene's radius. A larger radius would blur the whole
+/// scene.
 const MAX_RADIUS: f32 = 0.1;
 
 /// Smallest gather radius relative to the distance from the origin: single precision cannot resolve
@@ -50,12 +51,12 @@ const MEDIA_RAYS: u32 = 512;
 /// Largest number of casters (such as glass or mirrors) on a camera path of the pilot for media.
 const MAX_CASTERS: u32 = 8;
 
-/// Target for the median number of beams or photons within the kernel radius of a camera ray. The
-/// median leaves out rays that find none.
+/// Target for the median number of beams or photons within the kernel radius of a camera ray. Rays
+/// that find none do not count in the median.
 const MEDIAN_COUNT: f64 = 64.0;
 
 /// Smallest kernel radius of photon beams, relative to the width of a pixel's footprint in the
-/// medium. If a smaller one would do, passes keep fewer beams instead.
+/// medium. If a smaller radius would hold enough beams, passes keep fewer beams instead.
 const BEAM_PIXEL_PART: f32 = 0.25;
 
 /// Kernel radius with which a pilot counts photons in media, relative to the scene's radius.
@@ -220,8 +221,8 @@ pub(super) fn find_volume_kernel_radii(
 /// Returns the width of a pixel's footprint in the medium \[length]; 0 if none of `camera_paths`
 /// crosses a medium.
 ///
-/// It is measured at the median distance from the camera to the middle of a path's way through
-/// media.
+/// The footprint is measured at a median distance: from the camera to the middle of a path's way
+/// through media.
 fn median_footprint(scene: &Scene, camera_paths: &[Vec<Ray>]) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint();
     let size = scene.photon_domain().radius;

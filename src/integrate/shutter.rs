@@ -10,7 +10,7 @@ use crate::sampling::{Dimension, Key, Purpose};
 
 /// Distance on the film that the fastest part of the scene moves in one slice \[pixels].
 ///
-/// The times of passes interleave, so in four passes that part takes one position per pixel.
+/// The times of passes interleave, so in four passes the fastest part takes one position per pixel.
 pub(super) const SLICE_PIXELS: f32 = 4.0;
 
 /// Largest number of slices of a pass.
@@ -44,7 +44,7 @@ impl ShutterSlice {
         (f64::from(self.index) + within - within.floor()) / f64::from(self.count)
     }
 
-    /// Returns the random key of the photon paths of this slice, from that of the pass.
+    /// Returns the random key of the photon paths of this slice. `pass_key` is the key of the pass.
     pub fn photon_key(self, pass_key: Key) -> Key {
         if self.count == 1 { pass_key } else { pass_key.shutter_slice_key(self.index) }
     }
@@ -70,7 +70,7 @@ pub(super) struct RaySlices {
     slices: u32,
     rays: u32,
     stride: u32,
-    /// Offset of the strata, in units of a stratum.
+    /// Offset of the strata in time, in units of a stratum.
     offset: f64,
 }
 
@@ -78,7 +78,7 @@ impl RaySlices {
     /// Division of the rays of a pass with one slice.
     pub const WHOLE: Self = Self { slices: 1, rays: 1, stride: 1, offset: 0.0 };
 
-    /// Returns the number of slices among which `rays` rays of a pixel are divided.
+    /// Returns the number of slices that get at least one ray of the pixel.
     pub fn used_slice_count(self) -> u32 {
         self.slices.min(self.rays)
     }

@@ -35,8 +35,8 @@ pub(super) struct FilmSampling<'a> {
     /// Slices of the shutter interval among which camera rays are divided; `None` sends all rays
     /// through `camera`.
     pub slices: Option<SlicedCameras<'a>>,
-    /// Stride of the rendered tiles: 1 renders all tiles, n renders one of n tiles and leaves the
-    /// others black.
+    /// Stride of the rendered tiles: with 1, all tiles are rendered; with n, one of n tiles, and
+    /// the others stay black.
     pub tile_stride: u32,
 }
 

@@ -116,10 +116,10 @@ impl NestedKernelSums {
     }
 }
 
-/// Values of the kernels of all nested radii, relative to that of the full radius.
+/// Values of the kernels of all nested radii, relative to the kernel of the full radius.
 ///
-/// The kernels have the shape 1 − x² in one and three dimensions, and (1 − x²)² in two. `x2` is x²
-/// for the full radius.
+/// At the fraction x of its radius, a kernel is proportional to 1 − x² in one and three dimensions,
+/// and to (1 − x²)² in two. `x2` is x² for the full radius.
 #[inline]
 fn kernel_ratios(dimensions: u32, x2: f32) -> [f32; LEVELS] {
     let level_scale = [1.0, SQRT_2, 2.0, 2.0 * SQRT_2][dimensions as usize];

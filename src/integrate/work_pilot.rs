@@ -76,7 +76,8 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     // Measure the work of each source.
     let pixel_count = pixel_count(renderer.scene);
     let points = f64::from(POINTS);
-    // With more photon paths, an estimate of a pass gathers more photons than one of the pilot.
+    // A pass traces more photon paths than the pilot, so each of its estimates gathers more
+    // photons.
     let gathering =
         |counters: &Counters| balance::gathering_work(counters) / points * pixel_count * f64::from(PILOT_DIVISOR);
     let gathered = gathering(&reference.counters);
@@ -188,7 +189,7 @@ mod tests {
 
     /// If `hybrid` traces no unaimed photon paths, the setting for their number has no influence.
     ///
-    /// It traces none if photon estimates of indirect light are off.
+    /// `hybrid` traces no such paths if photon estimates of indirect light are off.
     #[test]
     fn untraced_photons_do_not_change_the_balance() {
         let mut builder = SceneBuilder::new();

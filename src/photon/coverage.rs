@@ -1,5 +1,5 @@
-//! Coverage: the fraction of a density estimate's disc that is surface. Division by it corrects
-//! boundary bias.
+//! Coverage: the fraction of a density estimate's disc that is surface. Division by the coverage
+//! corrects boundary bias.
 
 use super::Kernel;
 use super::estimate::{LEVELS, MAX_RELATIVE_HEIGHT, MIN_NORMAL_COSINE};
@@ -50,8 +50,9 @@ pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: 
     if whole > 0.0 { (covered / whole).max(MIN_COVERAGE) } else { 1.0 }
 }
 
-/// [`disc_coverage`] of each disc of a [`NestedRadianceEstimate`](super::NestedRadianceEstimate),
-/// largest disc first.
+/// Returns the coverage of each disc of a
+/// [`NestedRadianceEstimate`](super::NestedRadianceEstimate), largest disc first. [`disc_coverage`]
+/// defines it.
 ///
 /// `radius` is the radius of the largest disc \[length]. Each disc has its own 16 probe rays: a
 /// division by a coverage from fewer rays would be biased.

@@ -6,8 +6,8 @@ use crate::math::Ray;
 use crate::scene::SurfaceInteraction;
 use glam::{Vec2, Vec3};
 
-/// Optical depth at which an infinitely long photon beam is cut. The flux there is 2·10⁻⁹ of the
-/// flux at the start.
+/// Optical depth at which an infinitely long photon beam is cut. The beam's flux there is 2·10⁻⁹ of
+/// the flux at its start.
 const MAX_OPTICAL_DEPTH: f32 = 20.0;
 
 /// Photon beams and photon points stored in participating media.
@@ -38,7 +38,7 @@ impl VolumePhotons {
     }
 }
 
-/// All photons that a photon pass stored, in the order of path indices.
+/// All photons and splats that a photon pass stored, in the order of path indices.
 #[derive(Debug, Default)]
 pub struct Deposits {
     /// Photons on surfaces, except the photons in `after_caustic`.

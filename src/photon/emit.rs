@@ -15,14 +15,14 @@ use glam::Vec2;
 /// or mirrors.
 const POWER_SAMPLES: u32 = 256;
 
-/// Fraction of the light probabilities that is proportional to total power, in a source aimed at
+/// Fraction of a light's probability that is proportional to its total power, in a source aimed at
 /// casters such as glass or mirrors (defensive sampling).
 ///
 /// The other 90 % are proportional to the estimated power towards the casters. A light for which
 /// this estimate is zero keeps a probability above zero.
 const DEFENSIVE_FRACTION: f64 = 0.1;
 
-/// Samples the emission of photon paths from all lights of a scene.
+/// Source of photon paths: samples a light of the scene, and the ray that leaves it.
 #[derive(Clone, Debug)]
 pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
@@ -147,8 +147,8 @@ impl<'a> PhotonSource<'a> {
         self.effects.interior_kind()
     }
 
-    /// Lights of the scene. If textures are not simulated, each light has the mean radiance of its
-    /// emission texture.
+    /// Lights from which photons are emitted: those of the scene. If textures are not simulated,
+    /// each light has the mean radiance of its emission texture.
     pub(super) fn lights(&self) -> &'a [Light] {
         if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_emission_lights() }
     }

@@ -67,11 +67,11 @@ impl PhotonSearchBuffers {
 }
 
 /// Lower bound of the radius of an estimate's disc, divided by the distance of the query point from
-/// the origin. It is about 100 rounding errors of positions.
+/// the origin. The bound is about 100 rounding errors of a position.
 const MIN_RELATIVE_RADIUS: f32 = 1e-5;
 
-/// Lower bound of the radius of a k-nearest estimate, divided by the largest radius. It keeps
-/// radiance finite if photons coincide.
+/// Lower bound of the radius of a k-nearest-neighbour estimate, divided by the largest radius. It
+/// keeps radiance finite if photons coincide.
 const MIN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 
 /// Number of photons that are summed in f32 before their sum is added to a total in f64.
@@ -183,9 +183,9 @@ impl PhotonMap {
     /// Finds the k photons nearest to `p` on the surface of `p`, and returns the squared distance
     /// of the k-th.
     ///
-    /// The photons are written to `scratch`. If fewer than k lie within the largest radius, the
-    /// function writes all of them and returns `None`. The search radius grows from a first guess,
-    /// because the kd-tree of crate kiddo cannot shrink a radius during a query.
+    /// The photons are written to `scratch`. If fewer than k photons lie within the largest radius,
+    /// the function writes all of them and returns `None`. The search radius grows from a first
+    /// guess, because the kd-tree of crate kiddo cannot shrink a radius during a query.
     fn find_k_nearest(
         &self,
         p: Vec3,

@@ -17,7 +17,7 @@ pub enum Kernel {
     Epanechnikov,
 }
 
-/// Error: the text is not the name of a [`Kernel`]. It holds the text.
+/// Error: the contained text is not the name of a [`Kernel`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown kernel `{0}`: use box, cone or epanechnikov")]
 pub struct UnknownKernel(String);
@@ -73,9 +73,9 @@ impl Kernel {
 
     /// True if the kernel is zero at the edge of its disc.
     ///
-    /// In a k-nearest-neighbour estimate, the k-th photon lies at the edge. It must have no weight,
-    /// or the estimate is biased. If this function returns false, the caller must leave out the
-    /// k-th photon.
+    /// In a k-nearest-neighbour estimate, the k-th photon lies at the edge. This photon must have
+    /// no weight, or the estimate is biased. If this function returns false, the caller must leave
+    /// out the k-th photon.
     #[must_use]
     pub fn vanishes_at_edge(self) -> bool {
         self != Self::Box

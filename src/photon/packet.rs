@@ -72,7 +72,7 @@ pub(super) fn indices_of_set_bits(mut mask: u32) -> impl Iterator<Item = usize> 
 pub(super) struct PointPacket(Vectors);
 
 impl PointPacket {
-    /// A packet of at most eight points.
+    /// Creates a packet of the first eight positions of `points`.
     pub fn new(points: impl Iterator<Item = Vec3>) -> Self {
         let mut packet = [f32x8::splat(f32::INFINITY); 3];
         for (slot, point) in points.take(LANES).enumerate() {

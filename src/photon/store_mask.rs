@@ -93,7 +93,7 @@ impl StoreMask {
     }
 }
 
-/// Number of photon paths that reach a caustic for each path that continues after it, if
+/// Number of photon paths with a caustic photon for each path that continues after it, if
 /// [`StoreMask::separates_after_caustic`] is set.
 pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 

@@ -55,9 +55,9 @@ const CHUNK: u32 = 4096;
 impl PhotonPass<'_> {
     /// Traces `paths` photon paths with random numbers from `pass_key`.
     ///
-    /// Calls `done` after each chunk of paths with the number of its paths, from any thread. The
-    /// result does not depend on the number of threads: chunks have a fixed size and are joined in
-    /// order.
+    /// After each chunk of paths, calls `done` with the number of paths in the chunk, from any
+    /// thread. The result does not depend on the number of threads: chunks have a fixed size and
+    /// are joined in order.
     pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> PhotonPassResult {
         self.trace_and_connect(pass_key, paths, None, done)
     }

@@ -14,8 +14,8 @@ pub struct VisiblePoint {
     pub error: Vec3,
     /// Unit geometric normal on the visible side.
     pub normal: Vec3,
-    /// Path throughput times BRDF: radiance of the pixel per irradiance at the point. A factor
-    /// common to all points does not matter.
+    /// Path throughput times BRDF: radiance of the pixel per irradiance at the point. Only ratios
+    /// between points matter.
     pub weight: f32,
 }
 

@@ -1,5 +1,5 @@
 //! Coverage of kernels in media: the part of a kernel that surfaces do not hide from its center.
-//! Division by it corrects boundary bias.
+//! Division by the coverage corrects boundary bias.
 
 use super::coverage::MIN_COVERAGE;
 use crate::math::{Frame, Ray};
@@ -66,7 +66,8 @@ impl KernelProbes {
     }
 }
 
-/// Part of a kernel within the fraction `x` ≥ 0 of its radius, by its number of dimensions.
+/// Part of a kernel's integral within the fraction `x` ≥ 0 of its radius, by the kernel's number of
+/// dimensions.
 ///
 /// The kernels are proportional to 1 − x² in one and three dimensions, and to (1 − x²)² in two.
 fn part_within(x: f32, dimensions: u32) -> f32 {

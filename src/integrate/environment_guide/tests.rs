@@ -8,7 +8,7 @@ fn test_key(i: u64) -> Key {
     Key::new(8).purpose_key(Purpose::Test).child_key(i)
 }
 
-/// Positions whose planes divide the unit cube into 8 × 8 × 8 equal cells.
+/// Positions for which the planes of the grid divide the unit cube into 8 × 8 × 8 equal cells.
 fn unit_cube() -> Vec<Vec3> {
     (0..64).map(|i| Vec3::splat(i as f32 / 64.0)).collect()
 }

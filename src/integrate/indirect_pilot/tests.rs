@@ -43,8 +43,9 @@ fn fewer_photons_are_traced_where_few_suffice() {
     assert!(photons(1e-6) < photons(5e-3), "{} {}", photons(1e-6), photons(5e-3));
 }
 
-/// Trials with normal noise of known variance and a constant bias give both back. With 400 cells
-/// of 16 paths, the standard errors are 2 % of the variances and 6 % of the squared bias.
+/// From trials with normal noise of known variance and a constant bias, the pilot recovers variance
+/// and bias. With 400 cells of 16 paths, the standard errors are 2 % of the variances and 6 % of
+/// the squared bias.
 #[test]
 fn trials_measure_variances_and_bias() {
     let (columns, cells) = (20, 400);
@@ -67,7 +68,7 @@ fn trials_measure_variances_and_bias() {
     let mean = |value: fn(&IndirectErrors) -> f32| {
         errors.iter().map(|cell| f64::from(value(cell))).sum::<f64>() / f64::from(cells)
     };
-    // The light of a cell is 2, its square 4.04 with the floor.
+    // The light of a cell is 2. Its square plus the floor of 1 % is 4.04.
     let scale = 1.0 / 4.04;
     let near = |name: &str, found: f64, expected: f64, tolerance: f64| {
         assert!((found / (expected * scale) - 1.0).abs() < tolerance, "{name}: {found} for {}", expected * scale);

@@ -16,8 +16,8 @@ use std::sync::Arc;
 /// light tracing.
 const MAX_SHARE_PILOT_PATHS: u32 = 1 << 20;
 
-/// Number of photons that most gather discs of the indirect map should hold; in `hybrid`, those of
-/// the interreflection map.
+/// Number of photons that most gather discs of the indirect map should hold. In `hybrid`, it
+/// applies to the interreflection map instead.
 const INDIRECT_COUNT: u32 = 100;
 
 /// Number of photons that most gather discs of the indirect map of `hybrid` should hold.
@@ -80,8 +80,8 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// Returns the gather radii of the caustic and the indirect map, and sets that of the
-    /// interreflection map \[length].
+    /// Returns the gather radii of the caustic and the indirect map \[length], and sets the gather
+    /// radius of the interreflection map.
     ///
     /// Pilots find them if the settings give none: most density estimates should find enough
     /// photons.

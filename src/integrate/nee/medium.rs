@@ -167,7 +167,8 @@ fn sample_scatter_point_near<I: Interior>(
     Some(ScatterPoint { p: ray.at(t), weight: transmittance * medium.scattering / pdf })
 }
 
-/// Distribution of distances along a ray, uniform in the angle that they subtend at a pivot point.
+/// Distribution of distances along a ray that is uniform in the angle, seen from a pivot point such
+/// as a point light.
 struct EquiangularDistribution {
     /// Distance along the ray from its origin to the position closest to the pivot \[length].
     closest: f32,

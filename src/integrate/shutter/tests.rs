@@ -18,8 +18,8 @@ fn rays_in_slices(slices: usize, rays: u32, pass: u32) -> (Vec<u32>, bool) {
     (all, distinct)
 }
 
-/// Each pixel has rays in as many slices as possible. The number of rays that a pixel draws for a
-/// slice by chance has a variance of at most ¼.
+/// Each pixel has rays in as many slices as possible. The number of a pixel's rays in a slice has a
+/// variance of at most ¼.
 #[test]
 fn slices_share_the_rays_of_each_pixel() {
     for (slices, rays, pass) in [(8, 8, 0), (4, 8, 3), (32, 8, 1), (8, 2, 9), (7, 15, 2), (64, 1, 4)] {

@@ -114,7 +114,7 @@ impl EmissionGuidingCells {
 }
 
 /// Index into [`EmissionGuidingCells::squares`] of the cell that contains the primary sample
-/// (`position`, `direction`).
+/// (`position`, `direction`) in \[0, 1)⁴.
 #[inline]
 fn cell_index(resolution: CellResolution, position: Vec2, direction: Vec2) -> usize {
     let directions = 1usize << resolution.1;
@@ -168,8 +168,8 @@ impl EmissionGuidingFit {
         Self { cells: best.1 }
     }
 
-    /// Square root of the second moment of ideally guided paths of this light. Guiding makes the
-    /// light's probability proportional to it.
+    /// Square root of the second moment of the contributions of ideally guided paths of this light.
+    /// Guiding makes the light's probability proportional to this root.
     pub fn guided_root_mean_square(&self) -> f64 {
         self.cells.guided_root_mean_square()
     }

@@ -52,7 +52,7 @@ impl EmissionGuidingPilot<'_> {
     pub const PATHS: u32 = 1 << 17;
 }
 
-/// Cost and estimated benefit of an emission guiding pilot.
+/// Cost and estimated benefit of a pilot for emission guiding.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EmissionGuidingReport {
     /// Number of photon paths that the pilot traced.

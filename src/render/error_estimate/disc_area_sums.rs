@@ -39,7 +39,7 @@ impl DiscAreaSums {
         sums
     }
 
-    /// Adds passes until the sums hold `passes` passes, or more if they already do.
+    /// Adds passes until the sums hold `passes` passes. Does nothing if they already hold as many.
     pub fn advance_to(&mut self, passes: u32) {
         while self.passes < passes {
             if self.passes + self.group() > passes { self.add_pass() } else { self.add_group() }
