@@ -1,5 +1,5 @@
-//! The documentation is true: its commands run, its scenes render, its tables agree with the
-//! program.
+//! Tests that the documentation is true: its commands run, its scenes render, its tables agree with
+//! the program.
 
 mod it {
     pub mod support {
@@ -23,7 +23,7 @@ fn repository_root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Returns README.md and all pages below docs/, as path from the repository's root and text.
+/// Returns README.md and all pages below docs/: path from the repository's root, and text.
 fn documentation_pages() -> Vec<(PathBuf, String)> {
     let mut paths = Vec::new();
     let mut folders = vec![repository_root().join("docs")];

@@ -347,7 +347,7 @@ fn defined_type(line: &str) -> Option<&str> {
 }
 
 #[test]
-fn a_type_has_impls_in_two_files_at_most() {
+fn types_have_impls_in_at_most_two_files() {
     let files: Vec<SourceFile> = sources().into_iter().filter(|file| !file.is_test()).collect();
     let room = |file: &SourceFile| file.name.split('/').next().unwrap().to_owned();
     // Private types of one name may exist in several files of a room.

@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn color_map_steps_are_the_published_bytes_and_clamp() {
+    fn color_maps_clamp_and_match_published_bytes() {
         assert_eq!(stored_png_bytes((0..9).map(|i| sequential_color(f64::from(i) / 8.0)).collect()), MAGMA);
         assert_eq!(stored_png_bytes((0..5).map(|i| diverging_color(f64::from(i) / 2.0 - 1.0)).collect()), BLUE_RED);
         assert_eq!((sequential_color(-1.0), sequential_color(2.0)), (sequential_color(0.0), sequential_color(1.0)));

@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pixel_is_the_mean_of_its_accepted_rays() {
+    fn pixels_are_means_of_their_accepted_rays() {
         let mut sum = NestedEstimateSum::default();
         let levels = |a: f32, b: f32, c: f32| [a, b, c].map(Rgb::splat);
         sum.add(Rgb::splat(0.5), levels(4.0, 2.0, 1.0));

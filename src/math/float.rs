@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn rounding_error_bound_is_just_above_n_half_ulps() {
+    fn rounding_error_bound_exceeds_n_half_ulps() {
         assert!(
             rounding_error_bound(3) > 3.0 * f32::EPSILON / 2.0 && rounding_error_bound(3) < 3.01 * f32::EPSILON / 2.0
         );

@@ -1,4 +1,5 @@
-//! The course's scenes, meshes and images: how they are read, and what ray casting makes of them.
+//! The course's scenes, meshes and images are read correctly, and ray casting gives the expected
+//! images.
 //!
 //! The data may not be distributed, so it lies outside the repository: see
 //! [`crate::support::course_data_folder`].
@@ -64,7 +65,8 @@ fn scenes_01_to_07_match_expected_images() {
     }
 }
 
-/// Curves have no surface. A surface of revolution has one, and it faces the camera.
+/// Curves have no surface, so they are invisible. A surface of revolution is visible from the
+/// camera.
 #[test]
 fn scenes_08_to_10_show_surfaces_of_revolution() {
     let Some(course) = course_data_folder("") else { return };

@@ -72,7 +72,7 @@ fn assert_all_near(a: DVec3, b: &[f64]) {
 }
 
 #[test]
-fn a_gltf_scene_renders_like_the_same_scene_text() {
+fn gltf_scenes_render_like_equal_scene_text() {
     let folder = project_path("tests/data/gltf");
     let (ours, theirs) = (small_picture(&folder.join("cell.txt")), small_picture(&folder.join("cell.gltf")));
     assert!(ours.iter().any(|pixel| *pixel != Vec3::ZERO));
@@ -103,9 +103,9 @@ fn imported_descriptions_can_be_printed_and_parsed() {
     }
 }
 
-/// Compares each body of glass with the extensions of the material that has its name.
+/// Compares each body of glass with the extensions of the glTF material of the same name.
 #[test]
-fn glass_has_the_index_and_absorption_of_its_file() {
+fn glass_has_index_and_absorption_of_its_file() {
     let mut bodies = 0;
     for name in ["16_volume", "24_animation_pointer"] {
         let Some((description, json)) = world_scene(name) else { return };
@@ -199,7 +199,7 @@ fn cameras_and_nodes_have_their_transforms() {
 }
 
 #[test]
-fn factors_and_texture_transforms_are_those_of_the_file() {
+fn factors_and_texture_transforms_match_the_file() {
     let Some((common, json)) = world_scene("04_common_materials") else { return };
     let mut compared = 0;
     for material in &common.materials {

@@ -121,7 +121,7 @@ fn found() -> MethodStudyResult {
     }
 }
 
-/// Returns the page without its embedded images, whose encoding may spell any word.
+/// Returns the page without its embedded images, because their encoding may contain any word.
 fn words(page: &str) -> String {
     let mut parts = page.split("base64,");
     let mut text = parts.next().unwrap().to_owned();

@@ -70,8 +70,7 @@ fn shapes_have_documented_uv_coordinates() {
     close(uv(&of(&format!("{triangle}  uv0 1 1  uv1 3 1  uv2 1 5 }}")), [0.5, 1.0, 1.0], down), 2.0, 2.0);
 }
 
-/// A checkerboard up to the horizon: a wide strip of it holds half of each colour, and so does its
-/// image.
+/// A wide strip of a checkerboard near the horizon has half of each colour, and so has its image.
 #[test]
 fn far_checkerboard_is_filtered_to_its_mean() {
     let tiles = |color0: &str, color1: &str| {
@@ -154,8 +153,8 @@ fn mapped_normals_follow_uv_and_stay_outside() {
     assert!(inside.y > 0.0 && inside.y < 0.1 && inside.x > 0.9, "{inside}");
 }
 
-/// In a furnace of radiance 1 nothing is brighter than 1, whatever its normals: 5 standard errors
-/// of the mean over passes.
+/// In a furnace of radiance 1, no surface with any normals is brighter than 1, within 5 standard
+/// errors of the mean over passes.
 #[test]
 fn bump_maps_create_no_energy() {
     for relief in ["bump lumps  bumpHeight .3", "normalMap wild"] {
@@ -187,8 +186,8 @@ fn bump_maps_create_no_energy() {
     }
 }
 
-/// Without textures each becomes its mean; without bump maps surfaces are smooth. Scenes that say
-/// so directly give the same images.
+/// If the effect of textures is off, each texture becomes its mean. If bump maps are off, surfaces
+/// are smooth. Scenes with these means and smooth surfaces give the same images.
 #[test]
 fn disabled_textures_become_their_mean() {
     let with = |reflectance: &str, relief: &str, emission: &str| {

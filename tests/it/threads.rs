@@ -6,8 +6,8 @@ use caustica::integrate::{Algorithm, CameraPathSettings, Pass, PhotonReport, Set
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
-/// Glass, a mirror, a mesh, Phong's model, an area light, and more lights than light sampling uses
-/// at once.
+/// Scene with glass, a mirror, a mesh, Phong's model, an area light, and more lights than
+/// next-event estimation samples at once.
 const TEXT: &str = "
 PerspectiveCamera { center 0 1.4 5  lookAt 0 .7 0  angle 40  width 50  height 38 }
 Background { color .1 .2 .3 }
@@ -33,7 +33,8 @@ Group {
     MaterialName silver  Sphere { center .9 .5 -1.2 radius .5 }
 }";
 
-/// Not a multiple of a chunk's paths, so that the last chunk is short.
+/// Number of photon paths per pass. It is no multiple of the paths of a chunk, so the last chunk is
+/// short.
 const PHOTONS: u32 = 30_001;
 
 fn scene() -> Scene {

@@ -30,7 +30,7 @@ fn white_light_stays_white() {
 }
 
 #[test]
-fn wavelength_weights_average_one_and_pdf_integrates_to_one() {
+fn wavelength_weights_and_pdf_are_normalized() {
     let mut integral = 0.0;
     for cell in 0..CELLS {
         let w = wavelength_of_nanometres(SHORTEST + (cell as f32 + 0.5) * STEP);

@@ -90,7 +90,7 @@ fn flip_results_match_the_authors_program() {
 }
 
 #[test]
-fn flip_error_is_0_for_equal_and_1_for_opposite_pictures() {
+fn flip_error_ranges_from_0_to_1() {
     let even = |color: [f32; 3]| image_from_color_function(move |_, _| color);
     let hdr = FlipMetricOptions { mode: FlipMetricMode::Hdr, ..FlipMetricOptions::default() };
     for image in

@@ -31,7 +31,7 @@ fn eight_bit_levels_are_read_back() {
 }
 
 #[test]
-fn reading_undoes_the_srgb_curve_to_half_a_level() {
+fn reading_undoes_srgb_to_half_a_level() {
     for (depth, levels) in [(BitDepth::Eight, 255.0), (BitDepth::Sixteen, 65_535.0)] {
         let (file, _) = encode(&color_ramp_image(), &png_write_options(ToneCurve::Srgb, depth)).unwrap();
         let image = unwrap_decoded(read(&file, None));

@@ -55,7 +55,7 @@ fn filmic_follows_the_published_fit() {
 }
 
 #[test]
-fn a_clipped_pixel_counts_once_in_each_report_field() {
+fn clipped_pixels_count_once_per_report_field() {
     let quantizer = Quantizer::new(ToneMap { curve: ToneCurve::Srgb, exposure_stops: 60.0 }, 255).unwrap();
     let mut report = ClippedPixelReport::default();
     quantizer.quantize_pixel(Vec3::new(f32::NAN, f32::INFINITY, -1.0), &mut report);

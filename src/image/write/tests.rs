@@ -44,7 +44,7 @@ fn bad_options_leave_the_old_file() {
 }
 
 #[test]
-fn the_longest_metadata_key_is_stored_in_both_formats() {
+fn both_formats_store_the_longest_metadata_key() {
     let image = Image::new(1, 1).unwrap();
     let options = WriteOptions { metadata: vec![("k".repeat(79), "line\nline".to_owned())], ..Default::default() };
     for format in [OutputFormat::Png, OutputFormat::Exr] {

@@ -34,7 +34,7 @@ fn white_ball_in_fog() -> Scene {
 /// The mean may differ from 1 by five standard errors, and by the bias of photon beams near the
 /// boundaries, whose kernel is 0.03 wide.
 #[test]
-fn weights_of_indirect_light_in_fog_sum_to_one() {
+fn indirect_light_weights_in_fog_sum_to_one() {
     const SAMPLES: u32 = 8;
     const PHOTONS: u32 = 4000;
     let scene = white_ball_in_fog();

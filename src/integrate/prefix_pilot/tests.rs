@@ -49,7 +49,7 @@ fn ray_counts_minimize_variance_times_work() {
 }
 
 #[test]
-fn prefix_rays_take_a_limited_part_of_the_work() {
+fn prefix_rays_take_limited_work() {
     let noisy = PixelVariance { rest: 0.1, found: 1e6, photons: 1e6 };
     let counts = efficient_ray_counts(&[noisy; 100], SAMPLES, &WORK).unwrap();
     let work: f64 =

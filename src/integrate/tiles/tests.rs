@@ -36,7 +36,7 @@ fn render_filtered_row(kind: FilterKind, samples: u32, scene: impl Fn(f32) -> f3
 }
 
 #[test]
-fn signed_filters_are_unbiased_and_keep_flat_areas_noiseless() {
+fn signed_filters_are_unbiased_and_noiseless_in_flat_areas() {
     for samples in [2, 3, 16] {
         let even = render_filtered_row(FilterKind::Mitchell, samples, |_| 0.7);
         assert!(even.iter().all(|(mean, error)| (mean - 0.7).abs() < 1e-6 && *error < 1e-6), "{even:?}");

@@ -63,7 +63,7 @@ fn queries_match_a_linear_scan() {
 }
 
 #[test]
-fn a_million_photons_on_one_wall_are_counted_right() {
+fn million_photons_on_one_wall_are_counted_right() {
     let map = PhotonMap::build(random_photons(1_000_000, |u| Vec3::new(u.x, 0.0, u.y)));
     assert_eq!(map.len(), 1_000_000);
     let n = count_photons_within(&map, Vec3::new(0.5, 0.0, 0.5), 0.1);

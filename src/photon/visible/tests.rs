@@ -14,7 +14,7 @@ fn visible_floor_map(radius: f32) -> VisiblePointMap {
 }
 
 #[test]
-fn importance_is_squared_weight_per_area_on_the_seen_side() {
+fn importance_is_squared_weight_per_visible_area() {
     let visible = visible_floor_map(0.05);
     let at = |x: f32, y: f32, normal: Vec3| {
         visible.photon_importance(Vec3::new(x, y, 0.5), normal, &mut PhotonSearchBuffers::new())

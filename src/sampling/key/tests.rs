@@ -2,7 +2,7 @@ use super::*;
 use crate::sampling::Sampler;
 
 #[test]
-fn random_numbers_depend_on_every_part_of_the_key() {
+fn random_numbers_depend_on_every_key_part() {
     let base = |seed: u64, pass: u64, path: u64, bounce: u64| {
         Key::new(seed).purpose_key(Purpose::Test).child_key(pass).child_key(path).child_key(bounce)
     };

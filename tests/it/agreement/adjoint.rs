@@ -15,7 +15,7 @@ use std::f64::consts::PI;
 
 const ALBEDO: f64 = 0.5;
 
-/// Enough passes for 2 %, even where shading normals make photon weights uneven.
+/// Number of passes. It gives a standard error of 2 %.
 const PASSES: u32 = 12;
 const UNEVEN: u32 = 24;
 
@@ -57,8 +57,8 @@ fn flux_by_photons(scene: &Scene, mask: StoreMask, passes: u32) -> Estimate {
     Estimate { mean: vec![mean], variance: vec![squares / n / (n - 1.0)], bias: vec![DVec3::ZERO], dof: n - 1.0 }
 }
 
-/// Compares both sides. `least` is the least fraction of the flux that must involve the object, so
-/// that the comparison tests it.
+/// Compares the flux by photons with the flux by path tracing. At least the fraction `least` of the
+/// flux must involve the object, so that the comparison tests it.
 fn check_adjoint(what: &str, scene: &Scene, least: f64) {
     check_adjoint_with_settings(PASSES, what, scene, least);
 }

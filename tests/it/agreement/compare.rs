@@ -15,7 +15,7 @@ pub struct Grid {
     pub height: usize,
     /// Edge of a tile in pixels. Tiles at the right and lower edges may be smaller.
     pub edge: usize,
-    /// True for pixels that count. Empty if all do.
+    /// True for each pixel that counts; empty if all pixels count.
     pub kept: Vec<bool>,
 }
 
@@ -91,8 +91,8 @@ impl Renders {
     /// Renders passes at the radius, and half as many at twice the radius.
     ///
     /// An integrator with photons is biased by its kernel: with r² inside smooth light, with r at
-    /// edges. The bias is between a third of the difference of the two renders and all of it. All
-    /// of it is allowed.
+    /// edges. The bias is between a third of the difference of the two renders and the whole
+    /// difference. The whole difference is allowed.
     pub fn new(method: Method, scene: &Scene, effort: Effort) -> Self {
         let twice = Effort { passes: effort.passes.div_ceil(2), radius: 2.0 * effort.radius, ..effort };
         let wide = if method == Method::Path { Vec::new() } else { passes(method, scene, twice) };
@@ -121,8 +121,8 @@ fn tiles(grid: &Grid, images: &[Vec<Rgb>]) -> Vec<Vec<DVec3>> {
 
 /// Returns the means of tiles and their variances, measured between passes.
 ///
-/// If light is found by rare chance, a tile without a find would report zero variance. Noise varies
-/// smoothly over an image, so a tile's variance is at least the mean around it.
+/// If paths find light only rarely, a tile without such a path would report zero variance. Noise
+/// varies smoothly over an image, so a tile gets at least the mean variance of the tiles around it.
 fn statistics(grid: &Grid, tiles: &[Vec<DVec3>]) -> (Vec<DVec3>, Vec<DVec3>) {
     let n = tiles.len() as f64;
     let count = tiles[0].len();

@@ -43,8 +43,10 @@ fn constant_estimate(value: DVec3) -> Estimate {
 
 const EFFORT: Effort = Effort { passes: 12, samples: 4, photons: 10_000, caustic: 10_000, radius: 0.12 };
 
-/// The ball splits a wall's light into direct and reflected parts. Each part has a gradient though
-/// the sum has none, so photon density estimates are biased as [`Renders`] allows.
+/// Lossless balls are invisible between walls of equal radiance.
+///
+/// The ball splits a wall's light into direct and reflected parts. Each part has a gradient
+/// although the sum has none, so photon density estimates are biased as [`Renders`] allows.
 #[test]
 #[ignore = "long: furnace of every lossless material by every integrator"]
 fn lossless_materials_vanish_in_furnace() {
@@ -61,9 +63,9 @@ fn lossless_materials_vanish_in_furnace() {
 
 /// Between black walls the ball shows its directional albedo: 1 − loss for facets that scatter
 /// once. The view is 22° wide, 0.6 of the ball's radius, so normals are within 45° of it. The
-/// losses are those that src/bsdf states, rounded up. A metal at α = 0.1 loses 1.2 % along the
-/// normal and 11 % at 85°. Glass loses 0.1 % and 1.2 % on its way through two interfaces, and up to
-/// 14 % of the tenth that is reflected inside.
+/// allowed losses are those that comments in src/bsdf state, rounded up. A metal at α = 0.1 loses
+/// 1.2 % along the normal and 11 % at 85°. Glass loses 0.1 % and 1.2 % on its way through two
+/// interfaces, and up to 14 % of the tenth that is reflected inside.
 #[test]
 fn rough_materials_lose_only_stated_energy() {
     let frosted = Material::rough_boundary(Body::new(1.5), 0.1);

@@ -65,8 +65,8 @@ fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usiz
 const BIASED: Effort = Effort { passes: 24, samples: 1, photons: 12_000, caustic: 30_000, radius: 0.025 };
 
 /// Path tracing finds caustics of smooth glass only if a path hits the light by chance. Where
-/// caustics light other walls, one sample in thousands does. A tile of 4 × 4 pixels with two such
-/// hits knows neither its mean nor its error. So tiles are 16 times as large there, for dozens of
+/// caustics light other walls, one sample in thousands does. Two such hits in a tile of 4 × 4
+/// pixels give neither its mean nor its error. So tiles are 16 times as large there, with dozens of
 /// hits each. See [`super::compare`].
 const CHANCE_CAUSTICS: Effort = Effort { passes: 24, samples: 8, ..BIASED };
 

@@ -28,10 +28,13 @@ fn scene_of_all_kinds() -> Scene {
     photon_only_scene(b)
 }
 
-/// Each vertex books at most four differences: absorbed in the medium, absorbed at the surface,
-/// roulette, the rest. Each rounds by u = 2⁻²⁴ of itself. Roulette keeps the mean of the channels
-/// and nothing raises it, so no channel exceeds three times the mean of the emitted flux. So the
-/// balance holds within 4u · 3 · mean · (rays per path). Sums are in double precision.
+/// Emitted flux equals absorbed, escaped, stopped and roulette flux, up to rounding.
+///
+/// Each vertex adds at most four differences to the audit: absorbed in the medium, absorbed at the
+/// surface, roulette, the rest. Each difference rounds by u = 2⁻²⁴ of itself. Roulette keeps the
+/// mean of the channels and nothing raises it, so no channel exceeds three times the mean of the
+/// emitted flux. So the balance holds within 4u · 3 · mean · (rays per path). Sums are in double
+/// precision.
 #[test]
 fn flux_is_conserved_up_to_rounding() {
     let scene = scene_of_all_kinds();
@@ -49,8 +52,8 @@ fn flux_is_conserved_up_to_rounding() {
     }
 }
 
-/// Roulette removes and adds the same flux on average, whatever the scene holds. The standard error
-/// is measured; it must be below 10⁻³ of the emitted flux, or the test would be blind.
+/// Roulette removes and adds the same flux on average in any scene. The measured standard error
+/// must be below 10⁻³ of the emitted flux, so that the test can find an error.
 #[test]
 fn roulette_is_unbiased() {
     let passes = trace_photon_passes(&scene_of_all_kinds(), StoreMask::ALL, 1000, 64, 1 << 13);

@@ -11,8 +11,8 @@ use caustica::shape::{Shape, Sphere};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Number of probes in a pass. Their discs cover less than 0.003 of the sphere each and never
-/// overlap.
+/// Number of probes in a pass. The disc of each probe covers less than 0.003 of the sphere, and no
+/// two discs overlap.
 const PROBES: u32 = 120;
 
 struct Moments {
@@ -22,8 +22,8 @@ struct Moments {
     expected: Vec<f64>,
 }
 
-/// Returns per pass the mean and the mean squared deviation from 1 of estimate/λ over the probes.
-/// `variance` is the expected variance for N photons.
+/// Returns two means over the probes for each pass: of estimate/λ, and of its squared deviation
+/// from 1. `variance` returns the expected variance for N photons.
 fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) -> Moments {
     let mut b = SceneBuilder::new();
     let wall = b.add_material(Material::diffuse(grey(0.5)));
@@ -53,8 +53,8 @@ fn check_density_moments(what: &str, m: &Moments) {
     assert_mean(&format!("{what}: variance over the expected"), &ratios, 1.0, 1e-3, 0.04);
 }
 
-/// A fixed disc holds a binomial number of photons. Its relative variance is c/n − 1/N, with n
-/// photons expected in the disc and the kernel's noise factor c.
+/// A fixed disc holds a binomial number of photons. The relative variance of the estimate is c/n −
+/// 1/N, for n expected photons in the disc and the kernel's noise factor c.
 #[test]
 fn fixed_radius_noise_matches_kernel() {
     for kernel in KERNELS {
@@ -70,8 +70,8 @@ fn fixed_radius_noise_matches_kernel() {
 /// The fraction of the sphere within the k-th neighbour is Beta(k, N − k + 1), and the k − 1 nearer
 /// photons are uniform in it. The estimate is (k − 1)/(πr²) for the box, and the plain sum for
 /// kernels that vanish at the edge. It has mean λ and relative variance (N − 1)(k + c − 2)/(N(k −
-/// 2)) − 1. For the box and large N this is 1/(k − 2). Moments of the estimate below the k-th
-/// exist. With k ≥ 15 the squares have a variance, and their means over 120 probes allow a t-test.
+/// 2)) − 1. For the box and large N this is 1/(k − 2). Only moments below the k-th exist. With k ≥
+/// 15 the squares have a variance, and their means over 120 probes allow a t-test.
 #[test]
 #[ignore = "long: t-tests of variances"]
 fn nearest_neighbour_mean_and_variance_match_theory() {

@@ -11,10 +11,12 @@ const N: f64 = 1.5;
 const THICKNESS: f64 = 0.4;
 const ABSORPTION: DVec3 = DVec3::new(0.0, 0.5, 3.0);
 
-/// Returns the transmitted and reflected fractions of a slab under `angle` \[rad].
+/// Returns the transmitted and reflected fractions of light that hits a slab at `angle` \[rad] from
+/// the normal.
 ///
-/// They are (1−R)²τ/(1−R²τ²) and R + R(1−R)²τ²/(1−R²τ²), with R the mean of both polarisations and
-/// τ = exp(−a·thickness/cosθt).
+/// They are (1−R)²τ/(1−R²τ²) and R + R(1−R)²τ²/(1−R²τ²). R is the mean reflectance of one face over
+/// both polarisations, and τ = exp(−a·thickness/cosθt) with absorption coefficient a and refracted
+/// angle θt.
 fn slab_transmittance(angle: f64, absorption: f64) -> (f64, f64) {
     let r = fresnel_reflectance(libm::cos(angle), N);
     let sin_t = libm::sin(angle) / N;
@@ -28,7 +30,8 @@ fn per_channel(angle: f64) -> (DVec3, DVec3) {
     (DVec3::new(red.0, green.0, blue.0), DVec3::new(red.1, green.1, blue.1))
 }
 
-/// Known values without absorption: .923077 at normal incidence, .83623 at 60°.
+/// The formula gives published transmittances without absorption: .923077 at normal incidence,
+/// .83623 at 60°.
 #[test]
 fn slab_formula_matches_literature() {
     assert!((slab_transmittance(0.0, 0.0).0 - 12.0 / 13.0).abs() < 1e-12);
@@ -113,8 +116,8 @@ fn camera_sees_slab_transmittance() {
 }
 
 /// An isotropic light stands at the center of a glass cube. A ray keeps its direction cosines up to
-/// sign. So the fraction 6·(1 − √(1 − 1/n²))/2 of all light leaves sooner or later, and the rest
-/// never does.
+/// sign. So the fraction 6·(1 − √(1 − 1/n²))/2 of all light leaves after some bounces, and the rest
+/// is trapped.
 #[test]
 fn total_reflection_traps_light_in_cube() {
     let mut b = SceneBuilder::new();

@@ -1,4 +1,5 @@
-//! Dispersion: prisms separate wavelengths, and white light stays white in sum.
+//! Dispersion: prisms separate wavelengths, and the sum over wavelengths of white light stays
+//! white.
 
 use crate::support::{
     PASSES, assert_mean, assert_mean_rgb, fresnel_reflectance, photon_position, scene_from_text_in,
@@ -90,7 +91,8 @@ fn prism_deviates_wavelengths_by_their_indices() {
             .filter(|c| Wavelength::from_byte_code(*c).is_some_and(|w| (f64::from(w.nanometres()) - nm).abs() <= 2.0))
             .collect();
         assert!((2..=4).contains(&codes.len()));
-        // Compares each photon with its own band, shifted to the line.
+        // Compares each photon with the position of its own wavelength, relative to the band's
+        // line.
         let samples: Vec<f64> = passes
             .iter()
             .map(|t| {
@@ -120,9 +122,9 @@ fn prism_deviates_wavelengths_by_their_indices() {
     assert!((found[0] - found[2] - 0.70973).abs() < 5e-4);
 }
 
-/// A spotlight illuminates a prism inside a sphere. All of its light lands, in each channel alike,
-/// with and without sampled wavelengths. A first reflection stays white while it is weak, and is
-/// weighted for that.
+/// A spotlight illuminates a prism inside a sphere. All of its light lands on the sphere, in equal
+/// parts of each channel, with and without sampled wavelengths. A weak first reflection stays
+/// white, and its weight accounts for that.
 #[test]
 fn dispersed_beam_sums_to_white() {
     let root = 3f64.sqrt();
@@ -157,8 +159,8 @@ fn dispersed_beam_sums_to_white() {
             );
             let sums: Vec<DVec3> =
                 passes.iter().map(|t| t.deposits.photons.iter().map(|p| p.data.flux().as_dvec3()).sum()).collect();
-            // Photons of one wavelength have individually rounded hues. Edges of the prism let one
-            // ray in 10⁵ slip.
+            // Photons of one wavelength have individually rounded hues. One ray in 10⁵ passes
+            // between two faces at an edge of the prism.
             assert_mean_rgb(&format!("{glass}, dispersion {dispersion}"), &sums, DVec3::splat(7.0), 5e-3);
         }
     }
@@ -360,9 +362,9 @@ fn bow_angle(scene: &Scene, photon: &Photon) -> Option<f64> {
     (p.x < 0.0).then(|| libm::atan2(libm::hypot(p.y, p.z), FAR).to_degrees())
 }
 
-/// No ray with one inner reflection returns further than 42.08° off. The bright edge, and
-/// Alexander's dark band up to the second bow at 50.9°, have the flux of rays traced in the plane,
-/// with up to eleven inner segments.
+/// No ray with one inner reflection returns at more than 42.08° from the antisolar point. The
+/// bright edge, and Alexander's dark band up to the second bow at 50.9°, have the flux of rays
+/// traced in the plane, with up to eleven inner segments.
 #[test]
 fn rainbow_stands_at_42_degrees() {
     let n: f64 = 1.333;
@@ -390,8 +392,8 @@ fn rainbow_stands_at_42_degrees() {
     }
 }
 
-/// Red stands outside of blue, each at the angle of its index. Compared is the mean angle of
-/// photons around a wavelength, within the bow's ring.
+/// Red lies outside of blue, each at the angle of its refractive index. The test compares the mean
+/// angle of photons around a wavelength, within the ring of the bow.
 #[test]
 #[ignore = "long: t-tests of dispersed photons"]
 fn rainbow_is_red_outside() {

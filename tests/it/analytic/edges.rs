@@ -55,7 +55,8 @@ fn disc_over_edge_has_closed_form_bias() {
     );
 }
 
-/// By symmetry, for every kernel: all in the middle, half at an edge, a quarter in a corner.
+/// By symmetry, an estimate with any kernel gives all light in the middle, half at an edge, and a
+/// quarter in a corner.
 #[test]
 fn edges_and_corners_halve_and_quarter_estimates() {
     for kernel in KERNELS {
@@ -65,8 +66,8 @@ fn edges_and_corners_halve_and_quarter_estimates() {
     }
 }
 
-/// Other kernels near an edge, by quadrature over the disc. The jump costs at most one cell, 1/400
-/// of the radius in one of 96 directions, far below the noise.
+/// Estimates with other kernels near an edge agree with quadrature over the disc. The jump at the
+/// edge costs at most one cell, 1/400 of the radius in one of 96 directions, far below the noise.
 #[test]
 fn kernels_over_edge_have_closed_form_bias() {
     for kernel in [Kernel::Cone, Kernel::Epanechnikov] {
@@ -75,9 +76,9 @@ fn kernels_over_edge_have_closed_form_bias() {
     }
 }
 
-/// Photons count only on their side of their surface. None leaks through a sheet, down a step of
-/// more than a quarter of the radius, or around a corner, though all photons lie within the disc's
-/// bounding ball.
+/// A photon counts only on its side of its surface. No photon leaks through a sheet, down a step of
+/// more than a quarter of the radius, or around a corner, although all photons lie within the
+/// disc's bounding ball.
 #[test]
 fn estimates_do_not_leak_between_surfaces() {
     let mut b = SceneBuilder::new();

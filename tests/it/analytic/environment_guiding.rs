@@ -92,12 +92,12 @@ fn mean_floor_radiance() -> f64 {
     REFLECTANCE / std::f64::consts::PI * RADIANCE * HOLE * HOLE * sum / pairs
 }
 
-/// Guided and unguided shadow rays give the radiance of the closed form. Guided ones leave a tenth
-/// of the variance at most.
+/// Guided and unguided shadow rays give the radiance of the closed form. Guided rays have at most a
+/// tenth of the variance of unguided ones.
 ///
 /// Midpoint quadrature errs by 1e-4 at most. The hole covers 1/100 of the hemisphere at most.
 #[test]
-fn guided_shadow_rays_keep_the_light_through_a_hole() {
+fn guided_shadow_rays_keep_light_through_holes() {
     let scene = box_with_hole("");
     let expected = mean_floor_radiance();
     for algorithm in [Algorithm::Hybrid, Algorithm::Distributed] {
@@ -110,9 +110,9 @@ fn guided_shadow_rays_keep_the_light_through_a_hole() {
     }
 }
 
-/// In fog too, guided and unguided shadow rays give the same mean: five standard errors.
+/// In fog too, guided and unguided shadow rays give the same mean, within five standard errors.
 #[test]
-fn guided_shadow_rays_keep_the_light_in_fog() {
+fn guided_shadow_rays_keep_light_in_fog() {
     let scene = box_with_hole("MaterialName air  Box { min -1.5 .2 -1.5  max 1.5 1.2 1.5 }");
     let (means, variance) = means_and_variance(&scene, Algorithm::Path, true, 600);
     let (usual, usual_variance) = means_and_variance(&scene, Algorithm::Path, false, 3000);
@@ -123,8 +123,8 @@ fn guided_shadow_rays_keep_the_light_in_fog() {
     assert!((mean - usual).abs() < tolerance, "{mean} ± {error} guided, {usual} ± {usual_error} unguided");
 }
 
-/// A floor under the open sky reaches it with half of all shadow rays. They are not guided, and no
-/// bit changes.
+/// Half of all shadow rays from a floor under the open sky reach the sky. So they are not guided,
+/// and no bit changes.
 #[test]
 fn open_scenes_guide_no_shadow_rays() {
     let scene = scene_from_text_in(

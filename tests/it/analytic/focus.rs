@@ -24,10 +24,10 @@ fn lens_scene(z: f64) -> Scene {
     photon_only_scene(b)
 }
 
-/// Returns where the ray of height `h` lands on a screen at depth `z`, and the fraction that passes
-/// both surfaces.
+/// Returns the distance from the axis at which the ray of height `h` lands on a screen at depth
+/// `z`, and the fraction of its light that passes both surfaces.
 ///
-/// Both have equal reflectance. `None` if the ray turns back upwards.
+/// Both surfaces have equal reflectance. Returns `None` if the ray turns back upwards.
 fn landing_radius(h: f64, z: f64) -> Option<(f64, f64)> {
     let deviation = 2.0 * (libm::asin(h) - libm::asin(h / N));
     let r = fresnel_reflectance((1.0 - h * h).sqrt(), N);
@@ -42,15 +42,17 @@ fn beam_average(z: f64, weight: impl Fn(f64) -> f64) -> f64 {
     midpoint_integral(0.0, 1.0, 400_000, ring)
 }
 
-/// With two bounces photons pass straight through. Those reflected outside land beyond .7.
+/// Traces passes with two bounces, so that photons pass through the ball without inner reflections.
+/// Photons that the ball reflects outside land at more than .7 from the axis.
 fn trace_focus_passes(scene: &Scene, aimed: bool) -> Vec<PhotonPassResult> {
     let source =
         if aimed { PhotonSource::aimed_at_casters(scene) } else { PhotonSource::emitting_in_all_directions(scene) };
     trace_passes_from_source(scene, &source.unwrap(), StoreMask::CAUSTIC, 2, PASSES, 1 << 16)
 }
 
-/// Flux within r of the axis before, at and behind the paraxial focus at nR/(2(n − 1)) = 1.5. A
-/// jump of the integrand costs at most one step, 2.5·10⁻⁶ of the beam.
+/// The flux within r of the axis follows Snell's law and Fresnel's equations before, at and behind
+/// the paraxial focus at nR/(2(n − 1)) = 1.5. A jump of the integrand costs at most one step,
+/// 2.5·10⁻⁶ of the beam.
 #[test]
 fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
     for z in [1.1, 1.3, 1.5, 2.5] {

@@ -50,8 +50,9 @@ fn furnace_radiance_is_geometric_series() {
     }
 }
 
-/// With the k nearest photons the radius depends on the photons. In a uniform field the estimate is
-/// still unbiased up to O(1/N) for N photons of unequal power: no hue depends on the distance.
+/// In an estimate from the k nearest photons, the radius depends on the photons. In a uniform field
+/// the estimate is still unbiased up to O(1/N) for N photons of unequal power, because no photon's
+/// hue depends on its distance.
 #[test]
 fn furnace_radiance_holds_for_nearest_neighbours() {
     let scene = furnace_scene();
@@ -68,8 +69,8 @@ fn furnace_radiance_holds_for_nearest_neighbours() {
     }
 }
 
-/// Landed flux over all bounces is Φ/(1 − ρ) in each channel. Roulette follows the mean of the
-/// channels, so hues of survivors change, but not their mean.
+/// The flux that lands over all bounces is Φ/(1 − ρ) in each channel. Roulette follows the mean of
+/// the channels, so the hues of surviving photons change, but the mean hue does not.
 #[test]
 fn coloured_flux_survives_grey_roulette() {
     let scene = furnace_scene();

@@ -63,10 +63,10 @@ fn picture_means_and_variance(scene: &Scene, settings: &Settings, passes: u32) -
     (means, (0..pixels).map(variance).sum::<f64>() / pixels as f64)
 }
 
-/// Radiance of the wall is ρ/π times the irradiance of the light and of all reflections. Photon
-/// estimates keep it, and leave pixels less than half of the variance of camera paths.
+/// The radiance of the wall is ρ/π times the irradiance by the light and by all reflections. Photon
+/// estimates keep this radiance, and pixels have less than half of the variance of camera paths.
 #[test]
-fn photon_estimates_keep_the_indirect_light_of_a_sphere() {
+fn photon_estimates_keep_indirect_light_in_a_sphere() {
     let scene = wall_scene();
     let direct = mean_direct_irradiance();
     let indirect = FLUX / (4.0 * PI * RADIUS * RADIUS) * ALBEDO / (1.0 - ALBEDO);
@@ -90,7 +90,7 @@ fn photon_estimates_keep_the_indirect_light_of_a_sphere() {
 ///
 /// Photon beams near the boundaries have the bias of their kernel, which is .03 wide.
 #[test]
-fn photon_estimates_keep_the_indirect_light_of_fog() {
+fn photon_estimates_keep_indirect_light_in_fog() {
     let scene = scene_from_text_in(
         "scenes",
         "OrthographicCamera { center 0 0 5  direction 0 0 -1  size 1  width 16  height 16 }
@@ -115,13 +115,13 @@ fn photon_estimates_keep_the_indirect_light_of_fog() {
 }
 
 /// A foggy room with a small lamp has the same mean radiance whether camera paths carry all
-/// indirect light or share it with photon estimates. The latter leave pixels less than half of the
+/// indirect light or share it with photon estimates. Sharing leaves pixels less than half of the
 /// variance.
 ///
 /// The means may differ by five standard errors of their difference, and by the bias of kernels
 /// that are .05 wide in a room of size 2.
 #[test]
-fn shared_indirect_light_of_a_foggy_room_keeps_its_mean() {
+fn shared_indirect_light_in_fog_keeps_its_mean() {
     let scene = scene_from_text_in(
         "scenes",
         "PerspectiveCamera { center 0 0 .95  direction 0 0 -1  angle 60  width 48  height 48 }

@@ -1,4 +1,5 @@
-//! Invariances: transforms and settings that must not change the result, or not beyond noise.
+//! Invariances: transforms and settings that must change no bit of the result, or change it only
+//! within noise.
 
 use crate::support::*;
 use caustica::integrate::{Algorithm, Settings, SilentMonitor};
@@ -94,9 +95,9 @@ fn thread_count_changes_no_bit() {
     }
 }
 
-/// A power of two changes exponents only, so no rounding may differ.
+/// Scaling by a power of two changes exponents only, so no rounding differs.
 #[test]
-fn scaling_by_a_power_of_two_changes_no_bit() {
+fn scaling_by_powers_of_two_changes_no_bit() {
     let here = mean_image(&room_scene(HERE), 0);
     for scale in [0.125, 4.0, 1024.0] {
         let there = mean_image(&room_scene(Placement { scale, ..HERE }), 0);
@@ -149,8 +150,8 @@ fn similarity_transforms_preserve_flux() {
     }
 }
 
-/// Random numbers depend on the seed alone. So images of scaled and moved rooms differ by rounding,
-/// and by a few photons that took another path.
+/// Random numbers depend on the seed alone. So images of scaled and moved rooms differ only by
+/// rounding, and by a few photons that rounding sends on another path.
 #[test]
 fn similarity_transforms_preserve_radiance() {
     let mean = |at: Placement| mean_radiance_per_pass(&room_scene(at), estimates_at_photons(), 8);
@@ -164,9 +165,8 @@ fn similarity_transforms_preserve_radiance() {
     }
 }
 
-/// Aiming changes which photons are sampled, not the flux they carry. Unaimed passes that store
-/// every kind hold the same caustic photons as those that store only caustics; the caustic ones are
-/// counted.
+/// Aiming changes which photons are sampled, but not their mean flux. Unaimed passes that store
+/// every kind of photon hold the same caustic photons as unaimed passes that store only caustics.
 #[test]
 fn aimed_emission_preserves_caustics() {
     let aimed = stored_photon_fluxes(HERE, true, StoreMask::CAUSTIC, 32, 1 << 15);

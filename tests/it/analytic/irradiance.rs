@@ -26,7 +26,7 @@ const DISC: f64 = 0.5;
 const BALL: f64 = 0.4;
 const HALF: DVec2 = DVec2::new(0.4, 0.25);
 
-fn emit(b: &mut SceneBuilder, shape: Shape) {
+fn add_emitter(b: &mut SceneBuilder, shape: Shape) {
     let black = b.add_material(Material::black());
     b.add_shape(shape, black, grey(RADIANCE));
 }
@@ -34,7 +34,7 @@ fn emit(b: &mut SceneBuilder, shape: Shape) {
 /// Returns irradiance by Lambert's formula: (L/2) Σ γᵢ Γᵢ·n over the edges.
 ///
 /// γᵢ is the angle of edge i, Γᵢ the unit normal of its plane through the point.
-fn rectangle(p: DVec2) -> f64 {
+fn rectangle_irradiance(p: DVec2) -> f64 {
     let corner = |x: f64, z: f64| dvec3(x * HALF.x - p.x, HEIGHT, z * HALF.y - p.y).normalize();
     let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
     let edges = (0..4).map(|i| (corners[i], corners[(i + 1) % 4]));
@@ -72,7 +72,7 @@ const LAMPS: [Lamp; 6] = [
     },
     Lamp {
         name: "disc",
-        add: |b| emit(b, Shape::Disc(Disc::circular_disc(dvec3(0.0, HEIGHT, 0.0), -DVec3::Y, DISC))),
+        add: |b| add_emitter(b, Shape::Disc(Disc::circular_disc(dvec3(0.0, HEIGHT, 0.0), -DVec3::Y, DISC))),
         irradiance: |p| {
             let (h2, a2, r2) = (HEIGHT * HEIGHT, p.length_squared(), DISC * DISC);
             let s = h2 + a2 + r2;
@@ -81,7 +81,7 @@ const LAMPS: [Lamp; 6] = [
     },
     Lamp {
         name: "ball",
-        add: |b| emit(b, Shape::Sphere(Sphere::new(dvec3(0.0, HEIGHT, 0.0), BALL))),
+        add: |b| add_emitter(b, Shape::Sphere(Sphere::new(dvec3(0.0, HEIGHT, 0.0), BALL))),
         irradiance: |p| {
             let d2 = HEIGHT * HEIGHT + p.length_squared();
             PI * RADIANCE * BALL * BALL / d2 * HEIGHT / d2.sqrt()
@@ -92,9 +92,9 @@ const LAMPS: [Lamp; 6] = [
         add: |b| {
             let corner = dvec3(-HALF.x, HEIGHT, -HALF.y);
             let (x, z) = (DVec3::X * 2.0 * HALF.x, DVec3::Z * 2.0 * HALF.y);
-            emit(b, Shape::Rectangle(Rectangle::new(corner, x, z)));
+            add_emitter(b, Shape::Rectangle(Rectangle::new(corner, x, z)));
         },
-        irradiance: rectangle,
+        irradiance: rectangle_irradiance,
     },
     Lamp {
         name: "triangles",
@@ -107,11 +107,11 @@ const LAMPS: [Lamp; 6] = [
             let all = [corners[0], corners[1], corners[2], corners[3], middle];
             b.add_mesh(&all, &[], &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]], black, grey(RADIANCE));
         },
-        irradiance: rectangle,
+        irradiance: rectangle_irradiance,
     },
 ];
 
-fn under(lamp: &Lamp) -> SceneBuilder {
+fn floor_under_lamp(lamp: &Lamp) -> SceneBuilder {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(grey(ALBEDO)));
     b.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), white, grey(0.0));
@@ -119,19 +119,20 @@ fn under(lamp: &Lamp) -> SceneBuilder {
     b
 }
 
-fn maps(scene: &Scene) -> Vec<PhotonMap> {
+fn floor_photon_maps(scene: &Scene) -> Vec<PhotonMap> {
     trace_photon_passes(scene, DIRECT, 0, PASSES, 1 << 17)
         .into_iter()
         .map(|t| PhotonMap::build(t.deposits.photons))
         .collect()
 }
 
-/// The expected estimate is irradiance averaged by the kernel, at any radius and position.
+/// The expected value of a density estimate is the kernel's weighted mean of irradiance, at any
+/// radius and position.
 #[test]
 fn estimates_have_exact_kernel_bias() {
     for lamp in &LAMPS {
-        let scene = photon_only_scene(under(lamp));
-        let maps = maps(&scene);
+        let scene = photon_only_scene(floor_under_lamp(lamp));
+        let maps = floor_photon_maps(&scene);
         for (at, radius) in [(DVec2::ZERO, 0.6), (DVec2::ZERO, 0.15), (DVec2::new(0.5, 0.3), 0.3)] {
             for kernel in KERNELS {
                 let expected = kernel_weighted_mean(kernel, radius, |d| (lamp.irradiance)(at + d));
@@ -147,8 +148,8 @@ fn estimates_have_exact_kernel_bias() {
 /// irradiance itself.
 #[test]
 fn wide_box_kernel_has_closed_form_bias() {
-    let scene = photon_only_scene(under(&LAMPS[0]));
-    let maps = maps(&scene);
+    let scene = photon_only_scene(floor_under_lamp(&LAMPS[0]));
+    let maps = floor_photon_maps(&scene);
     for radius in [0.1, 0.4, 1.6] {
         let expected = 2.0 * INTENSITY / (radius * radius) * (1.0 - HEIGHT / libm::hypot(HEIGHT, radius));
         let probe = EstimatePoint { scene: &scene, at: DVec3::ZERO, normal: DVec3::Y, radius, kernel: Kernel::Box };
@@ -156,11 +157,11 @@ fn wide_box_kernel_has_closed_form_bias() {
     }
 }
 
-/// Photons store their incident direction. Weighted by cosθ, the flux in a disc below a point is
-/// πIh²(1/h² − 1/(h² + r²)).
+/// Photons store their incident direction. With it, the cosine-weighted flux in a disc below a
+/// point light is πIh²(1/h² − 1/(h² + r²)).
 #[test]
 fn photons_store_their_incident_direction() {
-    let scene = photon_only_scene(under(&LAMPS[0]));
+    let scene = photon_only_scene(floor_under_lamp(&LAMPS[0]));
     let radius = 0.8;
     let expected = INTENSITY * HEIGHT * HEIGHT * (1.0 / (HEIGHT * HEIGHT) - 1.0 / (HEIGHT * HEIGHT + radius * radius))
         / (radius * radius);
@@ -172,21 +173,21 @@ fn photons_store_their_incident_direction() {
             map.estimate_radiance(origin, Vec3::Y, fixed_bandwidth(radius), Kernel::Box, &mut scratch, brdf).radiance.x,
         )
     };
-    let samples: Vec<f64> = maps(&scene).iter().map(one).collect();
+    let samples: Vec<f64> = floor_photon_maps(&scene).iter().map(one).collect();
     // Directions are stored to 10⁻⁴ rad. Adding 11,000 photons is accurate to 11,000 · 2⁻²⁴ =
     // 7·10⁻⁴ of the sum.
     assert_mean("cosine-weighted flux", &samples, expected, expected * (8e-4 + 2.0 * HUE_ROUNDING), 4e-3);
 }
 
-/// Shadow rays give L = ρE/π. The view covers 0.02 of a unit. Over it irradiance is linear up to
-/// its second difference, less than (0.02/h)² of itself.
+/// Shadow rays give the radiance L = ρE/π. The view is 0.02 wide. Irradiance is linear over the
+/// view, up to a second difference of less than (0.02/h)² of the irradiance.
 #[test]
 fn direct_light_matches_irradiance_of_each_light() {
     for lamp in &LAMPS {
         for at in [DVec2::ZERO, DVec2::new(0.5, 0.3)] {
             let target = dvec3(at.x, 0.0, at.y);
             let eye = target + dvec3(2.0, 1.0, 0.3);
-            let scene = under(lamp).build(square_camera(eye, target, 0.2, 16)).unwrap();
+            let scene = floor_under_lamp(lamp).build(square_camera(eye, target, 0.2, 16)).unwrap();
             let samples = red_channels(&mean_radiance_per_pass(&scene, fixed_radius_settings(0, 0, 0.1), PASSES));
             let expected = ALBEDO / PI * (lamp.irradiance)(at);
             assert_mean(&format!("{} seen at {at}", lamp.name), &samples, expected, expected * 3e-4, 2e-3);
@@ -194,10 +195,11 @@ fn direct_light_matches_irradiance_of_each_light() {
     }
 }
 
-/// Photon counts give the flux in a disc, 2πI(1 − h/√(h² + r²)), and the whole flux of a light.
+/// The photons in a disc below a point light carry the flux 2πI(1 − h/√(h² + r²)), and all photons
+/// carry the whole flux of the light.
 #[test]
 fn disc_flux_below_point_light_matches_solid_angle() {
-    let scene = photon_only_scene(under(&LAMPS[0]));
+    let scene = photon_only_scene(floor_under_lamp(&LAMPS[0]));
     let passes = trace_photon_passes(&scene, DIRECT, 0, PASSES, 1 << 16);
     for radius in [0.3, 1.0, 5.0] {
         let inside = |p: DVec3| p.x * p.x + p.z * p.z < radius * radius;

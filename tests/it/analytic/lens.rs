@@ -30,7 +30,7 @@ fn circle_of_confusion_matches_thin_lens() {
     for (distance, focus) in [(20.0f64, 4.0f64), (3.0, 4.0), (6.0, 10.0)] {
         for opening in [
             format!("aperture {}", 0.5 * aperture),
-            // The same lens by its f-number, focal length over diameter.
+            // The same lens, given by its f-number: focal length over diameter.
             format!("fNumber {}  sensorHeight .3", 0.15 / libm::tan(0.5 * angle) / aperture),
         ] {
             let scene = scene(&format!(
@@ -111,9 +111,9 @@ fn moving_light_gives_mean_irradiance_over_time() {
     }
 }
 
-/// A blurred light on black: adaptive rays give the same image with less noise. All noise is on
-/// less than a tenth of the image, which gets up to eight times the rays. Half of that would halve
-/// the variance.
+/// For a blurred light on black, adaptive rays give the same image with less noise. All noise is on
+/// less than a tenth of the image. This part gets up to eight times the rays, so the variance at
+/// least halves.
 #[test]
 fn adaptive_rays_change_only_noise() {
     const PASSES: u32 = 24;
@@ -172,14 +172,14 @@ fn orthographic_rays_start_in_correct_medium() {
          Group { MaterialName dark  Sphere { center 0 0 0  radius .7 } }",
     );
     let image = &lens_images(&scene, Algorithm::Whitted, 1, 1)[0];
-    // What a filter of two pixels covers in the middle passes .69 or more of glass. The corners
-    // miss the glass.
+    // Rays within a filter of two pixels around the middle pass through .69 or more of glass. Rays
+    // at the corners miss the glass.
     assert!(image[50 * 101 + 50] < libm::exp(-9.0 * 0.69), "{}", image[50 * 101 + 50]);
     assert!([0, 100, 100 * 101, 101 * 101 - 1].iter().all(|i| image[*i] == 1.0));
 }
 
-/// At each time an object is where its transforms place it at rest. Hit distances differ by
-/// rounding alone.
+/// At each time, a moving object lies where the same transforms place a resting object. Hit
+/// distances differ only by rounding.
 #[test]
 fn moving_objects_follow_their_transforms() {
     let body = |what: &str| {

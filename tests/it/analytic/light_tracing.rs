@@ -10,13 +10,14 @@ use std::f64::consts::PI;
 
 const IOR: f64 = 1.5;
 pub(super) const POWER: f64 = 5.0;
-/// A dark screen: light that returns from the ball adds less than this part squared.
+/// Reflectance of the screen. The screen is dark, so light that returns to it from the ball adds
+/// less than the squared reflectance.
 pub(super) const REFLECTANCE: f64 = 0.02;
 /// Distance of the light above the ball's center.
 const HEIGHT: f64 = 20.0;
 /// Depth of the screen below the ball's center. The paraxial focus lies 1.5 to 1.6 below.
 pub(super) const DEPTH: f64 = 1.5;
-/// Largest distance from the axis at which the beam meets the ball.
+/// Largest distance from the axis at which the beam hits the ball.
 const BEAM: f64 = 0.6;
 /// Edge of the picture in pixels.
 pub(super) const SIZE: u32 = 24;
@@ -99,7 +100,7 @@ fn pictured_flux(camera: &Camera, (light_tracing, photons): (LightTracing, u32),
 /// Splats and weighted splats show the flux of the closed form, by every kind of camera.
 ///
 /// The slack covers light that the ball reflects inside (at most .2 %), light that returns to the
-/// screen, and the change of a pixel's area within the pixel.
+/// screen, and the variation of the screen area that a pixel shows.
 #[test]
 fn light_tracing_shows_all_flux_of_a_focus() {
     let end = libm::asin(BEAM / HEIGHT);

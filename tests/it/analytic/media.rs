@@ -20,8 +20,8 @@ fn scene(text: &str) -> Scene {
     scene_from_text_in("scenes", text)
 }
 
-/// Returns the mean over all pixels, pass by pass.
-fn seen(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Vec<DVec3> {
+/// Renders independent passes, and returns the mean over all pixels for each pass.
+fn mean_radiance_of_passes(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Vec<DVec3> {
     let method = algorithm.prepare(scene, settings);
     let one = |i| {
         let pass = method.render_pass(i, &SilentMonitor);
@@ -42,9 +42,9 @@ fn assert_mean_each(what: &str, samples: &[DVec3], expected: DVec3, slack: DVec3
 
 /// Applies [`assert_mean_each`] to an estimate with kernel bias.
 ///
-/// The bias grows at least in proportion to the radius. So at half of `wide` it is at most the
-/// change from there to `wide`. That change, with four standard errors of it, is allowed. It must
-/// be within the fraction `blur` of the expected value.
+/// The bias grows at least in proportion to the radius. So the bias at half of the radius `wide` is
+/// at most the change between both radii. That change plus four of its standard errors is allowed.
+/// It must be within the fraction `blur` of the expected value.
 #[track_caller]
 fn assert_blurred_mean(
     what: &str,
@@ -68,12 +68,13 @@ fn per_channel(v: [f64; 3], f: impl Fn(f64) -> f64) -> DVec3 {
     DVec3::from_array(v.map(f))
 }
 
-/// Switches off interreflection and what follows caustics, so that only single scattering remains.
-fn single() -> EffectOverrides {
+/// Returns overrides that switch off interreflection and light after caustics, so that only single
+/// scattering remains.
+fn single_scattering_effects() -> EffectOverrides {
     EffectOverrides::PLANNED.without_effect(Effect::Interreflection).without_effect(Effect::CausticBounces)
 }
 
-fn with(samples: u32, effects: EffectOverrides) -> Settings {
+fn settings_with(samples: u32, effects: EffectOverrides) -> Settings {
     let mut settings = fixed_radius_settings(20_000, 20_000, 0.1);
     settings.camera_paths.samples = Some(samples);
     settings.camera_paths.effects = effects;
@@ -122,7 +123,8 @@ fn absorbing_slab_obeys_beer_and_fresnel() {
                 algorithms.push(Algorithm::Whitted);
             }
             for algorithm in algorithms {
-                let samples = seen(&scene, algorithm, with(16, EffectOverrides::PLANNED), PASSES);
+                let samples =
+                    mean_radiance_of_passes(&scene, algorithm, settings_with(16, EffectOverrides::PLANNED), PASSES);
                 // Whitted's branches end below 1/256: light after the third inner reflection is
                 // below R⁴.
                 let slack = if algorithm == Algorithm::Whitted { r * r / 256.0 } else { 0.0 };
@@ -162,7 +164,8 @@ fn airlight_from_point_light(d: f64, gamma: f64, sigma: f64) -> f64 {
     a0 * midpoint_integral(0.5 * gamma, end, 100_000, |v| libm::exp(-a1 * libm::tan(v)))
 }
 
-/// Airlight around a light in fog, before a black wall far away.
+/// The airlight (single-scattered radiance) around a light in fog agrees with quadrature, before a
+/// black wall far away.
 #[test]
 fn airlight_matches_quadrature() {
     const SCATTERING: [f64; 3] = [0.1, 0.25, 0.5];
@@ -186,7 +189,8 @@ fn airlight_matches_quadrature() {
         let one = |c: usize| 3.0 * SCATTERING[c] * airlight(lamp, far, SCATTERING[c] + ABSORPTION[c], g);
         let expected = DVec3::new(one(0), one(1), one(2));
         for algorithm in [Algorithm::Distributed, Algorithm::Path] {
-            let samples = seen(&scene, algorithm, with(256, single()), PASSES);
+            let samples =
+                mean_radiance_of_passes(&scene, algorithm, settings_with(256, single_scattering_effects()), PASSES);
             let what = format!("airlight, g {g}, {}", algorithm.name());
             // 10⁵ midpoints are accurate to 10⁻⁶.
             assert_mean_each(&what, &samples, expected, 1e-6 * expected, 0.01);
@@ -194,9 +198,9 @@ fn airlight_matches_quadrature() {
     }
 }
 
-/// A ball scatters without absorption, so by symmetry it sends out its central light's flux equally
-/// in all directions. The unscattered part exp(−τ) goes straight and is not seen. An orthographic
-/// camera sees Φ(1 − exp(−τ))/(4π) over the disc.
+/// A ball scatters without absorption. By symmetry, it sends out the flux of its central light
+/// equally in all directions. The unscattered fraction exp(−τ) goes straight, so the camera does
+/// not see it. An orthographic camera sees Φ(1 − exp(−τ))/(4π) over the disc.
 #[test]
 fn scattering_ball_loses_no_light() {
     const TAU: [f64; 3] = [0.25, 0.5, 1.0];
@@ -210,15 +214,20 @@ fn scattering_ball_loses_no_light() {
     );
     let expected = per_channel(TAU, |tau| 10.0 * (1.0 - libm::exp(-tau)) / (4.0 * PI) / (2.2 * 2.2));
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-        let samples = seen(&scene, algorithm, with(32, EffectOverrides::PLANNED), PASSES);
+        let samples = mean_radiance_of_passes(&scene, algorithm, settings_with(32, EffectOverrides::PLANNED), PASSES);
         // Paths that pass close to the light are rare and bright.
         assert_mean_each(&format!("milky ball, {}", algorithm.name()), &samples, expected, DVec3::ZERO, 0.04);
     }
     for algorithm in [Algorithm::Sppm, Algorithm::Pm] {
         for volume in ESTIMATES {
             let look = |radius: f64| {
-                let base = with(4, EffectOverrides::PLANNED);
-                seen(&scene, algorithm, Settings { radius: Some(radius as f32), volume, ..base }, PASSES)
+                let base = settings_with(4, EffectOverrides::PLANNED);
+                mean_radiance_of_passes(
+                    &scene,
+                    algorithm,
+                    Settings { radius: Some(radius as f32), volume, ..base },
+                    PASSES,
+                )
             };
             let wide = if volume == VolumeEstimator::Points { 0.2 } else { 0.08 };
             let what = format!("milky ball, {} by {volume:?}", algorithm.name());
@@ -229,7 +238,7 @@ fn scattering_ball_loses_no_light() {
 
 /// Returns the mean of `f` over the marginal along one axis of a disc with weight 3/π(1 − x²)²:
 /// 16/(5π)(1 − x²)^(5/2).
-fn over_disc(f: impl Fn(f64) -> f64) -> f64 {
+fn mean_over_disc(f: impl Fn(f64) -> f64) -> f64 {
     midpoint_integral(-1.0, 1.0, 2000, |x| 16.0 / (5.0 * PI) * libm::pow(1.0 - x * x, 2.5) * f(x))
 }
 
@@ -283,7 +292,8 @@ fn photon_beam_estimate_matches_formula() {
              }}"
         ))
     };
-    // Light that arrives at `z` below the top along the whole ray, blurred over heights and ends.
+    // Light that arrives along the whole ray at `z` below the top, blurred by the kernel over
+    // heights and ray ends.
     let sight = |c: usize, blur: &dyn Fn(f64) -> f64| {
         let sigma = EXTINCTION[c];
         SCATTERING[c] * henyey_greenstein(G, 0.0) * irradiance * libm::exp(-sigma * depth) * blur(sigma)
@@ -292,13 +302,14 @@ fn photon_beam_estimate_matches_formula() {
     let expected = |blur: &dyn Fn(f64) -> f64| DVec3::new(sight(0, blur), sight(1, blur), sight(2, blur));
     let straight = scene("");
     for algorithm in [Algorithm::Distributed, Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm] {
-        let samples = seen(&straight, algorithm, with(64, single()), PASSES);
+        let samples =
+            mean_radiance_of_passes(&straight, algorithm, settings_with(64, single_scattering_effects()), PASSES);
         assert_mean_each(&format!("beam, {}", algorithm.name()), &samples, expected(&whole), DVec3::ZERO, 0.01);
     }
     let behind = scene("MaterialName pane  Rectangle { corner -1.2 1 -1.2  edge0 0 0 2.4  edge1 2.4 0 0 }");
     let r = fresnel_reflectance(1.0, 1.5);
     let through = (1.0 - r) / (1.0 + r);
-    let path = seen(&behind, Algorithm::Path, with(64, single()), 2);
+    let path = mean_radiance_of_passes(&behind, Algorithm::Path, settings_with(64, single_scattering_effects()), 2);
     assert!(path.iter().all(|v| *v == DVec3::ZERO), "no path finds it: {path:?}");
     let radius = 0.3;
     for volume in ESTIMATES {
@@ -306,12 +317,12 @@ fn photon_beam_estimate_matches_formula() {
         // beyond both ends of the box.
         let blur = |sigma: f64| match volume {
             VolumeEstimator::Beams => whole(sigma),
-            VolumeEstimator::BeamRadiance => whole(sigma) * over_disc(|y| libm::exp(sigma * radius * y)),
+            VolumeEstimator::BeamRadiance => whole(sigma) * mean_over_disc(|y| libm::exp(sigma * radius * y)),
             VolumeEstimator::Points => expected_point_estimate(sigma, wide, radius),
         };
         // `Pm` uses the same photons as the first pass of `Sppm`.
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
-            let base = with(64, single());
+            let base = settings_with(64, single_scattering_effects());
             let settings = Settings { radius: Some(radius as f32), volume, caustic_photons: 60_000, ..base };
             // Radii of `Sppm` shrink from pass to pass, so each pass is the first one of another
             // seed.
@@ -319,7 +330,7 @@ fn photon_beam_estimate_matches_formula() {
                 .flat_map(|seed| {
                     let mut settings = settings.clone();
                     settings.camera_paths.seed = u64::from(seed);
-                    seen(&behind, algorithm, settings, 1)
+                    mean_radiance_of_passes(&behind, algorithm, settings, 1)
                 })
                 .collect();
             let what = format!("beam behind a pane, {} by {volume:?}", algorithm.name());
@@ -345,8 +356,8 @@ fn furnace(media: &str, ball: &str, eye: &str) -> Scene {
     ))
 }
 
-/// Without loss, every medium has the radiance of its surroundings, however often it scatters. This
-/// holds from inside too, and for every integrator.
+/// A medium without absorption has the radiance of its surroundings, for any number of scattering
+/// events. This also holds from inside, and for every integrator.
 #[test]
 #[ignore = "long: furnace of many scattering media"]
 fn white_medium_vanishes_in_furnace() {
@@ -359,11 +370,12 @@ fn white_medium_vanishes_in_furnace() {
     ] {
         let scene = furnace(media, ball, eye);
         for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-            // All pixels would read the same photons, whose noise hides small errors of the mean.
+            // All pixels would read the same photons. Their common noise would hide small errors of
+            // the mean.
             let indirect_photons = IndirectPhotons::Off;
-            let mut settings = Settings { indirect_photons, ..with(24, EffectOverrides::PLANNED) };
+            let mut settings = Settings { indirect_photons, ..settings_with(24, EffectOverrides::PLANNED) };
             settings.camera_paths.max_bounces = 10_000;
-            let samples = seen(&scene, algorithm, settings, PASSES);
+            let samples = mean_radiance_of_passes(&scene, algorithm, settings, PASSES);
             assert_mean_each(&format!("{what}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 0.01);
         }
     }
@@ -380,10 +392,10 @@ fn white_medium_vanishes_in_furnace() {
             let estimates = if algorithm == Algorithm::Path { &ESTIMATES[..1] } else { &ESTIMATES };
             for volume in estimates {
                 let look = |radius: f64| {
-                    let base = with(8, EffectOverrides::PLANNED);
+                    let base = settings_with(8, EffectOverrides::PLANNED);
                     let (radius, indirect_photons) = (Some(radius as f32), IndirectPhotons::Off);
                     let settings = Settings { radius, volume: *volume, indirect_photons, ..base };
-                    seen(&scene, algorithm, settings, PASSES)
+                    mean_radiance_of_passes(&scene, algorithm, settings, PASSES)
                 };
                 let what = format!("{what}, {} by {volume:?}", algorithm.name());
                 if algorithm == Algorithm::Path {
@@ -400,8 +412,8 @@ fn white_medium_vanishes_in_furnace() {
 /// A milky ball in a furnace has radiance 1, also near its rim, where half of each kernel lies
 /// outside of the ball.
 ///
-/// The camera sees the part from .8 to .98 of the radius. Estimates that do not measure how much of
-/// the kernel lies in the ball give .96, .94 and .93.
+/// The camera sees the part from .8 to .98 of the radius. Estimates without a correction for the
+/// part of the kernel outside of the ball give .96, .94 and .93.
 #[test]
 fn milky_ball_keeps_its_rim_in_a_furnace() {
     let scene = scene(
@@ -412,18 +424,18 @@ fn milky_ball_keeps_its_rim_in_a_furnace() {
          Materials { Clear milky { medium milk } }
          Group { MaterialName milky  Sphere { center 0 0 0  radius 1 } }",
     );
-    let mut settings = with(16, EffectOverrides::PLANNED);
+    let mut settings = settings_with(16, EffectOverrides::PLANNED);
     settings.camera_paths.max_bounces = 10_000;
     for volume in ESTIMATES {
         let settings = Settings { radius: Some(0.2), volume, ..settings.clone() };
-        let samples = seen(&scene, Algorithm::Sppm, settings, PASSES);
+        let samples = mean_radiance_of_passes(&scene, Algorithm::Sppm, settings, PASSES);
         // The density of photons falls towards the rim, so half a kernel is too bright there.
         assert_mean_each(&format!("rim by {volume:?}"), &samples, DVec3::ONE, DVec3::splat(0.015), 0.015);
     }
 }
 
-/// White fog between walls that emit and reflect: Le/(1 − ρ) = 1. Surfaces and scattering find
-/// parts of it by connections and by chance.
+/// White fog between walls that emit and reflect has the radiance Le/(1 − ρ) = 1. Paths find parts
+/// of it by next-event estimation and parts by hitting the walls.
 #[test]
 #[ignore = "long: furnace of a scattering medium"]
 fn white_fog_vanishes_between_furnace_walls() {
@@ -442,7 +454,8 @@ fn white_fog_vanishes_between_furnace_walls() {
              Group {{ MaterialName wall  {walls} }}"
         ));
         for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-            let samples = seen(&scene, algorithm, with(32, EffectOverrides::PLANNED), PASSES);
+            let samples =
+                mean_radiance_of_passes(&scene, algorithm, settings_with(32, EffectOverrides::PLANNED), PASSES);
             assert_mean_each(&format!("{fog}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 3e-3);
         }
     }
@@ -468,9 +481,9 @@ fn half_space_radiance(a: f64) -> f64 {
     1.0 - root * at(&h, 1.0)
 }
 
-/// At an optical depth of 10⁴ a ball seen straight on acts as a half space: a pixel and a path are
-/// hundreds of times smaller than its radius. Steps of 10⁻⁴ round at 1 by 6·10⁻⁸. A step's error of
-/// 10⁻³ changes H by 10⁻³ at most.
+/// At an optical depth of 10⁴, the middle of a ball acts like a half space: the size of a pixel and
+/// the length of a path are hundreds of times smaller than its radius. Steps of 10⁻⁴ round at 1 by
+/// 6·10⁻⁸. A step's error of 10⁻³ changes H by 10⁻³ at most.
 #[test]
 fn thick_fog_matches_chandrasekhar_half_space() {
     let text = |camera: &str| {
@@ -488,15 +501,20 @@ fn thick_fog_matches_chandrasekhar_half_space() {
     // The middle of H's 400 intervals errs by 1/400² of its second derivative, which ends at a
     // logarithm.
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-        let mut settings = with(128, EffectOverrides::PLANNED);
+        let mut settings = settings_with(128, EffectOverrides::PLANNED);
         settings.camera_paths.max_bounces = 10_000;
-        let samples = seen(&above, algorithm, settings, PASSES);
+        let samples = mean_radiance_of_passes(&above, algorithm, settings, PASSES);
         assert_mean_each(&format!("thick, {}", algorithm.name()), &samples, expected, 2e-3 * expected, 0.01);
     }
     let within = scene(&text("OrthographicCamera { center 0 0 0  direction 0 0 -1  size .001  width 4  height 4 }"));
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Pm, Algorithm::Distributed] {
         for volume in ESTIMATES {
-            let samples = seen(&within, algorithm, Settings { volume, ..with(4, EffectOverrides::PLANNED) }, 1);
+            let samples = mean_radiance_of_passes(
+                &within,
+                algorithm,
+                Settings { volume, ..settings_with(4, EffectOverrides::PLANNED) },
+                1,
+            );
             assert_eq!(samples[0], DVec3::ZERO, "{algorithm:?} by {volume:?}: no light comes so far");
         }
     }
@@ -522,7 +540,7 @@ fn empty_medium_changes_no_bit() {
                  Sphere {{ center .8 .6 0  radius .5 }}
              }}"
         ));
-        let mut settings = with(4, overrides);
+        let mut settings = settings_with(4, overrides);
         settings.camera_paths.max_bounces = 8;
         Algorithm::Path.prepare(&scene, settings).render_pass(0, &SilentMonitor).image
     };
@@ -534,8 +552,8 @@ fn empty_medium_changes_no_bit() {
     assert!(picture("", "", EffectOverrides::PLANNED) == picture("", "", EffectOverrides::ALL));
 }
 
-/// A homogeneous medium equals one on a grid of equal values around the same ball: in the mean for
-/// `path`, and for point estimates with the same blur.
+/// A homogeneous medium and a medium on a grid of equal values give the same mean: with `path`, and
+/// with point estimates of equal blur.
 #[test]
 fn constant_grid_equals_homogeneous_medium() {
     let grid = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("even.grid");
@@ -559,8 +577,11 @@ fn constant_grid_equals_homogeneous_medium() {
     let even = ball("", 1.0);
     let varied = ball(&format!("grid \"{}\"  min -1.1 -1.1 -1.1  max 1.1 1.1 1.1", grid.display()), 0.5);
     for algorithm in [Algorithm::Path, Algorithm::Sppm] {
-        let settings = Settings { volume: VolumeEstimator::Points, ..with(64, EffectOverrides::PLANNED) };
-        let (a, b) = (seen(&even, algorithm, settings.clone(), PASSES), seen(&varied, algorithm, settings, PASSES));
+        let settings = Settings { volume: VolumeEstimator::Points, ..settings_with(64, EffectOverrides::PLANNED) };
+        let (a, b) = (
+            mean_radiance_of_passes(&even, algorithm, settings.clone(), PASSES),
+            mean_radiance_of_passes(&varied, algorithm, settings, PASSES),
+        );
         let mean = a.iter().sum::<DVec3>() / a.len() as f64;
         // Adds the mean of the other, so that the compared value is above 0.
         let samples: Vec<DVec3> = a.iter().zip(&b).map(|(a, b)| mean + *b - *a).collect();

@@ -3,8 +3,8 @@
 //! Every comparison with noise is a t-test over independent passes. Points within a pass are a
 //! scrambled net, so they are not independent. The false-alarm rate of a comparison is
 //! [`crate::support::FALSE_ALARM_RATE`]. With about 350 comparisons the suite fails by chance for
-//! less than one seed in 2000, and the seed is fixed. Each comparison also states how sharp it must
-//! be, so that it cannot pass by being blind.
+//! less than one seed in 2000, and the seed is fixed. Each comparison also states its largest
+//! accepted standard error, so that it cannot pass only because of noise.
 
 mod audit;
 mod density;

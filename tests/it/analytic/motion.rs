@@ -26,8 +26,9 @@ fn moving_disc() -> Scene {
 /// if columns are independent.
 ///
 /// Copies of the disc at 16 times are 10 pixels apart. Their sum varies by 0.2 from column to
-/// column, far more than this. The passes must also not differ by more than their mean errs: passes
-/// that show the disc at one place each estimate five times too much noise.
+/// column, far more than this. The noise between passes must also agree with the error of their
+/// mean. If each pass showed the disc at one place only, the estimated noise would be five times
+/// too large.
 #[test]
 fn moving_disc_leaves_an_even_streak() {
     const RADIUS: f64 = 8.0;
@@ -58,7 +59,7 @@ fn moving_disc_leaves_an_even_streak() {
     assert!(estimated < 2.0 * found, "passes estimate an error of {estimated}, not {found}");
 }
 
-/// The grid of a medium moves with the sphere that it fills, and with its turn.
+/// The density grid of a medium moves and rotates with the sphere that the medium fills.
 #[test]
 fn density_grid_moves_with_its_body() {
     let scene = scene_from_text_in(

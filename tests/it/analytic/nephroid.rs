@@ -43,9 +43,10 @@ fn reflected_ray(scene: &Scene) -> Vec<PhotonPassResult> {
     trace_photon_passes(scene, StoreMask::CAUSTIC, 1, PASSES, 1 << 17)
 }
 
-/// Light along the axis reaches a screen in the plane of the axis edge on, so only reflected light
-/// lands. A ray with angle of incidence θ crosses the axis at 1/(2cosθ) and stands at sinθ in the
-/// beam. So between 1/2 and z lands the fraction sin(acos(1/2z)) of the beam, from both sides.
+/// Light along the axis is parallel to a screen in the plane of the axis, so only reflected light
+/// lands on the screen. A ray with angle of incidence θ crosses the axis at 1/(2cosθ) and stands at
+/// sinθ in the beam. So between 1/2 and z lands the fraction sin(acos(1/2z)) of the beam, from both
+/// sides.
 #[test]
 fn flux_along_cup_axis_matches_closed_form() {
     let screen = Rectangle::new(dvec3(0.0, 0.0, 0.4), DVec3::Z * 0.59, DVec3::Y);

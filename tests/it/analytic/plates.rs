@@ -7,8 +7,8 @@ use caustica::shape::Plane;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// Form factors of unit squares: opposed .199825, adjacent .200044, known to half of the last
-/// digit.
+/// The faces of a cube exchange flux by the form factors of unit squares: .199825 for opposite
+/// faces, .200044 for adjacent ones, known to half of the last digit.
 #[test]
 fn cube_faces_exchange_flux_by_form_factors() {
     let mut b = SceneBuilder::new();
@@ -76,8 +76,8 @@ fn infinite_plates_have_geometric_series_of_flux() {
     }
 }
 
-/// Shadow rays carry direct light, the caustic map carries light by mirrors, the global map the
-/// rest. Their sum is that of infinite plates; each alone depends on the walls.
+/// Shadow rays carry direct light, the caustic map carries light by mirrors, the global map carries
+/// the rest. The sum equals the light of infinite plates.
 #[test]
 #[ignore = "long: t-tests over many bounces"]
 fn direct_caustic_and_global_light_sum_to_total() {
@@ -87,8 +87,8 @@ fn direct_caustic_and_global_light_sum_to_total() {
     assert_mean_rgb("radiance of the floor", &mean_radiance_per_pass(&scene, settings, PASSES), expected, 6e-3);
 }
 
-/// A point light between two infinite mirrors over a floor is a row of images at 2ka + (−1)ᵏx, each
-/// dimmed by ρ^|k|. Image k = 0 is direct light; all others are caustics.
+/// A point light between two infinite mirrors over a floor acts like a row of image lights at 2ka +
+/// (−1)ᵏx with the factor ρ^|k|. Image k = 0 is direct light; all others are caustics.
 #[test]
 fn parallel_mirrors_show_row_of_lights() {
     const A: f64 = 1.0;

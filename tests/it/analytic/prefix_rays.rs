@@ -23,10 +23,11 @@ fn picture_means(scene: &Scene, settings: Settings, passes: u32) -> Vec<f64> {
     (0..passes).map(|pass| mean(render_one_pass(&*integrator, pass))).collect()
 }
 
-/// A lamp smaller than a pixel, seen in a mirror: the picture shows its radiance times its part of
-/// the film. Prefix rays keep the mean, and leave less than half of the standard error.
+/// A picture of a lamp smaller than a pixel, seen in a mirror, has the mean radiance of the lamp
+/// times its fraction of the film. Prefix rays keep this mean, and more than halve the standard
+/// error.
 #[test]
-fn prefix_rays_keep_the_light_of_a_small_highlight() {
+fn prefix_rays_keep_light_of_small_highlights() {
     let radius = 0.3 * FILM / f64::from(SIZE);
     let mut b = SceneBuilder::new();
     let mirror = b.add_material(Material::mirror(grey(1.0)));
@@ -51,9 +52,9 @@ fn prefix_rays_keep_the_light_of_a_small_highlight() {
 }
 
 /// A caustic with a sharp focus, seen in a mirror, shows the flux of the closed form. Prefix rays
-/// keep the mean, and leave less than half of the standard error.
+/// keep the mean, and more than halve the standard error.
 #[test]
-fn prefix_rays_keep_the_light_of_a_caustic_in_a_mirror() {
+fn prefix_rays_keep_light_of_mirrored_caustics() {
     // The view of the caustic at 60 degrees, folded by a mirror half way.
     let tilt = 60f64.to_radians();
     let direction = dvec3(libm::sin(tilt), -libm::cos(tilt), 0.0);

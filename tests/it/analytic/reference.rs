@@ -23,11 +23,11 @@ fn mean_tiles(image: &[Vec3]) -> Vec<f64> {
     image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
 }
 
-/// Our image is biased by its kernel: with r² inside smooth light, with r at edges. Photons and
-/// camera rays shared with a render at twice the radius show the bias: it is between a third of the
-/// difference and all of it. All of it is allowed. Noise is measured between passes (t with 15
-/// degrees of freedom); the reference has its own standard error. 1024 tiles at 10⁻⁷ each give a
-/// false-alarm rate of 10⁻⁴.
+/// Our image is biased by its kernel: with r² inside smooth light, with r at edges. A render at
+/// twice the radius, with the same photons and camera rays, shows the bias: it is between a third
+/// of the difference and the whole difference. The whole difference is allowed. Noise is measured
+/// between passes (t with 15 degrees of freedom); the reference has its own standard error. 1024
+/// tiles at 10⁻⁷ each give a false-alarm rate of 10⁻⁴.
 #[test]
 #[ignore = "long: t-tests of 1024 tiles"]
 fn sppm_matches_caustic_reference_by_tiles() {

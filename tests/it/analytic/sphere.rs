@@ -53,7 +53,8 @@ fn reflected_photons_cover_sphere_uniformly() {
     }
 }
 
-/// Bounce k carries ρᵏΦ. Paths are keyed, so a higher bounce limit adds photons and changes none.
+/// The photons of bounce k carry the flux ρᵏΦ. Random numbers are keyed by path and bounce, so a
+/// higher bounce limit adds photons and changes none.
 #[test]
 fn flux_by_bounce_is_power_of_albedo() {
     let scene = photon_only_scene(sphere_scene(2.0, 0.6, dvec3(0.3, -0.2, 1.6)));
@@ -96,8 +97,8 @@ fn sphere_estimates_match_uniform_irradiance() {
     }
 }
 
-/// A light at the center makes the wall uniform: L = ρΦ/(4π²R²(1 − ρ)). Shadow rays carry the
-/// fraction 1 − ρ of it.
+/// A light at the center gives the wall the uniform radiance L = ρΦ/(4π²R²(1 − ρ)). Shadow rays
+/// carry the fraction 1 − ρ of this radiance.
 #[test]
 fn sphere_interior_has_uniform_radiance() {
     let (radius, albedo) = (2.0, 0.6);

@@ -31,8 +31,11 @@ fn pool_scene(albedo: f64, eye: DVec3, at: DVec3) -> Scene {
     b.build(square_camera(eye, at, 30.0, 10)).unwrap()
 }
 
-/// The floor first receives πL(1 − Fe). Floor and water surface then exchange it, with the internal
-/// reflectance Fi = 1 − (1 − Fe)/n²: the sum is πL(1 − Fe)/(1 − ρFi).
+/// Returns the irradiance of the pool's floor with the given albedo ρ.
+///
+/// Let L be the sky's radiance, and Fe the hemispherical reflectance of the water from outside. The
+/// floor first receives πL(1 − Fe). Floor and water surface then exchange light, with the internal
+/// reflectance Fi = 1 − (1 − Fe)/n². The sum is πL(1 − Fe)/(1 − ρFi).
 fn irradiance_of_floor(albedo: f64) -> f64 {
     let outer = hemispherical_reflectance(N);
     let inner = 1.0 - (1.0 - outer) / (N * N);
@@ -46,7 +49,7 @@ fn irradiance_of_floor(albedo: f64) -> f64 {
 fn flux_is_conserved_under_water() {
     let albedo = 0.7;
     let scene = pool_scene(albedo, DVec3::ZERO, DVec3::Z);
-    // Two rectangles that touch at the water's edge may let one ray in a million slip between them.
+    // One ray in a million may pass between two rectangles that touch at the water's edge.
     for (name, mask, expected) in [
         ("first", StoreMask::CAUSTIC, PI * SKY * (1.0 - hemispherical_reflectance(N))),
         ("all", StoreMask::ALL, irradiance_of_floor(albedo)),
@@ -58,9 +61,9 @@ fn flux_is_conserved_under_water() {
     }
 }
 
-/// Looking down, the camera sees R·L of the sky, and (1 − R)/n² of the floor's ρE/π. The mean over
-/// the view comes by quadrature over the pixels' angles. Looking straight up from the floor, it
-/// sees n²(1 − R)·L.
+/// Looking down, the camera sees R·L of the sky, and (1 − R)/n² of the floor's ρE/π. The expected
+/// mean over the view is a quadrature over the pixels' angles. A camera that looks straight up from
+/// the floor sees n²(1 − R)·L.
 #[test]
 #[ignore = "long: t-tests over many bounces"]
 fn radiance_scales_by_squared_index_under_water() {

@@ -93,7 +93,7 @@ fn error_maps_are_layers_of_one_file() {
         let channel = layer.channel_data.list.iter().find(|c| c.name.to_string() == name).unwrap();
         channel.sample_data.values_as_f32().collect()
     };
-    // Pixels that show only the light have neither noise nor estimates. They are few.
+    // A few pixels show only the light, so they have neither noise nor estimates.
     let lit = |name: &str| values(name).iter().filter(|v| **v > 0.0).count();
     assert!(values("noise.G").iter().all(|v| *v >= 0.0 && v.is_finite()) && lit("noise.G") > 1100);
     assert!(lit("radius.global") > 1100 && lit("radius.caustic") > 0 && lit("photons.caustic") > 0);
@@ -165,7 +165,8 @@ fn estimate_compares_algorithms() {
     let rows: Vec<&str> = times.lines().skip(1).collect();
     assert_eq!(rows[0].split_whitespace().collect::<Vec<_>>(), ["error", "path", "sppm", "ppm"]);
     assert!(rows.len() == 3 && rows[1..].iter().all(|row| row.matches('*').count() == 1), "{table}");
-    // The scene has a glass ball: path tracing may be the quickest, but does not know its error.
+    // The scene has a glass ball. Path tracing may be the quickest algorithm, but it cannot
+    // estimate its own error there.
     let path_cells = rows[1..].iter().map(|row| &row[row.find('%').unwrap() + 1..row.find(')').expect(row)]);
     assert!(path_cells.clone().all(|cell| cell.contains('(') && !cell.contains('*')), "{table}");
 

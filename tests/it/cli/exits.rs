@@ -99,8 +99,8 @@ fn bad_arguments_exit_2() {
     assert_eq!(sandbox.names(), ["box.txt"]);
 }
 
-/// 4000 million paths in a closed box would store some ten thousand million photons, more than can
-/// be indexed on any machine.
+/// 4000 million paths in a closed box would store some ten thousand million photons, more than the
+/// program can index on any machine.
 #[test]
 fn excessive_memory_exits_2_at_once() {
     let sandbox = CliSandbox::new();

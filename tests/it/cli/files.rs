@@ -35,7 +35,7 @@ fn diff_and_mesh_keep_their_inputs() {
     sandbox.run(&["mesh", "a.obj", "-o", "a.obj"]).expect(2, &["-o `a.obj` and the mesh `a.obj`"]);
 }
 
-/// A folder that takes the output's name during the render makes that output fail.
+/// If a folder takes the name of an output during the render, only that output fails.
 #[cfg(unix)]
 #[test]
 fn one_failed_output_loses_no_other() {

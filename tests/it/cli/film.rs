@@ -9,8 +9,8 @@ fn flags(name: &str, passes: u32, more: &str) -> String {
     format!("-o {name}.exr --passes {passes} --photons 1k {more}")
 }
 
-/// A render that goes on from a film gives the bits of one render, with any number of threads. No
-/// pass is made twice.
+/// A render that continues from a film has the bits of an uninterrupted render, with any number of
+/// threads. No pass is rendered twice.
 #[test]
 fn continued_renders_have_the_bits_of_one_render() {
     for integrator in ["hybrid", "sppm", "path"] {
@@ -36,7 +36,7 @@ fn continued_renders_have_the_bits_of_one_render() {
     }
 }
 
-/// A render that SIGKILL ends goes on from its last save.
+/// Checks that a render that SIGKILL ended `kills` times continues from its last save.
 #[cfg(unix)]
 fn kill_and_continue(kills: u32) {
     let sandbox = CliSandbox::new();
@@ -115,7 +115,7 @@ fn two_renders_do_not_share_a_film() {
     sandbox.render("box.txt", &flags("b", 2, "--film a.film")).expect(0, &["continuing a.film"]);
 }
 
-/// A file that cannot grow, as on a full disk, leaves the old film whole.
+/// If the new film cannot be written completely, as on a full disk, the old film stays.
 #[cfg(unix)]
 #[test]
 fn full_disks_leave_the_film_whole() {

@@ -3,7 +3,7 @@
 use super::{CliSandbox, ProgramRun};
 use serde_json::Value;
 
-/// A ball on a plane in the light of a point: noise comes from edges and one bounce alone.
+/// Scene of a ball on a plane under a point light. Noise comes only from edges and from one bounce.
 const BALL: &str = "\
 PerspectiveCamera { center 0 2 6  lookAt 0 .8 0  angle 35  width 24  height 18 }
 Lights { PointLight { position 3 5 3  power 200 200 200 } }
@@ -67,7 +67,7 @@ fn given_limits_overrule_defaults() {
 }
 
 #[test]
-fn render_without_error_estimate_makes_fixed_number_of_passes() {
+fn render_without_error_estimate_has_fixed_pass_count() {
     let (_, stats) = rendered("--no-error-estimate");
     assert_eq!((&stats["ended"], &stats["passes"]), (&"passes".into(), &16.into()));
     let (_, stats) = rendered("--preview --integrator raycast");

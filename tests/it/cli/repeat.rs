@@ -22,7 +22,8 @@ fn same_seed_gives_same_bytes() {
     assert!(zero == picture(&sandbox, "--passes 2 --time 1h --quiet --stats a.json --tone filmic"));
 }
 
-/// Each of these is in docs/guide/command-line.md's list of what determines the bits.
+/// Each of these settings is in the list of docs/guide/command-line.md that names what determines
+/// the bits.
 #[test]
 fn light_settings_change_the_image() {
     let sandbox = CliSandbox::new();

@@ -1,7 +1,7 @@
 //! Random scenes.
 //!
-//! Most hold few objects, so that much of a plan is off. Lights are often near the limit of a test
-//! of reach or side.
+//! Most scenes have few objects, so that plans switch many effects off. Lights are often near the
+//! limit of a test whether they reach an object or shine on its side.
 
 use super::sketch::{Light, LightKind, Material, MediumSketch, Moving, Object, Shape, Sketch};
 use glam::DVec3;

@@ -13,7 +13,7 @@ use glam::DVec3;
 const PHOTONS: u32 = 4096;
 
 /// Number of points of a light that are tested against specular objects.
-const LOOKS: u32 = 16;
+const LIGHT_POINTS: u32 = 16;
 
 /// Returns a message if the plan wrongly switches an effect off.
 pub fn plan_contradiction(sketch: &Sketch, scene: &Scene, plan: &Plan) -> Option<String> {
@@ -77,9 +77,9 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: EffectReason) ->
     }
 }
 
-/// Returns true if light cannot distinguish an object from air.
+/// Returns true if an object has no effect on light, as if it were air.
 ///
-/// If it displaces something it stays in the scene, and then the plan must count it.
+/// An object that displaces another body stays in the scene, so the plan must count it.
 fn is_nothing(sketch: &Sketch, object: &Object) -> bool {
     let air = matches!(sketch.materials[object.material], Material::Dielectric(index, absorbed, ..) if index == 1.0 && absorbed == DVec3::ZERO);
     air && object.emission == DVec3::ZERO && sketch.filling.is_none()
@@ -129,8 +129,8 @@ fn casts(material: &Material) -> bool {
     }
 }
 
-/// Returns true if no photon path leads over a specular object, and no light reaches a point of
-/// one, whatever stands between.
+/// Returns true if no photon path reaches a specular object, and no light reaches a point of a
+/// specular object, even if all other objects are ignored.
 fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     if let Some(source) = PhotonSource::emitting_in_all_directions(scene) {
         let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
@@ -142,7 +142,7 @@ fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     let points = casters.flat_map(|o| o.shape.points()).map(|p| (p - scene.origin()).as_vec3());
     let key = Key::new(2).purpose_key(Purpose::Test);
     let reaches = |light: &Resolved, p| {
-        let looks = (0..LOOKS).map(|i| sobol_2d(i, key, Dimension::LightPosition));
+        let looks = (0..LIGHT_POINTS).map(|i| sobol_2d(i, key, Dimension::LightPosition));
         looks.filter_map(|u| light.sample_li(p, u)).any(|s| s.weight != Rgb::ZERO)
     };
     points.into_iter().all(|p| !scene.lights().iter().any(|light| reaches(light, p)))

@@ -6,8 +6,8 @@ use caustica::plan::{Effect, EffectOverrides, Effects};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
-/// Integrators with distinct behaviour. Only `Pm` stands for those that show both maps directly:
-/// its gather rays can be forced off.
+/// Integrators with distinct behaviour. `Pm` represents all integrators that show both maps
+/// directly, because its gather rays can be forced off.
 const ALGORITHMS: [Algorithm; 6] =
     [Algorithm::Hybrid, Algorithm::Path, Algorithm::Pm, Algorithm::Distributed, Algorithm::Whitted, Algorithm::Raycast];
 
@@ -63,7 +63,7 @@ fn disc() -> Scene {
     ))
 }
 
-/// Enough photons that gather rays hit some that were caustics before.
+/// Renders with enough photons that gather rays find photons that have left a caustic.
 fn picture(scene: &Scene, algorithm: Algorithm, effects: EffectOverrides) -> Picture {
     Picture::new(
         scene,

@@ -69,8 +69,8 @@ fn adding_objects_removes_no_effect() {
         let (less, more) = (sketch(seed), more(&sketch(seed), seed + 7));
         let [before, after] =
             [&less, &more].map(|s| Plan::new(&scene(&s.text()), Effects::ALL, EffectOverrides::PLANNED));
-        // In an empty scene shadows are on though nothing can cast one. That breaks no promise, but
-        // later comparisons need an object.
+        // In an empty scene the effect of shadows is on although nothing casts one. The plan allows
+        // that, but later comparisons need an object.
         if before.features.objects == 0 {
             continue;
         }
@@ -127,7 +127,7 @@ fn path_images_match_with_all_effects_on() {
     report(&seeds(1000).flat_map(each).collect::<Vec<_>>());
 }
 
-/// Fixed radii and no aiming, so that pilots cost nothing without caustics.
+/// Radii are fixed and photons are not aimed, so that pilots cost nothing without caustics.
 #[test]
 fn fixed_radius_images_match_with_all_effects_on() {
     let each = |seed| check(seed, PHOTONS[seed as usize % 4], |how| (how.radius, how.caustic_photons) = (Some(0.2), 0));

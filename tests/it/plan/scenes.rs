@@ -92,8 +92,8 @@ fn course_plans_match_scene_text() {
             let plan = Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::PLANNED);
             for decision in plan.decisions {
                 let needs = NEEDS.iter().find(|(effect, _)| *effect == decision.effect).map(|(_, words)| *words);
-                // A word in the text need not have an effect. Here each has one, unless the scene
-                // has no object.
+                // In general, a word in the text need not have an effect. In these scenes each word
+                // has one, unless the scene has no object.
                 if needs.is_none() && scene.object_summaries().next().is_none() {
                     continue;
                 }

@@ -1,4 +1,5 @@
-//! A scene in parts that can be written as text, so that tests know its contents.
+//! Description of a random scene in parts, which can be written as scene text. Tests know its
+//! contents.
 
 use crate::support::project_path;
 use glam::{DMat3, DVec3};

@@ -17,7 +17,8 @@ use std::path::Path;
 /// Relative rounding error of a double: half a step of numbers from 1 to 2.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// Two channels have an odd last digit. A sum 2²⁹ times larger rounds it off.
+/// Radiance of each pass. Two channels have an odd last digit, which a sum 2²⁹ times larger rounds
+/// off.
 const CONSTANT: Rgb = Rgb::new(0.1, 0.7, 3e-5);
 
 /// Adds 10⁹ passes to a film of one pixel, one by one.
@@ -94,7 +95,7 @@ fn pass_order_changes_no_bit() {
     }
 }
 
-/// Passes are independent, so they may be added in reverse.
+/// Passes are independent, so passes rendered in reverse order give the same image.
 #[test]
 fn passes_rendered_backwards_give_same_image() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/matte.txt");

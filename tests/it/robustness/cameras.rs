@@ -9,15 +9,16 @@ use caustica::scene::Scene;
 use std::path::Path;
 
 /// Parses and resolves the scene of `text`.
-fn resolved(text: &str) -> Result<Scene, SceneError> {
+fn resolved_scene(text: &str) -> Result<Scene, SceneError> {
     let description = parse("hard.txt", text)?;
     resolve(&description, &SourceText::new("hard.txt", text), Path::new(""))
 }
 
-/// Checks that `text` is refused at the words `place`, with `words` in the message or the remedy.
+/// Checks that the scene `text` is refused with an error that points at the words `place`, and that
+/// message or remedy contain `words`.
 #[track_caller]
-fn refused(text: &str, place: &str, words: &[&str]) {
-    let error = resolved(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
+fn assert_refused(text: &str, place: &str, words: &[&str]) {
+    let error = resolved_scene(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
     assert!(error.text().contains(place), "{error}: the place is `{}`", error.text());
     let all = format!("{error} {}", error.remedy());
     words.iter().for_each(|word| assert!(all.contains(word), "`{word}` is not in `{all}`"));

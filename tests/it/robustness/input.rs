@@ -52,7 +52,8 @@ impl InputSandbox {
         command.current_dir(self.0.path()).args(arguments).output().unwrap()
     }
 
-    /// Checks that a run is refused with an exit code and a message that holds all of `words`.
+    /// Checks that the program refuses `arguments` with exit code `code` and a message that
+    /// contains all of `words`.
     #[track_caller]
     fn refused(&self, arguments: &[&str], code: i32, words: &[&str]) {
         let ended = self.run(arguments);

@@ -38,8 +38,8 @@ fn photon(position: Vec3, flux: f32) -> Photon {
     Photon::new(position, Rgb::splat(flux), Vec3::Z, Vec3::Z).unwrap()
 }
 
-/// Returns a rectangle around `center` with these edges.
-fn sheet(center: DVec3, edge0: DVec3, edge1: DVec3) -> Shape {
+/// Returns a rectangle with center `center` and the given edge vectors.
+fn rectangle_around(center: DVec3, edge0: DVec3, edge1: DVec3) -> Shape {
     Shape::Rectangle(Rectangle::new(center - 0.5 * (edge0 + edge1), edge0, edge1))
 }
 
@@ -74,7 +74,7 @@ fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32
 /// Fails if a number of a render is not finite: a pixel, an error map, an error estimate. Also
 /// fails if a sample or a photon was rejected.
 #[track_caller]
-fn finite(what: &str, rendered: &RenderResult) {
+fn assert_finite(what: &str, rendered: &RenderResult) {
     let mean = rendered.film.mean();
     assert!(mean.iter().all(|v| v.is_finite()), "{what}: a pixel is not finite");
     assert_eq!(rendered.counters.rejected_samples, 0, "{what}: samples were left out");

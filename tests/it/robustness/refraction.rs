@@ -1,8 +1,8 @@
 //! Refraction at the critical angle, at equal indices, between bodies that share a face, and a
 //! thousand times in a row.
 
+mod index_matched;
 mod inside;
 mod interface;
-mod nothing;
 mod shared;
 mod trapped;

@@ -8,8 +8,8 @@ mod roulette;
 
 use glam::Vec2;
 
-/// Extreme samples: the largest number below 1, the smallest positive sample, and both sides of the
-/// middle.
+/// Extreme samples in \[0, 1): 0, the smallest positive sample, the middle and the number below it,
+/// and the largest number below 1.
 const ENDS: [f32; 5] = [0.0, 1.0 / 16_777_216.0, 0.5, 0.5 - f32::EPSILON / 4.0, 1.0 - f32::EPSILON / 2.0];
 
 /// Returns all pairs of [`ENDS`].

@@ -25,18 +25,19 @@ const SIZE: (u32, u32) = (32, 24);
 /// Number of compared passes: 19 degrees of freedom.
 const PASSES: u32 = 20;
 
-/// Number of compared passes of each scene of scenes/, at 39 degrees of freedom. Light that many
-/// facets of cut-stone refract is noisy.
+/// Number of compared passes of each scene of scenes/, at 39 degrees of freedom. In scene
+/// cut-stone, light that many facets refract is noisy.
 const SCENE_PASSES: u32 = 40;
 
-/// Largest difference that may go unnoticed, relative to the brightest channel of a scene. Twice as
-/// much between scenes whose random numbers lead to other paths.
-const SEEN: f64 = 0.15;
+/// Difference that each comparison must detect, relative to the brightest channel of a scene. It is
+/// doubled for scenes whose random numbers lead to other paths.
+const DETECTABLE: f64 = 0.15;
 
 /// Number of passes whose bits are compared.
 const EQUAL_PASSES: u32 = 4;
 
-/// A tenth of a millimetre per metre, and 2²⁷ times as much: more than ten kilometres.
+/// Small scale factor: a tenth of a millimetre per metre. [`LARGE`] is 2²⁷ times as much, more than
+/// ten kilometres per metre.
 const SMALL: f64 = 1e-4;
 const LARGE: f64 = SMALL * 134_217_728.0;
 
@@ -45,7 +46,7 @@ const AWAY: DVec3 = DVec3::new(0.71, -0.43, 0.56);
 const ASKEW: (DVec3, f64) = (DVec3::new(1.0, 2.0, -1.0), 57.0);
 
 /// Returns the files of scenes/, sorted by name.
-fn scenes() -> Vec<PathBuf> {
+fn scene_paths() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
     let paths = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
     let mut found: Vec<PathBuf> = paths.filter(|p| p.extension().is_some_and(|e| e == "txt")).collect();
@@ -54,31 +55,31 @@ fn scenes() -> Vec<PathBuf> {
     found
 }
 
-fn read(path: &Path) -> SceneFile {
+fn read_scene_file(path: &Path) -> SceneFile {
     let mut file = SceneFile::read(path).unwrap();
     (file.description.camera.value.width, file.description.camera.value.height) = SIZE;
     file
 }
 
-fn named(name: &str) -> SceneFile {
-    read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("txt"))
+fn scene_file_by_name(name: &str) -> SceneFile {
+    read_scene_file(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("txt"))
 }
 
-fn placed(file: &SceneFile, by: &Similarity) -> Scene {
+fn transformed_scene(file: &SceneFile, by: &Similarity) -> Scene {
     let mut file = file.clone();
     file.description = by.of(file.description);
     file.resolve().unwrap()
 }
 
 /// Runs `check` on each scene with its number; fails with all messages that it returns.
-fn each(check: impl Fn(usize, &SceneFile) -> Option<String> + Sync) {
+fn check_each_scene(check: impl Fn(usize, &SceneFile) -> Option<String> + Sync) {
     let name = |path: &Path| path.file_stem().unwrap().to_string_lossy().into_owned();
-    let one = |(i, path): (usize, &PathBuf)| Some(format!("{}: {}", name(path), check(i, &read(path))?));
-    let wrong: Vec<String> = scenes().par_iter().enumerate().filter_map(one).collect();
+    let one = |(i, path): (usize, &PathBuf)| Some(format!("{}: {}", name(path), check(i, &read_scene_file(path))?));
+    let wrong: Vec<String> = scene_paths().par_iter().enumerate().filter_map(one).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-fn few() -> Settings {
+fn low_cost_settings() -> Settings {
     Settings {
         balance: false,
         photons: 2000,
@@ -98,7 +99,7 @@ fn summaries(images: &[Vec<Rgb>]) -> Vec<Vec<f64>> {
 }
 
 /// Returns the number of pixels whose bits differ between two renders.
-fn differ(a: &[Vec<Rgb>], b: &[Vec<Rgb>]) -> usize {
+fn count_differing_pixels(a: &[Vec<Rgb>], b: &[Vec<Rgb>]) -> usize {
     let bits = |v: &Rgb| v.to_array().map(f32::to_bits);
     a.iter().flatten().zip(b.iter().flatten()).filter(|(a, b)| bits(a) != bits(b)).count()
 }
@@ -111,7 +112,7 @@ fn differ(a: &[Vec<Rgb>], b: &[Vec<Rgb>]) -> usize {
 /// differences. Single precision rounds by 2⁻²⁴ = 6·10⁻⁸ once the scene is recentered.
 fn far_away(file: &SceneFile, scene: &Scene) -> (Scene, f64) {
     let distance = 1e6 * 2.0 * f64::from(scene.photon_domain().radius);
-    let moved = placed(file, &Similarity { shift: AWAY * distance, ..Similarity::NONE });
+    let moved = transformed_scene(file, &Similarity { shift: AWAY * distance, ..Similarity::NONE });
     (moved, 6.0 * AWAY.length() * distance * f64::EPSILON / 2.0)
 }
 
@@ -120,21 +121,23 @@ fn far_away(file: &SceneFile, scene: &Scene) -> (Scene, f64) {
 #[test]
 #[ignore = "long: every scene at four scales"]
 fn scaled_and_moved_scenes_give_same_image() {
-    each(|number, file| {
-        let scene = placed(file, &Similarity::NONE);
-        // Pilots of radii take as long as everything else, so nine of ten scenes have a fixed
+    check_each_scene(|number, file| {
+        let scene = transformed_scene(file, &Similarity::NONE);
+        // Pilots that find radii take as long as all passes, so nine of ten scenes have a fixed
         // radius.
         let radius = |scene: &Scene| (number % 10 > 0).then(|| scene.photon_domain().radius * 0.01);
-        let passes =
-            |scene: &Scene, n: u32| pictures(scene, Algorithm::Hybrid, Settings { radius: radius(scene), ..few() }, n);
+        let passes = |scene: &Scene, n: u32| {
+            pictures(scene, Algorithm::Hybrid, Settings { radius: radius(scene), ..low_cost_settings() }, n)
+        };
         let render = |scene: &Scene| passes(scene, SCENE_PASSES);
         let here = summaries(&render(&scene));
-        let small = render(&placed(file, &Similarity::scaled(SMALL)));
-        let differ = differ(&small, &passes(&placed(file, &Similarity::scaled(LARGE)), EQUAL_PASSES));
+        let small = render(&transformed_scene(file, &Similarity::scaled(SMALL)));
+        let differ =
+            count_differing_pixels(&small, &passes(&transformed_scene(file, &Similarity::scaled(LARGE)), EQUAL_PASSES));
         if differ > 0 {
             return Some(format!("{differ} pixels are other bits at 2²⁷ times the scale"));
         }
-        if let Some(o) = mean_difference(&summaries(&small), &here, ROUNDING, SEEN) {
+        if let Some(o) = mean_difference(&summaries(&small), &here, ROUNDING, DETECTABLE) {
             return Some(format!("scaled: {o}"));
         }
         let (moved, left) = far_away(file, &scene);
@@ -142,14 +145,14 @@ fn scaled_and_moved_scenes_give_same_image() {
         if off > left {
             return Some(format!("moved: the eye is {off} off, more than {left}"));
         }
-        mean_difference(&summaries(&render(&moved)), &here, ROUNDING, SEEN).map(|o| format!("moved: {o}"))
+        mean_difference(&summaries(&render(&moved)), &here, ROUNDING, DETECTABLE).map(|o| format!("moved: {o}"))
     });
 }
 
 /// Other integrators and settings, each with a demanding scene.
 #[test]
 fn no_integrator_depends_on_length_unit() {
-    let (eye, base) = (few().camera_paths, few());
+    let (eye, base) = (low_cost_settings().camera_paths, low_cost_settings());
     let estimated = CameraPathSettings { estimate_error: true, adaptive: true, samples: Some(2), ..eye };
     let importance = Settings { final_gathering: FinalGathering::Importance, ..base.clone() };
     let volume = |volume| Settings { volume, ..base.clone() };
@@ -170,10 +173,10 @@ fn no_integrator_depends_on_length_unit() {
         ),
     ];
     cases.into_par_iter().for_each(|(name, algorithm, settings)| {
-        let file = named(name);
-        let render = |by| pictures(&placed(&file, &Similarity::scaled(by)), algorithm, settings.clone(), 2);
+        let file = scene_file_by_name(name);
+        let render = |by| pictures(&transformed_scene(&file, &Similarity::scaled(by)), algorithm, settings.clone(), 2);
         let (small, large) = (render(1.0 / 8192.0), render(8192.0));
-        let differ = differ(&small, &large);
+        let differ = count_differing_pixels(&small, &large);
         assert_eq!(differ, 0, "{name} by {}: pixels of other bits", algorithm.name());
         assert!(small.iter().flatten().any(|v| *v != Rgb::ZERO), "{name} is black");
     });
@@ -185,10 +188,10 @@ fn no_integrator_depends_on_length_unit() {
 #[ignore = "long: t-tests of every scene"]
 fn rotated_scenes_have_same_flux_and_radiance() {
     let dark = AtomicU32::new(0);
-    each(|_, file| {
-        let here = placed(file, &Similarity::NONE);
+    check_each_scene(|_, file| {
+        let here = transformed_scene(file, &Similarity::NONE);
         let turn = Similarity { turn: (ASKEW.0.normalize(), ASKEW.1), ..Similarity::NONE };
-        let there = placed(file, &turn);
+        let there = transformed_scene(file, &turn);
         let near = if unbounded(&file.description.root) {
             0.5 * f64::from(here.photon_domain().radius)
         } else {
@@ -196,21 +199,21 @@ fn rotated_scenes_have_same_flux_and_radiance() {
         };
         let middle = here.origin() + here.photon_domain().center.as_dvec3();
         let stored = mean_difference(
-            &fluxes(&there, turn.place(middle), near),
-            &fluxes(&here, middle, near),
+            &stored_fluxes(&there, turn.place(middle), near),
+            &stored_fluxes(&here, middle, near),
             ROUNDING,
-            2.0 * SEEN,
+            2.0 * DETECTABLE,
         );
-        // Lights behind glass are found only by chance, and media are noisy. Direct light has the
-        // same paths.
-        let seen = |scene: &Scene| summaries(&pictures(scene, Algorithm::Distributed, few(), PASSES));
+        // Path tracing finds lights behind glass only by chance, and media are noisy. So only
+        // direct light is compared there.
+        let seen = |scene: &Scene| summaries(&pictures(scene, Algorithm::Distributed, low_cost_settings(), PASSES));
         let seen = || {
             let (here, there) = (seen(&here), seen(&there));
             if here.iter().chain(&there).flatten().all(|x| *x == 0.0) {
                 dark.fetch_add(1, Relaxed);
                 return None;
             }
-            mean_difference(&there, &here, ROUNDING, 2.0 * SEEN).map(|o| format!("seen: {o}"))
+            mean_difference(&there, &here, ROUNDING, 2.0 * DETECTABLE).map(|o| format!("seen: {o}"))
         };
         stored.map(|o| format!("stored: {o}")).or_else(seen)
     });
@@ -222,7 +225,7 @@ fn rotated_scenes_have_same_flux_and_radiance() {
 ///
 /// Light from infinity covers more of an unbounded plane if the bounding box of the rest is larger.
 /// So in scenes with such a plane only direct light `near` the `middle` counts.
-fn fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
+fn stored_fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
     let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
     let pass =
         PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: if near.is_finite() { 0 } else { 50 } };

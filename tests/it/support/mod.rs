@@ -1,4 +1,4 @@
-//! Test rigs: scenes, passes, statistics, the command line and a headless browser.
+//! Helpers of tests: scenes, passes, statistics, the command line and a headless browser.
 
 pub mod browser;
 mod data;

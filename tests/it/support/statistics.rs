@@ -30,11 +30,11 @@ pub fn student_t_tail(t: f64, dof: f64) -> f64 {
     2.0 * norm * midpoint_integral(libm::atan(t.abs() / dof.sqrt()), 0.5 * PI, 4000, density)
 }
 
-/// Fails if `samples` contradict a mean of `expected`, known to ±`slack`, at rate
+/// Fails if `samples` contradict a mean within `expected` ± `slack`, with false-alarm rate
 /// [`FALSE_ALARM_RATE`].
 ///
-/// Also fails if their standard error exceeds `sharp` · `expected`, because the test would be
-/// blind.
+/// Also fails if the standard error exceeds `sharp` · `expected`, because noise could then hide an
+/// error.
 #[track_caller]
 pub fn assert_mean(what: &str, samples: &[f64], expected: f64, slack: f64, sharp: f64) {
     let (mean, error) = mean_and_error(samples);

@@ -13,7 +13,7 @@ use caustica::shape::{Rectangle, Shape};
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// Number of passes of a test that needs no other number.
+/// Default number of passes of a test.
 pub const PASSES: u32 = 16;
 
 /// Every density kernel.
@@ -38,7 +38,7 @@ pub fn square_camera(eye: DVec3, at: DVec3, angle: f64, size: u32) -> Camera {
     Camera::perspective(eye, at - eye, up, angle.to_radians(), size, size).unwrap()
 }
 
-/// Builds a scene for photons alone: its camera has one pixel and sees nothing of interest.
+/// Builds a scene for tests of photons alone. Its camera has one pixel, which no test reads.
 pub fn photon_only_scene(builder: SceneBuilder) -> Scene {
     builder.build(square_camera(DVec3::ZERO, DVec3::Z, 40.0, 1)).unwrap()
 }
@@ -225,7 +225,7 @@ pub fn kernel_noise_factor(kernel: Kernel) -> f64 {
     }
 }
 
-/// Returns the expected value, bias included, of an estimate with radius `r`.
+/// Returns the expected value of a density estimate with radius `r`, including its bias.
 ///
 /// `density` is the photon density at an offset from the disc's center.
 pub fn kernel_weighted_mean(kernel: Kernel, r: f64, density: impl Fn(DVec2) -> f64) -> f64 {

@@ -47,7 +47,7 @@ fn fireflies_leave_products_small() {
 }
 
 #[test]
-fn few_passes_give_the_prior_and_black_gives_zero() {
+fn few_passes_give_the_prior_scatter() {
     let variance =
         |passes, block| passes_of_block_noise(block, 10, passes, 9).squared_error_variance(&[1.0; 10], f64::INFINITY);
     assert_eq!([variance(0, 1), variance(1, 1), variance(2, 1)], [2.0 / PRIOR_SAMPLES; 3]);

@@ -93,7 +93,7 @@ fn fixed_radii_never_reach_targets_below_their_blur() {
 
 /// Light at edges blurs as n^(−1/12), smooth light as n^(−1/3): the same blur takes longer to fall.
 #[test]
-fn blur_at_edges_takes_longer_than_in_smooth_light() {
+fn blur_at_edges_decays_slowly() {
     let edge = |d0: f64| NestedDifferenceMoments { d0, d0_d1: 0.7275 * d0, d1: 0.707 * d0, ..Default::default() };
     let [smooth, edge] = [smooth(0.25e-2), edge(0.01 / 14.6)].map(|differences| {
         let forecast = forecast_with(differences, Some(2.0 / 3.0));

@@ -7,8 +7,8 @@ use glam::Vec3;
 use std::path::Path;
 use std::process::Command;
 
-/// The largest 16-bit float, the next 32-bit float, the values where rounding would overflow, and
-/// beyond.
+/// Values around the range of 16-bit floats: the largest one, the next 32-bit float, the values
+/// where rounding would overflow, and larger values.
 const EDGES: [f32; 6] = [65_504.0, 65_504.004, 65_519.996, 65_520.0, 1e30, f32::MAX];
 
 fn write_and_read_pixel(value: f32, options: &WriteOptions, name: &str) -> (Vec3, ClippedPixelReport) {
@@ -94,7 +94,7 @@ fn program_reports_clipped_values() {
     assert!(text.contains("warning: 32 pixels of half.exr: clipped to 65504; --exr-bits 32"), "{text}");
     let half = image::read(&folder.path().join("half.exr")).unwrap();
     assert_eq!((half.pixels()[0], half.pixels()[63]), (Vec3::splat(65_504.0), Vec3::splat(0.5)));
-    // Users rely on the warning; notes are quiet.
+    // The report must be a warning, because notes are not always shown.
     let (_, text) = say("-q -o a.png -o half.exr --exr-bits 16");
     assert!(text.contains("32 pixels of half.exr") && !text.contains("a.png"), "{text}");
     let (_, text) = say("-o whole.exr");

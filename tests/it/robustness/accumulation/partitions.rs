@@ -37,7 +37,7 @@ impl Part {
     }
 }
 
-/// Deals `passes` at random to up to six parts, and merges these in random order.
+/// Deals `passes` at random to up to six parts, and merges the parts in random order.
 fn render_in_parts(integrator: &dyn Integrator, passes: &[Pass], seed: u64) -> Part {
     let key = test_key(seed);
     let random = |i: u64, which: u64| f64::from(key.child_key(which).child_key(i).uniform_1d(Dimension::Film));
@@ -57,7 +57,8 @@ fn render_in_parts(integrator: &dyn Integrator, passes: &[Pass], seed: u64) -> P
     parts.pop().unwrap()
 }
 
-/// Three integrators, of which `ppm` shares camera paths, a moving scene, and one with a medium.
+/// The test covers three integrators, a moving scene, and a scene with a medium. Passes of the
+/// integrator `ppm` share camera paths.
 #[test]
 fn merged_parts_equal_one_render() {
     let cases = [

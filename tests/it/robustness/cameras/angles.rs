@@ -1,6 +1,6 @@
 //! Fields of view from a millionth of a degree to nearly 180°, and up directions.
 
-use super::{refused, resolved};
+use super::{assert_refused, resolved_scene};
 use crate::support::render_one_pass;
 use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color;
@@ -49,8 +49,8 @@ fn perspective_directions_match_tangent_at_every_angle() {
     }
 }
 
-/// Along an axis the small components of directions keep all their digits. So the angle from top to
-/// bottom is accurate to 2⁻²³, two roundings, however small it is.
+/// If a camera looks along an axis, the small components of directions keep all their digits. So
+/// the angle from top to bottom is accurate to 2⁻²³, two roundings, however small it is.
 #[test]
 fn narrow_images_keep_their_field_of_view() {
     for angle in [1e-300, 1e-30, 1e-6, 1e-3] {
@@ -85,7 +85,7 @@ fn visible_light_has_correct_mean_at_extreme_angles() {
             let corner = forward - 0.6 * tangent * (right + upright);
             let (e0, e1) = (1.2 * tangent * right, 1.2 * tangent * upright);
             let words = |v: DVec3| format!("{:e} {:e} {:e}", v.x, v.y, v.z);
-            let scene = resolved(&format!(
+            let scene = resolved_scene(&format!(
                 "PerspectiveCamera {{ center 0 0 0 direction {} up {} angle {angle} width {side} height {side} }} \
                  Background {{ color 0 0 0 }} \
                  Lights {{ RectangleLight {{ corner {} edge0 {} edge1 {} radiance 2 2 2 }} }} Group {{ }}",
@@ -116,30 +116,34 @@ fn visible_light_has_correct_mean_at_extreme_angles() {
     assert_eq!(tried, 28);
 }
 
-/// Cameras whose pixels would coincide are refused, not shown in blocks. So are invalid angles, at
-/// their position in the text.
+/// Cameras with so narrow pixels that their rays would coincide are refused. Invalid angles are
+/// refused too; the error points at their position in the text.
 #[test]
 fn impossible_angles_are_refused_with_remedy() {
     let camera = |angle: &str, size: &str| {
         format!("PerspectiveCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 angle {angle} {size} }} Group {{ }}")
     };
     for angle in ["0", "-1", "180", "181", "1e300"] {
-        refused(&camera(angle, ""), angle, &["between 0 and 180 degrees"]);
+        assert_refused(&camera(angle, ""), angle, &["between 0 and 180 degrees"]);
     }
     // 2 tan(a/2)/720 is 2⁻²⁴ at a = 720 · 2⁻²⁴ rad = .002459°.
     for (angle, size) in [("1e-6", "width 1 height 1"), ("2.45e-3", ""), ("5e-324", "width 1 height 1")] {
-        refused(&camera(angle, size), "PerspectiveCamera", &["rad wide", "larger `angle`", "OrthographicCamera"]);
+        assert_refused(
+            &camera(angle, size),
+            "PerspectiveCamera",
+            &["rad wide", "larger `angle`", "OrthographicCamera"],
+        );
     }
     for (angle, size) in
         [("4e-6", "width 1 height 1"), ("2.47e-3", ""), ("179.9", ""), ("179.9", "width 1 height 20000")]
     {
-        assert!(resolved(&camera(angle, size)).is_ok(), "{angle} {size}");
+        assert!(resolved_scene(&camera(angle, size)).is_ok(), "{angle} {size}");
     }
     // At 60°, a row of 20,000 pixels reaches 11,547 times as far sideways as ahead. At 179.9° it
     // would be two thousand times more.
-    assert!(resolved(&camera("60", "width 20000 height 1")).is_ok());
+    assert!(resolved_scene(&camera("60", "width 20000 height 1")).is_ok());
     for (angle, size) in [("179.9", "width 20000 height 1"), ("179.9999", "")] {
-        refused(&camera(angle, size), "PerspectiveCamera", &["aside", "smaller `angle`", "EnvironmentCamera"]);
+        assert_refused(&camera(angle, size), "PerspectiveCamera", &["aside", "smaller `angle`", "EnvironmentCamera"]);
     }
 }
 
@@ -157,23 +161,23 @@ fn up_along_view_is_refused_with_remedy() {
             ("lookAt 1 3 3", "0 3 -2"),
         ] {
             let center = if aim.starts_with("lookAt") { "1 0 5" } else { "0 0 5" };
-            refused(
+            assert_refused(
                 &format!("{kind} center {center} {aim} up {up} }} Group {{ }}"),
                 up,
                 &["parallel", "`up`", "0 0 1"],
             );
         }
-        // Without `up`, up is 0 1 0. So the direction is at fault.
-        refused(&format!("{kind} center 0 0 5 direction 0 1 0 }} Group {{ }}"), "0 1 0", &["parallel", "`up`"]);
-        refused(&format!("{kind} center 0 0 5 direction 0 1 0 up 0 0 0 }} Group {{ }}"), "0 0 0", &[]);
+        // Without `up`, the up vector is 0 1 0. So the error points at the direction.
+        assert_refused(&format!("{kind} center 0 0 5 direction 0 1 0 }} Group {{ }}"), "0 1 0", &["parallel", "`up`"]);
+        assert_refused(&format!("{kind} center 0 0 5 direction 0 1 0 up 0 0 0 }} Group {{ }}"), "0 0 0", &[]);
     }
 }
 
-/// `up` is the view direction plus a step of sine s across it. The image stands upright along that
-/// step.
+/// Accepts an `up` that is the view direction plus a perpendicular step of sine s. The image's
+/// vertical axis follows that step.
 ///
-/// Its up vector is a product whose terms cancel down to s, so it errs by a few 2⁻⁵³/s: 4 ·
-/// 1.1·10⁻¹⁶ / 10⁻⁸ = 4.4·10⁻⁸. Directions round by 2⁻²⁵ = 3·10⁻⁸.
+/// The image's up vector is a product whose terms cancel down to s, so its error is a few times
+/// 2⁻⁵³/s: 4 · 1.1·10⁻¹⁶ / 10⁻⁸ = 4.4·10⁻⁸. Directions round by 2⁻²⁵ = 3·10⁻⁸.
 #[test]
 fn up_nearly_along_view_is_kept() {
     for sine in [1e-2, 1e-5, 1e-8] {
@@ -191,7 +195,8 @@ fn up_nearly_along_view_is_kept() {
     }
 }
 
-/// Orthographic rays start where rows and columns say, up to one rounding of each coordinate.
+/// Orthographic rays start at the positions of rows and columns, up to one rounding of each
+/// coordinate.
 #[test]
 fn orthographic_images_of_any_size_are_correct() {
     for size in [1e-30, 1e-6, 1.0, 1e12] {

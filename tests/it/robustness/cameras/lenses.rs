@@ -1,6 +1,6 @@
 //! Lenses of zero aperture, and focus distances of zero, near zero or near infinity.
 
-use super::{refused, resolved};
+use super::{assert_refused, resolved_scene};
 use crate::support::render_one_pass;
 use caustica::camera::{Camera, Lens};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
@@ -26,7 +26,7 @@ fn zero_aperture_equals_pinhole_bit_for_bit() {
             CameraPathSettings { samples: Some(2), estimate_error: true, ..CameraPathSettings::default() };
         let settings =
             Settings { camera_paths, photons: 2000, caustic_photons: 2000, balance: false, ..Settings::default() };
-        let scene = resolved(&scene(lens)).unwrap();
+        let scene = resolved_scene(&scene(lens)).unwrap();
         let image = render_one_pass(&*algorithm.prepare(&scene, settings), 0);
         assert!(image.iter().all(|p| p.is_finite()));
         image.iter().flat_map(|p| p.to_array().map(f32::to_bits)).collect::<Vec<_>>()
@@ -37,7 +37,7 @@ fn zero_aperture_equals_pinhole_bit_for_bit() {
         {
             assert!(picture(algorithm, shut) == pinhole, "{algorithm:?} {shut}");
         }
-        // These two trace the central ray of a lens.
+        // These two integrators trace only the central ray of a lens.
         if !matches!(algorithm, Algorithm::Raycast | Algorithm::Whitted) {
             assert!(picture(algorithm, "aperture .1 focusDistance 3") != pinhole, "{algorithm:?}");
         }
@@ -52,20 +52,20 @@ fn zero_focus_distance_is_refused_with_remedy() {
         ("aperture 0 focusDistance 0", "0"),
         ("fNumber 2 focusDistance 0", "0"),
     ] {
-        refused(&scene(lens), place, &["focusDistance", "above 0"]);
+        assert_refused(&scene(lens), place, &["focusDistance", "above 0"]);
     }
     // The camera's center, and a point behind it.
     for point in ["0 1 4", "0 1 5"] {
-        refused(&scene(&format!("aperture .1 focusAt {point}")), point, &["in front of the camera"]);
+        assert_refused(&scene(&format!("aperture .1 focusAt {point}")), point, &["in front of the camera"]);
     }
-    refused(&scene("aperture .1"), "PerspectiveCamera", &["focusDistance"]);
-    refused(&scene("aperture -1 focusDistance 1"), "-1", &["negative"]);
-    refused(&scene("fNumber 0 focusDistance 1"), "0", &["fNumber"]);
+    assert_refused(&scene("aperture .1"), "PerspectiveCamera", &["focusDistance"]);
+    assert_refused(&scene("aperture -1 focusDistance 1"), "-1", &["negative"]);
+    assert_refused(&scene("fNumber 0 focusDistance 1"), "0", &["fNumber"]);
     for lens in ["aperture .1 focusDistance 1e-13", "aperture 0 focusDistance 1e-300"] {
-        refused(&scene(lens), "PerspectiveCamera", &["focused nearer", "1e-12"]);
+        assert_refused(&scene(lens), "PerspectiveCamera", &["focused nearer", "1e-12"]);
     }
     for lens in ["aperture .1 focusDistance 1e12", "aperture 1e13 focusDistance 1", "fNumber 1e-15 focusDistance 1"] {
-        refused(&scene(lens), "PerspectiveCamera", &["single precision", "focus nearer"]);
+        assert_refused(&scene(lens), "PerspectiveCamera", &["single precision", "focus nearer"]);
     }
 }
 
@@ -125,7 +125,7 @@ fn extreme_lenses_give_finite_images() {
         let camera_paths = CameraPathSettings { samples: Some(4), ..CameraPathSettings::default() };
         let settings =
             Settings { camera_paths, photons: 500, caustic_photons: 500, balance: false, ..Settings::default() };
-        let scene = resolved(&scene(lens)).unwrap();
+        let scene = resolved_scene(&scene(lens)).unwrap();
         let image = render_one_pass(&*Algorithm::Hybrid.prepare(&scene, settings), 0);
         assert!(image.iter().all(|p| p.is_finite()), "{lens}");
     }

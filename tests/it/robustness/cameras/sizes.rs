@@ -1,6 +1,6 @@
 //! Images of one pixel, one column and one row.
 
-use super::resolved;
+use super::resolved_scene;
 use crate::support::render_one_pass;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
@@ -29,14 +29,16 @@ fn cameras((width, height): (u32, u32)) -> [String; 3] {
     ]
 }
 
-/// Every integrator renders them with error estimation, and all results are finite.
+/// Every integrator renders images of one pixel, one column and one row with error estimation, and
+/// all results are finite.
 #[test]
 fn tiny_images_are_finite_with_every_integrator() {
     for size in SIZES {
         for (i, camera) in cameras(size).into_iter().enumerate() {
-            let scene = resolved(&format!("{camera} {ROOM}")).unwrap();
+            let scene = resolved_scene(&format!("{camera} {ROOM}")).unwrap();
             for algorithm in Algorithm::ALL {
-                // One pixel is cheap. Each integrator renders the long ones with one camera.
+                // One pixel is cheap, so it is rendered with all cameras. Each integrator renders
+                // the long images with one camera.
                 if size != (1, 1) && i != algorithm as usize % 3 {
                     continue;
                 }
@@ -92,7 +94,7 @@ fn images_20000_pixels_long_are_correct() {
             true => (format!("-9 {} -1", -begin - 9.0), "18 0 0", "0 9 0"),
             false => (format!("{begin} -9 -1"), "9 0 0", "0 18 0"),
         };
-        let scene = resolved(&format!(
+        let scene = resolved_scene(&format!(
             "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 width {width} height {height} size {size} }} \
              Background {{ color 0 0 0 }} \
              Lights {{ RectangleLight {{ corner {corner} edge0 {e0} edge1 {e1} radiance 1 1 1 }} }} Group {{ }}"
@@ -109,8 +111,8 @@ fn images_20000_pixels_long_are_correct() {
             match i as u32 {
                 i if i < edge => assert_eq!(*pixel, Rgb::ZERO, "{width}×{height}: pixel {i}"),
                 i if i > edge => assert_eq!(*pixel, Rgb::ONE, "{width}×{height}: pixel {i}"),
-                // Half of it: of four stratified samples at most one lies on the wrong side of the
-                // middle.
+                // The pixel is half bright: of four stratified samples, at most one lies on the
+                // wrong side of the middle.
                 _ => assert!((0.25..=0.75).contains(&pixel.x), "{width}×{height}: {pixel}"),
             }
         }
@@ -136,7 +138,7 @@ fn tiny_images_have_files_and_metrics() {
             let (back, _) = decode(Path::new("memory"), &file, PixelMeaning::Radiance, None).unwrap();
             assert_eq!((back.width(), back.height()), (width, height));
             // Half a level times the greatest slope of the sRGB curve, 2.4/1.055 (see
-            // `reading_undoes_the_srgb_curve_to_half_a_level`).
+            // `reading_undoes_srgb_to_half_a_level`).
             let bound = match (format, depth) {
                 (OutputFormat::Exr, _) => 0.0,
                 (_, BitDepth::Eight) => 0.5 / 255.0 * 2.275,

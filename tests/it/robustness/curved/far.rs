@@ -1,6 +1,6 @@
 //! Spheres and lights seen from a million radii away.
 
-use crate::robustness::transforms::dd::{DoubleDouble, DoubleDoubleVec};
+use crate::robustness::transforms::double_double::{DoubleDouble, DoubleDoubleVec};
 use crate::support::render_one_pass;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
@@ -20,11 +20,12 @@ fn random_vec2(rng: &mut SmallRng) -> Vec2 {
     Vec2::new(rng.random(), rng.random())
 }
 
-/// Hits of a sphere against double-double arithmetic.
+/// Hits of far spheres agree with double-double arithmetic.
 ///
 /// The solver's discriminant is r² minus the squared distance of the line, which rounds by some
 /// ulps of (distance · r). Rays within 16 of these ulps of a tangent may hit or miss. The position
-/// is accurate to its rounding, the normal to what that rounding and its own change.
+/// is accurate to its rounding. The normal is accurate to the change by that rounding, plus its own
+/// rounding.
 #[test]
 fn far_spheres_are_hit_correctly() {
     let mut rng = SmallRng::seed_from_u64(3);
@@ -114,7 +115,8 @@ fn far_lights_cast_no_shadow_on_themselves() {
                     LightSurface::Shape(shape) => shape.intersect(&ray).is_some(),
                     LightSurface::Triangles { .. } => tree.occluded(&ray, |_, _| false),
                 };
-                // Along the surface, the rest of the ray comes arbitrarily close.
+                // For a point seen along the surface, the ray comes arbitrarily close to the
+                // surface.
                 let slant = sample.wi.dot((target - p).normalize());
                 assert!(!blocked || slant < 1e-3, "{distance} {kind} {ray:?} {slant}");
                 tested += 1;

@@ -10,7 +10,7 @@ use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 
 /// Returns homogeneous control points of the same curve, one degree higher.
-fn elevated(controls: &[DVec4]) -> Vec<DVec4> {
+fn elevated_by_one_degree(controls: &[DVec4]) -> Vec<DVec4> {
     let n = controls.len() as f64;
     let end = DVec4::ZERO;
     (0..=controls.len())
@@ -22,23 +22,24 @@ fn elevated(controls: &[DVec4]) -> Vec<DVec4> {
         .collect()
 }
 
-fn raised(mut controls: Vec<DVec4>, degree: usize) -> Vec<DVec4> {
+fn elevated_to_degree(mut controls: Vec<DVec4>, degree: usize) -> Vec<DVec4> {
     while controls.len() <= degree {
-        controls = elevated(&controls);
+        controls = elevated_by_one_degree(&controls);
     }
     controls
 }
 
-fn turned(profile: &[(f64, f64)], degree: usize) -> Shape {
-    let controls = raised(profile.iter().map(|(x, y)| DVec4::new(*x, *y, 0.0, 1.0)).collect(), degree);
+fn surface_of_revolution(profile: &[(f64, f64)], degree: usize) -> Shape {
+    let controls = elevated_to_degree(profile.iter().map(|(x, y)| DVec4::new(*x, *y, 0.0, 1.0)).collect(), degree);
     let points: Vec<DVec2> = controls.iter().map(|c| DVec2::new(c.x, c.y)).collect();
     Shape::Revolution(Revolution::new(&SplineBasis::bezier_basis(degree + 1).unwrap(), &points).unwrap())
 }
 
 /// Builds a patch from homogeneous points, `columns` of them along v.
-fn net(points: &[DVec4], columns: usize, [p, q]: [usize; 2]) -> Shape {
-    let rows: Vec<Vec<DVec4>> = points.chunks(columns).map(|row| raised(row.to_vec(), q)).collect();
-    let along: Vec<Vec<DVec4>> = (0..=q).map(|j| raised(rows.iter().map(|row| row[j]).collect(), p)).collect();
+fn patch_of_points(points: &[DVec4], columns: usize, [p, q]: [usize; 2]) -> Shape {
+    let rows: Vec<Vec<DVec4>> = points.chunks(columns).map(|row| elevated_to_degree(row.to_vec(), q)).collect();
+    let along: Vec<Vec<DVec4>> =
+        (0..=q).map(|j| elevated_to_degree(rows.iter().map(|row| row[j]).collect(), p)).collect();
     let point = |c: DVec4| (c.truncate() / c.w).extend(c.w);
     let controls: Vec<DVec4> = (0..=p).flat_map(|i| along.iter().map(move |column| point(column[i]))).collect();
     let bases = [p, q].map(|n| SplineBasis::bezier_basis(n + 1).unwrap());
@@ -47,7 +48,7 @@ fn net(points: &[DVec4], columns: usize, [p, q]: [usize; 2]) -> Shape {
 
 /// A surface where `value` is 0 and `inside` is at least 0. Between the heights of its kinks
 /// `value` is convex along lines.
-struct Known {
+struct KnownSurface {
     name: &'static str,
     shape: Shape,
     value: fn(DVec3) -> f64,
@@ -58,7 +59,7 @@ struct Known {
     tip: Option<(DVec3, DVec3)>,
 }
 
-fn surfaces() -> Vec<Known> {
+fn known_surfaces() -> Vec<KnownSurface> {
     let w = std::f64::consts::FRAC_1_SQRT_2;
     let arc = [(1.0, 0.0, 1.0), (1.0, 1.0, w), (0.0, 1.0, 1.0)];
     let octant: Vec<DVec4> = arc
@@ -66,42 +67,42 @@ fn surfaces() -> Vec<Known> {
         .flat_map(|(r, h, w)| arc.iter().map(move |(c, s, v)| DVec4::new(r * c, *h, r * s, 1.0) * (w * v)))
         .collect();
     let wedge = [[-1.0, 0.0], [-1.0, 0.0], [1.0, -1.0], [1.0, 1.0]].map(|[x, z]| DVec4::new(x, 0.0, z, 1.0));
-    let cone = |degree| Known {
+    let cone = |degree| KnownSurface {
         name: "cone",
-        shape: turned(&[(1.0, -1.0), (0.0, 1.0)], degree),
+        shape: surface_of_revolution(&[(1.0, -1.0), (0.0, 1.0)], degree),
         value: |p| hypot(p.x, p.z) - 0.5 * (1.0 - p.y),
         inside: |p| 1.0 - p.y.abs(),
         kink: None,
         tip: Some((DVec3::Y, DVec3::NEG_Y)),
     };
-    let bowl = |degree| Known {
+    let bowl = |degree| KnownSurface {
         name: "bowl",
-        shape: turned(&[(0.0, 0.0), (0.5, 0.0), (1.0, 1.0)], degree),
+        shape: surface_of_revolution(&[(0.0, 0.0), (0.5, 0.0), (1.0, 1.0)], degree),
         value: |p| p.x * p.x + p.z * p.z - p.y,
         inside: |p| 1.0 - p.y,
         kink: None,
         tip: None,
     };
     // (s², s³) for s in [−1, 1]: both branches leave the axis along it.
-    let cusp = |degree| Known {
+    let cusp = |degree| KnownSurface {
         name: "cusp",
-        shape: turned(&[(1.0, -1.0), (-1.0 / 3.0, 1.0), (-1.0 / 3.0, -1.0), (1.0, 1.0)], degree),
+        shape: surface_of_revolution(&[(1.0, -1.0), (-1.0 / 3.0, 1.0), (-1.0 / 3.0, -1.0), (1.0, 1.0)], degree),
         value: |p| hypot(p.x, p.z) - cbrt(p.y * p.y),
         inside: |p| 1.0 - p.y.abs(),
         kink: Some(0.0),
         tip: Some((DVec3::ZERO, DVec3::Y)),
     };
-    let eighth = |degrees| Known {
+    let eighth = |degrees| KnownSurface {
         name: "eighth of a sphere",
-        shape: net(&octant, 3, degrees),
+        shape: patch_of_points(&octant, 3, degrees),
         value: |p| p.length_squared() - 1.0,
         inside: |p| p.min_element(),
         kink: None,
         tip: None,
     };
-    let wedge = |degrees| Known {
+    let wedge = |degrees| KnownSurface {
         name: "wedge",
-        shape: net(&wedge, 2, degrees),
+        shape: patch_of_points(&wedge, 2, degrees),
         value: |p| p.y,
         inside: |p| (0.5 * (p.x + 1.0) - p.z.abs()).min(1.0 - p.x),
         kink: None,
@@ -146,17 +147,17 @@ fn roots(f: &dyn Fn(f64) -> f64, lo: f64, hi: f64) -> (Vec<f64>, f64) {
     (found, least)
 }
 
-/// A ray this far inside of a tip must hit. A cone is half as wide there, and single precision
-/// rounds to a 50th of it.
-const BESIDE: f64 = 1e-5;
+/// Distance from a tip \[length]: a ray this far inside of the tip must hit. The cone is half as
+/// wide there, and single precision rounds to a 50th of this distance.
+const TIP_DISTANCE: f64 = 1e-5;
 
 /// Returns a ray from afar or nearby: through the surface's tip, beside it, along its axis, or
 /// perpendicular to it.
-fn ray(known: &Known, rng: &mut SmallRng, i: u32) -> Ray {
+fn ray(known: &KnownSurface, rng: &mut SmallRng, i: u32) -> Ray {
     let random = |rng: &mut SmallRng| Vec3::new(rng.random(), rng.random(), rng.random()) * 2.2 - 1.1;
     let target = match known.tip {
         Some((tip, _)) if i.is_multiple_of(16) => tip.as_vec3(),
-        Some((tip, inwards)) if i.is_multiple_of(8) => (tip + inwards * BESIDE).as_vec3(),
+        Some((tip, inwards)) if i.is_multiple_of(8) => (tip + inwards * TIP_DISTANCE).as_vec3(),
         // The pole of a bowl. Poles of patches have their own test.
         None if i.is_multiple_of(8) && known.name == "bowl" => Vec3::ZERO,
         _ => random(rng),
@@ -170,8 +171,8 @@ fn ray(known: &Known, rng: &mut SmallRng, i: u32) -> Ray {
     Ray::new(from, target - from)
 }
 
-/// Hits and normals against bisection of the closed forms, with rays along the axis and through
-/// poles and cusps.
+/// Hits and normals agree with bisection of the closed forms, also for rays along the axis and
+/// through poles and cusps.
 ///
 /// The solver counts a ray within 10⁻¹² of the surface's size as a touch. Rays that the reference
 /// puts within 10⁻⁹ of a touch or border may hit or miss. Otherwise the slope at a root is above
@@ -179,7 +180,7 @@ fn ray(known: &Known, rng: &mut SmallRng, i: u32) -> Ray {
 /// rounding is 6·10⁻⁸.
 #[test]
 fn degree_20_surfaces_are_hit_correctly() {
-    surfaces().par_iter().for_each(|known| {
+    known_surfaces().par_iter().for_each(|known| {
         let mut rng = SmallRng::seed_from_u64(7);
         let (mut hits, mut tips, mut doubtful) = (0, 0, 0);
         const RAYS: u32 = 6_000;
@@ -242,9 +243,12 @@ fn degree_20_surfaces_are_hit_correctly() {
     });
 }
 
-/// A sphere of two patches, each with half of all longitudes from pole to pole. A ray exactly
-/// through a pole, which is a side without length of both patches, hits one of them. Every leaf
-/// around a pole rejects such a ray the more, the steeper it is, so one case has degree 20.
+/// The test sphere consists of two patches, each with half of all longitudes from pole to pole. A
+/// pole is a side without length of both patches. A ray from inside exactly through a pole hits one
+/// of the patches.
+///
+/// Leaves around a pole reject such a ray more often the steeper they are, so one case has degree
+/// 20.
 #[test]
 fn sphere_poles_are_hit_from_inside() {
     // Half a circle as a cubic: (1 − t², 2t)/(1 + t²) for t from −1 to 1.
@@ -254,7 +258,7 @@ fn sphere_poles_are_hit_from_inside() {
         let along =
             |(r, h, w): (f64, f64, f64)| arc.map(|(x, z, v)| DVec4::new(side * r * x, h * v, side * r * z, w * v));
         let points: Vec<DVec4> = arc.iter().flat_map(|c| along(*c)).collect();
-        net(&points, 4, degrees)
+        patch_of_points(&points, 4, degrees)
     };
     let mut rng = SmallRng::seed_from_u64(8);
     // From a point that sees the pole at 60° to the axis.

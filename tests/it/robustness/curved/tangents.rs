@@ -20,7 +20,7 @@ fn turn(rng: &mut SmallRng) -> ([I64Vec3; 3], i64) {
 
 /// Rays that touch spheres exactly, and rays that miss a touch by one unit in up to 10⁷, in any
 /// direction. A non-zero discriminant is far above double-precision rounding, so its sign must be
-/// right. For a zero discriminant both answers are right, but the position must be the root's.
+/// right. For a zero discriminant, hit and miss are both right, but a hit must be at the root.
 #[test]
 fn silhouettes_match_closed_form() {
     let mut rng = SmallRng::seed_from_u64(6);
@@ -56,7 +56,7 @@ fn silhouettes_match_closed_form() {
             // |l|, times 2r and a.
             let blur = 64.0 * f64::EPSILON * (r as f64) * l.as_dvec3().length() * a as f64;
             let root = (discriminant.max(0) as f64).sqrt();
-            // From inside, the far root counts.
+            // For a ray that starts inside, the hit is at the far root.
             let near = (-(b as f64) - root) / a as f64;
             let exact = if near > 0.0 { near } else { (root - b as f64) / a as f64 };
             let allowed = exact * 6e-8 + blur.sqrt().min(blur / root) / a as f64;

@@ -9,7 +9,7 @@ fn scenes_cannot_include_scenes() {
     for word in ["Include", "include", "#include", "Scene"] {
         let text = scene(&format!("{word} \"self.txt\" Group {{ }}"));
         match parse("self.txt", &text) {
-            // A comment to the end of the line, so the file is empty.
+            // The text is a comment up to the end of the line, so the scene is empty.
             Err(error) if word == "#include" => assert!(error.to_string().contains("no Group"), "{error}"),
             Err(error) => assert!(error.text() == word && error.remedy().contains("Group"), "{error}"),
             Ok(_) => panic!("`{word}` was read"),

@@ -103,7 +103,7 @@ fn files_above_memory_limit_are_refused_unread() {
     sandbox.put_long("long.obj", "v 0 0 0\n", 9_000_000_000);
     let header = "ply\nformat binary_little_endian 1.0\nelement vertex 9000000\nproperty float x\nproperty float y\nproperty float z\n\
                   element face 1\nproperty list uchar int vertex_indices\nend_header\n";
-    // This file would be read in a moment, and then take more than a gigabyte.
+    // This file is read quickly, but its content takes more than a gigabyte.
     sandbox.put_long("wide.ply", header, 108_000_000 + 13 + header.len() as u64);
     sandbox.put_long("long.ply", header, 9_000_000_000);
     let header = "caustica-grid 1\nsize 1024 1024 1024\ntype f32\n\n";
@@ -150,9 +150,8 @@ fn files_above_memory_limit_are_refused_unread() {
     sandbox.refused(&["study", "bomb.txt", "--effects", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
     sandbox.refused(&["mesh", "long.obj", "--memory", "1G"], 2, &["long.obj", "--memory"]);
     sandbox.refused(&["mesh", "wide.ply", "--memory", "1G"], 2, &["wide.ply", "--memory"]);
-    // Images and photons, and invalid amounts.
-    // Light goes back and forth between two planes: a path leaves about one photon that was
-    // scattered before.
+    // Large images, many photons, and invalid amounts of memory. Light goes back and forth between
+    // two planes. Each path stores about one photon that was scattered before.
     let planes = "Plane { normal 0 1 0 offset -1 } Plane { normal 0 -1 0 offset -4 }";
     let plain_scene =
         format!("Materials {{ Diffuse {{ reflectance .5 .5 .5 }} }} Group {{ MaterialIndex 0 {planes} }}");
@@ -174,8 +173,8 @@ fn files_above_memory_limit_are_refused_unread() {
     }
 }
 
-/// Memory for an estimate's photons is allocated by the photons that exist. A single photon, which
-/// bounds its own disc, makes no estimate.
+/// Memory for the photons of an estimate grows with the number of existing photons, not with the
+/// requested number. A single photon only sets the radius of its disc, so it gives no estimate.
 #[test]
 fn gather_count_is_capped_by_photon_count() {
     let sandbox = InputSandbox::new();

@@ -34,7 +34,7 @@ fn ply(encoding: &str) -> Vec<u8> {
     file
 }
 
-/// Files that state their length are refused at every cut.
+/// Files that state their length are refused if they are cut at any position.
 #[test]
 fn truncated_sized_files_are_refused() {
     for encoding in PLY {
@@ -66,7 +66,8 @@ fn truncated_scenes_are_refused() {
     }
 }
 
-/// Lists of lines have no stated length. The rest is read, or refused with its line.
+/// Files of lines state no length. A truncated file is read, or refused with the number of the
+/// broken line.
 #[test]
 fn truncated_line_lists_are_read_to_their_end() {
     let obj = fs::read(project_path("tests/scenes/coarse-ball.obj")).unwrap();
@@ -89,7 +90,7 @@ fn truncated_line_lists_are_read_to_their_end() {
     }
 }
 
-/// Images may lack what follows the last pixel, and nothing else.
+/// An image is read without the bytes after its last pixel; any shorter file is refused.
 #[test]
 fn truncated_images_are_refused() {
     let pixels: Vec<Vec3> = (0..63).map(|i| Vec3::new(i as f32 / 63.0, 0.5, (i * i % 7) as f32 / 7.0)).collect();

@@ -31,7 +31,7 @@ fn assert_within_limit(peaks: &[Option<u64>]) {
     let fit = peaks.iter().take_while(|peak| peak.is_some()).count();
     assert!(fit > 0 && fit < peaks.len() && peaks[fit..].iter().all(Option::is_none), "{peaks:?}");
     assert!(peaks.iter().flatten().all(|peak| *peak <= LIMIT), "{peaks:?}");
-    // A limit that refuses what takes a third of it would be useless.
+    // The limit must not refuse inputs that take a third of it.
     assert!(peaks[fit - 1].is_some_and(|peak| peak > LIMIT / 3), "{peaks:?}");
 }
 
@@ -131,8 +131,8 @@ fn accepted_patches_stay_within_memory_limit() {
 fn accepted_textures_and_environments_stay_within_memory_limit() {
     let sandbox = InputSandbox::new();
     let noise = |i: u32| glam::Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32 / 16_777_216.0);
-    // The file itself is in memory while it is read, and noise does not compress. The refused ones
-    // are refused for their size alone.
+    // The file itself is in memory while it is read, and noise does not compress. Refused files are
+    // refused because of their size alone.
     for (format, fits) in [(caustica::image::OutputFormat::Png, 1290), (caustica::image::OutputFormat::Exr, 1100)] {
         let files = [(fits, 1.0), (1400_u32, 0.0)].map(|(n, strength)| {
             let pixels = (0..n * n).map(|i| noise(i) * strength).collect();

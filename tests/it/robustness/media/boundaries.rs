@@ -39,7 +39,7 @@ fn half_thickness(i: u32) -> f64 {
 /// Returns the absorption coefficient in body `i`; crossing all bodies `turns` times has depth
 /// [`DEPTH`].
 ///
-/// Neighbours differ, so that confusing two bodies is detected.
+/// Neighbouring bodies differ, so that the test finds a confusion of two bodies.
 fn absorption_of_body(i: u32, turns: u32) -> f64 {
     let uneven = |i: u32| 1.0 + f64::from(i % 7);
     let thickness = |i: u32| 2.0 * (half_thickness(i) - if i + 1 < NEST { half_thickness(i + 1) } else { 0.0 });
@@ -47,7 +47,7 @@ fn absorption_of_body(i: u32, turns: u32) -> f64 {
     uneven(i) / total * DEPTH / f64::from(turns)
 }
 
-/// How the bodies absorb.
+/// Part of a body that absorbs light.
 #[derive(Clone, Copy, Debug)]
 enum Filled {
     /// By media inside them.
@@ -86,9 +86,9 @@ fn settings(max_bounces: u32) -> Settings {
     Settings { camera_paths, balance: false, ..Settings::default() }
 }
 
-/// Back and forth between two mirrors, the farther of which emits radiance 1: Σ exp(−(2k + 1)τ)
-/// over 2,500 hits, with τ the depth of a crossing. The sum adds one rounding of 2⁻²⁴ of itself per
-/// term.
+/// A camera ray between two mirrors hits the far one 2,500 times. That mirror emits radiance 1, so
+/// the sum is Σ exp(−(2k + 1)τ), with the optical depth τ of a crossing. Each term adds a rounding
+/// of 2⁻²⁴ of the sum.
 #[test]
 fn camera_ray_obeys_beer_over_million_boundaries() {
     let tau = DEPTH / f64::from(TURNS);
@@ -111,8 +111,8 @@ fn camera_ray_obeys_beer_over_million_boundaries() {
     assert!(off.iter().all(|off| *off < slack), "media, bodies: {off:?}, may be {slack}");
 }
 
-/// Photons of a spotlight between the two mirrors. Its half angle of 10⁻³ lengthens their path by
-/// less than 10⁻⁶. Compared is the flux after the last bounce.
+/// Photons of a spotlight between the two mirrors lose flux by Beer's law. The half angle of 10⁻³
+/// lengthens their paths by less than 10⁻⁶. The test compares the flux after the last bounce.
 #[test]
 fn photons_obey_beer_over_million_boundaries() {
     let off = [Filled::Media, Filled::Bodies].map(|filled| {

@@ -12,9 +12,9 @@ Materials { Clear air { medium fog } }
 Group { MaterialName air Sphere { center 0 0 0 radius 1 } }
 ";
 
-/// A negative or non-finite cell is refused with its index, wherever it stands in the grid. A field
-/// built in code names the cell; a scene that names the file points at the file name and says what
-/// to do.
+/// A negative or non-finite cell is refused with its index, wherever it stands in the grid. For a
+/// grid built in code, the error names the cell. For a grid file, the error also points at the file
+/// name in the scene and names a remedy.
 #[test]
 fn invalid_density_cells_are_refused_with_index() {
     let folder = tempfile::tempdir().unwrap();

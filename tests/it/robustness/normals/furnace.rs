@@ -1,4 +1,4 @@
-//! Energy: in surroundings of radiance 1 nothing shaded is brighter than 1.
+//! Energy: in surroundings of radiance 1, no shaded surface is brighter than 1.
 
 use crate::support::{mean_and_error, render_passes, scene_from_text, student_t_tail};
 use caustica::color::Rgb;

@@ -71,15 +71,16 @@ fn coarse_ball_is_dark_inside() {
             let source = PhotonSource::emitting_in_all_directions(&inside).unwrap();
             let pass = PhotonPass { scene: &inside, source: &source, mask: StoreMask::ALL, max_bounces: 20 };
             let traced = pass.trace(test_key(70), 1 << 14, &|_| {});
-            // A photon stores the side it landed on. Outwards is away from the ball's center.
+            // A photon stores the side of the surface on which it landed. Here the outer side faces
+            // away from the ball's center.
             let outwards = |p: &Photon| p.data.normal().dot(p.position + inside.origin().as_vec3()) > 0.0;
             assert!(traced.deposits.photons.iter().all(outwards), "{kind}: photons inside");
         }
     }
 }
 
-/// Behind a wall whose bump map would tilt normals below the horizon everything is black too.
-/// Normals never tilt that far.
+/// Behind a wall with a bump map that would tilt normals below the horizon, everything is black
+/// too. Normals never tilt that far.
 #[test]
 fn bumps_below_horizon_leak_no_light() {
     for relief in ["bump lumps  bumpHeight 1000", "bump lumps  bumpHeight -1e9", "normalMap down", "normalMap aside"] {

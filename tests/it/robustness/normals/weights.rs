@@ -14,7 +14,7 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Largest weight that counts in sums, so that they have a variance. The effect on a mean is
 /// bounded beside each test.
-const MOST: f64 = 100.0;
+const MAX_WEIGHT: f64 = 100.0;
 
 /// Two-sided quantile of the normal distribution for a false-alarm rate of 10⁻⁶.
 const Z: f64 = 4.9;
@@ -31,11 +31,11 @@ fn tilted_normal(degrees: f32) -> Vec3 {
     Vec3::new(0.6 * sin, 0.8 * sin, cos)
 }
 
-/// Returns the mean of values up to [`MOST`], and [`Z`] standard errors of it.
-fn mean(values: impl ParallelIterator<Item = f64>) -> (f64, f64) {
+/// Returns the mean of values up to [`MAX_WEIGHT`], and [`Z`] standard errors of it.
+fn clamped_mean(values: impl ParallelIterator<Item = f64>) -> (f64, f64) {
     let zero = || (0.0, 0.0);
     let add = |(s, q): (f64, f64), (t, r): (f64, f64)| (s + t, q + r);
-    let (sum, squares) = values.map(|x| (x.min(MOST), x.min(MOST) * x.min(MOST))).reduce(zero, add);
+    let (sum, squares) = values.map(|x| (x.min(MAX_WEIGHT), x.min(MAX_WEIGHT) * x.min(MAX_WEIGHT))).reduce(zero, add);
     let (mean, square) = (sum / N as f64, squares / N as f64);
     (mean, Z * ((square - mean * mean).max(0.0) / N as f64).sqrt())
 }
@@ -54,8 +54,8 @@ fn photon_weights_conserve_flux_with_bounded_tail() {
         let (c, s) = (f64::from(ns.z), f64::from((1.0 - ns.z * ns.z).sqrt()));
         let factor =
             |i: u64| f64::from(photon_deposit_factor(arrival_direction(test_key(60).child_key(i)), ns, Vec3::Z));
-        let (kept, error) = mean((0..N).into_par_iter().map(factor));
-        let cut = s * s / (MOST - c);
+        let (kept, error) = clamped_mean((0..N).into_par_iter().map(factor));
+        let cut = s * s / (MAX_WEIGHT - c);
         assert!(kept <= 1.0 + error && kept >= 1.0 - cut - error, "{degrees}°: {kept} ± {error}");
         for x in [1.5, 3.0, 10.0, 30.0] {
             let beyond_slope = |a: f64| 0.5 * (1.0 - a / (1.0 + a * a).sqrt());
@@ -68,11 +68,11 @@ fn photon_weights_conserve_flux_with_bounded_tail() {
     }
 }
 
-/// A diffuse surface of albedo 1: arriving and leaving directions each have the mean (1 + c)/2 of
-/// the directions on which normals agree.
+/// A diffuse surface of albedo 1 scatters only between directions on which both normals agree: a
+/// fraction (1 + c)/2 of arriving and of leaving directions.
 ///
-/// Both factors are max(c + s·slope, 0) of independent slopes. The products up to [`MOST`] have the
-/// mean E[a G(MOST/a)]. G(z), the integral of P(b > x) up to z, is ½(z + 1 − √(s² + (z − c)²)).
+/// Both factors are max(c + s·slope, 0) of independent slopes. The products up to [`MAX_WEIGHT`] have the
+/// mean E[a G(MAX_WEIGHT/a)]. G(z), the integral of P(b > x) up to z, is ½(z + 1 − √(s² + (z − c)²)).
 /// With slope = tanφ this is an integral of ½ cosφ dφ. Factors round some ten times in single
 /// precision.
 #[test]
@@ -83,14 +83,14 @@ fn diffuse_scatters_where_both_normals_agree() {
         let up_to = |z: f64| 0.5 * (1.0 + (2.0 * c * z - 1.0) / (z + (s * s + (z - c) * (z - c)).sqrt()));
         let part = |phi: f64| {
             let flux = 0.5 * (c * libm::cos(phi) + s * libm::sin(phi));
-            flux * up_to(MOST * libm::cos(phi) * 0.5 / flux)
+            flux * up_to(MAX_WEIGHT * libm::cos(phi) * 0.5 / flux)
         };
         // Second derivatives are a few hundred at most, where samples cross the bound: an error of
         // 10⁻⁷.
         let expected = midpoint_integral(-libm::atan(c / s), FRAC_PI_2, 20_000, part);
         // Light from beyond the shading horizon hits the normal from behind, and the normal is
         // flipped: (1 − c)/2 of each.
-        let (agreeing, error) = mean((0..N).into_par_iter().map(|i| {
+        let (agreeing, error) = clamped_mean((0..N).into_par_iter().map(|i| {
             let wo = arrival_direction(test_key(61).child_key(i));
             if wo.dot(ns) > 0.0 {
                 remaining_photon_weight(&Bsdf::Diffuse(Vec3::ONE), wo, ns, i, TransportMode::Importance)
@@ -115,7 +115,7 @@ fn remaining_photon_weight(bsdf: &Bsdf, wo: Vec3, ns: Vec3, i: u64, transport: T
     })
 }
 
-fn lossless() -> Vec<(Bsdf, bool)> {
+fn lossless_bsdfs() -> Vec<(Bsdf, bool)> {
     let metal = |alpha| Bsdf::Conductor(Conductor::new(Vec3::ZERO, Vec3::splat(2.0), alpha));
     vec![
         (Bsdf::Diffuse(Vec3::ONE), false),
@@ -139,7 +139,7 @@ fn lossless() -> Vec<(Bsdf, bool)> {
 /// is T(1 − c)/2n² more. Directions that ns would send into the surface leave by ng. They are the
 /// (1 − c)/2 on which normals disagree outside, seen from inside, where their cosine to ns is above
 /// √(1 − n⁻²).
-fn out_of_glass(c: f64) -> f64 {
+fn max_weight_out_of_glass(c: f64) -> f64 {
     let n2 = 1.5 * 1.5;
     1.0 + 0.5 * (1.0 - c) / n2 * (1.0 + 1.0 / (1.0 - 1.0 / n2).sqrt())
 }
@@ -153,7 +153,7 @@ fn out_of_glass(c: f64) -> f64 {
 /// mean beyond 100 is below 1/50.
 #[test]
 fn no_surface_reflects_more_than_it_receives() {
-    for (bsdf, keeps) in lossless() {
+    for (bsdf, keeps) in lossless_bsdfs() {
         for degrees in [5.0, 37.0, 70.0, 87.0] {
             let ns = tilted_normal(degrees);
             for ns in [ns, -ns] {
@@ -163,9 +163,12 @@ fn no_surface_reflects_more_than_it_receives() {
                 let values = (0..N)
                     .into_par_iter()
                     .map(|i| remaining_photon_weight(&bsdf, from(i), ns * turn, i, TransportMode::Importance));
-                let (kept, error) = mean(values);
-                let most =
-                    if bsdf.transmits() && !keeps && turn < 0.0 { out_of_glass(f64::from(ns.z.abs())) } else { 1.0 };
+                let (kept, error) = clamped_mean(values);
+                let most = if bsdf.transmits() && !keeps && turn < 0.0 {
+                    max_weight_out_of_glass(f64::from(ns.z.abs()))
+                } else {
+                    1.0
+                };
                 assert!(kept <= most + error + 1e-6, "{bsdf:?} at {degrees}°: {kept} ± {error}");
                 assert!(!keeps || kept >= 1.0 - 0.02 - error, "{bsdf:?} at {degrees}°: {kept} ± {error}");
             }
@@ -173,9 +176,9 @@ fn no_surface_reflects_more_than_it_receives() {
     }
 }
 
-/// Photons of a sky on a ball of twenty flat faces with smooth shading normals. Their factor has
-/// the mean 1, since flux is conserved whatever the normals. So the stored flux is the arriving
-/// flux, πL times the area. No normal is more than 37.4° off its face.
+/// A sky sends photons to a ball of twenty flat faces with smooth shading normals. Their weight has
+/// the mean 1, because any shading normals conserve flux. So the stored flux is the arriving flux,
+/// πL times the area. No shading normal is more than 37.4° off its face normal.
 #[test]
 fn coarse_ball_flux_matches_its_faces() {
     const L: f64 = 2.0;
@@ -198,11 +201,11 @@ fn coarse_ball_flux_matches_its_faces() {
         .map(|t| {
             let each = t.audit.emitted[0] / t.paths as f64;
             let flux = |p: &caustica::photon::Photon| f64::from(p.data.flux().x);
-            t.deposits.photons.iter().map(|p| flux(p).min(MOST * each)).sum()
+            t.deposits.photons.iter().map(|p| flux(p).min(MAX_WEIGHT * each)).sum()
         })
         .collect();
     // A photon's hue rounds by 10⁻⁵, and the cut-off removes s²/99 at most.
-    let slack = expected * (s2 / (MOST - 1.0) + 3e-5);
+    let slack = expected * (s2 / (MAX_WEIGHT - 1.0) + 3e-5);
     crate::support::assert_mean("flux on a coarse ball", &samples, expected, slack, 0.01);
     // Compares the number of photons whose factor exceeds x.
     let landed: usize = traced.iter().map(|t| t.deposits.photons.len()).sum();
@@ -224,7 +227,7 @@ fn grazing_factors_are_finite() {
         let z = libm::powf(10.0, -(exponent as f32));
         let wo = DVec3::new(1.0, 0.0, f64::from(z)).normalize().as_vec3();
         assert!(photon_deposit_factor(wo, ns, Vec3::Z).is_finite() || z < 1e-37, "{z:e}");
-        for (bsdf, _) in lossless() {
+        for (bsdf, _) in lossless_bsdfs() {
             for i in 0..64 {
                 for n in [ns, -ns + 2.0 * ns.z * Vec3::Z] {
                     // A photon of 1 W must have a finite weight where directions round to 2⁻²⁴.

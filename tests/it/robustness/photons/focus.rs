@@ -1,6 +1,6 @@
 //! All photons at one point: the focus of a parabolic mirror.
 
-use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings};
+use super::{HUE, WITH_PHOTONS, assert_finite, flat_camera, rendered, settings};
 use crate::support::{mean_and_error, render_one_pass};
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
@@ -47,8 +47,8 @@ fn flux() -> f64 {
     IRRADIANCE * REFLECTANCE * PI * (1.0 - TARGET * TARGET)
 }
 
-/// A million photons each land within 10⁻⁵ of the focus. That is a few roundings of directions and
-/// of positions near 1, over distances of 2. Their flux is area × irradiance × reflectance.
+/// Each of a million photons lands within 10⁻⁵ of the focus: a few roundings of directions and of
+/// positions near 1, over distances of 2. Their flux is area × irradiance × reflectance.
 #[test]
 fn photons_converge_at_focus() {
     let scene = parabola(PIXELS);
@@ -85,7 +85,7 @@ fn photons_converge_at_focus() {
 fn image_of_focus_shows_all_flux() {
     let scene = parabola(PIXELS);
     for algorithm in WITH_PHOTONS {
-        finite(algorithm.name(), &rendered(&scene, algorithm, settings(5_000, 4), 4));
+        assert_finite(algorithm.name(), &rendered(&scene, algorithm, settings(5_000, 4), 4));
     }
     let pilot = Algorithm::Sppm.prepare(&scene, settings(20_000, 256)).gather_radii().unwrap().caustic;
     for (name, radius, k, pixels, samples) in

@@ -1,6 +1,6 @@
 //! Lights of zero power, lights inside walls, and scenes that are black.
 
-use super::{WITH_PHOTONS, finite, flat_camera, rendered, settings, sheet};
+use super::{WITH_PHOTONS, assert_finite, flat_camera, rectangle_around, rendered, settings};
 use crate::support::{mean_and_error, render_one_pass, render_passes};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
@@ -22,7 +22,7 @@ fn scene_lit_by(powers: &[Option<f32>]) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(Rgb::splat(0.6)));
     let glass = b.add_material(Material::dielectric(1.5, Rgb::ZERO));
-    b.add_shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
+    b.add_shape(rectangle_around(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(-0.6, 0.5, 0.0), 0.5)), white, Rgb::ZERO);
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.6, 0.5, 0.0), 0.5)), glass, Rgb::ZERO);
     for (i, power) in powers.iter().enumerate() {
@@ -35,8 +35,8 @@ fn scene_lit_by(powers: &[Option<f32>]) -> Scene {
     b.build(camera.unwrap()).unwrap()
 }
 
-/// Lights of zero power among others, first, last and between, change no bit of the image. Alone
-/// they leave it black.
+/// Lights of zero power before, between or after other lights change no bit of the image. A scene
+/// with only such lights is black.
 #[test]
 fn zero_power_lights_change_nothing() {
     let (dark, lit) = (Some(0.0), Some(50.0));
@@ -51,7 +51,7 @@ fn zero_power_lights_change_nothing() {
         for powers in [&[dark][..], &[dark; 7], &[]] {
             let scene = scene_lit_by(powers);
             let out = rendered(&scene, *algorithm, settings(), 4);
-            finite(algorithm.name(), &out);
+            assert_finite(algorithm.name(), &out);
             assert!(out.film.pixel_means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
             assert_eq!(out.unaimed.emitted + out.aimed.emitted, 0);
         }
@@ -72,8 +72,8 @@ fn point_in_the_floor(turn: DQuat, at: DVec3) -> Scene {
     let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
     let black = b.add_material(Material::black());
     let (x, y, z) = (turn * DVec3::X, turn * DVec3::Y, turn * DVec3::Z);
-    b.add_shape(sheet(at, z * 2.0, x * 2.0), black, Rgb::ZERO);
-    b.add_shape(sheet(at + y, x * 2.0, z * 2.0), white, Rgb::ZERO);
+    b.add_shape(rectangle_around(at, z * 2.0, x * 2.0), black, Rgb::ZERO);
+    b.add_shape(rectangle_around(at + y, x * 2.0, z * 2.0), white, Rgb::ZERO);
     b.add_delta_light(DeltaLightKind::Point { position: at }, LightStrength::Power(Rgb::ONE));
     let camera = Camera::orthographic(at + 0.5 * y, y, z, 2.0, 16, 16).unwrap();
     b.build(camera).unwrap()
@@ -105,21 +105,22 @@ fn lamp_in_the_ceiling(turn: DQuat, first: bool) -> Scene {
     let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
     let black = b.add_material(Material::black());
     let (x, y, z) = (turn * DVec3::X, turn * DVec3::Y, turn * DVec3::Z);
-    let lamp = sheet(y, x * 0.5, z * 0.5);
+    let lamp = rectangle_around(y, x * 0.5, z * 0.5);
     if first {
         b.add_shape(lamp.clone(), black, Rgb::ONE);
     }
-    b.add_shape(sheet(y, x * 4.0, z * 4.0), black, Rgb::ZERO);
+    b.add_shape(rectangle_around(y, x * 4.0, z * 4.0), black, Rgb::ZERO);
     if !first {
         b.add_shape(lamp, black, Rgb::ONE);
     }
-    b.add_shape(sheet(DVec3::ZERO, z * 4.0, x * 4.0), white, Rgb::ZERO);
+    b.add_shape(rectangle_around(DVec3::ZERO, z * 4.0, x * 4.0), white, Rgb::ZERO);
     b.build(Camera::orthographic(0.5 * y, -y, z, 0.5, 4, 4).unwrap()).unwrap()
 }
 
-/// Whichever of the two comes first in the description, all integrators find the light: light
-/// sampling and BSDF sampling share it. The midpoint rule with 40 steps is off by 40⁻²/24 of the
-/// second derivative, below 10⁻⁴. t with 15 degrees of freedom exceeds 7 once in 10⁵ times.
+/// All integrators find the light of an area light in the plane of a ceiling, in any order of the
+/// two in the description. Light sampling and BSDF sampling share it. The midpoint rule with 40
+/// steps is off by 40⁻²/24 of the second derivative, below 10⁻⁴. t with 15 degrees of freedom
+/// exceeds 7 once in 10⁵ times.
 #[test]
 fn area_light_in_ceiling_plane_loses_no_light() {
     // Mean over the patch of 0.5 × 0.5 of ρ/π L ∫ dA/(d²)² with h = 1.
@@ -158,16 +159,16 @@ fn blocked_lights_emit_no_photons() {
     let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
     let black = b.add_material(Material::black());
     let glass = b.add_material(Material::dielectric(1.5, Rgb::ZERO));
-    b.add_shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
+    b.add_shape(rectangle_around(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(1.0, 1.0, 0.0), 0.3)), glass, Rgb::ZERO);
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.1)), black, Rgb::ZERO);
     b.add_delta_light(DeltaLightKind::Point { position: DVec3::Y }, LightStrength::Power(Rgb::ONE));
-    b.add_shape(sheet(DVec3::Y * 2.0, DVec3::X, DVec3::Z), black, Rgb::ZERO);
-    b.add_shape(sheet(DVec3::Y * 1.999_99, DVec3::Z * 0.1, DVec3::X * 0.1), black, Rgb::ONE);
+    b.add_shape(rectangle_around(DVec3::Y * 2.0, DVec3::X, DVec3::Z), black, Rgb::ZERO);
+    b.add_shape(rectangle_around(DVec3::Y * 1.999_99, DVec3::Z * 0.1, DVec3::X * 0.1), black, Rgb::ONE);
     let scene = b.build(flat_camera(DVec3::new(0.0, 3.0, 0.0), -DVec3::Y, 4.0, 8)).unwrap();
     for algorithm in WITH_PHOTONS {
         let out = rendered(&scene, algorithm, settings(20_000, 4), 4);
-        finite(algorithm.name(), &out);
+        assert_finite(algorithm.name(), &out);
         assert!(out.film.pixel_means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
         assert_eq!(out.unaimed.stored + out.aimed.stored, 0);
         for report in [out.unaimed, out.aimed].iter().filter(|r| r.emitted > 0) {
@@ -193,8 +194,8 @@ fn run_messages(lights_and_things: &str, more: &[&str]) -> String {
     words
 }
 
-/// For each cause of a black image the program ends, writes the image, and says that it is black
-/// and why.
+/// For each cause of a black image, the program ends, writes the image, and names the cause in a
+/// message.
 #[test]
 fn black_scenes_terminate_with_report() {
     let ball = "Group { Sphere { center 0 0 0 radius 1 } }\n";

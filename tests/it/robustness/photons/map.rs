@@ -23,8 +23,8 @@ fn estimate(map: &PhotonMap, p: Vec3, radius: f32, k: u32, kernel: Kernel) -> f6
     f64::from(nested.whole.radiance.y)
 }
 
-/// Photons on a wall, estimated from a point in the wall: all count on their side and none on the
-/// other, for any number and for the nearest k. None counts for a perpendicular wall.
+/// In an estimate at a point of a wall, all photons count on their side and none on the other side,
+/// for any number of photons and for the nearest k. No photon counts for a perpendicular wall.
 #[test]
 fn photons_count_on_their_side_only() {
     let map = PhotonMap::build((0..10_000).map(|i| photon(random(i) * Vec3::new(1.0, 1.0, 0.0), 1.0)).collect());

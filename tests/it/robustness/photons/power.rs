@@ -1,6 +1,6 @@
 //! Light powers at the limits of single precision.
 
-use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings, sheet};
+use super::{HUE, WITH_PHOTONS, assert_finite, flat_camera, rectangle_around, rendered, settings};
 use crate::support::{mean_and_error, render_one_pass, test_key};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
@@ -26,11 +26,11 @@ fn room(scale: f32, fog: bool) -> Scene {
     for (center, e0, e1) in
         [(-DVec3::Y, z, x), (DVec3::Y, x, z), (-DVec3::Z, x, y), (-DVec3::X, y, z), (DVec3::X, z, y)]
     {
-        b.add_shape(sheet(center, e0, e1), white, Rgb::ZERO);
+        b.add_shape(rectangle_around(center, e0, e1), white, Rgb::ZERO);
     }
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.4, -0.6, 0.1), 0.4)), glass, Rgb::ZERO);
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(-0.5, -0.7, -0.3), 0.3)), mirror, Rgb::ZERO);
-    b.add_shape(sheet(DVec3::Y * 0.99, x * 0.2, z * 0.2), white, Rgb::new(0.5, 0.4, 0.3) * scale);
+    b.add_shape(rectangle_around(DVec3::Y * 0.99, x * 0.2, z * 0.2), white, Rgb::new(0.5, 0.4, 0.3) * scale);
     let power = LightStrength::Power(Rgb::new(0.3, 0.2, 0.1) * scale);
     b.add_delta_light(DeltaLightKind::Point { position: DVec3::new(-0.5, 0.5, 0.3) }, power);
     let spot = DeltaLightKind::Spot { position: DVec3::new(0.5, 0.8, 0.5), axis: -DVec3::Y, inner: 0.3, outer: 0.5 };
@@ -58,10 +58,10 @@ fn sums(rendered: &RenderResult) -> Vec<DVec3> {
     rendered.film.pixel_means().map(|mean| mean * passes).collect()
 }
 
-/// At 2⁹³ W, about 10²⁸, images and error maps are those of 1 W times that factor, bit for bit, and
-/// relative error estimates are equal: sums of the film have bins of 31 bits, which move by whole
-/// bins. At 2¹⁰⁰ W they round differently, by 2⁻³¹ of the largest square in a pixel. Variances are
-/// above a thousandth of it, so error maps differ by less than 2⁻²⁰ of themselves.
+/// At 2⁹³ W, about 10²⁸ W, images and error maps have the bits of those at 1 W times that factor.
+/// Relative error estimates are equal too: sums of the film have bins of 31 bits, which move by
+/// whole bins. At 2¹⁰⁰ W they round differently, by 2⁻³¹ of the largest square in a pixel.
+/// Variances are above a thousandth of it, so error maps differ by less than 2⁻²⁰ of themselves.
 ///
 /// At 2⁻¹⁰⁰ W, less than 10⁻³⁰, numbers below 2⁻¹²⁶ lose digits, but none loses more than 2⁻¹⁵⁰. An
 /// estimate adds fewer than 2¹⁴ products of two such with a kernel of at most 2/(π r²), where r is
@@ -76,13 +76,13 @@ fn powers_at_float_limits_render_finitely() {
         let settings = Settings { balance: !fog, ..settings(4096, 2) };
         let render = |scale: f32| rendered(&room(scale, *fog), *algorithm, settings.clone(), 4);
         let one = render(1.0);
-        finite("1 W", &one);
+        assert_finite("1 W", &one);
         let ((estimate, maps), pixels) = (estimates(&one), sums(&one));
         for exponent in [93, 100, -100] {
             let scale = libm::ldexp(1.0, exponent);
             let what = format!("{}, 2^{exponent} W, fog: {fog}", algorithm.name());
             let other = render(scale as f32);
-            finite(&what, &other);
+            assert_finite(&what, &other);
             let (other_estimate, other_maps) = estimates(&other);
             let off = |a: DVec3, b: DVec3| (a - b / scale).abs().max_element();
             let off = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| off(*a, *b)).fold(0.0, f64::max);
@@ -100,7 +100,8 @@ fn powers_at_float_limits_render_finitely() {
                 assert!(pixels == 0.0 && noise < most_noise && bias <= most_bias, "{what}: {pixels} {noise} {bias}");
                 assert!(ratio.abs() < libm::ldexp(1.0, -20), "{what}: {ratio}");
             } else {
-                // Sums of four passes. A standard error is off by no more than a pass.
+                // Sums of four passes. The error of a standard error is at most the error of a
+                // pass.
                 let most = libm::ldexp(1.0, -22);
                 assert!(pixels < 4.0 * most && noise < most && bias < 40.0 * most, "{what}: {pixels} {noise} {bias}");
                 assert!(ratio.abs() < 20.0 * libm::ldexp(1.0, -17), "{what}: {ratio}");
@@ -109,18 +110,18 @@ fn powers_at_float_limits_render_finitely() {
     });
 }
 
-/// The center of a floor is lit by a point light of 10⁻³⁰, 1 and 10³⁰ W at height 1, through an
-/// index-matched pane. It shows ρ/π times the mean of I/(1 + x²)^{3/2} over a square .2 wide: 1 −
-/// 3/2·.2²/6 up to 10⁻⁴, blurred by (r²/12)·6 at r = .05. Sixteen passes: t with 15 degrees of
-/// freedom exceeds 7 once in 10⁵ times.
+/// The center of a floor, lit by a point light of 10⁻³⁰, 1 or 10³⁰ W at height 1 through an
+/// index-matched pane, has the radiance of the closed form. The radiance is ρ/π times the mean of
+/// I/(1 + x²)^{3/2} over a square .2 wide: 1 − 3/2·.2²/6 up to 10⁻⁴, blurred by (r²/12)·6 at r =
+/// .05. Sixteen passes: t with 15 degrees of freedom exceeds 7 once in 10⁵ times.
 #[test]
 fn point_light_flux_matches_closed_form() {
     for power in [1e-30, 1.0, 1e30] {
         let mut b = SceneBuilder::new();
         let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
         let pane = b.add_material(Material::thin_dielectric(1.0, Rgb::ONE));
-        b.add_shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
-        b.add_shape(sheet(DVec3::Y * 0.5, DVec3::Z * 40.0, DVec3::X * 40.0), pane, Rgb::ZERO);
+        b.add_shape(rectangle_around(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
+        b.add_shape(rectangle_around(DVec3::Y * 0.5, DVec3::Z * 40.0, DVec3::X * 40.0), pane, Rgb::ZERO);
         let point = DeltaLightKind::Point { position: DVec3::Y };
         b.add_delta_light(point, LightStrength::Power(Rgb::splat(power as f32)));
         let scene = b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.2, 8)).unwrap();

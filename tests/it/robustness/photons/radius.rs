@@ -1,6 +1,6 @@
 //! Radii after very long renders, and radii below the rounding of positions.
 
-use super::{HUE, finite, flat_camera, rendered, settings, sheet};
+use super::{HUE, assert_finite, flat_camera, rectangle_around, rendered, settings};
 use caustica::color::Rgb;
 use caustica::integrate::{ALPHA, Algorithm, Settings, SilentMonitor, squared_radius_ratio};
 use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers};
@@ -27,8 +27,8 @@ fn behind_a_pane() -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
     let pane = b.add_material(Material::thin_dielectric(1.0, Rgb::ONE));
-    b.add_shape(sheet(DVec3::ZERO, DVec3::Z, DVec3::X), white, Rgb::ZERO);
-    b.add_shape(sheet(DVec3::Y * 0.5, DVec3::Z, DVec3::X), pane, Rgb::ZERO);
+    b.add_shape(rectangle_around(DVec3::ZERO, DVec3::Z, DVec3::X), white, Rgb::ZERO);
+    b.add_shape(rectangle_around(DVec3::Y * 0.5, DVec3::Z, DVec3::X), pane, Rgb::ZERO);
     b.add_delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(Rgb::ONE));
     b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.5, 4)).unwrap()
 }
@@ -38,8 +38,8 @@ fn behind_a_pane() -> Scene {
 /// photons on the floor the relative error is below √(c/(n/4)), c = 4/3; five sigma of 50,000 are
 /// .052.
 ///
-/// Once the radius is below the rounding of positions, discs no longer follow it. They are as wide
-/// as that rounding and hold so few photons that an image says nothing of their mean.
+/// Once the radius is below the rounding of positions, discs no longer shrink. They hold so few
+/// photons that an image cannot test their mean.
 #[test]
 fn discs_after_million_passes_hold_photons() {
     let scene = behind_a_pane();
@@ -52,7 +52,8 @@ fn discs_after_million_passes_hold_photons() {
         for pixel in &pass.nested {
             let found = f64::from(pixel.caustic.unwrap().radius);
             if law {
-                // The radius, its root and the mean of a thousand equal ones in single precision.
+                // Rounding of the radius, of its root, and of the mean of a thousand equal radii in
+                // single precision.
                 assert!((found / expected - 1.0).abs() < 1002.0 * f64::from(f32::EPSILON), "{found} {expected}");
             } else {
                 // The floor is within .9 of the scene's center.
@@ -70,10 +71,10 @@ fn discs_after_million_passes_hold_photons() {
     }
 }
 
-/// Photons crowd at a position far from the origin on a tilted plane, as close as floats allow. At
-/// any radius the estimate is finite, and no photon is lost because rounding moved it off the
-/// plane. The disc has 10⁻⁵ of the distance R from the origin. Distances are off by γ(3)R per
-/// rotated position in each of three coordinates: 2·3·2⁻²⁴·√3 R = 6.2·10⁻⁷ R, .062 of a disc.
+/// Photons lie around a position far from the origin on a tilted plane, as close together as floats
+/// allow. At any radius the estimate is finite, and rounding that moves photons off the plane loses
+/// none. The disc's radius is 10⁻⁵ of the distance R from the origin. Distances are off by γ(3)R
+/// per rotated position in each of three coordinates: 2·3·2⁻²⁴·√3 R = 6.2·10⁻⁷ R, .062 of a disc.
 /// Epanechnikov's kernel changes by at most the square of that.
 #[test]
 fn disc_radius_never_falls_below_position_rounding() {
@@ -104,11 +105,11 @@ fn disc_radius_never_falls_below_position_rounding() {
     }
 }
 
-/// A full render with the smallest radius that a user can set.
+/// A full render is finite with the smallest radius that a user can set.
 #[test]
 fn renders_with_tiny_radius_are_finite() {
     for radius in [1e-30f32, 1e-12, 1e-6] {
         let settings = Settings { radius: Some(radius), ..settings(20_000, 4) };
-        finite("narrow", &rendered(&behind_a_pane(), Algorithm::Sppm, settings, 4));
+        assert_finite("narrow", &rendered(&behind_a_pane(), Algorithm::Sppm, settings, 4));
     }
 }

@@ -22,19 +22,19 @@ fn spot(inner: f64, outer: f64, strength: LightStrength) -> Light {
 }
 
 /// Returns 1 − cos x to full precision.
-fn drop(x: f64) -> f64 {
+fn one_minus_cos(x: f64) -> f64 {
     let s = libm::sin(0.5 * x);
     2.0 * s * s
 }
 
-/// The flux of a sharp cone is 2π(1 − cos) of its intensity; a soft rim has half of that on its
-/// part. Stated power, emitted photons and arriving flux agree. 1 − cos rounds to 2⁻²⁴, and so do a
-/// few products.
+/// The flux of a sharp cone is 2π(1 − cos) times its intensity. A soft rim has half of that on its
+/// part of the solid angle. Stated power, emitted photons and arriving flux agree. 1 − cos rounds
+/// to 2⁻²⁴, and so do a few products.
 #[test]
 fn spotlights_of_any_width_emit_their_power() {
     for outer in ANGLES.map(|angle| 0.5 * angle.to_radians()) {
         for (inner, part) in [(outer, 1.0), (0.0, 0.5)] {
-            let expected = part * TAU * drop(outer);
+            let expected = part * TAU * one_minus_cos(outer);
             let light = spot(inner, outer, LightStrength::Physical(Rgb::ONE));
             let power = f64::from(light.power(NOWHERE).x);
             assert!((power / expected - 1.0).abs() < 1e-6, "{outer}: stated power {}", power / expected);
@@ -59,7 +59,7 @@ fn spotlights_of_any_width_emit_their_power() {
                 let (sin, cos) = libm::sincos(0.5 * (near + far));
                 let p = DVec3::new(sin, 0.0, cos).as_vec3();
                 let sample = light.sample_li(p, Vec2::ZERO);
-                sample.map_or(0.0, |s| f64::from(s.weight.x)) * TAU * (drop(far) - drop(near))
+                sample.map_or(0.0, |s| f64::from(s.weight.x)) * TAU * (one_minus_cos(far) - one_minus_cos(near))
             };
             let arriving: f64 = (0..rings).map(arriving).sum();
             let ring = 2.4 / f64::from(rings);

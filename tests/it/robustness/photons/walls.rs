@@ -1,6 +1,6 @@
 //! Walls lit on one side.
 
-use super::{finite, flat_camera, rendered, settings, sheet};
+use super::{assert_finite, flat_camera, rectangle_around, rendered, settings};
 use caustica::color::Rgb;
 use caustica::integrate::{ALPHA, Algorithm, Settings, squared_radius_ratio};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
@@ -15,17 +15,21 @@ const IRRADIANCE: f64 = 3.0;
 /// Builds a wall of two sheets of 2 × 2, seen from below. Its upper sheet is lit through an
 /// index-matched pane, so all its light is a caustic.
 ///
-/// With `shelf`, a shelf lies `thickness` under a wall without thickness, seen from between.
+/// With `shelf`, the wall has no thickness, a shelf lies `thickness` below it, and the camera is
+/// between them.
 fn wall(thickness: f64, shelf: bool) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(Rgb::splat(REFLECTANCE as f32)));
     let pane = b.add_material(Material::thin_dielectric(1.0, Rgb::ONE));
     let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
-    b.add_shape(sheet(y * 0.5, z * 6.0, x * 6.0), pane, Rgb::ZERO);
-    b.add_shape(sheet(DVec3::ZERO, z * 2.0, x * 2.0), white, Rgb::ZERO);
+    b.add_shape(rectangle_around(y * 0.5, z * 6.0, x * 6.0), pane, Rgb::ZERO);
+    b.add_shape(rectangle_around(DVec3::ZERO, z * 2.0, x * 2.0), white, Rgb::ZERO);
     if shelf || thickness > 0.0 {
-        let under =
-            if shelf { sheet(-y * thickness, z * 2.0, x * 2.0) } else { sheet(-y * thickness, x * 2.0, z * 2.0) };
+        let under = if shelf {
+            rectangle_around(-y * thickness, z * 2.0, x * 2.0)
+        } else {
+            rectangle_around(-y * thickness, x * 2.0, z * 2.0)
+        };
         b.add_shape(under, white, Rgb::ZERO);
     }
     b.add_delta_light(
@@ -41,8 +45,8 @@ fn gathering(k: u32) -> Settings {
     Settings { radius: Some(RADIUS as f32), gather_k: Some(k), ..settings(40_000, 4) }
 }
 
-/// However thin a wall is, its lower side shows nothing of the light on its upper side, bit for
-/// bit: middle, edges and corners. A map counts photons only on the side they landed on
+/// The lower side of a wall of any thickness shows no light from its upper side, to the bit, in its
+/// middle, at its edges and at its corners. A map counts photons only on the side they landed on
 /// (`photons_count_on_their_side_only`), and a BSDF rejects light from behind. The edges of the
 /// image see past the wall.
 #[test]
@@ -50,7 +54,7 @@ fn thin_walls_leak_no_photons() {
     [0.0, 1e-6, RADIUS / 4.0].par_iter().for_each(|thickness| {
         for (algorithm, k) in [(Algorithm::Sppm, 0), (Algorithm::Pm, 50)] {
             let out = rendered(&wall(*thickness, false), algorithm, gathering(k), 2);
-            finite(algorithm.name(), &out);
+            assert_finite(algorithm.name(), &out);
             assert!(out.aimed.stored > 5_000, "{}", out.aimed.stored);
             let lit = out.film.pixel_means().filter(|v| *v != DVec3::ZERO).count();
             assert_eq!(lit, 0, "{}, thickness {thickness}", algorithm.name());
@@ -58,11 +62,11 @@ fn thin_walls_leak_no_photons() {
     });
 }
 
-/// A shelf that faces the same way, under a wall without thickness, takes light from the wall only
-/// within a quarter of the pass's radius. So the mean over n passes is at most E ρ/π m/n, where m
-/// passes have a radius above four times the gap. The radii are known. The shelf's center reaches
-/// that bound to 10 % by noise: of 10⁴ photons per pass 80 lie within .1 of a point, so √(4/3/80/m)
-/// per point, over 36 independent points, five sigma.
+/// Photons of a wall without thickness leak to a shelf below that faces the same way only if the
+/// gap is below a quarter of the pass's radius. So the mean over n passes is at most E ρ/π m/n,
+/// where m passes have a radius above four times the gap. The radii are known. The shelf's center
+/// reaches that bound to 10 % by noise: of 10⁴ photons per pass 80 lie within .1 of a point, so
+/// √(4/3/80/m) per point, over 36 independent points, five sigma.
 #[test]
 fn shelf_leak_stays_within_bound() {
     let passes = 6;
@@ -71,7 +75,7 @@ fn shelf_leak_stays_within_bound() {
     let gaps = [last / 4.0 * 0.98, last / 4.0 * 1.02, 0.2 * RADIUS, 0.249 * RADIUS, 0.251 * RADIUS, RADIUS];
     gaps.par_iter().for_each(|gap| {
         let out = rendered(&wall(*gap, true), Algorithm::Sppm, gathering(0), passes);
-        finite("shelf", &out);
+        assert_finite("shelf", &out);
         let near = (0..passes).filter(|pass| 4.0 * gap < radius(*pass)).count() as f64 / f64::from(passes);
         let bound = IRRADIANCE * REFLECTANCE / PI * near;
         let middle = |i: usize| (8..16).contains(&(i % 24)) && (8..16).contains(&(i / 24));

@@ -61,8 +61,8 @@ fn sky_is_seen_through_snells_window() {
     }
 }
 
-/// In a closed ball, off its center by less than 1/n of its radius, all light gets in: the sky is
-/// n² as bright in every direction.
+/// At less than 1/n of the radius from the center of a closed ball, no ray outwards is totally
+/// reflected. So the sky is n² as bright in every direction.
 #[test]
 fn radiance_in_glass_scales_by_squared_index() {
     for (n, off) in [(1.5f64, 0.6), (1.1, 0.85), (0.7, 0.99), (2.4, 0.4)] {
@@ -78,8 +78,8 @@ fn radiance_in_glass_scales_by_squared_index() {
     }
 }
 
-/// Two overlapping balls of priority 1 and 0, with a camera in each part: radiance scales by n² of
-/// the body that counts there. Radiance over n² is invariant along the ray.
+/// In two overlapping balls of priorities 1 and 0, a camera sees radiance scaled by n² of the body
+/// with the higher priority at its position. Radiance over n² is invariant along the ray.
 #[test]
 fn overlapping_bodies_resolve_by_priority() {
     let scene = |priorities: [u8; 2], at: f64, order: bool| {

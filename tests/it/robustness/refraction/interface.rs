@@ -26,8 +26,8 @@ fn refractive_indices() -> impl Iterator<Item = f32> {
 }
 
 /// By Snell's law the transmitted cosine is real where η² + cos² > 1. Squares of f32 are exact in
-/// integers, so there is a truth for each cosine within three ulps of the critical one. None may be
-/// on the wrong side.
+/// integers. So the right answer is known for each cosine within three ulps of the critical one,
+/// and the function must give it.
 #[test]
 fn total_reflection_begins_at_exact_ulp() {
     let one = 1i128 << 72;
@@ -86,7 +86,8 @@ fn fresnel_is_finite_around_critical_angle() {
     }
 }
 
-/// Along the normal T = 4n/(n+1)² from both sides. At 10⁶ no f32 difference could give T as 1 − R.
+/// Along the normal, the transmittance is T = 4n/(n+1)² from both sides. At n = 10⁶, the f32
+/// difference 1 − R would have no correct digit.
 #[test]
 fn fresnel_keeps_precision_at_any_index() {
     for n in [1e-6f64, 1e-3, 0.5, 0.999, 1.000_1, 1.5, 2.4, 1e3, 1e6] {
@@ -127,8 +128,8 @@ fn densest_body_transmits_exact_fraction() {
             None => assert_eq!((bent.reflectance, bent.transmittance), (1.0, 0.0)),
         }
     }
-    // Whatever the incident direction, light continues within 10⁻⁶ rad of the normal. The result
-    // rounds by √3·2⁻²⁵, and n has length 1 to 2⁻²³.
+    // From any incident direction, light continues within 10⁻⁶ rad of the normal. The result rounds
+    // by √3·2⁻²⁵, and n has length 1 to 2⁻²³.
     for i in 0..1000u64 {
         let key = test_key(5).child_key(i);
         let n = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
@@ -146,7 +147,8 @@ fn densest_body_transmits_exact_fraction() {
     }
 }
 
-/// Snell's law forwards and back, from the thinnest to the densest: n·sinθ is invariant.
+/// Refraction keeps n·sinθ (Snell's law) in both directions, from the smallest to the largest
+/// index.
 #[test]
 fn refraction_keeps_the_sine_at_any_index() {
     for i in 0..20_000u64 {
@@ -169,8 +171,8 @@ fn refraction_keeps_the_sine_at_any_index() {
     }
 }
 
-/// The mean over all 2²⁴ numbers that choose between both lobes is each lobe's probability: to full
-/// precision where transmittance is small, otherwise up to the one number at the threshold.
+/// The fraction of all 2²⁴ random numbers that choose a lobe is its probability: to full precision
+/// if transmittance is small, otherwise up to the one number at the threshold.
 #[test]
 fn lobe_choice_matches_probability_over_all_numbers() {
     const STEPS: u32 = 1 << 24;
@@ -191,7 +193,7 @@ fn lobe_choice_matches_probability_over_all_numbers() {
                 .sample(wo, Vec3::Z, Vec3::Z, step as f32 / STEPS as f32, Vec2::ZERO, TransportMode::Importance)
                 .unwrap()
         };
-        // Reflection comes first.
+        // Small random numbers choose reflection.
         let (mut low, mut high) = (0, STEPS);
         while low < high {
             let middle = low + (high - low) / 2;

@@ -29,7 +29,7 @@ enum Faces {
 }
 
 /// Adds a horizontal face at height `y`, with its outer side up or down.
-fn face(b: &mut SceneBuilder, faces: Faces, y: f64, up: bool, material: u32) {
+fn add_face(b: &mut SceneBuilder, faces: Faces, y: f64, up: bool, material: u32) {
     let (x, z, corner) = (DVec3::X * (2.0 * WIDTH), DVec3::Z * (2.0 * WIDTH), DVec3::new(-WIDTH, y, -WIDTH));
     let (e0, e1) = if up { (z, x) } else { (x, z) };
     match faces {
@@ -44,7 +44,7 @@ fn face(b: &mut SceneBuilder, faces: Faces, y: f64, up: bool, material: u32) {
     };
 }
 
-/// How the bodies touch.
+/// Way in which glass and liquid touch.
 #[derive(Clone, Copy, Debug)]
 enum Contact {
     /// The glass ends at ±½, the liquid this far inside of it.
@@ -54,23 +54,23 @@ enum Contact {
 }
 
 /// Adds a glass wall, a liquid and a glass wall, stacked, in the order of their faces.
-fn layers(b: &mut SceneBuilder, faces: Faces, contact: Contact, liquid_first: bool) {
+fn add_layers(b: &mut SceneBuilder, faces: Faces, contact: Contact, liquid_first: bool) {
     let glass = b.add_material(Material::dielectric(GLASS as f32, Vec3::ZERO));
     let priority = u8::from(matches!(contact, Contact::Priority));
     let liquid = b.add_material(Material::smooth_boundary(Body { priority, ..Body::new(LIQUID as f32) }));
     let gap = if let Contact::Apart(gap) = contact { gap } else { 0.0 };
     let fill = |b: &mut SceneBuilder| {
-        face(b, faces, 0.5 - gap, true, liquid);
-        face(b, faces, gap - 0.5, false, liquid);
+        add_face(b, faces, 0.5 - gap, true, liquid);
+        add_face(b, faces, gap - 0.5, false, liquid);
     };
     if liquid_first {
         fill(b);
     }
-    face(b, faces, 1.0, true, glass);
-    face(b, faces, -1.0, false, glass);
+    add_face(b, faces, 1.0, true, glass);
+    add_face(b, faces, -1.0, false, glass);
     if let Contact::Apart(_) = contact {
-        face(b, faces, 0.5, false, glass);
-        face(b, faces, -0.5, true, glass);
+        add_face(b, faces, 0.5, false, glass);
+        add_face(b, faces, -0.5, true, glass);
     }
     if !liquid_first {
         fill(b);
@@ -89,20 +89,20 @@ fn reflectance(a: f64, b: f64, s: f64) -> f64 {
 ///
 /// One more interface turns T into T(1−R)/(1 − R·R'), where R' = 1 − T: that is the sum of
 /// reciprocals less one.
-fn through(indices: &[f64], s: f64) -> f64 {
+fn stack_transmittance(indices: &[f64], s: f64) -> f64 {
     let r = indices.windows(2).map(|n| reflectance(n[0], n[1], s));
     1.0 / (1.0 + r.map(|r| r / (1.0 - r)).sum::<f64>())
 }
 
 /// Returns the mean over the beam, by 32 rings of 32 points.
-fn mean_through(indices: &[f64], angle: f64) -> f64 {
+fn mean_stack_transmittance(indices: &[f64], angle: f64) -> f64 {
     let ring = |i: u32| {
         // Rings of equal solid angle.
         let tilt = CONE * ((f64::from(i) + 0.5) / 32.0).sqrt();
         let around = |j: u32| {
             let phi = TAU * (f64::from(j) + 0.5) / 32.0;
             let cos = libm::cos(angle) * libm::cos(tilt) + libm::sin(angle) * libm::sin(tilt) * libm::cos(phi);
-            through(indices, (1.0 - cos * cos).sqrt())
+            stack_transmittance(indices, (1.0 - cos * cos).sqrt())
         };
         (0..32).map(around).sum::<f64>() / 32.0
     };
@@ -114,14 +114,14 @@ fn camera() -> Camera {
 }
 
 /// Builds the layers between a black ceiling and a floor that stores photons, lit under `angle`.
-fn lit(faces: Faces, contact: Contact, liquid_first: bool, angle: f64) -> Scene {
+fn lit_layers_scene(faces: Faces, contact: Contact, liquid_first: bool, angle: f64) -> Scene {
     let mut b = SceneBuilder::new();
-    layers(&mut b, faces, contact, liquid_first);
+    add_layers(&mut b, faces, contact, liquid_first);
     let black = b.add_material(Material::black());
     let floor = b.add_material(Material::diffuse(Vec3::ZERO));
-    // As far from the center as the other, so that the scene's center stays at 0.
-    face(&mut b, Faces::Rectangles, 2.0, false, black);
-    face(&mut b, Faces::Rectangles, -2.0, true, floor);
+    // The floor is as far from the center as the ceiling, so that the scene's center stays at 0.
+    add_face(&mut b, Faces::Rectangles, 2.0, false, black);
+    add_face(&mut b, Faces::Rectangles, -2.0, true, floor);
     let axis = DVec3::new(libm::sin(angle), -libm::cos(angle), 0.0);
     let source = DeltaLightKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
     b.add_delta_light(source, LightStrength::Power(Vec3::ONE));
@@ -129,7 +129,7 @@ fn lit(faces: Faces, contact: Contact, liquid_first: bool, angle: f64) -> Scene 
 }
 
 /// Returns the fraction of the flux that reaches the floor, in independent passes.
-fn passed(scene: &Scene) -> Vec<f64> {
+fn transmitted_fractions(scene: &Scene) -> Vec<f64> {
     let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 1000 };
     let part = |i| {
@@ -139,9 +139,9 @@ fn passed(scene: &Scene) -> Vec<f64> {
     (0..16).map(part).collect()
 }
 
-/// Faces that coincide, or are an ulp apart on either side, are one interface between glass and
-/// liquid, whichever is hit first. The same holds for an overlap and for a liquid of higher
-/// priority. A gap of a hundredth is a film of air.
+/// Faces that coincide, or are an ulp apart on either side, act as one interface between glass and
+/// liquid, in any order of hits. An overlap and a liquid of higher priority act alike. A gap of a
+/// hundredth acts as a film of air.
 #[test]
 fn liquid_touches_its_glass() {
     let wet = [1.0, GLASS, LIQUID, GLASS, 1.0];
@@ -156,7 +156,7 @@ fn liquid_touches_its_glass() {
         (Contact::Apart(0.01), &film),
     ];
     // At 80° the film reflects half of what glass and liquid transmit.
-    assert!(through(&wet, libm::sin(1.4)) > 1.4 * through(&film, libm::sin(1.4)));
+    assert!(stack_transmittance(&wet, libm::sin(1.4)) > 1.4 * stack_transmittance(&film, libm::sin(1.4)));
     let all: Vec<_> = cases
         .into_iter()
         .flat_map(|case| [Faces::Planes, Faces::Rectangles, Faces::Triangles].map(|faces| (case, faces)))
@@ -166,12 +166,18 @@ fn liquid_touches_its_glass() {
     all.par_iter().for_each(|((contact, indices), faces, first, angle)| {
         let what = format!("{contact:?}, {faces:?}, liquid first: {first}, at {angle}");
         // The quadrature, and indices in f32, are accurate to 10⁻⁵.
-        assert_mean(&what, &passed(&lit(*faces, *contact, *first, *angle)), mean_through(indices, *angle), 1e-5, 0.02);
+        assert_mean(
+            &what,
+            &transmitted_fractions(&lit_layers_scene(*faces, *contact, *first, *angle)),
+            mean_stack_transmittance(indices, *angle),
+            1e-5,
+            0.02,
+        );
     });
 }
 
-/// Two blocks of one glass are one block, whether they share a face, or overlap and end together on
-/// one side.
+/// Two blocks of the same glass act as one block if they share a face, or overlap and end together
+/// on one side.
 #[test]
 fn touching_blocks_of_one_glass_merge() {
     let blocks = [[(1.0, 0.0), (0.0, -1.0)], [(1.0, -1.0), (1.0, 0.0)], [(1.0, -1.0), (0.0, -1.0)]];
@@ -180,30 +186,36 @@ fn touching_blocks_of_one_glass_merge() {
         let mut b = SceneBuilder::new();
         let glass = b.add_material(Material::dielectric(GLASS as f32, Vec3::ZERO));
         for (top, bottom) in blocks {
-            face(&mut b, faces, top, true, glass);
-            face(&mut b, faces, bottom, false, glass);
+            add_face(&mut b, faces, top, true, glass);
+            add_face(&mut b, faces, bottom, false, glass);
         }
         let black = b.add_material(Material::black());
         let floor = b.add_material(Material::diffuse(Vec3::ZERO));
-        face(&mut b, Faces::Rectangles, 2.0, false, black);
-        face(&mut b, Faces::Rectangles, -2.0, true, floor);
+        add_face(&mut b, Faces::Rectangles, 2.0, false, black);
+        add_face(&mut b, Faces::Rectangles, -2.0, true, floor);
         let axis = DVec3::new(libm::sin(1.4), -libm::cos(1.4), 0.0);
         let source = DeltaLightKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
         b.add_delta_light(source, LightStrength::Power(Vec3::ONE));
-        let expected = mean_through(&[1.0, GLASS, 1.0], 1.4);
-        assert_mean(&format!("{blocks:?}, {faces:?}"), &passed(&b.build(camera()).unwrap()), expected, 1e-5, 0.02);
+        let expected = mean_stack_transmittance(&[1.0, GLASS, 1.0], 1.4);
+        assert_mean(
+            &format!("{blocks:?}, {faces:?}"),
+            &transmitted_fractions(&b.build(camera()).unwrap()),
+            expected,
+            1e-5,
+            0.02,
+        );
     }
 }
 
-/// A camera in the liquid, under a sky of radiance 1, sees n² of its own medium, whatever lies
-/// between, if it starts in the right medium.
+/// A camera in the liquid under a sky of radiance 1 sees n² of its own medium through any layers,
+/// if its rays start in the right medium.
 #[test]
 fn camera_in_liquid_starts_in_liquid() {
     for faces in [Faces::Planes, Faces::Rectangles, Faces::Triangles] {
         for (contact, first) in [(Contact::Apart(0.0), false), (Contact::Apart(0.0), true), (Contact::Priority, false)]
         {
             let mut b = SceneBuilder::new();
-            layers(&mut b, faces, contact, first);
+            add_layers(&mut b, faces, contact, first);
             b.set_environment(EnvironmentLight::with_constant_radiance(Vec3::ONE).unwrap());
             // A field of 40° is within Snell's window, so all light gets out in the end.
             let up = Camera::perspective(DVec3::ZERO, DVec3::Y, DVec3::Z, 0.7, 8, 8).unwrap();
@@ -230,9 +242,8 @@ fn camera_in_liquid_starts_in_liquid() {
     }
 }
 
-/// Curved faces that coincide: a vessel revolved about the y axis, whose inner side is the liquid's
-/// outer side with reversed order. The reference is a liquid that reaches into the wall. Both
-/// transmit the same light.
+/// A vessel of revolution about the y axis has the liquid's outer side, reversed, as its inner
+/// side. It transmits the same light as the reference, a liquid that reaches into the wall.
 #[test]
 fn round_vessel_holds_its_liquid() {
     let curve = |r: f64, backwards: bool| {
@@ -243,7 +254,7 @@ fn round_vessel_holds_its_liquid() {
         let points: String = points.iter().map(|(x, y)| format!("[ {x} {y} 0 ] ")).collect();
         format!("RevSurface {{ profile BezierCurve {{ controls {points} }} }}")
     };
-    let passed = |priority: u32, objects: &str| {
+    let transmitted = |priority: u32, objects: &str| {
         let scene = scene_from_text(&format!(
             "PerspectiveCamera {{ center 0 9 0  direction 0 -1 0  up 0 0 1  angle 9  width 1  height 1 }}
             Lights {{ SpotLight {{ position 0 3 .3  direction 0 -1 0  angle 20  power 1 1 1 }} }}
@@ -254,10 +265,10 @@ fn round_vessel_holds_its_liquid() {
             }}
             Group {{ {objects} MaterialName floor Rectangle {{ corner -9 -2 -9  edge0 0 0 18  edge1 18 0 0 }} }}"
         ));
-        super::shared::passed(&scene)
+        super::shared::transmitted_fractions(&scene)
     };
     let (outer, inner, liquid) = (curve(1.0, false), curve(0.8, true), curve(0.8, false));
-    let whole = passed(1, &format!("MaterialName glass {outer} MaterialName liquid {liquid}"));
+    let whole = transmitted(1, &format!("MaterialName glass {outer} MaterialName liquid {liquid}"));
     let (mean, error) = crate::support::mean_and_error(&whole);
     for shared in [
         format!("MaterialName glass {outer} {inner} MaterialName liquid {liquid}"),
@@ -265,6 +276,6 @@ fn round_vessel_holds_its_liquid() {
     ] {
         // Both sides are random. Five more standard errors of the other give one false alarm in a
         // million.
-        assert_mean(&shared, &passed(0, &shared), mean, 5.0 * error, 0.03);
+        assert_mean(&shared, &transmitted(0, &shared), mean, 5.0 * error, 0.03);
     }
 }

@@ -44,8 +44,8 @@ fn cube(triangles: bool) -> SceneBuilder {
     b
 }
 
-/// Traces a path from the origin and reports position and direction after each reflection; all must
-/// be total.
+/// Traces a path from the origin, and calls `see` with position and direction after each
+/// reflection. Fails if a reflection is not total.
 fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
     let mut path = scene.start_light_path::<InteriorStack>(0, Ray::new(Vec3::ZERO, direction), Effects::NONE);
     for bounce in 0..BOUNCES {
@@ -149,7 +149,7 @@ fn trapped_rays_stay_in_ball() {
 fn trapped_photons_keep_flux_and_terminate() {
     for triangles in [false, true] {
         let mut b = cube(triangles);
-        // Every direction within 5° of the diagonal hits faces beyond 49°.
+        // Every direction within 5° of the diagonal hits faces at more than 49° from their normals.
         let source = DeltaLightKind::Spot { position: DVec3::ZERO, axis: DVec3::ONE, inner: 0.08, outer: 0.08 };
         b.add_delta_light(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
         let scene = built(b);
@@ -165,7 +165,7 @@ fn trapped_photons_keep_flux_and_terminate() {
     }
 }
 
-/// A camera inside that looks along the diagonal sees nothing of the sky, and its paths end.
+/// A camera inside a cube that looks along the diagonal sees no sky, and its paths end.
 #[test]
 fn trapped_camera_paths_terminate() {
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed, Algorithm::Whitted] {

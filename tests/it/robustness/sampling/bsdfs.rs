@@ -8,9 +8,9 @@ use glam::{Vec2, Vec3};
 
 /// Returns each BSDF with an upper bound of its importance weight.
 ///
-/// Diffuse surfaces, mirrors and visible microfacets weigh their reflectance at most. A Phong lobe
-/// of exponent s weighs (s + 2)/(s + 1) of its albedo. A pane's lobes are chosen by the mean of
-/// three channels.
+/// The weight of diffuse surfaces, mirrors and visible microfacets is at most their reflectance. A
+/// Phong lobe of exponent s weighs (s + 2)/(s + 1) of its albedo. A pane's lobes are chosen by the
+/// mean of three channels.
 fn bsdf_kinds() -> Vec<(Bsdf, f32)> {
     let (eta, k) = metal_refractive_index("gold").unwrap();
     let mut kinds = vec![

@@ -9,8 +9,8 @@ use caustica::sampling::{Dimension, DiscreteDistribution, PiecewiseConstant2d};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// A choice is divided by its probability. It is never zero, and never so small that its inverse
-/// overflows f32.
+/// The probability of a chosen element is never zero, and its inverse never overflows f32, because
+/// samples are divided by it.
 #[test]
 fn chosen_elements_have_positive_probability() {
     for weights in [
@@ -81,8 +81,8 @@ fn environments_are_sampled_by_radiance() {
     assert!(EnvironmentLight::with_constant_radiance(Vec3::ZERO).unwrap().sample(glam::Vec2::ZERO).is_none());
 }
 
-/// Lights whose powers differ by sixty orders, near and far, and a sky: the chosen light has the
-/// probability that a query by its name returns.
+/// For near and far lights with powers over sixty orders of magnitude, and a sky, sampling a light
+/// returns the same probability as a query for that light.
 #[test]
 fn chosen_light_has_positive_probability() {
     let mut lights: Vec<Light> = (0..40u64)

@@ -16,8 +16,8 @@ fn assert_unit_vector(v: Vec3, what: &dyn Fn() -> String) {
     assert!(v.is_finite() && (v.length() - 1.0).abs() < 3e-6, "{}: {v}", what());
 }
 
-/// Every warp, at extreme parameters. No pdf is 0 at a sample, unless the sample lies in the
-/// horizon.
+/// Every warp gives unit vectors at extreme samples and parameters. No pdf is 0 at a sample, unless
+/// the sample lies in the horizon.
 #[test]
 fn warps_are_valid_at_extreme_samples() {
     for u in corners() {
@@ -113,8 +113,9 @@ fn scene_of_all_lights() -> Scene {
     )
 }
 
-/// Every light, sampled from near, far, inside and on it, and emitting everywhere and at targets,
-/// one of which contains it. Flux, radiance and pdfs are finite, and no pdf is 0.
+/// Every light is sampled from near, far, inside and on its surface. It emits in all directions and
+/// towards targets, also a target that contains it. Flux, radiance and pdfs are finite, and no pdf
+/// is 0.
 #[test]
 fn lights_are_valid_at_extreme_samples() {
     let scene = scene_of_all_lights();

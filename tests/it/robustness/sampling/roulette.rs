@@ -42,8 +42,8 @@ fn white_surfaces_terminate_no_photon() {
     assert_eq!(rays, photons.len() as u64);
 }
 
-/// If walls reflect nothing, each photon lands once. Then walls reflect the smallest positive
-/// number, with the same result.
+/// If walls reflect nothing, each photon lands once. If they reflect the smallest positive number,
+/// the result is the same.
 #[test]
 fn black_surfaces_terminate_every_photon() {
     for albedo in ["0 0 0", "1e-45 1e-45 1e-45", "0 0 1e-40"] {
@@ -54,10 +54,10 @@ fn black_surfaces_terminate_every_photon() {
     }
 }
 
-/// One channel is kept, with half of the light's flux. A path that survives by the mean of the
-/// channels is twice as strong half as often, and from then on survives for certain. So flux is
-/// conserved in the mean, by n paths to √(1/n) of itself: over 16 passes of 2¹², a 256th. A
-/// photon's flux rounds a few times, and its hue to 2⁻¹⁷.
+/// Walls reflect one channel, which has half of the light's flux, and absorb the others. Half of
+/// the paths survive the first roulette with twice the flux; later roulette ends none. So the mean
+/// flux is conserved: over 16 passes of 2¹² paths, within a 256th. A photon's flux rounds a few
+/// times, and its hue to 2⁻¹⁷.
 #[test]
 fn zero_channel_stays_zero() {
     let scene = room("0 0 1", 0.0);

@@ -19,8 +19,8 @@ fn balls(places: &[(DVec3, f64)], plane: bool) -> Result<Scene, BuildError> {
     b.build(Camera::perspective(DVec3::Z * 5.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 4).unwrap())
 }
 
-/// Too small shapes are refused with a remedy. None of them is larger than 2⁻³⁹, where 2⁻²⁴ of the
-/// size has a normal square.
+/// Too small shapes are refused with a remedy. No shape above a size of 2⁻³⁹ is refused: 2⁻²⁴ of
+/// such a size has a square that is a normal number.
 #[test]
 fn too_small_shapes_are_refused() {
     let least = libm::exp2(-39.0);
@@ -37,7 +37,8 @@ fn too_small_shapes_are_refused() {
     assert!(balls(&[], true).is_ok() && balls(&[], false).is_ok(), "what has no size is not small");
 }
 
-/// Sums of squares of such numbers overflow, and differences from there are no numbers.
+/// Positions near the limit of double precision are refused: their squares overflow, and their
+/// differences are NaN.
 #[test]
 fn positions_near_double_limit_are_refused() {
     // Unbounded boxes, whose center is no number.

@@ -1,7 +1,7 @@
 //! A sphere of radius 10⁵ as a floor.
 
 use super::paired::{ROUNDING, mean_difference, summary};
-use super::{PASSES, SIZE, few, pictures};
+use super::{PASSES, SIZE, low_cost_settings, pictures};
 use caustica::color::Rgb;
 use caustica::format::{SourceText, parse, resolve};
 use caustica::integrate::{Algorithm, Settings};
@@ -14,7 +14,7 @@ use std::path::Path;
 ///
 /// Light that travels more than 300 units is (4/300)² of all light. Less of it returns than single
 /// precision resolves.
-fn on(floor: &str) -> Scene {
+fn scene_on_floor(floor: &str) -> Scene {
     let text = format!(
         "PerspectiveCamera {{ center 0 3.4 3  lookAt 0 .2 .1  angle 34  width {}  height {} }}
         Background {{ color .1 .1 .1 }}
@@ -58,9 +58,9 @@ const ROUND: &str = "Sphere { center 0 -100000 0  radius 100000 }";
 /// times as wide in glass and mirrors: one in a thousand, five times over.
 #[test]
 fn sphere_of_radius_100000_acts_as_flat_floor() {
-    let (flat, round) = (on(FLAT), on(ROUND));
+    let (flat, round) = (scene_on_floor(FLAT), scene_on_floor(ROUND));
     // `whitted` samples all lights and chooses none.
-    let render = |scene| pictures(scene, Algorithm::Whitted, few(), PASSES);
+    let render = |scene| pictures(scene, Algorithm::Whitted, low_cost_settings(), PASSES);
     let (a, b) = (render(&flat), render(&round));
     let off = |(a, b): &(&Rgb, &Rgb)| (**a - **b).abs().max_element() > 1e-3 * b.max_element();
     let differ = a.iter().flatten().zip(b.iter().flatten()).filter(off).count();
@@ -68,7 +68,7 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
     assert!(differ * 200 < all, "{differ} of {all} pixels differ");
 
     // Photons differ, since they are emitted into another domain.
-    let settings = Settings { radius: Some(0.05), ..few() };
+    let settings = Settings { radius: Some(0.05), ..low_cost_settings() };
     let seen = |scene| -> Vec<Vec<f64>> {
         let images = pictures(scene, Algorithm::Hybrid, settings.clone(), 4 * PASSES);
         images.iter().map(|image| summary(image, SIZE)).collect()
@@ -82,8 +82,8 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
 /// a tenth where radii vary twofold.
 #[test]
 fn huge_floor_does_not_blur_caustics() {
-    let settings = || Settings { caustic_photons: 250_000, ..few() };
-    let radius = |floor| Algorithm::Hybrid.prepare(&on(floor), settings()).gather_radii().unwrap().caustic;
+    let settings = || Settings { caustic_photons: 250_000, ..low_cost_settings() };
+    let radius = |floor| Algorithm::Hybrid.prepare(&scene_on_floor(floor), settings()).gather_radii().unwrap().caustic;
     let (flat, round) = (radius(FLAT), radius(ROUND));
     assert!((round / flat - 1.0).abs() < 0.1, "{round} on a sphere, {flat} on a disc");
 }
@@ -97,8 +97,7 @@ fn flux(scene: &Scene, mask: StoreMask, counts: impl Fn(glam::DVec3) -> bool) ->
     landed.map(|p| f64::from(p.data.flux().y)).sum()
 }
 
-/// A light that touches nothing, with glass and stone half a unit below it. They block its light
-/// however large the floor is.
+/// Glass and stone half a unit below a light block its light over a floor of any size.
 #[test]
 fn occluder_near_light_shades_huge_floor() {
     let under_a_lamp = |floor: &str| {
@@ -121,7 +120,7 @@ fn occluder_near_light_shades_huge_floor() {
         ))
     };
     let (flat, round) = (under_a_lamp(FLAT), under_a_lamp(ROUND));
-    let render = |scene| pictures(scene, Algorithm::Whitted, few(), PASSES);
+    let render = |scene| pictures(scene, Algorithm::Whitted, low_cost_settings(), PASSES);
     let (a, b) = (render(&flat), render(&round));
     let off = |(a, b): &(&Rgb, &Rgb)| (**a - **b).abs().max_element() > 1e-3 * b.max_element();
     let differ = a.iter().flatten().zip(b.iter().flatten()).filter(off).count();
@@ -139,9 +138,9 @@ fn occluder_near_light_shades_huge_floor() {
     }
 }
 
-/// A light on the sphere, up to position rounding, lights a ceiling half a unit above. A disc of
-/// radius r receives (1 − h/√(h² + r²))/2 of the light of a point at h below it, here .276. 2¹⁷
-/// paths measure it to .0012.
+/// A light that lies on a huge sphere, up to position rounding, lights a ceiling half a unit above.
+/// A disc of radius r receives (1 − h/√(h² + r²))/2 of the light of a point at h below it, here
+/// .276. 2¹⁷ paths measure it to .0012.
 #[test]
 fn light_on_huge_floor_reaches_objects_above() {
     for x in [0.0f64, 0.3, -0.7, 1.1, 2.3] {

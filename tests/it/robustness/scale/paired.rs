@@ -4,8 +4,8 @@ use crate::support::{mean_and_error, student_t_tail};
 use caustica::color::Rgb;
 use glam::DVec3;
 
-/// False-alarm rate of one number of a comparison. There are some thousand of them, so one run in
-/// 10⁴ has a false alarm.
+/// False-alarm rate of one number of a comparison. A run compares some thousand numbers, so one run
+/// in 10⁴ has a false alarm.
 pub const RATE: f64 = 1e-8;
 
 /// Relative change of a mean by rounding. A stored photon's hue rounds by half a step of 2⁻¹⁶ of
@@ -27,12 +27,12 @@ pub fn summary(image: &[Rgb], (width, height): (u32, u32)) -> Vec<f64> {
     [whole].into_iter().chain(quarters).flat_map(|v| v.to_array()).collect()
 }
 
-/// Returns why `ours` and `theirs` do not have equal means up to the fraction `slack`; `None` if
-/// they do.
+/// Returns the reason why the means of `ours` and `theirs` differ by more than the fraction
+/// `slack`; `None` if they do not.
 ///
-/// It also objects if noise would hide a difference of the fraction `detectable` of the brightest
-/// of the first three numbers. Passes are paired by their random numbers. Differences of pairs are
-/// independent, and Student's t tests whether their mean is 0.
+/// Also returns a reason if noise would hide a difference of the fraction `detectable` of the
+/// brightest of the first three numbers. Passes are paired by their random numbers. Differences of
+/// pairs are independent, and Student's t tests whether their mean is 0.
 pub fn mean_difference(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, detectable: f64) -> Option<String> {
     let dof = ours.len() as f64 - 1.0;
     let column = |of: &[Vec<f64>], i: usize| of.iter().map(|pass| pass[i]).collect::<Vec<f64>>();

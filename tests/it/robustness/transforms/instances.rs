@@ -1,6 +1,6 @@
 //! Instances under transforms of condition number 10⁸, and seen from afar.
 
-use super::dd::{Affine, DoubleDouble, DoubleDoubleVec};
+use super::double_double::{Affine, DoubleDouble, DoubleDoubleVec};
 use super::maps::maps;
 use crate::robustness::triangles::closed::sphere_mesh;
 use caustica::math::{Ray, Transform, offset_ray_origin, warp};
@@ -11,8 +11,8 @@ use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Returns where a line enters and leaves |x| + |y| + |z| ≤ 1, with the face normals, and the
-/// distance along the line to the next face.
+/// Returns the distances at which a line enters and leaves the octahedron |x| + |y| + |z| ≤ 1, the
+/// face normals there, and the distances along the line to the next face.
 fn octahedron(o: DoubleDoubleVec, d: DoubleDoubleVec) -> ([DoubleDouble; 2], [DVec3; 2], [f64; 2]) {
     let mut ends = [DoubleDouble::from(-1e300), DoubleDouble::from(1e300)];
     let mut normals = [DVec3::ZERO; 2];
@@ -132,7 +132,7 @@ const FACES: [DVec3; 8] = [
     DVec3::new(-1.0, -1.0, -1.0),
 ];
 
-/// Rays from inside an instance hit it, at edges and corners too.
+/// Rays from inside an instance hit it, also at edges and corners.
 #[test]
 fn instances_leak_no_rays() {
     let closed = sphere_mesh(3);

@@ -1,6 +1,6 @@
 //! Transforms of the scene language, 64 deep, and singular ones.
 
-use super::dd::{Affine, DoubleDoubleVec};
+use super::double_double::{Affine, DoubleDoubleVec};
 use super::shapes::{UnitShape, truth};
 use caustica::format::{SceneError, SourceText, parse, resolve};
 use caustica::math::{Ray, Transform, rotation_matrix};
@@ -46,8 +46,8 @@ fn step(rng: &mut SmallRng, level: u32) -> (String, DAffine3) {
     }
 }
 
-/// Sixty-four groups, each inside the transform of the outer one: the innermost shape is where the
-/// exact product puts it.
+/// In 64 nested groups with transforms, the innermost shape lies where the exact product of the
+/// transforms places it.
 ///
 /// Each product rounds by some 4 ulps of ‖outer‖·‖inner‖. The inner transforms amplify that by
 /// their norms: 1 for a rotation, 2 for a scale, 1.14 for a shear, while 10⁶ and 10⁻⁶ cancel. That

@@ -9,7 +9,7 @@ use caustica::shape::Plane;
 use glam::{DMat3, DVec3, Vec3};
 use std::path::Path;
 
-/// A quarter turn maps axes to axes, bit for bit; so does half of a motion through twice as much.
+/// A quarter turn maps axes exactly to axes. So does the middle of a motion by two quarter turns.
 #[test]
 fn quarter_turns_are_exact() {
     for quarters in -9i32..=9 {
@@ -28,8 +28,8 @@ fn quarter_turns_are_exact() {
     }
 }
 
-/// A normal that rounding tilted off its axis is still perpendicular to rays along the plane. A ray
-/// that leans by more hits it.
+/// Rays along a plane miss it, although rounding tilted the plane's normal off its axis. A ray that
+/// leans towards the plane hits it.
 #[test]
 fn rays_along_a_plane_miss_it() {
     for lean in [-2.5e-16, -1.8e-16, 6e-17, 1.8e-16, 2.5e-16] {
@@ -44,7 +44,7 @@ fn rays_along_a_plane_miss_it() {
     assert!((t / 5e14 - 1.0).abs() < 1e-6, "{t}");
 }
 
-/// An overhead sun between walls made of rotated floors: all its light arrives, by shadow rays and
+/// All light of an overhead sun arrives between walls that are rotated floors, by shadow rays and
 /// by photons.
 #[test]
 fn overhead_sun_lights_between_rotated_walls() {

@@ -1,6 +1,6 @@
 //! Shapes under transforms of condition number 10⁸, against double-double references.
 
-use super::dd::{Affine, DoubleDouble, DoubleDoubleVec};
+use super::double_double::{Affine, DoubleDouble, DoubleDoubleVec};
 use super::maps::maps;
 use caustica::math::{Ray, Transform, offset_ray_origin, warp};
 use caustica::shape::parametric::SplineBasis;
@@ -186,8 +186,8 @@ pub fn truth(own: UnitShape, exact: &Affine, origin: DoubleDoubleVec, direction:
     truth
 }
 
-/// Returns how far a reported point is off the shape along its normal, relative to its stated
-/// error, for a hit expected at `hit` in object space.
+/// Returns the distance of a reported point from the shape along its normal, relative to its stated
+/// error. The hit is expected at `hit` in object space.
 ///
 /// `None` if rounding to f32 moves the point so far that the shape curves away under it.
 fn distance_off_shape(own: UnitShape, exact: &Affine, s: &SurfacePoint, hit: DVec3) -> Option<f64> {
@@ -200,8 +200,9 @@ fn distance_off_shape(own: UnitShape, exact: &Affine, s: &SurfacePoint, hit: DVe
     (moved < 0.1).then(|| off / f64::from(s.ng.abs().dot(s.error)))
 }
 
-/// Distances and normals of shapes under transforms of condition number 10⁸. The point lies within
-/// its stated error, and a ray that leaves it outwards does not hit the shape again.
+/// Hits of shapes under transforms of condition number 10⁸ have the right distance and normal. The
+/// hit point lies within its stated error, and a ray that leaves it outwards does not hit the shape
+/// again.
 #[test]
 fn shape_hits_match_double_double_transforms() {
     let shapes = [UnitShape::Ball, UnitShape::Disc, UnitShape::Square, UnitShape::Tube, UnitShape::Bowl];

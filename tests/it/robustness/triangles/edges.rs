@@ -21,8 +21,8 @@ fn volume(o: I64Vec3, a: I64Vec3, b: I64Vec3, c: I64Vec3) -> i64 {
     (a - o).dot((b - o).cross(c - o))
 }
 
-/// Two triangles on either side of an edge, and rays through and beside the edge, all with integer
-/// coordinates.
+/// Rays through and beside an edge hit the triangle on their side of the edge. Rays and both
+/// triangles have integer coordinates.
 ///
 /// The side on which a ray passes the edge is the sign of a volume, known exactly. Shearing moves
 /// corners by γ(9) of their distance from the ray's origin. So a volume this small relative to the
@@ -82,9 +82,9 @@ fn edge_rays_hit_triangle_on_their_side() {
 /// Powers of two, which round nothing.
 const SCALES: [f32; 3] = [1.0 / 1_048_576.0, 1.0, 1_048_576.0];
 
-/// Collinear corners, two equal corners, or three, exactly in f32. Shearing rounds them off the
-/// line, but there is no area to hit and no normal. Coordinates are multiples of 1/64 up to 3, so
-/// sums are exact.
+/// Triangles with collinear corners, or two or three equal corners, exactly in f32, are never hit.
+/// Shearing rounds the corners off their line, but there is no area and no normal. Coordinates are
+/// multiples of 1/64 up to 3, so sums are exact.
 #[test]
 fn zero_area_triangles_are_never_hit() {
     let mut rng = SmallRng::seed_from_u64(2);
@@ -120,8 +120,9 @@ fn distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     if inside { (p - a).dot(n).abs() } else { along(a, b).min(along(b, c)).min(along(c, a)) }
 }
 
-/// Rays along an axis or perpendicular to one, from origins that often lie in the triangle's plane:
-/// through its inside, beside it, at its edges and in its plane, by integers up to 8.
+/// Rays along an axis, or perpendicular to an axis, hit triangles correctly: through the inside,
+/// beside it, at edges and in the triangle's plane. Coordinates are integers up to 8, and ray
+/// origins often lie in the triangle's plane.
 ///
 /// Edge functions are volumes over the squared largest component of the direction, at least 1/64.
 /// Shearing moves corners by γ(9) of 28. So these functions are off by less than 28²·γ(9)·4 < .002,
@@ -191,9 +192,9 @@ fn axis_aligned_and_coplanar_rays_hit_correctly() {
     assert!(counts.iter().all(|n| *n > 1_000), "{counts:?}");
 }
 
-/// A fan of triangles around one edge, one of them twice: from any sector, a ray at the edge must
-/// not pass it. Half of the rays lie in a plane through the edge where all products of its edge
-/// function are 0, so that only the inside rule decides.
+/// A ray at the common edge of a fan of triangles, one of them twice, hits a triangle from any
+/// sector. Half of the rays lie in a plane through the edge. There all products of the edge
+/// function are 0, so only the rule for edges decides.
 #[test]
 fn edges_of_many_triangles_are_watertight() {
     let mut rng = SmallRng::seed_from_u64(3);

@@ -8,14 +8,14 @@ use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 
-/// Least number of rays.
+/// Smallest number of rays that the test traces.
 const RAYS: u64 = 100_000_000;
 
 /// Returns the number of rays that miss the mesh, of `rays` rays that all should hit.
 ///
-/// Targets are corners, middles of edges and points on edges in f32: each lies beside the edge by
-/// its own rounding. From inside, every ray must hit. From outside of a `convex` mesh, every
-/// segment to a point inside must.
+/// Targets are corners, middles of edges and points on edges in f32; rounding moves each beside its
+/// edge. From inside, every ray must hit. From outside of a `convex` mesh, every segment to a point
+/// inside must hit.
 fn count_missed_rays(mesh: &ClosedMesh, convex: bool, map: impl Fn(Vec3) -> Vec3, rays: u64, seed: u64) -> u64 {
     let mut rng = SmallRng::seed_from_u64(seed);
     let corners = mesh.corners(&map);
@@ -44,8 +44,8 @@ fn count_missed_rays(mesh: &ClosedMesh, convex: bool, map: impl Fn(Vec3) -> Vec3
     missed
 }
 
-/// Triangles of sizes from 10⁻⁶ to 10⁶, far from the origin and mixed in one mesh; slivers of
-/// aspect ratio 10⁵.
+/// No ray passes an edge of triangles with sizes from 10⁻⁶ to 10⁶, far from the origin and mixed in
+/// one mesh, and of slivers with aspect ratio 10⁵.
 #[test]
 #[ignore = "long: a hundred million rays"]
 fn hundred_million_rays_pass_no_edge() {

@@ -51,8 +51,8 @@ fn walled_scene() -> [ClosedMesh; 4] {
     [cube(), turned_cube(), sphere_mesh(3), torus_mesh(40, 20)]
 }
 
-/// A ray that leaves a triangle never hits it again. One that leaves into a closed mesh hits the
-/// mesh, though it starts within rounding of a right-angled edge or of a corner.
+/// A ray that leaves a triangle never hits it again. A ray that leaves into a closed mesh hits the
+/// mesh, although it starts within rounding of a right-angled edge or of a corner.
 #[test]
 fn rays_leaving_edge_inwards_do_not_escape() {
     let run = |(closed, map): (ClosedMesh, fn(Vec3) -> Vec3)| {
@@ -79,7 +79,7 @@ fn rays_leaving_edge_inwards_do_not_escape() {
     placements().into_par_iter().for_each(|map| walled_scene().into_iter().for_each(|closed| run((closed, map))));
 }
 
-/// Straight through a body along its edges: entries and exits alternate, and the last one is an
+/// Along a ray through the edges of a body, entries and exits alternate, and the last one is an
 /// exit.
 ///
 /// Bodies are convex. At a silhouette edge a face is entered and its neighbour left at the same

@@ -77,7 +77,8 @@ fn index_matched_bodies_change_no_photon() {
     }
 }
 
-/// A body of index 1 that has an effect stays: a bubble in glass, and a boundary of fog.
+/// A body of index 1 that has an effect stays in the scene: a bubble in glass, and a boundary of
+/// fog.
 #[test]
 fn bubble_is_not_culled_as_index_matched() {
     let radiances = |more: &str| -> Vec<f64> {
@@ -96,7 +97,8 @@ fn bubble_is_not_culled_as_index_matched() {
         };
         render_passes(&scene, Algorithm::Path, settings, 16).iter().map(|p| f64::from(p.x)).collect()
     };
-    // Along the axis each interface reflects R. What leaves has radiance 1 on either side.
+    // Along the axis each interface reflects the fraction R. Light that leaves has radiance 1 on
+    // either side.
     let r: f64 = 0.04;
     // Transmittance and reflectance of a wall that transmits the fraction `left` in one crossing,
     // over all numbers of crossings.
