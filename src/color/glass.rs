@@ -118,12 +118,12 @@ impl DispersionFormula {
     }
 }
 
-/// λ² \[µm²\] of a wavelength \[nm\].
+/// Returns λ² \[µm²] of the wavelength λ = `nm` \[nm].
 fn wavelength_squared(nm: f64) -> f64 {
     nm * nm * 1e-6
 }
 
-/// 1/λ² \[µm⁻²\] of a wavelength \[nm\].
+/// Returns 1/λ² \[µm⁻²] of the wavelength λ = `nm` \[nm].
 fn inverse_wavelength_squared(nm: f64) -> f64 {
     1.0 / wavelength_squared(nm)
 }
@@ -133,7 +133,7 @@ fn sellmeier_term(b: f64, c: f64, x: f64) -> f64 {
     if b == 0.0 { 0.0 } else { b * x / (x - c) }
 }
 
-/// Makes Sellmeier's equation with three terms.
+/// Makes Sellmeier's equation from the coefficients of three terms.
 const fn three_term_sellmeier(b: [f64; 3], c: [f64; 3]) -> DispersionFormula {
     DispersionFormula::Sellmeier { b: [b[0], b[1], b[2], 0.0], c: [c[0], c[1], c[2], 0.0] }
 }

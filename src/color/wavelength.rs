@@ -93,7 +93,7 @@ impl Wavelength {
 struct SpectralResponseTable {
     /// Cumulative probability at the start of each interval; the last entry is 1.
     sums: [f64; CELLS + 1],
-    /// Pdf in each interval \[1/nm].
+    /// Pdf of sampled wavelengths in each interval \[1/nm].
     pdfs: [f32; CELLS],
     /// [`Wavelength::weight`] in each interval.
     weights: [Rgb; CELLS],

@@ -87,7 +87,7 @@ fn remove_abandoned_files(folder: &Path) {
 
 /// Target of an atomic replacement: a writable file, or a path at which a file can be created.
 struct ReplaceTarget {
-    /// Path with symbolic links resolved.
+    /// Path of the target, with symbolic links resolved.
     file: PathBuf,
     folder: PathBuf,
     /// Permissions of the existing file; `None` if there is none.

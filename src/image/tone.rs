@@ -90,7 +90,7 @@ pub struct ClippedPixelReport {
 }
 
 impl ClippedPixelReport {
-    /// Sums two reports.
+    /// Returns the sums of the counts of two reports.
     pub(super) fn merge(self, other: Self) -> Self {
         Self {
             non_finite: self.non_finite + other.non_finite,

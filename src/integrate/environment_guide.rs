@@ -126,17 +126,17 @@ impl EnvironmentGuideFit {
 struct Level(u32);
 
 impl Level {
-    /// Number of cells along each axis.
+    /// Returns the number of cells of this level along each axis of the scene.
     fn cell_side(self) -> usize {
         1 << self.0
     }
 
-    /// Number of bins along each side of a cell's unit square.
+    /// Returns the number of bins of this level along each side of a cell's unit square.
     fn bin_side(self) -> usize {
         SIDE >> (REFINEMENTS - self.0)
     }
 
-    /// Number of bins of all cells.
+    /// Returns the number of bins of all cells of this level.
     fn bin_count(self) -> usize {
         self.cell_side() * self.cell_side() * self.cell_side() * self.bin_side() * self.bin_side()
     }

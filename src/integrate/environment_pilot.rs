@@ -60,7 +60,7 @@ struct PilotRay {
     point: usize,
     /// Point in \[0, 1)² from which the light samples the ray's direction.
     u: Vec2,
-    /// Pdf of `u`.
+    /// Pdf of `u` over the unit square.
     pdf: f32,
     /// Contribution to the picture without guiding; 0 if occluded.
     contribution: f64,

@@ -80,7 +80,7 @@ const BIAS_FACTOR: f64 = 2.0;
 /// Parts of the light of one camera path, averaged over RGB \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
 struct LightParts {
-    /// Direct light at the first receiver.
+    /// Direct light at the first receiver (surface that stores photons).
     direct: f64,
     /// Emission that the path finds up to its first receiver, and the caustics there. Other pilots
     /// reduce their noise.
@@ -98,7 +98,7 @@ struct LightParts {
 struct PassCost {
     /// Relative variance of the direct light of one camera path.
     direct_variance: f64,
-    /// Work of one camera path up to its first receiver.
+    /// Work of one camera path up to its first receiver (surface that stores photons).
     prefix: f64,
     /// Work of one camera path after its first receiver.
     continuation: f64,

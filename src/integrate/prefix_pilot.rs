@@ -97,11 +97,12 @@ impl RunningVariance {
 /// Light of one pixel in the pilot's pictures, averaged over RGB \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
 struct PixelLight {
-    /// Light after the first receiver.
+    /// Light that camera paths find after their first receiver (surface that stores photons).
     rest: RunningVariance,
-    /// Emission and direct light that the prefix found.
+    /// Emission and direct light that camera paths find up to their first receiver (surface that
+    /// stores photons).
     found: RunningVariance,
-    /// Photon estimate at the first receiver.
+    /// Photon estimate at the first receiver (surface that stores photons).
     photons: RunningVariance,
     /// Sum of products of the differences of `rest` and `found` from their means.
     products: f64,
@@ -111,12 +112,12 @@ struct PixelLight {
 /// [`pixel_variances`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct PixelVariance {
-    /// Variance of the light after the first receiver.
+    /// Variance of the light after the first receiver (surface that stores photons).
     rest: f64,
     /// Variance of emission and direct light that the prefix found. A negative covariance with
     /// `rest` is added twice, because a ray past an edge finds one of the two.
     found: f64,
-    /// Variance of the photon estimate at the first receiver.
+    /// Variance of the photon estimate at the first receiver (surface that stores photons).
     photons: f64,
 }
 

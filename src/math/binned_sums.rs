@@ -53,7 +53,7 @@ const LEVEL_BITS: u16 = 5;
 pub struct BinnedSums<const N: usize> {
     /// Sums of the upper and of the lower bins of each pixel.
     bins: Vec<[[i64; N]; 2]>,
-    /// Level and infinities of each pixel.
+    /// Tag of each pixel: its level, and flags for infinite sums; see [`LEVEL_BITS`].
     tags: Vec<u16>,
 }
 
@@ -144,7 +144,7 @@ impl<const N: usize> BinnedSums<N> {
     }
 }
 
-/// Form of [`BinnedSums`] in files.
+/// Serialized form of [`BinnedSums`], as film files store it.
 #[derive(Serialize, Deserialize)]
 struct StoredSums {
     /// Upper bins of all channels, then lower bins of all channels, for each pixel.
@@ -183,7 +183,8 @@ const fn powers_of_two(first: i32, step: i32) -> [f64; LEVELS] {
     powers
 }
 
-/// Returns the level that a tag holds.
+/// Returns the level of a pixel from its tag. The level is the index of the pixel's quanta in
+/// [`QUANTA`].
 #[inline]
 fn level_of(tag: u16) -> usize {
     usize::from(tag & ((1 << LEVEL_BITS) - 1))

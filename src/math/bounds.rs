@@ -83,9 +83,9 @@ impl Bounds {
 /// Sphere that contains an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoundingSphere {
-    /// Centre.
+    /// Center of the sphere.
     pub center: Vec3,
-    /// Radius, at least zero.
+    /// Radius of the sphere \[length], at least zero.
     pub radius: f32,
 }
 

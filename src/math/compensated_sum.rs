@@ -24,7 +24,7 @@ impl CompensatedSum {
         self.low += (before - (self.high - added)) + (value - added);
     }
 
-    /// The sum, rounded to f64.
+    /// Returns the sum of all added values, rounded to f64.
     #[inline]
     #[must_use]
     pub fn value(&self) -> DVec3 {

@@ -28,14 +28,14 @@ impl Frame {
         }
     }
 
-    /// Transforms `v` from world space to the frame.
+    /// Transforms the vector `v` from world space to the coordinates (s, t, n) of the frame.
     #[inline]
     #[must_use]
     pub fn to_local(&self, v: Vec3) -> Vec3 {
         Vec3::new(v.dot(self.s), v.dot(self.t), v.dot(self.n))
     }
 
-    /// Transforms `v` from the frame to world space.
+    /// Transforms the vector `v` from the coordinates (s, t, n) of the frame to world space.
     #[inline]
     #[must_use]
     pub fn to_world(&self, v: Vec3) -> Vec3 {

@@ -20,7 +20,7 @@ pub enum MotionStep {
 }
 
 impl MotionStep {
-    /// The map at `time` in \[0, 1].
+    /// Returns the affine map at `time` in \[0, 1]: 0 is the opening of the shutter, 1 its closing.
     #[must_use]
     pub fn at_time(&self, time: f64) -> DAffine3 {
         match *self {
@@ -78,7 +78,7 @@ impl Motion {
         Self::constant_motion(map).preceded_by_steps(self.steps.iter().copied())
     }
 
-    /// The map at `time` in \[0, 1].
+    /// Returns the affine map at `time` in \[0, 1]: 0 is the opening of the shutter, 1 its closing.
     #[must_use]
     pub fn at_time(&self, time: f64) -> DAffine3 {
         self.steps.iter().fold(DAffine3::IDENTITY, |map, step| map * step.at_time(time))

@@ -14,7 +14,7 @@ pub struct SingularTransformError;
 pub struct Transform {
     forward: DAffine3,
     inverse: DAffine3,
-    /// Determinant of the linear part.
+    /// Determinant of the linear part of the object-to-world map; negative if the map mirrors.
     determinant: f64,
 }
 
@@ -105,7 +105,7 @@ impl Transform {
         Self { forward, inverse, ..*self }
     }
 
-    /// Determinant of the linear part.
+    /// Determinant of the linear part of the object-to-world map; negative if the map mirrors.
     #[must_use]
     pub fn determinant(&self) -> f64 {
         self.determinant

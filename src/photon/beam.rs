@@ -13,13 +13,13 @@ use rayon::prelude::*;
 /// boundary along the photon's direction, beyond the sampled scattering point (long beam).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhotonBeam {
-    /// Position of the start.
+    /// Position of the beam's start.
     pub start: Vec3,
-    /// Unit direction of travel.
+    /// Unit direction in which the photon travels.
     pub direction: Vec3,
     /// Distance from start to end \[length].
     pub length: f32,
-    /// Flux at the start \[W].
+    /// Flux of the photon at the beam's start \[W].
     pub flux: Rgb,
     /// Index of the beam's medium in [`Scene::media`](crate::scene::Scene::media).
     pub medium: u32,

@@ -114,7 +114,7 @@ impl PointPacket {
 /// A piece of a photon beam: the half-open interval \[`from`, `to`) of distances along the beam.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BeamPiece {
-    /// Index of the beam.
+    /// Index of the beam in its map.
     pub beam: u32,
     /// Distance from the beam's start to the start of the piece \[length].
     pub from: f32,

@@ -27,14 +27,17 @@ impl PackedFlux {
         Some(Self { sum, red: fraction(flux.x), green: fraction(flux.y) })
     }
 
-    /// Stores the integer `steps` < 16, a share in steps of 1/[`SHARE_STEPS`], in the lowest four
-    /// bits of the sum. The relative change of the flux is below 2⁻¹⁹.
+    /// Returns the flux with the integer `steps` < 16 in the lowest four bits of its stored channel
+    /// sum.
+    ///
+    /// The integer is a share in steps of 1/[`SHARE_STEPS`]. The relative change of the flux is
+    /// below 2⁻¹⁹.
     #[inline]
     fn with_packed_share(self, steps: u8) -> Self {
         Self { sum: f32::from_bits(self.sum.to_bits() & !15 | u32::from(steps)), ..self }
     }
 
-    /// The flux \[W].
+    /// Returns the unpacked flux \[W].
     #[inline]
     pub fn flux(self) -> Rgb {
         let (red, green) = (f32::from(self.red), f32::from(self.green));
@@ -140,7 +143,7 @@ impl PhotonData {
         (normal.dot(plane.normal), normal.dot(plane.point) - self.plane_offset)
     }
 
-    /// Flux \[W].
+    /// Returns the flux that the photon carries \[W].
     #[inline]
     #[must_use]
     pub fn flux(&self) -> Rgb {

@@ -13,7 +13,7 @@ use glam::DVec3;
 use rand::rngs::SmallRng;
 use rayon::prelude::*;
 
-/// Result of a photon pass.
+/// Result of a photon pass: stored photons, splats, energy audit and counts.
 #[derive(Debug, Default)]
 pub struct PhotonPassResult {
     /// Photons and splats that the pass stored.

@@ -64,7 +64,7 @@ pub enum EndReason {
     Interrupted,
 }
 
-/// Result of a render.
+/// Result of a render, or of its passes so far: film, error estimator, counts and times.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct RenderResult {
     /// Numbers of the passes in `film`, counted from 0.
@@ -92,7 +92,7 @@ pub struct RenderResult {
 pub struct PassProgress<'a> {
     /// Number of passes so far.
     pub passes: u32,
-    /// Result with the passes so far.
+    /// Film, error estimator, counts and times of the passes so far.
     pub rendered: &'a RenderResult,
     /// Why the render ends after this pass; `None` if another pass follows.
     pub ended: Option<EndReason>,

@@ -3,7 +3,7 @@
 use super::driver::{EndReason, GIVE_UP_MARGIN, GIVE_UP_PASSES, StopCriteria};
 use super::error_estimate::{ErrorForecast, StopForecast};
 
-/// Expected end of a render.
+/// Prediction of when and why a render ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExpectedEnd {
     /// Criterion that is expected to hold first.

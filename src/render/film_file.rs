@@ -226,7 +226,7 @@ fn read_block(input: &mut impl Read) -> Result<Vec<u8>, FilmFileError> {
     content.ok().filter(|content| content.len() == size).ok_or(FilmFileError::Damaged { what: "a block" })
 }
 
-/// Fills `bytes` from `input`.
+/// Fills `bytes` from `input`; fails with [`FilmFileError::CutOff`] if the input ends too early.
 fn read_exact(input: &mut impl Read, bytes: &mut [u8]) -> Result<(), FilmFileError> {
     input.read_exact(bytes).map_err(|error| match error.kind() {
         io::ErrorKind::UnexpectedEof => FilmFileError::CutOff,

@@ -16,9 +16,9 @@ pub enum MergeError {
     /// The two films together have more than 2³² − 1 passes.
     #[error("two films of {own} and {other} passes have too many: at most {} are allowed", u32::MAX)]
     Passes {
-        /// Passes of the film that grows.
+        /// Number of passes of the film that grows.
         own: u32,
-        /// Passes of the film that is added.
+        /// Number of passes of the film that is added.
         other: u32,
     },
     /// The renders have common passes.

@@ -3,7 +3,7 @@
 /// Discrete distribution over `0..len`, sampled by inversion.
 #[derive(Clone, Debug)]
 pub struct DiscreteDistribution {
-    /// Cumulative probabilities, the last one 1.
+    /// Cumulative probabilities of the items; the last entry is 1.
     cumulative: Vec<f64>,
     total: f64,
 }

@@ -161,7 +161,7 @@ impl Key {
         self.child_key(purpose as u64)
     }
 
-    /// Key of pass `pass` of a purpose.
+    /// Key of pass number `pass`, derived from the key of a purpose.
     #[must_use]
     pub fn pass_key(self, pass: u32) -> Self {
         self.child_key(u64::from(pass))
@@ -256,21 +256,21 @@ impl Key {
         self.child_key(u64::from(round))
     }
 
-    /// 64 random bits for one dimension.
+    /// Returns 64 random bits for `dimension`: each random decision has its own bits.
     #[inline]
     #[must_use]
     pub fn random_bits(self, dimension: Dimension) -> u64 {
         hash_bits(self.0 ^ (dimension as u64).wrapping_mul(0xd6e8_feb8_6659_fd93))
     }
 
-    /// Uniform number in \[0, 1).
+    /// Returns a uniform random number in \[0, 1) for the decision `dimension`.
     #[inline]
     #[must_use]
     pub fn uniform_1d(self, dimension: Dimension) -> f32 {
         uniform_from_24_bits((self.random_bits(dimension) >> 40) as u32)
     }
 
-    /// Uniform point in \[0, 1)².
+    /// Returns a uniform random point in \[0, 1)² for the decision `dimension`.
     #[inline]
     #[must_use]
     pub fn uniform_2d(self, dimension: Dimension) -> Vec2 {

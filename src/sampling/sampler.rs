@@ -90,14 +90,16 @@ impl Sampler {
         (self.index, self.count)
     }
 
-    /// Uniform number in \[0, 1).
+    /// Returns a uniform number in \[0, 1) for the decision `dimension`, stratified over the
+    /// samples.
     #[inline]
     #[must_use]
     pub fn get_1d(self, dimension: Dimension) -> f32 {
         if self.count > 1 { self.get_2d(dimension).x } else { self.key.uniform_1d(dimension) }
     }
 
-    /// Uniform point in \[0, 1)².
+    /// Returns a uniform point in \[0, 1)² for the decision `dimension`, stratified over the
+    /// samples.
     #[inline]
     #[must_use]
     pub fn get_2d(self, dimension: Dimension) -> Vec2 {

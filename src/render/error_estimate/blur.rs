@@ -48,7 +48,7 @@ pub(super) struct NestedDifferenceMoments {
     /// Relative variance, in one pass, of the difference between density estimates with full and
     /// half disc area.
     pub variance: f64,
-    /// Variance of the estimate `d0`.
+    /// Variance of the estimate of ‖D₀‖² in `d0`.
     pub d0_variance: f64,
     /// Relative variance of the squared noise of D₀: 2 / effective sample count.
     pub scatter: f64,
@@ -86,7 +86,7 @@ impl NestedDifferenceMoments {
 pub(super) struct BlurEstimate {
     /// Mean squared relative blur.
     pub square: f64,
-    /// Variance of `square`.
+    /// Variance of the estimate `square`.
     pub variance: f64,
     /// Ratio of the blur with discs of half the area to the blur with full discs.
     pub ratio: f64,

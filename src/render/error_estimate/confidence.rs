@@ -17,7 +17,7 @@ impl Confidence {
         (probability > 0.0 && probability < 1.0).then_some(Self(probability))
     }
 
-    /// The probability, in (0, 1).
+    /// Returns the probability, in (0, 1), that the interval contains the true error.
     #[must_use]
     pub fn probability(self) -> f64 {
         self.0

@@ -2,7 +2,7 @@
 
 use crate::integrate::squared_radius_ratio;
 
-/// Number of passes that are summed one by one.
+/// Number of passes that are summed one by one. Later passes are summed in groups.
 pub(super) const EXACT_PASSES: u32 = 1024;
 
 /// Divisor that gives the size of a group of passes that is summed at once: n/`GROUP_DIVISOR` after
@@ -15,15 +15,15 @@ pub(super) const GROUP_DIVISOR: u32 = 128;
 pub(super) struct DiscAreaSums {
     /// Exponent α of the radius law; 1 for fixed radii.
     alpha: f64,
-    /// Exponent p: the blur of a pass is proportional to its disc area to the power p.
+    /// Exponent p: the blur of a pass is proportional to its gather disc area to the power p.
     power: f64,
     /// Number of summed passes.
     pub passes: u32,
     /// Disc area of the next pass, relative to the first pass.
     area: f64,
-    /// Sum of 1/area.
+    /// Sum over passes of the inverse gather disc area, relative to the first pass.
     pub inverse_area: f64,
-    /// Sum of area^`power`.
+    /// Sum over passes of area^`power`. The blur of the picture is proportional to its mean.
     pub blur: f64,
 }
 

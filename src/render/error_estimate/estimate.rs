@@ -11,7 +11,7 @@ use serde::Serialize;
 /// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights); 0.01 means 1 %.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorEstimate {
-    /// Number of passes.
+    /// Number of passes of the picture.
     pub passes: u32,
     /// Total error: √(noise² + bias²).
     pub error: f64,

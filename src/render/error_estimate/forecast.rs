@@ -21,9 +21,9 @@ pub struct ErrorForecast {
     path_variance: f64,
     /// Relative variance of photon estimates in the first pass.
     photon_variance: f64,
-    /// Relative blur of the first pass.
+    /// Relative blur (bias of photon density estimates) of the first pass.
     blur: f64,
-    /// Exponent p: the blur of a pass is proportional to its disc area to the power p.
+    /// Exponent p: the blur of a pass is proportional to its gather disc area to the power p.
     power: f64,
 }
 

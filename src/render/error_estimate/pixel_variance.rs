@@ -11,7 +11,7 @@ const GAUSSIAN_KURTOSIS: f64 = 3.0;
 /// Sums over passes from which the variance of each pixel is computed.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct PixelVarianceSums {
-    /// Sums of squared radiance over passes, by channel.
+    /// Sums over passes of squared radiance, for each pixel and channel.
     squares: BinnedSums<3>,
     /// Largest absolute radiance of each pixel, over all passes and channels.
     peaks: Vec<f32>,

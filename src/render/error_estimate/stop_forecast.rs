@@ -63,7 +63,7 @@ pub enum StopForecast {
 pub struct PassRange {
     /// Lower end of the range: the 10 % quantile.
     pub low: u32,
-    /// Median.
+    /// Median of the predicted number of passes.
     pub median: u32,
     /// Upper end of the range: the 90 % quantile; `None` if it is too far to predict.
     pub high: Option<u32>,
@@ -72,13 +72,13 @@ pub struct PassRange {
 /// One draw of the quantities that a forecast does not know, as standard normal or uniform
 /// variates.
 struct Draw {
-    /// Normal variate of the expected noise.
+    /// Standard normal variate that determines the expected noise.
     noise: f64,
-    /// Uniform variate of the exponent of the decay of blur.
+    /// Uniform variate that determines the exponent of the decay of blur.
     power: f64,
-    /// Uniform variate of the expected blur.
+    /// Uniform variate that determines the expected blur.
     blur: f64,
-    /// Normal variate of the noise of later blur estimates.
+    /// Standard normal variate that determines the noise of later blur estimates.
     later_blur: f64,
 }
 

@@ -103,7 +103,7 @@ fn blur_at_edges_decays_slowly() {
     assert!(edge > 2 * smooth, "{edge} {smooth}");
 }
 
-/// Blur that is not known yet widens the range.
+/// The predicted range of passes is wider if the blur is not measured exactly.
 #[test]
 fn unknown_blur_widens_the_range() {
     let known = forecast_with(NestedDifferenceMoments::default(), Some(2.0 / 3.0));

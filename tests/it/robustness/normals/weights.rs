@@ -68,13 +68,13 @@ fn photon_weights_conserve_flux_with_bounded_tail() {
     }
 }
 
-/// A diffuse surface of albedo 1 scatters only between directions on which both normals agree: a
-/// fraction (1 + c)/2 of arriving and of leaving directions.
+/// The mean weight at a diffuse surface of albedo 1 has one factor (1 + c)/2 for arriving and one
+/// for leaving directions: the share of directions on which both normals agree.
 ///
-/// Both factors are max(c + s·slope, 0) of independent slopes. The products up to [`MAX_WEIGHT`] have the
-/// mean E[a G(MAX_WEIGHT/a)]. G(z), the integral of P(b > x) up to z, is ½(z + 1 − √(s² + (z − c)²)).
-/// With slope = tanφ this is an integral of ½ cosφ dφ. Factors round some ten times in single
-/// precision.
+/// Both factors are max(c + s·slope, 0) of independent slopes. The products up to [`MAX_WEIGHT`]
+/// have the mean E[a G(MAX_WEIGHT/a)]. G(z), the integral of P(b > x) up to z, is ½(z + 1 − √(s² +
+/// (z − c)²)). With slope = tanφ this is an integral of ½ cosφ dφ. Factors round some ten times in
+/// single precision.
 #[test]
 fn diffuse_scatters_where_both_normals_agree() {
     for degrees in [5.0, 37.0, 70.0] {
