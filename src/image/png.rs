@@ -85,7 +85,8 @@ struct DecodedPng {
     gamma: Option<f64>,
 }
 
-/// Decodes the samples of a PNG file; fails if that needs more than `free` bytes of memory.
+/// Decodes the samples of a PNG file. Fails if that needs more than `free` bytes of memory; `None`
+/// is no limit.
 fn decode_png_samples(file: &[u8], free: Option<u64>) -> Result<DecodedPng, DecodeFailure> {
     let mut decoder = Decoder::new(Cursor::new(file));
     decoder.set_transformations(png::Transformations::EXPAND);

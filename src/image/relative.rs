@@ -81,7 +81,8 @@ impl RelativeErrorWeights {
     /// Mean over pixels of the relative squared error, which is clamped to \[−1, 1] per pixel.
     ///
     /// `product(i)` gives the squared error of pixel i in each channel. It may also give the
-    /// product of the errors against two independent references, in whose mean their noise cancels.
+    /// product of the errors against two independent references, whose noise then cancels in the
+    /// mean.
     #[must_use]
     pub fn mean(&self, product: impl Fn(usize) -> DVec3) -> f64 {
         let sum: f64 =

@@ -149,9 +149,9 @@ fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, 
 
 /// Returns c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L, for one light of color c.
 ///
-/// `surface.wo` is V, its shading normal N, and L the unit direction to the light. By the course's
-/// definition, surfaces that face away from the light keep their highlight. Normals are not flipped
-/// towards the viewer, and 0⁰ is 1.
+/// V is `surface.wo`, N the shading normal, and L the unit direction to the light. `appearance`
+/// holds kd, ks and the exponent s. By the course's definition, surfaces that face away from the
+/// light keep their highlight. Normals are not flipped towards the viewer, and 0⁰ is 1.
 fn phong_shading_of_light(surface: &SurfaceInteraction<'_>, appearance: &PhongAppearance, light: &LegacyLight) -> Rgb {
     let (to_light, color) = match light {
         LegacyLight::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),

@@ -115,7 +115,8 @@ pub enum IndirectPhotons {
     Full,
 }
 
-/// Division of directly visible caustics between photon estimates and light tracing.
+/// Division of directly visible caustics between photon estimates and light tracing, which connects
+/// photons to the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightTracing {
     /// Photon estimates carry all light of directly visible caustics.

@@ -51,7 +51,7 @@ pub struct Deposits {
     /// Photons in media, except the photons in `after_caustic_volume`.
     pub volume: VolumePhotons,
     /// Photons in media of [`PhotonKind::AfterCaustic`], if
-    /// [`StoreMask::separates_after_caustic`](super::StoreMask) is set.
+    /// [`StoreMask::separates_after_caustic`](super::StoreMask) is set; else empty.
     pub after_caustic_volume: VolumePhotons,
     /// Number of photons that were not stored because their flux or position was not finite, or
     /// their flux was negative.

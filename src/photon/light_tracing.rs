@@ -32,7 +32,8 @@ const EQUAL_SHARE_COUNT: f64 = 10.0;
 pub struct DensityEstimateShares {
     width: u32,
     height: u32,
-    /// Fractions in steps of 1/[`SHARE_STEPS`], by rows from the top.
+    /// Share of density estimates at each pixel, as a number of steps of 1/[`SHARE_STEPS`], by rows
+    /// from the top.
     steps: Vec<u8>,
 }
 

@@ -35,7 +35,8 @@ pub(super) fn hdr_flip_exposures(reference: &Image) -> Vec<f64> {
 
 /// Input x of the film curve whose output t is [`NEAR_WHITE`].
 ///
-/// x is the positive root of (k₀ − k₂t)x² + (k₁ − k₃t)x − k₄t.
+/// x is the positive root of (k₀ − k₂t)x² + (k₁ − k₃t)x − k₄t, with the coefficients kᵢ of
+/// [`FILM`].
 fn film_input_near_white() -> f64 {
     let [k0, k1, k2, k3, k4] = FILM;
     let (a, half, c) = (k0 - k2 * NEAR_WHITE, 0.5 * (k1 - k3 * NEAR_WHITE), -k4 * NEAR_WHITE);

@@ -19,7 +19,7 @@ pub struct ErrorEstimate {
     pub low: f64,
     /// Upper end of the interval that contains the true error with the requested confidence.
     pub high: f64,
-    /// Standard error of the mean of the passes.
+    /// Relative standard error of the picture, which is the mean of the passes.
     pub noise: f64,
     /// Error that averaging does not reduce: √(blur² + shared_paths²).
     pub bias: f64,

@@ -24,7 +24,7 @@ const MAX_PASSES: usize = 8;
 /// Effective sample count that is assumed before measurement.
 const PRIOR_SAMPLES: f64 = 100.0;
 
-/// Weight of [`PRIOR_SAMPLES`] against measurements, expressed as a number of measured products.
+/// Weight of [`PRIOR_SAMPLES`], as an equivalent number of measured products of pass differences.
 const PRIOR_PRODUCTS: f64 = 2.0;
 
 impl LeadingPasses {

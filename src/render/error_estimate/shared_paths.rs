@@ -54,7 +54,8 @@ impl SharedPathErrorSums {
         are_pixels && self.sums.len() == count && self.squares.len() == count
     }
 
-    /// Returns the indices of the pixels with fresh camera paths, in rows from the top.
+    /// Returns the indices of the pixels that each pass also renders with fresh camera paths, by
+    /// rows from the top.
     pub(super) fn pixels(&self) -> &[u32] {
         &self.pixels
     }
