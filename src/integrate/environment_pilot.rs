@@ -62,7 +62,7 @@ struct PilotRay {
     u: Vec2,
     /// Pdf of `u` over the unit square.
     pdf: f32,
-    /// Contribution to the picture without guiding; 0 if occluded.
+    /// Contribution that the ray would make to the picture without guiding; 0 if occluded.
     contribution: f64,
 }
 

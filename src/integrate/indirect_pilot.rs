@@ -26,7 +26,7 @@ use glam::Vec2;
 /// Number of cells along the longer side of the film.
 const CELLS: u32 = 24;
 
-/// Number of camera paths through each cell.
+/// Number of camera paths through each cell of the film grid in one trial.
 const CELL_POINTS: u32 = 16;
 
 /// Smallest divisor of the number of photon paths: a trial traces at most 1/8 of the paths of a
@@ -177,7 +177,7 @@ fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
 
 /// Work of the parts of a trial, relative to tracing one photon ray.
 struct TrialWork {
-    /// Work of the camera paths.
+    /// Work of all camera paths of the trial.
     paths: f64,
     /// Work of the same camera paths up to their first receiver.
     prefixes: f64,

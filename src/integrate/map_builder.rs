@@ -29,7 +29,7 @@ use std::time::Instant;
 /// Default limit on the number of photons of a density estimate in the caustic map.
 pub const CAUSTIC_K: u32 = 50;
 
-/// Divisor of the number of unaimed photon paths that gives the number of paths for guiding
+/// Ratio of the number of unaimed photon paths of a pass to the number of paths that guide
 /// final-gathering rays.
 const GUIDE_PHOTON_DIVISOR: u32 = 16;
 
