@@ -126,6 +126,26 @@ impl Bvh8 {
         deepest + count - 1
     }
 
+    /// True if the hierarchy has no primitives.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// True if the child reference `child` refers to a leaf; false for a node.
+    #[inline]
+    pub fn is_leaf(child: u32) -> bool {
+        child >= PACKET
+    }
+
+    /// Boxes and child references of the node to which the child reference `node` refers; 0 is the
+    /// root.
+    #[inline]
+    pub fn node(&self, node: u32) -> (&Boxes8, &[u32; ARITY]) {
+        let node = &self.nodes[node as usize];
+        (&node.boxes, &node.children)
+    }
+
     /// The triangle packet to which the child reference `leaf` refers.
     #[inline]
     pub fn packet_of_leaf(&self, leaf: u32) -> &TrianglePacket {
@@ -155,7 +175,7 @@ impl Bvh8 {
         let slabs = SlabTestRay::new(precalc);
         let mut current = 0;
         loop {
-            if current < PACKET {
+            if !Self::is_leaf(current) {
                 // Test the eight boxes of a node.
                 let node = &self.nodes[current as usize];
                 let (mut hits, near) = node.boxes.intersect_boxes(&slabs, limit);
@@ -244,6 +264,12 @@ impl Boxes8 {
             lower.as_mut_array()[slot] = min[axis];
             upper.as_mut_array()[slot] = max[axis];
         }
+    }
+
+    /// Lower and upper planes of the eight boxes along one axis.
+    #[inline]
+    pub fn planes(&self, axis: usize) -> [f32x8; 2] {
+        self.0[axis]
     }
 
     /// Bit mask of the boxes that the ray enters below the ray parameter `limit` (Ize 2013).

@@ -10,12 +10,14 @@
 mod along;
 mod build;
 mod bvh8;
+mod leaf_list;
 mod packet;
 mod ray_precalc;
 #[cfg(test)]
 mod tests;
 
 pub use along::BoxTree;
+pub use leaf_list::LeafList;
 
 use crate::math::{Bounds, Ray};
 use build::OTHER;
@@ -92,7 +94,33 @@ impl Hierarchy {
     /// numbers, which become `u` and `v` of the [`PrimitiveHit`]. The `t_max` of the given `ray` is
     /// the ray parameter of the nearest hit so far.
     #[inline]
-    pub fn closest_hit<F>(&self, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
+    pub fn closest_hit<F>(&self, ray: &Ray, other: F) -> Option<PrimitiveHit>
+    where
+        F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
+    {
+        self.closest_hit_in(&AllLeaves, ray, other)
+    }
+
+    /// Nearest hit as [`Hierarchy::closest_hit`] returns it, for a ray that stays in the box of
+    /// `leaves`.
+    #[inline]
+    pub fn closest_hit_near<F>(&self, leaves: &LeafList, ray: &Ray, other: F) -> Option<PrimitiveHit>
+    where
+        F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
+    {
+        self.closest_hit_in(leaves, ray, other)
+    }
+
+    /// The leaves near `bounds`, for [`Hierarchy::closest_hit_near`]; `None` if there are so many
+    /// that [`Hierarchy::closest_hit`] is faster.
+    #[must_use]
+    pub fn leaves_near(&self, bounds: &Bounds) -> Option<LeafList> {
+        LeafList::new(&self.bvh, bounds)
+    }
+
+    /// Nearest hit with `0 < t < t_max` in `leaves`.
+    #[inline(always)]
+    fn closest_hit_in<F>(&self, leaves: &impl Leaves, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
     {
@@ -117,7 +145,7 @@ impl Hierarchy {
             }
             best.hit.t
         };
-        with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<true, STACK>(&precalc, test_leaf));
+        leaves.visit(&self.bvh, &precalc, test_leaf);
         best.to_primitive_hit(ray, &precalc)
     }
 
@@ -177,6 +205,29 @@ impl Hierarchy {
         };
         with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<false, STACK>(&precalc, test_leaf));
         found
+    }
+}
+
+/// A set of leaves of a hierarchy that a ray may hit.
+trait Leaves {
+    /// Calls `test` for leaves of the set, as [`Bvh8::traverse`] does from near to far.
+    fn visit(&self, bvh: &Bvh8, precalc: &RayPrecalc, test: impl FnMut(u32, f32) -> f32);
+}
+
+/// All leaves of a hierarchy.
+struct AllLeaves;
+
+impl Leaves for AllLeaves {
+    #[inline(always)]
+    fn visit(&self, bvh: &Bvh8, precalc: &RayPrecalc, test: impl FnMut(u32, f32) -> f32) {
+        with_stack_size!(bvh, <STACK> bvh.traverse::<true, STACK>(precalc, test));
+    }
+}
+
+impl Leaves for LeafList {
+    #[inline(always)]
+    fn visit(&self, _: &Bvh8, precalc: &RayPrecalc, mut test: impl FnMut(u32, f32) -> f32) {
+        self.leaves().iter().fold(precalc.t_max, |limit, leaf| test(*leaf, limit));
     }
 }
 

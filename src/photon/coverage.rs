@@ -3,9 +3,9 @@
 
 use super::Kernel;
 use super::estimate::{LEVELS, MAX_RELATIVE_HEIGHT, MIN_NORMAL_COSINE};
-use crate::math::{Frame, Ray, warp};
+use crate::math::{Bounds, Frame, Ray, warp};
 use crate::sampling::{Dimension, Key, sobol_2d};
-use crate::scene::Scene;
+use crate::scene::{NearPrimitives, Scene};
 use glam::Vec3;
 
 /// Number of probe rays that measure the coverage of one disc.
@@ -24,6 +24,29 @@ pub(super) const MIN_COVERAGE: f32 = 0.05;
 /// slope.
 #[must_use]
 pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
+    let primitives = NearPrimitives::new(scene, &probe_bounds(p, normal, radius));
+    coverage_by_probes(scene, &primitives, p, normal, radius, kernel, key)
+}
+
+/// Box around all probe rays of the disc of `radius` \[length] around `p`.
+fn probe_bounds(p: Vec3, normal: Vec3, radius: f32) -> Bounds {
+    let height = normal.abs() * (radius * MAX_RELATIVE_HEIGHT);
+    let around = (Vec3::ONE - normal * normal).max(Vec3::ZERO).map(f32::sqrt) * radius;
+    let rounding = 1e-4 * radius + 1e-5 * p.abs().max_element();
+    let half = height + around + rounding;
+    Bounds { min: p - half, max: p + half }
+}
+
+/// Returns [`disc_coverage`] by probe rays against `primitives`, which lie near the disc.
+fn coverage_by_probes(
+    scene: &Scene,
+    primitives: &NearPrimitives<'_>,
+    p: Vec3,
+    normal: Vec3,
+    radius: f32,
+    kernel: Kernel,
+    key: Key,
+) -> f32 {
     let frame = Frame::from_normal(normal);
     let height = radius * MAX_RELATIVE_HEIGHT;
     let (mut covered, mut whole) = (0.0, 0.0);
@@ -33,7 +56,7 @@ pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: 
         whole += shape;
         let above = p + (frame.s * d.x + frame.t * d.y) * radius + normal * height;
         let ray = Ray { t_max: 2.0 * height, ..Ray::new(above, -normal) };
-        let Some(hit) = scene.intersect(&ray) else { continue };
+        let Some(hit) = primitives.intersect(&ray) else { continue };
         let cos = scene.normal_at(&ray, &hit).dot(normal).abs();
         if cos > MIN_NORMAL_COSINE {
             let rise = (height - hit.t) / radius;
@@ -65,9 +88,10 @@ pub fn nested_disc_coverage(
     kernel: Kernel,
     key: Key,
 ) -> [f32; LEVELS] {
+    let primitives = NearPrimitives::new(scene, &probe_bounds(p, normal, radius));
     let mut radius = radius;
     [(); LEVELS].map(|()| {
-        let covered = disc_coverage(scene, p, normal, radius, kernel, key);
+        let covered = coverage_by_probes(scene, &primitives, p, normal, radius, kernel, key);
         radius *= std::f32::consts::FRAC_1_SQRT_2;
         covered
     })

@@ -1,7 +1,7 @@
 //! The geometry of a resolved scene, with the hierarchies that find intersections.
 
 use super::shape_list::ShapeList;
-use crate::accel::{Hierarchy, PrimitiveIndex};
+use crate::accel::{Hierarchy, PrimitiveHit, PrimitiveIndex};
 use crate::math::{Bounds, Ray};
 use crate::shape::{Mesh, Plane, Shape, SurfacePoint, TexCoord};
 use glam::Vec2;
@@ -169,12 +169,29 @@ impl Geometry {
     /// ray hits nothing.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let Self { shapes, planes, hierarchy, moving, .. } = self;
-        let (resting, in_motion) = (shapes.resting(), shapes.moving());
+        let (resting, in_motion) = (self.shapes.resting(), self.shapes.moving());
+        self.nearest_hit(
+            ray,
+            |ray| self.hierarchy.closest_hit(ray, |i, ray| resting[i as usize].intersect(ray)),
+            |moving, ray| moving.closest_hit(ray, |i, ray| in_motion[i as usize].intersect(ray)),
+        )
+    }
+
+    /// Finds the nearest intersection of `ray`.
+    ///
+    /// `search_resting` and `search_moving` return the nearest hit of the hierarchy over triangles
+    /// and shapes at rest, and of the one over moving shapes.
+    #[inline(always)]
+    pub fn nearest_hit(
+        &self,
+        ray: &Ray,
+        search_resting: impl FnOnce(&Ray) -> Option<PrimitiveHit>,
+        search_moving: impl FnOnce(&Hierarchy, &Ray) -> Option<PrimitiveHit>,
+    ) -> Option<Hit> {
+        let Self { shapes, planes, moving, .. } = self;
 
         // Find the nearest triangle or shape at rest.
-        let bounded = hierarchy.closest_hit(ray, |i, ray| resting[i as usize].intersect(ray));
-        let mut hit = bounded.map(|h| Hit {
+        let mut hit = search_resting(ray).map(|h| Hit {
             t: h.t,
             primitive: match h.primitive {
                 PrimitiveIndex::Triangle(i) => HitPrimitive::Triangle(i, Vec2::new(h.u, h.v)),
@@ -185,7 +202,7 @@ impl Geometry {
         // Find a nearer moving shape.
         if let Some(moving) = moving {
             let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
-            if let Some(h) = moving.closest_hit(&within, |i, ray| in_motion[i as usize].intersect(ray))
+            if let Some(h) = search_moving(moving, &within)
                 && let PrimitiveIndex::Other(i) = h.primitive
             {
                 hit = Some(Hit {

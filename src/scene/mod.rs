@@ -12,6 +12,7 @@ mod geometry;
 mod interiors;
 mod material;
 mod motion_extent;
+mod near_primitives;
 mod path_ray;
 mod queries;
 mod ray_cone;
@@ -30,6 +31,7 @@ pub use interiors::{
 };
 pub use material::{Material, MaterialKind};
 pub use motion_extent::motion_on_film;
+pub use near_primitives::NearPrimitives;
 pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};
 pub use queries::{LeafMaterial, ObjectSummary};
 pub use ray_cone::RayCone;

@@ -119,6 +119,39 @@ fn triangle_soups_agree_with_brute_force() {
     }
 }
 
+/// Few leaves near a small box give the same hits, bit for bit, as the whole hierarchy.
+#[test]
+fn leaves_near_a_box_hold_all_its_hits() {
+    let mut rng = SmallRng::seed_from_u64(5);
+    let (mut short_lists, mut long_lists, mut hits) = (0, 0, 0);
+    for (count, size, spheres) in
+        [(1, 1.0, 0), (9, 0.7, 4), (60, 0.5, 0), (500, 0.2, 40), (3000, 0.05, 3), (0, 0.0, 17)]
+    {
+        let triangles = random_triangle_mesh(&mut rng, count, size);
+        let balls: Vec<(Vec3, f32)> =
+            (0..spheres).map(|_| (random_point(&mut rng), rng.random_range(0.0..0.3))).collect();
+        let tree = Hierarchy::build(&triangles, &boxes_around_spheres(&balls));
+        let solve = |i: u32, r: &Ray| intersect_sphere(balls[i as usize].0, balls[i as usize].1, r);
+        for _ in 0..300 {
+            let center = random_point(&mut rng);
+            let half = rng.random_range(0.001..0.3);
+            let Some(leaves) = tree.leaves_near(&Bounds { min: center, max: center }.expanded(half * 1.001)) else {
+                long_lists += 1;
+                continue;
+            };
+            short_lists += 1;
+            for _ in 0..20 {
+                let [from, to] = [0; 2].map(|_| center + random_point(&mut rng) * half);
+                let ray = Ray { t_max: 1.0, ..Ray::new(from, to - from) };
+                let expected = tree.closest_hit(&ray, solve);
+                assert_eq!(tree.closest_hit_near(&leaves, &ray, solve), expected, "{ray:?}");
+                hits += usize::from(expected.is_some());
+            }
+        }
+    }
+    assert!(short_lists > 500 && long_lists > 100 && hits > 1000, "{short_lists} {long_lists} {hits}");
+}
+
 /// Hits agree with Cramer's rule in f64, up to the error of the triangle test.
 ///
 /// Shearing moves a corner by at most γ(9) of its distance, which is below 6 here. Barycentric

@@ -1,0 +1,82 @@
+//! Leaves of a hierarchy near a box, for many short rays in that box.
+
+use super::build::ARITY;
+use super::bvh8::{Boxes8, Bvh8};
+use crate::math::Bounds;
+use wide::f32x8;
+
+/// Largest number of leaves of a [`LeafList`].
+///
+/// Above about this number, a traversal for each ray is faster than a test of all leaves.
+const MAX_LEAVES: usize = 6;
+
+/// Largest number of nodes that a search for leaves may leave on its stack.
+///
+/// A box that needs more holds too many leaves in any case.
+const STACK: usize = 4 * ARITY;
+
+/// The leaves of a [`Hierarchy`](super::Hierarchy) whose boxes overlap one box, if they are few.
+///
+/// A ray inside that box hits no primitive of other leaves.
+#[derive(Clone, Copy, Debug)]
+pub struct LeafList {
+    /// Child references of the leaves; only the first `count` are valid.
+    leaves: [u32; MAX_LEAVES],
+    count: usize,
+}
+
+impl LeafList {
+    /// Leaves of `bvh` whose boxes overlap `bounds`; `None` if there are more than [`MAX_LEAVES`].
+    pub(super) fn new(bvh: &Bvh8, bounds: &Bounds) -> Option<Self> {
+        let mut list = Self { leaves: [0; MAX_LEAVES], count: 0 };
+        let overlap = OverlapTest::new(bounds);
+        let mut stack = [0u32; STACK];
+        // The root has index 0. An empty hierarchy has no root.
+        let mut top = usize::from(!bvh.is_empty());
+        while top > 0 {
+            top -= 1;
+            let (boxes, children) = bvh.node(stack[top]);
+            let mut hits = overlap.overlapping_boxes(boxes);
+            while hits != 0 {
+                let child = children[hits.trailing_zeros() as usize & (ARITY - 1)];
+                hits &= hits - 1;
+                if Bvh8::is_leaf(child) {
+                    *list.leaves.get_mut(list.count)? = child;
+                    list.count += 1;
+                } else {
+                    *stack.get_mut(top)? = child;
+                    top += 1;
+                }
+            }
+        }
+        Some(list)
+    }
+
+    /// Child references of the leaves.
+    #[inline]
+    pub(super) fn leaves(&self) -> &[u32] {
+        &self.leaves[..self.count]
+    }
+}
+
+/// A box, prepared for overlap tests with eight boxes at a time (SIMD).
+struct OverlapTest {
+    min: [f32x8; 3],
+    max: [f32x8; 3],
+}
+
+impl OverlapTest {
+    fn new(bounds: &Bounds) -> Self {
+        Self { min: bounds.min.to_array().map(f32x8::splat), max: bounds.max.to_array().map(f32x8::splat) }
+    }
+
+    /// Bit mask of the boxes that share a point with this box.
+    #[inline]
+    fn overlapping_boxes(&self, boxes: &Boxes8) -> u32 {
+        let on_axis = |axis: usize| {
+            let [lower, upper] = boxes.planes(axis);
+            lower.simd_le(self.max[axis]) & upper.simd_ge(self.min[axis])
+        };
+        (on_axis(0) & on_axis(1) & on_axis(2)).to_bitmask()
+    }
+}

@@ -1,0 +1,47 @@
+//! Intersection of many short rays in a small part of a scene.
+
+use super::Scene;
+use super::geometry::{Geometry, Hit};
+use crate::accel::LeafList;
+use crate::math::{Bounds, Ray};
+
+/// The primitives of a scene near a box, for many rays that stay in this box.
+///
+/// One search of the hierarchies serves all rays. Hits are equal to those of [`Scene::intersect`]
+/// bit for bit.
+pub struct NearPrimitives<'a> {
+    geometry: &'a Geometry,
+    /// Leaves that hold triangles and shapes at rest; `None` if they are many.
+    resting: Option<LeafList>,
+    /// Leaves that hold moving shapes; `None` if they are many, or if the scene has no moving
+    /// shapes.
+    moving: Option<LeafList>,
+}
+
+impl<'a> NearPrimitives<'a> {
+    /// Primitives of `scene` near `bounds`.
+    #[must_use]
+    pub fn new(scene: &'a Scene, bounds: &Bounds) -> Self {
+        let geometry = &scene.geometry;
+        let moving = geometry.moving.as_ref().and_then(|moving| moving.leaves_near(bounds));
+        Self { geometry, resting: geometry.hierarchy.leaves_near(bounds), moving }
+    }
+
+    /// The nearest intersection of `ray`, for 0 < t < `ray.t_max`; `None` if the ray hits nothing.
+    ///
+    /// The ray must stay in the box.
+    #[inline]
+    #[must_use]
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        let Self { geometry, resting: Some(leaves), moving } = self else { return self.geometry.intersect(ray) };
+        let (resting, in_motion) = (geometry.shapes.resting(), geometry.shapes.moving());
+        geometry.nearest_hit(
+            ray,
+            |ray| geometry.hierarchy.closest_hit_near(leaves, ray, |i, ray| resting[i as usize].intersect(ray)),
+            |hierarchy, ray| match moving {
+                Some(leaves) => hierarchy.closest_hit_near(leaves, ray, |i, ray| in_motion[i as usize].intersect(ray)),
+                None => hierarchy.closest_hit(ray, |i, ray| in_motion[i as usize].intersect(ray)),
+            },
+        )
+    }
+}
