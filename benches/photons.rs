@@ -105,7 +105,7 @@ fn gather_k(bencher: Bencher, count: u32) {
 fn gather(bencher: Bencher, bandwidth: Bandwidth) {
     let map = PhotonMap::build(photons(STORED));
     bencher.counter(ItemsCount::new(GATHERS)).bench_local(|| {
-        let mut scratch = PhotonSearchBuffers::new();
+        let mut scratch = PhotonSearchBuffers::default();
         let estimate = |p| {
             map.estimate_radiance(p, Vec3::Y, bandwidth, Kernel::Epanechnikov, &mut scratch, |_| Vec3::ONE).radiance
         };

@@ -14,15 +14,11 @@ use super::Rgb;
 use glam::DVec3;
 use std::sync::LazyLock;
 
-/// Shortest rendered wavelength \[nm\].
-const SHORTEST: f32 = 380.0;
-/// Longest rendered wavelength \[nm\].
-const LONGEST: f32 = 720.0;
 /// Number of wavelength intervals. The responses are constant in each interval, and a byte codes
 /// its index plus 1.
 const CELLS: usize = 255;
 /// Width of a wavelength interval of constant response \[nm\].
-const STEP: f32 = (LONGEST - SHORTEST) / CELLS as f32;
+const STEP: f32 = (Wavelength::LONGEST - Wavelength::SHORTEST) / CELLS as f32;
 /// Least distance of a sampled wavelength from the ends of its interval, relative to the interval's
 /// width.
 const EDGE: f32 = 1.0 / 4096.0;
@@ -33,9 +29,9 @@ pub struct Wavelength(f32);
 
 impl Wavelength {
     /// Shortest rendered wavelength \[nm].
-    pub const SHORTEST: f32 = SHORTEST;
+    pub const SHORTEST: f32 = 380.0;
     /// Longest rendered wavelength \[nm].
-    pub const LONGEST: f32 = LONGEST;
+    pub const LONGEST: f32 = 720.0;
 
     /// Samples a wavelength by `u` in \[0, 1), with the mean response of the channels as pdf.
     #[must_use]
@@ -44,7 +40,7 @@ impl Wavelength {
         let u = f64::from(u);
         let cell = sums.partition_point(|s| *s <= u).clamp(1, CELLS) - 1;
         let within = (u - sums[cell]) / (sums[cell + 1] - sums[cell]);
-        Self(SHORTEST + (cell as f32 + (within as f32).clamp(EDGE, 1.0 - EDGE)) * STEP)
+        Self(Self::SHORTEST + (cell as f32 + (within as f32).clamp(EDGE, 1.0 - EDGE)) * STEP)
     }
 
     /// The wavelength in nanometres.
@@ -80,12 +76,12 @@ impl Wavelength {
     #[must_use]
     pub fn from_byte_code(code: u8) -> Option<Self> {
         let step = code.checked_sub(1)?;
-        Some(Self(SHORTEST + (f32::from(step) + 0.5) * STEP))
+        Some(Self(Self::SHORTEST + (f32::from(step) + 0.5) * STEP))
     }
 
     /// Index of the interval of constant response that contains the wavelength.
     fn response_interval_index(self) -> usize {
-        ((self.0 - SHORTEST) / STEP).min(CELLS as f32 - 1.0) as usize
+        ((self.0 - Self::SHORTEST) / STEP).min(CELLS as f32 - 1.0) as usize
     }
 }
 
@@ -101,7 +97,7 @@ struct SpectralResponseTable {
 
 /// Responses of the RGB channels and sampling tables, computed at first use.
 static RESPONSE_TABLE: LazyLock<SpectralResponseTable> = LazyLock::new(|| {
-    let center = |cell: usize| f64::from(SHORTEST) + (cell as f64 + 0.5) * f64::from(STEP);
+    let center = |cell: usize| f64::from(Wavelength::SHORTEST) + (cell as f64 + 0.5) * f64::from(STEP);
     let responses: [DVec3; CELLS] =
         std::array::from_fn(|cell| add_white_until_nonnegative(color_matching_rgb(center(cell))));
     let total: DVec3 = responses.iter().sum();

@@ -74,14 +74,6 @@ pub fn relative_mse(a: &Image, reference: &Image, epsilon: f64, clip: Option<f64
     Ok(sum / reference.pixels().len() as f64)
 }
 
-/// Largest absolute difference over all pixels and channels \[W/(m² sr)].
-///
-/// # Errors
-/// [`MetricError`] if the sizes differ or a pixel is not finite.
-pub fn max_abs_difference(a: &Image, b: &Image) -> Result<f64, MetricError> {
-    Ok(pixel_pairs(a, b)?.fold(0.0, |most, (a, b)| (a.as_dvec3() - b.as_dvec3()).abs().max_element().max(most)))
-}
-
 /// Largest absolute difference of one channel, with its pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct LargestDifference {

@@ -9,6 +9,7 @@ use super::camera_path;
 use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
+use super::pilot_statistics::{box_mean, positive_median};
 use super::tiles;
 use crate::color;
 use crate::sampling::{Key, Purpose};
@@ -68,18 +69,10 @@ fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, sampl
         squares.sum::<f64>() / (n - 1.0)
     };
     let variances: Vec<f64> = (0..width * height).map(variance).collect();
-    let mut sorted: Vec<f64> = mean.iter().copied().filter(|l| *l > 0.0).collect();
-    sorted.sort_by(f64::total_cmp);
-    let median = *sorted.get(sorted.len() / 2)?;
+    let median = positive_median(mean.iter().copied())?;
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
     // keeps detail, a larger one includes rare bright samples.
-    let box_mean = |values: &[f64], i: usize, reach: usize| {
-        let (x, y) = (i % width, i / width);
-        let columns = x.saturating_sub(reach)..width.min(x + reach + 1);
-        let rows = y.saturating_sub(reach)..height.min(y + reach + 1);
-        let count = (columns.len() * rows.len()) as f64;
-        rows.flat_map(|y| columns.clone().map(move |x| values[y * width + x])).sum::<f64>() / count
-    };
+    let box_mean = |values: &[f64], i: usize, reach: usize| box_mean(|i| values[i], i, reach, (width, height));
     let wanted: Vec<f64> = (0..width * height)
         .map(|i| {
             let light = box_mean(&mean, i, 1);

@@ -4,6 +4,7 @@
 //! kind. With nᵢ samples, source i has variance σᵢ²/nᵢ and work cᵢ·nᵢ. For constant work the
 //! variance is least if nᵢ ∝ σᵢ/√cᵢ. Gather radii and bias do not change.
 
+use super::pilot_statistics::positive_median;
 use crate::color::{self, Rgb};
 use crate::stats::Counters;
 
@@ -33,6 +34,9 @@ const STORED_PHOTON_WORK: f64 = 1.5;
 
 /// Work of one photon in a density estimate, relative to tracing a photon ray.
 pub(super) const GATHERED_PHOTON_WORK: f64 = 0.2;
+
+/// Work of one density estimate apart from its photons, relative to tracing a photon ray.
+pub(super) const LOOKUP_WORK: f64 = 20.0;
 
 /// One source of noise in a pass: the camera rays, or one of the two sets of photon paths.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -102,9 +106,7 @@ pub(super) fn photon_storage_work(photons: u64) -> f64 {
 /// each point. The squared difference at a point is divided by the squared radiance there plus the
 /// squared median radiance of all points.
 pub(super) fn relative_variance(one: &[Rgb], other: &[Rgb], light: &[f64]) -> f64 {
-    let mut sorted: Vec<f64> = light.iter().copied().filter(|l| *l > 0.0).collect();
-    sorted.sort_by(f64::total_cmp);
-    let Some(median) = sorted.get(sorted.len() / 2) else { return 0.0 };
+    let Some(median) = positive_median(light.iter().copied()) else { return 0.0 };
     let square = |((a, b), light): ((&Rgb, &Rgb), &f64)| {
         let difference = f64::from(color::channel_mean(*a)) - f64::from(color::channel_mean(*b));
         0.5 * difference * difference / (light * light + median * median)

@@ -24,8 +24,7 @@ pub(super) fn trace_paths_through_film_points(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
 ) -> (Vec<Rgb>, Vec<PathWorker>) {
-    let (radiance, workers) = trace_paths_by_chunks(paths, points, false, &|radiance, _| radiance);
-    (radiance, workers)
+    trace_paths_by_chunks(paths, points, false, &|radiance, _| radiance)
 }
 
 /// Traces a camera path through each of `points`, and calls `result` with its radiance \[W/(m² sr)]

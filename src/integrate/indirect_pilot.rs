@@ -17,6 +17,7 @@ use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
+use super::pilot_statistics::{box_mean, positive_median};
 use super::worker::PathWorker;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
@@ -55,9 +56,6 @@ const WORK_STEP: usize = 8;
 
 /// Number of iterations of the search for the price of a camera path.
 const SEARCH_STEPS: u32 = 12;
-
-/// Work of one density estimate apart from its photons, relative to tracing a photon ray.
-const LOOKUP_WORK: f64 = 20.0;
 
 /// Work of one photon in a density estimate, including its search, relative to tracing a photon
 /// ray.
@@ -148,7 +146,7 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
         prefix: work.prefixes / paths,
         continuation: ((work.paths - work.prefixes) / paths).max(1.0),
         photons: f64::from(divisor) * (work.photons / pixels + work.gathering / paths),
-        lookup: LOOKUP_WORK,
+        lookup: balance::LOOKUP_WORK,
     };
     let division = IndirectDivision {
         columns: grid.0,
@@ -276,9 +274,7 @@ fn cell_errors(
     let cells: Vec<(&[LightParts], &[LightParts])> = one.chunks(size).zip(other.chunks(size)).collect();
     let cell_light: Vec<f64> =
         cells.iter().map(|(a, b)| a.iter().chain(*b).map(light).sum::<f64>() / (2 * size) as f64).collect();
-    let mut sorted: Vec<f64> = cell_light.iter().copied().filter(|l| *l > 0.0).collect();
-    sorted.sort_by(f64::total_cmp);
-    let median = *sorted.get(sorted.len() / 2)?;
+    let median = positive_median(cell_light.iter().copied())?;
     // Six values for each cell, relative to the light of the cell: the variances of direct light,
     // of paths and of photons, the squared bias, and the mean light that each technique finds.
     let raw: Vec<[f64; 6]> = cells
@@ -299,14 +295,9 @@ fn cell_errors(
             sums
         })
         .collect();
-    let (columns, rows) = (columns as usize, cells.len() / columns as usize);
+    let grid = (columns as usize, cells.len() / columns as usize);
     // Means over neighbouring cells reduce the noise.
-    let smoothed = |i: usize, value: usize| {
-        let (x, y) = (i % columns, i / columns);
-        let (xs, ys) = (x.saturating_sub(1)..columns.min(x + 2), y.saturating_sub(1)..rows.min(y + 2));
-        let count = (xs.len() * ys.len()) as f64;
-        ys.flat_map(|y| xs.clone().map(move |x| y * columns + x)).map(|i| raw[i][value]).sum::<f64>() / count
-    };
+    let smoothed = |i: usize, value: usize| box_mean(|i| raw[i][value], i, 1, grid);
     let errors = |i: usize| {
         let (by_paths, by_photons) = (smoothed(i, 4), smoothed(i, 5));
         // If photons are too rare for the pilot, assume a variance.

@@ -25,6 +25,7 @@ mod pass_renderer;
 mod path;
 mod path_integrator;
 mod photon_maps;
+mod pilot_statistics;
 mod pm;
 mod policy;
 mod ppm;

@@ -9,7 +9,7 @@ use super::indirect_pilot::divide_indirect_light;
 use super::integrator::Integrator;
 use super::pass::{ExpectedPhotons, Pass, ProgressMonitor, SilentMonitor};
 use super::pass_renderer::PassRenderer;
-use super::policy::PolicyFn;
+use super::policy::{PathPolicy, PolicyFn};
 use super::prefix_pilot::find_prefix_ray_counts;
 use super::prefix_rays::PrefixRayCounts;
 use super::radius_law::RadiusLaw;
@@ -164,21 +164,14 @@ impl<'a> PathIntegrator<'a> {
         let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
 
         // Guide shadow rays to the environment light.
-        let (guide, environment_guiding) = if needed == effects {
-            renderer.find_environment_guide()
-        } else {
-            renderer.with_policy(make_policy(needed, &settings)).find_environment_guide()
-        };
+        let needed_policy = || (needed != effects).then(|| make_policy(needed, &settings));
+        let (guide, environment_guiding) = run_pilot(&renderer, needed_policy(), PassRenderer::find_environment_guide);
         renderer.set_environment_guide(guide);
 
         // Divide indirect light between camera paths and photons.
         let weighs = policy.indirect_photons == IndirectPhotons::Weighted;
         let division = if weighs && renderer.map_builder.may_build_interreflection_map() {
-            let division = if needed == effects {
-                divide_indirect_light(&renderer)
-            } else {
-                divide_indirect_light(&renderer.with_policy(make_policy(needed, &settings)))
-            };
+            let division = run_pilot(&renderer, needed_policy(), divide_indirect_light);
             renderer.map_builder.set_indirect_division(division.clone());
             division
         } else {
@@ -188,11 +181,10 @@ impl<'a> PathIntegrator<'a> {
         // the others do not change the balance.
         let balances =
             settings.balance && settings.camera_paths.samples.is_none() && policy.allows_ray_photon_balance();
-        let balance = match (balances, needed == effects) {
+        let balance = match (balances, needed_policy()) {
             (false, _) => None,
-            (true, true) => find_ray_photon_balance(&renderer),
-            (true, false) => {
-                let policy = make_policy(needed, &settings);
+            (true, None) => find_ray_photon_balance(&renderer),
+            (true, Some(policy)) => {
                 let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
                 renderer.map_builder.set_indirect_division(division.clone());
                 find_ray_photon_balance(&renderer)
@@ -214,11 +206,7 @@ impl<'a> PathIntegrator<'a> {
 
         // Add prefix rays where highlights and caustics need them.
         if settings.prefix_rays && policy.allows_prefix_rays() {
-            renderer.prefix_rays = if needed == effects {
-                find_prefix_ray_counts(&renderer)
-            } else {
-                find_prefix_ray_counts(&renderer.with_policy(make_policy(needed, &settings)))
-            };
+            renderer.prefix_rays = run_pilot(&renderer, needed_policy(), find_prefix_ray_counts);
         }
 
         // Distribute camera rays over the pixels.
@@ -226,12 +214,21 @@ impl<'a> PathIntegrator<'a> {
             if settings.camera_paths.adaptive { find_relative_ray_counts(&renderer) } else { None };
 
         // Divide the shutter interval.
-        let slices = if needed == effects {
-            renderer.find_slice_count()
-        } else {
-            renderer.with_policy(make_policy(needed, &settings)).find_slice_count()
-        };
+        let slices = run_pilot(&renderer, needed_policy(), PassRenderer::find_slice_count);
         Self { renderer, plan, make_policy, environment_guiding, balance, slices }
+    }
+}
+
+/// Runs `pilot` with `renderer`, or with the renderer of `policy` if there is one: the same policy
+/// with fewer effects.
+fn run_pilot<'a, T>(
+    renderer: &PassRenderer<'a>,
+    policy: Option<PathPolicy>,
+    pilot: impl FnOnce(&PassRenderer<'a>) -> T,
+) -> T {
+    match policy {
+        None => pilot(renderer),
+        Some(policy) => pilot(&renderer.with_policy(policy)),
     }
 }
 

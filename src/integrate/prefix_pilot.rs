@@ -24,6 +24,7 @@ use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
+use super::pilot_statistics::{box_mean, positive_median};
 use super::prefix_rays::{PrefixLight, PrefixRayCount, PrefixRayCounts};
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
@@ -67,9 +68,6 @@ const MIN_MEAN_COUNT: f64 = 1e-3;
 /// pixel, relative to the mean variance of whole camera paths. Lookups of a pass pay only from
 /// about eight times this variance on.
 const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
-
-/// Work of one density estimate apart from its photons, relative to tracing a photon ray.
-const LOOKUP_WORK: f64 = 20.0;
 
 /// Running mean and sum of squared differences from it (Welford 1962).
 #[derive(Clone, Copy, Debug, Default)]
@@ -181,7 +179,8 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let traced_lookups = candidate_count.max(1) as f64 * f64::from(LOOKUP_PICTURES);
     let part = f64::from(divisor);
     let lookup = |counters: &Counters| {
-        LOOKUP_WORK * counters.gathers as f64 + balance::GATHERED_PHOTON_WORK * part * counters.gathered_photons as f64
+        balance::LOOKUP_WORK * counters.gathers as f64
+            + balance::GATHERED_PHOTON_WORK * part * counters.gathered_photons as f64
     };
     let stored = out.aimed.stored + out.unaimed.stored;
     let photons = part * (out.counters.photon_rays as f64 + balance::photon_storage_work(stored));
@@ -274,18 +273,10 @@ fn render_light_parts(
 /// relative error, which neglects bright ones.
 fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<Vec<PixelVariance>> {
     let mean: Vec<f32> = light.iter().map(|l| l.rest.mean + l.found.mean + l.photons.mean).collect();
-    let mut sorted: Vec<f32> = mean.iter().copied().filter(|l| *l > 0.0).collect();
-    sorted.sort_by(f32::total_cmp);
-    let median = f64::from(*sorted.get(sorted.len() / 2)?);
+    let median = positive_median(mean.iter().map(|l| f64::from(*l)))?;
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
     // keeps detail, a larger one includes rare bright rays.
-    let box_mean = |value: &dyn Fn(usize) -> f64, i: usize, reach: usize| {
-        let (x, y) = (i % width, i / width);
-        let columns = x.saturating_sub(reach)..width.min(x + reach + 1);
-        let rows = y.saturating_sub(reach)..height.min(y + reach + 1);
-        let count = (columns.len() * rows.len()) as f64;
-        rows.flat_map(|y| columns.clone().map(move |x| value(y * width + x))).sum::<f64>() / count
-    };
+    let box_mean = |value: &dyn Fn(usize) -> f64, i: usize, reach: usize| box_mean(value, i, reach, (width, height));
     let smoothed = |value: &dyn Fn(usize) -> f64, i: usize| 0.5 * (box_mean(value, i, 1) + box_mean(value, i, 4));
     let variance = |i: usize| {
         let brightness = box_mean(&|i| f64::from(mean[i]), i, 1);

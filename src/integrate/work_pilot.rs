@@ -2,7 +2,7 @@
 //! photons.
 
 use super::balance::{self, NoiseSource, RayPhotonBalance};
-use super::film_points::{FilmPoint, trace_paths_through_film_points};
+use super::film_points::{FilmPoint, map_paths_through_film_points};
 use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, PhotonReport, SilentMonitor};
 use super::pass_renderer::PassRenderer;
@@ -152,9 +152,8 @@ fn estimate_at_points(
     maps: Option<&PhotonMaps<'_>>,
     points: &[FilmPoint],
 ) -> FilmPointEstimates {
-    let (radiance, workers) = trace_paths_through_film_points(&renderer.path_context(maps, 0), points);
-    let mut counters = Counters::default();
-    workers.iter().for_each(|worker| counters += worker.counters);
+    let paths = renderer.path_context(maps, 0);
+    let (radiance, counters) = map_paths_through_film_points(&paths, points, false, |radiance, _| radiance);
     FilmPointEstimates { radiance, counters }
 }
 

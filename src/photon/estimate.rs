@@ -53,12 +53,6 @@ pub struct PhotonSearchBuffers {
 }
 
 impl PhotonSearchBuffers {
-    /// Empty buffers.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Makes the next search begin with 1.25 times `radius` \[length], as if the k-th photon of the
     /// last search were that far away.
     pub(super) fn set_first_search_radius(&mut self, radius: f32) {

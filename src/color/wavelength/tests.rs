@@ -33,7 +33,7 @@ fn white_light_stays_white() {
 fn wavelength_weights_and_pdf_are_normalized() {
     let mut integral = 0.0;
     for cell in 0..CELLS {
-        let w = wavelength_of_nanometres(SHORTEST + (cell as f32 + 0.5) * STEP);
+        let w = wavelength_of_nanometres(Wavelength::SHORTEST + (cell as f32 + 0.5) * STEP);
         assert!((w.weight().element_sum() / 3.0 - 1.0).abs() < 1e-6 && w.weight().min_element() >= 0.0);
         assert!(w.pdf() > 0.0 && w == wavelength_of_nanometres(w.nanometres()));
         integral += f64::from(w.pdf()) * f64::from(STEP);
@@ -102,14 +102,14 @@ fn extreme_random_numbers_give_wavelengths_in_range() {
     let last = Wavelength::sample(1.0 - f32::EPSILON / 2.0);
     assert_eq!(Wavelength::sample(0.0).response_interval_index(), 0);
     assert!(last.nanometres() < 720.0 && last.nanometres() > 700.0, "{last:?}");
-    assert_eq!(last.response_interval_index(), ((last.nanometres() - SHORTEST) / STEP) as usize);
+    assert_eq!(last.response_interval_index(), ((last.nanometres() - Wavelength::SHORTEST) / STEP) as usize);
 }
 
 #[test]
 fn wavelength_byte_codes_round_trip() {
     assert_eq!(Wavelength::from_byte_code(0), None);
     for i in 0..=3400 {
-        let w = wavelength_of_nanometres(SHORTEST + i as f32 * 0.1);
+        let w = wavelength_of_nanometres(Wavelength::SHORTEST + i as f32 * 0.1);
         let back = Wavelength::from_byte_code(w.byte_code()).unwrap();
         // Half a cell of 340/255 nm, and f32.
         assert!((back.nanometres() - w.nanometres()).abs() < 0.667, "{w:?} {back:?}");

@@ -127,7 +127,7 @@ impl PhotonSource<'_> {
         paths: u32,
     ) -> PilotRoundSamples {
         let pass = PhotonPass { scene: self.scene, source: self, mask: pilot.mask, max_bounces: pilot.max_bounces };
-        let mut scratch = PhotonSearchBuffers::new();
+        let mut scratch = PhotonSearchBuffers::default();
         let mut tally = PhotonTracingTotals::default();
         let mut found = PilotRoundSamples::default();
         for index in range {

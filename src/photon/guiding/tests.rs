@@ -220,7 +220,7 @@ fn guiding_reduces_visible_variance() {
             let map = PhotonMap::build(
                 photon_pass_of_source(&scene, source).trace(pass_key(i), 16384, &|_| {}).deposits.photons,
             );
-            let mut scratch = PhotonSearchBuffers::new();
+            let mut scratch = PhotonSearchBuffers::default();
             for (p, mean) in floor_corner_points(&scene).zip(&mut means) {
                 let wide = Bandwidth { radius: 0.1, k: 0 };
                 let estimate = map.estimate_radiance(p, Vec3::Y, wide, Kernel::Box, &mut scratch, |_| Rgb::ONE);

@@ -168,7 +168,7 @@ fn photons_store_their_incident_direction() {
     let origin = (-scene.origin()).as_vec3();
     let one = |map: &PhotonMap| {
         let brdf = |flux: &PhotonData| Vec3::splat(flux.incident_direction().y);
-        let mut scratch = PhotonSearchBuffers::new();
+        let mut scratch = PhotonSearchBuffers::default();
         f64::from(
             map.estimate_radiance(origin, Vec3::Y, fixed_bandwidth(radius), Kernel::Box, &mut scratch, brdf).radiance.x,
         )

@@ -106,7 +106,7 @@ pub fn estimated_irradiance(
     kernel: Kernel,
 ) -> DVec3 {
     let p = (p - scene.origin()).as_vec3();
-    let mut scratch = PhotonSearchBuffers::new();
+    let mut scratch = PhotonSearchBuffers::default();
     map.estimate_radiance(p, n.as_vec3(), bandwidth, kernel, &mut scratch, |_| Vec3::ONE).radiance.as_dvec3()
 }
 
@@ -190,7 +190,7 @@ pub fn assert_estimates(
             n,
             fixed_bandwidth(probe.radius),
             probe.kernel,
-            &mut PhotonSearchBuffers::new(),
+            &mut PhotonSearchBuffers::default(),
             |_| Vec3::ONE,
         )
     };

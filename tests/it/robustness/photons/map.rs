@@ -15,7 +15,7 @@ fn estimate(map: &PhotonMap, p: Vec3, radius: f32, k: u32, kernel: Kernel) -> f6
         Vec3::Z,
         Bandwidth { radius, k },
         kernel,
-        &mut PhotonSearchBuffers::new(),
+        &mut PhotonSearchBuffers::default(),
         |_| Rgb::ONE,
     );
     let levels = nested.radiance;
@@ -37,7 +37,7 @@ fn photons_count_on_their_side_only() {
                     normal,
                     bandwidth,
                     kernel,
-                    &mut PhotonSearchBuffers::new(),
+                    &mut PhotonSearchBuffers::default(),
                     |_| Rgb::ONE,
                 )
             };

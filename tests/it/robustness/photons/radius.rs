@@ -92,7 +92,7 @@ fn disc_radius_never_falls_below_position_rounding() {
                     normal,
                     Bandwidth { radius, k },
                     Kernel::Epanechnikov,
-                    &mut PhotonSearchBuffers::new(),
+                    &mut PhotonSearchBuffers::default(),
                     |_| Rgb::ONE,
                 );
                 let r = f64::from(found.whole.radius);

@@ -1,0 +1,25 @@
+//! Statistics that several pilots (small simulations before a render) compute.
+
+/// Returns the median of the positive `values`, the upper one of two; `None` if no value is
+/// positive.
+pub(super) fn positive_median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.filter(|value| *value > 0.0).collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied()
+}
+
+/// Returns the mean of `value` over the pixels within `reach` columns and rows of pixel `center`.
+///
+/// Pixels are indexed by rows from the top, in a picture of `size` (width, height).
+pub(super) fn box_mean(
+    value: impl Fn(usize) -> f64,
+    center: usize,
+    reach: usize,
+    (width, height): (usize, usize),
+) -> f64 {
+    let (x, y) = (center % width, center / width);
+    let columns = x.saturating_sub(reach)..width.min(x + reach + 1);
+    let rows = y.saturating_sub(reach)..height.min(y + reach + 1);
+    let count = (columns.len() * rows.len()) as f64;
+    rows.flat_map(|y| columns.clone().map(move |x| y * width + x)).map(value).sum::<f64>() / count
+}
