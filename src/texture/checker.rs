@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use glam::DVec2;
 
-/// Finite-difference step of bump maps, relative to the side of a square of the checkerboard.
+/// Step for the finite differences of bump maps, relative to the side of a checkerboard square.
 pub(super) const BUMP_STEP: f64 = 1e-3;
 
 /// A checkerboard of unit squares: the first colour where ⌊u⌋ + ⌊v⌋ is even, else the second.
@@ -16,7 +16,7 @@ pub struct Checkerboard {
 impl Checkerboard {
     /// Exact mean colour over the box with center `uv` and sides `size`, in texture coordinates.
     ///
-    /// It has a closed form, since the pattern is a product of two square waves.
+    /// The pattern is a product of two square waves, so its mean has a closed form.
     #[must_use]
     pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
         let product = square_wave_mean(uv.x, size.x) * square_wave_mean(uv.y, size.y);
@@ -24,6 +24,7 @@ impl Checkerboard {
         even.lerp(odd, (0.5 - 0.5 * product) as f32)
     }
 
+    /// Mean colour of the whole checkerboard: the mean of both colours.
     pub(super) fn mean(&self) -> Rgb {
         (self.colors[0] + self.colors[1]) * 0.5
     }
@@ -38,7 +39,9 @@ fn square_wave_mean(x: f64, w: f64) -> f64 {
     (square_wave_integral(x + 0.5 * w) - square_wave_integral(x - 0.5 * w)) / w
 }
 
-/// Integral of the square wave from 0: a triangle wave of period 2.
+/// Integral from 0 to `x` of the square wave that is 1 where ⌊x⌋ is even, else −1.
+///
+/// It is a triangle wave of period 2 with values in \[0, 1].
 fn square_wave_integral(x: f64) -> f64 {
     let phase = x - 2.0 * (0.5 * x).floor();
     phase.min(2.0 - phase)

@@ -3,8 +3,7 @@
 use crate::color::Rgb;
 use glam::{DMat2, DVec2, DVec3};
 
-/// Maximum number of lookups along a footprint. In longer footprints, each lookup averages over a
-/// larger box.
+/// Maximum number of box lookups along a footprint; in longer footprints, each box is longer.
 const MAX_LOOKUPS: f64 = 16.0;
 
 /// Greatest length of a footprint, in periods of the texture; longer ones are shortened to it.
@@ -12,9 +11,9 @@ const MAX_LOOKUPS: f64 = 16.0;
 /// The mean over so long a footprint is the mean of the texture.
 const MAX_PERIODS: f64 = 1e6;
 
-/// A point on a surface, with the footprint over which textures are averaged there.
+/// A surface point at which a texture is evaluated, with the footprint over which it is averaged.
 ///
-/// If the footprint has zero size, textures are evaluated at the point.
+/// If the footprint has zero size, the texture is evaluated at the point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TextureEvalContext {
     /// Texture coordinates of the point.
@@ -24,19 +23,20 @@ pub struct TextureEvalContext {
     pub axes: [DVec2; 2],
     /// The point in object space.
     pub p: DVec3,
-    /// Width of the footprint in object space \[length].
+    /// Diameter of the footprint in object space \[length], used by solid textures.
     pub width: f64,
 }
 
 impl TextureEvalContext {
-    /// A point with a footprint of zero size.
+    /// Context for an evaluation at a point: texture coordinates `uv`, object-space point `p`, no
+    /// footprint.
     #[must_use]
     pub fn unfiltered(uv: DVec2, p: DVec3) -> Self {
         Self { uv, p, ..Self::default() }
     }
 }
 
-/// An affine map of texture coordinates.
+/// An affine map from the texture coordinates of a surface to those of a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UvTransform {
     matrix: DMat2,
@@ -50,8 +50,9 @@ impl Default for UvTransform {
 }
 
 impl UvTransform {
-    /// Scales (u, v) by `scale`, then rotates anticlockwise by `turn` \[radians], then adds
-    /// `offset`.
+    /// Creates the map that scales (u, v) by `scale`, then rotates, then adds `offset`.
+    ///
+    /// The rotation is anticlockwise by `turn` \[radians].
     #[must_use]
     pub fn new(scale: DVec2, turn: f64, offset: DVec2) -> Self {
         let (sin, cos) = libm::sincos(turn);
@@ -59,16 +60,16 @@ impl UvTransform {
         Self { matrix, offset }
     }
 
-    /// Greatest factor by which the transform scales lengths.
+    /// Greatest factor by which the map scales lengths.
     pub(super) fn max_scale(&self) -> f64 {
         self.matrix.x_axis.length().max(self.matrix.y_axis.length())
     }
 
-    /// Mean colour over the footprint of `context`, as a mean of several box lookups.
+    /// Mean colour of a texture over the footprint of `context`, as a mean of several box lookups.
     ///
-    /// `lookup` returns the mean over a box, given the box's center and sides. The boxes lie side
-    /// by side along the longer axis of the footprint (Heckbert 1989, section 3.5; Greene and
-    /// Heckbert 1986).
+    /// `lookup` returns the texture's mean over a box, given the box's center and sides in texture
+    /// coordinates. The boxes lie side by side along the longer axis of the footprint (Heckbert
+    /// 1989, section 3.5; Greene and Heckbert 1986).
     pub(super) fn filter_anisotropic(&self, context: &TextureEvalContext, lookup: impl Fn(DVec2, DVec2) -> Rgb) -> Rgb {
         let uv = self.matrix * context.uv + self.offset;
         // Where coordinates are singular, as at a pole, the axes are unbounded.
@@ -96,6 +97,7 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
+    /// Center and sides of each box that [`UvTransform::filter_anisotropic`] looks up at (¼, ½).
     fn recorded_lookups(coordinates: &UvTransform, axes: [DVec2; 2]) -> Vec<(DVec2, DVec2)> {
         let seen = RefCell::new(Vec::new());
         let context = TextureEvalContext { uv: DVec2::new(0.25, 0.5), axes, ..TextureEvalContext::default() };
@@ -115,8 +117,8 @@ mod tests {
         assert!((coordinates.max_scale() - 4.0).abs() < 1e-12);
     }
 
-    /// Checks that lookups lie side by side along the longer axis, centered on the point, and that
-    /// their boxes tile the footprint.
+    /// Lookups lie side by side along the longer axis, centered on the point, and their boxes tile
+    /// the footprint.
     #[test]
     fn anisotropic_footprints_are_tiled_by_lookups() {
         let seen = recorded_lookups(&UvTransform::default(), [DVec2::new(0.0, 0.1), DVec2::new(0.5, 0.0)]);

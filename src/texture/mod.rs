@@ -1,4 +1,6 @@
-//! Textures: colours and numbers that vary over a surface or in space, filtered over a footprint.
+//! Textures: colours and numbers that vary over a surface or in space.
+//!
+//! A lookup returns the mean over the footprint of a ray, so that textures do not alias.
 
 mod checker;
 mod eval_context;
@@ -14,18 +16,24 @@ pub use solid::{SolidPattern, SolidTexture};
 use crate::color::{self, Rgb};
 
 /// A colour that varies over a surface or in space.
+///
+/// A [`UvTransform`] maps the surface's texture coordinates to those of the picture or
+/// checkerboard.
 #[derive(Clone, Debug)]
 pub enum Texture {
-    /// A picture over texture coordinates.
+    /// A picture, which covers the unit square of its texture coordinates.
     Picture(Picture, UvTransform),
-    /// A checkerboard of unit squares over texture coordinates.
+    /// A checkerboard of unit squares in its texture coordinates.
     Checkerboard(Checkerboard, UvTransform),
-    /// A solid texture: a pattern in space.
+    /// A solid texture: a pattern in object space.
     Solid(SolidTexture),
 }
 
 impl Texture {
-    /// Mean colour over the footprint of `context`, within the accuracy of the texture's filter.
+    /// Mean colour of the texture over the footprint of `context`; the value at its point if the
+    /// footprint has zero size.
+    ///
+    /// Filters approximate the mean: they cover the footprint by boxes or by a ball.
     #[must_use]
     pub fn evaluate_color(&self, context: &TextureEvalContext) -> Rgb {
         match self {
@@ -39,13 +47,16 @@ impl Texture {
         }
     }
 
-    /// Mean over the footprint of `context` and over the three colour channels.
+    /// Mean of the texture over the footprint of `context` and over red, green and blue.
+    ///
+    /// It serves textures that hold a number, such as roughness or the height of a bump map.
     #[must_use]
     pub fn evaluate_scalar(&self, context: &TextureEvalContext) -> f32 {
         color::channel_mean(self.evaluate_color(context))
     }
 
-    /// Mean colour over one period of the texture or, for a solid texture, over all space.
+    /// Mean colour of the whole texture: of all pixels of a picture, or of the two colours of a
+    /// pattern.
     #[must_use]
     pub fn mean(&self) -> Rgb {
         match self {
@@ -55,7 +66,7 @@ impl Texture {
         }
     }
 
-    /// Least and greatest channel value. No lookup exceeds this range.
+    /// Least and greatest value of any colour channel. No lookup exceeds this range.
     #[must_use]
     pub fn value_range(&self) -> (f32, f32) {
         match self {
@@ -65,7 +76,7 @@ impl Texture {
         }
     }
 
-    /// True for a pattern in space, which needs no texture coordinates.
+    /// True for a pattern in object space, which needs no texture coordinates.
     #[must_use]
     pub fn is_solid_texture(&self) -> bool {
         matches!(self, Self::Solid(_))
@@ -73,7 +84,8 @@ impl Texture {
 
     /// Step for the finite differences of bump maps: a fraction of the texture's finest detail.
     ///
-    /// The unit is that of texture coordinates or, for a solid texture, of object space \[length].
+    /// The step is in units of the surface's texture coordinates. For a solid texture, it is an
+    /// object-space length.
     #[must_use]
     pub fn finest_bump_step(&self) -> f64 {
         match self {

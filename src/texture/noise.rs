@@ -1,43 +1,47 @@
-//! Gradient noise.
+//! Gradient noise (Perlin 2002), and fractal noise as a sum of its octaves.
 
 use glam::DVec3;
 
-/// Footprint widths, in wavelengths of an octave, at which the octave begins to fade and at which
-/// it vanishes.
+/// Footprint widths at which an octave of noise begins to fade, and at which it vanishes.
+///
+/// The unit is the wavelength of the octave.
 const FADE_WIDTHS: [f64; 2] = [0.25, 1.0];
 
 /// Offset of the noise position between two octaves, so that their lattices do not align.
 const OCTAVE_OFFSET: DVec3 = DVec3::new(17.31, 5.77, 11.93);
 
-/// Fractal noise: the sum Σ 2⁻ⁱ·noise(2ⁱ·p) of octaves i = 0 … `octaves` − 1.
+/// Fractal noise at `p`, in (−2, 2): Σ 2⁻ⁱ·noise(2ⁱ·p + i·c) over the octaves
+/// i = 0 … `octaves` − 1.
 ///
-/// Octaves whose wavelength is small compared with the footprint's `width` fade out. `p` and
-/// `width` are in wavelengths of the first octave.
+/// c is a constant offset. Octaves fade out whose wavelength is small compared with the footprint's
+/// `width`. `p` and `width` are in wavelengths of the first octave.
 pub(crate) fn fractal_noise(p: DVec3, width: f64, octaves: u32) -> f64 {
     let (mut sum, mut scale, mut weight) = (0.0, 1.0, 1.0);
     for i in 0..octaves {
-        let there = octave_weight(width * scale);
-        if there == 0.0 {
+        let fade = octave_weight(width * scale);
+        if fade == 0.0 {
             break;
         }
-        sum += weight * there * gradient_noise(p * scale + OCTAVE_OFFSET * f64::from(i));
+        sum += weight * fade * gradient_noise(p * scale + OCTAVE_OFFSET * f64::from(i));
         scale *= 2.0;
         weight *= 0.5;
     }
     sum
 }
 
-/// Weight in \[0, 1] of an octave whose details the footprint blurs. `width` is the width of the
-/// footprint in wavelengths of the octave.
+/// Weight in \[0, 1] of an octave of noise: 1 for a small footprint, 0 for one that blurs all
+/// details.
+///
+/// `width` is the width of the footprint in wavelengths of the octave.
 fn octave_weight(width: f64) -> f64 {
     let t = ((FADE_WIDTHS[1] - width) / (FADE_WIDTHS[1] - FADE_WIDTHS[0])).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Noise in [−1, 1], 0 at integer coordinates (Perlin 2002, "Improving noise").
+/// Gradient noise at `p`, in \[−1, 1]; 0 at integer coordinates (Perlin 2002, "Improving noise").
 ///
-/// The lattice is hashed without a table, so it does not repeat. Coordinates that are not finite
-/// return 0.
+/// Lattice points are hashed without a table, so the noise does not repeat. The result is 0 if a
+/// coordinate is not finite.
 pub(super) fn gradient_noise(p: DVec3) -> f64 {
     if !p.is_finite() {
         return 0.0;
@@ -54,14 +58,15 @@ pub(super) fn gradient_noise(p: DVec3) -> f64 {
     lerp(w.z, lerp(w.y, along(0, 0), along(1, 0)), lerp(w.y, along(0, 1), along(1, 1)))
 }
 
+/// Linear interpolation from `a` at t = 0 to `b` at t = 1.
 fn lerp(t: f64, a: f64, b: f64) -> f64 {
     a + t * (b - a)
 }
 
 /// Dot product of `d` with the lattice gradient that hash `h` selects.
 ///
-/// The gradients are the twelve directions to the edge midpoints of a cube. Four of them are twice
-/// as likely as the others.
+/// The gradients are the twelve vectors from the centre of a cube of side 2 to its edge midpoints.
+/// The four without a z component have the probability 6/64 each, the others 5/64.
 fn gradient_dot(h: u64, d: DVec3) -> f64 {
     let sign = |bit: u64, x: f64| if h >> bit & 1 == 0 { x } else { -x };
     let (a, b) = match h >> 2 & 15 {
@@ -73,7 +78,7 @@ fn gradient_dot(h: u64, d: DVec3) -> f64 {
     sign(0, a) + sign(1, b)
 }
 
-/// Hash of lattice coordinates (the finaliser of Steele, Lea, Flood 2014).
+/// Hash of integer lattice coordinates, with constants of SplitMix64 (Steele, Lea, Flood 2014).
 fn lattice_hash(x: i64, y: i64, z: i64) -> u64 {
     let mut h = (x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     h = (h ^ y as u64).rotate_left(29).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,16 +1,16 @@
-//! Image textures with MIP maps.
+//! Textures from pictures, filtered by MIP maps.
 
 use crate::color::Rgb;
 use crate::image::Image;
 use glam::{DVec2, DVec3, Vec3};
 
-/// How a picture continues beyond its edges.
+/// Rule by which a picture continues outside the unit square of texture coordinates.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WrapMode {
     /// The picture repeats.
     #[default]
     Repeat,
-    /// The edge pixels extend.
+    /// The pixels at the edges extend outward.
     Clamp,
     /// The picture repeats, mirrored every other time.
     Mirror,
@@ -37,10 +37,10 @@ pub enum PictureError {
     },
 }
 
-/// A picture with a MIP map (Williams 1983, "Pyramidal parametrics"): each level is about half as
-/// wide as the one before.
+/// A picture with a MIP map: each level is about half as wide as the one before.
 ///
 /// The picture covers the unit square of texture coordinates, with (0, 0) at its lower left corner.
+/// Source: Williams 1983, "Pyramidal parametrics".
 #[derive(Clone, Debug)]
 pub struct Picture {
     levels: Vec<MipLevel>,
@@ -49,6 +49,7 @@ pub struct Picture {
     range: (f32, f32),
 }
 
+/// One level of a MIP map, with linear colours.
 #[derive(Clone, Debug)]
 struct MipLevel {
     width: usize,
@@ -58,7 +59,7 @@ struct MipLevel {
 }
 
 impl Picture {
-    /// Builds the MIP map of a picture.
+    /// Builds the MIP map of `image`, whose pixels are linear colours.
     ///
     /// # Errors
     /// [`PictureError`] if a value is negative or not finite.
@@ -84,7 +85,7 @@ impl Picture {
     /// Mean colour over a box with center `uv` and sides `size`, by trilinear interpolation.
     ///
     /// It interpolates between the two MIP levels whose pixels are closest in size to the longer
-    /// side of the box.
+    /// side of the box. `uv` and `size` are texture coordinates.
     #[must_use]
     pub fn box_mean(&self, uv: DVec2, size: DVec2) -> Rgb {
         let uv = uv.map(|x| self.wrap.wrap_coordinate_near_zero(x));
@@ -100,25 +101,28 @@ impl Picture {
         }
     }
 
+    /// Mean colour of all pixels.
     pub(super) fn mean(&self) -> Rgb {
         self.mean
     }
 
+    /// Least and greatest value of any channel of any pixel.
     pub(super) fn value_range(&self) -> (f32, f32) {
         self.range
     }
 
-    /// Side of a pixel in texture coordinates, along the axis with more pixels.
+    /// Side of a pixel of the finest level, in texture coordinates, along the axis with more
+    /// pixels.
     pub(super) fn texel_size(&self) -> f64 {
         1.0 / self.levels[0].width.max(self.levels[0].height) as f64
     }
 }
 
 impl WrapMode {
-    /// Returns a coordinate near 0 at which the picture has the same value as at `x`; 0 if `x` is
-    /// not finite.
+    /// Returns a coordinate in \[0, 2] at which the picture has the same value as at `x`; 0 if `x`
+    /// is not finite.
     ///
-    /// Near 0, f64 has enough digits to tell pixels apart.
+    /// There, f64 has enough digits to tell pixels apart.
     fn wrap_coordinate_near_zero(self, x: f64) -> f64 {
         let folded = match self {
             Self::Repeat => x - x.floor(),
@@ -128,8 +132,8 @@ impl WrapMode {
         if folded.is_finite() { folded } else { 0.0 }
     }
 
-    /// Returns the index of the pixel that the wrap mode repeats at index `i` of a row of `n`
-    /// pixels.
+    /// Returns the pixel of a row of `n` pixels that the wrap mode shows at index `i`, which may be
+    /// outside.
     fn wrap_pixel_index(self, i: i64, n: usize) -> usize {
         let n = n as i64;
         (match self {
@@ -144,6 +148,7 @@ impl WrapMode {
 }
 
 impl MipLevel {
+    /// Colour at `uv`, interpolated bilinearly between the centres of the four nearest pixels.
     fn interpolate_bilinearly(&self, uv: DVec2, wrap: WrapMode) -> Rgb {
         let x = uv.x * self.width as f64 - 0.5;
         let y = (1.0 - uv.y) * self.height as f64 - 0.5;
@@ -157,8 +162,9 @@ impl MipLevel {
         upper.lerp(lower, fy)
     }
 
-    /// The next coarser MIP level, with half as many columns and rows, rounded down. Each pixel is
-    /// the mean over its area.
+    /// The next coarser MIP level, with half as many columns and rows, rounded down.
+    ///
+    /// Each pixel is the mean over its area.
     fn next_coarser_level(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let columns: Vec<Vec<(usize, f32)>> = (0..width).map(|j| covered_pixels(j, self.width, width)).collect();
@@ -175,13 +181,12 @@ impl MipLevel {
     }
 }
 
-/// Returns the pixels of a fine row that pixel `j` of a coarser row covers, with weights that sum
-/// to 1.
+/// Returns the pixels of a fine row that pixel `j` of a coarser row covers, with weights of sum 1.
 ///
 /// The fine row has `n` pixels, and the coarser row has `m` pixels over the same length.
 fn covered_pixels(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {
-    // In units of 1/m of a pixel: pixel j covers [j n, (j + 1) n], old pixel i covers [i m, (i + 1)
-    // m].
+    // In units of 1/m of a fine pixel: coarse pixel j covers [j n, (j + 1) n], fine pixel i covers
+    // [i m, (i + 1) m].
     let (start, end) = (j * n, (j + 1) * n);
     (start / m..end.div_ceil(m)).map(|i| (i, (end.min((i + 1) * m) - start.max(i * m)) as f32 / n as f32)).collect()
 }

@@ -1,11 +1,14 @@
-//! Solid textures: clouds, veins and rings in space.
+//! Solid textures: clouds, marble veins and wood rings as functions of object-space position.
 
 use super::noise::fractal_noise;
 use crate::color::Rgb;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 
-/// The pattern of a [`SolidTexture`], a function of position with values in \[0, 1].
+/// The pattern of a [`SolidTexture`]: a function of position with values in \[0, 1].
+///
+/// x, y and z are coordinates in pattern space. The frequency, the amplitude and the octaves of the
+/// noise are fields of [`SolidTexture`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolidPattern {
     /// Clouds: ½ + ½·amplitude·noise, clamped to \[0, 1].
@@ -16,32 +19,33 @@ pub enum SolidPattern {
     Wood,
 }
 
-/// A solid texture: a pattern in space that blends two colours, from the scene language of MIT
-/// course 6.837.
+/// A solid texture: a pattern in space that blends two colours.
 ///
-/// The noise is a sum of octaves. Each has twice the frequency and half the amplitude of the one
-/// before.
+/// The patterns are those of the scene language of MIT course 6.837. Their noise is fractal
+/// gradient noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolidTexture {
-    /// Function of position that blends the two colours.
+    /// Function of position that gives the blend weight of the second colour.
     pub kind: SolidPattern,
     /// Colours for pattern values 0 and 1.
     pub colors: [Rgb; 2],
-    /// Number of octaves of noise.
+    /// Number of octaves of noise; each has twice the frequency and half the amplitude of the one
+    /// before.
     pub octaves: u32,
-    /// Frequency of the first octave, and of veins and rings \[1/length].
+    /// Frequency of the first octave of noise, and of veins and rings \[1/pattern-space length].
     pub frequency: f64,
-    /// Factor by which the noise is multiplied.
+    /// Factor on the noise. It sets the contrast of clouds, and how far veins and rings are
+    /// displaced, in wavelengths.
     pub amplitude: f64,
-    /// Affine map from object space to the space in which the pattern is defined.
+    /// Affine map from object space to pattern space, in which the pattern is defined.
     pub to_pattern: DAffine3,
 }
 
 impl SolidTexture {
-    /// Mean colour over a ball of diameter `width` around `p` in object space.
+    /// Mean colour over a ball of diameter `width` around `p`, both in object space.
     ///
-    /// Fine octaves of the noise fade with the width. A wave sin 2πs, averaged over a width w of s,
-    /// is sin 2πs · sin(πw)/(πw).
+    /// Fine octaves of the noise fade as the width grows. A wave sin 2πs, averaged over an interval
+    /// of s of width w, is sin 2πs · sin(πw)/(πw).
     #[must_use]
     pub fn color_at(&self, p: DVec3, width: f64) -> Rgb {
         let p = self.to_pattern.transform_point3(p) * self.frequency;
@@ -63,18 +67,22 @@ impl SolidTexture {
         self.colors[0].lerp(self.colors[1], t as f32)
     }
 
-    /// Mean colour over all space: that of both colours, because the pattern is symmetric about ½.
+    /// Mean colour over all space: the mean of both colours, because pattern values are symmetric
+    /// about ½.
     pub(super) fn mean(&self) -> Rgb {
         (self.colors[0] + self.colors[1]) * 0.5
     }
 
-    /// Scale from object space to pattern space: the length of the longest image of a unit
-    /// coordinate axis.
+    /// Factor from object-space to pattern-space lengths: the length of the longest image of a unit
+    /// axis.
     fn max_scale(&self) -> f64 {
         let m = self.to_pattern.matrix3;
         m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())
     }
 
+    /// Step for the finite differences of bump maps \[object-space length].
+    ///
+    /// It is a hundredth of the wavelength of the last octave, or 1 if the pattern is constant.
     pub(super) fn finest_bump_step(&self) -> f64 {
         let finest =
             self.frequency.abs() * self.max_scale() * f64::from(1u32 << self.octaves.clamp(1, 31).saturating_sub(1));

@@ -1,5 +1,6 @@
 use super::*;
 
+/// Point `i` of a quasirandom sequence, with coordinates above −1000.
 fn quasirandom_point(i: u32) -> DVec3 {
     DVec3::new(0.618_034, 0.414_214, 0.732_051) * f64::from(i) - 1e3
 }

@@ -1,8 +1,9 @@
-//! Tests of image textures.
+//! Tests of picture textures.
 
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
+/// Picture with pseudorandom colours in \[0, 1].
 fn random_image(width: u32, height: u32) -> Image {
     let pixel = |i: u32| {
         let u = Key::new(9).purpose_key(Purpose::Test).child_key(u64::from(i)).uniform_2d(Dimension::Film);
@@ -11,10 +12,10 @@ fn random_image(width: u32, height: u32) -> Image {
     Image::from_pixels(width, height, (0..width * height).map(pixel).collect()).unwrap()
 }
 
-/// Averages all lookups at each level, two per pixel side: the result is the mean of the picture.
+/// The mean of lookups all over the unit square is the mean of the picture, at each MIP level.
 ///
 /// Lookups lie at quarters of the pixels, so their interpolation weights sum to the same value for
-/// each pixel. All levels cover the same area. Sums have errors of n·2⁻²⁴, n < 200.
+/// each pixel. Sums have errors of n·2⁻²⁴, n < 200.
 #[test]
 fn mip_lookups_keep_the_mean_at_all_levels() {
     for (width, height) in [(8, 8), (7, 5), (1, 9), (13, 6)] {

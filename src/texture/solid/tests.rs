@@ -1,6 +1,7 @@
 use super::*;
 use glam::DQuat;
 
+/// Texture that blends black and white, with three octaves of noise and two waves per length.
 fn solid_texture_of_pattern(kind: SolidPattern, amplitude: f64, to_pattern: DAffine3) -> SolidTexture {
     SolidTexture { kind, colors: [Rgb::ZERO, Rgb::ONE], octaves: 3, frequency: 2.0, amplitude, to_pattern }
 }
@@ -21,8 +22,9 @@ fn marble_and_wood_have_their_frequency_and_phase() {
     assert!((turned.color_at(DVec3::new(9.0, 0.125, 3.0), 0.0).x - 1.0).abs() < 1e-6);
 }
 
-/// Compares a wide footprint with the mean of the wave over a box of width w around p, by n
-/// midpoints, whose error is below (w/n)².
+/// A lookup over a wide footprint agrees with the mean of n point lookups over the same width w.
+///
+/// The points are midpoints, so the error of their mean is below (w/n)².
 #[test]
 fn wide_footprints_average_solid_textures() {
     let marble = solid_texture_of_pattern(SolidPattern::Marble, 0.0, DAffine3::IDENTITY);
