@@ -1,17 +1,18 @@
 //! Build of a binary hierarchy by the surface area heuristic over binned centroids.
 //!
-//! The build also decides which binary nodes become children of one node with eight children.
+//! The build also decides which binary nodes become children of one wide node, which has up to
+//! eight children.
 
 use super::packet::LANES;
 use glam::Vec3A;
 
-/// Number of child slots of a wide node; the final tree consists of wide nodes.
+/// Number of child slots of a wide node: a node of the final tree.
 pub(super) const ARITY: usize = 8;
 
 /// Bit of a primitive's key: set for primitives other than triangles.
 ///
 /// The other bits are the index of the triangle or of the other primitive.
-pub(super) const OTHER: u32 = 1 << 31;
+pub(super) const OTHER_BIT: u32 = 1 << 31;
 
 /// Depth from which nodes are split at the median instead of by the surface area heuristic.
 ///
@@ -20,9 +21,10 @@ const HEURISTIC_DEPTH: u32 = 40;
 /// Largest depth of the binary tree: median splits of 2³¹ primitives take 31 more levels.
 pub(super) const MAX_DEPTH: u32 = HEURISTIC_DEPTH + 31;
 
-const BINS: usize = 32;
+/// Largest number of bins, along each axis, for the centroids of primitives.
+const MAX_BINS: usize = 32;
 /// Number of primitives above which the two subtrees of a node are built in parallel.
-const PARALLEL: usize = 4096;
+const PARALLEL_BUILD_SIZE: usize = 4096;
 
 /// Cost of intersecting a packet of triangles, relative to the cost of visiting a node.
 ///
@@ -31,9 +33,9 @@ const PACKET_COST: f32 = 0.7;
 /// Cost of intersecting one primitive other than a triangle, relative to visiting a node.
 const OTHER_COST: f32 = 1.0;
 
-/// A primitive during the build: its padded box, and its key.
+/// Primitive during the build: its padded box, and its key.
 ///
-/// The key is a triangle's index, or another primitive's index with the bit [`OTHER`] set.
+/// The key is a triangle's index, or another primitive's index with the bit [`OTHER_BIT`] set.
 #[derive(Clone, Copy)]
 pub(super) struct BvhPrimitive {
     pub bounds: SimdBox,
@@ -48,13 +50,16 @@ pub(super) struct SimdBox {
 }
 
 impl SimdBox {
+    /// Inverted box, which contains no point.
     pub const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
+    /// Smallest box around both boxes.
     #[inline]
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    /// Half the surface area of a box that is not empty.
     #[inline]
     fn half_area(self) -> f32 {
         let e = self.max - self.min;
@@ -76,10 +81,10 @@ pub(super) struct BinaryNode {
     pub bounds: SimdBox,
     /// Number of primitives in the subtree of this node.
     pub size: u32,
-    /// Number of primitives in the left subtree.
+    /// Number of primitives in the left subtree; 0 for a single primitive.
     pub left: u32,
-    /// Number of child slots for the left subtree: `share[n]`, if this node gets n child slots of a
-    /// wide node.
+    /// Number of child slots for the left subtree, `share[n]`, if this node fills n slots of a wide
+    /// node.
     ///
     /// n is from 2 to [`ARITY`]. The right subtree gets the other slots. This division has the
     /// least traversal cost. A value of 0 means that n − 1 slots cost as little.
@@ -89,6 +94,7 @@ pub(super) struct BinaryNode {
 }
 
 impl BinaryNode {
+    /// Placeholder of a node that is not built yet.
     pub const VACANT: Self = Self { bounds: SimdBox::EMPTY, size: 0, left: 0, share: [0; ARITY + 1], leaf: true };
 }
 
@@ -106,8 +112,9 @@ impl PrimitiveCounts {
         self.others += other.others;
     }
 
+    /// Counts of a single primitive with the key `key`.
     fn from_primitive_key(key: u32) -> Self {
-        let others = u32::from(key & OTHER != 0);
+        let others = u32::from(key & OTHER_BIT != 0);
         Self { triangles: 1 - others, others }
     }
 
@@ -118,10 +125,10 @@ impl PrimitiveCounts {
     }
 }
 
-/// Box, primitive counts and costs of a subtree that has been built.
+/// Box, primitive counts and traversal costs of a subtree that has been built.
 ///
-/// `cost[n]` is the least traversal cost if the subtree fills n child slots of a wide node, with n
-/// from 1 to [`ARITY`].
+/// `cost[n]` is the least cost if the subtree fills n child slots of a wide node, with n from 1 to
+/// [`ARITY`]. The unit of cost is a visit of a node with half area 1.
 struct SubtreeSummary {
     bounds: SimdBox,
     count: PrimitiveCounts,
@@ -130,13 +137,15 @@ struct SubtreeSummary {
 
 /// Builds the binary tree over n `primitives` into `tree`, which must have 2 n − 1 nodes.
 ///
-/// Reorders the primitives so that those of each node are consecutive.
+/// It reorders the primitives so that those of each node are consecutive.
 pub(super) fn build_tree(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode]) {
     if !primitives.is_empty() {
         build_node(primitives, tree, 0);
     }
 }
 
+/// Builds the subtree over `primitives`, which are not empty, into `tree`; `depth` is that of its
+/// root.
 fn build_node(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth: u32) -> SubtreeSummary {
     let size = primitives.len();
     let Some((root, rest)) = tree.split_first_mut().filter(|_| size > 1) else {
@@ -148,7 +157,7 @@ fn build_node(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth: u
     let left = split_primitives(primitives, depth);
     let (low, high) = primitives.split_at_mut(left);
     let (low_tree, high_tree) = rest.split_at_mut(2 * left - 1);
-    let (a, b) = if size > PARALLEL {
+    let (a, b) = if size > PARALLEL_BUILD_SIZE {
         rayon::join(|| build_node(low, low_tree, depth + 1), || build_node(high, high_tree, depth + 1))
     } else {
         (build_node(low, low_tree, depth + 1), build_node(high, high_tree, depth + 1))
@@ -157,9 +166,9 @@ fn build_node(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth: u
     finish_inner_node(root, &a, &b)
 }
 
-/// Sets box, leaf flag and `share` of `root`, the parent of the subtrees `a` and `b`.
+/// Sets box, leaf flag and [`share`](BinaryNode::share) of `root`, whose subtrees are `a` and `b`.
 ///
-/// Returns the summary of the subtree below `root`. `share` minimizes the traversal cost of the
+/// Returns the summary of the subtree below `root`. The shares minimize the traversal cost of the
 /// tree with eight children per node (after Ylitie, Karras and Laine 2017, section 3.1).
 fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSummary) -> SubtreeSummary {
     let bounds = a.bounds.union(b.bounds);
@@ -195,6 +204,8 @@ fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSumma
 }
 
 /// Reorders the primitives into two non-empty parts and returns the size of the first.
+///
+/// It splits by the surface area heuristic or, from [`HEURISTIC_DEPTH`] on, at the median.
 fn split_primitives(primitives: &mut [BvhPrimitive], depth: u32) -> usize {
     let size = primitives.len();
     let centers = primitives.iter().fold(SimdBox::EMPTY, |s, f| {
@@ -216,7 +227,9 @@ fn split_primitives(primitives: &mut [BvhPrimitive], depth: u32) -> usize {
     size / 2
 }
 
-/// Maps the centres of primitives to bin numbers along each axis.
+/// Map from the centres of primitives to bin numbers along each axis.
+///
+/// Coordinates are doubled, as in [`SimdBox::doubled_center`].
 struct CentroidBinning {
     origin: Vec3A,
     scale: Vec3A,
@@ -225,13 +238,15 @@ struct CentroidBinning {
 }
 
 impl CentroidBinning {
+    /// Binning for `size` primitives whose doubled centres lie in the box `centers`.
     fn new(centers: SimdBox, size: usize) -> Self {
-        let bins = BINS.min(4 + size / 8);
+        let bins = MAX_BINS.min(4 + size / 8);
         // Just below the number of bins, so that the largest centre falls into the last bin.
         let scale = Vec3A::splat(bins as f32 * 0.999_99) / (centers.max - centers.min);
         Self { origin: centers.min, scale, last: Vec3A::splat((bins - 1) as f32), bins }
     }
 
+    /// Bin of primitive `f` along each axis.
     #[inline]
     fn bin_indices(&self, f: &BvhPrimitive) -> [usize; 3] {
         let at = ((f.bounds.doubled_center() - self.origin) * self.scale).min(self.last);
@@ -239,16 +254,17 @@ impl CentroidBinning {
     }
 }
 
-/// Axis of the cheapest split, and the last bin of its lower part.
+/// Axis of the cheapest split by the surface area heuristic, and the last bin of its lower part.
 ///
-/// `None` if all centres coincide or the costs overflow.
+/// `None` if all centres coincide or the costs overflow. `centers` is the box of the doubled
+/// centres.
 fn best_split_plane(primitives: &[BvhPrimitive], centers: SimdBox) -> Option<(usize, usize)> {
     let binning = CentroidBinning::new(centers, primitives.len());
-    let mut bins = [[(SimdBox::EMPTY, PrimitiveCounts::default()); BINS]; 3];
+    let mut bins = [[(SimdBox::EMPTY, PrimitiveCounts::default()); MAX_BINS]; 3];
     for f in primitives {
         let (at, count) = (binning.bin_indices(f), PrimitiveCounts::from_primitive_key(f.key));
         for axis in 0..3 {
-            let bin = &mut bins[axis][at[axis].min(BINS - 1)];
+            let bin = &mut bins[axis][at[axis].min(MAX_BINS - 1)];
             bin.0 = bin.0.union(f.bounds);
             bin.1.add(count);
         }
@@ -258,7 +274,7 @@ fn best_split_plane(primitives: &[BvhPrimitive], centers: SimdBox) -> Option<(us
     let extent = centers.max - centers.min;
     for axis in (0..3).filter(|&a| extent[a] > 0.0) {
         let bins = &bins[axis][..binning.bins];
-        let mut upper = [0.0; BINS];
+        let mut upper = [0.0; MAX_BINS];
         let (mut bounds, mut count) = (SimdBox::EMPTY, PrimitiveCounts::default());
         for (at, bin) in bins.iter().enumerate().skip(1).rev() {
             bounds = bounds.union(bin.0);
@@ -295,6 +311,7 @@ fn partition_primitives(primitives: &mut [BvhPrimitive], low: impl Fn(&BvhPrimit
 mod tests {
     use super::*;
 
+    /// Number of levels below the root of `tree`.
     fn tree_depth(tree: &[BinaryNode]) -> u32 {
         match tree[0] {
             BinaryNode { size: 1, .. } => 0,

@@ -1,6 +1,6 @@
-//! Bounding volume hierarchy with eight boxes per node, and its traversal.
+//! Bounding volume hierarchy with up to eight children per node, and its traversal.
 
-use super::build::{ARITY, BinaryNode, BvhPrimitive, MAX_DEPTH, OTHER, SimdBox, build_tree};
+use super::build::{ARITY, BinaryNode, BvhPrimitive, MAX_DEPTH, OTHER_BIT, SimdBox, build_tree};
 use super::packet::{LANES, TrianglePacket};
 use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, rounding_error_bound};
@@ -8,25 +8,25 @@ use glam::{DVec3, Vec3, Vec3A};
 use wide::f32x8;
 
 /// Bit of a child reference in a node: set if the child is a packet of triangles.
-const PACKET: u32 = 1 << 30;
+///
+/// With [`OTHER_BIT`], the child is another primitive. With neither bit, it is a node.
+const PACKET_BIT: u32 = 1 << 30;
 
 /// Entries of the largest traversal stack, which suffices for every tree up to [`MAX_DEPTH`].
-///
-/// Smaller stacks are faster to clear.
 pub(super) const DEEPEST_STACK: usize = 512;
+/// Entries of the traversal stack for most scenes. Smaller stacks are faster to clear.
 pub(super) const USUAL_STACK: usize = 96;
+/// Entries of the traversal stack for scenes of few primitives.
 pub(super) const SMALL_STACK: usize = 32;
 const _: () = assert!((ARITY - 1) * (MAX_DEPTH as usize + 1) + ARITY <= DEEPEST_STACK);
 
-/// Evaluates an expression in which the constant `$stack` is a stack size for the tree `$bvh`.
-///
-/// It is the smallest available size that suffices for a traversal.
+/// Evaluates `$body` with the constant `$stack`: the smallest stack size that suffices for `$bvh`.
 macro_rules! with_stack_size {
     ($bvh:expr, <$stack:ident> $body:expr) => {
-        if $bvh.stack <= $crate::accel::bvh8::SMALL_STACK {
+        if $bvh.stack_entries <= $crate::accel::bvh8::SMALL_STACK {
             const $stack: usize = $crate::accel::bvh8::SMALL_STACK;
             $body
-        } else if $bvh.stack <= $crate::accel::bvh8::USUAL_STACK {
+        } else if $bvh.stack_entries <= $crate::accel::bvh8::USUAL_STACK {
             const $stack: usize = $crate::accel::bvh8::USUAL_STACK;
             $body
         } else {
@@ -37,26 +37,29 @@ macro_rules! with_stack_size {
 }
 pub(super) use with_stack_size;
 
-/// Padding of a triangle's box on each side, relative to the box's longest edge.
+/// Padding of a primitive's box on each side, relative to the box's longest edge.
 ///
-/// Here γ(n) is [`rounding_error_bound`]. The triangle test errs by up to γ(9) of the distance
-/// along the ray, plus γ(9) of the triangle's size. The box test errs by γ(3) of the distance.
-/// `PADDING` covers the error relative to the size, and [`STRETCH`] the errors relative to the
-/// distance.
+/// Let γ(n) be [`rounding_error_bound`], the relative error of n operations. The triangle test errs
+/// by up to γ(9) of the distance along the ray, plus γ(9) of the triangle's size. The box test errs
+/// by γ(3) of the distance. `PADDING` covers the error relative to the size, and [`EXIT_FACTOR`]
+/// the errors relative to the distance.
 const PADDING: f32 = rounding_error_bound(16);
 /// Factor on the ray parameter at which a ray leaves a box; it covers the rounding errors.
-const STRETCH: f32 = 1.0 + 2.0 * rounding_error_bound(16);
+const EXIT_FACTOR: f32 = 1.0 + 2.0 * rounding_error_bound(16);
 
-/// Eight axis-aligned boxes: for each axis, eight lower planes and eight upper planes.
+/// Eight axis-aligned boxes, as `[axis][side]` with eight lower planes (side 0) or upper planes
+/// (1).
 ///
 /// An unused slot holds an inverted box, which no ray enters.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Boxes8([[f32x8; 2]; 3]);
 
+/// Node of the hierarchy: the boxes of its children, and references to them.
 #[repr(C, align(64))]
 struct Node8 {
     boxes: Boxes8,
+    /// Child references, which [`PACKET_BIT`] describes.
     children: [u32; ARITY],
 }
 
@@ -65,32 +68,33 @@ pub(super) struct Bvh8 {
     nodes: Vec<Node8>,
     packets: Vec<TrianglePacket>,
     /// Largest number of entries that a traversal can leave on its stack.
-    pub(super) stack: usize,
+    pub(super) stack_entries: usize,
 }
 
 impl Bvh8 {
+    /// Builds the hierarchy over triangles, given by corners, and other primitives, given by boxes.
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
         // A triangle without area may be hit after rounding, but it has no normal.
         let boxes =
             triangles.iter().map(|t| if has_area(t) { Bounds::from_points(*t) } else { Bounds::EMPTY }).zip(0..);
         let mut primitives: Vec<BvhPrimitive> = boxes
-            .chain(others.iter().copied().zip(OTHER..))
+            .chain(others.iter().copied().zip(OTHER_BIT..))
             .filter(|(b, _)| !b.is_empty())
             .map(padded_primitive)
             .collect();
         let mut tree = vec![BinaryNode::VACANT; (2 * primitives.len()).saturating_sub(1)];
         build_tree(&mut primitives, &mut tree);
-        let mut bvh = Self { nodes: Vec::new(), packets: Vec::new(), stack: 0 };
+        let mut bvh = Self { nodes: Vec::new(), packets: Vec::new(), stack_entries: 0 };
         if !tree.is_empty() {
             let source = WideNodeInput { triangles, primitives: &primitives, tree: &tree };
-            bvh.stack = bvh.append_wide_node(&source, 0, 0) + ARITY;
+            bvh.stack_entries = bvh.append_wide_node(&source, 0, 0) + ARITY;
         }
         bvh.nodes.shrink_to_fit();
         bvh.packets.shrink_to_fit();
         bvh
     }
 
-    /// Appends a wide node (eight children) for the binary node `at`, and all nodes below it.
+    /// Appends the node with up to eight children for the binary node `at`, and all nodes below it.
     ///
     /// `start` is the index of the first primitive of the binary node. Returns the largest number
     /// of stack entries that a traversal of the appended nodes needs.
@@ -113,13 +117,13 @@ impl Bvh8 {
                 let child = self.nodes.len() as u32;
                 deepest = self.append_wide_node(source, at, start).max(deepest);
                 child
-            } else if members[0].key & OTHER != 0 {
+            } else if members[0].key & OTHER_BIT != 0 {
                 members[0].key
             } else {
                 let mut keys = [0; LANES];
-                keys.iter_mut().zip(members).for_each(|(key, f)| *key = f.key);
+                keys.iter_mut().zip(members).for_each(|(key, member)| *key = member.key);
                 self.packets.push(TrianglePacket::new(source.triangles, &keys[..members.len()]));
-                PACKET | (self.packets.len() - 1) as u32
+                PACKET_BIT | (self.packets.len() - 1) as u32
             };
         }
         self.nodes[index] = node;
@@ -135,7 +139,7 @@ impl Bvh8 {
     /// True if the child reference `child` refers to a leaf; false for a node.
     #[inline]
     pub fn is_leaf(child: u32) -> bool {
-        child >= PACKET
+        child >= PACKET_BIT
     }
 
     /// Boxes and child references of the node to which the child reference `node` refers; 0 is the
@@ -146,13 +150,13 @@ impl Bvh8 {
         (&node.boxes, &node.children)
     }
 
-    /// The triangle packet to which the child reference `leaf` refers.
+    /// Packet of triangles to which the child reference `leaf` refers.
     #[inline]
     pub fn packet_of_leaf(&self, leaf: u32) -> &TrianglePacket {
-        &self.packets[(leaf ^ PACKET) as usize]
+        &self.packets[(leaf ^ PACKET_BIT) as usize]
     }
 
-    /// Calls `leaf` for every leaf whose box the ray enters at a parameter t below a limit.
+    /// Calls `leaf` for every leaf whose box the ray enters at a ray parameter t below a limit.
     ///
     /// `leaf` receives the child reference of the leaf and the limit, and returns the new limit.
     /// The limit is `t_max` at first; a negative limit ends the traversal. If `SORTED` is true,
@@ -167,8 +171,8 @@ impl Bvh8 {
         if self.nodes.is_empty() {
             return;
         }
-        // Entries hold the entry distance above the child. Distances are not negative, so they sort
-        // as integers.
+        // Entries hold the ray parameter of entry above the child reference. It is not negative, so
+        // entries sort as integers.
         let mut stack = [0u64; STACK];
         let mut top = 0;
         let mut limit = precalc.t_max;
@@ -224,7 +228,7 @@ impl Bvh8 {
                     return;
                 }
                 top -= 1;
-                if f32::from_bits((stack[top] >> 32) as u32) <= limit * STRETCH {
+                if f32::from_bits((stack[top] >> 32) as u32) <= limit * EXIT_FACTOR {
                     current = stack[top] as u32;
                     break;
                 }
@@ -233,11 +237,10 @@ impl Bvh8 {
     }
 }
 
-/// Origin and reciprocal direction of a ray, prepared for slab tests of eight boxes at a time
+/// Origin and reciprocal direction of a ray, repeated for slab tests of eight boxes at a time
 /// (SIMD).
 ///
-/// For each axis, `near` is the plane that the ray crosses first: 0 for the lower one, 1 for the
-/// upper one.
+/// `near` is [`RayPrecalc::near`].
 pub(super) struct SlabTestRay {
     origin: [f32x8; 3],
     reciprocal: [f32x8; 3],
@@ -245,6 +248,7 @@ pub(super) struct SlabTestRay {
 }
 
 impl SlabTestRay {
+    /// Repeats the constants `precalc` of a ray for eight boxes.
     #[inline]
     pub fn new(precalc: &RayPrecalc) -> Self {
         let ([ox, oy, oz], [rx, ry, rz]) = (precalc.origin, precalc.reciprocal);
@@ -257,8 +261,10 @@ impl SlabTestRay {
 }
 
 impl Boxes8 {
+    /// Eight unused slots: inverted boxes.
     pub const VACANT: Self = Self([[f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY)]; 3]);
 
+    /// Stores a box in slot `slot`, which is below 8.
     pub fn set_box(&mut self, slot: usize, min: Vec3, max: Vec3) {
         for (axis, [lower, upper]) in self.0.iter_mut().enumerate() {
             lower.as_mut_array()[slot] = min[axis];
@@ -274,18 +280,19 @@ impl Boxes8 {
 
     /// Bit mask of the boxes that the ray enters below the ray parameter `limit` (Ize 2013).
     ///
-    /// Also returns the ray parameter at which the ray enters each box.
+    /// Also returns the ray parameter at which the ray enters each box. Ray parameters refer to the
+    /// scaled direction of [`RayPrecalc`].
     #[inline]
     pub fn intersect_boxes(&self, slabs: &SlabTestRay, limit: f32) -> (u32, f32x8) {
         let at = |axis: usize, side: usize| (self.0[axis][side & 1] - slabs.origin[axis]) * slabs.reciprocal[axis];
         let [nx, ny, nz] = slabs.near;
         let near = at(0, nx).fast_max(at(1, ny)).fast_max(at(2, nz)).fast_max(f32x8::ZERO);
         let far = at(0, nx ^ 1).fast_min(at(1, ny ^ 1)).fast_min(at(2, nz ^ 1)).fast_min(f32x8::splat(limit));
-        (near.simd_le(far * f32x8::splat(STRETCH)).to_bitmask(), near)
+        (near.simd_le(far * f32x8::splat(EXIT_FACTOR)).to_bitmask(), near)
     }
 }
 
-/// Binary tree and its primitives, from which the nodes of eight children are built.
+/// Binary tree and primitives from which the nodes with eight children are built.
 struct WideNodeInput<'a> {
     triangles: &'a [[Vec3; 3]],
     primitives: &'a [BvhPrimitive],
@@ -293,8 +300,7 @@ struct WideNodeInput<'a> {
 }
 
 impl WideNodeInput<'_> {
-    /// Selects up to `slots` binary nodes that become the children of one wide node (eight
-    /// children).
+    /// Selects up to `slots` binary nodes that become the children of one node with eight children.
     ///
     /// The selected nodes are descendants of node `at`, whose first primitive has index `start`.
     /// `take` receives the index of each selected node and the index of its first primitive.
@@ -325,8 +331,7 @@ fn has_area(corners: &[Vec3; 3]) -> bool {
     (b - a).cross(c - a) != DVec3::ZERO
 }
 
-/// Converts a box with its key to a build primitive; pads the box by [`PADDING`] of its longest
-/// edge.
+/// Build primitive for a box and its key; the box is padded by [`PADDING`] of its longest edge.
 fn padded_primitive((bounds, key): (Bounds, u32)) -> BvhPrimitive {
     let margin = Vec3::splat(bounds.extent().max_element() * PADDING);
     let (min, max) = (bounds.min - margin, bounds.max + margin);

@@ -4,10 +4,10 @@
 //! nodes with up to eight children.
 //!
 //! A leaf is a packet of up to eight triangles, or one other primitive. The hit of a triangle
-//! depends only on the ray and on its corners, and box tests never lose a hit. So no hit depends on
-//! the tree, only the order in which a ray finds all its hits.
+//! depends only on the ray and on its corners, and box tests never lose a hit. So the tree decides
+//! the order in which a ray finds its hits, but no hit itself.
 
-mod along;
+mod box_tree;
 mod build;
 mod bvh8;
 mod leaf_list;
@@ -16,11 +16,11 @@ mod ray_precalc;
 #[cfg(test)]
 mod tests;
 
-pub use along::BoxTree;
+pub use box_tree::BoxTree;
 pub use leaf_list::LeafList;
 
 use crate::math::{Bounds, Ray};
-use build::OTHER;
+use build::OTHER_BIT;
 use bvh8::{Bvh8, with_stack_size};
 use glam::Vec3;
 use packet::LeafHit;
@@ -38,17 +38,17 @@ pub enum PrimitiveIndex {
 /// Intersection of a ray with one primitive of a [`Hierarchy`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrimitiveHit {
-    /// Ray parameter t of the hit, with 0 < t < `t_max`. The hit is at origin + t · direction.
+    /// Ray parameter t in (0, `t_max`): the hit is at origin + t · direction of the caller's ray.
     pub t: f32,
     /// The primitive that was hit.
     pub primitive: PrimitiveIndex,
     /// Barycentric weight of a triangle's second corner.
     ///
-    /// For other primitives, the second value that the caller's intersection closure returned.
+    /// For other primitives: the second number that the caller's intersection closure returned.
     pub u: f32,
     /// Barycentric weight of a triangle's third corner.
     ///
-    /// For other primitives, the third value that the caller's intersection closure returned.
+    /// For other primitives: the third number that the caller's intersection closure returned.
     pub v: f32,
 }
 
@@ -57,10 +57,10 @@ pub struct PrimitiveHit {
 /// It intersects triangles itself. For each other primitive it stores a box, and the caller
 /// intersects the primitive in a closure.
 ///
-/// The triangle test is watertight: a ray through a closed mesh hits it, at edges and corners too.
-/// This holds at any scale and distance (Woop, Benthin and Wald 2013, with boxes padded to match).
-/// Coordinates must be finite and below 10¹⁸ in magnitude. Memory is about 72 bytes per triangle of
-/// a mesh, and 180 more during the build.
+/// The triangle test is watertight: a ray cannot pass between two triangles that share an edge or a
+/// corner. This holds at any scale and distance (Woop, Benthin and Wald 2013), since boxes are
+/// padded by the rounding errors of the test. Coordinates must be finite and below 10¹⁸ in
+/// magnitude. Memory is about 72 bytes per triangle of a mesh, and 180 more during the build.
 pub struct Hierarchy {
     bvh: Bvh8,
     bounds: Bounds,
@@ -86,13 +86,13 @@ impl Hierarchy {
         self.bounds
     }
 
-    /// Nearest hit with `0 < t < t_max`.
+    /// Nearest hit of `ray` with a ray parameter in (0, `ray.t_max`); `None` if there is none.
     ///
-    /// Among hits of equal `t`, triangles win against other primitives, then the lowest index wins.
+    /// Among hits of equal t, triangles win against other primitives, then the lowest index wins.
     ///
-    /// `other(i, ray)` intersects `ray` with the primitive in box `i`. It returns t and two
-    /// numbers, which become `u` and `v` of the [`PrimitiveHit`]. The `t_max` of the given `ray` is
-    /// the ray parameter of the nearest hit so far.
+    /// `other(i, r)` intersects `r` with the primitive in box `i`, where `r` is `ray` cut off at
+    /// the nearest hit so far. It returns t and two numbers, which become `u` and `v` of the
+    /// [`PrimitiveHit`].
     #[inline]
     pub fn closest_hit<F>(&self, ray: &Ray, other: F) -> Option<PrimitiveHit>
     where
@@ -128,9 +128,9 @@ impl Hierarchy {
             return None;
         }
         let precalc = RayPrecalc::new(ray);
-        let mut best = NearestHit { key: 0, hit: LeafHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
+        let mut best = NearestHit::before_any_hit(&precalc);
         let test_leaf = |leaf, _| {
-            if leaf & OTHER == 0 {
+            if leaf & OTHER_BIT == 0 {
                 self.bvh
                     .packet_of_leaf(leaf)
                     .for_each_hit(&precalc, |triangle, hit| best.keep_nearer_hit(triangle, hit));
@@ -138,9 +138,8 @@ impl Hierarchy {
                 // `t_max` is exclusive, but this primitive wins ties against a higher key.
                 let t_max = if leaf < best.key { best.hit.t.next_up() } else { best.hit.t };
                 let shrunk = Ray { t_max: t_max * precalc.direction_scale, ..*ray };
-                if let Some((t, u, v)) = other(leaf ^ OTHER, &shrunk) {
-                    let weights = [u, v].map(f64::from);
-                    best.keep_nearer_hit(leaf, LeafHit { t: t * precalc.inverse_direction_scale, weights, total: 1.0 });
+                if let Some(hit) = other(leaf ^ OTHER_BIT, &shrunk) {
+                    best.keep_nearer_hit(leaf, LeafHit::of_other_primitive(hit, &precalc));
                 }
             }
             best.hit.t
@@ -149,10 +148,11 @@ impl Hierarchy {
         best.to_primitive_hit(ray, &precalc)
     }
 
-    /// Calls `visit` with every hit with `0 < t < t_max`, in an order that depends on the tree.
+    /// Calls `visit` with every hit of `ray` at a ray parameter in (0, `ray.t_max`).
     ///
-    /// `other(i, ray)` intersects `ray` with the primitive in box `i`. It returns t and two
-    /// numbers, which become `u` and `v` of the [`PrimitiveHit`].
+    /// The order of the hits depends on the tree. `other(i, ray)` intersects `ray` with the
+    /// primitive in box `i`. It returns t and two numbers, which become `u` and `v` of the
+    /// [`PrimitiveHit`].
     pub fn for_each_hit<F>(&self, ray: &Ray, mut other: F, mut visit: impl FnMut(PrimitiveHit))
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
@@ -161,28 +161,25 @@ impl Hierarchy {
             return;
         }
         let precalc = RayPrecalc::new(ray);
-        let mut show = |key: u32, hit: LeafHit| {
-            let mut only = NearestHit { key: 0, hit: LeafHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } };
+        let mut report = |key: u32, hit: LeafHit| {
+            let mut only = NearestHit::before_any_hit(&precalc);
             only.keep_nearer_hit(key, hit);
             if let Some(hit) = only.to_primitive_hit(ray, &precalc) {
                 visit(hit);
             }
         };
         let test_leaf = |leaf, limit| {
-            if leaf & OTHER == 0 {
-                self.bvh.packet_of_leaf(leaf).for_each_hit(&precalc, &mut show);
-            } else if let Some((t, u, v)) = other(leaf ^ OTHER, ray) {
-                show(
-                    leaf,
-                    LeafHit { t: t * precalc.inverse_direction_scale, weights: [u, v].map(f64::from), total: 1.0 },
-                );
+            if leaf & OTHER_BIT == 0 {
+                self.bvh.packet_of_leaf(leaf).for_each_hit(&precalc, &mut report);
+            } else if let Some(hit) = other(leaf ^ OTHER_BIT, ray) {
+                report(leaf, LeafHit::of_other_primitive(hit, &precalc));
             }
             limit
         };
         with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<false, STACK>(&precalc, test_leaf));
     }
 
-    /// True if the ray has a hit with `0 < t < t_max`.
+    /// True if any primitive blocks `ray` at a ray parameter in (0, `ray.t_max`).
     ///
     /// `other(i, ray)` returns true if `ray` hits the primitive in box `i`.
     #[inline]
@@ -196,10 +193,10 @@ impl Hierarchy {
         let precalc = RayPrecalc::new(ray);
         let mut found = false;
         let test_leaf = |leaf, limit| {
-            found = if leaf & OTHER == 0 {
+            found = if leaf & OTHER_BIT == 0 {
                 self.bvh.packet_of_leaf(leaf).any_hit(&precalc)
             } else {
-                other(leaf ^ OTHER, ray)
+                other(leaf ^ OTHER_BIT, ray)
             };
             if found { f32::NEG_INFINITY } else { limit }
         };
@@ -231,17 +228,24 @@ impl Leaves for LeafList {
     }
 }
 
-/// Nearest hit that a traversal has found so far; its t refers to the scaled direction of
-/// [`RayPrecalc`].
+/// Nearest hit that a traversal has found so far, and the key of its primitive.
 ///
-/// Among hits of equal t, the one with the lowest key is kept. At the start, t is `t_max` and the
-/// key is 0, so no hit at `t_max` is accepted.
+/// Among hits of equal t, the one with the lowest key is kept; [`OTHER_BIT`] describes keys. The
+/// ray parameter t refers to the scaled direction of [`RayPrecalc`].
 struct NearestHit {
     key: u32,
     hit: LeafHit,
 }
 
 impl NearestHit {
+    /// Start of a traversal: t is `t_max` and the key is 0, so no hit at `t_max` replaces it.
+    #[inline]
+    fn before_any_hit(precalc: &RayPrecalc) -> Self {
+        Self { key: 0, hit: LeafHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } }
+    }
+
+    /// Replaces the kept hit by `hit` if t > 0 and `hit` is nearer, or equally near with a lower
+    /// key.
     #[inline]
     fn keep_nearer_hit(&mut self, key: u32, hit: LeafHit) {
         let (t, least) = (hit.t, self.hit.t);
@@ -250,6 +254,7 @@ impl NearestHit {
         }
     }
 
+    /// Converts the kept hit to the caller's ray parameter; `None` if there was no hit.
     #[inline]
     fn to_primitive_hit(&self, ray: &Ray, precalc: &RayPrecalc) -> Option<PrimitiveHit> {
         let t = self.hit.t * precalc.direction_scale;
@@ -257,7 +262,7 @@ impl NearestHit {
         if !(self.hit.t < precalc.t_max && 0.0 < t && t < ray.t_max) {
             return None;
         }
-        let index = self.key & !OTHER;
+        let index = self.key & !OTHER_BIT;
         let primitive = if self.key == index { PrimitiveIndex::Triangle(index) } else { PrimitiveIndex::Other(index) };
         let (u, v) = self.hit.barycentric();
         Some(PrimitiveHit { t, primitive, u, v })

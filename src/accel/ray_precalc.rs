@@ -1,40 +1,44 @@
-//! Per-ray constants of box and triangle tests.
+//! Constants of a ray that box tests and triangle tests share.
 
 use crate::math::Ray;
 use glam::{Vec3, Vec3A};
 
-/// Constants of one ray, used by box tests and triangle tests.
+/// Constants of one ray, which box tests and triangle tests use.
 ///
 /// The ray's direction is multiplied by a power of two that brings its largest component to
-/// \[1, 2), or to \[2, 4) if it is near the largest f32. Its digits stay unchanged. Reciprocals and
-/// products then stay in the range of f32. Ray parameters of the tests refer to the scaled
+/// \[1, 2), or to \[2, 4) if it is near the largest f32. The digits stay unchanged. Reciprocals and
+/// products then stay in the range of f32. In these tests, ray parameters refer to the scaled
 /// direction.
 pub(super) struct RayPrecalc {
+    /// Origin of the ray, in the caller's space.
     pub origin: [f32; 3],
     /// Reciprocal of each component of the scaled direction, clamped to the range of finite f32.
     pub reciprocal: [f32; 3],
     /// For each axis, the box plane that the ray crosses first: 0 for the lower one, 1 for the
-    /// upper one. It is 1 if the direction's component is negative or a negative zero.
+    /// upper one.
+    ///
+    /// It is 1 if the direction's component is negative or a negative zero.
     pub near: [usize; 3],
-    /// A permutation of the axes 0, 1, 2. The last one has the direction's largest component.
+    /// Permutation of the axes 0, 1, 2 whose last axis has the direction's largest component.
     pub axes: [usize; 3],
-    /// Direction components along `axes[0]` and `axes[1]`, divided by that along `axes[2]`.
+    /// Direction components along `axes[0]` and `axes[1]`, divided by the component along
+    /// `axes[2]`.
     pub shear: [f32; 2],
     /// Component of the scaled direction along `axes[2]`.
     pub depth: f64,
-    /// Exclusive upper bound of the ray parameter for the scaled direction.
+    /// Exclusive upper bound of the ray parameter, for the scaled direction.
     pub t_max: f32,
-    /// Scaled direction over the caller's direction: a power of two.
+    /// Factor from the caller's direction to the scaled direction: a power of two.
     ///
-    /// The caller's t is this number times the t of the scaled direction.
+    /// The caller's t is `direction_scale` times the t of the scaled direction.
     pub direction_scale: f32,
-    /// 1 / `direction_scale`: the factor from the caller's t to the t of the scaled direction.
+    /// Factor from the caller's t to the t of the scaled direction: 1 / `direction_scale`.
     pub inverse_direction_scale: f32,
 }
 
 impl RayPrecalc {
-    /// True if the ray can hit anything: origin and direction are finite, and the direction is not
-    /// zero.
+    /// True if origin and direction are finite and the direction is not zero; other rays hit
+    /// nothing.
     #[inline]
     pub fn can_hit_anything(ray: &Ray) -> bool {
         ray.direction != Vec3::ZERO && ray.direction.is_finite() && ray.origin.is_finite()

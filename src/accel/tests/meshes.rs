@@ -1,4 +1,4 @@
-//! Meshes and random points for the tests.
+//! Meshes, random points and random directions for the tests of the hierarchy.
 
 use crate::math::{Bounds, warp};
 use glam::{Vec2, Vec3};
@@ -8,6 +8,7 @@ use std::collections::HashMap;
 
 pub(super) type Mesh = Vec<[Vec3; 3]>;
 
+/// Uniform random point of the cube \[−1, 1]³.
 pub(super) fn random_point(rng: &mut SmallRng) -> Vec3 {
     Vec3::new(rng.random(), rng.random(), rng.random()) * 2.0 - 1.0
 }
@@ -16,6 +17,7 @@ pub(super) fn random_direction(rng: &mut SmallRng) -> Vec3 {
     warp::square_to_uniform_sphere(Vec2::new(rng.random(), rng.random()))
 }
 
+/// Mesh of `count` separate random triangles, with edge components of at most `size` to 2·`size`.
 pub(super) fn random_triangle_mesh(rng: &mut SmallRng, count: usize, size: f32) -> Mesh {
     (0..count)
         .map(|_| {
@@ -25,12 +27,12 @@ pub(super) fn random_triangle_mesh(rng: &mut SmallRng, count: usize, size: f32) 
         .collect()
 }
 
-/// Triangles whose corners are given as indices into `vertices`.
+/// Triangles with corners that `faces` gives as indices into `vertices`.
 pub(super) fn mesh_of_faces(vertices: &[Vec3], faces: &[[u32; 3]]) -> Mesh {
     faces.iter().map(|f| f.map(|i| vertices[i as usize])).collect()
 }
 
-/// Icosahedron whose faces are divided into four `levels` times, with all vertices on the unit
+/// Icosahedron whose faces are divided into four, `levels` times, with all vertices on the unit
 /// sphere.
 pub(super) fn icosphere_vertices_and_faces(levels: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let g = 0.5 + 1.25f32.sqrt();
@@ -89,6 +91,7 @@ pub(super) fn torus_vertices_and_faces(rng: &mut SmallRng, n: u32, m: u32, noise
     (vertices, faces.collect())
 }
 
+/// Surface of the cube \[−1, 1]³, as eight vertices and twelve triangles.
 pub(super) fn cube_vertices_and_faces() -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let vertices = Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE }.corners().to_vec();
     let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];

@@ -12,6 +12,7 @@ use meshes::{Mesh, cube_vertices_and_faces, mesh_of_faces, random_direction, ran
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
+/// Intersection closure that reports no hit, for hierarchies of triangles only.
 fn miss_other_primitive(_: u32, _: &Ray) -> Option<(f32, f32, f32)> {
     None
 }
@@ -54,6 +55,9 @@ fn boxes_around_spheres(balls: &[(Vec3, f32)]) -> Vec<Bounds> {
     balls.iter().enumerate().map(|(i, &(c, r))| Bounds { min: c, max: c }.expanded(r * slack(i))).collect()
 }
 
+/// Asserts that nearest hit and occlusion agree with brute force, bit for bit, for all `rays`.
+///
+/// Returns the number of rays that hit, and the number of rays.
 fn assert_agrees_with_brute_force(
     triangles: &Mesh,
     balls: &[(Vec3, f32)],

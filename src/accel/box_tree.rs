@@ -1,4 +1,4 @@
-//! Tree that finds all boxes that a ray crosses.
+//! Hierarchy of boxes that finds every box that a ray crosses.
 
 use super::build::ARITY;
 use super::bvh8::{Boxes8, SlabTestRay};
@@ -6,7 +6,7 @@ use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, Ray, morton_order};
 use rayon::prelude::*;
 
-/// Tree of boxes that finds every box that a ray crosses.
+/// Hierarchy of boxes that finds every box that a ray crosses.
 ///
 /// Rounding never loses a box. A box may be reported although the ray misses it by up to 10⁻⁶ of
 /// its distance. Coordinates must be below 10¹⁸ in magnitude.
@@ -17,26 +17,27 @@ use rayon::prelude::*;
 pub struct BoxTree {
     /// Box indices in Morton order.
     order: Vec<u32>,
-    /// Nodes of each level; level 0 holds the boxes, and the last level holds the root.
+    /// Nodes of each level. Nodes of level 0 hold the boxes; the last level is the root.
     ///
-    /// Child i of node n is node 8n + i of the level below.
+    /// Child i of node n is node 8n + i of the level below or, at level 0, box 8n + i of `order`.
     levels: Vec<Vec<Boxes8>>,
 }
 
 /// Largest number of levels of a [`BoxTree`], enough for 8¹⁰ = 2³⁰ boxes.
 const MOST_LEVELS: usize = 10;
-const NUMBER_BITS: u32 = 28;
+/// Bits of a stack entry that hold the index of a node in its level; the bits above hold the level.
+const NODE_INDEX_BITS: u32 = 28;
 /// Entries of the traversal stack: each level leaves up to seven nodes on it.
 const STACK: usize = (ARITY - 1) * MOST_LEVELS + 1;
 
-/// Padding of all boxes of a [`BoxTree`], relative to the largest coordinate.
+/// Padding of all boxes of a [`BoxTree`] on each side, relative to the largest coordinate.
 ///
 /// A ray along an axis has infinite reciprocals, which are clamped to the largest f32. The padding
 /// lets such a ray cross a flat box at distances up to 10¹⁹ times the largest coordinate.
 const PADDING: f32 = 1.0 / (1u64 << 63) as f32;
 
 impl BoxTree {
-    /// Builds a tree over at most 2³⁰ boxes, and leaves out empty boxes.
+    /// Builds a tree over at most 2³⁰ boxes; empty boxes are left out.
     ///
     /// The tree does not depend on the number of threads.
     #[must_use]
@@ -57,9 +58,9 @@ impl BoxTree {
         Self { order, levels }
     }
 
-    /// Calls `visit` once with the index of each box that the ray crosses at `0 ≤ t ≤ t_max`.
+    /// Calls `visit` once with the index of each box that the ray crosses at `0 ≤ t ≤ ray.t_max`.
     ///
-    /// The order of the calls depends only on the boxes.
+    /// The order of the calls depends only on the boxes and the ray.
     #[inline]
     pub fn visit_boxes_along_ray(&self, ray: &Ray, visit: &mut impl FnMut(u32)) {
         if !(RayPrecalc::can_hit_anything(ray) && ray.t_max >= 0.0) || self.levels.is_empty() {
@@ -68,11 +69,11 @@ impl BoxTree {
         let precalc = RayPrecalc::new(ray);
         let slabs = SlabTestRay::new(&precalc);
         let mut stack = [0u32; STACK];
-        stack[0] = ((self.levels.len() - 1) as u32) << NUMBER_BITS;
+        stack[0] = ((self.levels.len() - 1) as u32) << NODE_INDEX_BITS;
         let mut top = 1;
         while top > 0 {
             top -= 1;
-            let (level, number) = (stack[top] >> NUMBER_BITS, stack[top] & ((1 << NUMBER_BITS) - 1));
+            let (level, number) = (stack[top] >> NODE_INDEX_BITS, stack[top] & ((1 << NODE_INDEX_BITS) - 1));
             let (mut hits, _) = self.levels[level as usize][number as usize].intersect_boxes(&slabs, precalc.t_max);
             while hits != 0 {
                 let child = number * ARITY as u32 + hits.trailing_zeros();
@@ -80,7 +81,7 @@ impl BoxTree {
                 if level == 0 {
                     visit(self.order[child as usize]);
                 } else {
-                    stack[top] = (level - 1) << NUMBER_BITS | child;
+                    stack[top] = (level - 1) << NODE_INDEX_BITS | child;
                     top += 1;
                 }
             }
@@ -88,13 +89,14 @@ impl BoxTree {
     }
 }
 
+/// Packs up to eight boxes into one node.
 fn boxes_from_bounds(run: &[Bounds]) -> Boxes8 {
     let mut boxes = Boxes8::VACANT;
     run.iter().enumerate().for_each(|(slot, b)| boxes.set_box(slot, b.min, b.max));
     boxes
 }
 
-/// The box expanded by `margin` on every side, and then to the next f32.
+/// The box `b` expanded by `margin` on every side, and then to the next f32.
 fn padded_box(b: &Bounds, margin: f32) -> Bounds {
     let wider = b.expanded(margin);
     let down = wider.min.to_array().map(f32::next_down);

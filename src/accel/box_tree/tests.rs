@@ -12,6 +12,7 @@ fn random_point_in_unit_cube(i: u64) -> Vec3 {
     random_key(i).uniform_2d(Dimension::LightPosition).extend(random_key(i).uniform_1d(Dimension::Light))
 }
 
+/// Indices of all boxes that [`BoxTree`] finds along `ray`.
 fn boxes_along_ray(boxes: &BoxTree, ray: &Ray) -> Vec<u32> {
     let mut all = Vec::new();
     boxes.visit_boxes_along_ray(ray, &mut |i| all.push(i));
@@ -64,7 +65,7 @@ fn assert_box_queries_agree_with_brute_force(bounds: &[Bounds], rays: impl Itera
     count
 }
 
-/// Random rays through the unit cube, which is scaled by `scale` and translated by `shift`.
+/// Random rays through the unit cube, after it is scaled by `scale` and translated by `shift`.
 ///
 /// Rays start inside, outside or far away, and are long or short.
 fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> {
@@ -83,7 +84,7 @@ fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> 
 
 #[test]
 fn box_queries_agree_with_brute_force() {
-    // Sizes about the borders of levels.
+    // Counts just below, at and above those that need one more level.
     for n in [0, 1, 2, 7, 8, 9, 64, 65, 513, 2000] {
         for (scale, shift) in [(1.0, Vec3::ZERO), (1e-25, Vec3::ZERO), (1e15, Vec3::ZERO), (1.0, Vec3::splat(-3e3))] {
             let bounds: Vec<Bounds> = (0..n)
