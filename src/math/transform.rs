@@ -111,6 +111,16 @@ impl Transform {
         self.determinant
     }
 
+    /// World-space area of a surface element that has the object-space area vector `n`.
+    ///
+    /// An area vector is the unit normal times the area. The result is |det M|·|M⁻ᵀ n|, where M is
+    /// the linear part.
+    #[inline]
+    #[must_use]
+    pub fn world_area(&self, n: DVec3) -> f64 {
+        self.determinant.abs() * self.transform_normal(n).length()
+    }
+
     /// Scale factor of a map that scales all lengths equally, else `None`.
     #[must_use]
     pub fn uniform_scale(&self) -> Option<f64> {

@@ -45,14 +45,6 @@ impl Ellipsoid {
         )
     }
 
-    /// Ratio of world-space area to area on the unit sphere, at the point `n` of the unit sphere.
-    ///
-    /// For the linear part M of the map, the ratio is |det M| · |M⁻ᵀ n|.
-    #[inline]
-    fn area_scale_factor(&self, n: DVec3) -> f64 {
-        self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
-    }
-
     /// World-space area \[length²], integrated by the midpoint rule over height z and azimuth φ.
     fn integrate_area(&self) -> f64 {
         const N: u32 = 256;
@@ -62,7 +54,7 @@ impl Ellipsoid {
             let r = (1.0 - z * z).sqrt();
             for j in 0..N {
                 let (sin, cos) = libm::sincos((f64::from(j) + 0.5) * std::f64::consts::TAU / f64::from(N));
-                sum += self.area_scale_factor(DVec3::new(r * cos, r * sin, z));
+                sum += self.to_world.world_area(DVec3::new(r * cos, r * sin, z));
             }
         }
         4.0 * std::f64::consts::PI * sum / f64::from(N * N)
@@ -113,7 +105,7 @@ impl AnalyticShape for Ellipsoid {
         let n = warp::square_to_uniform_sphere(u).as_dvec3().normalize();
         ShapeSample {
             point: self.surface_at(n),
-            pdf: (1.0 / (4.0 * std::f64::consts::PI * self.area_scale_factor(n))) as f32,
+            pdf: (1.0 / (4.0 * std::f64::consts::PI * self.to_world.world_area(n))) as f32,
             uv: Vec2::ZERO,
         }
     }

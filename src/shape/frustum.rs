@@ -83,7 +83,7 @@ impl Frustum {
         let around: f64 = (0..AREA_STEPS)
             .map(|i| {
                 let (sin, cos) = sincos(f64::from(i) * TAU / f64::from(AREA_STEPS));
-                frustum.area_scale_factor(DVec3::new(cos, frustum.radius_decrease(), sin))
+                to_world.world_area(DVec3::new(cos, frustum.radius_decrease(), sin))
             })
             .sum();
         frustum.areas[0] = 0.5 * (radii[0] + radii[1]) * TAU * around / f64::from(AREA_STEPS);
@@ -106,14 +106,6 @@ impl Frustum {
     #[inline]
     fn radius_at(&self, y: f64) -> f64 {
         self.radii[0] - self.radius_decrease() * y
-    }
-
-    /// World-space area of a surface element with the object-space area vector `n`.
-    ///
-    /// The area vector is the normal times the element's area.
-    #[inline]
-    fn area_scale_factor(&self, n: DVec3) -> f64 {
-        self.to_world.determinant().abs() * self.to_world.transform_normal(n).length()
     }
 
     /// Interval of the arc length τ along the line of `ray`, in object space, in which the line is

@@ -102,31 +102,6 @@ impl Rectangle {
         let solid_angle = strip_solid_angle(x[1], y, z) - strip_solid_angle(x[0], y, z);
         (solid_angle >= MIN_SOLID_ANGLE).then_some(RectangleView { x, y, z, axes, solid_angle })
     }
-
-    /// Samples a point uniformly by solid angle as seen from `from`.
-    ///
-    /// Returns the point, the unit direction from `from` to it, and the pdf per steradian. `None`
-    /// if and only if [`Rectangle::pdf_visible`] is `None`.
-    #[must_use]
-    pub fn sample_visible(&self, from: Vec3, u: Vec2) -> Option<(SurfacePoint, Vec3, f32)> {
-        let view = self.rectangle_view(from)?;
-        let (x, y) = view.sample(u);
-        let fraction = |i: usize, at: f64, [first, last]: [f64; 2]| self.edges[i] * ((at - first) / (last - first));
-        let point = self.surface_at(self.corner + fraction(0, x, view.x) + fraction(1, y, view.y));
-        // Not computed from the rounded point, which may lie in the plane of `from`.
-        let wi = (view.axes[0] * x + view.axes[1] * y - self.normal * view.z).normalize();
-        Some((point, wi.as_vec3(), (1.0 / view.solid_angle) as f32))
-    }
-
-    /// Pdf of [`Rectangle::sample_visible`]: the reciprocal of the solid angle seen from `from`
-    /// \[1/sr].
-    ///
-    /// `None` if `from` is on the inner side, if the edges are not perpendicular, or if the
-    /// rectangle looks so small that sampling by area is better.
-    #[must_use]
-    pub fn pdf_visible(&self, from: Vec3) -> Option<f32> {
-        self.rectangle_view(from).map(|view| (1.0 / view.solid_angle) as f32)
-    }
 }
 
 impl AnalyticShape for Rectangle {
@@ -181,15 +156,18 @@ impl AnalyticShape for Rectangle {
 
     #[inline]
     fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampleResult {
-        match self.sample_visible(from, u) {
-            Some((point, wi, pdf)) => SolidAngleSampleResult::Sampled(SolidAngleSample { point, wi, pdf }),
-            None => SolidAngleSampleResult::Unsupported,
-        }
+        let Some(view) = self.rectangle_view(from) else { return SolidAngleSampleResult::Unsupported };
+        let (x, y) = view.sample(u);
+        let fraction = |i: usize, at: f64, [first, last]: [f64; 2]| self.edges[i] * ((at - first) / (last - first));
+        let point = self.surface_at(self.corner + fraction(0, x, view.x) + fraction(1, y, view.y));
+        // Not computed from the rounded point, which may lie in the plane of `from`.
+        let wi = (view.axes[0] * x + view.axes[1] * y - self.normal * view.z).normalize().as_vec3();
+        SolidAngleSampleResult::Sampled(SolidAngleSample { point, wi, pdf: (1.0 / view.solid_angle) as f32 })
     }
 
     #[inline]
     fn solid_angle_pdf(&self, from: Vec3) -> Option<f32> {
-        self.pdf_visible(from)
+        self.rectangle_view(from).map(|view| (1.0 / view.solid_angle) as f32)
     }
 }
 

@@ -44,42 +44,14 @@ impl Sphere {
         SurfacePoint::from_f64(self.center + n * self.radius, n, self.center.abs().max_element() + self.radius)
     }
 
-    /// Samples a visible point uniformly by solid angle as seen from `from`; returns the point and
-    /// the pdf per steradian.
+    /// Cone of directions from `from` to the sphere: sin²θ and 1 − cosθ of its half angle θ.
     ///
-    /// `None` if `from` is on or inside the sphere. Source: Pharr, Jakob, Humphreys 2023, section
-    /// 6.2.4.
-    #[must_use]
-    pub fn sample_visible(&self, from: Vec3, u: Vec2) -> Option<(SurfacePoint, f32)> {
-        let to_center = self.center - from.as_dvec3();
-        let d2 = to_center.length_squared();
-        let sin2 = self.radius * self.radius / d2;
-        if sin2 >= 1.0 || sin2.is_nan() {
-            return None;
-        }
-        // 1 − cos = sin²/(1 + cos) keeps its digits for far spheres.
-        let one_minus_cos = sin2 / (1.0 + (1.0 - sin2).sqrt());
-        let axis = to_center / d2.sqrt();
-        let cone = warp::square_to_uniform_cone(u, one_minus_cos as f32);
-        let sin2_theta = f64::from(cone.x * cone.x + cone.y * cone.y);
-        // The first hit in the sampled direction, as an angle at the sphere's centre.
-        let cos_alpha = sin2_theta / sin2.sqrt() + f64::from(cone.z) * (1.0 - sin2_theta / sin2).max(0.0).sqrt();
-        let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
-        let frame = Frame::from_normal(axis.as_vec3());
-        let around = (frame.s * cone.x + frame.t * cone.y).as_dvec3();
-        let n = around.normalize_or_zero() * sin_alpha - axis * cos_alpha;
-        Some((self.surface_at(n.normalize()), warp::uniform_cone_pdf(one_minus_cos as f32)))
-    }
-
-    /// Pdf of [`Sphere::sample_visible`]: the reciprocal of the solid angle seen from `from`
-    /// \[1/sr]; 0 if `from` is on or inside the sphere.
-    #[must_use]
-    pub fn pdf_visible(&self, from: Vec3) -> f32 {
+    /// `None` if `from` is on or inside the sphere.
+    #[inline]
+    fn cone_around_sphere(&self, from: Vec3) -> Option<(f64, f64)> {
         let sin2 = self.radius * self.radius / (self.center - from.as_dvec3()).length_squared();
-        if sin2 >= 1.0 || sin2.is_nan() {
-            return 0.0;
-        }
-        warp::uniform_cone_pdf((sin2 / (1.0 + (1.0 - sin2).sqrt())) as f32)
+        // 1 − cos = sin²/(1 + cos) keeps its digits for far spheres.
+        (sin2 < 1.0).then(|| (sin2, sin2 / (1.0 + (1.0 - sin2).sqrt())))
     }
 }
 
@@ -127,18 +99,33 @@ impl AnalyticShape for Sphere {
         Some(BoundingSphere { center: self.center.as_vec3(), radius: self.radius as f32 })
     }
 
+    /// Samples the cone of directions around the sphere (Pharr, Jakob, Humphreys 2023, 6.2.4).
     #[inline]
     fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampleResult {
-        let Some((point, pdf)) = self.sample_visible(from, u) else { return SolidAngleSampleResult::Invisible };
-        match direction_and_distance(from, point.p) {
-            Some((_, wi, _)) => SolidAngleSampleResult::Sampled(SolidAngleSample { point, wi, pdf }),
-            None => SolidAngleSampleResult::Invisible,
-        }
+        let Some((sin2, one_minus_cos)) = self.cone_around_sphere(from) else {
+            return SolidAngleSampleResult::Invisible;
+        };
+        let axis = self.center - from.as_dvec3();
+        let axis = axis / axis.length_squared().sqrt();
+        let cone = warp::square_to_uniform_cone(u, one_minus_cos as f32);
+        let sin2_theta = f64::from(cone.x * cone.x + cone.y * cone.y);
+        // The first hit in the sampled direction, as an angle at the sphere's centre.
+        let cos_alpha = sin2_theta / sin2.sqrt() + f64::from(cone.z) * (1.0 - sin2_theta / sin2).max(0.0).sqrt();
+        let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
+        let frame = Frame::from_normal(axis.as_vec3());
+        let around = (frame.s * cone.x + frame.t * cone.y).as_dvec3();
+        let n = around.normalize_or_zero() * sin_alpha - axis * cos_alpha;
+        let point = self.surface_at(n.normalize());
+        let pdf = warp::uniform_cone_pdf(one_minus_cos as f32);
+        direction_and_distance(from, point.p).map_or(SolidAngleSampleResult::Invisible, |(_, wi, _)| {
+            SolidAngleSampleResult::Sampled(SolidAngleSample { point, wi, pdf })
+        })
     }
 
     #[inline]
     fn solid_angle_pdf(&self, from: Vec3) -> Option<f32> {
-        Some(self.pdf_visible(from))
+        let cone = self.cone_around_sphere(from);
+        Some(cone.map_or(0.0, |(_, one_minus_cos)| warp::uniform_cone_pdf(one_minus_cos as f32)))
     }
 }
 

@@ -2,16 +2,16 @@
 
 use glam::DVec3;
 
-const WIDTH: usize = 8;
+const ARITY: usize = 8;
 
 /// Bit of a child reference in a node: set if the child is a leaf.
-const LEAF: u32 = 1 << 31;
+const LEAF_BIT: u32 = 1 << 31;
 
 #[derive(Debug)]
 struct Node {
     /// Bounds of the children, as `bounds[axis][side][child]` with side 0 lower and side 1 upper.
-    bounds: [[[f64; WIDTH]; 2]; 3],
-    children: [u32; WIDTH],
+    bounds: [[[f64; ARITY]; 2]; 3],
+    children: [u32; ARITY],
 }
 
 /// Lower and upper corner of an axis-aligned box.
@@ -53,14 +53,14 @@ impl BoxBvh {
     fn build_node(&mut self, boxes: &[BoxCorners], order: &mut [u32], margin: f64) -> u32 {
         let index = self.nodes.len();
         // An empty box.
-        let empty = [[f64::INFINITY; WIDTH], [f64::NEG_INFINITY; WIDTH]];
-        self.nodes.push(Node { bounds: [empty; 3], children: [0; WIDTH] });
+        let empty = [[f64::INFINITY; ARITY], [f64::NEG_INFINITY; ARITY]];
+        self.nodes.push(Node { bounds: [empty; 3], children: [0; ARITY] });
         let mut rest = order;
         let mut parts = Vec::new();
-        if rest.len() <= WIDTH {
+        if rest.len() <= ARITY {
             parts.extend(rest.chunks_mut(1));
         } else {
-            let group_size = rest.len().div_ceil(WIDTH);
+            let group_size = rest.len().div_ceil(ARITY);
             group_nearby_boxes(boxes, rest, group_size);
             while rest.len() > group_size {
                 let (part, more) = rest.split_at_mut(group_size);
@@ -71,7 +71,7 @@ impl BoxBvh {
         }
         for (i, part) in parts.into_iter().enumerate() {
             let [min, max] = enclosing_box(boxes, part);
-            let child = if let [leaf] = part { *leaf | LEAF } else { self.build_node(boxes, part, margin) };
+            let child = if let [leaf] = part { *leaf | LEAF_BIT } else { self.build_node(boxes, part, margin) };
             let node = &mut self.nodes[index];
             for axis in 0..3 {
                 node.bounds[axis][0][i] = min[axis] - margin;
@@ -89,7 +89,7 @@ impl BoxBvh {
     /// interval to that hit.
     #[inline]
     pub fn visit_hit_leaves(&self, line: &Line, mut range: [f64; 2], mut visit: impl FnMut(usize, &mut [f64; 2])) {
-        let mut stack = [(0u32, 0.0); 12 * WIDTH];
+        let mut stack = [(0u32, 0.0); 12 * ARITY];
         stack[0] = (0, range[0]);
         let mut count = 1;
         while count > 0 {
@@ -98,16 +98,16 @@ impl BoxBvh {
             if entry > range[1] {
                 continue;
             }
-            if child & LEAF != 0 {
-                visit((child & !LEAF) as usize, &mut range);
+            if child & LEAF_BIT != 0 {
+                visit((child & !LEAF_BIT) as usize, &mut range);
                 continue;
             }
             let node = &self.nodes[child as usize];
-            let (mut lo, mut hi) = ([range[0]; WIDTH], [range[1]; WIDTH]);
+            let (mut lo, mut hi) = ([range[0]; ARITY], [range[1]; ARITY]);
             for axis in 0..3 {
                 let (base, inverse) = (line.base[axis], line.inverse[axis]);
                 let [min, max] = &node.bounds[axis];
-                for i in 0..WIDTH {
+                for i in 0..ARITY {
                     let (a, b) = ((min[i] - base) * inverse, (max[i] - base) * inverse);
                     lo[i] = lo[i].max(a.min(b));
                     hi[i] = hi[i].min(a.max(b));
@@ -115,7 +115,7 @@ impl BoxBvh {
             }
             // The nearest child goes on top.
             let start = count;
-            for i in 0..WIDTH {
+            for i in 0..ARITY {
                 if lo[i] <= hi[i] && node.bounds[0][0][i] < f64::INFINITY {
                     let mut at = count;
                     while at > start && stack[at - 1].1 < lo[i] {

@@ -30,12 +30,12 @@ pub struct CylindricalRay {
     pub base: DVec3,
     /// Unit direction.
     pub direction: DVec3,
-    /// Coefficients of ρ²: `squares[0] + 2·squares[1]·τ + squares[2]·τ²`.
-    pub squares: [f64; 3],
+    /// Coefficients of ρ²: `c[0] + 2·c[1]·τ + c[2]·τ²`.
+    pub radius2_coefficients: [f64; 3],
     /// τ of the point nearest to the axis; not finite for rays along the axis.
-    pub nearest: f64,
-    /// Minimum of ρ², at τ = `nearest`.
-    pub least: f64,
+    pub nearest_tau: f64,
+    /// Minimum of ρ², at τ = `nearest_tau`.
+    pub min_radius2: f64,
 }
 
 impl CylindricalRay {
@@ -47,9 +47,9 @@ impl CylindricalRay {
         Self {
             base,
             direction,
-            squares: [x * x + z * z, along, slant2],
-            nearest: -along / slant2,
-            least: across * across / slant2,
+            radius2_coefficients: [x * x + z * z, along, slant2],
+            nearest_tau: -along / slant2,
+            min_radius2: across * across / slant2,
         }
     }
 
@@ -87,7 +87,7 @@ impl CylindricalRay {
             hi = hi.min(a.max(b));
         }
         let [inner, outer] = [x[0] - margin, x[1] + margin];
-        let slant2 = self.squares[2];
+        let slant2 = self.radius2_coefficients[2];
         if slant2 < MIN_SLANT2 {
             // The distance changes by less than the interval's length, so its value in the middle
             // suffices.
@@ -97,18 +97,18 @@ impl CylindricalRay {
             let away = radius - reach > outer || radius + reach < inner;
             return [if away { NOWHERE } else { Interval { lo, hi } }, NOWHERE];
         }
-        let shell = outer * outer - self.least;
+        let shell = outer * outer - self.min_radius2;
         if shell < 0.0 || outer < 0.0 {
             return [NOWHERE; 2];
         }
         let reach = (shell / slant2).sqrt() + margin;
-        (lo, hi) = (lo.max(self.nearest - reach), hi.min(self.nearest + reach));
-        let core = inner * inner - self.least;
+        (lo, hi) = (lo.max(self.nearest_tau - reach), hi.min(self.nearest_tau + reach));
+        let core = inner * inner - self.min_radius2;
         if inner <= 0.0 || core <= 0.0 {
             return [Interval { lo, hi }, NOWHERE];
         }
         let gap = (core / slant2).sqrt() - margin;
-        [Interval { lo, hi: hi.min(self.nearest - gap) }, Interval { lo: lo.max(self.nearest + gap), hi }]
+        [Interval { lo, hi: hi.min(self.nearest_tau - gap) }, Interval { lo: lo.max(self.nearest_tau + gap), hi }]
     }
 }
 

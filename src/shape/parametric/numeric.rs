@@ -14,3 +14,42 @@ pub(super) const GAUSS_LEGENDRE: [(f64, f64); 5] = [
     (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
     (0.906_179_845_938_664, 0.236_926_885_056_189_1),
 ];
+
+/// Largest relative change of the Jacobian over a parameter box for which Newton's method must
+/// converge.
+///
+/// Let J be the Jacobian at an iterate and J̄ its mean between iterate and root. If both differ
+/// from the Jacobian at the centre by at most the fraction q, then |1 − J⁻¹J̄| ≤ 2q/(1 − q), which
+/// is [`NEWTON_CONVERGENCE_RATE`].
+pub(super) const MAX_DERIVATIVE_CHANGE: f64 = 0.25;
+
+/// Largest factor by which a Newton step multiplies the distance to a root.
+///
+/// [`MAX_DERIVATIVE_CHANGE`] guarantees this rate.
+pub(super) const NEWTON_CONVERGENCE_RATE: f64 = 2.0 / 3.0;
+
+/// Longest first Newton step to a root inside a box, in half widths of the box.
+///
+/// The step is J⁻¹J̄ times the distance to the root, which is at most 2 half widths.
+/// [`MAX_DERIVATIVE_CHANGE`] defines J and J̄.
+pub(super) const MAX_FIRST_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
+
+/// Distance outside a piece at which a root still counts as inside, in half widths of the piece.
+///
+/// Adjacent pieces overlap by this distance, so no root is lost between them.
+pub(super) const PIECE_OVERLAP: f64 = 1e-10;
+
+/// Size of a parameter box, relative to the surface, below which a double root counts as one hit.
+pub(super) const POINT_SIZE: f64 = 1e-6;
+
+/// Result of a test whether a ray hits a surface within a box of surface parameters.
+pub(super) enum RootClassification<X> {
+    /// The ray misses the surface within the box.
+    NoRoot,
+    /// The ray hits the surface once within the box: at these parameters and arc length τ.
+    Root(X, f64),
+    /// The test does not decide; the box must be halved.
+    Unclear,
+    /// The ray lies in the surface over the whole box, up to rounding.
+    Inside,
+}

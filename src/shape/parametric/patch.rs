@@ -29,7 +29,7 @@ const COLLAPSED_NORMAL_RATIO: f64 = 1e-7;
 /// side of ∂p/∂u × ∂p/∂v. A mirrored patch keeps the image of this side as its outer side.
 #[derive(Clone, Debug)]
 pub struct Patch {
-    net: Arc<SubdividedPatch>,
+    subdivided: Arc<SubdividedPatch>,
     /// Map from object space to world space. The bounding box of the control points is centred at
     /// the object-space origin.
     to_world: Transform,
@@ -128,7 +128,7 @@ impl Patch {
         let bytes = builder.memory_bytes();
         let PatchBuilder { leaves, powers, roots, cuts, boxes, .. } = builder;
         let placeholder = DiscreteDistribution::new([1.0]).ok_or(SplineError::NoArea)?;
-        let mut net = SubdividedPatch {
+        let mut subdivided = SubdividedPatch {
             degree: [p, q],
             tree: BoxBvh::new(&boxes, 4.0 * noise),
             leaf_distribution: placeholder,
@@ -142,15 +142,16 @@ impl Patch {
             noise,
             bytes,
         };
-        let areas = (0..net.leaves.len()).map(|i| leaf_area(&net.polynomial_piece_of_leaf(i), &Transform::IDENTITY));
-        net.leaf_distribution = DiscreteDistribution::new(areas).ok_or(SplineError::NoArea)?;
-        let area = net.leaf_distribution.weight_sum();
-        Ok(Self { net: Arc::new(net), to_world: Transform::IDENTITY.translated(center), area })
+        let areas = (0..subdivided.leaves.len())
+            .map(|i| leaf_area(&subdivided.polynomial_piece_of_leaf(i), &Transform::IDENTITY));
+        subdivided.leaf_distribution = DiscreteDistribution::new(areas).ok_or(SplineError::NoArea)?;
+        let area = subdivided.leaf_distribution.weight_sum();
+        Ok(Self { subdivided: Arc::new(subdivided), to_world: Transform::IDENTITY.translated(center), area })
     }
 
     /// Upper bound of the memory that the patch takes \[bytes].
     pub(crate) fn memory_bytes(&self) -> u64 {
-        self.net.bytes
+        self.subdivided.bytes
     }
 
     /// The line of `ray` in object space, followed by `start` and `length` of its [`ObjectRay`].
@@ -158,16 +159,16 @@ impl Patch {
     /// `None` if the line misses the bounding sphere.
     fn object_line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
         let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
-        let size = self.net.size * (1.0 + 1e-9);
+        let size = self.subdivided.size * (1.0 + 1e-9);
         (base.length_squared() <= size * size).then(|| (Line::new(base, direction), start, length))
     }
 
     fn surface_at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
-        let net = &*self.net;
-        let [p, ..] = net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
+        let subdivided = &*self.subdivided;
+        let [p, ..] = subdivided.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
         // The inverse transpose keeps the outer side of a mirror image.
-        let normal = self.to_world.transform_normal(net.leaf_normal(leaf, at)).normalize();
-        let scale = world_coordinate_bound(&self.to_world, net.size);
+        let normal = self.to_world.transform_normal(subdivided.leaf_normal(leaf, at)).normalize();
+        let scale = world_coordinate_bound(&self.to_world, subdivided.size);
         SurfacePoint { uv, ..SurfacePoint::from_f64(self.to_world.transform_point(p), normal, scale * HIT_ERROR_SCALE) }
     }
 }
@@ -175,38 +176,40 @@ impl Patch {
 impl AnalyticShape for Patch {
     fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
-        let net = &self.net;
+        let subdivided = &self.subdivided;
         let area = match to_world.uniform_scale() {
-            Some(scale) => scale * scale * net.leaf_distribution.weight_sum(),
-            None => (0..net.leaves.len()).map(|i| leaf_area(&net.polynomial_piece_of_leaf(i), &to_world)).sum(),
+            Some(scale) => scale * scale * subdivided.leaf_distribution.weight_sum(),
+            None => (0..subdivided.leaves.len())
+                .map(|i| leaf_area(&subdivided.polynomial_piece_of_leaf(i), &to_world))
+                .sum(),
         };
-        Some(Self { net: Arc::clone(net), to_world, area })
+        Some(Self { subdivided: Arc::clone(subdivided), to_world, area })
     }
 
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (line, start, length) = self.object_line(ray)?;
-        let net = &*self.net;
+        let subdivided = &*self.subdivided;
         let end = f64::from(ray.t_max) * length - start;
-        let size = net.size * (1.0 + 1e-9);
+        let size = subdivided.size * (1.0 + 1e-9);
         let mut found: Option<(usize, DVec2, f64)> = None;
-        net.tree.visit_hit_leaves(&line, [(-start).max(-size), end.min(size)], |leaf, range| {
-            if let Some(at) = net.polynomial_piece_of_leaf(leaf).nearest_hit(&line, range, net.size) {
+        subdivided.tree.visit_hit_leaves(&line, [(-start).max(-size), end.min(size)], |leaf, range| {
+            if let Some(at) = subdivided.polynomial_piece_of_leaf(leaf).nearest_hit(&line, range, subdivided.size) {
                 found = Some((leaf, at, range[1]));
             }
         });
         let (leaf, at, t) = found?;
         let t = round_t_if_in_range(ray, (start + t) / length)?;
-        let uv = net.leaves[leaf].leaf_to_surface_uv(at);
+        let uv = subdivided.leaves[leaf].leaf_to_surface_uv(at);
         Some((t, uv.x, uv.y))
     }
 
     fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
-        let (leaf, mut at) = self.net.find_leaf(uv);
+        let (leaf, mut at) = self.subdivided.find_leaf(uv);
         if let Some((line, ..)) = self.object_line(ray) {
             // Newton's method corrects the rounding of the coordinates.
-            let most = 2.0 * f64::from(f32::EPSILON) / self.net.leaves[leaf].half;
+            let most = 2.0 * f64::from(f32::EPSILON) / self.subdivided.leaves[leaf].half;
             for _ in 0..2 {
-                let step = self.net.polynomial_piece_of_leaf(leaf).newton_step_at(&line, at);
+                let step = self.subdivided.polynomial_piece_of_leaf(leaf).newton_step_at(&line, at);
                 if step.abs().cmple(most).all() {
                     at = (at + step).clamp(DVec2::NEG_ONE, DVec2::ONE);
                 }
@@ -219,7 +222,7 @@ impl AnalyticShape for Patch {
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for i in 0..8 {
             let side = |bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
-            let corner = self.to_world.transform_point(self.net.half * DVec3::new(side(0), side(1), side(2)));
+            let corner = self.to_world.transform_point(self.subdivided.half * DVec3::new(side(0), side(1), side(2)));
             (min, max) = (min.min(corner), max.max(corner));
         }
         (min, max)
@@ -236,26 +239,27 @@ impl AnalyticShape for Patch {
     /// Chooses a leaf (a nearly flat piece) in proportion to its area, then uniform parameters in
     /// it.
     fn sample(&self, u: Vec2) -> ShapeSample {
-        let net = &*self.net;
-        let (leaf, _) = net.leaf_distribution.sample(u.x);
-        let at = DVec2::new(f64::from(net.leaf_distribution.remapped_sample(u.x, leaf)), f64::from(u.y)) * 2.0 - 1.0;
-        let uv = net.leaves[leaf].leaf_to_surface_uv(at);
+        let subdivided = &*self.subdivided;
+        let (leaf, _) = subdivided.leaf_distribution.sample(u.x);
+        let at =
+            DVec2::new(f64::from(subdivided.leaf_distribution.remapped_sample(u.x, leaf)), f64::from(u.y)) * 2.0 - 1.0;
+        let uv = subdivided.leaves[leaf].leaf_to_surface_uv(at);
         let point = self.surface_at(leaf, at, uv);
         ShapeSample { pdf: self.pdf(&point), point, uv }
     }
 
     fn pdf(&self, seen: &SurfacePoint) -> f32 {
-        let net = &*self.net;
-        let (leaf, at) = net.find_leaf(seen.uv);
-        let [_, along_x, along_y] = net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
+        let subdivided = &*self.subdivided;
+        let (leaf, at) = subdivided.find_leaf(seen.uv);
+        let [_, along_x, along_y] = subdivided.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
         let element = self.to_world.transform_vector(along_x).cross(self.to_world.transform_vector(along_y)).length();
-        (f64::from(net.leaf_distribution.probability(leaf)) / (4.0 * element)) as f32
+        (f64::from(subdivided.leaf_distribution.probability(leaf)) / (4.0 * element)) as f32
     }
 
     fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {
-        let (leaf, at) = self.net.find_leaf(uv);
-        let [_, along_x, along_y] = self.net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
-        let half = self.net.leaves[leaf].half;
+        let (leaf, at) = self.subdivided.find_leaf(uv);
+        let [_, along_x, along_y] = self.subdivided.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
+        let half = self.subdivided.leaves[leaf].half;
         TexCoord::from_derivatives(
             uv,
             self.to_world.transform_vector(along_x / half.x),
@@ -268,8 +272,8 @@ impl AnalyticShape for Patch {
 impl Patch {
     /// World-space point at the surface parameters (u, v) = `uv`.
     pub(super) fn point_at_uv(&self, uv: Vec2) -> DVec3 {
-        let (leaf, at) = self.net.find_leaf(uv);
-        self.to_world.transform_point(self.net.polynomial_piece_of_leaf(leaf).point_and_derivatives(at)[0])
+        let (leaf, at) = self.subdivided.find_leaf(uv);
+        self.to_world.transform_point(self.subdivided.polynomial_piece_of_leaf(leaf).point_and_derivatives(at)[0])
     }
 }
 
@@ -287,8 +291,8 @@ impl SubdividedPatch {
     /// Also returns the position of `uv` within the leaf, in \[−1, 1]².
     fn find_leaf(&self, uv: Vec2) -> (usize, DVec2) {
         let uv = uv.as_dvec2();
-        let stretch = |axis: usize| self.breaks[axis].partition_point(|b| *b <= uv[axis]).saturating_sub(1);
-        let mut branch = self.roots[stretch(0) * self.breaks[1].len() + stretch(1)];
+        let span = |axis: usize| self.breaks[axis].partition_point(|b| *b <= uv[axis]).saturating_sub(1);
+        let mut branch = self.roots[span(0) * self.breaks[1].len() + span(1)];
         loop {
             match branch {
                 SubdivisionNode::Cut(cut) => {

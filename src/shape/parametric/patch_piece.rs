@@ -1,8 +1,10 @@
 //! Nearly flat pieces of rational surfaces, and their intersection with lines.
 
 use super::box_bvh::Line;
+use super::numeric::{
+    MAX_DERIVATIVE_CHANGE, MAX_FIRST_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, POINT_SIZE, RootClassification,
+};
 use super::polynomial::{Coefficients, MAX_DEGREE, evaluate_2d_with_derivatives, reparametrize, reparametrize_rows};
-use super::profile::{MAX_DERIVATIVE_CHANGE, MAX_FIRST_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, POINT_SIZE};
 use glam::{DVec2, DVec3};
 
 /// Nearly flat piece of a rational surface, with parameters x and y in \[−1, 1].
@@ -36,16 +38,16 @@ pub struct LinearTermsWithBounds {
 impl LinearTermsWithBounds {
     #[inline]
     pub fn from_powers(a: &[Coefficients<4>], columns: usize) -> Self {
-        let mut beyond = Self { linear: [a[0], a[1], a[columns]], rest: [0.0; 4], turn: [0.0; 4] };
+        let mut bounds = Self { linear: [a[0], a[1], a[columns]], rest: [0.0; 4], turn: [0.0; 4] };
         for (i, row) in a.chunks_exact(columns).enumerate() {
             for (j, c) in row.iter().enumerate().skip(2usize.saturating_sub(i)) {
                 for (k, c) in c.iter().enumerate() {
-                    beyond.rest[k] += c.abs();
-                    beyond.turn[k] += (i + j) as f64 * c.abs();
+                    bounds.rest[k] += c.abs();
+                    bounds.turn[k] += (i + j) as f64 * c.abs();
                 }
             }
         }
-        beyond
+        bounds
     }
 
     /// Bounds on w·(p − base), given bounds on the homogeneous coordinates (w·p, w).
@@ -66,18 +68,6 @@ fn split_homogeneous(a: &Coefficients<4>) -> (DVec3, f64) {
 fn offset_from_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
     let (p, w) = split_homogeneous(a);
     p - base * w
-}
-
-/// Result of a test whether a line intersects the surface within a box of parameters.
-enum RootClassification {
-    /// The line misses the surface within the box of parameters.
-    NoRoot,
-    /// The line hits the surface once within the box: at these parameters (x, y) and arc length τ.
-    Root(DVec2, f64),
-    /// The test does not decide; the box of parameters must be halved.
-    Unclear,
-    /// The line lies in the surface over the whole box of parameters, up to rounding.
-    Inside,
 }
 
 impl PatchPiece<'_> {
@@ -240,7 +230,7 @@ fn classify_roots(
     bounds: &LinearTermsWithBounds,
     line: &Line,
     noise: f64,
-) -> RootClassification {
+) -> RootClassification<DVec2> {
     let d = line.direction;
     let [miss, along_y, along_x] = bounds.linear.map(|a| offset_from_base(&a, line.base));
     let determinant = d.dot(along_x.cross(along_y));

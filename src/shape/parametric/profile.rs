@@ -2,6 +2,9 @@
 //! rays.
 
 use super::cylindrical_ray::{CylindricalRay, Interval};
+use super::numeric::{
+    MAX_DERIVATIVE_CHANGE, MAX_FIRST_STEP, NEWTON_CONVERGENCE_RATE, PIECE_OVERLAP, POINT_SIZE, RootClassification,
+};
 use super::polynomial::{Coefficients, MAX_DEGREE, evaluate_with_derivative, reparametrize};
 
 /// Polynomial piece of a profile: radius and height (ρ, y) as functions of x in \[−1, 1].
@@ -11,45 +14,6 @@ pub struct ProfilePiece<'a> {
     pub powers: &'a [Coefficients<2>],
     /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     pub noise: f64,
-}
-
-/// Largest relative change of the Jacobian over a parameter box for which Newton's method must
-/// converge.
-///
-/// Let J be the Jacobian at an iterate and J̄ its mean between iterate and root. If both differ
-/// from the Jacobian at the centre by at most the fraction q, then |1 − J⁻¹J̄| ≤ 2q/(1 − q), which
-/// is [`NEWTON_CONVERGENCE_RATE`].
-pub const MAX_DERIVATIVE_CHANGE: f64 = 0.25;
-
-/// Largest factor by which a Newton step multiplies the distance to a root.
-///
-/// [`MAX_DERIVATIVE_CHANGE`] guarantees this rate.
-pub const NEWTON_CONVERGENCE_RATE: f64 = 2.0 / 3.0;
-
-/// Longest first Newton step to a root inside a box, in half widths of the box.
-///
-/// The step is J⁻¹J̄ times the distance to the root, which is at most 2 half widths.
-/// [`MAX_DERIVATIVE_CHANGE`] defines J and J̄.
-pub const MAX_FIRST_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
-
-/// Distance outside a piece at which a root still counts as inside, in half widths of the piece.
-///
-/// Adjacent pieces overlap by this distance, so no root is lost between them.
-pub const PIECE_OVERLAP: f64 = 1e-10;
-
-/// Size of a parameter box, relative to the surface, below which a double root counts as one hit.
-pub const POINT_SIZE: f64 = 1e-6;
-
-/// Result of a test whether a ray hits the surface of revolution in an interval of curve
-/// parameters.
-enum RootClassification {
-    NoRoot,
-    /// The ray hits the surface once: at curve parameter x and arc length τ along the ray.
-    Root(f64, f64),
-    /// The test does not decide; the interval of curve parameters must be halved.
-    Unclear,
-    /// The ray lies in the surface over the whole interval of curve parameters, up to rounding.
-    Inside,
 }
 
 /// Bounds on the higher terms of a polynomial over \[−1, 1], per component.
@@ -95,17 +59,17 @@ impl ProfilePiece<'_> {
             let reach = [a[1][0].abs() + rest[0], a[1][1].abs() + rest[1]];
             let range = |i: usize| [a[0][i] - reach[i], a[0][i] + reach[i]];
             let mut cut = false;
-            for stretch in ray.clip_to_ring(range(0), range(1), *t, self.noise) {
-                if stretch.is_empty() {
+            for interval in ray.clip_to_ring(range(0), range(1), *t, self.noise) {
+                if interval.is_empty() {
                     continue;
                 }
                 let extent = reach[0].max(reach[1]);
-                let touched = match classify_roots(a, (rest, turn), ray, stretch, self.noise) {
+                let touched = match classify_roots(a, (rest, turn), ray, interval, self.noise) {
                     RootClassification::NoRoot => None,
                     RootClassification::Root(x, at) => Some((middle + half * x, at)),
-                    _ if extent <= 4.0 * self.noise => Some((middle, 0.5 * (stretch.lo + stretch.hi))),
+                    _ if extent <= 4.0 * self.noise => Some((middle, 0.5 * (interval.lo + interval.hi))),
                     RootClassification::Inside if extent <= POINT_SIZE * size => {
-                        Some((middle, 0.5 * (stretch.lo + stretch.hi)))
+                        Some((middle, 0.5 * (interval.lo + interval.hi)))
                     }
                     RootClassification::Inside => None,
                     RootClassification::Unclear => {
@@ -143,7 +107,7 @@ fn classify_roots(
     ray: &CylindricalRay,
     t: Interval,
     noise: f64,
-) -> RootClassification {
+) -> RootClassification<f64> {
     let dy = ray.direction.y;
     let at = 0.5 * (t.lo + t.hi);
     let (radius, slope) = ray.radius_and_slope(at);

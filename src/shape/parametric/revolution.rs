@@ -177,7 +177,7 @@ impl AnalyticShape for Revolution {
             * ((self.profile.leaf_point(leaf, x, self.profile.radial_direction(leaf, uv.y)) - o).dot(d)
                 / d.length_squared());
         let most = DVec2::new(
-            4.0 * f64::from(f32::EPSILON) / self.profile.leaves[leaf].place[1],
+            4.0 * f64::from(f32::EPSILON) / self.profile.leaves[leaf].half,
             MAX_RELATIVE_STEP * self.profile.size,
         );
         for _ in 0..2 {
@@ -230,7 +230,7 @@ impl AnalyticShape for Revolution {
         let (leaf, x) = self.profile.find_leaf(f64::from(uv.x));
         let (_, radial) = polar_radius_and_direction(self.to_world.inverse().transform_point3(p.as_dvec3()));
         let ([radius, _], [dx, dh]) = evaluate_with_derivative(self.profile.leaf_polynomial_coefficients(leaf), x);
-        let half = self.profile.leaves[leaf].place[1];
+        let half = self.profile.leaves[leaf].half;
         let along = DVec3::new(dx * radial.x, dh, dx * radial.y) / half;
         let around = DVec3::new(-radial.y, 0.0, radial.x) * (TAU * radius);
         TexCoord::from_derivatives(uv, self.to_world.transform_vector(along), self.to_world.transform_vector(around))
@@ -277,18 +277,18 @@ impl RevolutionProfile {
     /// Converts the parameter x in \[−1, 1] of a leaf to the curve parameter of the profile in \[0,
     /// 1].
     fn leaf_to_profile_parameter(&self, leaf: usize, x: f64) -> f64 {
-        let [middle, half] = self.leaves[leaf].place;
+        let ProfileLeaf { middle, half, .. } = self.leaves[leaf];
         middle + half * x
     }
 
-    /// Index of the leaf (piece of the profile) at the curve parameter `place` in \[0, 1].
+    /// Index of the leaf (piece of the profile) at the curve parameter `parameter` in \[0, 1].
     ///
     /// Also returns the parameter x in \[−1, 1] within that leaf.
-    fn find_leaf(&self, place: f64) -> (usize, f64) {
-        let after = self.leaves.partition_point(|l| l.place[0] - l.place[1] <= place);
+    fn find_leaf(&self, parameter: f64) -> (usize, f64) {
+        let after = self.leaves.partition_point(|l| l.middle - l.half <= parameter);
         let leaf = after.saturating_sub(1);
-        let [middle, half] = self.leaves[leaf].place;
-        (leaf, ((place - middle) / half).clamp(-1.0, 1.0))
+        let ProfileLeaf { middle, half, .. } = self.leaves[leaf];
+        (leaf, ((parameter - middle) / half).clamp(-1.0, 1.0))
     }
 
     /// Object-space normal of a leaf at its parameter x, on the outer side and not normalised.

@@ -26,8 +26,10 @@ pub(super) struct ProfileLeaf {
     pub first: u32,
     /// Side of the axis on which this piece of the profile lies: the sign of its x, 1 or −1.
     pub side: f64,
-    /// Centre and half width of the leaf's interval of the profile parameter.
-    pub place: [f64; 2],
+    /// Centre of the leaf's interval of the profile parameter.
+    pub middle: f64,
+    /// Half the width of the leaf's interval of the profile parameter.
+    pub half: f64,
     /// Ring around the y axis that contains the leaf.
     pub ring: RingBounds,
 }
@@ -79,14 +81,13 @@ impl ProfileBuilder {
             self.subdivide_bezier_curve(&first, [start, middle], depth - 1)?;
             return self.subdivide_bezier_curve(&last, [middle, end], depth - 1);
         }
-        let place = [0.5 * (start + end), 0.5 * (end - start)];
-        let ring = RingBounds { radius: [0.0, 0.0], height: [low, high] };
         let radius = if side < 0.0 { [-right, -left] } else { [left, right] };
         self.leaves.push(ProfileLeaf {
             first: self.powers.len() as u32,
             side,
-            place,
-            ring: RingBounds { radius, ..ring },
+            middle: 0.5 * (start + end),
+            half: 0.5 * (end - start),
+            ring: RingBounds { radius, height: [low, high] },
         });
         self.powers.extend(powers);
         // Twice the size, for the slack of growing lists.

@@ -2,20 +2,20 @@
 
 use super::cylindrical_ray::{CylindricalRay, Interval};
 
-const WIDTH: usize = 8;
+const ARITY: usize = 8;
 
 /// Bit of a child reference in a node: set if the child is a leaf.
-pub const LEAF: u32 = 1 << 31;
+const LEAF_BIT: u32 = 1 << 31;
 
 /// Node with eight children. Each child is bounded by a ring: a range of squared radii and a range
 /// of heights, both expanded by the rounding error of the test.
 #[derive(Debug)]
 struct Node {
-    inner2: [f64; WIDTH],
-    outer2: [f64; WIDTH],
-    below: [f64; WIDTH],
-    above: [f64; WIDTH],
-    children: [u32; WIDTH],
+    inner2: [f64; ARITY],
+    outer2: [f64; ARITY],
+    below: [f64; ARITY],
+    above: [f64; ARITY],
+    children: [u32; ARITY],
 }
 
 /// Ring around the y axis: a range of distances from the axis and a range of heights.
@@ -48,14 +48,14 @@ impl RingBvh {
 
     fn build_node(&mut self, rings: &[RingBounds], first: usize, margin: f64) -> u32 {
         let index = self.nodes.len();
-        let nowhere = [f64::INFINITY; WIDTH];
+        let nowhere = [f64::INFINITY; ARITY];
         let (below, above) = (nowhere, nowhere.map(|x| -x));
-        self.nodes.push(Node { inner2: nowhere, outer2: above, below, above, children: [0; WIDTH] });
-        let share = rings.len().div_ceil(WIDTH).max(1);
+        self.nodes.push(Node { inner2: nowhere, outer2: above, below, above, children: [0; ARITY] });
+        let share = rings.len().div_ceil(ARITY).max(1);
         for (i, part) in rings.chunks(share).enumerate() {
             let ring = part[1..].iter().fold(part[0], |a, b| a.union(*b));
             let start = first + i * share;
-            let child = if part.len() == 1 { start as u32 | LEAF } else { self.build_node(part, start, margin) };
+            let child = if part.len() == 1 { start as u32 | LEAF_BIT } else { self.build_node(part, start, margin) };
             let inner = (ring.radius[0] - margin).max(0.0);
             let outer = ring.radius[1] + margin;
             let node = &mut self.nodes[index];
@@ -78,7 +78,7 @@ impl RingBvh {
     pub fn visit_hit_leaves(&self, ray: &CylindricalRay, mut t: Interval, mut visit: impl FnMut(usize, &mut Interval)) {
         let dy = ray.direction.y;
         let inverse = if dy.abs() < 1e-300 { 1e300 } else { 1.0 / dy };
-        let mut stack = [(0u32, 0.0); 8 * WIDTH];
+        let mut stack = [(0u32, 0.0); 8 * ARITY];
         stack[0] = (0, t.lo);
         let mut count = 1;
         while count > 0 {
@@ -87,19 +87,19 @@ impl RingBvh {
             if entry > t.hi {
                 continue;
             }
-            if child & LEAF != 0 {
-                visit((child & !LEAF) as usize, &mut t);
+            if child & LEAF_BIT != 0 {
+                visit((child & !LEAF_BIT) as usize, &mut t);
                 continue;
             }
             let node = &self.nodes[child as usize];
-            let mut entries = [f64::INFINITY; WIDTH];
-            let [c0, c1, c2] = ray.squares;
+            let mut entries = [f64::INFINITY; ARITY];
+            let [c0, c1, c2] = ray.radius2_coefficients;
             for (i, entry) in entries.iter_mut().enumerate() {
                 let a = (node.below[i] - ray.base.y) * inverse;
                 let b = (node.above[i] - ray.base.y) * inverse;
                 let (lo, hi) = (t.lo.max(a.min(b)), t.hi.min(a.max(b)));
                 let [p, q] = [lo, hi].map(|t| c0 + t * (2.0 * c1 + t * c2));
-                let least = if lo <= ray.nearest && ray.nearest <= hi { ray.least } else { p.min(q) };
+                let least = if lo <= ray.nearest_tau && ray.nearest_tau <= hi { ray.min_radius2 } else { p.min(q) };
                 let meets = lo <= hi && p.max(q) >= node.inner2[i] && least <= node.outer2[i];
                 *entry = if meets { lo } else { f64::INFINITY };
             }

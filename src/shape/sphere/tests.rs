@@ -31,7 +31,9 @@ fn sampled_visible_points_are_first_hits() {
         let mut sum = 0.0f64;
         for i in 0..n {
             let u = Key::new(9).purpose_key(Purpose::Test).child_key(i).uniform_2d(Dimension::LightPosition);
-            let (point, _) = s.sample_visible(from, u).unwrap();
+            let SolidAngleSampleResult::Sampled(SolidAngleSample { point, .. }) = s.sample_solid_angle(from, u) else {
+                panic!("the sphere is visible")
+            };
             let w = (point.p - from).normalize();
             sum += f64::from(w.dot(axis));
             if let Some((t, ..)) = s.intersect(&Ray::new(from, w)) {
@@ -44,5 +46,6 @@ fn sampled_visible_points_are_first_hits() {
         let sigma = (1.0 - cos_max) / (12.0 * n as f64).sqrt();
         assert!((sum / n as f64 - 0.5 * (1.0 + cos_max)).abs() < 5.0 * sigma + 1e-6);
     }
-    assert!(s.sample_visible(s.center.as_vec3(), Vec2::splat(0.5)).is_none());
+    let inside = s.sample_solid_angle(s.center.as_vec3(), Vec2::splat(0.5));
+    assert!(matches!(inside, SolidAngleSampleResult::Invisible));
 }

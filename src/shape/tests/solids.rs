@@ -70,16 +70,16 @@ impl TestSolid {
     fn entry_and_exit(self, map: &Transform, ray: &Ray) -> (Option<[f64; 2]>, f64) {
         let o = map.inverse().transform_point3(ray.origin.as_dvec3());
         let d = map.inverse().transform_vector3(ray.direction.as_dvec3());
-        let gauge = |t: f64| self.implicit_value(o + d * t);
+        let value = |t: f64| self.implicit_value(o + d * t);
         let nearest = (self.center() - o).dot(d) / d.length_squared();
         let reach = 4.0 / d.length();
         let (mut low, mut high) = (nearest - reach, nearest + reach);
         for _ in 0..90 {
             let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
-            if gauge(a) < gauge(b) { high = b } else { low = a }
+            if value(a) < value(b) { high = b } else { low = a }
         }
         let deepest = 0.5 * (low + high);
-        let least = gauge(deepest);
+        let least = value(deepest);
         if least > 0.0 {
             return (None, least);
         }
@@ -87,7 +87,7 @@ impl TestSolid {
             let mut inside = deepest;
             for _ in 0..60 {
                 let middle = 0.5 * (inside + outside);
-                if gauge(middle) > 0.0 { outside = middle } else { inside = middle }
+                if value(middle) > 0.0 { outside = middle } else { inside = middle }
             }
             outside
         };

@@ -10,31 +10,31 @@ fn texture_gradients_match_coordinate_differences() {
         DVec3::new(3.0, -1.0, 2.0),
     ))
     .unwrap();
-    let forms = [
+    let kinds = [
         TextureMappingKind::Spherical { center: DVec3::new(0.1, 0.2, 0.3) },
         TextureMappingKind::plane_mapping(DVec3::new(1.0, 2.0, 0.5)),
         TextureMappingKind::disc_mapping(DVec3::X, DVec3::Y, 2.0),
         TextureMappingKind::rectangle_mapping(DVec3::ONE, DVec3::new(2.0, 0.1, 0.0), DVec3::new(0.3, 1.0, 0.5)),
     ];
-    for form in forms {
-        let chart = TextureMapping::new(form, squash);
-        let at = |p: DVec3| chart.tex_coord_at(squash.inverse().transform_point3(p), TexCoord::default);
+    for kind in kinds {
+        let mapping = TextureMapping::new(kind, squash);
+        let at = |p: DVec3| mapping.tex_coord_at(squash.inverse().transform_point3(p), TexCoord::default);
         let p = squash.transform_point(DVec3::new(0.8, 0.9, -0.4));
         for step in [DVec3::X, DVec3::Y, DVec3::Z] {
             let change = (at(p + step * 1e-6).uv - at(p).uv) * 1e6;
             let here = at(p);
             let expected = DVec2::new(here.du.dot(step), here.dv.dot(step));
-            assert!((change - expected).length() < 1e-4, "{form:?} {change} {expected}");
+            assert!((change - expected).length() < 1e-4, "{kind:?} {change} {expected}");
         }
     }
 }
 
 #[test]
 fn texture_coordinates_at_known_points() {
-    let at = |form, p| TextureMapping::new(form, Transform::IDENTITY).tex_coord_at(p, TexCoord::default).uv;
-    let close = |form, p: [f64; 3], uv: [f64; 2]| {
-        let found = at(form, DVec3::from(p));
-        assert!((found - DVec2::from(uv)).length() < 1e-12, "{form:?} {p:?}: {found}");
+    let at = |kind, p| TextureMapping::new(kind, Transform::IDENTITY).tex_coord_at(p, TexCoord::default).uv;
+    let close = |kind, p: [f64; 3], uv: [f64; 2]| {
+        let found = at(kind, DVec3::from(p));
+        assert!((found - DVec2::from(uv)).length() < 1e-12, "{kind:?} {p:?}: {found}");
     };
     let globe = TextureMappingKind::Spherical { center: DVec3::new(1.0, 0.0, 0.0) };
     close(globe, [1.0, 0.0, 2.0], [0.5, 0.5]);

@@ -39,7 +39,7 @@ fn leaves_are_wider_than_float_spacing() {
     let controls: Vec<DVec4> =
         profile.iter().flat_map(|[x, y]| [0.0, 1.0].map(|z| DVec4::new(*x, *y, z, 1.0))).collect();
     let patch = Patch::new([&basis, &line], &controls).unwrap();
-    assert!(patch.net.leaves.iter().all(|leaf| 2.0 * leaf.half.x >= MIN_SPAN));
+    assert!(patch.subdivided.leaves.iter().all(|leaf| 2.0 * leaf.half.x >= MIN_SPAN));
     for i in 0..4000 {
         let x = (i as f32 + 0.5) * 0.001;
         let ray = Ray::new(Vec3::new(x, 5.0, 0.5), Vec3::NEG_Y);

@@ -25,7 +25,7 @@ fn profile_subdivision_respects_memory_and_precision() {
     assert!(Revolution::with_memory_limit(&basis, &wave, Some(10_000_000)).is_ok());
     let basis = SplineBasis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + MIN_SPAN, 1.0, 1.0, 1.0]).unwrap();
     let bent = surface_of_revolution(&basis, &[[1.0, 0.0], [2.0, 0.0], [2.0, 3.0], [1.0, 3.0], [1.0, 0.0]]);
-    assert!(bent.profile.leaves.iter().all(|leaf| 2.0 * leaf.place[1] >= MIN_SPAN));
+    assert!(bent.profile.leaves.iter().all(|leaf| 2.0 * leaf.half >= MIN_SPAN));
 }
 
 #[test]

@@ -32,7 +32,8 @@ fn revolution_test_surface(name: &'static str, basis: &SplineBasis, controls: &[
     let points: Vec<DVec2> = controls.iter().map(|c| DVec2::from_array(*c)).collect();
     let shape = Shape::Revolution(Revolution::new(basis, &points).unwrap());
     let piece = |span| basis.bezier_piece(span, controls, (0, 1)).into_iter().map(DVec2::from_array).collect();
-    let pieces = basis.knot_spans().map(|span| ReferencePiece::new(ReferenceSurface::Turned(piece(span)))).collect();
+    let pieces =
+        basis.knot_spans().map(|span| ReferencePiece::new(ReferenceSurface::Revolution(piece(span)))).collect();
     TestSurface { name, shape, pieces, thin: 1 }
 }
 
@@ -167,18 +168,18 @@ fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> Com
     let size = 0.5 * (max - min).length();
     let error = 1e-6 * size;
     let grazing = 0.02;
-    let mut tally = ComparisonCounts::default();
-    let mut found = ReferenceHits { hit: None, touches: Vec::new() };
+    let mut counts = ComparisonCounts::default();
+    let mut found = ReferenceHits { hit: None, near_quads: Vec::new() };
     for i in rays {
         let ray = random_ray_near_shape(&case.shape, i);
-        (found.hit, tally.rays) = (None, tally.rays + 1);
-        found.touches.clear();
+        (found.hit, counts.rays) = (None, counts.rays + 1);
+        found.near_quads.clear();
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         case.pieces.iter().for_each(|p| p.find_quads_near_ray(o, d, error, &mut found));
         let ours = case.shape.intersect(&ray);
         let message = || format!("{} ray {i}: {ours:?} against {:?}", case.name, found.hit);
         if let Some((t, u, v)) = ours {
-            tally.hits += 1;
+            counts.hits += 1;
             let surface = case.shape.surface_point(&ray, t, Vec2::new(u, v));
             let off = surface.p.as_dvec3() - o;
             let beside = (off - d * (off.dot(d) / d.length_squared())).length();
@@ -192,7 +193,7 @@ fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> Com
         let agree = match (t, found.hit) {
             (None, None) => true,
             (Some(a), Some(b)) => {
-                let there = found.touches.iter().filter(|x| within(x.t, b, 4.0 * error));
+                let there = found.near_quads.iter().filter(|x| within(x.t, b, 4.0 * error));
                 let cos = there.map(|x| x.cos).fold(1.0, f64::min).max(grazing);
                 near(a, b) <= 4.0 * error / cos + rounding
             }
@@ -204,21 +205,21 @@ fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> Com
         // Only a touch at the nearer of the two results can excuse a difference.
         let first = t.unwrap_or(f64::INFINITY).min(found.hit.unwrap_or(f64::INFINITY));
         let reach = 4.0 * error / grazing + rounding;
-        let excuse = found.touches.iter().any(|x| within(x.t, first, reach) && (x.cos <= grazing || x.edge));
+        let excuse = found.near_quads.iter().any(|x| within(x.t, first, reach) && (x.cos <= grazing || x.edge));
         let behind = first * length <= reach;
         assert!(excuse || behind, "{}", message());
-        tally.undecided += 1;
+        counts.undecided += 1;
     }
-    tally
+    counts
 }
 
 fn assert_agrees_with_reference(rays: u64) {
     for case in parametric_test_surfaces() {
         let start = std::time::Instant::now();
-        let tally = compare_with_reference(&case, 0..rays / case.thin);
-        eprintln!("{}: {tally:?} in {:.1?}", case.name, start.elapsed());
-        assert!(tally.hits * 20 > tally.rays, "{}: hardly a hit in {tally:?}", case.name);
-        assert!(tally.undecided * 2000 <= tally.rays, "{}: {tally:?}", case.name);
+        let counts = compare_with_reference(&case, 0..rays / case.thin);
+        eprintln!("{}: {counts:?} in {:.1?}", case.name, start.elapsed());
+        assert!(counts.hits * 20 > counts.rays, "{}: hardly a hit in {counts:?}", case.name);
+        assert!(counts.undecided * 2000 <= counts.rays, "{}: {counts:?}", case.name);
     }
 }
 

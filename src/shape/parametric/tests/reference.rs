@@ -11,13 +11,13 @@ pub enum ReferenceSurface {
     Patch(Vec<DVec4>, [usize; 2]),
     /// Control points (radius, height) of a Bézier profile; the parameter v is the azimuth in
     /// turns.
-    Turned(Vec<DVec2>),
+    Revolution(Vec<DVec2>),
 }
 
 /// Piece of a parametric surface, with bounds on its second derivatives: by u, by v, and mixed.
 pub struct ReferencePiece {
-    form: ReferenceSurface,
-    bends: [f64; 3],
+    surface: ReferenceSurface,
+    second_derivatives: [f64; 3],
 }
 
 /// A quad of the reference surface that the ray may hit, within the error bound.
@@ -34,7 +34,7 @@ pub struct QuadNearRay {
 pub struct ReferenceHits {
     /// Ray parameter of the nearest hit of a triangle; `None` if the ray misses all triangles.
     pub hit: Option<f64>,
-    pub touches: Vec<QuadNearRay>,
+    pub near_quads: Vec<QuadNearRay>,
 }
 
 fn de_casteljau<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>>(points: &mut [T], s: f64) -> T {
@@ -68,9 +68,9 @@ fn derivative_bounds(points: &[DVec4], degree: [usize; 2], axis: usize) -> (DVec
 }
 
 impl ReferencePiece {
-    pub fn new(form: ReferenceSurface) -> Self {
-        let bends = match &form {
-            ReferenceSurface::Turned(profile) => {
+    pub fn new(surface: ReferenceSurface) -> Self {
+        let second_derivatives = match &surface {
+            ReferenceSurface::Revolution(profile) => {
                 let flat: Vec<DVec4> = profile.iter().map(|p| DVec4::new(p.x, p.y, 0.0, 1.0)).collect();
                 let (first, second) = derivative_bounds(&flat, [profile.len() - 1, 0], 0);
                 let turn = std::f64::consts::TAU;
@@ -101,12 +101,12 @@ impl ReferencePiece {
                 [own[0], own[1], twist]
             }
         };
-        Self { form, bends }
+        Self { surface, second_derivatives }
     }
 
     pub fn point_at(&self, u: f64, v: f64) -> DVec3 {
-        match &self.form {
-            ReferenceSurface::Turned(profile) => {
+        match &self.surface {
+            ReferenceSurface::Revolution(profile) => {
                 let mut buffer = [DVec2::ZERO; 25];
                 buffer[..profile.len()].copy_from_slice(profile);
                 let p = de_casteljau(&mut buffer[..profile.len()], u);
@@ -134,8 +134,8 @@ impl ReferencePiece {
     /// `error` is the largest distance between a quad and the surface. Also updates the nearest hit
     /// of `found`.
     pub fn find_quads_near_ray(&self, o: DVec3, d: DVec3, error: f64, found: &mut ReferenceHits) {
-        let turned = matches!(self.form, ReferenceSurface::Turned(_));
-        let parts = if turned { 4 } else { 1 };
+        let is_revolution = matches!(self.surface, ReferenceSurface::Revolution(_));
+        let parts = if is_revolution { 4 } else { 1 };
         let quad = |[u0, u1, v0, v1]: [f64; 4]| {
             (
                 [u0, u1, v0, v1],
@@ -144,7 +144,7 @@ impl ReferencePiece {
         };
         let part = |i: i32| quad([0.0, 1.0, f64::from(i) / f64::from(parts), f64::from(i + 1) / f64::from(parts)]);
         let mut quads: Vec<([f64; 4], [DVec3; 4])> = (0..parts).map(part).collect();
-        let [uu, vv, uv] = self.bends;
+        let [uu, vv, uv] = self.second_derivatives;
         while let Some(([u0, u1, v0, v1], corners)) = quads.pop() {
             let (du, dv) = (u1 - u0, v1 - v0);
             // A bilinear quad differs from the surface by the first two terms, two triangles differ
@@ -172,8 +172,8 @@ impl ReferencePiece {
                 continue;
             }
             let normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]).normalize_or_zero();
-            let edge = u0 == 0.0 || u1 == 1.0 || !turned && (v0 == 0.0 || v1 == 1.0);
-            found.touches.push(QuadNearRay { t: [lo, hi], cos: normal.dot(d).abs() / d.length(), edge });
+            let edge = u0 == 0.0 || u1 == 1.0 || !is_revolution && (v0 == 0.0 || v1 == 1.0);
+            found.near_quads.push(QuadNearRay { t: [lo, hi], cos: normal.dot(d).abs() / d.length(), edge });
             for [i, j, k] in [[0, 1, 2], [0, 2, 3]] {
                 if let Some(t) = intersect_triangle(o, d, corners[i], corners[j], corners[k]) {
                     found.hit = Some(found.hit.map_or(t, |h: f64| h.min(t)));
