@@ -21,11 +21,11 @@ impl BsdfSample {
     }
 }
 
-/// Returns the factor that corrects the throughput of a photon path for the shading normal: |wo ·
-/// ns| |wi · ng| / (|wo · ng| |wi · ns|).
+/// Returns the factor that corrects the throughput of a photon path for the shading normal `ns`.
 ///
-/// The unit vector `wo` points to the previous vertex of the photon path, and `wi` to the next one.
-/// `ns` is the shading normal, `ng` the geometric normal.
+/// The factor is |wo · ns| |wi · ng| / (|wo · ng| |wi · ns|), or 0 if the denominator is 0. The
+/// unit vector `wo` points to the previous vertex of the photon path, and `wi` to the next one.
+/// `ng` is the geometric normal.
 #[inline]
 #[must_use]
 pub fn shading_normal_correction(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
@@ -36,7 +36,8 @@ pub fn shading_normal_correction(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 
     if denominator == 0.0 { 0.0 } else { (wo.dot(ns) * wi.dot(ng) / denominator).abs() }
 }
 
-/// Returns the factor by which a stored photon's flux is multiplied: |wo · ns| / |wo · ng|.
+/// Returns the factor on a stored photon's flux that shading normals require:
+/// |wo · ns| / |wo · ng|.
 ///
 /// The unit vector `wo` points back along the photon path. `ns` is the shading normal of the
 /// surface, `ng` the geometric normal. The density of photons is proportional to |wo · ng|, but the

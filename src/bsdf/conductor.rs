@@ -52,15 +52,15 @@ impl Conductor {
         self.alpha == 0.0
     }
 
-    /// Returns the Fresnel reflectance of a microfacet; `cos` is the cosine of the angle of
-    /// incidence on it.
+    /// Returns the Fresnel reflectance of a microfacet at the cosine of incidence `cos`.
     #[inline]
     fn reflectance(&self, cos: f64) -> Rgb {
         conductor_reflectance(cos as f32, self.eta, self.k)
     }
 
-    /// BRDF f(wo, wi) \[1/sr]; 0 for a smooth metal. `wo` and `wi` must be on one side of the
-    /// shading normal `n`.
+    /// BRDF f(wo, wi) \[1/sr]; 0 for a smooth metal.
+    ///
+    /// `wo` and `wi` must be on one side of the shading normal `n`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
         if self.is_smooth() {
@@ -84,7 +84,7 @@ impl Conductor {
         ggx.scattered_direction_pdf(&ggx.reflecting_facet(o, wi.as_dvec3(), n), o.dot(n).abs()) as f32
     }
 
-    /// Samples the direction of reflection of a smooth or rough metal by `u` in \[0, 1)².
+    /// Samples the direction in which a smooth or rough metal reflects, by `u` in \[0, 1)².
     ///
     /// `n` is the shading normal on the side of `wo`, and `ng` the geometric normal. Returns `None`
     /// if the reflected direction points into the surface.

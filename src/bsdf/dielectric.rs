@@ -4,24 +4,24 @@ use super::{BsdfSample, TransportMode, refract};
 use crate::color::Rgb;
 use glam::Vec3;
 
-/// A smooth interface between two transparent media. Its normal points to the outside.
+/// A smooth interface between two transparent media, whose normal points to the outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
     /// Refractive index of the inside over that of the outside.
     pub eta: f32,
 }
 
-/// The reflected and the refracted ray at a smooth dielectric.
+/// The reflected and the refracted direction at a smooth dielectric, with their Fresnel factors.
 #[derive(Clone, Copy, Debug)]
 pub struct DielectricSplit {
     /// Unit direction of reflection, and the Fresnel reflectance.
     pub reflected: (Vec3, f32),
     /// Unit direction of refraction, and the Fresnel transmittance; 0 under total reflection.
     pub transmitted: (Vec3, f32),
-    /// Number by which a path divides the radiance or flux that it transmits: (n_far/n_near)² for
-    /// radiance, 1 for flux.
+    /// Number by which the throughput of a refracted path is divided.
     ///
-    /// The refractive index is n_near on the side of `wo`, and n_far on the other side.
+    /// It is (n_far/n_near)² for radiance and 1 for flux. The refractive index is n_near on the
+    /// side of `wo`, and n_far on the other side.
     pub transmitted_radiance_divisor: f32,
     /// Two flags, for the reflected and for the refracted direction: true if the direction was
     /// computed with the geometric normal instead of the shading normal.
@@ -31,10 +31,10 @@ pub struct DielectricSplit {
 }
 
 impl Dielectric {
-    /// Returns the reflected and the refracted direction for unit direction `wo`, which points away
-    /// from the interface.
+    /// Returns the reflected and the refracted direction for the unit vector `wo`.
     ///
-    /// `ns` is the shading normal, `ng` the geometric normal. Both are on the outer side.
+    /// `wo` points away from the interface. `ns` is the shading normal, `ng` the geometric normal.
+    /// Both are on the outer side.
     #[inline]
     #[must_use]
     pub fn reflect_and_refract(&self, wo: Vec3, ns: Vec3, ng: Vec3, transport: TransportMode) -> DielectricSplit {
@@ -60,8 +60,10 @@ impl Dielectric {
         }
     }
 
-    /// Samples reflection or refraction with the random number `lobe` in \[0, 1). The probability
-    /// of reflection is the Fresnel reflectance.
+    /// Samples reflection or refraction by `lobe` in \[0, 1).
+    ///
+    /// The probability of reflection is the Fresnel reflectance. `wo` and the outer normals `ns`
+    /// and `ng` are those of [`Dielectric::reflect_and_refract`].
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, transport: TransportMode) -> BsdfSample {
         let split = self.reflect_and_refract(wo, ns, ng, transport);
@@ -77,14 +79,14 @@ impl Dielectric {
     }
 }
 
-/// Reflects `wo` about the shading normal `ns`, or about the geometric normal `ng` if the result
-/// would lie below the surface.
+/// Reflects `wo` about the shading normal `ns`, or about the geometric normal `ng` where needed.
 ///
-/// Returns the reflected unit direction, and true if `ng` was used.
+/// `ng` is used if the direction reflected about `ns` would lie below the surface. Returns the
+/// reflected unit direction, and true if `ng` was used.
 #[inline]
 pub(super) fn reflect_above_surface(wo: Vec3, ns: Vec3, ng: Vec3) -> (Vec3, bool) {
     let mirrored = |n: Vec3| n * (2.0 * wo.dot(n)) - wo;
     let wi = mirrored(ns);
-    let reflection_masking_shadowing = wi.dot(ng) * wo.dot(ng) > 0.0;
-    if reflection_masking_shadowing { (wi.normalize(), false) } else { (mirrored(ng).normalize(), true) }
+    let is_above_surface = wi.dot(ng) * wo.dot(ng) > 0.0;
+    if is_above_surface { (wi.normalize(), false) } else { (mirrored(ng).normalize(), true) }
 }

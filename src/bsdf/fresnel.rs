@@ -18,8 +18,7 @@ pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
     (reflectance as f32, cos_t as f32)
 }
 
-/// Fresnel reflectance of a dielectric, and the cosine between the refracted ray and the normal, in
-/// f64.
+/// Computes [`dielectric_reflectance`] in f64: the reflectance, and the cosine of refraction.
 ///
 /// `cos_i` in \[0, 1] is the cosine of incidence. `eta` is the refractive index of the far side
 /// over that of the near side. Total internal reflection returns `(1, 0)`.
@@ -35,8 +34,9 @@ pub(super) fn fresnel_reflectance(cos_i: f64, eta: f64) -> (f64, f64) {
     (fresnel_reflectance_from_cosines(cos_i, cos_t, eta), cos_t)
 }
 
-/// Fresnel reflectance, from the cosines of incidence `cos_i` and of refraction `cos_t`. `eta` is
-/// the refractive index of the far side over that of the near side.
+/// Fresnel reflectance from the cosines of incidence `cos_i` and of refraction `cos_t`.
+///
+/// `eta` is the refractive index of the far side over that of the near side.
 #[inline]
 fn fresnel_reflectance_from_cosines(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
@@ -44,20 +44,20 @@ fn fresnel_reflectance_from_cosines(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
-/// Fresnel transmittance, from the cosines of incidence `cos_i` and of refraction `cos_t`.
+/// Fresnel transmittance from the cosines of incidence `cos_i` and of refraction `cos_t`.
 ///
-/// `eta` is the refractive index of the far side over that of the near side. The result is 1 −
-/// reflectance, but stays precise if it is small.
+/// `eta` is the refractive index of the far side over that of the near side. The result is
+/// 1 − reflectance, but stays precise if it is small.
 #[inline]
 pub(super) fn fresnel_transmittance(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let (parallel, perpendicular) = (eta * cos_i + cos_t, cos_i + eta * cos_t);
     2.0 * eta * cos_i * cos_t * (1.0 / (parallel * parallel) + 1.0 / (perpendicular * perpendicular))
 }
 
-/// Fresnel reflectance of a conductor with complex relative index `eta` + i`k`, by channel.
+/// Fresnel reflectance of a conductor with the complex refractive index `eta` + i`k`, by channel.
 ///
-/// `cos_i` ≥ 0 is the cosine of incidence. Sources: Born and Wolf 1999, section 14.2; Pharr, Jakob,
-/// Humphreys 2023, section 9.3.6.
+/// The index is relative to the surroundings. `cos_i` ≥ 0 is the cosine of incidence. Sources: Born
+/// and Wolf 1999, section 14.2; Pharr, Jakob, Humphreys 2023, section 9.3.6.
 #[inline]
 #[must_use]
 pub fn conductor_reflectance(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
@@ -85,8 +85,7 @@ pub fn conductor_reflectance(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
     Rgb::new(channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z))
 }
 
-/// The refracted direction at a smooth interface, with the fractions of reflected and transmitted
-/// light.
+/// The refracted direction at a smooth interface, with the Fresnel reflectance and transmittance.
 #[derive(Clone, Copy, Debug)]
 pub struct Refraction {
     /// Fresnel reflectance.

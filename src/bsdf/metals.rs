@@ -9,6 +9,7 @@ use crate::color::Rgb;
 /// Name of a metal, and the real part η and imaginary part k of its refractive index.
 type Metal = (&'static str, Rgb, Rgb);
 
+/// Refractive indices of metals, sorted by name.
 const METAL_TABLE: [Metal; 8] = [
     // Rakić 1995, Applied Optics 34, 4755.
     ("aluminium", Rgb::new(1.558, 1.015, 0.633), Rgb::new(7.712, 6.627, 5.454)),

@@ -29,13 +29,15 @@ pub(super) struct Microfacet {
 }
 
 impl Ggx {
+    /// Distribution with roughness `alpha` > 0.
     #[inline]
     pub(super) fn new(alpha: f32) -> Self {
         Self { alpha: f64::from(alpha) }
     }
 
-    /// Returns the density D(m) \[1/sr] of microfacets with normal m = `h`/|`h`|, where `n` is the
-    /// macroscopic normal.
+    /// Returns the density D(m) \[1/sr] of microfacets with the unit normal m = `h`/|`h`|.
+    ///
+    /// `n` is the macroscopic normal.
     #[inline]
     pub(super) fn microfacet_normal_density(self, h: DVec3, n: DVec3) -> f64 {
         let a2 = self.alpha * self.alpha;
@@ -60,28 +62,26 @@ impl Ggx {
         2.0 / (cos + self.smith_square_root(cos))
     }
 
-    /// Returns G₂/(cosθₒ·cosθᵢ), where G₂ is the masking-shadowing function of two directions on
-    /// one side.
+    /// Returns G₂/(cosθₒ·cosθᵢ) for directions on one side, from their cosines to the normal.
     ///
-    /// G₂ = 1/(1 + Λₒ + Λᵢ) is height-correlated (Heitz 2014, section 5.3).
+    /// G₂ = 1/(1 + Λₒ + Λᵢ) is the height-correlated masking-shadowing function, with Smith's
+    /// function Λ (Heitz 2014, section 5.3).
     #[inline]
     pub(super) fn reflection_masking_shadowing(self, cos_o: f64, cos_i: f64) -> f64 {
         2.0 / (cos_i * self.smith_square_root(cos_o) + cos_o * self.smith_square_root(cos_i))
     }
 
-    /// Returns G₂/(cosθₒ·cosθᵢ), where G₂ is the masking-shadowing function of two directions on
-    /// opposite sides.
+    /// Returns G₂/(cosθₒ·cosθᵢ) for directions on opposite sides, from their absolute cosines.
     ///
-    /// G₂ is the product of the masking functions G₁ of both directions (Walter et al. 2007).
-    /// Height correlation would transmit too much, because a microfacet that is high for one side
-    /// is low for the other.
+    /// The masking-shadowing function G₂ is the product of the masking functions G₁ of both
+    /// directions (Walter et al. 2007). Height correlation would transmit too much, because a
+    /// microfacet that is high for one side is low for the other.
     #[inline]
     pub(super) fn transmission_masking_shadowing(self, cos_o: f64, cos_i: f64) -> f64 {
         self.masking_over_cos(cos_o) * self.masking_over_cos(cos_i)
     }
 
-    /// Returns G₂/G₁(wo): the fraction of the microfacets visible from `wo` that are also visible
-    /// from `wi`.
+    /// Returns G₂/G₁(wo): the fraction of the microfacets visible from `wo` that `wi` sees too.
     ///
     /// `masking_shadowing` is G₂/(cosθₒ·cosθᵢ), where G₂ is the masking-shadowing function.
     #[inline]
@@ -89,18 +89,18 @@ impl Ggx {
         masking_shadowing * cos_i / self.masking_over_cos(cos_o)
     }
 
-    /// Solid-angle pdf of `wi` \[1/sr], if [`Ggx::sample_visible_normal`] samples the microfacet
-    /// normal. `facet` describes the microfacets that scatter `wi` to `wo`; `cos_o` is the cosine
-    /// of `wo`.
+    /// Solid-angle pdf \[1/sr] of `wi`, if [`Ggx::sample_visible_normal`] samples the microfacet.
+    ///
+    /// `facet` describes the microfacets that scatter `wi` to `wo`. `cos_o` is the cosine of `wo`.
     #[inline]
     pub(super) fn scattered_direction_pdf(self, facet: &Microfacet, cos_o: f64) -> f64 {
         self.masking_over_cos(cos_o) * facet.cos * facet.density * facet.jacobian
     }
 
-    /// Samples a unit microfacet normal by `u` in \[0, 1)², with a pdf proportional to the area of
-    /// the microfacets visible from `wo`.
+    /// Samples the unit normal of a microfacet visible from `wo`, by `u` in \[0, 1)².
     ///
-    /// Source: Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps".
+    /// The pdf is proportional to the visible area of the microfacets. Source: Dupuy and Benyoub
+    /// 2023, "Sampling Visible GGX Normals with Spherical Caps".
     #[inline]
     pub(super) fn sample_visible_normal(self, wo: DVec3, n: Vec3, u: Vec2) -> DVec3 {
         let frame = Frame::from_normal(n);
@@ -115,8 +115,9 @@ impl Ggx {
         (s * (self.alpha * x) + t * (self.alpha * y) + n * (cap - drop)).normalize()
     }
 
-    /// Returns the density and geometry of the microfacets that reflect `wi` to `wo`. Both
-    /// directions are on the side of `n`.
+    /// Returns the density and geometry of the microfacets that reflect `wi` to `wo`.
+    ///
+    /// Both directions are on the side of the macroscopic normal `n`.
     #[inline]
     pub(super) fn reflecting_facet(self, wo: DVec3, wi: DVec3, n: DVec3) -> Microfacet {
         let h = wo + wi;
@@ -125,11 +126,11 @@ impl Ggx {
         Microfacet { density: self.microfacet_normal_density(h, n), cos, jacobian: 0.25 / cos }
     }
 
-    /// Returns the density and geometry of the microfacets that refract `wi` to `wo`, and the
-    /// cosine between −m and `wi`, where m is their normal.
+    /// Returns the microfacets that refract `wi` to `wo`, and the cosine between −m and `wi`.
     ///
-    /// `wi` is on the side opposite to `n`. `eta` is the refractive index on the side of `wi` over
-    /// that on the side of `wo`. Returns `None` if no microfacet refracts `wi` to `wo`.
+    /// m is the normal of these microfacets. `wi` is on the side opposite to the macroscopic normal
+    /// `n`. `eta` is the refractive index on the side of `wi` over that on the side of `wo`.
+    /// Returns `None` if no microfacet refracts `wi` to `wo`.
     #[inline]
     pub(super) fn refracting_facet(self, wo: DVec3, wi: DVec3, n: DVec3, eta: f64) -> Option<(Microfacet, f64)> {
         let h = wo + wi * eta;

@@ -21,7 +21,7 @@ pub use fresnel::{Refraction, conductor_reflectance, dielectric_reflectance, ref
 pub use metals::{METALS, metal_refractive_index};
 pub use phong::Phong;
 pub use rough_dielectric::RoughDielectric;
-pub use thin::{ThinDielectric, ThinDielectricSplit};
+pub use thin::ThinDielectric;
 
 use crate::color::Rgb;
 use crate::math::{Frame, warp};
@@ -34,8 +34,7 @@ pub const SMOOTH_ALPHA: f32 = 1e-3;
 /// GGX roughness α of a conductor above which photons are stored on it.
 pub const PHOTON_STORAGE_ALPHA: f32 = 0.3;
 
-/// A rough dielectric counts as smooth if its refracted lobe is narrower than this angle
-/// \[radians].
+/// Width of the refracted lobe \[radians] below which a rough dielectric counts as smooth.
 ///
 /// The angle is about ten rounding errors of a unit vector in f32.
 const MIN_LOBE_WIDTH: f32 = 1e-6;
@@ -90,7 +89,7 @@ impl BsdfSample {
     }
 }
 
-/// A direction sampled from a lobe that has a finite pdf.
+/// A direction sampled from a lobe that has a finite pdf; the type cannot describe a delta lobe.
 ///
 /// The fields are those of [`BsdfSample`].
 struct NonSpecularSample {
@@ -194,8 +193,10 @@ impl Bsdf {
         }
     }
 
-    /// Selects the diffuse or the specular lobe of a Phong BSDF by `u` in \[0, 1), and returns it
-    /// as a BSDF, divided by the probability of its selection. Returns any other BSDF whole.
+    /// Returns one lobe of the BSDF, selected by `u` in \[0, 1) and divided by its probability.
+    ///
+    /// Only a Phong BSDF is split, into its diffuse and its glossy lobe. Any other BSDF is returned
+    /// whole.
     #[inline]
     #[must_use]
     pub fn select_lobe(self, u: f32) -> Self {
@@ -320,7 +321,8 @@ impl Bsdf {
         }
     }
 
-    /// Solid-angle pdf \[1/sr] with which [`Bsdf::sample`] samples `wi`; 0 for delta lobes.
+    /// Solid-angle pdf \[1/sr] with which [`Bsdf::sample`] samples `wi`, given `wo`; 0 for delta
+    /// lobes.
     ///
     /// The pdf is the same for both transport modes.
     #[inline]

@@ -25,7 +25,7 @@ pub struct Phong {
 impl Phong {
     /// Creates the BRDF from coefficients ≥ 0 and an exponent ≥ 0.
     ///
-    /// If the BRDF would reflect more light than arrives, one factor scales all channels.
+    /// If the BRDF could reflect more light than arrives, one factor scales all channels down.
     #[must_use]
     pub fn new(diffuse: Rgb, specular: Rgb, shininess: f32) -> Self {
         let total = diffuse + specular * (2.0 / (shininess + 2.0));
@@ -36,12 +36,12 @@ impl Phong {
         Self { diffuse, specular, shininess, glossy_probability: if sum > 0.0 { glossy / sum } else { 0.0 } }
     }
 
-    /// Selects the glossy or the diffuse lobe by `chance` in \[0, 1), and returns it as a BSDF.
+    /// Returns the glossy or the diffuse lobe as a BSDF, selected by `u` in \[0, 1).
     ///
     /// The lobe is divided by the probability of its selection.
     #[must_use]
-    pub fn select_lobe(&self, chance: f32) -> Bsdf {
-        if chance < self.glossy_probability {
+    pub fn select_lobe(&self, u: f32) -> Bsdf {
+        if u < self.glossy_probability {
             Bsdf::Phong(Self {
                 diffuse: Rgb::ZERO,
                 specular: self.specular / self.glossy_probability,
@@ -53,7 +53,7 @@ impl Phong {
         }
     }
 
-    /// Cosine between `wi` and the mirror direction of `wo`.
+    /// Cosine between `wi` and the direction into which the normal `n` mirrors `wo`.
     ///
     /// Values above 1, which are rounding errors, become 1. Their powers with large exponents would
     /// overflow.
@@ -71,7 +71,7 @@ impl Phong {
         (self.diffuse + self.specular * lobe) * FRAC_1_PI
     }
 
-    /// Samples the glossy or the diffuse lobe; `n` is on the side of `wo`.
+    /// Samples the glossy or the diffuse lobe, where the shading normal `n` is on the side of `wo`.
     ///
     /// `lobe` in \[0, 1) selects the lobe, and `u` in \[0, 1)² the direction. Returns `None` if the
     /// direction points into the surface.
@@ -92,8 +92,9 @@ impl Phong {
         (pdf > 0.0).then_some(NonSpecularSample { wi, weight, pdf, is_transmitted: false })
     }
 
-    /// Solid-angle pdf \[1/sr] with which [`Phong::sample`] samples `wi`. `wo` and `wi` must be on
-    /// one side of the shading normal `n`.
+    /// Solid-angle pdf \[1/sr] with which [`Phong::sample`] samples `wi`, given `wo`.
+    ///
+    /// `wo` and `wi` must be on one side of the shading normal `n`.
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         let glossy = warp::power_cosine_pdf(Self::cos_to_mirror_direction(wo, wi, n), self.shininess);

@@ -1,4 +1,4 @@
-//! Rough dielectric interfaces.
+//! Rough dielectric interfaces with GGX microfacets.
 
 use super::fresnel::{fresnel_reflectance, fresnel_transmittance};
 use super::microfacet::{Ggx, Microfacet};
@@ -38,24 +38,25 @@ impl RoughDielectric {
         Self { eta, alpha }
     }
 
+    /// GGX roughness α, at least [`super::SMOOTH_ALPHA`].
     #[inline]
     pub(super) fn alpha(&self) -> f32 {
         self.alpha
     }
 
-    /// Refractive index of the far side over that of the side of `wo`. `ng` is the outer geometric
-    /// normal.
+    /// Refractive index of the far side over that of the side of `wo`.
+    ///
+    /// `ng` is the geometric normal on the outer side.
     #[inline]
     fn far_over_near_index(&self, wo: Vec3, ng: Vec3) -> f64 {
         let eta = f64::from(self.eta);
         if wo.dot(ng) >= 0.0 { eta } else { 1.0 / eta }
     }
 
-    /// Returns how microfacets scatter light from unit direction `i` to `o`; `None` if no
-    /// microfacet refracts `i` to `o`.
+    /// Returns how microfacets scatter light from the unit direction `i` to `o`.
     ///
-    /// `o` is on the side of the normal `n`. `eta` is the refractive index of the far side over
-    /// that of the side of `o`.
+    /// `None` if no microfacet refracts `i` to `o`. `o` is on the side of the normal `n`. `eta` is
+    /// the refractive index of the far side over that of the side of `o`.
     #[inline]
     fn facet_scattering(&self, o: DVec3, i: DVec3, n: DVec3, eta: f64) -> Option<FacetScattering> {
         let ggx = Ggx::new(self.alpha);
@@ -72,10 +73,10 @@ impl RoughDielectric {
         })
     }
 
-    /// BSDF f(wo, wi) \[1/sr], where `n` is the shading normal on the side of `wo`, and `ng` the
-    /// geometric normal.
+    /// BSDF f(wo, wi) \[1/sr], without the cosine.
     ///
-    /// `n` and `ng` must agree on whether `wi` is on the side of `wo`.
+    /// `n` is the shading normal on the side of `wo`, and `ng` the outer geometric normal. `n` and
+    /// `ng` must agree on whether `wi` is on the side of `wo`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3, transport: TransportMode) -> Rgb {
         let (eta, i, n) = (self.far_over_near_index(wo, ng), wi.as_dvec3(), n.as_dvec3());
@@ -91,8 +92,9 @@ impl RoughDielectric {
         )
     }
 
-    /// Solid-angle pdf \[1/sr] with which [`Self::sample`] samples `wi`. The arguments are those of
-    /// [`Self::evaluate`].
+    /// Solid-angle pdf \[1/sr] with which [`Self::sample`] samples `wi`, given `wo`.
+    ///
+    /// The arguments are those of [`Self::evaluate`].
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3) -> f32 {
         let (o, n) = (wo.as_dvec3(), n.as_dvec3());
@@ -100,11 +102,11 @@ impl RoughDielectric {
             .map_or(0.0, |m| (m.fresnel * Ggx::new(self.alpha).scattered_direction_pdf(&m.facet, o.dot(n))) as f32)
     }
 
-    /// Samples a microfacet visible from `wo` by `u` in \[0, 1)², then reflection or refraction by
-    /// `lobe` in \[0, 1).
+    /// Samples a direction of reflection or refraction at a microfacet visible from `wo`.
     ///
-    /// `n` is on the side of `wo`. Returns `None` if the microfacet reflects through the surface,
-    /// or refracts to the side of `wo`.
+    /// `u` in \[0, 1)² selects the microfacet, then `lobe` in \[0, 1) reflection or refraction. `n`
+    /// is the shading normal on the side of `wo`, and `ng` the outer geometric normal. Returns
+    /// `None` if the microfacet reflects through the surface, or refracts to the side of `wo`.
     #[inline]
     pub(super) fn sample(
         &self,
@@ -139,7 +141,7 @@ impl RoughDielectric {
     }
 }
 
-/// Number by which transmitted light is divided: `eta`² for radiance, 1 for flux; 1 for reflection.
+/// Number by which a path's throughput is divided: `eta`² for transmitted radiance, else 1.
 ///
 /// `eta` is the refractive index of the far side over that of the near side.
 #[inline]

@@ -18,17 +18,6 @@ pub struct ThinDielectric {
     pub transmittance: Rgb,
 }
 
-/// The reflected and the transmitted ray at a thin sheet.
-#[derive(Clone, Copy, Debug)]
-pub struct ThinDielectricSplit {
-    /// Unit direction of reflection, and the reflectance of the sheet.
-    pub reflected: (Vec3, Rgb),
-    /// Unit direction of transmission, and the transmittance of the sheet.
-    pub transmitted: (Vec3, Rgb),
-    /// True if reflection used the geometric normal instead of the shading normal.
-    pub uses_geometric_normal: bool,
-}
-
 impl ThinDielectric {
     /// Reflectance and transmittance of the sheet, where `cos` ≥ 0 is the cosine of incidence.
     ///
@@ -53,42 +42,26 @@ impl ThinDielectric {
         (Rgb::splat(r) + through * kept * r, through)
     }
 
-    /// Returns the reflected and the transmitted direction for unit direction `wo`, which points
-    /// away from the sheet.
-    ///
-    /// `ns` is the shading normal, `ng` the geometric normal.
-    #[inline]
-    #[must_use]
-    pub fn reflect_and_transmit(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> ThinDielectricSplit {
-        let (mirrored, uses_geometric_normal) = dielectric::reflect_above_surface(wo, ns, ng);
-        // The cosine to the normal that reflected, which is not always `ns`.
-        let cos = wo.dot((wo + mirrored).normalize_or_zero());
-        let (reflected, transmitted) = self.reflectance_and_transmittance(cos);
-        ThinDielectricSplit { reflected: (mirrored, reflected), transmitted: (-wo, transmitted), uses_geometric_normal }
-    }
-
     /// Samples reflection or transmission by `lobe` in \[0, 1); `None` if the sheet absorbs all
     /// light.
     ///
     /// The probability of each is proportional to its reflectance or transmittance, averaged over
-    /// the color channels.
+    /// the color channels. `wo` points away from the sheet, `ns` is the shading normal on its side,
+    /// and `ng` the geometric normal.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32) -> Option<BsdfSample> {
-        let ThinDielectricSplit { reflected, transmitted, uses_geometric_normal } =
-            self.reflect_and_transmit(wo, ns, ng);
-        let (r, t) = (color::channel_mean(reflected.1), color::channel_mean(transmitted.1));
+        let (mirrored, uses_geometric_normal) = dielectric::reflect_above_surface(wo, ns, ng);
+        // The cosine to the normal that reflected, which is not always `ns`.
+        let cos = wo.dot((wo + mirrored).normalize_or_zero());
+        let (reflectance, transmittance) = self.reflectance_and_transmittance(cos);
+        let (r, t) = (color::channel_mean(reflectance), color::channel_mean(transmittance));
         let reflects = r / (r + t);
         if r + t == 0.0 {
             return None;
         }
         let is_transmitted = lobe >= reflects;
-        let ((wi, share), probability) =
-            if is_transmitted { (transmitted, 1.0 - reflects) } else { (reflected, reflects) };
-        Some(BsdfSample::specular_sample(
-            wi,
-            share / probability,
-            is_transmitted,
-            uses_geometric_normal && !is_transmitted,
-        ))
+        let (wi, weight) =
+            if is_transmitted { (-wo, transmittance / (1.0 - reflects)) } else { (mirrored, reflectance / reflects) };
+        Some(BsdfSample::specular_sample(wi, weight, is_transmitted, uses_geometric_normal && !is_transmitted))
     }
 }

@@ -8,19 +8,20 @@ use glam::{DVec3, Vec2, Vec3};
 
 /// Bounded shape in world space; [`Shape`](super::Shape) dispatches to it.
 pub(super) trait AnalyticShape: Sized {
-    /// Nearest hit with a ray parameter in (0, `ray.t_max`).
+    /// Nearest hit of `ray` with a ray parameter in (0, `ray.t_max`); `None` if there is none.
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit>;
 
-    /// True if the ray hits the shape at a parameter in (0, `ray.t_max`).
+    /// True if `ray` hits the shape at a ray parameter in (0, `ray.t_max`).
     #[inline]
     fn occludes(&self, ray: &Ray) -> bool {
         self.intersect(ray).is_some()
     }
 
-    /// Surface point at the hit (`t`, `uv.x`, `uv.y`) of `ray`: see [`ShapeHit`].
+    /// World-space surface point at the hit (`t`, `uv.x`, `uv.y`) that `intersect` returned for
+    /// `ray`.
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint;
 
-    /// Texture coordinates at the surface point `p`, by the parametrization that the shape defines.
+    /// Texture coordinates at the world-space surface point `p`, as the shape itself defines them.
     ///
     /// `uv` holds the last two numbers of the [`ShapeHit`] at `p`. By default, the texture
     /// coordinates are `uv` and their gradients are zero.
@@ -28,10 +29,10 @@ pub(super) trait AnalyticShape: Sized {
         TexCoord { uv: uv.as_dvec2(), ..TexCoord::default() }
     }
 
-    /// Lower and upper corner of an axis-aligned box that contains the shape.
+    /// Lower and upper corner of an axis-aligned box in world space that contains the shape.
     fn bounds_f64(&self) -> (DVec3, DVec3);
 
-    /// The shape translated by `by`.
+    /// The shape translated by `by` in world space.
     fn translated(&self, by: DVec3) -> Self;
 
     /// The shape transformed by the world-space map `map`; its outer side stays the outer side.
@@ -43,16 +44,16 @@ pub(super) trait AnalyticShape: Sized {
     /// Area of the surface \[length²].
     fn area(&self) -> f64;
 
-    /// Samples a point of the surface; `u` is uniform in \[0, 1)².
+    /// Samples a point of the surface, with its pdf per area; `u` is uniform in \[0, 1)².
     fn sample(&self, u: Vec2) -> ShapeSample;
 
-    /// Pdf of [`AnalyticShape::sample`] at the given point, per area \[1/length²].
+    /// Pdf of [`AnalyticShape::sample`] at `point`, per area \[1/length²]; by default, uniform.
     #[inline]
     fn pdf(&self, _point: &SurfacePoint) -> f32 {
         (1.0 / self.area()) as f32
     }
 
-    /// Samples a point of the outer side that is visible from `from`, by solid angle.
+    /// Samples a point of the outer side, uniformly by solid angle as seen from `from`.
     ///
     /// `u` is uniform in \[0, 1)².
     #[inline]
@@ -60,29 +61,28 @@ pub(super) trait AnalyticShape: Sized {
         SolidAngleSampleResult::Unsupported
     }
 
-    /// Pdf of [`AnalyticShape::sample_solid_angle`] \[1/sr]; 0 if the outer side is invisible from
-    /// `from`.
+    /// Pdf per solid angle \[1/sr] of `sample_solid_angle`, the same for all visible points.
     ///
-    /// `None` if the shape must be sampled by area instead.
+    /// It is 0 if the outer side is invisible from `from`, and `None` if the shape must be sampled
+    /// by area.
     #[inline]
     fn solid_angle_pdf(&self, _from: Vec3) -> Option<f32> {
         None
     }
 
-    /// Bound on the position error of a hit along the ray, relative to the hit's distance.
+    /// Bound on the position error of a hit along the ray, relative to the distance of the hit.
     #[inline]
     fn relative_hit_error(&self) -> f32 {
         f32::EPSILON
     }
 
-    /// A point of the surface if the shape lies in a plane, else `None`.
+    /// A point of the shape with the normal of its plane; `None` if the shape is not planar.
     fn point_if_planar(&self) -> Option<SurfacePoint> {
         None
     }
 
-    /// Bounding sphere of the shape, if it is tighter than the sphere around the bounding box.
-    ///
-    /// `None` if the shape has no such sphere.
+    /// World-space bounding sphere that is tighter than the sphere around the bounding box, if
+    /// known.
     fn bounding_sphere(&self) -> Option<BoundingSphere> {
         None
     }

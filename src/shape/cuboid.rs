@@ -8,10 +8,10 @@ use super::texture_mapping::{TexCoord, upright_texture_axes};
 use crate::math::{Ray, Transform};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 
-/// Surface of the cube \[−1, 1]³ under an affine map: a box or parallelepiped.
+/// Box or parallelepiped: the surface of the cube \[−1, 1]³ under an affine map.
 ///
-/// Faces are numbered: 2·axis on the negative side of an object-space axis, 2·axis + 1 on the
-/// positive side. The last number of a [`ShapeHit`] is the number of the face.
+/// Face 2·axis is on the negative side of an object-space axis, face 2·axis + 1 on the positive
+/// side. The last number of a [`ShapeHit`] is the number of the face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     to_world: Transform,
@@ -22,7 +22,8 @@ pub struct Cuboid {
 }
 
 impl Cuboid {
-    /// Axis-aligned box between the corners `min` and `max`; `None` if it has no volume.
+    /// Box between the world-space corners `min` and `max`, along the axes; `None` if it has no
+    /// volume.
     #[must_use]
     pub fn new(min: DVec3, max: DVec3) -> Option<Self> {
         let (center, half) = (0.5 * min + 0.5 * max, 0.5 * max - 0.5 * min);
@@ -42,7 +43,7 @@ impl Cuboid {
 
     /// Projects the object-space point `p` to face number `face`, and moves it away from the edges.
     ///
-    /// [`EDGE_MARGIN`] explains why.
+    /// [`EDGE_MARGIN`] explains why it is moved.
     #[inline]
     fn move_point_off_edges(&self, p: DVec3, face: usize) -> DVec3 {
         let largest = self.to_world.transform_point(p).abs().max_element();
@@ -67,7 +68,7 @@ impl Cuboid {
     }
 }
 
-/// Half the edge vectors of the parallelepiped in world space: the columns of the linear map.
+/// World-space vectors of half the edges: the columns of the linear map.
 fn half_edges(to_world: &Transform) -> [DVec3; 3] {
     let m = to_world.forward().matrix3;
     [m.x_axis, m.y_axis, m.z_axis]
@@ -79,7 +80,7 @@ fn face_sign(face: usize) -> f64 {
     if face % 2 == 1 { 1.0 } else { -1.0 }
 }
 
-/// Number of the face that was hit, decoded from the last number of the [`ShapeHit`].
+/// Number of the face that was hit; `uv` holds the last two numbers of the [`ShapeHit`].
 #[inline]
 fn face_of_hit(uv: Vec2) -> usize {
     (uv.y as usize).min(5)

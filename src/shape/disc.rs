@@ -8,20 +8,20 @@ use glam::{DVec2, DVec3, Vec2};
 
 /// Disc or ellipse: the points `center + x·a + y·b` with x² + y² ≤ 1.
 ///
-/// The outer side is the side of `a × b`.
+/// The outer side is the side of `a × b`. The last two numbers of a [`ShapeHit`] are x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     center: DVec3,
     a: DVec3,
     b: DVec3,
     normal: DVec3,
-    /// Dual basis of `a` and `b`: dot products with a point's offset from the centre give its (x,
-    /// y).
+    /// Dual basis of `a` and `b`: its dot products with an offset from the centre give (x, y).
     dual: [DVec3; 2],
 }
 
 impl Disc {
-    /// Ellipse with the conjugate half diameters `a` and `b`, which must not be parallel.
+    /// Ellipse of the points `center + x·a + y·b` with x² + y² ≤ 1; `a` and `b` must not be
+    /// parallel.
     #[must_use]
     pub fn new(center: DVec3, a: DVec3, b: DVec3) -> Self {
         let cross = exact_cross(a, b);
@@ -29,15 +29,18 @@ impl Disc {
         Self { center, a, b, normal: cross / n2.sqrt(), dual: [exact_cross(b, cross) / n2, exact_cross(cross, a) / n2] }
     }
 
-    /// Circular disc perpendicular to `normal`, which may have any length above zero.
+    /// Circular disc whose outer side faces along `normal`, which may have any length above zero.
     #[must_use]
     pub fn circular_disc(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let (a, b) = normal.normalize().any_orthonormal_pair();
-        // any_orthonormal_pair is right-handed with the given vector as third axis.
+        // The pair is right-handed with the given vector as third axis, so a × b points along the
+        // normal.
         Self::new(center, a * radius, b * radius)
     }
 
-    /// Moves `p` towards the centre if it is too close to the rim; [`EDGE_MARGIN`] explains why.
+    /// Moves the point `p` of the disc towards the centre if it is too close to the rim.
+    ///
+    /// [`EDGE_MARGIN`] explains why.
     #[inline]
     fn move_point_off_rim(&self, p: DVec3) -> DVec3 {
         let offset = p - self.center;
@@ -48,6 +51,7 @@ impl Disc {
         if from_middle <= most { p } else { self.center + offset * (most / from_middle) }
     }
 
+    /// Surface point at the world-space point `p` of the disc.
     #[inline]
     fn surface_at(&self, p: DVec3) -> SurfacePoint {
         let scale = self.center.abs().max_element() + self.a.abs().max_element() + self.b.abs().max_element();

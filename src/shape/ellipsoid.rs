@@ -8,7 +8,7 @@ use super::surface_point::{ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, quadratic_roots, warp};
 use glam::{DAffine3, DMat3, DVec3, Vec2};
 
-/// Ellipsoid: the unit sphere under an affine map.
+/// Ellipsoid in world space: the unit sphere under an affine map.
 ///
 /// Object-space ray directions are not normalised, so the ray parameter t of a point is the same in
 /// object space and in world space.
@@ -19,7 +19,7 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// Image of the unit sphere at the origin under `to_world`.
+    /// Image of the unit sphere around the object-space origin under `to_world`.
     #[must_use]
     pub fn new(to_world: Transform) -> Self {
         let mut ellipsoid = Self { to_world, area: 0.0 };
@@ -34,7 +34,7 @@ impl Ellipsoid {
         Some(Self::new(Transform::new(*map.forward() * place).ok()?))
     }
 
-    /// World-space surface point for the point `object` of the unit sphere.
+    /// World-space surface point that is the image of the point `object` of the unit sphere.
     #[inline]
     fn surface_at(&self, object: DVec3) -> SurfacePoint {
         let p = self.to_world.transform_point(object);
@@ -45,7 +45,7 @@ impl Ellipsoid {
         )
     }
 
-    /// World-space area \[length²], integrated by the midpoint rule over height z and azimuth φ.
+    /// World-space area \[length²], integrated by the midpoint rule over height and azimuth.
     fn integrate_area(&self) -> f64 {
         const N: u32 = 256;
         let mut sum = 0.0;
@@ -99,8 +99,7 @@ impl AnalyticShape for Ellipsoid {
         self.area
     }
 
-    /// Maps a uniform sample of the unit sphere to the ellipsoid; so the pdf varies over its
-    /// surface.
+    /// Maps a uniform sample of the unit sphere to the ellipsoid, so the pdf per area varies.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let n = warp::square_to_uniform_sphere(u).as_dvec3().normalize();
         ShapeSample {

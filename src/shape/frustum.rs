@@ -33,6 +33,7 @@ pub struct Frustum {
 /// Part of the surface of a [`Frustum`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum FrustumPart {
+    /// Curved side between the two ends.
     Side,
     /// Disc that closes the frustum at y = 0 in object space.
     Bottom,
@@ -41,7 +42,7 @@ enum FrustumPart {
 }
 
 impl FrustumPart {
-    /// Decodes the part of the surface from `uv.y`, the last number of a [`ShapeHit`].
+    /// Part of the surface that was hit; `uv` holds the last two numbers of the [`ShapeHit`].
     #[inline]
     fn from_hit_coordinates(uv: Vec2) -> Self {
         match uv.y as u32 {
@@ -77,7 +78,7 @@ impl Frustum {
         Some(Self::from_transform(to_world, radii.map(|r| r / radius), is_capped))
     }
 
-    /// Image of the frustum with the given object-space radii under `to_world`.
+    /// Frustum with the given object-space radii, under the object-to-world map `to_world`.
     fn from_transform(to_world: Transform, radii: [f64; 2], is_capped: bool) -> Self {
         let mut frustum = Self { to_world, radii, is_capped, areas: [0.0; 3] };
         let around: f64 = (0..AREA_STEPS)
@@ -108,12 +109,13 @@ impl Frustum {
         self.radii[0] - self.radius_decrease() * y
     }
 
-    /// Interval of the arc length τ along the line of `ray`, in object space, in which the line is
-    /// inside the infinite cone around the side. It may be infinite at one end.
+    /// Interval of arc length τ in which the line of `ray` is inside the infinite cone around the
+    /// side.
     ///
-    /// `None` if the line misses the cone. The interval may cover the mirror image of the cone
-    /// beyond its apex. The discriminant is computed from squared cross products, so it keeps its
-    /// digits for grazing rays.
+    /// [`ObjectRay`] defines τ. The interval may be infinite at one end or both, and may cover the
+    /// mirror image of the cone beyond its apex. `None` if the line misses the cone. The
+    /// discriminant is computed from squared cross products, so it keeps its digits for grazing
+    /// rays.
     #[inline]
     fn interval_inside_cone(&self, ray: &ObjectRay) -> Option<[f64; 2]> {
         const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -144,7 +146,7 @@ impl Frustum {
     /// Minimum object-space distances of a surface point from a rim: along y, and perpendicular to
     /// y.
     ///
-    /// `p` is the hit in object space. [`EDGE_MARGIN`] explains why the distances are needed.
+    /// `p` is the hit in object space. [`EDGE_MARGIN`] explains why points keep away from rims.
     #[inline]
     fn rim_margins(&self, p: DVec3) -> (f64, f64) {
         let largest = self.to_world.transform_point(p).abs().max_element();
@@ -154,8 +156,9 @@ impl Frustum {
         ((unit * rows.y_axis.length()).min(0.25), (unit * across).min(0.25))
     }
 
-    /// World-space surface point of the side at the object-space height `y`, in the unit direction
-    /// `radial` = (x, z) from the axis.
+    /// World-space surface point of the side at the object-space height `y`.
+    ///
+    /// The unit vector `radial` = (x, z) is the direction from the axis to the point.
     #[inline]
     fn surface_point_on_side(&self, y: f64, radial: DVec2) -> SurfacePoint {
         let rho = self.radius_at(y);
@@ -170,7 +173,7 @@ impl Frustum {
         self.surface_at(DVec3::new(p.x, y, p.y), normal, part)
     }
 
-    /// World-space surface point at the object-space point `p`.
+    /// World-space surface point that is the image of the object-space point `p` of `part`.
     ///
     /// The object-space `normal` may have any length.
     #[inline]
@@ -194,8 +197,7 @@ impl Frustum {
 }
 
 impl AnalyticShape for Frustum {
-    /// Nearest hit: where the ray enters or leaves the part of the infinite cone between the end
-    /// planes.
+    /// Nearest hit, at which the ray enters or leaves the cone between the end planes.
     ///
     /// Side and caps are not tested separately, so no ray can escape at a rim.
     #[inline]
@@ -299,8 +301,7 @@ impl AnalyticShape for Frustum {
         self.areas.iter().sum()
     }
 
-    /// Chooses side or cap by area, then samples a point of the chosen part uniformly in object
-    /// space.
+    /// Chooses side or cap by area, then samples a point of that part uniformly in object space.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let [side, bottom, _] = self.areas;
         let x = f64::from(u.x) * self.area();

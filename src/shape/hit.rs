@@ -3,16 +3,18 @@
 use crate::math::Ray;
 use glam::{DVec3, Vec2};
 
-/// Hit (t, u, v) of a ray: the ray parameter, and two numbers that each kind of shape defines.
+/// Hit (t, u, v) of a ray: the ray parameter, and two numbers that locate the point on the shape.
+///
+/// Each kind of shape defines its two numbers, such as surface parameters or the index of a face.
 pub type ShapeHit = (f32, f32, f32);
 
-/// Origin and direction of the ray, converted to f64.
+/// World-space origin and direction of the ray, converted to f64.
 #[inline]
 pub(super) fn ray_to_f64(ray: &Ray) -> (DVec3, DVec3) {
     (ray.origin.as_dvec3(), ray.direction.as_dvec3())
 }
 
-/// `t` rounded to f32; `None` outside (0, `ray.t_max`).
+/// Ray parameter `t` rounded to f32; `None` if it is outside (0, `ray.t_max`).
 #[inline]
 pub(super) fn round_t_if_in_range(ray: &Ray, t: f64) -> Option<f32> {
     let t = t as f32;
@@ -21,17 +23,17 @@ pub(super) fn round_t_if_in_range(ray: &Ray, t: f64) -> Option<f32> {
 
 /// Hit (t, r, `second`) of `ray`: t rounded to f32, and r, the relative error of this rounding.
 ///
-/// [`f64_ray_parameter`] restores t in f64 from both. In f32 alone, the error of a distant hit
+/// [`f64_ray_parameter`] restores t in f64 from t and r. In f32 alone, the error of a distant hit
 /// could exceed the thickness of the shape. `None` if t is outside (0, `ray.t_max`).
 #[inline]
 pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, second: f32) -> Option<ShapeHit> {
     round_t_if_in_range(ray, t).map(|rounded| (rounded, (t / f64::from(rounded) - 1.0) as f32, second))
 }
 
-/// First hit of the ray, given both intersections of its line with a convex shape.
+/// First hit of `ray` with a convex shape, whose surface the line of the ray crosses twice.
 ///
-/// `near` and `far` each hold the ray parameter t and the last number of the [`ShapeHit`]. The far
-/// intersection counts only if the near one is behind the ray's origin.
+/// `near` and `far` each hold the ray parameter t of an intersection and the last number of its
+/// [`ShapeHit`]. The far intersection counts only if the near one is behind the ray's origin.
 #[inline]
 pub(super) fn nearer_hit(ray: &Ray, near: (f64, f32), far: (f64, f32)) -> Option<ShapeHit> {
     hit_with_rounding_residual(ray, near.0, near.1)

@@ -1,4 +1,4 @@
-//! Mesh instances: several instances share the triangles of one mesh under different affine maps.
+//! Mesh instances, which share the triangles of one mesh under different affine maps.
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, round_t_if_in_range};
@@ -12,7 +12,7 @@ use crate::sampling::DiscreteDistribution;
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::{Arc, OnceLock};
 
-/// Mesh in object space with a bounding volume hierarchy.
+/// Mesh in object space with a bounding volume hierarchy, which several instances share.
 pub struct MeshWithBvh {
     mesh: Mesh,
     hierarchy: Hierarchy,
@@ -27,7 +27,7 @@ impl std::fmt::Debug for MeshWithBvh {
 }
 
 impl MeshWithBvh {
-    /// Builds the hierarchy of a mesh; hits are most accurate if the mesh is near the origin.
+    /// Builds the hierarchy of `mesh`. Hits are most accurate if the mesh is near its own origin.
     #[must_use]
     pub fn new(mesh: Mesh) -> Self {
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
@@ -42,7 +42,7 @@ impl MeshWithBvh {
     }
 }
 
-/// Triangle mesh under an affine map.
+/// Triangle mesh under an affine map to world space.
 ///
 /// Object-space ray directions are not normalised, so the ray parameter t of a point is the same in
 /// object space and in world space. The second number of a [`ShapeHit`] holds the bits of the
@@ -57,24 +57,25 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Instance of `mesh` under `to_world`.
+    /// Instance of `mesh` under the object-to-world map `to_world`.
     #[must_use]
     pub fn new(mesh: Arc<MeshWithBvh>, to_world: Transform) -> Self {
         let edge = libm::cbrt(to_world.determinant().abs());
         Self { mesh, to_world, area_scale: edge * edge }
     }
 
-    /// Number of triangles.
+    /// Number of triangles of the mesh.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
         self.mesh.mesh.triangles.len()
     }
 
-    /// The ray in object space, with its origin moved forward near the mesh.
+    /// The ray in object space, with its origin moved forward towards the mesh.
     ///
-    /// Also returns the ray parameter t of the new origin on the given ray. The new origin is at
-    /// most two bounding-sphere radii from the mesh's centre. Rounding errors in f32 are then
-    /// proportional to the mesh's size, however far away the ray starts.
+    /// Also returns the ray parameter t of the new origin on the given ray. The new origin is two
+    /// bounding-sphere radii before the point nearest to the mesh's centre, unless the ray starts
+    /// later. Rounding errors in f32 are then proportional to the mesh's size, however far away the
+    /// ray starts.
     #[inline]
     fn object_ray_near_mesh(&self, ray: &Ray) -> (Ray, f64) {
         let (o, d) = object_ray(ray, &self.to_world);
@@ -86,8 +87,9 @@ impl Instance {
         (Ray { origin, direction: d.as_vec3(), t_max: (f64::from(ray.t_max) - start) as f32 }, start)
     }
 
-    /// World-space surface point of triangle `i`; `b` holds the barycentric weights of its second
-    /// and third corner.
+    /// World-space surface point of triangle `i` at the barycentric weights `b`.
+    ///
+    /// `b` holds the weights of the second and third corner.
     fn surface_at(&self, i: usize, b: Vec2) -> SurfacePoint {
         let own = self.mesh.mesh.surface_point(i, b);
         let p = self.to_world.transform_point(own.p.as_dvec3()).as_vec3();

@@ -4,10 +4,10 @@ use super::surface_point::{EDGE_MARGIN, SurfacePoint};
 use super::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
-/// Vertex indices of one triangle.
+/// Vertex indices of one triangle, counter-clockwise seen from outside.
 pub type Triangle = [u32; 3];
 
-/// Triangle mesh with shared vertices, in world or object space.
+/// Triangle mesh with shared vertices, in the space that its owner defines.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// Vertex positions.
@@ -16,12 +16,12 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates per vertex; empty if there are none.
     pub texcoords: Vec<Vec2>,
-    /// Vertex indices of each triangle, counter-clockwise seen from outside.
+    /// Triangles of the mesh.
     pub triangles: Vec<Triangle>,
 }
 
 impl Mesh {
-    /// Corner positions of triangle `i`.
+    /// Corner positions of triangle `i`, in the order of its vertex indices.
     #[inline]
     #[must_use]
     pub fn corners(&self, i: usize) -> [Vec3; 3] {
@@ -35,11 +35,10 @@ impl Mesh {
         0.5 * (b - a).cross(c - a).length()
     }
 
-    /// Surface point of triangle `i`; `b` holds the barycentric weights of its second and third
-    /// corner.
+    /// Surface point of triangle `i`, in the mesh's space, at the barycentric weights `b`.
     ///
-    /// A point close to an edge is moved away from it, so that a ray that starts there cannot
-    /// escape through the edge.
+    /// `b` holds the weights of the second and third corner. A point close to an edge is moved away
+    /// from it, so that a ray that starts there cannot escape through the edge.
     #[inline]
     #[must_use]
     pub fn surface_point(&self, i: usize, b: Vec2) -> SurfacePoint {
@@ -77,10 +76,10 @@ impl Mesh {
         }
     }
 
-    /// Texture coordinates of triangle `i`; `b` holds the barycentric weights of its second and
-    /// third corner.
+    /// Texture coordinates of triangle `i`, with gradients in the mesh's space.
     ///
-    /// Gradients are zero if the mesh has no texture coordinates or the triangle has no area.
+    /// `b` holds the barycentric weights of the second and third corner. Gradients are zero if the
+    /// mesh has no texture coordinates or the triangle has no area.
     #[must_use]
     pub fn tex_coord(&self, i: usize, b: Vec2) -> TexCoord {
         if self.texcoords.is_empty() {
@@ -101,10 +100,10 @@ impl Mesh {
         TexCoord { uv, du: w1 * t1.x + w2 * t2.x, dv: w1 * t1.y + w2 * t2.y }
     }
 
-    /// Unit shading normal of triangle `i`, interpolated with the barycentric weights of its second
-    /// and third corner.
+    /// Unit shading normal of triangle `i`, interpolated between its vertex normals.
     ///
-    /// `None` if the mesh has no shading normals or their weighted sum is zero.
+    /// `b1` and `b2` are the barycentric weights of the second and third corner. `None` if the mesh
+    /// has no shading normals or their weighted sum is zero.
     #[inline]
     fn shading_normal(&self, i: usize, b1: f64, b2: f64) -> Option<Vec3> {
         if self.normals.is_empty() {
@@ -115,11 +114,12 @@ impl Mesh {
     }
 }
 
-/// Moves a point of a triangle away from the edges; [`EDGE_MARGIN`] explains why.
+/// Barycentric weights of a point, after it is moved away from the edges of its triangle.
 ///
-/// `b` and the result hold barycentric weights of the second and third corner. `e1` and `e2` are
-/// the vectors from the first corner to these corners. `room` is the minimum distance to an edge,
-/// divided by twice the triangle's area. No weight is raised above a quarter.
+/// `b` and the result are the weights of the second and third corner. `e1` and `e2` are the vectors
+/// from the first corner to these corners. `room` is the minimum distance to an edge, divided by
+/// twice the triangle's area. No weight is raised above a quarter. [`EDGE_MARGIN`] explains why
+/// points are moved.
 #[cold]
 fn move_weights_off_edges(b: DVec2, room: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
     let least = [e2 - e1, e2, e1].map(|edge| (room * edge.length()).min(0.25));

@@ -43,7 +43,7 @@ use surface_point::round_outward;
 /// A bounded shape in world space.
 #[derive(Clone, Debug)]
 pub enum Shape {
-    /// Sphere.
+    /// Sphere, given by centre and radius.
     Sphere(Sphere),
     /// Ellipsoid: a sphere under an affine map.
     Ellipsoid(Ellipsoid),
@@ -57,7 +57,7 @@ pub enum Shape {
     Frustum(Frustum),
     /// Triangle mesh with its own bounding volume hierarchy, under an affine map.
     Instance(Instance),
-    /// Surface of revolution.
+    /// Surface of revolution: a spline curve turned around an axis.
     Revolution(Revolution),
     /// Tensor-product surface: Bézier patch, B-spline or NURBS.
     Patch(Patch),
@@ -111,57 +111,59 @@ macro_rules! dispatch {
 }
 
 impl Shape {
-    /// Nearest hit with a ray parameter in (0, `ray.t_max`).
+    /// Nearest hit of `ray` with a ray parameter in (0, `ray.t_max`); `None` if there is none.
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         dispatch!(self, s, _w => s.intersect(ray))
     }
 
-    /// True if the ray hits the shape at a parameter in (0, `ray.t_max`).
+    /// True if `ray` hits the shape at a ray parameter in (0, `ray.t_max`).
     #[inline]
     #[must_use]
     pub fn occludes(&self, ray: &Ray) -> bool {
         dispatch!(self, s, _w => s.occludes(ray))
     }
 
-    /// Surface point at the hit (`t`, `uv.x`, `uv.y`) of `ray`: see [`ShapeHit`].
+    /// World-space surface point at the hit (`t`, `uv.x`, `uv.y`) that [`Shape::intersect`]
+    /// returned for `ray`.
     #[inline]
     #[must_use]
     pub fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
         dispatch!(self, s, _w => s.surface_point(ray, t, uv))
     }
 
-    /// Texture coordinates at the surface point `p`, by the parametrization that the shape defines.
+    /// Texture coordinates at the world-space surface point `p`, as the shape itself defines them.
     ///
-    /// `uv` holds the last two numbers of the [`ShapeHit`] at `p`. Shapes without a parametrization
-    /// return `uv` and gradients of zero.
+    /// `uv` holds the last two numbers of the [`ShapeHit`] at `p`. Shapes that define none return
+    /// `uv` and gradients of zero.
     #[must_use]
     pub fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         dispatch!(self, s, _w => s.tex_coord(p, uv))
     }
 
-    /// Axis-aligned box that contains the shape, rounded outward to f32.
+    /// Axis-aligned box in world space that contains the shape, rounded outward to f32.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
         let (min, max) = self.bounds_f64();
         round_outward(min, max)
     }
 
-    /// Lower and upper corner of an axis-aligned box that contains the shape.
+    /// Lower and upper corner of an axis-aligned box in world space that contains the shape.
     #[must_use]
     pub fn bounds_f64(&self) -> (DVec3, DVec3) {
         dispatch!(self, s, _w => s.bounds_f64())
     }
 
-    /// Sphere that contains the shape: exact for [`Sphere`], else around the bounding box.
+    /// World-space sphere that contains the shape: exact for [`Sphere`], else around the bounding
+    /// box.
     #[must_use]
     pub fn bounding_sphere(&self) -> math::BoundingSphere {
         let tight = dispatch!(self, s, _w => s.bounding_sphere());
         tight.unwrap_or_else(|| self.bounds().bounding_sphere())
     }
 
-    /// A point of the surface if the shape lies in a plane, else `None`.
+    /// A point of the shape with the normal of its plane; `None` if the shape is not planar.
     #[must_use]
     pub fn point_if_planar(&self) -> Option<SurfacePoint> {
         dispatch!(self, s, _w => s.point_if_planar())
@@ -185,7 +187,7 @@ impl Shape {
         }
     }
 
-    /// The shape translated by `by`.
+    /// The shape translated by `by` in world space.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         dispatch!(self, s, wrap => wrap(s.translated(by)))
@@ -209,6 +211,8 @@ impl Shape {
     }
 
     /// Samples a point of the surface; `u` is uniform in \[0, 1)².
+    ///
+    /// The sample holds its pdf per area, which is not constant for all shapes.
     #[must_use]
     pub fn sample(&self, u: Vec2) -> ShapeSample {
         dispatch!(self, s, _w => s.sample(u))
@@ -221,26 +225,28 @@ impl Shape {
         dispatch!(self, s, _w => s.pdf(point))
     }
 
-    /// Samples a point of the outer side that faces `from`, by solid angle.
+    /// Samples a point of the outer side, uniformly by solid angle as seen from `from`.
     ///
     /// `u` is uniform in \[0, 1)². Other shapes that may occlude the point are ignored. The result
-    /// also says if no side faces `from`, or if the shape has no such sampling.
+    /// also tells if the outer side is invisible, or if the shape must be sampled by area.
     #[inline]
     #[must_use]
     pub fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampleResult {
         dispatch!(self, s, _w => s.sample_solid_angle(from, u))
     }
 
-    /// Pdf per solid angle \[1/sr] of [`Shape::sample_solid_angle`]; 0 if the shape is invisible.
+    /// Pdf per solid angle \[1/sr] of [`Shape::sample_solid_angle`]; 0 if the outer side is
+    /// invisible.
     ///
-    /// Returns `None` if the shape must be sampled by area instead.
+    /// All visible points have this pdf. Returns `None` if the shape must be sampled by area
+    /// instead.
     #[inline]
     #[must_use]
     pub fn solid_angle_pdf(&self, from: Vec3) -> Option<f32> {
         dispatch!(self, s, _w => s.solid_angle_pdf(from))
     }
 
-    /// Bound on the position error of a hit along the ray, relative to the hit's distance.
+    /// Bound on the position error of a hit along the ray, relative to the distance of the hit.
     #[inline]
     #[must_use]
     pub fn relative_hit_error(&self) -> f32 {

@@ -19,9 +19,9 @@ pub(super) fn object_ray(ray: &Ray, to_world: &Transform) -> (DVec3, DVec3) {
 /// τ is 0 at the point nearest to the object's origin. Shapes lie near that origin, so solutions
 /// for τ keep their digits even if the ray starts far away.
 pub(super) struct ObjectRay {
-    /// Point of the line at τ = 0, nearest to the object's origin.
+    /// Object-space point of the line at τ = 0, nearest to the object's origin.
     pub base: DVec3,
-    /// Unit direction.
+    /// Unit direction in object space.
     pub direction: DVec3,
     /// Signed object-space distance from the ray's origin to `base`; negative if `base` is behind
     /// it.
@@ -31,6 +31,7 @@ pub(super) struct ObjectRay {
 }
 
 impl ObjectRay {
+    /// Object-space line of the world-space `ray`, for an object under the map `to_world`.
     #[inline]
     pub fn new(ray: &Ray, to_world: &Transform) -> Self {
         let (o, d) = object_ray(ray, to_world);
@@ -56,8 +57,7 @@ impl ObjectRay {
     }
 }
 
-/// Upper bound of the absolute world coordinates of all object-space points whose coordinates are
-/// at most `size` in magnitude.
+/// Bound on the magnitudes of world coordinates, if object-space coordinates are at most `size`.
 #[inline]
 pub(super) fn world_coordinate_bound(to_world: &Transform, size: f64) -> f64 {
     let m = to_world.forward().matrix3;

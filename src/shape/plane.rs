@@ -26,7 +26,7 @@ impl Plane {
         Self { normal, offset: normal.dot(point) }
     }
 
-    /// The plane translated by `by`.
+    /// The plane translated by `by` in world space.
     #[must_use]
     pub fn translated(self, by: DVec3) -> Self {
         Self { offset: self.offset + self.normal.dot(by), ..self }
@@ -38,13 +38,14 @@ impl Plane {
         Self::new(map.transform_point(self.normal * self.offset), map.transform_normal(self.normal))
     }
 
-    /// Point of the plane nearest to the origin, and the unit normal.
+    /// Point of the plane nearest to the world-space origin, and the unit normal.
     #[must_use]
     pub fn point_and_normal(&self) -> (Vec3, Vec3) {
         ((self.normal * self.offset).as_vec3(), self.normal.as_vec3())
     }
 
-    /// Hit (t, 0, 0) of the ray; `None` unless t is in (0, `ray.t_max`).
+    /// Hit (t, 0, 0) of `ray`; `None` if the ray is parallel to the plane or t is outside
+    /// (0, `ray.t_max`).
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {

@@ -26,13 +26,13 @@ const FAR_SIZE_RATIO2: f64 = 0.2;
 
 /// Rectangle or parallelogram: the points `corner + x·e0 + y·e1` with x, y in \[0, 1].
 ///
-/// The outer side is the side of `e0 × e1`.
+/// The outer side is the side of `e0 × e1`. The last two numbers of a [`ShapeHit`] are x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     corner: DVec3,
     edges: [DVec3; 2],
     normal: DVec3,
-    /// Dual basis of the edges: dot products with an offset from the corner give (x, y).
+    /// Dual basis of the edges: its dot products with an offset from the corner give (x, y).
     dual: [DVec3; 2],
     /// True if the edges are perpendicular.
     is_right_angled: bool,
@@ -44,15 +44,17 @@ struct RectangleView {
     x: [f64; 2],
     /// Range of the rectangle along its second edge, measured from the viewpoint \[length].
     y: [f64; 2],
-    /// Distance from the viewpoint to the rectangle's plane.
+    /// Distance from the viewpoint to the rectangle's plane \[length].
     z: f64,
     /// Unit vectors along the first and second edge of the rectangle.
     axes: [DVec3; 2],
+    /// Solid angle of the rectangle as seen from the viewpoint \[sr].
     solid_angle: f64,
 }
 
 impl Rectangle {
-    /// Parallelogram with a corner and two edge vectors, which must not be parallel.
+    /// Parallelogram with the corner `corner` and the edge vectors `e0` and `e1`, which must not be
+    /// parallel.
     #[must_use]
     pub fn new(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
         let cross = exact_cross(e0, e1);
@@ -62,7 +64,9 @@ impl Rectangle {
         Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual, is_right_angled }
     }
 
-    /// Moves `p` inward if it is too close to an edge; [`EDGE_MARGIN`] explains why.
+    /// Moves the point `p` of the rectangle inward if it is too close to an edge.
+    ///
+    /// [`EDGE_MARGIN`] explains why.
     #[inline]
     fn move_point_off_edges(&self, p: DVec3) -> DVec3 {
         let offset = p - self.corner;
@@ -73,13 +77,15 @@ impl Rectangle {
         if moved == at { p } else { self.corner + self.edges[0] * moved.x + self.edges[1] * moved.y }
     }
 
+    /// Surface point at the world-space point `p` of the rectangle.
     #[inline]
     fn surface_at(&self, p: DVec3) -> SurfacePoint {
         let reach = self.edges[0].abs().max_element() + self.edges[1].abs().max_element();
         SurfacePoint::from_f64(p, self.normal, self.corner.abs().max_element() + reach)
     }
 
-    /// The rectangle as seen from `from`, in order to sample it by solid angle.
+    /// The rectangle as seen from the world-space point `from`, in order to sample it by solid
+    /// angle.
     ///
     /// `None` if `from` is on the inner side, if the edges are not perpendicular, or if the
     /// rectangle looks so small that sampling by area is better.
@@ -171,9 +177,10 @@ impl AnalyticShape for Rectangle {
     }
 }
 
-/// Solid angle \[sr] of a rectangle in a plane at the distance `z` > 0 from the viewpoint.
+/// Solid angle \[sr] of a rectangle from 0 to `x` and from `y[0]` to `y[1]`, seen from a distance.
 ///
-/// The rectangle extends from 0 to `x` and from `y[0]` to `y[1]`. The result has the sign of `x`.
+/// The viewpoint is the origin, and the rectangle's plane is at the distance `z` > 0. The result
+/// has the sign of `x`.
 fn strip_solid_angle(x: f64, y: [f64; 2], z: f64) -> f64 {
     let [to_first, to_last] = y.map(|y| atan2(x * y, z * (x * x + y * y + z * z).sqrt()));
     to_last - to_first

@@ -9,20 +9,20 @@ use glam::{DVec3, Vec2, Vec3};
 /// A sphere in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    /// Centre.
+    /// Centre in world space.
     pub center: DVec3,
-    /// Radius, above zero.
+    /// Radius \[length], above zero.
     pub radius: f64,
 }
 
 impl Sphere {
-    /// Sphere with a radius above zero.
+    /// Sphere around `center` with a radius above zero.
     #[must_use]
     pub fn new(center: DVec3, radius: f64) -> Self {
         Self { center, radius }
     }
 
-    /// Both solutions t of |o + t d − c| = r, ascending; `None` if the line misses the sphere.
+    /// Ray parameters at which the line of `ray` meets the sphere, ascending; `None` if it misses.
     ///
     /// The discriminant comes from the distance between line and centre, which avoids cancellation
     /// for distant spheres (Haines et al. 2019, Ray Tracing Gems, chapter 7).
@@ -38,7 +38,7 @@ impl Sphere {
         quadratic_roots(a, b, (distance - self.radius) * (distance + self.radius), discriminant)
     }
 
-    /// The surface point that lies in the unit direction `n` from the centre.
+    /// Surface point in the unit direction `n` from the centre.
     #[inline]
     fn surface_at(&self, n: DVec3) -> SurfacePoint {
         SurfacePoint::from_f64(self.center + n * self.radius, n, self.center.abs().max_element() + self.radius)
@@ -99,7 +99,9 @@ impl AnalyticShape for Sphere {
         Some(BoundingSphere { center: self.center.as_vec3(), radius: self.radius as f32 })
     }
 
-    /// Samples the cone of directions around the sphere (Pharr, Jakob, Humphreys 2023, 6.2.4).
+    /// Samples the cone of directions around the sphere uniformly by solid angle.
+    ///
+    /// Source: Pharr, Jakob, Humphreys 2023, section 6.2.4.
     #[inline]
     fn sample_solid_angle(&self, from: Vec3, u: Vec2) -> SolidAngleSampleResult {
         let Some((sin2, one_minus_cos)) = self.cone_around_sphere(from) else {

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec2, Vec3};
 /// Point of a surface with its normals, in world space.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
-    /// Position.
+    /// World-space position, rounded to f32.
     pub p: Vec3,
     /// Bound on the error of `p` along each axis \[length].
     ///
@@ -21,7 +21,7 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// Rounds an f64 point to f32 and bounds its error; the shading normal is the geometric one.
+    /// Surface point at `p`, rounded to f32, with an error bound and `normal` as both unit normals.
     ///
     /// `scale` bounds the absolute coordinates of the shape.
     #[inline]
@@ -43,12 +43,12 @@ pub struct ShapeSample {
     pub uv: Vec2,
 }
 
-/// A point of a shape sampled by solid angle, as seen from another point.
+/// A point of a shape, sampled by solid angle as seen from another point.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidAngleSample {
     /// The sampled point, with its normals.
     pub point: SurfacePoint,
-    /// Unit direction towards the sampled point.
+    /// Unit direction from the other point to the sampled point.
     pub wi: Vec3,
     /// Pdf per solid angle \[1/sr].
     pub pdf: f32,
@@ -59,26 +59,29 @@ pub struct SolidAngleSample {
 pub enum SolidAngleSampleResult {
     /// A sampled point of the outer side, visible from the given point.
     Sampled(SolidAngleSample),
-    /// The outer side of the shape is invisible.
+    /// No part of the outer side is visible from the given point.
     Invisible,
     /// The shape must be sampled by area instead.
     Unsupported,
 }
 
-/// Bound on the position error of a triangle hit along the ray, relative to the hit's distance.
+/// Bound on the position error of a triangle hit along the ray, relative to the distance of the
+/// hit.
 ///
 /// The error comes from rounding to f32 where the triangle test shears the corners.
 pub const TRIANGLE_HIT_ERROR: f32 = 4.0 * f32::EPSILON;
 
-/// Bound on the error of `p` along each axis: the rounding to f32, plus 32 ulps of f64 at `scale`
-/// for the intersection test of the next ray.
+/// Bound on the error of the surface point `p` along each axis \[length].
+///
+/// It covers the rounding to f32 and, for the intersection test of the next ray, 32 ulps of f64 at
+/// `scale`, which bounds the coordinates of the shape.
 #[inline]
 pub(super) fn position_error_bound(p: Vec3, scale: f64) -> Vec3 {
     p.abs() * f32::EPSILON + Vec3::splat((scale * (32.0 * f64::EPSILON)) as f32)
 }
 
-/// Minimum distance that surface points keep from the edges of their face, in units of the largest
-/// position error along an axis.
+/// Minimum distance of surface points from the edges of their face, in position errors along an
+/// axis.
 ///
 /// The origin of the next ray is off by up to √3 errors, and is then offset by as much along the
 /// normal. Near an edge of two faces, the origin could end up behind the other face, and the ray
@@ -86,7 +89,7 @@ pub(super) fn position_error_bound(p: Vec3, scale: f64) -> Vec3 {
 /// √3·(1 + cos θ) errors. 16 errors are enough for θ ≥ 12.4°.
 pub(super) const EDGE_MARGIN: f64 = 16.0;
 
-/// f32 box that contains the f64 box from `min` to `max`: each side is rounded outward.
+/// f32 box that contains the f64 box from `min` to `max`.
 pub(super) fn round_outward(min: DVec3, max: DVec3) -> Bounds {
     let down = |x: f64| (x as f32).next_down();
     let up = |x: f64| (x as f32).next_up();

@@ -16,7 +16,10 @@ pub struct TexCoord {
 }
 
 impl TexCoord {
-    /// Texture coordinates `uv` with gradients that follow from ∂p/∂u and ∂p/∂v of the surface.
+    /// Texture coordinates `uv`, with gradients that follow from the derivatives of the surface
+    /// point.
+    ///
+    /// `along_u` is ∂p/∂u and `along_v` is ∂p/∂v, in world space.
     #[must_use]
     pub(super) fn from_derivatives(uv: Vec2, along_u: DVec3, along_v: DVec3) -> Self {
         let cross = along_u.cross(along_v);
@@ -57,7 +60,8 @@ pub struct TextureMapping {
 /// Unit directions of increasing u and v on a plane with the outer normal `normal`.
 ///
 /// A picture on a wall appears upright: v is as near to +y as possible, and u points right for a
-/// viewer on the outer side. On a horizontal plane, u is +x.
+/// viewer on the outer side. On a horizontal plane, u is +x. Axes are those of the space of
+/// `normal`.
 #[must_use]
 pub fn upright_texture_axes(normal: DVec3) -> [DVec3; 2] {
     let n = normal.normalize_or(DVec3::Y);
@@ -68,21 +72,24 @@ pub fn upright_texture_axes(normal: DVec3) -> [DVec3; 2] {
 }
 
 impl TextureMappingKind {
-    /// Mapping of a plane with the given normal: u and v are distances from the object-space
-    /// origin.
+    /// Mapping of a plane with the outer normal `normal`: u and v are distances from the
+    /// object-space origin.
+    ///
+    /// [`upright_texture_axes`] gives the directions of u and v.
     #[must_use]
     pub fn plane_mapping(normal: DVec3) -> Self {
         Self::Planar { origin: DVec3::ZERO, rows: upright_texture_axes(normal) }
     }
 
-    /// Mapping of a disc to the disc inscribed in the unit square.
+    /// Mapping of a disc to the disc that is inscribed in the unit square; pictures appear upright.
     #[must_use]
     pub fn disc_mapping(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let [u, v] = upright_texture_axes(normal);
         Self::Planar { origin: center - (u + v) * radius, rows: [u / (2.0 * radius), v / (2.0 * radius)] }
     }
 
-    /// Mapping of a parallelogram to the unit square: u along `e0`, v along `e1`.
+    /// Mapping of a parallelogram to the unit square: from `corner`, u grows along `e0` and v along
+    /// `e1`.
     #[must_use]
     pub fn rectangle_mapping(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
         let cross = e0.cross(e1);
@@ -104,7 +111,7 @@ impl TextureMapping {
         Self { kind, to_world }
     }
 
-    /// Mapping of the object after a world-space translation by `by`.
+    /// Mapping for the object after a world-space translation by `by`.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         Self { to_world: self.to_world.translated(by), ..*self }
@@ -116,13 +123,13 @@ impl TextureMapping {
         self.to_world.inverse().transform_point3(p.as_dvec3())
     }
 
-    /// Transforms the world-space vector `step` to object space.
+    /// Transforms the world-space vector `step` to object space, without normalisation.
     #[must_use]
     pub fn vector_to_object_space(&self, step: DVec3) -> DVec3 {
         self.to_world.inverse().transform_vector3(step)
     }
 
-    /// Texture coordinates at the object-space point `p`.
+    /// Texture coordinates at the object-space point `p`, with gradients in world space.
     ///
     /// `own` computes the texture coordinates that the shape itself defines. It is called only for
     /// [`TextureMappingKind::Uv`].

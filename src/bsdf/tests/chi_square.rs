@@ -33,6 +33,7 @@ impl PolarDirectionGrid {
         Self { frame: [s, n.cross(s), n], width }
     }
 
+    /// Index of the cell that contains the direction `v`.
     fn cell_of_direction(&self, v: Vec3) -> usize {
         let v = v.as_dvec3();
         let [x, y, z] = self.frame.map(|axis| axis.dot(v));
@@ -65,11 +66,14 @@ impl PolarDirectionGrid {
     }
 }
 
+/// A BSDF with a direction `wo` and normals, and the grids on which its samples are counted.
 struct ChiSquareCase {
     bsdf: Bsdf,
-    /// Refractive index of the far side over that of the side of `wo`. It determines the direction
-    /// of specular refraction, which is the pole of the second grid.
+    /// Refractive index of the far side over that of the side of `wo`.
+    ///
+    /// It determines the direction of specular refraction, which is the pole of the second grid.
     eta: f32,
+    /// Width of the rings of both grids near their poles \[radians].
     width: f64,
     wo: Vec3,
     ns: Vec3,
@@ -113,7 +117,7 @@ fn chi_square_test_cases() -> Vec<ChiSquareCase> {
     cases
 }
 
-/// Two grids: around the directions of specular reflection and of specular refraction.
+/// Two grids: around the direction of specular reflection, and around that of specular refraction.
 fn grids_around_specular_directions(case: &ChiSquareCase) -> [PolarDirectionGrid; 2] {
     let n = face_forward(case.ns, case.wo);
     let cos = case.wo.dot(n);

@@ -3,6 +3,7 @@
 
 use super::*;
 
+/// BSDFs of each kind that scatters light, with roughnesses around the limit of photon storage.
 fn representative_bsdfs() -> Vec<Bsdf> {
     let (eta, k) = metal_refractive_index("nickel").unwrap();
     let mut family = basic_bsdfs().to_vec();

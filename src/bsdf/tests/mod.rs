@@ -5,12 +5,14 @@ mod rough;
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
+/// Sample `i` of `bsdf` at a surface with both normals along z.
 fn sample_bsdf(bsdf: &Bsdf, wo: Vec3, i: u64, transport: TransportMode) -> Option<BsdfSample> {
     let key = Key::new(11).purpose_key(Purpose::Test).child_key(i);
     let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
     bsdf.sample(wo, Vec3::Z, Vec3::Z, lobe, u, transport)
 }
 
+/// Unit direction in the (x, z) plane with the cosine `cos` to z.
 fn direction_with_cos(cos: f32) -> Vec3 {
     Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos)
 }
@@ -26,7 +28,7 @@ fn basic_bsdfs() -> [Bsdf; 5] {
     ]
 }
 
-/// At least one BSDF of each kind that scatters light; rough ones have small, medium and large α.
+/// One or more BSDFs of each kind that scatters light; rough ones have small, medium and large α.
 fn all_bsdf_kinds() -> Vec<Bsdf> {
     let (eta, k) = metal_refractive_index("copper").unwrap();
     let mut all = basic_bsdfs().to_vec();

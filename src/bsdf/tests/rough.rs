@@ -2,6 +2,7 @@
 
 use super::*;
 
+/// Refractive index of glass.
 const GLASS: f32 = 1.5;
 
 /// `count` pairs of unit directions, uniform over the sphere.

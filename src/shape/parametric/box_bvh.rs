@@ -2,33 +2,37 @@
 
 use glam::DVec3;
 
+/// Number of children of a node.
 const ARITY: usize = 8;
 
 /// Bit of a child reference in a node: set if the child is a leaf.
 const LEAF_BIT: u32 = 1 << 31;
 
+/// Node with eight children; unused slots have inverted boxes.
 #[derive(Debug)]
 struct Node {
     /// Bounds of the children, as `bounds[axis][side][child]` with side 0 lower and side 1 upper.
     bounds: [[[f64; ARITY]; 2]; 3],
+    /// Child references: the index of a node or, with [`LEAF_BIT`], of a box.
     children: [u32; ARITY],
 }
 
 /// Lower and upper corner of an axis-aligned box.
 pub type BoxCorners = [DVec3; 2];
 
-/// Line with arc length τ as parameter.
+/// Line in object space, with arc length τ as parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
     /// Point at τ = 0.
     pub base: DVec3,
     /// Unit direction.
     pub direction: DVec3,
-    /// Reciprocal of each component; 10³⁰⁰ for a component within ±10⁻³⁰⁰.
+    /// Reciprocal of each component of the direction; 10³⁰⁰ for a component within ±10⁻³⁰⁰.
     pub inverse: DVec3,
 }
 
 impl Line {
+    /// Line through `base`, at τ = 0, along the unit vector `direction`.
     pub fn new(base: DVec3, direction: DVec3) -> Self {
         let inverse = direction.map(|d| if d.abs() < 1e-300 { 1e300 } else { 1.0 / d });
         Self { base, direction, inverse }
@@ -50,6 +54,8 @@ impl BoxBvh {
         tree
     }
 
+    /// Appends the node over the boxes with the indices `order`, and all nodes below it; returns
+    /// its index.
     fn build_node(&mut self, boxes: &[BoxCorners], order: &mut [u32], margin: f64) -> u32 {
         let index = self.nodes.len();
         // An empty box.
@@ -130,6 +136,7 @@ impl BoxBvh {
     }
 }
 
+/// Smallest box around the boxes with the indices `part`.
 fn enclosing_box(boxes: &[BoxCorners], part: &[u32]) -> BoxCorners {
     part.iter()
         .map(|i| boxes[*i as usize])
@@ -138,7 +145,7 @@ fn enclosing_box(boxes: &[BoxCorners], part: &[u32]) -> BoxCorners {
 
 /// Reorders box indices so that each run of `group_size` indices has boxes close together.
 ///
-/// The function splits recursively at the median along the longest axis.
+/// It splits recursively at the median along the longest axis.
 fn group_nearby_boxes(boxes: &[BoxCorners], part: &mut [u32], group_size: usize) {
     if part.len() <= group_size {
         return;

@@ -15,12 +15,13 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// True if no arc length lies in the interval, also if an end is NaN.
     pub fn is_empty(self) -> bool {
         self.lo.is_nan() || self.hi.is_nan() || self.lo > self.hi
     }
 }
 
-/// A line, with its distance ρ from the y axis and its height y as functions of arc length τ.
+/// Object-space line with its distance ρ from the y axis and its height y, by arc length τ.
 ///
 /// τ is 0 at the point nearest to the object-space origin. ρ(τ) = |(x, z)| is convex, and y(τ) is
 /// linear.
@@ -30,15 +31,16 @@ pub struct CylindricalRay {
     pub base: DVec3,
     /// Unit direction.
     pub direction: DVec3,
-    /// Coefficients of ρ²: `c[0] + 2·c[1]·τ + c[2]·τ²`.
+    /// Coefficients c of ρ² = c[0] + 2·c[1]·τ + c[2]·τ².
     pub radius2_coefficients: [f64; 3],
-    /// τ of the point nearest to the axis; not finite for rays along the axis.
+    /// Arc length τ of the point nearest to the y axis; not finite for rays along the axis.
     pub nearest_tau: f64,
     /// Minimum of ρ², at τ = `nearest_tau`.
     pub min_radius2: f64,
 }
 
 impl CylindricalRay {
+    /// Line through `base`, at τ = 0, along the unit vector `direction`.
     pub fn new(base: DVec3, direction: DVec3) -> Self {
         let DVec3 { x, z, .. } = base;
         let slant2 = direction.x * direction.x + direction.z * direction.z;
@@ -62,16 +64,17 @@ impl CylindricalRay {
         (radius, slope)
     }
 
+    /// Height y at τ = `t`.
     #[inline]
     pub fn height_at(&self, t: f64) -> f64 {
         self.base.y + t * self.direction.y
     }
 
-    /// Intervals of τ within `t` in which the line may be inside a ring around the y axis.
+    /// Intervals of arc length, within the interval `t`, in which the line may be inside a ring.
     ///
-    /// The ring covers the distances `x` from the axis and the heights `y`, both widened by
-    /// `margin`. There are at most two intervals, since ρ(τ) is convex. Missing intervals are
-    /// empty.
+    /// The ring is around the y axis. It covers the distances `x` from the axis and the heights
+    /// `y`, both widened by `margin`. There are at most two intervals, since ρ(τ) is convex.
+    /// Missing intervals are empty.
     #[inline]
     pub fn clip_to_ring(&self, x: [f64; 2], y: [f64; 2], t: Interval, margin: f64) -> [Interval; 2] {
         const NOWHERE: Interval = Interval { lo: 1.0, hi: 0.0 };
@@ -112,7 +115,9 @@ impl CylindricalRay {
     }
 }
 
-/// Distance of `p` from the y axis, and the unit direction (x, z) from the axis to `p`.
+/// Distance of the point `p` from the y axis, and the unit direction (x, z) from the axis to `p`.
+///
+/// The direction is (1, 0) on the axis.
 #[inline]
 pub fn polar_radius_and_direction(p: DVec3) -> (f64, DVec2) {
     let across = DVec2::new(p.x, p.z);

@@ -5,8 +5,8 @@
 //! volume hierarchy of the leaves. In a leaf, the bounds prove that there is no hit, or at most
 //! one, which Newton's method then finds or excludes. Otherwise the leaf is halved.
 //!
-//! Within rounding errors, a ray that touches a curved surface tangentially hits it. A ray that
-//! lies in a flat surface misses it.
+//! A ray that touches a curved surface tangentially hits it, up to rounding errors. A ray that lies
+//! in a flat surface misses it.
 
 mod box_bvh;
 mod cylindrical_ray;

@@ -1,9 +1,8 @@
-//! Constants of the numerical methods for parametric surfaces.
+//! Constants and results of the root finders for parametric surfaces.
 
-/// Bound on the position error of a hit on a parametric surface, in units of 32 f64 ulps of the
-/// surface's size.
+/// Factor on the size of a parametric surface where the position error of a hit is bounded.
 ///
-/// The bound covers polynomial evaluation and the tolerance for tangent rays.
+/// The larger bound covers polynomial evaluation and the tolerance for tangent rays.
 pub(super) const HIT_ERROR_SCALE: f64 = 256.0;
 
 /// Points and weights of five-point Gauss–Legendre quadrature on \[−1, 1].
@@ -15,15 +14,15 @@ pub(super) const GAUSS_LEGENDRE: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_1),
 ];
 
-/// Largest relative change of the Jacobian over a parameter box for which Newton's method must
-/// converge.
+/// Largest relative change of the Jacobian over a parameter box in which Newton's method surely
+/// converges.
 ///
 /// Let J be the Jacobian at an iterate and J̄ its mean between iterate and root. If both differ
 /// from the Jacobian at the centre by at most the fraction q, then |1 − J⁻¹J̄| ≤ 2q/(1 − q), which
 /// is [`NEWTON_CONVERGENCE_RATE`].
 pub(super) const MAX_DERIVATIVE_CHANGE: f64 = 0.25;
 
-/// Largest factor by which a Newton step multiplies the distance to a root.
+/// Largest factor by which a Newton step multiplies the distance from the iterate to the root.
 ///
 /// [`MAX_DERIVATIVE_CHANGE`] guarantees this rate.
 pub(super) const NEWTON_CONVERGENCE_RATE: f64 = 2.0 / 3.0;
@@ -39,7 +38,7 @@ pub(super) const MAX_FIRST_STEP: f64 = 2.0 * (1.0 + NEWTON_CONVERGENCE_RATE);
 /// Adjacent pieces overlap by this distance, so no root is lost between them.
 pub(super) const PIECE_OVERLAP: f64 = 1e-10;
 
-/// Size of a parameter box, relative to the surface, below which a double root counts as one hit.
+/// Size of a piece, relative to the surface, below which a tangential hit counts as one point.
 pub(super) const POINT_SIZE: f64 = 1e-6;
 
 /// Result of a test whether a ray hits a surface within a box of surface parameters.

@@ -33,7 +33,7 @@ pub struct Patch {
     /// Map from object space to world space. The bounding box of the control points is centred at
     /// the object-space origin.
     to_world: Transform,
-    /// World area \[length²].
+    /// World-space area \[length²].
     area: f64,
 }
 
@@ -42,6 +42,7 @@ pub struct Patch {
 struct SubdividedPatch {
     degree: [usize; 2],
     leaves: Vec<PatchLeaf>,
+    /// Polynomial coefficients of all leaves, in their order.
     powers: Vec<Coefficients<4>>,
     /// Parameter at the start of each knot span, along u and along v.
     breaks: [Vec<f64>; 2],
@@ -49,6 +50,7 @@ struct SubdividedPatch {
     ///
     /// There is one Bézier patch per pair of knot spans; v varies fastest.
     roots: Vec<SubdivisionNode>,
+    /// Inner nodes of all subdivision trees.
     cuts: Vec<SubdivisionCut>,
     tree: BoxBvh,
     /// Distribution that selects a leaf (a nearly flat piece) in proportion to its object-space
@@ -156,13 +158,15 @@ impl Patch {
 
     /// The line of `ray` in object space, followed by `start` and `length` of its [`ObjectRay`].
     ///
-    /// `None` if the line misses the bounding sphere.
+    /// `None` if the line misses the bounding sphere of the patch.
     fn object_line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
         let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
         let size = self.subdivided.size * (1.0 + 1e-9);
         (base.length_squared() <= size * size).then(|| (Line::new(base, direction), start, length))
     }
 
+    /// World-space surface point at the position `at` in a leaf, in \[−1, 1]²; `uv` is stored in
+    /// it.
     fn surface_at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
         let subdivided = &*self.subdivided;
         let [p, ..] = subdivided.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
@@ -236,8 +240,7 @@ impl AnalyticShape for Patch {
         self.area
     }
 
-    /// Chooses a leaf (a nearly flat piece) in proportion to its area, then uniform parameters in
-    /// it.
+    /// Chooses a leaf (a nearly flat piece) by area, then uniform parameters in it.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let subdivided = &*self.subdivided;
         let (leaf, _) = subdivided.leaf_distribution.sample(u.x);
@@ -278,6 +281,7 @@ impl Patch {
 }
 
 impl SubdividedPatch {
+    /// The leaf with the given index, with its polynomials.
     fn polynomial_piece_of_leaf(&self, leaf: usize) -> PatchPiece<'_> {
         let [p, q] = self.degree;
         let room = (p + 1) * (q + 1);

@@ -33,24 +33,27 @@ pub(super) struct PatchLeaf {
     pub half: DVec2,
     /// Position of the surface at the centre of the rectangle, in object space.
     pub point: DVec3,
+    /// Constant and linear terms of the leaf's polynomial, and bounds on its higher terms.
     pub bounds: LinearTermsWithBounds,
 }
 
-/// Node of the subdivision tree of a patch: the index of a leaf, or of a [`SubdivisionCut`].
+/// Node of the subdivision tree of a patch.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum SubdivisionNode {
+    /// Index of a leaf in the list of leaves.
     Leaf(u32),
+    /// Index of a [`SubdivisionCut`] in the list of cuts.
     Cut(u32),
 }
 
 /// Inner node of the subdivision tree: a piece divided into two.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SubdivisionCut {
-    /// The parameter that is divided: 0 for u, 1 for v.
+    /// Parameter that is divided: 0 for u, 1 for v.
     pub axis: usize,
     /// Value of the parameter at which the piece is divided.
     pub at: f64,
-    /// Subtrees for parameters below and above `at`.
+    /// Subtrees for parameter values below `at`, and for values from `at` on.
     pub parts: [SubdivisionNode; 2],
 }
 
@@ -75,19 +78,26 @@ impl PatchLeaf {
     }
 }
 
-/// Divides a patch into nearly flat pieces, called leaves, and collects them.
+/// Divides Bézier patches into nearly flat pieces, called leaves, and collects them.
 pub(super) struct PatchBuilder {
+    /// Degrees along u and v.
     degree: [usize; 2],
     /// Memory limit of the surface \[bytes]; `None` is no limit.
     free: Option<u64>,
     pub leaves: Vec<PatchLeaf>,
+    /// Polynomial coefficients of all leaves, in the order of `leaves`; `PatchPiece` defines them.
     pub powers: Vec<Coefficients<4>>,
+    /// Bounding box of each leaf in object space.
     pub boxes: Vec<BoxCorners>,
+    /// Root of the subdivision tree of each Bézier patch.
     pub roots: Vec<SubdivisionNode>,
+    /// Inner nodes of all subdivision trees.
     pub cuts: Vec<SubdivisionCut>,
 }
 
 impl PatchBuilder {
+    /// Builder without leaves for patches of the given degrees; `free` is the memory limit
+    /// \[bytes].
     pub fn new(degree: [usize; 2], free: Option<u64>) -> Self {
         let (leaves, powers, boxes) = (Vec::new(), Vec::new(), Vec::new());
         Self { degree, free, leaves, powers, boxes, roots: Vec::new(), cuts: Vec::new() }
@@ -107,13 +117,17 @@ impl PatchBuilder {
         Ok(())
     }
 
-    /// Upper bound of the memory of all leaves \[bytes], plus a quarter for unused capacity of
+    /// Upper bound on the memory of all leaves \[bytes], plus a quarter for unused capacity of
     /// lists.
     pub fn memory_bytes(&self) -> u64 {
         let own = BYTES_PER_LEAF * self.leaves.len() as u64 + (size_of::<Coefficients<4>>() * self.powers.len()) as u64;
         own + own / 4
     }
 
+    /// Divides a Bézier patch recursively into leaves, adds them, and returns the subdivision tree.
+    ///
+    /// `ranges` are the intervals of u and v. Pieces smaller than `small` \[object-space length] or
+    /// after `depth` halvings are not divided.
     fn subdivide_bezier_patch(
         &mut self,
         controls: &[Coefficients<4>],
@@ -175,7 +189,7 @@ impl PatchBuilder {
     }
 }
 
-/// The components w·(x, y, z) of a homogeneous coefficient (w·x, w·y, w·z, w).
+/// First three components w·(x, y, z) of a homogeneous coefficient (w·x, w·y, w·z, w).
 fn homogeneous_xyz(c: &Coefficients<4>) -> DVec3 {
     DVec3::new(c[0], c[1], c[2])
 }
@@ -186,7 +200,7 @@ fn control_point_bounds(controls: &[Coefficients<4>]) -> BoxCorners {
     points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], p| [min.min(p), max.max(p)])
 }
 
-/// Parameter axis (0 or 1) along which to halve a piece; `None` if the piece is flat enough.
+/// Parameter (0 for u, 1 for v) along which to halve a piece; `None` if the piece is flat enough.
 fn axis_to_halve(a: &[Coefficients<4>], columns: usize) -> Option<usize> {
     let (along_x, along_y) = (homogeneous_xyz(&a[columns]), homogeneous_xyz(&a[1]));
     let normal = along_x.cross(along_y);

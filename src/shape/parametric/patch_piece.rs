@@ -9,16 +9,17 @@ use glam::{DVec2, DVec3};
 
 /// Nearly flat piece of a rational surface, with parameters x and y in \[−1, 1].
 ///
-/// Polynomials in x and y give w·(p − c) and w for the surface point p with weight w. c is the
-/// centre of the piece, where w is 1.
+/// Let p be the surface point at (x, y), w its weight, and c the centre of the piece, where w is 1.
+/// Polynomials in x and y give w·(p − c) and w.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchPiece<'a> {
-    /// Coefficients of xⁱyʲ; j varies fastest.
+    /// Coefficients of xⁱyʲ for the four components of (w·(p − c), w); j varies fastest.
     pub powers: &'a [Coefficients<4>],
     /// Object-space position of the piece's centre.
     pub middle: DVec3,
     /// Number of coefficients per power of x: the degree in y plus 1.
     pub columns: usize,
+    /// Constant and linear terms of `powers`, and bounds on the higher terms.
     pub bounds: LinearTermsWithBounds,
     /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     pub noise: f64,
@@ -36,6 +37,8 @@ pub struct LinearTermsWithBounds {
 }
 
 impl LinearTermsWithBounds {
+    /// Collects the terms and bounds of the polynomial `a` with `columns` coefficients per power of
+    /// x.
     #[inline]
     pub fn from_powers(a: &[Coefficients<4>], columns: usize) -> Self {
         let mut bounds = Self { linear: [a[0], a[1], a[columns]], rest: [0.0; 4], turn: [0.0; 4] };
@@ -106,7 +109,8 @@ impl PatchPiece<'_> {
         (Line { base: line.base + line.direction * start - self.middle, ..*line }, start)
     }
 
-    /// Change of the parameters `at` by one Newton step towards the intersection with `line`.
+    /// Change of the parameters `at` = (x, y) by one Newton step towards the intersection with
+    /// `line`.
     pub fn newton_step_at(&self, line: &Line, at: DVec2) -> DVec2 {
         newton_step(self.powers, self.columns, &self.line_relative_to_center(line).0, at).0
     }
@@ -120,11 +124,11 @@ impl PatchPiece<'_> {
         [p + self.middle, offset_from_base(&along_x, p) / w, offset_from_base(&along_y, p) / w]
     }
 
-    /// Parameters of the nearest hit, by recursive halving of the parameter box along its longer
-    /// side.
+    /// Parameters (x, y) of the nearest hit, by recursive halving of the parameter box.
     ///
-    /// Moves the end of `range` to that hit. Halving ends when a box has no root, one root, or the
-    /// size of a rounding error.
+    /// Moves the end of `range` to that hit. Boxes are halved along their longer side. Halving ends
+    /// when a box has no root, one root, or the size of a rounding error. `ROOM` is at least the
+    /// number of coefficients.
     #[cold]
     #[inline(never)]
     fn nearest_hit_by_bisection<const ROOM: usize>(
@@ -204,7 +208,7 @@ impl PatchPiece<'_> {
     }
 }
 
-/// Arc length τ of the point of `line` that is nearest to the piece's centre.
+/// Arc length τ of the point of `line` that is nearest to the centre of the piece `a`.
 fn project_center_to_line(a: &[Coefficients<4>], line: &Line) -> f64 {
     offset_from_base(&a[0], line.base).dot(line.direction) / a[0][3]
 }
@@ -222,7 +226,9 @@ fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
     x.max_element() > y.max_element()
 }
 
-/// Tests whether a line intersects a piece: point(x, y) = base + τ·direction with x, y in \[−1, 1].
+/// Tests whether `line` intersects the piece `a` at parameters x, y in \[−1, 1].
+///
+/// `bounds` belongs to `a`, and `noise` bounds the rounding error of its points.
 #[inline]
 fn classify_roots(
     a: &[Coefficients<4>],
@@ -267,9 +273,9 @@ fn newton_step(a: &[Coefficients<4>], columns: usize, line: &Line, at: DVec2) ->
     (step, (miss + along_x * step.x + along_y * step.y).dot(d) / w)
 }
 
-/// Intersection (x, y), τ of a line with a piece that it hits at most once, by Newton's method.
+/// Parameters (x, y) and arc length τ of the only possible hit, by Newton's method from `start`.
 ///
-/// `None` if there is no intersection: the iteration then converges more slowly than
+/// `None` if there is no hit: the iteration then converges more slowly than
 /// [`NEWTON_CONVERGENCE_RATE`] guarantees for a root.
 fn newton_root(
     a: &[Coefficients<4>],

@@ -15,8 +15,9 @@ fn add_scaled<const N: usize>(a: Coefficients<N>, b: Coefficients<N>, s: f64) ->
     std::array::from_fn(|i| a[i] + s * b[i])
 }
 
-/// Control points of both parts of a Bézier curve divided at `s` in \[0, 1], by de Casteljau's
-/// algorithm.
+/// Control points of the two curves into which a Bézier curve is divided at the parameter `s`.
+///
+/// `s` is in \[0, 1]. The algorithm is de Casteljau's.
 pub fn split_bezier<const N: usize>(
     controls: &[Coefficients<N>],
     s: f64,
@@ -35,8 +36,8 @@ pub fn split_bezier<const N: usize>(
 
 /// Converts Bernstein coefficients on \[0, 1] to the power basis on \[−1, 1], in place.
 ///
-/// The coefficients are `c[first]`, `c[first + stride]`, … The k-th result is
-/// 2⁻ⁿ C(n, k) Σᵢ C(n − k, i) Δᵏbᵢ.
+/// The coefficients b₀, b₁, … are `c[first]`, `c[first + stride]`, … For the degree n, the
+/// coefficient of xᵏ is 2⁻ⁿ C(n, k) Σᵢ C(n − k, i) Δᵏbᵢ, where Δᵏ is the k-th forward difference.
 pub fn bernstein_to_powers<const N: usize>(c: &mut [Coefficients<N>], first: usize, stride: usize, degree: usize) {
     let mut differences = [[0.0; N]; MAX_DEGREE + 1];
     for (i, d) in differences[..=degree].iter_mut().enumerate() {
@@ -76,7 +77,9 @@ pub fn reparametrize<const N: usize>(a: &mut [Coefficients<N>], middle: f64, hal
     }
 }
 
-/// Replaces the polynomial a(x, y) by a(`middle` + `half`·x, y); powers of y vary fastest.
+/// Replaces the polynomial a(x, y) by a(`middle` + `half`·x, y).
+///
+/// Each row of `columns` coefficients holds the powers of y for one power of x.
 #[inline]
 pub fn reparametrize_rows<const N: usize>(a: &mut [Coefficients<N>], columns: usize, middle: f64, half: f64) {
     let rows = a.len() / columns;
@@ -104,7 +107,9 @@ pub fn evaluate_with_derivative<const N: usize>(a: &[Coefficients<N>], x: f64) -
     (value, slope)
 }
 
-/// Value and both partial derivatives at (x, y) of Σ aᵢⱼ xⁱ yʲ, of degree `columns − 1` in y.
+/// Value, ∂/∂x and ∂/∂y at (x, y) of the polynomial Σ aᵢⱼ xⁱ yʲ.
+///
+/// Each row of `columns` coefficients holds the powers of y for one power of x.
 #[inline]
 pub fn evaluate_2d_with_derivatives<const N: usize>(
     a: &[Coefficients<N>],

@@ -1,5 +1,4 @@
-//! Pieces of profile curves in the half plane of radius and height, and their intersection with
-//! rays.
+//! Pieces of profile curves in the plane of radius and height, and their intersection with rays.
 
 use super::cylindrical_ray::{CylindricalRay, Interval};
 use super::numeric::{
@@ -10,16 +9,16 @@ use super::polynomial::{Coefficients, MAX_DEGREE, evaluate_with_derivative, repa
 /// Polynomial piece of a profile: radius and height (ρ, y) as functions of x in \[−1, 1].
 #[derive(Clone, Copy, Debug)]
 pub struct ProfilePiece<'a> {
-    /// Coefficients (ρ, y) of the powers of x.
+    /// Coefficients (ρ, y) of the powers of x, from degree 0.
     pub powers: &'a [Coefficients<2>],
     /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     pub noise: f64,
 }
 
-/// Bounds on the higher terms of a polynomial over \[−1, 1], per component.
+/// Bounds on the terms aₖ xᵏ with k ≥ 2 of a polynomial over \[−1, 1], for each component.
 ///
-/// The first bounds the sum of the terms of degree 2 and above: Σ |aₖ|. The second bounds the
-/// change of the derivative: Σ k|aₖ|.
+/// The first bounds the sum of these terms: Σ |aₖ|. The second bounds the change of the derivative:
+/// Σ k|aₖ|.
 #[inline]
 fn higher_term_bounds(a: &[Coefficients<2>]) -> (Coefficients<2>, Coefficients<2>) {
     let (mut rest, mut turn) = ([0.0; 2], [0.0; 2]);
@@ -35,9 +34,8 @@ fn higher_term_bounds(a: &[Coefficients<2>]) -> (Coefficients<2>, Coefficients<2
 impl ProfilePiece<'_> {
     /// Curve parameter x and arc length τ of the nearest hit within the interval `t` of τ.
     ///
-    /// Moves the end of `t` to that hit.
-    ///
-    /// Intervals of x are halved until each has no root, one root, or the size of a rounding error.
+    /// Moves the end of `t` to that hit. `size` is the size of the whole surface. Intervals of x
+    /// are halved until each has no root, one root, or the size of a rounding error.
     pub fn nearest_hit(&self, ray: &CylindricalRay, t: &mut Interval, size: f64) -> Option<(f64, f64)> {
         let degree = self.powers.len() - 1;
         let mut boxes = [(0.0, 0.0); 64];
@@ -100,6 +98,8 @@ impl ProfilePiece<'_> {
 /// Tests whether a ray hits the surface of revolution of a profile piece.
 ///
 /// A hit is an x in \[−1, 1] and a τ in `t` at which profile and ray have equal radius and height.
+/// `rest` and `turn` are the [`higher_term_bounds`] of the profile `a`. `noise` bounds its rounding
+/// error.
 #[inline]
 fn classify_roots(
     a: &[Coefficients<2>],
@@ -149,8 +149,9 @@ fn classify_roots(
 
 /// Curve parameter x and arc length τ of the only possible hit, by Newton's method.
 ///
-/// `None` if there is no hit. Hits outside the parameter box by at most `tolerance` half widths
-/// count.
+/// The parameter box is x in \[−1, 1] and τ within `half` of `at`. `start` is the first iterate, as
+/// (x, τ − `at`). `None` if there is no hit. Hits outside the box by at most `tolerance` half
+/// widths count.
 fn newton_root(
     a: &[Coefficients<2>],
     ray: &CylindricalRay,

@@ -27,8 +27,8 @@ const MAX_RELATIVE_STEP: f64 = 1e-4;
 /// Number of azimuth steps of the sum that integrates the area of a surface of revolution.
 const AREA_ANGLES: u32 = 64;
 
-/// Surface of revolution: the points (X cos θ, Y, X sin θ) of a profile curve (X, Y), under an
-/// affine map.
+/// Surface of revolution: the points (X cos θ, Y, X sin θ) of a profile curve (X, Y), affinely
+/// mapped.
 ///
 /// Surface parameters are the curve parameter of the profile in \[0, 1], and θ/2π. The outer side
 /// is on the right of the profile's direction: a profile at X > 0 that goes up faces away from the
@@ -39,7 +39,7 @@ pub struct Revolution {
     /// Map from object space to world space. The object-space origin is on the axis, at the middle
     /// height of the profile.
     to_world: Transform,
-    /// World area \[length²].
+    /// World-space area \[length²].
     area: f64,
 }
 
@@ -47,6 +47,7 @@ pub struct Revolution {
 #[derive(Debug)]
 struct RevolutionProfile {
     leaves: Vec<ProfileLeaf>,
+    /// Polynomial coefficients of all leaves, in their order.
     powers: Vec<Coefficients<2>>,
     tree: RingBvh,
     /// Largest object-space distance of the surface from the origin.
@@ -109,24 +110,25 @@ impl Revolution {
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
-    /// Returns the line of `ray` in object space, the signed distance from the ray's origin to the
-    /// base point of the line, and the object-space length of the ray's direction.
+    /// The line of `ray` in object space, followed by `start` and `length` of its [`ObjectRay`].
     ///
-    /// `None` if the line misses the bounding sphere.
+    /// `None` if the line misses the bounding sphere of the surface.
     fn cylindrical_object_ray(&self, ray: &Ray) -> Option<(CylindricalRay, f64, f64)> {
         let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
         let size = self.profile.size * (1.0 + 1e-9);
         (base.length_squared() <= size * size).then(|| (CylindricalRay::new(base, direction), start, length))
     }
 
-    /// Azimuth θ/2π in \[0, 1] of the object-space point `p` of a leaf.
+    /// Azimuth θ/2π in \[0, 1] of the object-space point `p`, which lies on a leaf.
+    ///
+    /// θ depends on the side of the axis on which the leaf's profile lies.
     fn angle_in_turns(&self, p: DVec3, leaf: usize) -> f64 {
         let side = self.profile.leaves[leaf].side;
         let turn = atan2(side * p.z, side * p.x) / TAU;
         if turn < 0.0 { turn + 1.0 } else { turn }
     }
 
-    /// World-space surface point at the parameter x in \[−1, 1] of a leaf.
+    /// World-space surface point at the parameter x in \[−1, 1] of a leaf; `uv` is stored in it.
     ///
     /// `radial` is the unit direction (x, z) from the axis to the point.
     fn surface_at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
@@ -216,8 +218,7 @@ impl AnalyticShape for Revolution {
         self.area
     }
 
-    /// Chooses a leaf (a piece of the profile) in proportion to its area, then uniform parameters
-    /// in it.
+    /// Chooses a leaf (a piece of the profile) by area, then uniform parameters in it.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let (leaf, _) = self.profile.leaf_distribution.sample(u.x);
         let x = f64::from(self.profile.leaf_distribution.remapped_sample(u.x, leaf)) * 2.0 - 1.0;
@@ -255,6 +256,7 @@ impl Revolution {
 }
 
 impl RevolutionProfile {
+    /// Coefficients (radius, height) of the powers of the leaf's parameter x.
     fn leaf_polynomial_coefficients(&self, leaf: usize) -> &[Coefficients<2>] {
         let end = self.leaves.get(leaf + 1).map_or(self.powers.len(), |l| l.first as usize);
         &self.powers[self.leaves[leaf].first as usize..end]
@@ -274,14 +276,13 @@ impl RevolutionProfile {
         DVec2::new(cos, sin) * self.leaves[leaf].side
     }
 
-    /// Converts the parameter x in \[−1, 1] of a leaf to the curve parameter of the profile in \[0,
-    /// 1].
+    /// Converts the parameter x in \[−1, 1] of a leaf to the profile's curve parameter in \[0, 1].
     fn leaf_to_profile_parameter(&self, leaf: usize, x: f64) -> f64 {
         let ProfileLeaf { middle, half, .. } = self.leaves[leaf];
         middle + half * x
     }
 
-    /// Index of the leaf (piece of the profile) at the curve parameter `parameter` in \[0, 1].
+    /// Index of the leaf (piece of the profile) at a curve parameter in \[0, 1].
     ///
     /// Also returns the parameter x in \[−1, 1] within that leaf.
     fn find_leaf(&self, parameter: f64) -> (usize, f64) {

@@ -1,11 +1,11 @@
-//! Subdivision of profiles until each piece is nearly flat and on one side of the axis.
+//! Subdivision of profile curves into nearly straight pieces, each on one side of the axis.
 
 use super::polynomial::{Coefficients, bernstein_to_powers, split_bezier};
 use super::ring_bvh::RingBounds;
 use super::spline::{MIN_SPAN, SplineError};
 use libm::hypot;
 
-/// Largest relative change of the derivative over a piece that counts as nearly flat.
+/// Largest relative change of the derivative over a piece that counts as nearly straight.
 ///
 /// Such a piece is not divided further, unless it crosses the axis.
 const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
@@ -24,7 +24,7 @@ const BYTES_PER_LEAF: u64 = 256;
 pub(super) struct ProfileLeaf {
     /// Index of the leaf's first coefficient in the list of all polynomial coefficients.
     pub first: u32,
-    /// Side of the axis on which this piece of the profile lies: the sign of its x, 1 or −1.
+    /// Sign of x on this piece, 1 or −1: the side of the axis on which the piece lies.
     pub side: f64,
     /// Centre of the leaf's interval of the profile parameter.
     pub middle: f64,
@@ -36,7 +36,9 @@ pub(super) struct ProfileLeaf {
 
 /// Divides a profile curve into nearly straight pieces, called leaves, and collects them.
 pub(super) struct ProfileBuilder {
+    /// Leaves in the order of the profile parameter.
     pub leaves: Vec<ProfileLeaf>,
+    /// Polynomial coefficients of all leaves, in the order of `leaves`.
     pub powers: Vec<Coefficients<2>>,
     /// Memory limit of the surface \[bytes]; `None` is no limit.
     pub free: Option<u64>,
@@ -45,7 +47,8 @@ pub(super) struct ProfileBuilder {
 impl ProfileBuilder {
     /// Divides a Bézier curve into leaves that are nearly straight and on one side of the axis.
     ///
-    /// Adds the leaves to the builder.
+    /// Adds the leaves to the builder. `controls` are points (x, y), and the curve covers the
+    /// profile parameters from `start` to `end`. After `depth` halvings, pieces are not divided.
     ///
     /// # Errors
     ///
@@ -100,7 +103,7 @@ impl ProfileBuilder {
     }
 }
 
-/// Parameter in (0, 1) at which a Bézier curve crosses the axis.
+/// Parameter in (0, 1) at which a Bézier curve crosses the axis x = 0.
 ///
 /// `None` unless the x of its control points changes sign exactly once.
 fn axis_crossing_parameter(controls: &[Coefficients<2>]) -> Option<f64> {

@@ -2,13 +2,16 @@
 
 use super::cylindrical_ray::{CylindricalRay, Interval};
 
+/// Number of children of a node.
 const ARITY: usize = 8;
 
 /// Bit of a child reference in a node: set if the child is a leaf.
 const LEAF_BIT: u32 = 1 << 31;
 
-/// Node with eight children. Each child is bounded by a ring: a range of squared radii and a range
-/// of heights, both expanded by the rounding error of the test.
+/// Node with eight children, each bounded by a ring around the y axis.
+///
+/// A ring is a range of squared radii and a range of heights. Both are expanded by the rounding
+/// error of the intersection test.
 #[derive(Debug)]
 struct Node {
     inner2: [f64; ARITY],
@@ -26,6 +29,7 @@ pub struct RingBounds {
 }
 
 impl RingBounds {
+    /// Smallest ring around both rings.
     pub fn union(self, other: Self) -> Self {
         let join = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
         Self { radius: join(self.radius, other.radius), height: join(self.height, other.height) }
@@ -46,6 +50,9 @@ impl RingBvh {
         tree
     }
 
+    /// Appends the node over `rings`, and all nodes below it; returns its index.
+    ///
+    /// `first` is the index of the first ring, and `margin` expands all rings.
     fn build_node(&mut self, rings: &[RingBounds], first: usize, margin: f64) -> u32 {
         let index = self.nodes.len();
         let nowhere = [f64::INFINITY; ARITY];

@@ -118,9 +118,9 @@ impl SplineBasis {
         Self::new(degree, controls, (0..=last).map(|i| i as f64 / last as f64).collect())
     }
 
-    /// Basis with non-decreasing knots.
+    /// Basis for n = `controls` control points of degree p = `degree`, with non-decreasing `knots`.
     ///
-    /// The curve ranges from knot p to knot n, counted from 0, for degree p and n control points.
+    /// The curve ranges from knot p to knot n, counted from 0.
     ///
     /// # Errors
     ///
@@ -149,7 +149,7 @@ impl SplineBasis {
         Ok(basis)
     }
 
-    /// Polynomial degree.
+    /// Polynomial degree of each piece.
     #[must_use]
     pub fn degree(&self) -> usize {
         self.degree
@@ -172,9 +172,10 @@ impl SplineBasis {
 
     /// Bézier control points of the curve over a knot span.
     ///
-    /// The control points of the curve are `controls[first]`, `controls[first + stride]`, … Result
-    /// j is the polar form with j arguments at the end knot and p − j at the start knot (Ramshaw
-    /// 1989). Each step is a weighted mean, so nothing cancels.
+    /// The control points of the curve are `controls[first]`, `controls[first + stride]`, … For
+    /// degree p, result j is the polar form of the curve with j arguments at the end knot of the
+    /// span and p − j at its start knot (Ramshaw 1989). Each step is a weighted mean, so nothing
+    /// cancels.
     pub(super) fn bezier_piece<const N: usize>(
         &self,
         span: KnotSpan,
@@ -198,6 +199,7 @@ impl SplineBasis {
     }
 }
 
+/// Checks that a degree is from 1 to [`MAX_DEGREE`].
 fn validate_degree(degree: usize) -> Result<(), SplineError> {
     if (1..=MAX_DEGREE).contains(&degree) { Ok(()) } else { Err(SplineError::Degree(degree)) }
 }

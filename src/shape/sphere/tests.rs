@@ -20,9 +20,9 @@ fn rays_that_end_before_the_sphere_miss() {
     assert!(s.intersect(&ray).is_none(), "the far root must not stand in for a near one beyond the end");
 }
 
-/// A sampled visible point is the first hit of the ray towards it.
+/// A point sampled by solid angle is the first hit of the ray towards it.
 ///
-/// The mean cosine of the sampled directions is that of the uniform cone around the sphere.
+/// The mean cosine between the sampled directions and the cone's axis is that of a uniform cone.
 #[test]
 fn sampled_visible_points_are_first_hits() {
     let s = Sphere::new(DVec3::new(0.5, 1.0, -2.0), 0.6);

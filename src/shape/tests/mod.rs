@@ -1,4 +1,4 @@
-//! Tests of properties that all kinds of shapes share.
+//! Tests of properties that all kinds of shapes have.
 
 mod solids;
 
@@ -11,6 +11,7 @@ fn frustum_shape(bottom: DVec3, top: DVec3, radii: [f64; 2], capped: bool) -> Sh
     Shape::Frustum(Frustum::new(bottom, top, radii, capped).unwrap())
 }
 
+/// One or more shapes of each kind, except meshes and parametric surfaces.
 fn one_shape_of_each_kind() -> Vec<Shape> {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(1.0, 0.2, 2.5),
@@ -33,7 +34,7 @@ fn one_shape_of_each_kind() -> Vec<Shape> {
     ]
 }
 
-/// A ray to a sampled point hits the shape there, and the mean of 1/pdf over samples is the area.
+/// A ray towards a sampled point hits the shape there, and the mean of 1/pdf is the area.
 #[test]
 fn sampled_points_lie_on_the_shape_with_the_stated_density() {
     for shape in one_shape_of_each_kind() {

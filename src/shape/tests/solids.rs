@@ -14,6 +14,7 @@ enum TestSolid {
     Frustum { radii: [f64; 2], capped: bool },
 }
 
+/// Cube, cylinders, cones and truncated cones, some of them open.
 const SOLIDS: [TestSolid; 7] = [
     TestSolid::Cube,
     TestSolid::Frustum { radii: [1.0, 1.0], capped: true },
@@ -37,6 +38,7 @@ impl TestSolid {
         !matches!(self, Self::Frustum { capped: false, .. })
     }
 
+    /// Object-space point in the middle of the solid.
     fn center(self) -> DVec3 {
         match self {
             Self::Cube => DVec3::ZERO,
@@ -66,7 +68,8 @@ impl TestSolid {
     /// Ray parameters at which `ray` enters and leaves the solid under `map`; `None` if the ray
     /// misses.
     ///
-    /// Also returns the minimum of [`TestSolid::implicit_value`] along the line of the ray.
+    /// Also returns the minimum of [`TestSolid::implicit_value`] along the line of the ray. It
+    /// finds all three by ternary search and bisection.
     fn entry_and_exit(self, map: &Transform, ray: &Ray) -> (Option<[f64; 2]>, f64) {
         let o = map.inverse().transform_point3(ray.origin.as_dvec3());
         let d = map.inverse().transform_vector3(ray.direction.as_dvec3());
@@ -95,6 +98,7 @@ impl TestSolid {
     }
 }
 
+/// Maps with and without uniform scale, among them extreme scales, a shear and a mirror image.
 fn affine_test_transforms() -> Vec<Transform> {
     let turn = DQuat::from_xyzw(0.1, -0.5, 0.7, 0.5).normalize();
     let shear = DMat3::from_cols(DVec3::new(1.0, 0.3, 0.0), DVec3::new(-0.5, 0.8, 0.2), DVec3::new(0.0, 0.4, 1.5));
@@ -370,8 +374,9 @@ fn samples_are_uniform_by_area() {
     }
 }
 
-/// Compares two estimates of the solid angle seen from a point: from area samples, and from random
-/// directions.
+/// Two estimates of the solid angle seen from a point agree within five standard errors.
+///
+/// One is the mean over area samples, the other the fraction of random directions that hit.
 #[test]
 fn area_samples_measure_the_visible_solid_angle() {
     let map = &affine_test_transforms()[1];

@@ -1,10 +1,12 @@
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
+/// Pseudorandom number `i` in \[−1, 1].
 fn random_signed(i: u64) -> f64 {
     f64::from(Key::new(8).purpose_key(Purpose::Test).child_key(i).uniform_1d(Dimension::LightPosition)) * 2.0 - 1.0
 }
 
+/// Pseudorandom control points of a plane Bézier curve.
 fn random_bezier(degree: usize) -> Vec<Coefficients<2>> {
     (0..=degree as u64).map(|i| [random_signed(2 * i), random_signed(2 * i + 1)]).collect()
 }

@@ -11,6 +11,7 @@ fn revolved_line_segment(controls: [[f64; 2]; 2]) -> Revolution {
     surface_of_revolution(&SplineBasis::bezier_basis(2).unwrap(), &controls)
 }
 
+/// Ray parameter of the nearest hit of a ray with origin `o` and direction `d`.
 fn hit_parameter(s: &Revolution, o: Vec3, d: Vec3) -> Option<f32> {
     s.intersect(&Ray::new(o, d)).map(|c| c.0)
 }

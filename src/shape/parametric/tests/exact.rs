@@ -240,6 +240,7 @@ fn poles_and_collapsed_edges_have_normals() {
     }
 }
 
+/// All test surfaces, and their images under a map that stretches and mirrors them.
 fn transformed_parametric_shapes() -> Vec<(&'static str, Shape)> {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(30.0, -8.0, 55.0),

@@ -28,6 +28,7 @@ fn random_signed(i: u64) -> f64 {
     f64::from(random_key(i).uniform_1d(Dimension::LightPosition)) * 2.0 - 1.0
 }
 
+/// Surface of revolution with control points (x, y), and its reference.
 fn revolution_test_surface(name: &'static str, basis: &SplineBasis, controls: &[[f64; 2]]) -> TestSurface {
     let points: Vec<DVec2> = controls.iter().map(|c| DVec2::from_array(*c)).collect();
     let shape = Shape::Revolution(Revolution::new(basis, &points).unwrap());
@@ -37,6 +38,7 @@ fn revolution_test_surface(name: &'static str, basis: &SplineBasis, controls: &[
     TestSurface { name, shape, pieces, thin: 1 }
 }
 
+/// Patch with control points (x, y, z, weight), and its reference.
 fn patch_test_surface(name: &'static str, bases: [&SplineBasis; 2], controls: &[DVec4]) -> TestSurface {
     let shape = Shape::Patch(Patch::new(bases, controls).unwrap());
     let columns = bases[1].control_count();
@@ -81,6 +83,7 @@ fn cup_test_surface() -> TestSurface {
     revolution_test_surface("cup", &SplineBasis::uniform_spline_basis(3, profile.len()).unwrap(), &profile)
 }
 
+/// Surfaces with bends, poles, loops, axis crossings, collapsed edges, weights and high degrees.
 fn parametric_test_surfaces() -> Vec<TestSurface> {
     let cubic = SplineBasis::bezier_basis(4).unwrap();
     let wave = |rows: usize, columns: usize, seed: u64, height: f64| -> Vec<DVec4> {
@@ -161,8 +164,8 @@ struct ComparisonCounts {
 
 /// Compares the solver with the reference for the test rays whose indices are in `rays`.
 ///
-/// Results may differ only where the ray grazes the surface or passes an edge. The position error
-/// of the reference is at most 10⁻⁶ of the surface's size.
+/// Panics if results differ, except where the ray grazes the surface or passes an edge. The
+/// position error of the reference is at most 10⁻⁶ of the surface's size.
 fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> ComparisonCounts {
     let (min, max) = case.shape.bounds_f64();
     let size = 0.5 * (max - min).length();
@@ -213,6 +216,7 @@ fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> Com
     counts
 }
 
+/// Compares all test surfaces with their references by up to `rays` rays each.
 fn assert_agrees_with_reference(rays: u64) {
     for case in parametric_test_surfaces() {
         let start = std::time::Instant::now();

@@ -5,7 +5,7 @@
 
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
-/// The surface of a reference piece: a Bézier patch, or a Bézier curve revolved about the y axis.
+/// Bézier patch, or Bézier curve revolved about the y axis, of which the reference takes points.
 pub enum ReferenceSurface {
     /// Bézier patch: control points (x, y, z, weight), and the degrees along u and v.
     Patch(Vec<DVec4>, [usize; 2]),
@@ -34,9 +34,11 @@ pub struct QuadNearRay {
 pub struct ReferenceHits {
     /// Ray parameter of the nearest hit of a triangle; `None` if the ray misses all triangles.
     pub hit: Option<f64>,
+    /// Quads that the ray may hit.
     pub near_quads: Vec<QuadNearRay>,
 }
 
+/// Point of a Bézier curve at the parameter `s`; overwrites the control points.
 fn de_casteljau<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>>(points: &mut [T], s: f64) -> T {
     for n in (1..points.len()).rev() {
         for i in 0..n {
@@ -68,6 +70,7 @@ fn derivative_bounds(points: &[DVec4], degree: [usize; 2], axis: usize) -> (DVec
 }
 
 impl ReferencePiece {
+    /// Piece with bounds on its second derivatives, computed from the control points.
     pub fn new(surface: ReferenceSurface) -> Self {
         let second_derivatives = match &surface {
             ReferenceSurface::Revolution(profile) => {
@@ -104,6 +107,7 @@ impl ReferencePiece {
         Self { surface, second_derivatives }
     }
 
+    /// Object-space point at the parameters u and v in \[0, 1].
     pub fn point_at(&self, u: f64, v: f64) -> DVec3 {
         match &self.surface {
             ReferenceSurface::Revolution(profile) => {
