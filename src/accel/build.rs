@@ -144,8 +144,8 @@ pub(super) fn build_tree(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode
     }
 }
 
-/// Builds the subtree over `primitives`, which are not empty, into `tree`; `depth` is that of its
-/// root.
+/// Builds the subtree over `primitives`, which are not empty, into `tree`; its root has depth
+/// `depth`.
 fn build_node(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth: u32) -> SubtreeSummary {
     let size = primitives.len();
     let Some((root, rest)) = tree.split_first_mut().filter(|_| size > 1) else {

@@ -171,8 +171,8 @@ impl Bvh8 {
         if self.nodes.is_empty() {
             return;
         }
-        // Entries hold the ray parameter of entry above the child reference. It is not negative, so
-        // entries sort as integers.
+        // An entry holds the ray parameter at which the ray enters a child, above the child
+        // reference. The parameter is not negative, so entries sort as integers.
         let mut stack = [0u64; STACK];
         let mut top = 0;
         let mut limit = precalc.t_max;

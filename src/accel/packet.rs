@@ -47,7 +47,7 @@ impl LeafHit {
 }
 
 impl TrianglePacket {
-    /// Packet of the triangles with the indices `members`, of which there are at most [`LANES`].
+    /// Packet of at most [`LANES`] triangles, which have the indices `members`.
     pub fn new(triangles: &[[Vec3; 3]], members: &[u32]) -> Self {
         let coordinate = |axis: usize, corner: usize| {
             let mut lanes = [f32::NAN; LANES];

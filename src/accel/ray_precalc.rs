@@ -5,10 +5,10 @@ use glam::{Vec3, Vec3A};
 
 /// Constants of one ray, which box tests and triangle tests use.
 ///
-/// The ray's direction is multiplied by a power of two that brings its largest component to
-/// \[1, 2), or to \[2, 4) if it is near the largest f32. The digits stay unchanged. Reciprocals and
-/// products then stay in the range of f32. In these tests, ray parameters refer to the scaled
-/// direction.
+/// The ray's direction is multiplied by a power of two, which keeps its digits. The largest
+/// component becomes at least 1 and less than 2, or less than 4 if it is near the largest f32.
+/// Reciprocals and products then stay in the range of f32. In these tests, ray parameters refer to
+/// the scaled direction.
 pub(super) struct RayPrecalc {
     /// Origin of the ray, in the caller's space.
     pub origin: [f32; 3],

@@ -8,12 +8,12 @@ use super::BsdfSample;
 use glam::Vec3;
 
 impl BsdfSample {
-    /// Returns the factor by which a photon path multiplies its throughput in addition to
+    /// Returns the factor that a photon path's throughput needs in addition to
     /// [`weight`](Self::weight).
     ///
     /// The factor is [`shading_normal_correction`], or 1 if
     /// [`uses_geometric_normal`](Self::uses_geometric_normal) is set. The unit vector `wo` points
-    /// to the previous vertex of the path.
+    /// to the previous vertex of the path. `ns` is the shading normal, `ng` the geometric normal.
     #[inline]
     #[must_use]
     pub fn adjoint_correction(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {

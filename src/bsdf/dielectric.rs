@@ -7,7 +7,7 @@ use glam::Vec3;
 /// A smooth interface between two transparent media, whose normal points to the outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
-    /// Refractive index of the inside over that of the outside.
+    /// Refractive index of the inside, relative to the outside.
     pub eta: f32,
 }
 
@@ -23,10 +23,10 @@ pub struct DielectricSplit {
     /// It is (n_far/n_near)² for radiance and 1 for flux. The refractive index is n_near on the
     /// side of `wo`, and n_far on the other side.
     pub transmitted_radiance_divisor: f32,
-    /// Two flags, for the reflected and for the refracted direction: true if the direction was
-    /// computed with the geometric normal instead of the shading normal.
+    /// True if the geometric normal determined the direction instead of the shading normal.
     ///
-    /// See [`BsdfSample::uses_geometric_normal`].
+    /// The first flag is for the reflected direction, the second for the refracted one. See
+    /// [`BsdfSample::uses_geometric_normal`].
     pub uses_geometric_normal: [bool; 2],
 }
 
@@ -70,7 +70,8 @@ impl Dielectric {
         if lobe < split.reflected.1 {
             BsdfSample::specular_sample(split.reflected.0, Rgb::ONE, false, split.uses_geometric_normal[0])
         } else {
-            // 1 − reflectance rounds a small transmittance; the weight corrects it.
+            // In f32, 1 − reflectance has few digits if the transmittance is small. The weight
+            // makes up for them.
             let through = 1.0 - split.reflected.1;
             let exact = if through < 0.5 { split.transmitted.1 / through } else { 1.0 };
             let weight = Rgb::splat(exact / split.transmitted_radiance_divisor);

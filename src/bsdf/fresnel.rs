@@ -5,8 +5,8 @@ use glam::{DVec3, Vec3};
 
 /// Fresnel reflectance of a dielectric, and the cosine between the refracted ray and the normal.
 ///
-/// `cos_i` ≥ 0 is the cosine of incidence. `eta` is the refractive index of the far side over that
-/// of the near side. Total internal reflection returns `(1, 0)`. Source: Pharr, Jakob, Humphreys
+/// `cos_i` ≥ 0 is the cosine of incidence. `eta` is the refractive index of the far side, relative
+/// to the near side. Total internal reflection returns `(1, 0)`. Source: Pharr, Jakob, Humphreys
 /// 2023, section 9.3.5.
 #[inline]
 #[must_use]
@@ -20,8 +20,8 @@ pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
 
 /// Computes [`dielectric_reflectance`] in f64: the reflectance, and the cosine of refraction.
 ///
-/// `cos_i` in \[0, 1] is the cosine of incidence. `eta` is the refractive index of the far side
-/// over that of the near side. Total internal reflection returns `(1, 0)`.
+/// `cos_i` in \[0, 1] is the cosine of incidence. `eta` is the refractive index of the far side,
+/// relative to the near side. Total internal reflection returns `(1, 0)`.
 #[inline]
 pub(super) fn fresnel_reflectance(cos_i: f64, eta: f64) -> (f64, f64) {
     // Both products are exact if the factors were f32 numbers. So the sum has the right sign even
@@ -36,7 +36,7 @@ pub(super) fn fresnel_reflectance(cos_i: f64, eta: f64) -> (f64, f64) {
 
 /// Fresnel reflectance from the cosines of incidence `cos_i` and of refraction `cos_t`.
 ///
-/// `eta` is the refractive index of the far side over that of the near side.
+/// `eta` is the refractive index of the far side, relative to the near side.
 #[inline]
 fn fresnel_reflectance_from_cosines(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
@@ -46,8 +46,8 @@ fn fresnel_reflectance_from_cosines(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
 
 /// Fresnel transmittance from the cosines of incidence `cos_i` and of refraction `cos_t`.
 ///
-/// `eta` is the refractive index of the far side over that of the near side. The result is
-/// 1 − reflectance, but stays precise if it is small.
+/// `eta` is the refractive index of the far side, relative to the near side. The result is 1 −
+/// reflectance, but stays precise if it is small.
 #[inline]
 pub(super) fn fresnel_transmittance(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let (parallel, perpendicular) = (eta * cos_i + cos_t, cos_i + eta * cos_t);
@@ -68,8 +68,8 @@ pub fn conductor_reflectance(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
     let channel = |eta: f32, k: f32| {
         let (real, half_imaginary) = (eta * eta - k * k - sin2, eta * k);
         let modulus = (real * real + 4.0 * half_imaginary * half_imaginary).sqrt();
-        // One of a² = (modulus + real)/2 and b² = (modulus − real)/2 cancels; it follows from a·b =
-        // ηk.
+        // In one of a² = (modulus + real)/2 and b² = (modulus − real)/2, digits cancel. That square
+        // follows from a·b = ηk.
         let larger = 0.5 * (modulus + real.abs());
         let smaller = if larger > 0.0 { half_imaginary * half_imaginary / larger } else { 0.0 };
         let (a2, b2) = if real > 0.0 { (larger, smaller) } else { (smaller, larger) };
@@ -99,7 +99,7 @@ pub struct Refraction {
 /// Refracts unit direction `wo` at a smooth interface by Snell's law.
 ///
 /// `wo` points away from the interface, on the side of the normal `n`. `eta` is the refractive
-/// index of the far side over that of the side of `wo`.
+/// index of the far side, relative to the side of `wo`.
 #[inline]
 #[must_use]
 pub fn refract(wo: Vec3, n: Vec3, eta: f32) -> Refraction {

@@ -129,7 +129,7 @@ impl Ggx {
     /// Returns the microfacets that refract `wi` to `wo`, and the cosine between −m and `wi`.
     ///
     /// m is the normal of these microfacets. `wi` is on the side opposite to the macroscopic normal
-    /// `n`. `eta` is the refractive index on the side of `wi` over that on the side of `wo`.
+    /// `n`. `eta` is the refractive index on the side of `wi`, relative to the side of `wo`.
     /// Returns `None` if no microfacet refracts `wi` to `wo`.
     #[inline]
     pub(super) fn refracting_facet(self, wo: DVec3, wi: DVec3, n: DVec3, eta: f64) -> Option<(Microfacet, f64)> {

@@ -136,7 +136,7 @@ pub enum Bsdf {
 impl Bsdf {
     /// Creates a dielectric interface with GGX roughness `alpha` in \[0, 1].
     ///
-    /// `eta` is the refractive index of the inside over that of the outside. The interface is
+    /// `eta` is the refractive index of the inside, relative to the outside. The interface is
     /// smooth if `alpha` is below [`SMOOTH_ALPHA`], or if `eta` is so near to 1 that roughness has
     /// no effect.
     #[must_use]
@@ -303,8 +303,8 @@ impl Bsdf {
 
     /// BSDF f(wo, wi) \[1/sr], without the cosine; 0 for delta lobes.
     ///
-    /// The value is 0 if `wo` and `wi` lie on one side of the plane with the shading normal `ns`,
-    /// but on different sides of the plane with the geometric normal `ng`, or vice versa.
+    /// The value is also 0 if the normals `ns` and `ng` disagree on whether `wo` and `wi` lie on
+    /// one side of the surface.
     #[inline]
     #[must_use]
     pub fn evaluate(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3, transport: TransportMode) -> Rgb {

@@ -14,7 +14,7 @@ use glam::{DVec3, Vec2, Vec3};
 /// are lost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
-    /// Refractive index of the inside over that of the outside.
+    /// Refractive index of the inside, relative to the outside.
     eta: f32,
     /// GGX roughness α.
     alpha: f32,
@@ -44,7 +44,7 @@ impl RoughDielectric {
         self.alpha
     }
 
-    /// Refractive index of the far side over that of the side of `wo`.
+    /// Refractive index of the far side, relative to the side of `wo`.
     ///
     /// `ng` is the geometric normal on the outer side.
     #[inline]
@@ -56,7 +56,7 @@ impl RoughDielectric {
     /// Returns how microfacets scatter light from the unit direction `i` to `o`.
     ///
     /// `None` if no microfacet refracts `i` to `o`. `o` is on the side of the normal `n`. `eta` is
-    /// the refractive index of the far side over that of the side of `o`.
+    /// the refractive index of the far side, relative to the side of `o`.
     #[inline]
     fn facet_scattering(&self, o: DVec3, i: DVec3, n: DVec3, eta: f64) -> Option<FacetScattering> {
         let ggx = Ggx::new(self.alpha);
@@ -143,7 +143,7 @@ impl RoughDielectric {
 
 /// Number by which a path's throughput is divided: `eta`² for transmitted radiance, else 1.
 ///
-/// `eta` is the refractive index of the far side over that of the near side.
+/// `eta` is the refractive index of the far side, relative to the near side.
 #[inline]
 fn transmitted_radiance_divisor(eta: f64, is_transmitted: bool, transport: TransportMode) -> f64 {
     if is_transmitted && transport == TransportMode::Radiance { eta * eta } else { 1.0 }

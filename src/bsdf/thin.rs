@@ -11,7 +11,7 @@ use glam::Vec3;
 /// scaled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinDielectric {
-    /// Refractive index of the sheet over that of its surroundings.
+    /// Refractive index of the sheet, relative to its surroundings.
     pub eta: f32,
     /// Internal transmittance of the sheet along its normal, in \[0, 1]. Fresnel reflection is not
     /// included.

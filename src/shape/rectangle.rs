@@ -87,8 +87,8 @@ impl Rectangle {
     /// The rectangle as seen from the world-space point `from`, in order to sample it by solid
     /// angle.
     ///
-    /// `None` if `from` is on the inner side, if the edges are not perpendicular, or if the
-    /// rectangle looks so small that sampling by area is better.
+    /// `None` if `from` is on the inner side or the edges are not perpendicular. `None`, too, if
+    /// the rectangle looks so small that sampling by area is better.
     fn rectangle_view(&self, from: Vec3) -> Option<RectangleView> {
         let to = self.corner - from.as_dvec3();
         let z = -self.normal.dot(to);

@@ -73,8 +73,8 @@ pub const TRIANGLE_HIT_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Bound on the error of the surface point `p` along each axis \[length].
 ///
-/// It covers the rounding to f32 and, for the intersection test of the next ray, 32 ulps of f64 at
-/// `scale`, which bounds the coordinates of the shape.
+/// It covers the rounding to f32, and adds 32 ulps of f64 for the intersection test of the next
+/// ray. The ulps are those at `scale`, which bounds the coordinates of the shape.
 #[inline]
 pub(super) fn position_error_bound(p: Vec3, scale: f64) -> Vec3 {
     p.abs() * f32::EPSILON + Vec3::splat((scale * (32.0 * f64::EPSILON)) as f32)

@@ -59,9 +59,8 @@ pub struct TextureMapping {
 
 /// Unit directions of increasing u and v on a plane with the outer normal `normal`.
 ///
-/// A picture on a wall appears upright: v is as near to +y as possible, and u points right for a
-/// viewer on the outer side. On a horizontal plane, u is +x. Axes are those of the space of
-/// `normal`.
+/// A picture on a wall appears upright to a viewer on the outer side: u points right, and v is as
+/// near to +y as possible. On a horizontal plane, u is +x. All vectors are in one space.
 #[must_use]
 pub fn upright_texture_axes(normal: DVec3) -> [DVec3; 2] {
     let n = normal.normalize_or(DVec3::Y);

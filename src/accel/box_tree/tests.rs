@@ -84,7 +84,7 @@ fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> 
 
 #[test]
 fn box_queries_agree_with_brute_force() {
-    // Counts just below, at and above those that need one more level.
+    // Numbers of boxes around powers of 8, where the tree gets one more level.
     for n in [0, 1, 2, 7, 8, 9, 64, 65, 513, 2000] {
         for (scale, shift) in [(1.0, Vec3::ZERO), (1e-25, Vec3::ZERO), (1e15, Vec3::ZERO), (1.0, Vec3::splat(-3e3))] {
             let bounds: Vec<Bounds> = (0..n)

@@ -69,7 +69,7 @@ impl PolarDirectionGrid {
 /// A BSDF with a direction `wo` and normals, and the grids on which its samples are counted.
 struct ChiSquareCase {
     bsdf: Bsdf,
-    /// Refractive index of the far side over that of the side of `wo`.
+    /// Refractive index of the far side, relative to the side of `wo`.
     ///
     /// It determines the direction of specular refraction, which is the pole of the second grid.
     eta: f32,

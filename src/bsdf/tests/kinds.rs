@@ -1,4 +1,4 @@
-//! Tests of which BSDFs store photons or cast caustics, of thin sheets, and of interfaces that
+//! Tests of photon storage and caustics by kind of BSDF, of thin sheets, and of interfaces that
 //! barely refract.
 
 use super::*;
@@ -101,7 +101,8 @@ fn an_index_of_one_transmits_all_light() {
 }
 
 /// The transmittance of a clear sheet is (1−R)/(1+R), where R is the reflectance of one interface.
-/// That of a tinted sheet equals an explicit sum over the reflections between its interfaces.
+///
+/// For a tinted sheet, it equals an explicit sum over the reflections between both interfaces.
 #[test]
 fn thin_sheets_match_the_slab_formula() {
     let clear = ThinDielectric { eta: 1.5, transmittance: Rgb::ONE };

@@ -42,7 +42,7 @@ pub struct Patch {
 struct SubdividedPatch {
     degree: [usize; 2],
     leaves: Vec<PatchLeaf>,
-    /// Polynomial coefficients of all leaves, in their order.
+    /// Polynomial coefficients of all leaves, one leaf after another; [`PatchPiece`] defines them.
     powers: Vec<Coefficients<4>>,
     /// Parameter at the start of each knot span, along u and along v.
     breaks: [Vec<f64>; 2],

@@ -37,7 +37,7 @@ pub(super) struct PatchLeaf {
     pub bounds: LinearTermsWithBounds,
 }
 
-/// Node of the subdivision tree of a patch.
+/// Node of the subdivision tree of a patch, which finds the leaf that contains given parameters.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum SubdivisionNode {
     /// Index of a leaf in the list of leaves.
@@ -85,7 +85,7 @@ pub(super) struct PatchBuilder {
     /// Memory limit of the surface \[bytes]; `None` is no limit.
     free: Option<u64>,
     pub leaves: Vec<PatchLeaf>,
-    /// Polynomial coefficients of all leaves, in the order of `leaves`; `PatchPiece` defines them.
+    /// Polynomial coefficients of all leaves, one leaf after another; `PatchPiece` defines them.
     pub powers: Vec<Coefficients<4>>,
     /// Bounding box of each leaf in object space.
     pub boxes: Vec<BoxCorners>,

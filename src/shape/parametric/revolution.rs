@@ -47,7 +47,7 @@ pub struct Revolution {
 #[derive(Debug)]
 struct RevolutionProfile {
     leaves: Vec<ProfileLeaf>,
-    /// Polynomial coefficients of all leaves, in their order.
+    /// Polynomial coefficients (radius, height) of all leaves, one leaf after another.
     powers: Vec<Coefficients<2>>,
     tree: RingBvh,
     /// Largest object-space distance of the surface from the origin.

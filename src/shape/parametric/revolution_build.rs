@@ -38,7 +38,7 @@ pub(super) struct ProfileLeaf {
 pub(super) struct ProfileBuilder {
     /// Leaves in the order of the profile parameter.
     pub leaves: Vec<ProfileLeaf>,
-    /// Polynomial coefficients of all leaves, in the order of `leaves`.
+    /// Polynomial coefficients (radius, height) of all leaves, one leaf after another.
     pub powers: Vec<Coefficients<2>>,
     /// Memory limit of the surface \[bytes]; `None` is no limit.
     pub free: Option<u64>,

@@ -24,7 +24,7 @@ fn leaf_memory_is_checked_before_allocation() {
     assert!(bytes > 500_000, "{bytes}");
     assert!(Patch::with_memory_limit([&basis, &basis], &controls, Some(bytes)).is_ok());
     match Patch::with_memory_limit([&basis, &basis], &controls, Some(bytes / 2)) {
-        // It stops at the first leaf beyond the limit.
+        // Construction stops at the first leaf beyond the limit.
         Err(SplineError::Memory { needed, free }) => assert!(free == bytes / 2 && needed < free + 10_000),
         other => panic!("{other:?}"),
     }

@@ -5,7 +5,7 @@
 
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
-/// Bézier patch, or Bézier curve revolved about the y axis, of which the reference takes points.
+/// Surface of a reference piece: a Bézier patch, or a Bézier curve revolved about the y axis.
 pub enum ReferenceSurface {
     /// Bézier patch: control points (x, y, z, weight), and the degrees along u and v.
     Patch(Vec<DVec4>, [usize; 2]),
