@@ -166,7 +166,7 @@ impl Frustum {
         self.surface_at(DVec3::new(radial.x * rho, y, radial.y * rho), normal, FrustumPart::Side)
     }
 
-    /// World-space surface point of a cap at the object-space position `p` = (x, z).
+    /// World-space surface point of the cap `part` at the object-space position `p` = (x, z).
     #[inline]
     fn surface_point_on_cap(&self, p: DVec2, part: FrustumPart) -> SurfacePoint {
         let (y, normal) = if part == FrustumPart::Top { (1.0, DVec3::Y) } else { (0.0, DVec3::NEG_Y) };

@@ -187,11 +187,11 @@ fn strip_solid_angle(x: f64, y: [f64; 2], z: f64) -> f64 {
 }
 
 impl RectangleView {
-    /// Maps `u` in \[0, 1)² to a point (x, y) of the rectangle, uniformly by solid angle.
+    /// Maps `u` in \[0, 1)² to coordinates (x, y) on the rectangle, uniformly by solid angle.
     ///
-    /// Source: Ureña, Fajardo, King 2013, "An Area-Preserving Parametrization for Spherical
-    /// Rectangles". The equation for x is solved by products of sines, which keep their digits at
-    /// grazing views.
+    /// The viewpoint is their origin. Source: Ureña, Fajardo, King 2013, "An Area-Preserving
+    /// Parametrization for Spherical Rectangles". The equation for x is solved by products of
+    /// sines, which keep their digits at grazing views.
     fn sample(&self, u: Vec2) -> (f64, f64) {
         let Self { x: [x0, x1], y: [y0, y1], z, .. } = *self;
         let angle = strip_solid_angle(x0, self.y, z) + f64::from(u.x) * self.solid_angle;

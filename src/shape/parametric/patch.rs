@@ -58,7 +58,7 @@ struct SubdividedPatch {
     leaf_distribution: DiscreteDistribution,
     /// Half the edge lengths of the object-space bounding box, whose centre is the origin.
     half: DVec3,
-    /// Radius of the bounding sphere around the origin.
+    /// Radius of the bounding sphere around the object-space origin.
     size: f64,
     /// Bound on the rounding error of a point computed from the polynomials \[object-space length].
     noise: f64,
@@ -281,7 +281,7 @@ impl Patch {
 }
 
 impl SubdividedPatch {
-    /// The leaf with the given index, with its polynomials.
+    /// Polynomials of the leaf with the index `leaf`, as a piece that rays can intersect.
     fn polynomial_piece_of_leaf(&self, leaf: usize) -> PatchPiece<'_> {
         let [p, q] = self.degree;
         let room = (p + 1) * (q + 1);
