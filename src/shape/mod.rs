@@ -69,43 +69,14 @@ pub enum Shape {
 /// variant's constructor.
 macro_rules! dispatch {
     ($self:expr, $s:ident, $wrap:ident => $e:expr) => {
+        dispatch!($self, $s, $wrap => $e, Sphere Ellipsoid Disc Rectangle Cuboid Frustum Instance Revolution Patch)
+    };
+    ($self:expr, $s:ident, $wrap:ident => $e:expr, $($kind:ident)*) => {
         match $self {
-            Shape::Sphere($s) => {
-                let $wrap = Shape::Sphere;
+            $(Shape::$kind($s) => {
+                let $wrap = Shape::$kind;
                 $e
-            }
-            Shape::Ellipsoid($s) => {
-                let $wrap = Shape::Ellipsoid;
-                $e
-            }
-            Shape::Disc($s) => {
-                let $wrap = Shape::Disc;
-                $e
-            }
-            Shape::Rectangle($s) => {
-                let $wrap = Shape::Rectangle;
-                $e
-            }
-            Shape::Cuboid($s) => {
-                let $wrap = Shape::Cuboid;
-                $e
-            }
-            Shape::Frustum($s) => {
-                let $wrap = Shape::Frustum;
-                $e
-            }
-            Shape::Instance($s) => {
-                let $wrap = Shape::Instance;
-                $e
-            }
-            Shape::Revolution($s) => {
-                let $wrap = Shape::Revolution;
-                $e
-            }
-            Shape::Patch($s) => {
-                let $wrap = Shape::Patch;
-                $e
-            }
+            })*
         }
     };
 }
