@@ -147,7 +147,7 @@ fn a_hundred_thousand_equal_boxes_are_all_found() {
 }
 
 #[test]
-fn the_box_tree_does_not_depend_on_the_thread_count() {
+fn box_trees_are_equal_for_any_thread_count() {
     let bounds: Vec<Bounds> = (0..20_000)
         .map(|i| Bounds { min: random_point_in_unit_cube(i % 7000), max: random_point_in_unit_cube(i % 7000) + 0.1 })
         .collect();

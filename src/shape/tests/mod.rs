@@ -36,7 +36,7 @@ fn one_shape_of_each_kind() -> Vec<Shape> {
 
 /// A ray towards a sampled point hits the shape there, and the mean of 1/pdf is the area.
 #[test]
-fn sampled_points_lie_on_the_shape_with_the_stated_density() {
+fn sampled_points_have_their_stated_density() {
     for shape in one_shape_of_each_kind() {
         let (n, mut sum, mut squares) = (100_000u64, 0.0, 0.0);
         for i in 0..n {
