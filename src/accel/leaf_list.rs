@@ -1,4 +1,4 @@
-//! Leaves of a hierarchy near a box, for many short rays in that box.
+//! Short lists of the leaves near a box, for many short rays in that box.
 
 use super::build::ARITY;
 use super::bvh8::{Boxes8, Bvh8};
@@ -10,12 +10,12 @@ use wide::f32x8;
 /// Above about this number, a traversal for each ray is faster than a test of all leaves.
 const MAX_LEAVES: usize = 6;
 
-/// Largest number of nodes that a search for leaves may leave on its stack.
+/// Entries of the stack of a search for leaves: the nodes that are still to be visited.
 ///
 /// A box that needs more holds too many leaves in any case.
 const STACK: usize = 4 * ARITY;
 
-/// The leaves of a [`Hierarchy`](super::Hierarchy) whose boxes overlap one box, if they are few.
+/// The leaves of a [`Hierarchy`](super::Hierarchy) that overlap one box, if they are few.
 ///
 /// A ray inside that box hits no primitive of other leaves.
 #[derive(Clone, Copy, Debug)]
@@ -66,6 +66,7 @@ struct OverlapTest {
 }
 
 impl OverlapTest {
+    /// Repeats `bounds` for eight boxes.
     fn new(bounds: &Bounds) -> Self {
         Self { min: bounds.min.to_array().map(f32x8::splat), max: bounds.max.to_array().map(f32x8::splat) }
     }

@@ -101,8 +101,9 @@ impl Hierarchy {
         self.closest_hit_in(&AllLeaves, ray, other)
     }
 
-    /// Nearest hit as [`Hierarchy::closest_hit`] returns it, for a ray that stays in the box of
-    /// `leaves`.
+    /// Nearest hit of a ray that stays in the box from which `leaves` was made.
+    ///
+    /// The result and the arguments are those of [`Hierarchy::closest_hit`].
     #[inline]
     pub fn closest_hit_near<F>(&self, leaves: &LeafList, ray: &Ray, other: F) -> Option<PrimitiveHit>
     where
@@ -111,14 +112,15 @@ impl Hierarchy {
         self.closest_hit_in(leaves, ray, other)
     }
 
-    /// The leaves near `bounds`, for [`Hierarchy::closest_hit_near`]; `None` if there are so many
-    /// that [`Hierarchy::closest_hit`] is faster.
+    /// Leaves whose boxes overlap `bounds`, for [`Hierarchy::closest_hit_near`].
+    ///
+    /// `None` if there are so many that [`Hierarchy::closest_hit`] is faster.
     #[must_use]
     pub fn leaves_near(&self, bounds: &Bounds) -> Option<LeafList> {
         LeafList::new(&self.bvh, bounds)
     }
 
-    /// Nearest hit with `0 < t < t_max` in `leaves`.
+    /// Nearest hit with a ray parameter in (0, `ray.t_max`) among the primitives in `leaves`.
     #[inline(always)]
     fn closest_hit_in<F>(&self, leaves: &impl Leaves, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where
