@@ -10,7 +10,7 @@
 //! Matching Functions", JCGT 2(2)). Spectral colors lie outside of this gamut, so white is added to
 //! each until no channel is negative.
 
-use super::Rgb;
+use super::rgb::{Rgb, xyz_to_rgb};
 use glam::DVec3;
 use std::sync::LazyLock;
 
@@ -118,7 +118,7 @@ fn add_white_until_nonnegative(rgb: DVec3) -> DVec3 {
 }
 
 /// Color matching functions of linear Rec. 709 RGB at a wavelength \[nm]; they may be negative.
-fn color_matching_rgb(nm: f64) -> DVec3 {
+pub(super) fn color_matching_rgb(nm: f64) -> DVec3 {
     let lobe = |height: f64, peak: f64, below: f64, above: f64| {
         let t = (nm - peak) * if nm < peak { below } else { above };
         height * libm::exp(-0.5 * t * t)
@@ -127,12 +127,7 @@ fn color_matching_rgb(nm: f64) -> DVec3 {
         lobe(0.362, 442.0, 0.0624, 0.0374) + lobe(1.056, 599.8, 0.0264, 0.0323) - lobe(0.065, 501.1, 0.0490, 0.0382);
     let y = lobe(0.821, 568.8, 0.0213, 0.0247) + lobe(0.286, 530.9, 0.0613, 0.0322);
     let z = lobe(1.217, 437.0, 0.0845, 0.0278) + lobe(0.681, 459.0, 0.0385, 0.0725);
-    // The inverse of the matrix of Rec. 709's primaries and white, D65.
-    DVec3::new(
-        3.2404542 * x - 1.5371385 * y - 0.4985314 * z,
-        -0.9692660 * x + 1.8760108 * y + 0.0415560 * z,
-        0.0556434 * x - 0.2040259 * y + 1.0572252 * z,
-    )
+    xyz_to_rgb(DVec3::new(x, y, z))
 }
 
 #[cfg(test)]
