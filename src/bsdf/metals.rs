@@ -1,8 +1,8 @@
 //! Complex refractive indices of metals, measured in vacuum or air.
 //!
 //! The red, green and blue values are the indices at 650, 550 and 450 nm, interpolated in the
-//! source's table. For brass, copper and gold, full spectra are converted to linear Rec. 709 instead. All
-//! tables are in the database of refractiveindex.info, which is in the public domain.
+//! source's table. For brass, copper and gold, full spectra are converted to linear Rec. 709
+//! instead. All tables are in the database of refractiveindex.info, which is in the public domain.
 
 use crate::color::Rgb;
 
@@ -22,7 +22,7 @@ const METAL_TABLE: [Metal; 13] = [
     ("copper", "Cu", Rgb::new(0.2004, 0.9240, 1.1022), Rgb::new(3.9129, 2.4528, 2.1421)),
     // Johnson and Christy 1972.
     ("gold", "Au", Rgb::new(0.143, 0.375, 1.442), Rgb::new(3.983, 2.386, 1.603)),
-    // Schmitt and others 2022, Optical Materials Express 12, 545: a coat by atomic layer deposition.
+    // Schmitt and others 2022, Optical Materials Express 12, 545: a film by atomic layers.
     ("iridium", "Ir", Rgb::new(2.991, 2.574, 2.119), Rgb::new(5.575, 5.096, 4.377)),
     // Johnson and Christy 1974.
     ("iron", "Fe", Rgb::new(2.911, 2.950, 2.584), Rgb::new(3.089, 2.932, 2.767)),
