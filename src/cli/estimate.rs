@@ -8,14 +8,15 @@ mod report;
 use super::args::MethodArguments;
 use super::forecast_text::ErrorEstimateUnsupportedError;
 use super::interrupt::{INTERRUPTED, listen_for_signals};
-use super::memory::{check_error_estimate_memory, check_photon_memory};
 use super::plan::{finds_caustics_only_by_chance, print_plan};
 use super::progress::ProgressDisplay;
 use super::scene::{load_scene, with_thread_pool};
 use super::settings::settings_from_arguments;
 use super::{CommandFailure, EstimateArguments, Exit};
 use crate::integrate::{Algorithm, Integrator};
-use crate::render::{RenderLimits, RenderResult, StopCriteria, render};
+use crate::render::{
+    RenderLimits, RenderResult, StopCriteria, check_error_estimate_memory, check_photon_memory, render,
+};
 use crate::scene::Scene;
 use comparison::{Comparison, check_comparable};
 use report::CostEstimateReport;

@@ -1,6 +1,5 @@
 //! The command line: arguments, commands, messages and exit codes.
 
-mod aov;
 mod args;
 mod check;
 mod convert;
@@ -11,7 +10,6 @@ mod failure;
 mod film;
 mod forecast_text;
 mod interrupt;
-mod memory;
 mod merge;
 mod mesh;
 mod number;

@@ -4,7 +4,6 @@ use super::check::quick_scene_warnings;
 use super::diagnostics::{all_lights_are_black, black_picture_note, no_photon_stored_note};
 use super::film::{SavedFilm, film_header};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
-use super::memory::{check_error_estimate_memory, check_photon_memory, check_picture_memory};
 use super::number::count_with_noun;
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use super::pictures::write_pictures;
@@ -15,11 +14,14 @@ use super::scene::{load_scene_and_file, with_thread_pool};
 use super::settings::settings_from_arguments;
 use super::shard::Shard;
 use super::updates::PictureUpdates;
-use super::{CommandFailure, Exit, RenderArguments, aov, forecast_text};
+use super::{CommandFailure, Exit, RenderArguments, forecast_text};
 use crate::image::{self, Image, ToneCurve, WriteOptions};
 use crate::integrate::{Algorithm, EmissionGuidingReportPerMap, Integrator};
 use crate::render::error_estimate::{Confidence, MIN_PASSES, StopForecast};
-use crate::render::{EndReason, ErrorTarget, RenderLimits, RenderResult, StopCriteria, continue_render};
+use crate::render::{
+    EndReason, ErrorTarget, RenderLimits, RenderResult, StopCriteria, check_error_estimate_memory, check_photon_memory,
+    check_picture_memory, continue_render, picture_layers,
+};
 use crate::scene::Scene;
 use crate::study::text::percent_text;
 use glam::Vec3;
@@ -324,7 +326,7 @@ fn write_render_pictures(
         let passes = count_with_noun(passes as usize, "pass gives", "passes give");
         print_message(&format!("warning: {passes} no error estimate: {} has no maps of it", path.display()));
     }
-    let written = image::write_layers(path, rendered.film.size(), &aov::aov_layers(rendered), &options.metadata);
+    let written = image::write_layers(path, rendered.film.size(), &picture_layers(rendered), &options.metadata);
     if let Some(non_finite) = failures.ok_or_collect_error(written) {
         progress.print_line(&format!("wrote {}", path.display()));
         if non_finite > 0 {

@@ -1,11 +1,11 @@
 //! Loading of a command's scene, and its thread pool.
 
 use super::args::{ImportArguments, SceneArguments};
-use super::memory::check_picture_memory;
 use super::progress::print_message;
 use super::{CommandFailure, Exit};
 use crate::format::mesh::MeshReadMonitor;
 use crate::format::{SceneFile, SceneReadError};
+use crate::render::check_picture_memory;
 use crate::scene::Scene;
 use crate::stats::MemoryLimit;
 use miette::Report;

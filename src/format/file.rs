@@ -6,6 +6,7 @@ use super::gltf::GltfImporter;
 use super::import::{
     EmbeddedAssets, ImportNote, ImportOptions, ImportedScene, SceneImporter, SceneReadError, lowercase_extension,
 };
+use super::language::parse;
 use super::mesh::MeshReadMonitor;
 use super::resolve::resolve_with_assets;
 use super::scene_text::SceneTextImporter;
@@ -57,6 +58,31 @@ impl SceneFile {
         let ImportedScene { description, source, assets, notes } =
             importer.unwrap_or(&SceneTextImporter).import(path, monitor, options)?;
         Ok(Self { description, source, assets, notes, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
+    }
+
+    /// Reads scene text, as from a file named `name` in `folder`.
+    ///
+    /// Error messages print `name`. Files that the text names are looked up in `folder`, then in
+    /// its parent folder.
+    ///
+    /// # Errors
+    /// Up to 20 errors as one [`SceneError`], each with its position and remedy.
+    ///
+    /// ```
+    /// let text = "PerspectiveCamera { center 0 0 5  direction 0 0 -1  angle 30 }
+    ///     Group { Sphere { center 0 0 0  radius 1 } }";
+    /// let file = caustica::SceneFile::from_text("ball", text, "scenes".as_ref())?;
+    /// assert_eq!(file.resolve()?.shape_count(), 1);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn from_text(name: &str, text: &str, folder: &Path) -> Result<Self, SceneError> {
+        Ok(Self {
+            description: parse(name, text)?,
+            source: SourceText::new(name, text),
+            assets: EmbeddedAssets::default(),
+            notes: Vec::new(),
+            folder: folder.to_owned(),
+        })
     }
 
     /// Builds the scene. Files that it names are looked up in its folder, then in the parent

@@ -23,6 +23,7 @@ use crate::photon::{
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Dimension, Key, Purpose};
 use crate::scene::Scene;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -528,7 +529,10 @@ impl<'a> PhotonMapBuilder<'a> {
         let start = Instant::now();
         monitor.begin_stage(PassStage::Photons, u64::from(paths));
         let photon_pass = self.photon_pass(source, self.with_beams_if_read(mask));
-        let traced = photon_pass.trace_and_connect(key, paths, light_tracer, &|n| monitor.report_progress(n));
+        let traced = photon_pass.trace_and_connect(key, paths, light_tracer, &|n| {
+            monitor.report_progress(n);
+            if monitor.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
         out.counters.photon_rays += traced.rays;
         out.counters.rejected_photons += traced.deposits.rejected;
         out.seconds.photons += start.elapsed().as_secs_f64();

@@ -24,6 +24,11 @@ pub trait ProgressMonitor: Sync {
     fn begin_stage(&self, stage: PassStage, total: u64);
     /// Reports that `units` further units of the stage are done.
     fn report_progress(&self, units: u64);
+    /// True to abandon the pass: its remaining photons and pixels are skipped, and its result is
+    /// discarded.
+    fn is_cancelled(&self) -> bool {
+        false
+    }
 }
 
 /// [`ProgressMonitor`] that ignores all reports.

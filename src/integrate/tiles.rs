@@ -171,7 +171,7 @@ pub(super) fn render_tiles<T: Default>(
         let mut worker = PathWorker { nests_estimates: sampling.nested, ..PathWorker::default() };
         let mut tile_state = T::default();
         let mut rendered = 0;
-        for (x, y) in tile_pixels(tile.index, columns, width, height) {
+        for (x, y) in tile_pixels(tile.index, columns, width, height).take_while(|_| !monitor.is_cancelled()) {
             let (pixel, corner) = (key.pixel_key(x, y), Vec2::new(x as f32, y as f32));
             let index = y as usize * width as usize + x as usize;
             let (samples, prefix) = (sampling.ray_count(index), sampling.prefix_ray_count(index));

@@ -12,6 +12,8 @@ use crate::scene::{Interior, MediumSegment, PathEvent, PathRay, Scene, SurfaceVe
 use glam::DVec3;
 use rand::rngs::SmallRng;
 use rayon::prelude::*;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Result of a photon pass: stored photons, splats, energy audit and counts.
 #[derive(Debug, Default)]
@@ -59,17 +61,23 @@ impl PhotonPass<'_> {
     /// thread. The result does not depend on the number of threads: chunks have a fixed size and
     /// are joined in order.
     pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> PhotonPassResult {
-        self.trace_and_connect(pass_key, paths, None, done)
+        let done = |paths| {
+            done(paths);
+            ControlFlow::Continue(())
+        };
+        self.trace_and_connect(pass_key, paths, None, &done)
     }
 
     /// Traces photon paths like [`PhotonPass::trace`]. If there is a `light_tracer`, it connects
     /// caustic photons to the camera, which adds splats to the result.
+    ///
+    /// Once `done` breaks, chunks that have not begun are skipped.
     pub fn trace_and_connect(
         &self,
         pass_key: Key,
         paths: u32,
         light_tracer: Option<&LightTracer<'_>>,
-        done: &(dyn Fn(u64) + Sync),
+        done: &(dyn Fn(u64) -> ControlFlow<()> + Sync),
     ) -> PhotonPassResult {
         for_interior!(self.source, <I> self.trace_with_interior::<I>(pass_key, paths, light_tracer, done))
     }
@@ -79,11 +87,15 @@ impl PhotonPass<'_> {
         pass_key: Key,
         paths: u32,
         light_tracer: Option<&LightTracer<'_>>,
-        done: &(dyn Fn(u64) + Sync),
+        done: &(dyn Fn(u64) -> ControlFlow<()> + Sync),
     ) -> PhotonPassResult {
+        let is_cancelled = AtomicBool::new(false);
         let chunks: Vec<(Deposits, PhotonTracingTotals)> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
+                if is_cancelled.load(Ordering::Relaxed) {
+                    return Default::default();
+                }
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
                 let emitted = u64::from(range.end - range.start);
                 let (mut deposits, mut tally) = (Deposits::default(), PhotonTracingTotals::default());
@@ -95,7 +107,9 @@ impl PhotonPass<'_> {
                         });
                     }
                 }
-                done(emitted);
+                if done(emitted).is_break() {
+                    is_cancelled.store(true, Ordering::Relaxed);
+                }
                 (deposits, tally)
             })
             .collect();

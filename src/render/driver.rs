@@ -112,7 +112,8 @@ pub(super) const GIVE_UP_MARGIN: f64 = 0.8;
 /// holds.
 ///
 /// Calls `after_pass` after each pass. Estimates the error if
-/// [`Integrator::returns_nested_estimates`] is true.
+/// [`Integrator::returns_nested_estimates`] is true. Ends without the current pass if
+/// [`ProgressMonitor::is_cancelled`].
 pub fn render(
     integrator: &dyn Integrator,
     size: (u32, u32),
@@ -154,6 +155,10 @@ pub fn continue_render(
             return rendered;
         };
         let pass = integrator.render_pass(number, monitor);
+        if monitor.is_cancelled() {
+            rendered.ended = EndReason::Interrupted;
+            return rendered;
+        }
         if let Some(estimator) = &mut rendered.estimator {
             estimator.add(number, &pass);
         }

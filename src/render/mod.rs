@@ -5,7 +5,9 @@ pub mod error_estimate;
 mod expected_end;
 mod film;
 mod film_file;
+mod layers;
 mod limits;
+mod memory;
 mod merge_error;
 mod pass_set;
 #[cfg(test)]
@@ -15,7 +17,9 @@ pub use driver::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteri
 pub use expected_end::ExpectedEnd;
 pub use film::Film;
 pub use film_file::{FilmFile, FilmFileError, FilmHeader, InputDigest};
+pub use layers::picture_layers;
 pub use limits::{DEFAULT_ERROR, DEFAULT_TIME, PREVIEW_ERROR, RenderLimits};
+pub use memory::{MemoryError, check_error_estimate_memory, check_photon_memory, check_picture_memory};
 pub use merge_error::MergeError;
 pub use pass_set::PassSet;
 

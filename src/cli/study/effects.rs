@@ -2,7 +2,6 @@
 
 use super::output::{ReportWriter, StudyOutputs, study_output_files};
 use crate::cli::interrupt::{INTERRUPTED, listen_for_signals};
-use crate::cli::memory::{check_photon_memory, check_picture_memory};
 use crate::cli::outputs::{FileWithRole, check_distinct_files};
 use crate::cli::plan::{self, EffectDecisionReport};
 use crate::cli::progress::{InputFileCollector, ProgressDisplay, print_message, warn_of_rejected_samples};
@@ -10,6 +9,7 @@ use crate::cli::scene::{load_scene, with_thread_pool};
 use crate::cli::settings::settings_from_arguments;
 use crate::cli::{CommandFailure, Exit, StudyArguments};
 use crate::plan::{Effect, EffectDecision};
+use crate::render::{check_photon_memory, check_picture_memory};
 use crate::scene::Scene;
 use crate::stats::Counters;
 use crate::study::report::effects::{csv_report, markdown_report};

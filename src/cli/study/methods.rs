@@ -7,7 +7,6 @@ use super::table::{checkpoints_table, square_root_percent_text};
 use super::variants::VariantArguments;
 use crate::cli::args::ReferenceSource;
 use crate::cli::interrupt::{INTERRUPTED, listen_for_signals};
-use crate::cli::memory::check_photon_memory;
 use crate::cli::number::count_with_noun;
 use crate::cli::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use crate::cli::plan;
@@ -17,6 +16,7 @@ use crate::cli::settings::{method_flags, settings_from_arguments};
 use crate::cli::{CommandFailure, Exit, StudyArguments};
 use crate::image::{WriteOptions, write};
 use crate::plan::Plan;
+use crate::render::check_photon_memory;
 use crate::scene::Scene;
 use crate::stats::format_bytes;
 use crate::study::methods::{

@@ -10,6 +10,7 @@ use crate::integrate::settings::{CameraPathSettings, IndirectPhotons, LightTraci
 use crate::integrate::visible_pilot::find_visible_points;
 use crate::photon::{DensityEstimateShares, EmissionGuidingPilot, LightTracer, PhotonSource, StoreMask, VolumePhotons};
 use crate::sampling::{Key, Purpose};
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Largest number of photon paths of the pilot that divides caustics between photon estimates and
@@ -167,7 +168,8 @@ impl<'a> PhotonMapBuilder<'a> {
                 let photon_pass = self.photon_pass(source, StoreMask::CAUSTIC);
                 let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::DensityEstimateShares);
                 let light_tracer = LightTracer::new(self.scene, self.uses_lens(), None);
-                let traced = photon_pass.trace_and_connect(key, paths, Some(&light_tracer), &|_| {});
+                let traced =
+                    photon_pass.trace_and_connect(key, paths, Some(&light_tracer), &|_| ControlFlow::Continue(()));
                 let ratio = f64::from(self.counts.aimed) / f64::from(paths.max(1));
                 DensityEstimateShares::from_splats(&traced.deposits.splats, size, ratio)
             }

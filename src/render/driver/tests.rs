@@ -1,7 +1,12 @@
 use super::*;
+use crate::camera::Camera;
 use crate::color::Rgb;
-use crate::integrate::{Pass, SilentMonitor};
+use crate::integrate::{Algorithm, Pass, PassStage, Settings, SilentMonitor};
 use crate::plan::{Effects, Plan};
+use crate::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use crate::shape::{Plane, Shape, Sphere};
+use glam::DVec3;
+use std::sync::atomic::{AtomicU32, AtomicU64};
 
 /// Test integrator: all pixels of its pass number i have radiance i.
 struct PassNumberIntegrator;
@@ -31,6 +36,69 @@ fn the_image_is_the_mean_of_the_passes() {
         render(&PassNumberIntegrator, (2, 1), &stop_criteria(Some(4), None, &interrupted), &SilentMonitor, |_| {});
     assert_eq!((rendered.ended, rendered.film.passes()), (EndReason::Passes, 4));
     assert_eq!(rendered.film.mean(), vec![Rgb::splat(1.5); 2]);
+}
+
+/// Monitor that cancels the second pass once a stage of it has reported progress.
+struct CancellingMonitor {
+    stage: PassStage,
+    /// Number of passes that have begun `stage`.
+    passes: AtomicU32,
+    /// True between the start of `stage` and that of the next stage.
+    is_in_stage: AtomicBool,
+    /// Number of units that `stage` reported in the second pass.
+    units: AtomicU64,
+}
+
+impl ProgressMonitor for CancellingMonitor {
+    fn begin_stage(&self, stage: PassStage, _: u64) {
+        self.is_in_stage.store(stage == self.stage, Ordering::Relaxed);
+        if stage == self.stage {
+            self.passes.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    fn report_progress(&self, units: u64) {
+        if self.is_in_stage.load(Ordering::Relaxed) && self.passes.load(Ordering::Relaxed) == 2 {
+            self.units.fetch_add(units, Ordering::Relaxed);
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.units.load(Ordering::Relaxed) > 0
+    }
+}
+
+/// Returns a white ball on a white floor below a lamp, with a picture of 64 × 64 pixels.
+fn lit_ball() -> Scene {
+    let mut builder = SceneBuilder::new();
+    let white = builder.add_material(Material::diffuse(Rgb::splat(0.8)));
+    let (lamp, strength) = (DeltaLightKind::Point { position: 2.0 * DVec3::Y }, LightStrength::Power(Rgb::ONE));
+    let ball = Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.5, 0.0), 0.5));
+    builder.add_plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Rgb::ZERO).add_shape(ball, white, Rgb::ZERO);
+    builder.add_delta_light(lamp, strength);
+    let camera = Camera::perspective(DVec3::new(0.0, 2.0, 4.0), DVec3::new(0.0, -0.5, -1.0), DVec3::Y, 0.7, 64, 64);
+    builder.build(camera.unwrap()).unwrap()
+}
+
+#[test]
+fn a_cancelled_pass_stops_early_and_is_dropped() {
+    const PHOTONS: u32 = 1 << 20;
+    let (scene, interrupted) = (lit_ball(), AtomicBool::new(false));
+    let settings = Settings { photons: PHOTONS, ..Settings::default() };
+    let integrator = Algorithm::Sppm.prepare(&scene, settings);
+    let first =
+        render(integrator.as_ref(), (64, 64), &stop_criteria(Some(1), None, &interrupted), &SilentMonitor, |_| {});
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    for (stage, all) in [(PassStage::Photons, u64::from(PHOTONS)), (PassStage::Camera, 64 * 64)] {
+        let (passes, is_in_stage, units) = (AtomicU32::new(0), AtomicBool::new(false), AtomicU64::new(0));
+        let monitor = CancellingMonitor { stage, passes, is_in_stage, units };
+        let stop = stop_criteria(Some(3), None, &interrupted);
+        let rendered = pool.install(|| render(integrator.as_ref(), (64, 64), &stop, &monitor, |_| {}));
+        assert_eq!((rendered.ended, rendered.film.passes()), (EndReason::Interrupted, 1), "{stage:?}");
+        assert!(rendered.film == first.film, "{stage:?}");
+        // Each thread may finish one chunk or tile.
+        assert!(monitor.units.into_inner() < all / 2, "{stage:?}");
+    }
 }
 
 #[test]

@@ -1,16 +1,17 @@
-//! `--aov`: the picture and maps of its estimated error as layers of one OpenEXR file.
+//! Layers of a render: the picture and maps of its estimated error.
 
+use super::driver::RenderResult;
+use super::error_estimate::{ErrorMaps, MIN_PASSES};
 use crate::image::ExrLayer;
 use crate::integrate::MeanGatherDisc;
-use crate::render::RenderResult;
-use crate::render::error_estimate::{ErrorMaps, MIN_PASSES};
 use glam::Vec3;
 
-/// Returns the layers to write: the picture, and maps of its estimated error if the error is
-/// estimated.
+/// Returns the picture, which is the layer without a name, and maps of its estimated error if the
+/// error is estimated.
 ///
 /// Layers `bias`, `radius` and `photons` exist only for algorithms with density estimates.
-pub(super) fn aov_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
+#[must_use]
+pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     let mut layers = vec![rgb_layer("", &rendered.film.mean())];
     let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES);
     let Some(estimator) = estimator else { return layers };

@@ -24,7 +24,7 @@ const BYTES_PER_PHOTON: u64 = 120;
 
 /// Reason why a render does not fit into memory.
 #[derive(Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
-pub(super) enum MemoryError {
+pub enum MemoryError {
     /// A picture has more pixels than [`MAX_PIXELS`].
     #[error(transparent)]
     #[diagnostic(help("choose a smaller --size"))]
@@ -39,11 +39,27 @@ pub(super) enum MemoryError {
     #[diagnostic(help(
         "choose a smaller --size, or allow more --memory; --no-error-estimate reduces the memory to a fifth"
     ))]
-    Picture { count: usize, width: u32, height: u32, needed: u64, free: u64 },
+    Picture {
+        /// Number of pictures.
+        count: usize,
+        /// Width of a picture \[pixels].
+        width: u32,
+        /// Height of a picture \[pixels].
+        height: u32,
+        /// Memory that the pictures need \[bytes].
+        needed: u64,
+        /// Free memory \[bytes].
+        free: u64,
+    },
     /// One photon map would store more photons (`stored`) than 32-bit indices can address.
     #[error("a pass of {paths} photon paths would store about {stored} photons, and {} can be indexed", u32::MAX)]
     #[diagnostic(help("{PHOTON_MEMORY_REMEDY}"))]
-    Indices { paths: u64, stored: u64 },
+    Indices {
+        /// Number of photon paths of the pass.
+        paths: u64,
+        /// Expected number of stored photons.
+        stored: u64,
+    },
     /// The photons of one pass need more memory (`needed`) than there is (`free`) \[bytes].
     #[error(
         "a pass of {paths} photon paths would store about {stored} photons, which take {} of memory, and {} are free",
@@ -51,7 +67,16 @@ pub(super) enum MemoryError {
         format_bytes(*free)
     )]
     #[diagnostic(help("{PHOTON_MEMORY_REMEDY}"))]
-    Photons { paths: u64, stored: u64, needed: u64, free: u64 },
+    Photons {
+        /// Number of photon paths of the pass.
+        paths: u64,
+        /// Expected number of stored photons.
+        stored: u64,
+        /// Memory that the photons need \[bytes].
+        needed: u64,
+        /// Free memory \[bytes].
+        free: u64,
+    },
 }
 
 const PHOTON_MEMORY_REMEDY: &str = "choose fewer --photons or --caustic-photons and more --passes: only one pass of photons is in memory at a time; \
@@ -61,7 +86,7 @@ const PHOTON_MEMORY_REMEDY: &str = "choose fewer --photons or --caustic-photons 
 ///
 /// # Errors
 /// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
-pub(super) fn check_picture_memory(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
+pub fn check_picture_memory(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
     check_pixel_memory(count, size, BYTES_PER_PIXEL, free)
 }
 
@@ -70,11 +95,7 @@ pub(super) fn check_picture_memory(count: usize, size: (u32, u32), free: Option<
 ///
 /// # Errors
 /// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
-pub(super) fn check_error_estimate_memory(
-    count: usize,
-    size: (u32, u32),
-    free: Option<u64>,
-) -> Result<u64, MemoryError> {
+pub fn check_error_estimate_memory(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
     check_pixel_memory(count, size, BYTES_PER_PIXEL + BYTES_PER_ESTIMATED_PIXEL, free)
 }
 
@@ -102,11 +123,7 @@ fn check_pixel_memory(
 ///
 /// # Errors
 /// [`MemoryError`] if there are too many photons.
-pub(super) fn check_photon_memory(
-    expected: ExpectedPhotons,
-    pictures: u64,
-    free: Option<u64>,
-) -> Result<(), MemoryError> {
+pub fn check_photon_memory(expected: ExpectedPhotons, pictures: u64, free: Option<u64>) -> Result<(), MemoryError> {
     let free = free.map(|free| free.saturating_sub(pictures));
     let ExpectedPhotons { paths, photons: stored, largest_map } = expected;
     if largest_map > u64::from(u32::MAX) {
