@@ -94,35 +94,7 @@ impl Hierarchy {
     /// the nearest hit so far. It returns t and two numbers, which become `u` and `v` of the
     /// [`PrimitiveHit`].
     #[inline]
-    pub fn closest_hit<F>(&self, ray: &Ray, other: F) -> Option<PrimitiveHit>
-    where
-        F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
-    {
-        self.closest_hit_in(&AllLeaves, ray, other)
-    }
-
-    /// Nearest hit of a ray that stays in the box from which `leaves` was made.
-    ///
-    /// The result and the arguments are those of [`Hierarchy::closest_hit`].
-    #[inline]
-    pub fn closest_hit_near<F>(&self, leaves: &LeafList, ray: &Ray, other: F) -> Option<PrimitiveHit>
-    where
-        F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
-    {
-        self.closest_hit_in(leaves, ray, other)
-    }
-
-    /// Leaves whose boxes overlap `bounds`, for [`Hierarchy::closest_hit_near`].
-    ///
-    /// `None` if there are so many that [`Hierarchy::closest_hit`] is faster.
-    #[must_use]
-    pub fn leaves_near(&self, bounds: &Bounds) -> Option<LeafList> {
-        LeafList::new(&self.bvh, bounds)
-    }
-
-    /// Nearest hit with a ray parameter in (0, `ray.t_max`) among the primitives in `leaves`.
-    #[inline(always)]
-    fn closest_hit_in<F>(&self, leaves: &impl Leaves, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
+    pub fn closest_hit<F>(&self, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
     {
@@ -131,23 +103,36 @@ impl Hierarchy {
         }
         let precalc = RayPrecalc::new(ray);
         let mut best = NearestHit::before_any_hit(&precalc);
-        let test_leaf = |leaf, _| {
-            if leaf & OTHER_BIT == 0 {
-                self.bvh
-                    .packet_of_leaf(leaf)
-                    .for_each_hit(&precalc, |triangle, hit| best.keep_nearer_hit(triangle, hit));
-            } else {
-                // `t_max` is exclusive, but this primitive wins ties against a higher key.
-                let t_max = if leaf < best.key { best.hit.t.next_up() } else { best.hit.t };
-                let shrunk = Ray { t_max: t_max * precalc.direction_scale, ..*ray };
-                if let Some(hit) = other(leaf ^ OTHER_BIT, &shrunk) {
-                    best.keep_nearer_hit(leaf, LeafHit::of_other_primitive(hit, &precalc));
-                }
-            }
-            best.hit.t
-        };
-        leaves.visit(&self.bvh, &precalc, test_leaf);
+        let test_leaf = |leaf, _| best.keep_nearest_hit_of_leaf(&self.bvh, leaf, ray, &precalc, &mut other);
+        with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<true, STACK>(&precalc, test_leaf));
         best.to_primitive_hit(ray, &precalc)
+    }
+
+    /// Nearest hit of a ray that stays in the box from which `leaves` was made.
+    ///
+    /// The result and the arguments are those of [`Hierarchy::closest_hit`].
+    #[inline]
+    pub fn closest_hit_near<F>(&self, leaves: &LeafList, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
+    where
+        F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
+    {
+        if !RayPrecalc::can_hit_anything(ray) {
+            return None;
+        }
+        let precalc = RayPrecalc::new(ray);
+        let mut best = NearestHit::before_any_hit(&precalc);
+        for leaf in leaves.leaves() {
+            best.keep_nearest_hit_of_leaf(&self.bvh, *leaf, ray, &precalc, &mut other);
+        }
+        best.to_primitive_hit(ray, &precalc)
+    }
+
+    /// Leaves whose boxes overlap `bounds`, for [`Hierarchy::closest_hit_near`].
+    ///
+    /// `None` if there are so many that [`Hierarchy::closest_hit`] is faster.
+    #[must_use]
+    pub fn leaves_near(&self, bounds: &Bounds) -> Option<LeafList> {
+        LeafList::new(&self.bvh, bounds)
     }
 
     /// Calls `visit` with every hit of `ray` at a ray parameter in (0, `ray.t_max`).
@@ -207,29 +192,6 @@ impl Hierarchy {
     }
 }
 
-/// A set of leaves of a hierarchy that a ray may hit.
-trait Leaves {
-    /// Calls `test` for leaves of the set, as [`Bvh8::traverse`] does from near to far.
-    fn visit(&self, bvh: &Bvh8, precalc: &RayPrecalc, test: impl FnMut(u32, f32) -> f32);
-}
-
-/// All leaves of a hierarchy.
-struct AllLeaves;
-
-impl Leaves for AllLeaves {
-    #[inline(always)]
-    fn visit(&self, bvh: &Bvh8, precalc: &RayPrecalc, test: impl FnMut(u32, f32) -> f32) {
-        with_stack_size!(bvh, <STACK> bvh.traverse::<true, STACK>(precalc, test));
-    }
-}
-
-impl Leaves for LeafList {
-    #[inline(always)]
-    fn visit(&self, _: &Bvh8, precalc: &RayPrecalc, mut test: impl FnMut(u32, f32) -> f32) {
-        self.leaves().iter().fold(precalc.t_max, |limit, leaf| test(*leaf, limit));
-    }
-}
-
 /// Nearest hit that a traversal has found so far, and the key of its primitive.
 ///
 /// Among hits of equal t, the one with the lowest key is kept; [`OTHER_BIT`] describes keys. The
@@ -244,6 +206,32 @@ impl NearestHit {
     #[inline]
     fn before_any_hit(precalc: &RayPrecalc) -> Self {
         Self { key: 0, hit: LeafHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } }
+    }
+
+    /// Tests the primitives of the leaf with child reference `leaf`, and keeps the nearest hit.
+    ///
+    /// Returns the ray parameter of the nearest hit so far. `other` intersects primitives other than
+    /// triangles, as in [`Hierarchy::closest_hit`].
+    #[inline(always)]
+    fn keep_nearest_hit_of_leaf(
+        &mut self,
+        bvh: &Bvh8,
+        leaf: u32,
+        ray: &Ray,
+        precalc: &RayPrecalc,
+        other: &mut impl FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
+    ) -> f32 {
+        if leaf & OTHER_BIT == 0 {
+            bvh.packet_of_leaf(leaf).for_each_hit(precalc, |triangle, hit| self.keep_nearer_hit(triangle, hit));
+        } else {
+            // `t_max` is exclusive, but this primitive wins ties against a higher key.
+            let t_max = if leaf < self.key { self.hit.t.next_up() } else { self.hit.t };
+            let shrunk = Ray { t_max: t_max * precalc.direction_scale, ..*ray };
+            if let Some(hit) = other(leaf ^ OTHER_BIT, &shrunk) {
+                self.keep_nearer_hit(leaf, LeafHit::of_other_primitive(hit, precalc));
+            }
+        }
+        self.hit.t
     }
 
     /// Replaces the kept hit by `hit` if t > 0 and `hit` is nearer, or equally near with a lower

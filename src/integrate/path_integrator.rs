@@ -2,7 +2,7 @@
 
 use super::adaptive_pilot::find_relative_ray_counts;
 use super::balance::RayPhotonBalance;
-use super::camera_path::{self, PathContext};
+use super::camera_path::trace_camera_path;
 use super::environment_pilot::EnvironmentGuidingReport;
 use super::indirect_division::IndirectDivision;
 use super::indirect_pilot::divide_indirect_light;
@@ -16,7 +16,7 @@ use super::radius_law::RadiusLaw;
 use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
 use super::settings::{IndirectPhotons, Settings};
 use super::shutter::{ShutterSlice, SlicedCameras};
-use super::tiles::{self, FilmImage, FilmSampling};
+use super::tiles::{FilmSampling, render_tiles};
 use super::work_pilot::{find_ray_photon_balance, measure_pass_work};
 use crate::photon::add_splats;
 use crate::plan::{Effect, Effects, Plan};
@@ -80,7 +80,14 @@ impl Integrator for PathIntegrator<'_> {
         let key = renderer.camera_path_key(pass);
         let cameras = || (self.slices > 1).then(|| sliced_cameras(renderers, pass));
         let sampling = FilmSampling { slices: cameras(), ..renderers[0].film_sampling(pass) };
-        let picture = render_camera_paths(&paths, &sampling, key, monitor);
+        let render_camera_paths = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn ProgressMonitor| {
+            for_interior!(paths[0].policy.effects, <I> {
+                render_tiles(sampling, key, monitor, |ray, sampler, worker, branches| {
+                    trace_camera_path::<I>(&paths[worker.slice], ray, sampler, worker, branches)
+                })
+            })
+        };
+        let picture = render_camera_paths(&sampling, key, monitor);
         (out.image, out.nested) = (picture.image, picture.nested);
         out.counters += picture.counters;
 
@@ -92,7 +99,7 @@ impl Integrator for PathIntegrator<'_> {
 
         // If passes share camera paths, trace some tiles a second time by fresh paths.
         if let Some((sampling, key)) = renderers[0].unshared_path_sampling(pass, cameras()) {
-            let fresh = render_camera_paths(&paths, &sampling, key, &SilentMonitor);
+            let fresh = render_camera_paths(&sampling, key, &SilentMonitor);
             out.fresh = fresh.pixels.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
         }
         out.seconds.camera += start.elapsed().as_secs_f64();
@@ -240,21 +247,6 @@ fn sliced_cameras<'b>(renderers: &'b [PassRenderer<'_>], pass: u32) -> SlicedCam
         key: Key::new(seed).purpose_key(Purpose::Shutter),
         pass,
     }
-}
-
-/// Traces the camera paths of `sampling`, and returns their picture. `paths` holds one context for
-/// each slice of the shutter interval.
-fn render_camera_paths(
-    paths: &[PathContext<'_>],
-    sampling: &FilmSampling<'_>,
-    key: Key,
-    monitor: &dyn ProgressMonitor,
-) -> FilmImage {
-    for_interior!(paths[0].policy.effects, <I> {
-        tiles::render_tiles(sampling, key, monitor, |ray, sampler, worker, branches| {
-            camera_path::trace_camera_path::<I>(&paths[worker.slice], ray, sampler, worker, branches)
-        })
-    })
 }
 
 #[cfg(test)]

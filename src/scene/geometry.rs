@@ -29,6 +29,32 @@ pub struct Hit {
     pub(super) primitive: HitPrimitive,
 }
 
+impl Hit {
+    /// Hit of a triangle or of a shape at rest.
+    #[inline]
+    pub(super) fn of_resting(hit: PrimitiveHit) -> Self {
+        let uv = Vec2::new(hit.u, hit.v);
+        let primitive = match hit.primitive {
+            PrimitiveIndex::Triangle(i) => HitPrimitive::Triangle(i, uv),
+            PrimitiveIndex::Other(i) => HitPrimitive::Shape(i, uv),
+        };
+        Self { t: hit.t, primitive }
+    }
+
+    /// Hit of a moving shape. `first_moving` is the index of the first of them among all shapes.
+    #[inline]
+    pub(super) fn of_moving(hit: PrimitiveHit, first_moving: u32) -> Self {
+        let (PrimitiveIndex::Triangle(i) | PrimitiveIndex::Other(i)) = hit.primitive;
+        Self { t: hit.t, primitive: HitPrimitive::Shape(first_moving + i, Vec2::new(hit.u, hit.v)) }
+    }
+
+    /// The part of `ray` that is nearer than `hit`; all of it if `hit` is `None`.
+    #[inline]
+    pub(super) fn limit_ray(hit: Option<Self>, ray: &Ray) -> Ray {
+        Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray }
+    }
+}
+
 /// The primitive that a ray hits, with the coordinates of the hit on that primitive.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum HitPrimitive {
@@ -169,51 +195,26 @@ impl Geometry {
     /// ray hits nothing.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let (resting, in_motion) = (self.shapes.resting(), self.shapes.moving());
-        self.nearest_hit(
-            ray,
-            |ray| self.hierarchy.closest_hit(ray, |i, ray| resting[i as usize].intersect(ray)),
-            |moving, ray| moving.closest_hit(ray, |i, ray| in_motion[i as usize].intersect(ray)),
-        )
-    }
-
-    /// Finds the nearest intersection of `ray`.
-    ///
-    /// `search_resting` and `search_moving` return the nearest hit of the hierarchy over triangles
-    /// and shapes at rest, and of the one over moving shapes.
-    #[inline(always)]
-    pub fn nearest_hit(
-        &self,
-        ray: &Ray,
-        search_resting: impl FnOnce(&Ray) -> Option<PrimitiveHit>,
-        search_moving: impl FnOnce(&Hierarchy, &Ray) -> Option<PrimitiveHit>,
-    ) -> Option<Hit> {
-        let Self { shapes, planes, moving, .. } = self;
+        let Self { shapes, hierarchy, moving, .. } = self;
+        let (resting, in_motion) = (shapes.resting(), shapes.moving());
 
         // Find the nearest triangle or shape at rest.
-        let mut hit = search_resting(ray).map(|h| Hit {
-            t: h.t,
-            primitive: match h.primitive {
-                PrimitiveIndex::Triangle(i) => HitPrimitive::Triangle(i, Vec2::new(h.u, h.v)),
-                PrimitiveIndex::Other(i) => HitPrimitive::Shape(i, Vec2::new(h.u, h.v)),
-            },
-        });
+        let mut hit = hierarchy.closest_hit(ray, |i, ray| resting[i as usize].intersect(ray)).map(Hit::of_resting);
 
         // Find a nearer moving shape.
         if let Some(moving) = moving {
-            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
-            if let Some(h) = search_moving(moving, &within)
-                && let PrimitiveIndex::Other(i) = h.primitive
-            {
-                hit = Some(Hit {
-                    t: h.t,
-                    primitive: HitPrimitive::Shape(shapes.first_moving() + i, Vec2::new(h.u, h.v)),
-                });
-            }
+            let nearer = moving.closest_hit(&Hit::limit_ray(hit, ray), |i, ray| in_motion[i as usize].intersect(ray));
+            hit = nearer.map(|h| Hit::of_moving(h, shapes.first_moving())).or(hit);
         }
 
-        // Find a nearer plane.
-        for (i, plane) in planes.iter().enumerate() {
+        self.nearest_plane_hit(&Hit::limit_ray(hit, ray)).or(hit)
+    }
+
+    /// The nearest intersection of `ray` with an unbounded plane.
+    #[inline]
+    pub fn nearest_plane_hit(&self, ray: &Ray) -> Option<Hit> {
+        let mut hit: Option<Hit> = None;
+        for (i, plane) in self.planes.iter().enumerate() {
             let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
             if let Some((t, ..)) = plane.intersect(&within) {
                 hit = Some(Hit { t, primitive: HitPrimitive::Plane(i as u32) });

@@ -35,13 +35,16 @@ impl<'a> NearPrimitives<'a> {
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         let Self { geometry, resting: Some(leaves), moving } = self else { return self.geometry.intersect(ray) };
         let (resting, in_motion) = (geometry.shapes.resting(), geometry.shapes.moving());
-        geometry.nearest_hit(
-            ray,
-            |ray| geometry.hierarchy.closest_hit_near(leaves, ray, |i, ray| resting[i as usize].intersect(ray)),
-            |hierarchy, ray| match moving {
-                Some(leaves) => hierarchy.closest_hit_near(leaves, ray, |i, ray| in_motion[i as usize].intersect(ray)),
-                None => hierarchy.closest_hit(ray, |i, ray| in_motion[i as usize].intersect(ray)),
-            },
-        )
+        let bounded = geometry.hierarchy.closest_hit_near(leaves, ray, |i, ray| resting[i as usize].intersect(ray));
+        let mut hit = bounded.map(Hit::of_resting);
+        if let Some(hierarchy) = &geometry.moving {
+            let (within, test) = (Hit::limit_ray(hit, ray), |i: u32, ray: &Ray| in_motion[i as usize].intersect(ray));
+            let nearer = match moving {
+                Some(leaves) => hierarchy.closest_hit_near(leaves, &within, test),
+                None => hierarchy.closest_hit(&within, test),
+            };
+            hit = nearer.map(|h| Hit::of_moving(h, geometry.shapes.first_moving())).or(hit);
+        }
+        geometry.nearest_plane_hit(&Hit::limit_ray(hit, ray)).or(hit)
     }
 }
