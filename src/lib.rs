@@ -52,9 +52,10 @@
 //!
 //! # The path of one photon
 //!
-//! 1. `PhotonMapBuilder::build` in [`integrate`] starts the photons of a pass. It calls
-//!    [`PhotonPass::trace_and_connect`](photon::PhotonPass::trace_and_connect), which follows the
-//!    photon paths in parallel by `PhotonPass::follow_photon_path`.
+//! 1. `PhotonMapBuilder::build` in [`integrate`] starts the photons of a pass. For each map it calls
+//!    [`PhotonPass::trace_and_connect`](photon::PhotonPass::trace_and_connect). This emits photon
+//!    paths in parallel by `PhotonSource::emit_photon_path`, and follows each of them by
+//!    `PhotonPass::follow_photon_path`.
 //! 2. Photon path `i` has the random-number [`Key`](sampling::Key)
 //!    `pass_key.photon_path_key(i)`. Every random decision is a function of a key and the name of
 //!    the decision.

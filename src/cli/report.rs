@@ -103,13 +103,17 @@ impl EstimatedErrorReport {
 
 #[derive(Debug, Serialize)]
 pub(super) struct GatherRadiiReport {
+    /// Radius of the indirect map, which Jensen 2001 calls the global map \[length].
     pub global: f32,
+    /// Radius of the caustic map \[length].
     pub caustic: f32,
 }
 
 #[derive(Debug, Serialize)]
 pub(super) struct PhotonReports {
+    /// Photon paths that lights emit in all directions: the paths of `--photons`.
     pub global: PhotonReport,
+    /// Photon paths that lights aim at specular objects: the paths of `--caustic-photons`.
     pub caustic: PhotonReport,
 }
 

@@ -188,7 +188,7 @@ fn shade_receiver<I: Interior>(
         path.throughput /= survival;
     }
     if policy.directions == DirectionSampling::OneLobe {
-        receiver.surface.bsdf = receiver.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::ChosenLobe));
+        receiver.surface.bsdf = receiver.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::ReceiverChoice));
     }
     let surface = &receiver.surface;
     let vertex = path.vertex_at_surface(paths, surface, interior, receiver.distance);
@@ -363,7 +363,7 @@ fn shares_indirect_light(indirect: IndirectWeights, history: PathHistory) -> boo
 /// paths continue.
 #[inline]
 fn is_path_continued(indirect: IndirectWeights, sampler: Sampler) -> bool {
-    indirect.is_sample_continued(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ChosenLobe))
+    indirect.is_sample_continued(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ReceiverChoice))
 }
 
 /// Returns `light`, multiplied by a weight if `path` found it before its first receiver (surface

@@ -518,6 +518,9 @@ impl<'a> PhotonMapBuilder<'a> {
         PhotonPass { scene: self.scene, source, mask, max_bounces: self.settings.camera_paths.max_bounces }
     }
 
+    /// Emits and follows the photon paths of `task`; none if the task has no source.
+    ///
+    /// Reports progress to `monitor`, and adds rays and time to `out`.
     fn trace_photons(
         &self,
         task: PhotonTracingTask<'_>,

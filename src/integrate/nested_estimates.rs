@@ -57,11 +57,10 @@ impl GatherDiscSum {
 /// Sums of estimates with nested gather discs, over one camera ray and over all rays of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NestedEstimateSum {
-    /// Differences of radiance between discs of neighbouring sizes, summed over the estimates of
-    /// the current camera ray.
+    /// Estimate with the full disc minus that with half its area, and so on for smaller discs, each
+    /// times its throughput, summed over the estimates of the current camera ray \[W/(m² sr)].
     ray: [Rgb; LEVELS - 1],
-    /// Differences of radiance between discs of neighbouring sizes, summed over the pixel's rays
-    /// with the weights of the pixel filter.
+    /// Sum of `ray` over the rays of the pixel, with the weights of the pixel filter.
     pixel: [DVec3; LEVELS - 1],
     /// Sums of radius and photon count over the pixel's estimates from the caustic map.
     pub caustic: GatherDiscSum,

@@ -36,6 +36,15 @@ pub(super) enum PhotonMapChoice {
 }
 
 /// Photon maps of one pass.
+///
+/// | map | algorithm | kinds of photons | emitted |
+/// | --- | --- | --- | --- |
+/// | caustic | all with photons | `Caustic` | at specular objects |
+/// | indirect | `pm`, `ppm`, `sppm` | `AfterCaustic`, `AfterDirect`; `Direct` for gather rays | in all directions |
+/// | indirect | `hybrid` | `AfterCaustic` | at specular objects |
+/// | interreflection | `hybrid` | `AfterDirect` | in all directions |
+///
+/// [`PhotonKind`](crate::photon::PhotonKind) defines the kinds.
 pub(super) struct PhotonMaps<'a> {
     /// Caustic map: photons of kind [`PhotonKind::Caustic`](crate::photon::PhotonKind::Caustic).
     pub caustic: PhotonEstimator<'a>,

@@ -34,8 +34,8 @@ const RADIUS_QUANTILE: f64 = 0.75;
 /// scene.
 const MAX_RADIUS: f32 = 0.1;
 
-/// Smallest gather radius relative to the distance from the origin: single precision cannot resolve
-/// smaller radii.
+/// Smallest gather radius relative to the radius of the scene, or to the distance of most photons
+/// from the origin if that is smaller: single precision cannot resolve smaller radii.
 const MIN_RADIUS: f32 = 1e-6;
 
 /// Smallest gather radius, relative to the width of a pixel's footprint on the closest visible

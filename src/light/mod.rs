@@ -3,6 +3,10 @@
 //! Each kind of light has a file of its own. It implements the trait `LightSource`, or
 //! `PositionalLight` if its light leaves from one point. The enum [`Light`] holds a light of any
 //! kind.
+//!
+//! A light of a scene file is a `LightDescription` first. The scene builder keeps lights at one
+//! position or direction as `DeltaLightKind`, so that they can move, and makes a [`Light`] of each
+//! for a given time.
 
 mod area;
 mod directional;

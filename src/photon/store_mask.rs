@@ -52,7 +52,7 @@ impl StoreMask {
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
     /// Stores only indirect light: photons of paths that have scattered at one or more receivers.
     pub const INDIRECT: Self = Self { after_caustic: true, after_direct: true, ..Self::NONE };
-    /// Stores no photons.
+    /// Stores no photons. Media that photons reach would store beams, the default of all masks.
     pub const NONE: Self = Self {
         direct: false,
         caustic: false,

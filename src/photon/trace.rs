@@ -82,6 +82,7 @@ impl PhotonPass<'_> {
         for_interior!(self.source, <I> self.trace_with_interior::<I>(pass_key, paths, light_tracer, done))
     }
 
+    /// [`PhotonPass::trace_and_connect`] for paths that track the bodies around them by `I`.
     fn trace_with_interior<I: Interior>(
         &self,
         pass_key: Key,

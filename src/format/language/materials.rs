@@ -330,7 +330,7 @@ fn parse_mix_material<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<Ma
     let amount = f.value("amount")?;
     let scope = &parser.scope;
     for component in [&first, &second] {
-        if scope.mix_summary(component).mix_depth == MAX_MIX_DEPTH {
+        if scope.constraints_of_mixed_material(component).mix_depth == MAX_MIX_DEPTH {
             let message = format!("mixes nest more than {MAX_MIX_DEPTH} deep");
             let help = "mix fewer materials, or materials that are no mixes".to_owned();
             return Err(f.error_at(component.span, message, "the deepest that may be", help));
@@ -346,8 +346,10 @@ fn parse_mix_material<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<Ma
     }
     // A path could enter through one dielectric and leave through the other. The first would then
     // stay on the path's interior stack.
-    if let (Some(a), Some(b)) = (scope.mix_summary(&first).dielectric, scope.mix_summary(&second).dielectric)
-        && a != b
+    if let (Some(a), Some(b)) = (
+        scope.constraints_of_mixed_material(&first).dielectric,
+        scope.constraints_of_mixed_material(&second).dielectric,
+    ) && a != b
     {
         let message = "a mix cannot be two different Dielectrics".to_owned();
         let help = "mix a Dielectric with an opaque material, or with itself".to_owned();

@@ -19,8 +19,8 @@ pub(super) struct ParserScope<'a> {
     pub materials: Vec<Spanned<MaterialDescription>>,
     /// Index of each named material, by name.
     pub material_indices: HashMap<String, usize>,
-    /// [`MixSummary`] of each material, by material index.
-    mix_summaries: Vec<MixSummary>,
+    /// [`MixConstraints`] of each material, by material index.
+    mix_constraints: Vec<MixConstraints>,
     /// True if the last `Group` refers to a material.
     pub group_uses_materials: bool,
     /// Keyword of a `Materials` block after a `Group` that uses earlier materials, which is an
@@ -31,7 +31,7 @@ pub(super) struct ParserScope<'a> {
 /// Properties of a material that limit its use in a mix: depth of nested mixes, and its
 /// `Dielectric`.
 #[derive(Clone, Copy, Default)]
-pub(super) struct MixSummary {
+pub(super) struct MixConstraints {
     /// Index of the material itself if it is a `Dielectric`, else of the `Dielectric` that it
     /// mixes. `None` if there is none.
     pub dielectric: Option<usize>,
@@ -44,28 +44,34 @@ impl ParserScope<'_> {
     pub fn clear_materials(&mut self) {
         self.materials.clear();
         self.material_indices.clear();
-        self.mix_summaries.clear();
+        self.mix_constraints.clear();
     }
 
-    /// Appends a material and its [`MixSummary`]. Does not register the name of the material.
+    /// Appends a material and its [`MixConstraints`]. Does not register the name of the material.
     pub fn add_material(&mut self, material: Spanned<MaterialDescription>) {
         let kind = &material.value.kind;
         let summary = match kind.mix_material_names() {
             Some([first, second]) => {
-                let (a, b) = (self.mix_summary(&first.value), self.mix_summary(&second.value));
-                MixSummary { dielectric: a.dielectric.or(b.dielectric), mix_depth: a.mix_depth.max(b.mix_depth) + 1 }
+                let (a, b) = (
+                    self.constraints_of_mixed_material(&first.value),
+                    self.constraints_of_mixed_material(&second.value),
+                );
+                MixConstraints {
+                    dielectric: a.dielectric.or(b.dielectric),
+                    mix_depth: a.mix_depth.max(b.mix_depth) + 1,
+                }
             }
-            None => MixSummary { dielectric: kind.is_dielectric().then_some(self.materials.len()), mix_depth: 0 },
+            None => MixConstraints { dielectric: kind.is_dielectric().then_some(self.materials.len()), mix_depth: 0 },
         };
-        self.mix_summaries.push(summary);
+        self.mix_constraints.push(summary);
         self.materials.push(material);
     }
 
     /// Returns mix depth and dielectric of the material called `name`.
     ///
     /// Returns depth 0 and no dielectric if no such material exists.
-    pub fn mix_summary(&self, name: &str) -> MixSummary {
-        self.material_indices.get(name).and_then(|&index| self.mix_summaries.get(index)).copied().unwrap_or_default()
+    pub fn constraints_of_mixed_material(&self, name: &str) -> MixConstraints {
+        self.material_indices.get(name).and_then(|&index| self.mix_constraints.get(index)).copied().unwrap_or_default()
     }
 
     /// Returns an error if `block`, which holds textures or media, follows a `Materials` block.

@@ -55,7 +55,8 @@ impl CylindricalRay {
         }
     }
 
-    /// Distance ρ from the y axis at τ = `t`, and dρ/dτ, which is set to 0 on the axis.
+    /// Distance from the y axis at the point `base` + `t` · `direction`, and its derivative by `t`,
+    /// which is 0 on the axis.
     #[inline]
     pub fn radius_and_slope(&self, t: f64) -> (f64, f64) {
         let (x, z) = (self.base.x + t * self.direction.x, self.base.z + t * self.direction.z);

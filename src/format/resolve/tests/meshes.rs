@@ -10,12 +10,12 @@ struct TemporaryMeshFolder(tempfile::TempDir);
 impl TemporaryMeshFolder {
     fn new(obj: &str, mtl: &str) -> Self {
         let folder = Self(tempfile::tempdir().unwrap());
-        folder.write_file("a.obj", &format!("mtllib a.mtl\n{OBJ_VERTICES}{obj}"));
-        folder.write_file("a.mtl", mtl);
+        folder.write_test_file("a.obj", &format!("mtllib a.mtl\n{OBJ_VERTICES}{obj}"));
+        folder.write_test_file("a.mtl", mtl);
         folder
     }
 
-    fn write_file(&self, name: &str, text: &str) {
+    fn write_test_file(&self, name: &str, text: &str) {
         std::fs::write(self.0.path().join(name), text).unwrap();
     }
 
@@ -100,9 +100,9 @@ fn invalid_file_materials_are_reported_at_the_mesh() {
     let folder = TemporaryMeshFolder::new(OBJ_FACES, "newmtl red\n");
     let message = folder.resolve_error_message(body);
     assert!(message.contains("names a material `lamp` that its material files do not hold"), "{message}");
-    folder.write_file("a.mtl", "newmtl red\nd 0\nNi 0\nnewmtl lamp\n");
+    folder.write_test_file("a.mtl", "newmtl red\nd 0\nNi 0\nnewmtl lamp\n");
     assert!(folder.resolve_error_message(body).contains("`red` is transparent and its `Ni` is 0"));
-    folder.write_file("a.mtl", "newmtl red\nd 2\n");
+    folder.write_test_file("a.mtl", "newmtl red\nd 2\n");
     assert!(folder.resolve_error_message(body).contains("a.mtl:2: `d` is 2"));
     std::fs::remove_file(folder.0.path().join("a.mtl")).unwrap();
     assert!(folder.resolve_error_message(body).contains("there is no material file"));
@@ -167,7 +167,7 @@ fn file_materials_can_have_textures() {
     }
     std::fs::remove_file(path).unwrap();
     assert!(folder.resolve_error_message(body).contains("tile.exr` does not exist"));
-    folder.write_file("a.obj", &format!("mtllib a.mtl\n{OBJ_VERTICES}usemtl tile\nf 1 2 3\n"));
+    folder.write_test_file("a.obj", &format!("mtllib a.mtl\n{OBJ_VERTICES}usemtl tile\nf 1 2 3\n"));
     image::write(&folder.0.path().join("pictures/tile.exr"), &picture, &WriteOptions::default()).unwrap();
     let message = folder.resolve_error_message(body);
     assert!(message.contains("`a.obj` has no texture coordinates, which the material `tile` needs"), "{message}");

@@ -119,7 +119,7 @@ fn bootstrap_seed_weights(replicate: u64, seeds: usize) -> Vec<f64> {
     let key = Key::new(0xb007_57a9).child_key(replicate);
     let mut weights = vec![0.0; seeds];
     for draw in 0..seeds {
-        weights[(key.child_key(draw as u64).random_bits(Dimension::ChosenLobe) % seeds as u64) as usize] +=
+        weights[(key.child_key(draw as u64).random_bits(Dimension::ReceiverChoice) % seeds as u64) as usize] +=
             1.0 / seeds as f64;
     }
     weights

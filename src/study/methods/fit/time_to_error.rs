@@ -4,8 +4,8 @@ use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
-/// Largest ratio of a predicted time to the measured time, and of the ends of its range to the
-/// predicted time.
+/// Largest factor between the measured time and a predicted time, and between a predicted time and
+/// the ends of its confidence interval.
 pub const MAX_EXTRAPOLATION: f64 = 1000.0;
 
 /// Slope of noise over time without a fit.
