@@ -52,7 +52,7 @@
 //!
 //! # The path of one photon
 //!
-//! 1. `PhotonMapBuilder::build` in [`integrate`] starts the photons of a pass. For each map it calls
+//! 1. `PhotonMapBuilder::build` in [`integrate`] starts the photons of a pass. It calls
 //!    [`PhotonPass::trace_and_connect`](photon::PhotonPass::trace_and_connect). This emits photon
 //!    paths in parallel by `PhotonSource::emit_photon_path`, and follows each of them by
 //!    `PhotonPass::follow_photon_path`.

@@ -40,11 +40,12 @@ pub(super) enum PhotonMapChoice {
 /// | map | algorithm | kinds of photons | emitted |
 /// | --- | --- | --- | --- |
 /// | caustic | all with photons | `Caustic` | at specular objects |
-/// | indirect | `pm`, `ppm`, `sppm` | `AfterCaustic`, `AfterDirect`; `Direct` for gather rays | in all directions |
+/// | indirect | `pm`, `ppm`, `sppm` | `AfterCaustic`, `AfterDirect` | in all directions |
 /// | indirect | `hybrid` | `AfterCaustic` | at specular objects |
 /// | interreflection | `hybrid` | `AfterDirect` | in all directions |
 ///
-/// [`PhotonKind`](crate::photon::PhotonKind) defines the kinds.
+/// [`PhotonKind`](crate::photon::PhotonKind) defines the kinds. If final-gathering rays read the
+/// indirect map of `pm`, it holds `Direct` photons too.
 pub(super) struct PhotonMaps<'a> {
     /// Caustic map: photons of kind [`PhotonKind::Caustic`](crate::photon::PhotonKind::Caustic).
     pub caustic: PhotonEstimator<'a>,

@@ -109,8 +109,8 @@ pub enum Dimension {
     /// Position of a probe ray in the gather disc of a photon density estimate. Probe rays measure
     /// how much of the disc is surface.
     Probe,
-    /// Choice at a surface that stores photons: between its diffuse and glossy lobe in the algorithm
-    /// `distributed`, between the end and the continuation of a camera path in `hybrid`.
+    /// Choice at a surface that stores photons: between its diffuse and glossy lobe in the
+    /// algorithm `distributed`, between the end and the continuation of a camera path in `hybrid`.
     ReceiverChoice,
     /// Russian roulette before a vertex of low throughput is shaded, and for photon paths that
     /// continue after a caustic.
