@@ -210,8 +210,8 @@ impl NearestHit {
 
     /// Tests the primitives of the leaf with child reference `leaf`, and keeps the nearest hit.
     ///
-    /// Returns the ray parameter of the nearest hit so far. `other` intersects other primitives than
-    /// triangles, as in [`Hierarchy::closest_hit`].
+    /// Returns the ray parameter of the nearest hit so far. `other` intersects primitives other
+    /// than triangles, as in [`Hierarchy::closest_hit`].
     #[inline(always)]
     fn keep_nearest_hit_of_leaf(
         &mut self,
