@@ -26,8 +26,8 @@ pub(super) fn no_photon_stored_note(rendered: &RenderResult) -> Option<String> {
     Some(format!("note: {paths}, no photon stored: {}", flux_fractions_text(&audit)))
 }
 
-/// Returns a text with the fractions of emitted photon flux that were absorbed, escaped, or stopped
-/// at the bounce limit.
+/// Returns a text with the fractions of emitted photon flux that were absorbed, that escaped, and
+/// whose paths were stopped: at the bounce limit, or because no later photon would be stored.
 fn flux_fractions_text(audit: &EnergyAudit) -> String {
     let sum = |flux: [f64; 3]| DVec3::from(flux).element_sum();
     let emitted = sum(audit.emitted);
@@ -37,7 +37,7 @@ fn flux_fractions_text(audit: &EnergyAudit) -> String {
     let [absorbed, escaped, stopped] =
         [audit.absorbed, audit.escaped, audit.stopped].map(|flux| percent_text(sum(flux) / emitted));
     format!(
-        "of their flux {absorbed} was absorbed, {escaped} left the scene, {stopped} reached surfaces that store none"
+        "of their flux {absorbed} was absorbed, {escaped} left the scene, {stopped} was on paths that could store none later"
     )
 }
 

@@ -113,7 +113,7 @@ pub(super) struct GatherRadiiReport {
 pub(super) struct PhotonReports {
     /// Photon paths that lights emit in all directions: the paths of `--photons`.
     pub global: PhotonReport,
-    /// Photon paths that lights aim at specular objects: the paths of `--caustic-photons`.
+    /// Photon paths that lights aim at casters, such as glass: the paths of `--caustic-photons`.
     pub caustic: PhotonReport,
 }
 

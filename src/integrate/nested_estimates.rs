@@ -27,8 +27,8 @@ pub struct NestedEstimates {
     /// Mean radius and photon count of the estimates from the caustic map; `None` without an
     /// estimate.
     pub caustic: Option<MeanGatherDisc>,
-    /// Mean radius and photon count of the estimates from the indirect map; `None` without an
-    /// estimate.
+    /// Mean radius and photon count of the estimates from the indirect and the interreflection map;
+    /// `None` without an estimate.
     pub indirect: Option<MeanGatherDisc>,
 }
 
@@ -64,7 +64,8 @@ pub(super) struct NestedEstimateSum {
     pixel: [DVec3; LEVELS - 1],
     /// Sums of radius and photon count over the pixel's estimates from the caustic map.
     pub caustic: GatherDiscSum,
-    /// Sums of radius and photon count over the pixel's estimates from the indirect map.
+    /// Sums of radius and photon count over the pixel's estimates from the indirect and the
+    /// interreflection map.
     pub indirect: GatherDiscSum,
 }
 

@@ -39,9 +39,9 @@ pub(super) enum PhotonMapChoice {
 ///
 /// | map | algorithm | kinds of photons | emitted |
 /// | --- | --- | --- | --- |
-/// | caustic | all with photons | `Caustic` | at specular objects |
+/// | caustic | all with photons | `Caustic` | at casters |
 /// | indirect | `pm`, `ppm`, `sppm` | `AfterCaustic`, `AfterDirect` | in all directions |
-/// | indirect | `hybrid` | `AfterCaustic` | at specular objects |
+/// | indirect | `hybrid` | `AfterCaustic` | at casters |
 /// | interreflection | `hybrid` | `AfterDirect` | in all directions |
 ///
 /// [`PhotonKind`](crate::photon::PhotonKind) defines the kinds. If final-gathering rays read the

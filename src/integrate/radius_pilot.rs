@@ -247,7 +247,7 @@ fn trace_medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<R
         let mut path_ray = scene.start_camera_path::<SpectralInterior>(ray, effects);
         let mut segments = Vec::new();
         for bounce in 0..MAX_CASTERS {
-            let sampler = sampler.bounce_sampler(bounce);
+            let sampler = sampler.pilot_bounce_sampler(bounce);
             let event = path_ray.next_vertex(scene, sampler.sample_key(), |segment| {
                 if segment.medium.scatters() {
                     segments.push(segment.ray);

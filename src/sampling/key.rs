@@ -32,7 +32,7 @@
 //! | vertex, sample | `Key::medium_tracking_key` | 2⁶³ + pass | above all words of vertices |
 //! | shadow rays | `Sampler::nth_shadow_ray_sampler` | light or ray | lights or chosen rays |
 //! | shadow ray | `Key::shadow_ray_scatter_point_key` | 1 | transmittance uses the parent itself |
-//! | film sample of a pilot | `Sampler::bounce_sampler` | bounce | one per vertex |
+//! | film sample of a pilot | `Sampler::pilot_bounce_sampler` | bounce | one per vertex |
 //! | any sampler | `Sampler::sample_key` | sample | one per sample of the pixel |
 //! | purpose `RayPhotonBalance` | `Key::pilot_trial_key` | trial | independent trials |
 //! | `Camera` of a trial | `Key::film_point_key` | set · 2³² + point | one per point of a pilot |

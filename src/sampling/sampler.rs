@@ -43,7 +43,7 @@ impl Sampler {
     /// Sampler for the vertex after `bounce` bounces of a pilot's path, which never splits.
     #[inline]
     #[must_use]
-    pub fn bounce_sampler(self, bounce: u32) -> Self {
+    pub fn pilot_bounce_sampler(self, bounce: u32) -> Self {
         self.child_sampler(u64::from(bounce))
     }
 

@@ -57,7 +57,7 @@ fn make_density_grid(
         DensityDescription::Homogeneous => return Ok(None),
         DensityDescription::Grid { path, scale, extent } => {
             let file = r.find_file("grid", path)?;
-            let help = "repair the grid or name another; the grid format is described in docs/scene-language.md";
+            let help = "repair the grid or name another; the grid format is described in docs/guide/scene-language.md";
             let read = grid::read_with_memory_limit(&file, r.memory.available_bytes());
             let mut grid = read
                 .map_err(|e| r.file_or_memory_error(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help))?;

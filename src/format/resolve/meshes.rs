@@ -184,7 +184,8 @@ fn add_mesh_file_materials(
     Ok(materials)
 }
 
-/// Adds a material of a mesh's file; errors have the position of the mesh's path.
+/// Adds a material that a mesh file defines. Errors point to the place where the scene text names
+/// the mesh file.
 fn add_mesh_file_material(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,

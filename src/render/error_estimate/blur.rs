@@ -1,24 +1,23 @@
 //! Blur (bias) of photon density estimates, extrapolated from estimates with smaller discs.
 //!
 //! Let L(r) be the estimate with disc radius r. D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are
-//! the first terms of a series that sums to the bias.
+//! the first terms of a series that sums to the bias. Norms and products of both are means over the
+//! pixels of the picture.
 
-/// Lower bound of the ratio D₀·D₁ / ‖D₀‖², where D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are
-/// differences of density estimates L with disc radius r. Smaller ratios come from noise.
+/// Smallest ratio D₀·D₁ / ‖D₀‖² that is used, see the module documentation. Smaller ratios come
+/// from noise.
 const MIN_CORRELATION: f64 = -0.5;
 
-/// Upper bound of the ratio D₀·D₁ / ‖D₀‖², where D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are
-/// differences of density estimates L with disc radius r.
+/// Largest ratio D₀·D₁ / ‖D₀‖² that is used, see the module documentation.
 ///
-/// The bound is the ratio at a straight edge of light, for the Epanechnikov kernel.
+/// It is the ratio at a straight edge of light, for the Epanechnikov kernel.
 pub(super) const EDGE_CORRELATION: f64 = 0.7275;
 
 /// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) for light that is not smooth, with the Epanechnikov
 /// kernel.
 ///
-/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are differences of density estimates L with disc
-/// radius r. The pairs belong to a straight edge of light, and to bands of light as wide as a half
-/// and a fifth of the disc's diameter.
+/// The module documentation defines D₀ and D₁. The pairs belong to a straight edge of light, and to
+/// bands of light as wide as a half and a fifth of the disc's diameter.
 const ROUGH: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
 /// Largest ratio of the blur with discs of half the area to the blur with full discs: the ratio at

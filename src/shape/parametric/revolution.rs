@@ -110,7 +110,8 @@ impl Revolution {
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
-    /// The line of `ray` in object space, followed by `start` and `length` of its [`ObjectRay`].
+    /// Three values: the line of `ray` in object space, [`ObjectRay::start`] and
+    /// [`ObjectRay::length`].
     ///
     /// `None` if the line misses the bounding sphere of the surface.
     fn cylindrical_object_ray(&self, ray: &Ray) -> Option<(CylindricalRay, f64, f64)> {

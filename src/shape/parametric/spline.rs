@@ -170,9 +170,10 @@ impl SplineBasis {
             .map(move |k| KnotSpan { knot: k, range: [place(self.knots[k]), place(self.knots[k + 1])] })
     }
 
-    /// Bézier control points of the curve over a knot span.
+    /// Bézier control points of the curve over one knot span.
     ///
-    /// The control points of the curve are `controls[first]`, `controls[first + stride]`, … For
+    /// The control points of the curve are `controls[first]`, `controls[first + stride]`, … so that
+    /// rows and columns of a surface's control net can be read. For
     /// degree p, result j is the polar form of the curve with j arguments at the end knot of the
     /// span and p − j at its start knot (Ramshaw 1989). Each step is a weighted mean, so nothing
     /// cancels.

@@ -179,7 +179,7 @@ impl ReferencePiece {
             let edge = u0 == 0.0 || u1 == 1.0 || !is_revolution && (v0 == 0.0 || v1 == 1.0);
             found.near_quads.push(QuadNearRay { t: [lo, hi], cos: normal.dot(d).abs() / d.length(), edge });
             for [i, j, k] in [[0, 1, 2], [0, 2, 3]] {
-                if let Some(t) = intersect_triangle(o, d, corners[i], corners[j], corners[k]) {
+                if let Some(t) = reference_triangle_hit(o, d, corners[i], corners[j], corners[k]) {
                     found.hit = Some(found.hit.map_or(t, |h: f64| h.min(t)));
                 }
             }
@@ -188,7 +188,7 @@ impl ReferencePiece {
 }
 
 /// Ray parameter of a hit of the triangle abc, edges included (Möller and Trumbore 1997).
-fn intersect_triangle(o: DVec3, d: DVec3, a: DVec3, b: DVec3, c: DVec3) -> Option<f64> {
+fn reference_triangle_hit(o: DVec3, d: DVec3, a: DVec3, b: DVec3, c: DVec3) -> Option<f64> {
     let (e1, e2, s) = (b - a, c - a, o - a);
     let p = d.cross(e2);
     let determinant = e1.dot(p);
