@@ -194,11 +194,26 @@ fn set_flag(arguments: &mut Vec<String>, flag: &str, value: &str) {
     arguments.extend([flag.to_owned(), value.to_owned()]);
 }
 
+/// Returns file name and text of each scene after which a page asks the reader to save it: the first
+/// scene after the words "Save it as".
+fn scenes_to_save(page: &str) -> Vec<(String, String)> {
+    page.split("Save it as")
+        .skip(1)
+        .map(|rest| {
+            let name = rest.split('`').nth(1).expect("a file name in backticks").to_owned();
+            (name, fenced_blocks(rest, "caustica").remove(0))
+        })
+        .collect()
+}
+
 #[test]
 fn documented_commands_run() {
     let mut tried = 0;
     for (name, page) in documentation_pages() {
         let folder = tempfile::tempdir().unwrap();
+        for (file, text) in scenes_to_save(&page) {
+            std::fs::write(folder.path().join(file), text).unwrap();
+        }
         for line in fenced_blocks(&page, "sh").iter().flat_map(|block| shell_commands(block)) {
             run_documented_command(&name.to_string_lossy(), &line, folder.path());
             tried += usize::from(caustica_arguments(&line).is_some());

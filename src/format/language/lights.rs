@@ -45,7 +45,7 @@ static POINT_STRENGTH_FIELDS: &[FieldSchema] = &[
 ];
 
 static AREA_STRENGTH_FIELDS: &[FieldSchema] = &[
-    field_schema("radiance", FieldKind::Color, "radiance of the emitting side; give one of both")
+    field_schema("radiance", FieldKind::Color, "radiance of the emitting side; give one of the two")
         .with_unit("W/(m² sr)"),
     field_schema("power", FieldKind::Color, "radiant flux").with_unit("W"),
 ];
@@ -93,7 +93,7 @@ static ORIENTATION_FIELDS: &[FieldSchema] = &[
 static PATTERN_STRENGTH_FIELDS: &[FieldSchema] = &[
     field_schema("intensity", FieldKind::Color, "radiant intensity where the picture or profile is 1")
         .with_unit("W/sr"),
-    field_schema("power", FieldKind::Color, "radiant flux, of white light through the picture; give one of both")
+    field_schema("power", FieldKind::Color, "radiant flux, of white light through the picture; give one of the two")
         .with_unit("W"),
 ];
 
@@ -149,7 +149,7 @@ static RECTANGLE: BlockSchema =
 
 static ENVIRONMENT: BlockSchema = block_schema(
     "EnvironmentLight",
-    "light from infinity in all directions; at most one a scene, shown instead of the `Background`",
+    "light from infinity in all directions; at most one per scene, shown instead of the `Background`",
 )
 .with_fields(&[
     field_schema("radiance", FieldKind::Color, "constant radiance; give this or `file`").with_unit("W/(m² sr)"),
