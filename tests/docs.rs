@@ -194,8 +194,8 @@ fn set_flag(arguments: &mut Vec<String>, flag: &str, value: &str) {
     arguments.extend([flag.to_owned(), value.to_owned()]);
 }
 
-/// Returns file name and text of each scene after which a page asks the reader to save it: the first
-/// scene after the words "Save it as".
+/// Returns file name and text of each scene that a page asks the reader to save: the first scene
+/// after the words "Save it as".
 fn scenes_to_save(page: &str) -> Vec<(String, String)> {
     page.split("Save it as")
         .skip(1)
