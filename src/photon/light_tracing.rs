@@ -143,7 +143,8 @@ impl<'a> LightTracer<'a> {
             None => 1.0,
             Some(_) => 1.0 - f32::from(share) / f32::from(SHARE_STEPS),
         };
-        if splat_share == 0.0 {
+        // A path that leaves the surface over a caster is found from the camera.
+        if splat_share == 0.0 || !surface.bsdf.stores_photons() {
             return share;
         }
         let connection = if self.lens && self.camera.lens().is_some() {

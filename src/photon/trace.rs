@@ -181,9 +181,8 @@ impl PhotonPass<'_> {
             }
 
             // Deposit on a surface.
-            let stores = surface.as_ref().is_none_or(|surface| surface.bsdf.stores_photons());
             if let Some(surface) = &surface
-                && stores
+                && surface.stores_photons()
                 && self.mask.stores_on_surfaces(kind)
             {
                 let stored_flux = flux * photon_deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
@@ -195,13 +194,14 @@ impl PhotonPass<'_> {
             }
 
             // Stop if no stored kind can follow.
-            let next_kind = kind.kind_after_scattering(stores);
+            let receives = surface.as_ref().is_none_or(|surface| surface.bsdf.stores_photons());
+            let next_kind = kind.kind_after_scattering(receives);
             if bounce == self.max_bounces || !self.mask.can_reach_stored_kind(next_kind) {
                 return add_flux(&mut audit.stopped, flux);
             }
 
             // Thin paths that continue after a caustic.
-            if self.mask.separates_after_caustic && kind == PhotonKind::Caustic && stores {
+            if self.mask.separates_after_caustic && kind == PhotonKind::Caustic && receives {
                 add_flux(&mut audit.roulette, flux);
                 if key.uniform_1d(Dimension::ShadingRoulette) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {
                     return;

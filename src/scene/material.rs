@@ -16,6 +16,8 @@ pub struct Material {
     mean_bsdf: Bsdf,
     /// True if a texture determines a parameter of the BSDF.
     textured: bool,
+    /// True if a hit may resolve to a BSDF that stores photons.
+    may_store_photons: bool,
 }
 
 /// The scattering model of a material, with its parameters.
@@ -114,6 +116,21 @@ impl MaterialKind {
         if let Self::Mix { first, second, amount } = self { Some(([*first, *second], amount)) } else { None }
     }
 
+    /// True if a texture determines the roughness of a metal, so that photons may be stored at some
+    /// points only.
+    fn has_roughness_texture(&self) -> bool {
+        match self {
+            Self::Conductor { roughness, .. } => roughness.is_textured(),
+            Self::Black
+            | Self::Diffuse { .. }
+            | Self::Phong { .. }
+            | Self::Mirror { .. }
+            | Self::Thin { .. }
+            | Self::Dielectric { .. }
+            | Self::Mix { .. } => false,
+        }
+    }
+
     /// True if a texture determines a parameter of the BSDF.
     fn is_textured(&self) -> bool {
         match self {
@@ -132,7 +149,18 @@ impl Material {
     #[must_use]
     pub fn new(kind: MaterialKind) -> Self {
         let (mean_bsdf, textured) = (kind.bsdf(&MeanParameterEvaluator), kind.is_textured());
-        Self { kind, normals: NormalPerturbation::None, mean_bsdf, textured }
+        let may_store_photons = mean_bsdf.stores_photons() || kind.has_roughness_texture();
+        Self { kind, normals: NormalPerturbation::None, mean_bsdf, textured, may_store_photons }
+    }
+
+    /// This material, with what it takes over from its components if it is a mix.
+    ///
+    /// `materials` are those to which the indices of components refer.
+    pub(super) fn with_mix_components(self, materials: &[Self]) -> Self {
+        let Some(parts) = self.mix_component_indices() else { return self };
+        // A missing component is an error that the builder reports later.
+        let stores = |part: u32| materials.get(part as usize).is_some_and(|part| part.may_store_photons);
+        Self { may_store_photons: parts.into_iter().any(stores), ..self }
     }
 
     /// This material with shading normals perturbed by `normals`.
@@ -264,6 +292,12 @@ impl Material {
     #[must_use]
     pub fn is_textured(&self) -> bool {
         self.textured
+    }
+
+    /// True if a hit may resolve to a BSDF that stores photons: for a mix, if a component may.
+    #[inline]
+    pub(super) fn may_store_photons(&self) -> bool {
+        self.may_store_photons
     }
 
     /// True if textures determine BSDF parameters or the shading normal, so that each hit must

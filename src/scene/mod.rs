@@ -259,10 +259,12 @@ impl Scene {
         };
         let mut material_index = object.material;
         let mut material = &self.materials[material_index as usize];
+        let mut other_stores_photons = false;
         if material.mix_component_indices().is_some() {
             material_index = self.resolve_mix_to_leaf(material_index, u_mix(), cone.effects, &|| {
                 self.texture_context(hit, &point, wo, cone)
             });
+            other_stores_photons = material.may_store_photons();
             material = &self.materials[material_index as usize];
         }
         let near_boundary = self.coincident.may_coincide(hit.primitive);
@@ -272,6 +274,7 @@ impl Scene {
             material,
             material_index,
             bsdf: material.mean_bsdf(),
+            other_stores_photons,
             roughness: material.mean_boundary_roughness(),
             coincidence_group: near_boundary.then(|| self.geometry.coincidence_group(hit.primitive)),
             coincident: CoincidentFaces::NONE,

@@ -22,6 +22,8 @@ pub struct SurfaceInteraction<'a> {
     pub(super) material_index: u32,
     /// The BSDF of the material at this point.
     pub bsdf: Bsdf,
+    /// True if another choice at this point might have given a BSDF that stores photons.
+    pub(super) other_stores_photons: bool,
     /// Roughness α of a dielectric body's boundary; 0 for other materials.
     pub(super) roughness: f32,
     /// Coincidence group of the object; `None` if no boundary of another object can coincide with
@@ -42,6 +44,18 @@ impl SurfaceInteraction<'_> {
     #[must_use]
     pub fn facing_normal(&self) -> Vec3 {
         if self.wo.dot(self.point.ng) < 0.0 { -self.point.ng } else { self.point.ng }
+    }
+
+    /// True if photons are stored here: if the BSDF stores photons, or another choice of the BSDF
+    /// might have done so.
+    ///
+    /// Photon paths and camera paths choose independently. If only the photons counted that chose
+    /// a BSDF of probability p, an estimate at the camera paths that choose it too would be dark by
+    /// the factor p.
+    #[inline]
+    #[must_use]
+    pub fn stores_photons(&self) -> bool {
+        self.bsdf.stores_photons() || self.other_stores_photons
     }
 
     /// True if the surface is a null interface, which light passes unchanged.

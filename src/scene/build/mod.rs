@@ -70,7 +70,7 @@ impl SceneBuilder {
 
     /// Adds a material and returns its index.
     pub fn add_material(&mut self, material: Material) -> u32 {
-        self.materials.push(material);
+        self.materials.push(material.with_mix_components(&self.materials));
         self.materials.len() as u32 - 1
     }
 

@@ -4,6 +4,7 @@
 //! Every comparison is a t-test at a stated false-alarm rate, and states how sharp it must be.
 
 mod adjoint;
+mod chance;
 mod compare;
 mod furnaces;
 mod hard;

@@ -1,0 +1,38 @@
+//! Materials that resolve by chance to a receiver or to a caster, by every integrator.
+//!
+//! Photon paths and camera paths choose independently, and each light path must count once.
+
+use super::compare::{Grid, Renders, compare_renders};
+use super::methods::{ALL, Effort, Method};
+use crate::support::scene_from_text;
+
+const SIZE: (u32, u32) = (12, 12);
+const EFFORT: Effort = Effort { passes: 12, samples: 4, photons: 20_000, caustic: 20_000, radius: 0.1 };
+
+/// Compares every integrator with path tracing on a floor of material `m`.
+///
+/// A lamp that faces up lights a diffuse ceiling. A polished metal wall casts a caustic on the
+/// floor, and the floor reflects light to both.
+fn check_methods_agree_on_floor(name: &str, material: &str) {
+    let scene = scene_from_text(&format!(
+        "PerspectiveCamera {{ center 0 1.4 0  direction 0 -1 0  up 0 0 1  angle 60  width 12  height 12 }}
+        Background {{ color 0 0 0 }}
+        Lights {{ RectangleLight {{ corner .9 .5 -.4  edge0 0 0 1  edge1 .6 0 0  radiance 6 5 4 }} }}
+        Materials {{ Diffuse white {{ reflectance .8 .8 .8 }} Conductor wall {{ metal silver  roughness .2 }} {material} }}
+        Group {{ MaterialName m Rectangle {{ corner -2 0 -2  edge0 0 0 4  edge1 4 0 0 }}
+            MaterialName white Rectangle {{ corner -2 1.5 -2  edge0 0 0 4  edge1 4 0 0 }}
+            MaterialName wall Rectangle {{ corner -1 0 -2  edge0 0 1.5 0  edge1 0 0 4 }} }}"
+    ));
+    let grid = Grid::new(SIZE, 6);
+    let path = Renders::new(Method::Path, &scene, Effort { samples: 256, ..EFFORT });
+    for method in ALL.into_iter().filter(|method| *method != Method::Path) {
+        compare_renders(name, &Renders::new(method, &scene, EFFORT), &path, &grid, (0.1, 0.06));
+    }
+}
+
+#[test]
+fn integrators_agree_on_mix_of_receiver_and_caster() {
+    let mix =
+        "Diffuse a { reflectance .9 .7 .5 } Mirror b { reflectance .9 .8 .7 } Mix m { first a second b amount .4 }";
+    check_methods_agree_on_floor("mix", mix);
+}
