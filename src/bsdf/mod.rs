@@ -5,6 +5,8 @@
 //! geometric normal. Both normals are on the outer side of the surface.
 
 mod adjoint;
+mod coat_albedo;
+mod coated_diffuse;
 mod conductor;
 mod dielectric;
 mod fresnel;
@@ -15,6 +17,8 @@ mod rough_dielectric;
 mod thin;
 
 pub use adjoint::{photon_deposit_factor, shading_normal_correction};
+pub use coat_albedo::MAX_COAT_INDEX;
+pub use coated_diffuse::{CoatedDiffuse, DielectricCoat};
 pub use conductor::Conductor;
 pub use dielectric::{Dielectric, DielectricSplit};
 pub use fresnel::{Refraction, conductor_reflectance, dielectric_reflectance, refract};
@@ -131,6 +135,11 @@ pub enum Bsdf {
     RoughDielectric(RoughDielectric),
     /// A thin transparent sheet, such as a window pane.
     ThinDielectric(ThinDielectric),
+    /// A diffuse base under a dielectric coat; without reflection on the coat if the coat is
+    /// smooth.
+    CoatedDiffuse(CoatedDiffuse),
+    /// Reflection on a smooth coat, which [`Bsdf::select_layer`] selects.
+    DielectricCoat(DielectricCoat),
 }
 
 impl Bsdf {
@@ -173,23 +182,65 @@ impl Bsdf {
             | Self::Dielectric(_)
             | Self::Conductor(_)
             | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_) => false,
+            | Self::ThinDielectric(_)
+            | Self::CoatedDiffuse(_)
+            | Self::DielectricCoat(_) => false,
         }
     }
 
-    /// True if the BSDF is purely Lambertian.
+    /// True if the BSDF is Lambertian, or has a Lambertian base under a coat.
     #[inline]
     #[must_use]
     pub fn is_diffuse(&self) -> bool {
         match self {
-            Self::Diffuse(_) => true,
+            Self::Diffuse(_) | Self::CoatedDiffuse(_) => true,
             Self::Black
             | Self::Phong(_)
             | Self::Mirror(_)
             | Self::Dielectric(_)
             | Self::Conductor(_)
             | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_) => false,
+            | Self::ThinDielectric(_)
+            | Self::DielectricCoat(_) => false,
+        }
+    }
+
+    /// Selects base or coat of a coated surface by `u` in \[0, 1), with probabilities that depend
+    /// on `wo` and the shading normal `ns`. Returns any other BSDF whole.
+    ///
+    /// The selected BSDF is divided by the probability of its selection. A small `u` selects the
+    /// base. If the coat is so rough that photons are stored for it, both stay together.
+    #[inline]
+    #[must_use]
+    pub fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Self {
+        match self {
+            Self::CoatedDiffuse(coated) => coated.select_layer(wo, ns, u),
+            Self::Black
+            | Self::Diffuse(_)
+            | Self::Phong(_)
+            | Self::Mirror(_)
+            | Self::Dielectric(_)
+            | Self::Conductor(_)
+            | Self::RoughDielectric(_)
+            | Self::ThinDielectric(_)
+            | Self::DielectricCoat(_) => self,
+        }
+    }
+
+    /// The coat that [`Bsdf::select_layer`] may select; `None` if it never selects a coat.
+    #[must_use]
+    pub fn separate_coat(&self) -> Option<Self> {
+        match self {
+            Self::CoatedDiffuse(coated) => coated.separate_coat().map(Self::DielectricCoat),
+            Self::Black
+            | Self::Diffuse(_)
+            | Self::Phong(_)
+            | Self::Mirror(_)
+            | Self::Dielectric(_)
+            | Self::Conductor(_)
+            | Self::RoughDielectric(_)
+            | Self::ThinDielectric(_)
+            | Self::DielectricCoat(_) => None,
         }
     }
 
@@ -208,7 +259,9 @@ impl Bsdf {
             | Self::Dielectric(_)
             | Self::Conductor(_)
             | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_) => self,
+            | Self::ThinDielectric(_)
+            | Self::CoatedDiffuse(_)
+            | Self::DielectricCoat(_) => self,
         }
     }
 
@@ -231,7 +284,9 @@ impl Bsdf {
             | Self::Mirror(_)
             | Self::Conductor(_)
             | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_) => None,
+            | Self::ThinDielectric(_)
+            | Self::CoatedDiffuse(_)
+            | Self::DielectricCoat(_) => None,
         }
     }
 
@@ -242,7 +297,10 @@ impl Bsdf {
         match self {
             Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => true,
             Self::Conductor(conductor) => conductor.is_smooth(),
-            Self::Black | Self::Diffuse(_) | Self::Phong(_) | Self::RoughDielectric(_) => false,
+            Self::DielectricCoat(coat) => coat.alpha() == 0.0,
+            Self::Black | Self::Diffuse(_) | Self::Phong(_) | Self::RoughDielectric(_) | Self::CoatedDiffuse(_) => {
+                false
+            }
         }
     }
 
@@ -252,13 +310,19 @@ impl Bsdf {
     pub fn transmits(&self) -> bool {
         match self {
             Self::Dielectric(_) | Self::RoughDielectric(_) | Self::ThinDielectric(_) => true,
-            Self::Black | Self::Diffuse(_) | Self::Phong(_) | Self::Mirror(_) | Self::Conductor(_) => false,
+            Self::Black
+            | Self::Diffuse(_)
+            | Self::Phong(_)
+            | Self::Mirror(_)
+            | Self::Conductor(_)
+            | Self::CoatedDiffuse(_)
+            | Self::DielectricCoat(_) => false,
         }
     }
 
     /// True if photons are stored on the surface. Density estimates then evaluate this BSDF.
     ///
-    /// Diffuse and Phong BSDFs store photons, and so do conductors rougher than
+    /// Diffuse, coated and Phong BSDFs store photons, and so do conductors rougher than
     /// [`PHOTON_STORAGE_ALPHA`]. On smoother conductors, few photons fall into the lobe, so
     /// sampling the BSDF has less noise. Dielectrics store none, because an estimate would blur the
     /// objects behind them.
@@ -266,20 +330,21 @@ impl Bsdf {
     #[must_use]
     pub fn stores_photons(&self) -> bool {
         match self {
-            Self::Diffuse(_) | Self::Phong(_) => true,
+            Self::Diffuse(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => true,
             Self::Conductor(conductor) => conductor.alpha() > PHOTON_STORAGE_ALPHA,
             Self::Black
             | Self::Mirror(_)
             | Self::Dielectric(_)
             | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_) => false,
+            | Self::ThinDielectric(_)
+            | Self::DielectricCoat(_) => false,
         }
     }
 
     /// True if the surface is a caustic caster: it scatters light, but stores no photons.
     ///
-    /// Casters are mirrors, thin sheets, dielectrics of any roughness, and conductors of roughness
-    /// α up to [`PHOTON_STORAGE_ALPHA`].
+    /// Casters are mirrors, thin sheets, dielectrics of any roughness, and conductors and coats of
+    /// roughness α up to [`PHOTON_STORAGE_ALPHA`].
     #[inline]
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
@@ -295,7 +360,8 @@ impl Bsdf {
     pub fn ray_cone_spread(&self) -> f32 {
         match self {
             Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => 0.0,
-            Self::Diffuse(_) | Self::Phong(_) => DIFFUSE_CONE_SPREAD,
+            Self::Diffuse(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => DIFFUSE_CONE_SPREAD,
+            Self::DielectricCoat(coat) => coat.alpha() * DIFFUSE_CONE_SPREAD,
             Self::Conductor(conductor) => conductor.alpha() * DIFFUSE_CONE_SPREAD,
             Self::RoughDielectric(glass) => glass.alpha() * DIFFUSE_CONE_SPREAD,
         }
@@ -318,6 +384,8 @@ impl Bsdf {
             Self::Diffuse(reflectance) => *reflectance * FRAC_1_PI,
             Self::Phong(phong) => phong.evaluate(wo, wi, ns),
             Self::Conductor(conductor) => conductor.evaluate(wo, wi, ns),
+            Self::CoatedDiffuse(coated) => coated.evaluate(wo, wi, ns),
+            Self::DielectricCoat(coat) => coat.evaluate(wo, wi, ns),
         }
     }
 
@@ -338,6 +406,8 @@ impl Bsdf {
             Self::Diffuse(_) => warp::cosine_hemisphere_pdf(wi.dot(ns).abs()),
             Self::Phong(phong) => phong.pdf(wo, wi, ns),
             Self::Conductor(conductor) => conductor.pdf(wo, wi, ns),
+            Self::CoatedDiffuse(coated) => coated.pdf(wo, wi, ns),
+            Self::DielectricCoat(coat) => coat.pdf(wo, wi, ns),
         }
     }
 
@@ -385,11 +455,13 @@ impl Bsdf {
             }
             Self::Phong(phong) => phong.sample(wo, facing_ns, lobe, u),
             Self::Conductor(conductor) => conductor.sample_rough(wo, facing_ns, u),
+            Self::CoatedDiffuse(coated) => coated.sample(wo, facing_ns, lobe, u),
             Self::Black
             | Self::Mirror(_)
             | Self::Dielectric(_)
             | Self::RoughDielectric(_)
-            | Self::ThinDielectric(_) => None,
+            | Self::ThinDielectric(_)
+            | Self::DielectricCoat(_) => None,
         }
     }
 
@@ -408,7 +480,7 @@ impl Bsdf {
     ) -> Option<BsdfSample> {
         let facing_ns = face_forward(ns, wo);
         match self {
-            Self::Black | Self::Diffuse(_) | Self::Phong(_) => None,
+            Self::Black | Self::Diffuse(_) | Self::Phong(_) | Self::CoatedDiffuse(_) => None,
             Self::Mirror(reflectance) => {
                 let (wi, uses_geometric_normal) = dielectric::reflect_above_surface(wo, facing_ns, ng);
                 Some(BsdfSample::specular_sample(wi, *reflectance, false, uses_geometric_normal))
@@ -417,6 +489,7 @@ impl Bsdf {
             Self::Conductor(conductor) => conductor.sample(wo, facing_ns, ng, u),
             Self::RoughDielectric(glass) => glass.sample(wo, facing_ns, ng, lobe, u, transport),
             Self::ThinDielectric(thin) => thin.sample(wo, facing_ns, ng, lobe),
+            Self::DielectricCoat(coat) => coat.sample(wo, facing_ns, ng, u),
         }
     }
 }

@@ -6,7 +6,7 @@ use super::integrator::Integrator;
 use super::pass::{Pass, ProgressMonitor, StageTimes};
 use super::settings::CameraPathSettings;
 use super::tiles::{self, FilmImage, FilmSampling};
-use crate::bsdf::conductor_reflectance;
+use crate::bsdf::{conductor_reflectance, dielectric_reflectance};
 use crate::camera::Filter;
 use crate::color::Rgb;
 use crate::math::Ray;
@@ -99,6 +99,9 @@ impl<'a> RaycastIntegrator<'a> {
     }
 }
 
+/// Least roughness α of a highlight. The highlight of a smoother coat would be too small to see.
+const MIN_HIGHLIGHT_ALPHA: f32 = 0.05;
+
 /// Coefficients of Phong's shading model at a surface point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct PhongAppearance {
@@ -128,6 +131,15 @@ impl PhongAppearance {
                 specular: parameters.evaluate_color(specular),
                 shininess: *shininess,
             },
+            MaterialKind::CoatedDiffuse { reflectance, index, roughness, .. } => {
+                // A Phong lobe of this exponent is about as wide as a GGX lobe of roughness α.
+                let alpha = parameters.evaluate_scalar(roughness).max(MIN_HIGHLIGHT_ALPHA);
+                Self {
+                    diffuse: parameters.evaluate_color(reflectance),
+                    specular: Rgb::splat(dielectric_reflectance(1.0, *index).0),
+                    shininess: 2.0 / (alpha * alpha) - 2.0,
+                }
+            }
             MaterialKind::Conductor { eta, k, .. } => Self::from_diffuse(conductor_reflectance(1.0, *eta, *k)),
             MaterialKind::Dielectric { body, .. } => Self::from_diffuse((-body.absorption).map(libm::expf)),
             // A surface interaction resolves each mix to one of its leaf materials, so `Mix` does

@@ -69,6 +69,18 @@ pub enum MaterialKind {
         /// Roughness α of the boundary in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
     },
+    /// A diffuse base under a dielectric coat, such as plastic.
+    CoatedDiffuse {
+        /// Reflectance of the base in \[0, 1].
+        reflectance: MaterialParameter<Rgb>,
+        /// Refractive index of the coat relative to the surroundings, from 1 to
+        /// [`MAX_COAT_INDEX`](crate::bsdf::MAX_COAT_INDEX).
+        index: f32,
+        /// Roughness α of the coat in \[0, 1]; 0 is smooth.
+        roughness: MaterialParameter<f32>,
+        /// True if interreflection between coat and base makes colours deeper.
+        nonlinear: bool,
+    },
     /// A stochastic mix: each hit resolves to one of two materials.
     Mix {
         /// Index of the first material.
@@ -100,6 +112,12 @@ impl MaterialKind {
             Self::Dielectric { body, roughness } => {
                 Bsdf::dielectric(body.index, parameters.evaluate_scalar(&roughness))
             }
+            Self::CoatedDiffuse { reflectance, index, roughness, nonlinear } => Bsdf::coated_diffuse(
+                parameters.evaluate_color(&reflectance),
+                index,
+                parameters.evaluate_photon_storage_roughness(&roughness),
+                nonlinear,
+            ),
         }
     }
 
@@ -116,12 +134,28 @@ impl MaterialKind {
         if let Self::Mix { first, second, amount } = self { Some(([*first, *second], amount)) } else { None }
     }
 
+    /// True if each hit chooses one of several BSDFs at random.
+    fn is_chosen_by_chance(&self) -> bool {
+        match self {
+            Self::Mix { .. } | Self::CoatedDiffuse { .. } => true,
+            Self::Black
+            | Self::Diffuse { .. }
+            | Self::Phong { .. }
+            | Self::Mirror { .. }
+            | Self::Conductor { .. }
+            | Self::Thin { .. }
+            | Self::Dielectric { .. } => false,
+        }
+    }
+
     /// True if a texture determines the roughness of a metal, so that photons may be stored at some
     /// points only.
     fn has_roughness_texture(&self) -> bool {
         match self {
             Self::Conductor { roughness, .. } => roughness.is_textured(),
-            Self::Black
+            // The base of a coated surface always stores photons.
+            Self::CoatedDiffuse { .. }
+            | Self::Black
             | Self::Diffuse { .. }
             | Self::Phong { .. }
             | Self::Mirror { .. }
@@ -139,6 +173,7 @@ impl MaterialKind {
             Self::Phong { diffuse, specular, .. } => diffuse.is_textured() || specular.is_textured(),
             Self::Thin { transmittance, .. } => transmittance.is_textured(),
             Self::Conductor { roughness, .. } | Self::Dielectric { roughness, .. } => roughness.is_textured(),
+            Self::CoatedDiffuse { reflectance, roughness, .. } => reflectance.is_textured() || roughness.is_textured(),
             Self::Mix { amount, .. } => amount.is_textured(),
         }
     }
@@ -233,6 +268,23 @@ impl Material {
         Self::new(MaterialKind::Thin { eta, transmittance: transmittance.into() })
     }
 
+    /// A diffuse base of `reflectance` in \[0, 1] under a dielectric coat, such as plastic.
+    ///
+    /// `index` is the refractive index of the coat relative to the surroundings, from 1 to
+    /// [`MAX_COAT_INDEX`](crate::bsdf::MAX_COAT_INDEX), and `roughness` its GGX α in \[0, 1].
+    /// Interreflection between coat and base makes colours deeper if `nonlinear` is true, as it
+    /// does in nature; see [`CoatedDiffuse`](crate::bsdf::CoatedDiffuse).
+    #[must_use]
+    pub fn coated_diffuse(
+        reflectance: impl Into<MaterialParameter<Rgb>>,
+        index: f32,
+        roughness: impl Into<MaterialParameter<f32>>,
+        nonlinear: bool,
+    ) -> Self {
+        let (reflectance, roughness) = (reflectance.into(), roughness.into());
+        Self::new(MaterialKind::CoatedDiffuse { reflectance, index, roughness, nonlinear })
+    }
+
     /// A material that absorbs all light.
     #[must_use]
     pub fn black() -> Self {
@@ -294,6 +346,12 @@ impl Material {
         self.textured
     }
 
+    /// True if each hit chooses one of several BSDFs at random: at a mix, or at a coated surface.
+    #[inline]
+    pub(super) fn is_chosen_by_chance(&self) -> bool {
+        self.kind.is_chosen_by_chance()
+    }
+
     /// True if a hit may resolve to a BSDF that stores photons: for a mix, if a component may.
     #[inline]
     pub(super) fn may_store_photons(&self) -> bool {
@@ -322,11 +380,27 @@ impl Material {
     /// Calls `visit` with at least one BSDF of each kind that the material can have at a hit.
     ///
     /// BSDFs differ in kind if only one of them is specular, stores photons, or transmits. The
-    /// method visits the BSDF with mean parameters. For a conductor with a roughness texture, it
-    /// also visits those with the least and the greatest roughness.
+    /// method visits the BSDF with mean parameters. For a conductor or coat with a roughness
+    /// texture, it also visits those with the least and the greatest roughness. A smooth coat is
+    /// visited apart from its base.
     pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
+        let mut visit = |bsdf: Bsdf| {
+            visit(bsdf);
+            bsdf.separate_coat().into_iter().for_each(&mut visit);
+        };
         visit(self.mean_bsdf);
         match self.kind {
+            MaterialKind::CoatedDiffuse {
+                reflectance,
+                index,
+                roughness: MaterialParameter::Texture { texture, .. },
+                nonlinear,
+            } => {
+                let (min, max) = textures[texture as usize].value_range();
+                for alpha in [min, max] {
+                    visit(Bsdf::coated_diffuse(reflectance.mean(), index, alpha, nonlinear));
+                }
+            }
             MaterialKind::Conductor { eta, k, roughness: MaterialParameter::Texture { texture, .. } } => {
                 let (min, max) = textures[texture as usize].value_range();
                 for alpha in [min, max] {
@@ -335,6 +409,7 @@ impl Material {
             }
             // Textures do not change the kind of these BSDFs.
             MaterialKind::Conductor { roughness: MaterialParameter::Constant(_), .. }
+            | MaterialKind::CoatedDiffuse { roughness: MaterialParameter::Constant(_), .. }
             | MaterialKind::Black
             | MaterialKind::Diffuse { .. }
             | MaterialKind::Phong { .. }

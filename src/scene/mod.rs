@@ -233,9 +233,10 @@ impl Scene {
 
     /// Returns the surface at `hit` of `ray`, which must have a unit direction.
     ///
-    /// Textures are filtered over the width of `cone`. At a mix, a uniform number in \[0, 1) from
-    /// `u_mix` selects one of its materials. The boundary of a dielectric body gets the BSDF that
-    /// it has in air; [`Interior::resolve_boundary`] replaces this BSDF.
+    /// Textures are filtered over the width of `cone`. A uniform number in \[0, 1) from `u_mix`
+    /// selects one of the materials of a mix, and base or coat of a coated surface. The boundary of
+    /// a dielectric body gets the BSDF that it has in air; [`Interior::resolve_boundary`] replaces
+    /// this BSDF.
     #[inline]
     #[must_use]
     pub fn surface_interaction(
@@ -259,12 +260,14 @@ impl Scene {
         };
         let mut material_index = object.material;
         let mut material = &self.materials[material_index as usize];
-        let mut other_stores_photons = false;
+        // Only materials of several BSDFs need a random number.
+        let is_chosen_by_chance = material.is_chosen_by_chance();
+        let mut chance = if is_chosen_by_chance { u_mix() } else { 0.0 };
+        let other_stores_photons = is_chosen_by_chance && material.may_store_photons();
         if material.mix_component_indices().is_some() {
-            material_index = self.resolve_mix_to_leaf(material_index, u_mix(), cone.effects, &|| {
+            (material_index, chance) = self.resolve_mix_to_leaf(material_index, chance, cone.effects, &|| {
                 self.texture_context(hit, &point, wo, cone)
             });
-            other_stores_photons = material.may_store_photons();
             material = &self.materials[material_index as usize];
         }
         let near_boundary = self.coincident.may_coincide(hit.primitive);
@@ -284,6 +287,7 @@ impl Scene {
         if material.needs_textures() {
             self.apply_textures(&mut surface, hit, cone);
         }
+        surface.bsdf = surface.bsdf.select_layer(wo, surface.point.ns, chance);
         surface
     }
 
@@ -324,9 +328,9 @@ impl Scene {
         }
     }
 
-    /// Returns the index of the material to which material `index` resolves. A mix resolves to a
-    /// component, which the uniform number `u` in \[0, 1) selects. Other materials resolve to
-    /// themselves.
+    /// Returns the index of the material to which material `index` resolves, and a uniform number
+    /// in \[0, 1) for further choices. A mix resolves to a component, which the uniform number `u`
+    /// in \[0, 1) selects. Other materials resolve to themselves.
     ///
     /// `context` returns the point of texture lookups. It is called only if the probability of a
     /// component is textured and `effects` include textures.
@@ -336,7 +340,7 @@ impl Scene {
         mut u: f32,
         effects: Effects,
         context: &dyn Fn() -> TextureEvalContext,
-    ) -> u32 {
+    ) -> (u32, f32) {
         while let Some(([first, second], amount)) = self.materials[index as usize].kind().as_mix() {
             let amount = match amount {
                 MaterialParameter::Texture { .. } if effects.has(Effect::Textures) => {
@@ -347,6 +351,6 @@ impl Scene {
             // Rescale `u` within the chosen interval, so that a nested mix can use it.
             (index, u) = if u < amount { (second, u / amount) } else { (first, (u - amount) / (1.0 - amount)) };
         }
-        index
+        (index, u)
     }
 }

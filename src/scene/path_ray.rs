@@ -42,6 +42,7 @@ pub struct MediumSegment<'a, I> {
 
 /// The event that ends a path segment.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "an event is returned once for each path segment, never stored")]
 pub enum PathEvent<'a> {
     /// The path reaches a surface that scatters or absorbs.
     Surface(SurfaceVertex<'a>),

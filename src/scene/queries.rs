@@ -115,8 +115,9 @@ impl Scene {
 
     /// Calls `visit` with every leaf material to which `material` can resolve.
     ///
-    /// A conductor with a roughness texture is visited with its mean, least and greatest roughness,
-    /// because their BSDFs may differ in kind.
+    /// A conductor or coat with a roughness texture is visited with its mean, least and greatest
+    /// roughness, because their BSDFs may differ in kind. A smooth coat is visited apart from its
+    /// base.
     pub fn for_each_leaf_material(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
         match material.mix_component_indices() {

@@ -20,7 +20,7 @@ pub struct SurfaceInteraction<'a> {
     pub material: &'a Material,
     /// Index of `material` in the scene.
     pub(super) material_index: u32,
-    /// The BSDF of the material at this point.
+    /// The BSDF of the material at this point; for a coated surface, the selected layer.
     pub bsdf: Bsdf,
     /// True if another choice at this point might have given a BSDF that stores photons.
     pub(super) other_stores_photons: bool,

@@ -41,6 +41,8 @@ fn index_of_bsdf_variant(bsdf: &Bsdf) -> usize {
         Bsdf::Conductor(_) => 5,
         Bsdf::RoughDielectric(_) => 6,
         Bsdf::ThinDielectric(_) => 7,
+        Bsdf::CoatedDiffuse(_) => 8,
+        Bsdf::DielectricCoat(_) => 9,
     }
 }
 
@@ -51,9 +53,9 @@ fn bsdfs_of_every_variant() -> Vec<Bsdf> {
 
 #[test]
 fn every_bsdf_variant_is_tested() {
-    let mut is_tested = [false; 8];
+    let mut is_tested = [false; 10];
     bsdfs_of_every_variant().iter().for_each(|bsdf| is_tested[index_of_bsdf_variant(bsdf)] = true);
-    assert_eq!(is_tested, [true; 8]);
+    assert_eq!(is_tested, [true; 10]);
 }
 
 /// A BSDF that stores photons never samples a delta lobe, whose light density estimates would miss.

@@ -1,4 +1,5 @@
 mod chi_square;
+mod coated;
 mod kinds;
 mod rough;
 
@@ -28,6 +29,19 @@ fn basic_bsdfs() -> [Bsdf; 5] {
     ]
 }
 
+/// Coated BSDFs that store photons: wide coats with their bases, and bases of narrow coats.
+fn coated_bsdfs() -> Vec<Bsdf> {
+    let rgb = Vec3::new(1.0, 0.2, 0.5);
+    [(1.5, 0.0), (2.5, 0.1), (1.5, 0.31), (1.2, 1.0)]
+        .map(|(eta, alpha)| Bsdf::coated_diffuse(rgb, eta, alpha, true))
+        .to_vec()
+}
+
+/// Coats of α from 0 to 0.2, selected alone.
+fn coats() -> Vec<Bsdf> {
+    [0.0, SMOOTH_ALPHA, 0.2].map(|a| Bsdf::coated_diffuse(Rgb::ZERO, 1.5, a, true).separate_coat().unwrap()).to_vec()
+}
+
 /// One or more BSDFs of each kind that scatters light; rough ones have small, medium and large α.
 fn all_bsdf_kinds() -> Vec<Bsdf> {
     let (eta, k) = metal_refractive_index("copper").unwrap();
@@ -35,6 +49,8 @@ fn all_bsdf_kinds() -> Vec<Bsdf> {
     all.extend([0.0, SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha))));
     all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.5, alpha)));
     all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.0 / 1.5, alpha)));
+    all.extend(coated_bsdfs());
+    all.extend(coats());
     all.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Rgb::new(1.0, 0.5, 0.1) }));
     all
 }
@@ -66,7 +82,7 @@ fn bsdfs_gain_no_energy() {
 #[test]
 fn sampling_and_evaluation_agree() {
     let n = 200_000u64;
-    for bsdf in &basic_bsdfs()[..3] {
+    for bsdf in basic_bsdfs()[..3].iter().chain(&coated_bsdfs()) {
         for cos in [0.95, 0.4] {
             let wo = direction_with_cos(cos);
             let moments = |f: &dyn Fn(u64) -> f64| {
@@ -98,7 +114,7 @@ fn sampling_and_evaluation_agree() {
 
 #[test]
 fn reflection_is_reciprocal() {
-    for bsdf in &basic_bsdfs()[..3] {
+    for bsdf in basic_bsdfs()[..3].iter().chain(&coated_bsdfs()).chain(&coats()) {
         for (a, b) in [(0.9, 0.3), (0.1, 0.99), (0.5, 0.5)] {
             let (wo, wi) = (
                 direction_with_cos(a),

@@ -34,7 +34,7 @@ fn rough_bsdfs() -> [Bsdf; 4] {
 ///
 /// The random numbers form a lattice. Each mean estimates the integral of f·cosθ over its
 /// hemisphere.
-fn mean_sample_weights(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
+pub(super) fn mean_sample_weights(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
     let steps = 256u32;
     let (mut reflected, mut transmitted) = (0.0, 0.0);
     for i in 0..steps * steps {
@@ -63,6 +63,7 @@ fn samples_agree_with_evaluation_and_pdf() {
             Bsdf::dielectric(1.01, alpha),
             Bsdf::Diffuse(eta * 0.2),
             Bsdf::Phong(Phong::new(eta, k, 30.0)),
+            Bsdf::coated_diffuse(k * 0.2, GLASS, alpha, true),
         ] {
             for (i, (wo, other)) in random_direction_pairs(2000).enumerate() {
                 let key = Key::new(23).purpose_key(Purpose::Test).child_key(i as u64);

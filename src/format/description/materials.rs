@@ -75,6 +75,17 @@ pub enum MaterialKindDescription {
         /// Transmittance of the pane's interior at normal incidence, inside (0, 1].
         transmittance: TexturedValue<DVec3>,
     },
+    /// A diffuse base under a dielectric coat, such as plastic.
+    CoatedDiffuse {
+        /// Reflectance of the base, inside [0, 1].
+        reflectance: TexturedValue<DVec3>,
+        /// Index of refraction of the coat relative to the surroundings, inside [1, 4].
+        index: f64,
+        /// GGX α of the coat, inside [0, 1]; 0 is smooth.
+        roughness: TexturedValue<f64>,
+        /// True if interreflection between coat and base makes colors deeper.
+        nonlinear: bool,
+    },
     /// Stochastic mix: one of two materials, chosen at random at each point.
     Mix {
         /// Name of the first material, which the scene file defines before the mix.
@@ -126,6 +137,9 @@ impl MaterialKindDescription {
             Self::Phong { diffuse, specular, texture, .. } => {
                 [diffuse.texture_name(), specular.texture_name(), texture.as_ref()].into_iter().flatten().collect()
             }
+            Self::CoatedDiffuse { reflectance, roughness, .. } => {
+                [reflectance.texture_name(), roughness.texture_name()].into_iter().flatten().collect()
+            }
             Self::Diffuse { reflectance: value }
             | Self::Mirror { reflectance: value }
             | Self::Thin { transmittance: value, .. } => value.texture_name().into_iter().collect(),
@@ -148,6 +162,7 @@ impl MaterialKindDescription {
             | Self::NullInterface { .. }
             | Self::Conductor { .. }
             | Self::Thin { .. }
+            | Self::CoatedDiffuse { .. }
             | Self::Mix { .. } => None,
         }
     }
@@ -163,7 +178,8 @@ impl MaterialKindDescription {
             | Self::Dielectric { .. }
             | Self::NullInterface { .. }
             | Self::Conductor { .. }
-            | Self::Thin { .. } => None,
+            | Self::Thin { .. }
+            | Self::CoatedDiffuse { .. } => None,
         }
     }
 
@@ -178,6 +194,7 @@ impl MaterialKindDescription {
             | Self::NullInterface { .. }
             | Self::Conductor { .. }
             | Self::Thin { .. }
+            | Self::CoatedDiffuse { .. }
             | Self::Mix { .. } => false,
         }
     }
@@ -193,6 +210,7 @@ impl MaterialKindDescription {
             | Self::Dielectric { .. }
             | Self::Conductor { .. }
             | Self::Thin { .. }
+            | Self::CoatedDiffuse { .. }
             | Self::Mix { .. } => false,
         }
     }

@@ -18,6 +18,7 @@ use super::schema::{
 };
 use super::text::clip_for_message;
 use super::writer::SceneWriter;
+use crate::bsdf::MAX_COAT_INDEX;
 use glam::DVec3;
 
 /// Material blocks of the scene language, with their parsers.
@@ -29,6 +30,7 @@ pub(super) static MATERIALS: &[BlockParser<ParseMaterial>] = &[
     BlockParser { block: &NULL_INTERFACE, parse: parse_null_interface },
     BlockParser { block: &CONDUCTOR, parse: parse_conductor },
     BlockParser { block: &THIN, parse: parse_thin_dielectric },
+    BlockParser { block: &COATED_DIFFUSE, parse: parse_coated_diffuse },
     BlockParser { block: &MIX, parse: parse_mix_material },
 ];
 
@@ -160,6 +162,26 @@ static THIN: BlockSchema = block_schema("Thin", "pane without thickness; the ind
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
+static COATED_DIFFUSE: BlockSchema =
+    block_schema("CoatedDiffuse", "diffuse base under a dielectric coat: plastic, varnish, glaze")
+        .with_fields(&[
+            field_schema("reflectance", FieldKind::ColorOrTexture, "albedo of the base")
+                .with_range(UNIT_RANGE)
+                .make_required(),
+            field_schema("indexOfRefraction", FieldKind::Number, "index of the coat relative to the surroundings")
+                .with_range(FieldRange::Within(1.0, MAX_COAT_INDEX as f64))
+                .with_default_numbers(&[1.5]),
+            ROUGHNESS_FIELD,
+            field_schema(
+                "nonlinear",
+                FieldKind::Word(&["yes", "no"]),
+                "`no`: light between coat and base does not make colors deeper",
+            )
+            .with_default_word("yes"),
+        ])
+        .with_aliases(&["Plastic"])
+        .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
+
 static MIX: BlockSchema = block_schema("Mix", "one of two materials at each point, chosen at random")
     .with_fields(&[
         field_schema("first", FieldKind::Name, "name of a material that stands before this one").make_required(),
@@ -245,7 +267,10 @@ fn accepted_material_fields(kind: &MaterialKindDescription) -> AcceptedMaterialF
         | MaterialKindDescription::Diffuse { .. }
         | MaterialKindDescription::Mirror { .. }
         | MaterialKindDescription::Conductor { .. }
-        | MaterialKindDescription::Thin { .. } => AcceptedMaterialFields { medium: false, normal_perturbation: true },
+        | MaterialKindDescription::Thin { .. }
+        | MaterialKindDescription::CoatedDiffuse { .. } => {
+            AcceptedMaterialFields { medium: false, normal_perturbation: true }
+        }
         MaterialKindDescription::Mix { .. } => AcceptedMaterialFields { medium: false, normal_perturbation: false },
     }
 }
@@ -289,6 +314,15 @@ fn parse_conductor(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDe
 
 fn parse_thin_dielectric(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
     Ok(MaterialKindDescription::Thin { index: f.value("indexOfRefraction")?, transmittance: f.value("transmittance")? })
+}
+
+fn parse_coated_diffuse(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
+    Ok(MaterialKindDescription::CoatedDiffuse {
+        reflectance: f.value("reflectance")?,
+        index: f.value("indexOfRefraction")?,
+        roughness: f.value("roughness")?,
+        nonlinear: f.field_word_or_default("nonlinear")? == "yes",
+    })
 }
 
 /// Returns the absorption inside a dielectric, given by the field `absorption` or `tint`.
@@ -432,6 +466,7 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
         MaterialKindDescription::NullInterface { .. } => &NULL_INTERFACE,
         MaterialKindDescription::Conductor { .. } => &CONDUCTOR,
         MaterialKindDescription::Thin { .. } => &THIN,
+        MaterialKindDescription::CoatedDiffuse { .. } => &COATED_DIFFUSE,
         MaterialKindDescription::Mix { .. } => &MIX,
     };
     match &material.name {
@@ -475,6 +510,12 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
         MaterialKindDescription::Thin { index, transmittance } => {
             out.write_number("indexOfRefraction", *index)?;
             out.write_color_or_texture("transmittance", transmittance)?;
+        }
+        MaterialKindDescription::CoatedDiffuse { reflectance, index, roughness, nonlinear } => {
+            out.write_color_or_texture("reflectance", reflectance)?;
+            out.write_number("indexOfRefraction", *index)?;
+            out.write_number_or_texture("roughness", roughness)?;
+            out.write_field("nonlinear", if *nonlinear { "yes" } else { "no" })?;
         }
         MaterialKindDescription::Mix { first, second, amount } => {
             out.write_name("first", first)?;

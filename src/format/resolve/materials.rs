@@ -86,6 +86,11 @@ pub(super) fn resolve_material(
         MaterialKindDescription::Thin { index, transmittance } => {
             Material::thin_dielectric(*index as f32, r.resolve_reflectance_parameter(transmittance, requirements)?)
         }
+        MaterialKindDescription::CoatedDiffuse { reflectance, index, roughness, nonlinear } => {
+            let reflectance = r.resolve_reflectance_parameter(reflectance, requirements)?;
+            let roughness = r.resolve_fraction_parameter(roughness, requirements)?;
+            Material::coated_diffuse(reflectance, *index as f32, roughness, *nonlinear)
+        }
         MaterialKindDescription::Mix { first, second, amount } => {
             let (first, second) = (material_index(r, first)?, material_index(r, second)?);
             Material::mix(first, second, r.resolve_fraction_parameter(amount, requirements)?)

@@ -196,6 +196,10 @@ fn assign_texture_names(material: &mut MaterialDescription, textures: &[Spanned<
         MaterialKindDescription::Dielectric { roughness: degree, .. }
         | MaterialKindDescription::Conductor { roughness: degree, .. }
         | MaterialKindDescription::Mix { amount: degree, .. } => assign_texture_name(degree, textures, 0.5),
+        MaterialKindDescription::CoatedDiffuse { reflectance, roughness, .. } => {
+            assign_texture_name(reflectance, textures, DVec3::ONE);
+            assign_texture_name(roughness, textures, 0.5);
+        }
         MaterialKindDescription::NullInterface { .. } => {}
     }
     if let Some(EmissionDescription::Texture { name, .. }) = &mut material.emission {
@@ -280,6 +284,13 @@ fn random_material_parts() -> impl Strategy<Value = MaterialParts> {
             .prop_map(|(metal, roughness)| MaterialKindDescription::Conductor { metal, roughness }),
         (index(), random_textured_value(random_fractions()))
             .prop_map(|(index, transmittance)| MaterialKindDescription::Thin { index, transmittance }),
+        (random_textured_value(random_fractions()), 1.0..=4.0, random_textured_value(0.0..=1.0), any::<bool>())
+            .prop_map(|(reflectance, index, roughness, nonlinear)| MaterialKindDescription::CoatedDiffuse {
+                reflectance,
+                index,
+                roughness,
+                nonlinear
+            }),
     ];
     (kind, option::of(random_emission()), option::of(random_normal_perturbation()))
 }

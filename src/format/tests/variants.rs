@@ -24,7 +24,7 @@ macro_rules! variant_names {
 }
 
 variant_names!(MATERIAL_KINDS, material_kind_name, MaterialKindDescription:
-    Phong Diffuse Mirror Dielectric NullInterface Conductor Thin Mix);
+    Phong Diffuse Mirror Dielectric NullInterface Conductor Thin CoatedDiffuse Mix);
 variant_names!(LIGHT_KINDS, light_kind_name, LightDescription:
     Point Directional Spot Sphere Disc Rectangle Oriented Moving Environment);
 variant_names!(LIGHT_PATTERNS, light_pattern_name, LightPattern: Picture Map Profile);

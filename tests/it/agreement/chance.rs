@@ -36,3 +36,17 @@ fn integrators_agree_on_mix_of_receiver_and_caster() {
         "Diffuse a { reflectance .9 .7 .5 } Mirror b { reflectance .9 .8 .7 } Mix m { first a second b amount .4 }";
     check_methods_agree_on_floor("mix", mix);
 }
+
+#[test]
+fn integrators_agree_on_smooth_plastic() {
+    check_methods_agree_on_floor("smooth plastic", "CoatedDiffuse m { reflectance .9 .5 .2  indexOfRefraction 1.8 }");
+}
+
+#[test]
+fn integrators_agree_on_rough_plastic() {
+    for (name, roughness) in [("polished plastic", 0.15), ("matt plastic", 0.4)] {
+        let plastic =
+            format!("CoatedDiffuse m {{ reflectance .9 .5 .2  indexOfRefraction 1.8  roughness {roughness} }}");
+        check_methods_agree_on_floor(name, &plastic);
+    }
+}

@@ -32,6 +32,7 @@ fn lossless_materials() -> Vec<(&'static str, Material)> {
         ("mirror", Material::mirror(Vec3::ONE)),
         ("glass", Material::dielectric(1.5, Vec3::ZERO)),
         ("pane", Material::thin_dielectric(1.5, Vec3::ONE)),
+        ("plastic", Material::coated_diffuse(Vec3::ONE, 1.5, 0.0, true)),
         // |r| = |1 − ik|/|1 + ik| = 1.
         ("metal", Material::conductor(Vec3::ZERO, Vec3::splat(2.0), 0.0)),
     ]

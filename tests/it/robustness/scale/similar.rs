@@ -267,6 +267,7 @@ impl Similarity {
             | MaterialKindDescription::NullInterface { .. }
             | MaterialKindDescription::Conductor { .. }
             | MaterialKindDescription::Thin { .. }
+            | MaterialKindDescription::CoatedDiffuse { .. }
             | MaterialKindDescription::Mix { .. } => {}
         }
         match emission {

@@ -1,0 +1,150 @@
+//! Albedos of dielectric coats: how much light the outer side of a smooth or rough coat reflects.
+//!
+//! The albedo of a rough coat is tabulated over index, roughness α and cosine of incidence. It
+//! counts light that one microfacet reflects. All other light enters the coat.
+
+use super::fresnel::fresnel_reflectance;
+use super::microfacet::Ggx;
+use glam::{DVec3, Vec2, Vec3};
+use std::sync::OnceLock;
+
+/// Largest refractive index of a coat relative to its surroundings.
+pub const MAX_COAT_INDEX: f32 = 4.0;
+
+/// Number of tabulated indices, evenly spaced in the square root of (η − 1)/(η + 1).
+const INDICES: usize = 21;
+
+/// Largest tabulated (η − 1)/(η + 1), for [`MAX_COAT_INDEX`].
+const MAX_RATIO: f32 = 0.6;
+
+/// Number of tabulated roughnesses from 0 to 1, evenly spaced in √α.
+const ALPHAS: usize = 16;
+
+/// Number of tabulated cosines from 0 to 1, evenly spaced in √cosθ.
+const COSINES: usize = 32;
+
+/// Numbers of a Fibonacci lattice of visible microfacets, over which a node averages.
+const FACETS: (usize, usize) = (610, 377);
+
+/// Cosine that stands for the horizon, where the formulas divide by 0.
+const HORIZON_COSINE: f64 = 1e-4;
+
+/// Albedos at the nodes of all tabulated parameters, and their means over the hemisphere.
+struct CoatAlbedoTable {
+    /// Albedo by index, α and cosine.
+    directional: Vec<[[f32; COSINES]; ALPHAS]>,
+    /// Cosine-weighted mean over the hemisphere, by index and α.
+    mean: Vec<[f32; ALPHAS]>,
+}
+
+/// Returns the part of light from a direction of cosine `cos` that a coat reflects.
+///
+/// `eta` in \[1, 4] is the refractive index relative to the surroundings, `alpha` in \[0, 1] the
+/// GGX roughness. A smooth coat has its Fresnel reflectance. The error of a rough coat is at most
+/// 0.015, at grazing angles; elsewhere it is below 0.001.
+#[inline]
+pub(super) fn coat_albedo(cos: f32, eta: f32, alpha: f32) -> f32 {
+    if alpha == 0.0 {
+        return fresnel_reflectance(f64::from(cos.min(1.0)), f64::from(eta)).0 as f32;
+    }
+    let (x, y) = (node_position(cos.min(1.0).sqrt(), COSINES), node_position(alpha.sqrt(), ALPHAS));
+    let table = coat_albedo_table();
+    interpolate(index_position(eta), |i| interpolate(y, |j| interpolate(x, |k| table.directional[i][j][k])))
+}
+
+/// Returns the part of diffuse light that a coat reflects on its outer side: the cosine-weighted
+/// mean of [`coat_albedo`].
+pub(super) fn mean_coat_albedo(eta: f32, alpha: f32) -> f32 {
+    if alpha == 0.0 {
+        return mean_fresnel_reflectance(f64::from(eta)) as f32;
+    }
+    let table = coat_albedo_table();
+    interpolate(index_position(eta), |i| interpolate(node_position(alpha.sqrt(), ALPHAS), |j| table.mean[i][j]))
+}
+
+/// Cosine-weighted mean over the hemisphere of the Fresnel reflectance at index `eta` > 1, by the
+/// closed form of Walsh (1926).
+fn mean_fresnel_reflectance(eta: f64) -> f64 {
+    let (n, n2) = (eta, eta * eta);
+    let n4 = n2 * n2;
+    let (minus, plus, rest) = (n2 - 1.0, n2 + 1.0, n4 - 1.0);
+    0.5 + (n - 1.0) * (3.0 * n + 1.0) / (6.0 * (n + 1.0) * (n + 1.0))
+        + n2 * minus * minus / (plus * plus * plus) * libm::log((n - 1.0) / (n + 1.0))
+        - 2.0 * n2 * n * (n2 + 2.0 * n - 1.0) / (plus * rest)
+        + 8.0 * n4 * (n4 + 1.0) / (plus * rest * rest) * libm::log(n)
+}
+
+/// Returns the table, which is computed at the first call.
+fn coat_albedo_table() -> &'static CoatAlbedoTable {
+    static TABLE: OnceLock<CoatAlbedoTable> = OnceLock::new();
+    TABLE.get_or_init(|| {
+        let fraction = |i: usize, n: usize| i as f64 / (n - 1) as f64;
+        let node = |i: usize, j: usize, k: usize| {
+            let (root, alpha, cos) = (fraction(i, INDICES), fraction(j, ALPHAS), fraction(k, COSINES));
+            let ratio = f64::from(MAX_RATIO) * root * root;
+            rough_albedo((cos * cos).max(HORIZON_COSINE), (1.0 + ratio) / (1.0 - ratio), alpha * alpha) as f32
+        };
+        let directional: Vec<_> =
+            (0..INDICES).map(|i| std::array::from_fn(|j| std::array::from_fn(|k| node(i, j, k)))).collect();
+        let mean = directional.iter().map(|alphas: &[[f32; COSINES]; ALPHAS]| alphas.map(|a| mean_of_cosines(&a)));
+        CoatAlbedoTable { mean: mean.collect(), directional }
+    })
+}
+
+/// Integrates the light that microfacets reflect from a direction of cosine `cos`.
+fn rough_albedo(cos: f64, eta: f64, alpha: f64) -> f64 {
+    if alpha == 0.0 {
+        return fresnel_reflectance(cos, eta).0;
+    }
+    let (ggx, wo) = (Ggx::new(alpha as f32), DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos));
+    let mut sum = 0.0;
+    let (facets, generator) = FACETS;
+    for i in 0..facets {
+        let u = (Vec2::new(i as f32, (i * generator % facets) as f32) + 0.5) / facets as f32;
+        let m = ggx.sample_visible_normal(wo, Vec3::Z, u);
+        let cos_m = wo.dot(m);
+        let cos_i = 2.0 * cos_m * m.z - wo.z;
+        if cos_i > 0.0 && cos_m > 0.0 {
+            let seen = ggx.unshadowed_microfacet_fraction(ggx.reflection_masking_shadowing(cos, cos_i), cos, cos_i);
+            sum += fresnel_reflectance(cos_m.min(1.0), eta).0 * seen;
+        }
+    }
+    sum / facets as f64
+}
+
+/// Cosine-weighted mean ∫ 2 cosθ R dcosθ of values that are linear in √cosθ between nodes.
+fn mean_of_cosines(values: &[f32; COSINES]) -> f32 {
+    // With t = √cosθ, the integral is ∫ 4t³ R(t) dt.
+    let step = 1.0 / (COSINES - 1) as f64;
+    let segment = |k: usize| {
+        let (a, b) = (k as f64 * step, (k + 1) as f64 * step);
+        let (low, high) = (f64::from(values[k]), f64::from(values[k + 1]));
+        let slope = (high - low) / step;
+        let power = |t: f64| t * t * t * t * (low - slope * a + 0.8 * slope * t);
+        power(b) - power(a)
+    };
+    (0..COSINES - 1).map(segment).sum::<f64>() as f32
+}
+
+/// Returns the tabulated index below `eta`, and the fraction of the way to the next one.
+#[inline]
+fn index_position(eta: f32) -> (usize, f32) {
+    node_position(((eta - 1.0) / (eta + 1.0) / MAX_RATIO).max(0.0).sqrt(), INDICES)
+}
+
+/// Returns the node below `x` in \[0, 1], and the fraction of the way to the next node.
+#[inline]
+fn node_position(x: f32, nodes: usize) -> (usize, f32) {
+    let position = x.clamp(0.0, 1.0) * (nodes - 1) as f32;
+    let node = (position as usize).min(nodes - 2);
+    (node, position - node as f32)
+}
+
+/// Interpolates `value` linearly between a node and the next one.
+#[inline]
+fn interpolate((node, fraction): (usize, f32), value: impl Fn(usize) -> f32) -> f32 {
+    value(node) * (1.0 - fraction) + value(node + 1) * fraction
+}
+
+#[cfg(test)]
+mod tests;

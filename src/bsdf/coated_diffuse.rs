@@ -1,0 +1,243 @@
+//! Diffuse surfaces under a dielectric coat, such as plastic or varnished wood.
+
+use super::coat_albedo::{coat_albedo, mean_coat_albedo};
+use super::fresnel::fresnel_reflectance;
+use super::microfacet::Ggx;
+use super::{Bsdf, BsdfSample, NonSpecularSample, PHOTON_STORAGE_ALPHA, SMOOTH_ALPHA, dielectric, face_forward};
+use crate::color::{self, Rgb};
+use crate::math::{Frame, warp};
+use glam::{Vec2, Vec3};
+use std::f32::consts::FRAC_1_PI;
+
+/// Index of a coat below which it counts as absent. Its mean reflectance is below 10⁻⁴.
+const MIN_COAT_INDEX: f32 = 1.0001;
+
+/// Index of a rough coat below which it counts as smooth. Tabulated albedos begin there.
+const MIN_ROUGH_COAT_INDEX: f32 = 1.01;
+
+/// Reflection on the outside of a dielectric coat, smooth or with GGX microfacets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DielectricCoat {
+    /// Refractive index relative to the surroundings.
+    eta: f32,
+    /// GGX roughness α; 0 if the coat is smooth.
+    alpha: f32,
+    /// Factor of the reflectance: 1 over the probability with which the coat was selected.
+    weight: f32,
+}
+
+/// A Lambertian base under a dielectric coat, with the light that is reflected between them.
+///
+/// The base has the BRDF T(θₒ)·T(θᵢ)·ρ / (π η² (1 − ρF)). T is the transmittance of the coat from
+/// the outside, ρ the reflectance of the base, and F the diffuse reflectance of the coat from the
+/// inside. A white base reflects all light that enters, so the whole loses none,
+/// within the error of tabulated albedos if the coat is rough.
+///
+/// If the roughness of the coat exceeds [`PHOTON_STORAGE_ALPHA`], this BSDF includes reflection on
+/// the coat. Otherwise it is the base alone, and [`Bsdf::select_layer`] chooses base or coat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoatedDiffuse {
+    /// Factor ρ / (η² (1 − ρF)), over the probability with which the base was selected.
+    base: Rgb,
+    /// Part of the entering light that leaves again, as the mean of the channels.
+    base_albedo: f32,
+    /// Refractive index of the coat relative to the surroundings.
+    eta: f32,
+    /// GGX roughness α of the coat; 0 if it is smooth.
+    alpha: f32,
+}
+
+impl DielectricCoat {
+    /// GGX roughness α; 0 if the coat is smooth.
+    #[inline]
+    pub(super) fn alpha(&self) -> f32 {
+        self.alpha
+    }
+
+    /// Returns the weighted Fresnel reflectance; `cos` is the cosine of the angle of incidence.
+    #[inline]
+    fn reflectance(&self, cos: f64) -> f32 {
+        self.weight * fresnel_reflectance(cos.clamp(0.0, 1.0), f64::from(self.eta)).0 as f32
+    }
+
+    /// BRDF f(wo, wi) \[1/sr]; 0 for a smooth coat. `wo` and `wi` must be on one side of the
+    /// shading normal `n`.
+    #[inline]
+    pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
+        if self.alpha == 0.0 {
+            return Rgb::ZERO;
+        }
+        let (ggx, o, i, n) = (Ggx::new(self.alpha), wo.as_dvec3(), wi.as_dvec3(), n.as_dvec3());
+        let facet = ggx.reflecting_facet(o, i, n);
+        let g2 = ggx.reflection_masking_shadowing(o.dot(n).abs(), i.dot(n).abs());
+        Rgb::splat(self.reflectance(facet.cos) * (0.25 * facet.density * g2) as f32)
+    }
+
+    /// Solid-angle pdf \[1/sr] with which [`DielectricCoat::sample`] samples `wi`; 0 for a smooth
+    /// coat.
+    ///
+    /// `wo` and `wi` must be on one side of the shading normal `n`.
+    #[inline]
+    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
+        if self.alpha == 0.0 {
+            return 0.0;
+        }
+        let (ggx, o, n) = (Ggx::new(self.alpha), wo.as_dvec3(), n.as_dvec3());
+        ggx.scattered_direction_pdf(&ggx.reflecting_facet(o, wi.as_dvec3(), n), o.dot(n).abs()) as f32
+    }
+
+    /// Samples the direction of reflection by `u` in \[0, 1)².
+    ///
+    /// `n` is the shading normal on the side of `wo`, and `ng` the geometric normal. Returns `None`
+    /// if the reflected direction points into the surface.
+    #[inline]
+    pub(super) fn sample(&self, wo: Vec3, n: Vec3, ng: Vec3, u: Vec2) -> Option<BsdfSample> {
+        if self.alpha == 0.0 {
+            let (wi, uses_geometric_normal) = dielectric::reflect_above_surface(wo, n, ng);
+            let cos = f64::from(wo.dot((wo + wi).normalize_or_zero()));
+            let weight = Rgb::splat(self.reflectance(cos));
+            return Some(BsdfSample::specular_sample(wi, weight, false, uses_geometric_normal));
+        }
+        let wi = self.sample_facet(wo, n, u)?;
+        let pdf = self.pdf(wo, wi, n);
+        let weight = self.evaluate(wo, wi, n) * (wi.dot(n) / pdf);
+        (pdf > 0.0).then(|| BsdfSample::non_specular_sample(wi, weight, pdf, false))
+    }
+
+    /// Samples a unit direction of reflection at a visible microfacet of a rough coat; `None` if it
+    /// points into the surface. `n` is on the side of `wo`.
+    #[inline]
+    fn sample_facet(&self, wo: Vec3, n: Vec3, u: Vec2) -> Option<Vec3> {
+        let o = wo.as_dvec3();
+        let m = Ggx::new(self.alpha).sample_visible_normal(o, n, u);
+        let wi = (m * (2.0 * o.dot(m)) - o).normalize().as_vec3();
+        (wi.dot(n) > 0.0).then_some(wi)
+    }
+}
+
+impl CoatedDiffuse {
+    /// Creates the BSDF from the base's reflectance in \[0, 1], and the coat's relative index `eta`
+    /// in \[1, 4] and roughness `alpha` in \[0, 1].
+    ///
+    /// If `nonlinear` is false, F counts for a white base: 1 − ρF becomes 1 − F (compare Mitsuba's
+    /// `plastic`). Light between coat and base then does not make colours deeper, and the BSDF is
+    /// proportional to ρ.
+    fn new(reflectance: Rgb, eta: f32, alpha: f32, nonlinear: bool) -> Self {
+        let alpha = if alpha < SMOOTH_ALPHA || eta < MIN_ROUGH_COAT_INDEX { 0.0 } else { alpha };
+        // What passes outwards is what passes inwards over η², because interfaces are reciprocal.
+        let mean_transmittance = 1.0 - mean_coat_albedo(eta, alpha);
+        let leaving = mean_transmittance / (eta * eta);
+        // 1 − ρF = 1 − ρ + ρ·leaving does not cancel if the base is nearly white.
+        let absorbed = if nonlinear { Rgb::ONE - reflectance } else { Rgb::ZERO };
+        let counted = if nonlinear { reflectance } else { Rgb::ONE };
+        let base = reflectance / (absorbed + counted * leaving) / (eta * eta);
+        Self { base, base_albedo: color::channel_mean(base) * mean_transmittance, eta, alpha }
+    }
+
+    /// The BSDF of the coat alone, divided by `probability`.
+    fn coat(&self, probability: f32) -> DielectricCoat {
+        DielectricCoat { eta: self.eta, alpha: self.alpha, weight: 1.0 / probability }
+    }
+
+    /// True if this BSDF includes reflection on the coat.
+    #[inline]
+    fn includes_coat(&self) -> bool {
+        self.alpha > PHOTON_STORAGE_ALPHA
+    }
+
+    /// The coat's BSDF if the coat is so smooth that it is selected apart from the base.
+    pub(super) fn separate_coat(&self) -> Option<DielectricCoat> {
+        (!self.includes_coat()).then(|| self.coat(1.0))
+    }
+
+    /// Part of light from direction `w` that enters the coat.
+    #[inline]
+    fn transmittance(&self, w: Vec3, n: Vec3) -> f32 {
+        1.0 - coat_albedo(w.dot(n).abs(), self.eta, self.alpha)
+    }
+
+    /// Returns the albedos of the coat and of the base for light from `wo`.
+    #[inline]
+    fn layer_albedos(&self, wo: Vec3, n: Vec3) -> (f32, f32) {
+        let transmittance = self.transmittance(wo, n);
+        (1.0 - transmittance, transmittance * self.base_albedo)
+    }
+
+    /// Selects base or coat by `u` in \[0, 1), with probabilities in proportion to their albedos
+    /// for `wo`; see [`Bsdf::select_layer`].
+    pub(super) fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Bsdf {
+        if self.includes_coat() {
+            return Bsdf::CoatedDiffuse(self);
+        }
+        let (coat, base) = self.layer_albedos(wo, ns);
+        let base_probability = base / (coat + base);
+        if u < base_probability {
+            let scale = 1.0 / base_probability;
+            Bsdf::CoatedDiffuse(Self { base: self.base * scale, base_albedo: self.base_albedo * scale, ..self })
+        } else {
+            Bsdf::DielectricCoat(self.coat(coat / (coat + base)))
+        }
+    }
+
+    /// BRDF f(wo, wi) \[1/sr]. `wo` and `wi` must be on one side of the shading normal `n`.
+    #[inline]
+    pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
+        let base = self.base * (self.transmittance(wo, n) * self.transmittance(wi, n) * FRAC_1_PI);
+        if self.includes_coat() { base + self.coat(1.0).evaluate(wo, wi, n) } else { base }
+    }
+
+    /// Probability of sampling the coat.
+    #[inline]
+    fn coat_probability(&self, wo: Vec3, n: Vec3) -> f32 {
+        if !self.includes_coat() {
+            return 0.0;
+        }
+        let (coat, base) = self.layer_albedos(wo, n);
+        if base > 0.0 { coat / (coat + base) } else { 1.0 }
+    }
+
+    /// Solid-angle pdf \[1/sr] with which [`CoatedDiffuse::sample`] samples `wi`. `wo` and `wi`
+    /// must be on one side of the shading normal `n`.
+    #[inline]
+    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
+        let (cosine, coat) = (warp::cosine_hemisphere_pdf(wi.dot(n).abs()), self.coat_probability(wo, n));
+        if coat == 0.0 { cosine } else { coat * self.coat(1.0).pdf(wo, wi, n) + (1.0 - coat) * cosine }
+    }
+
+    /// Samples base or coat; `n` is on the side of `wo`.
+    ///
+    /// `lobe` in \[0, 1) selects the layer, and `u` in \[0, 1)² the direction. Returns `None` if
+    /// the direction points into the surface.
+    #[inline]
+    pub(super) fn sample(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
+        let n = face_forward(n, wo);
+        let wi = if lobe < self.coat_probability(wo, n) {
+            self.coat(1.0).sample_facet(wo, n, u)?
+        } else {
+            Frame::from_normal(n).to_world(warp::square_to_cosine_hemisphere(u))
+        };
+        let cos = wi.dot(n);
+        if cos <= 0.0 {
+            return None;
+        }
+        let pdf = self.pdf(wo, wi, n);
+        let weight = self.evaluate(wo, wi, n) * (cos / pdf);
+        (pdf > 0.0).then_some(NonSpecularSample { wi, weight, pdf, is_transmitted: false })
+    }
+}
+
+impl Bsdf {
+    /// Creates a diffuse surface of `reflectance` in \[0, 1] under a dielectric coat.
+    ///
+    /// `eta` in \[1, 4] is the coat's index relative to the surroundings, `alpha` in \[0, 1] its
+    /// GGX roughness. `nonlinear` is that of [`CoatedDiffuse`]: true if interreflection makes
+    /// colours deeper. The BSDF is Lambertian if `eta` is so near to 1 that the coat has no effect.
+    #[must_use]
+    pub fn coated_diffuse(reflectance: Rgb, eta: f32, alpha: f32, nonlinear: bool) -> Self {
+        if eta < MIN_COAT_INDEX {
+            Self::Diffuse(reflectance)
+        } else {
+            Self::CoatedDiffuse(CoatedDiffuse::new(reflectance, eta, alpha, nonlinear))
+        }
+    }
+}
