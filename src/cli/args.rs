@@ -169,8 +169,8 @@ pub struct EffectsArguments {
 /// Flags for reading scenes of other programs.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ImportArguments {
-    /// Format of the scene, by its file extension: txt, gltf or glb  [default: by the extension of
-    /// the file]
+    /// Format of the scene, by its file extension: txt, gltf, glb or xml  [default: by the
+    /// extension of the file]
     #[arg(long, value_parser = parse_scene_format, value_name = "EXTENSION")]
     pub format: Option<String>,
 
@@ -178,7 +178,7 @@ pub struct ImportArguments {
     #[arg(long)]
     pub strict: bool,
 
-    /// Let a glTF file name files outside its own folder
+    /// Let a scene of another program name files outside its own folder
     #[arg(long)]
     pub allow_outside: bool,
 }
@@ -194,7 +194,7 @@ impl ImportArguments {
 /// The scene file, and flags for picture size, threads and memory.
 #[derive(Debug, Args)]
 pub struct SceneArguments {
-    /// Scene file: scene text, .gltf or .glb
+    /// Scene file: scene text, .gltf, .glb or .xml
     pub scene: PathBuf,
 
     #[command(flatten)]

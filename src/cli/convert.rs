@@ -6,11 +6,12 @@ use super::progress::{InputFileCollector, print_message};
 use super::scene::{import_warnings, read_scene_file};
 use super::{CommandFailure, Exit};
 use crate::format::ConvertedScene;
+use crate::format::grid::{self, GridEncoding};
 use crate::format::mesh::MeshFormat;
 use crate::image::{self, WriteOptions, replace_file_with};
 use crate::stats::MemoryLimit;
 use clap::Args;
-use std::io::Write;
+use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 
 /// Arguments of `convert`.
@@ -19,7 +20,7 @@ pub struct ConvertArguments {
     /// Scene to read
     pub scene: PathBuf,
 
-    /// Scene text to write. Meshes and pictures that the scene itself holds become files beside it
+    /// Scene text to write. Meshes, pictures and grids of the scene become files beside it
     #[arg(required_unless_present = "output_flag")]
     pub output: Option<PathBuf>,
 
@@ -57,7 +58,8 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, CommandFailure> 
     let conversion = ConvertedScene::new(&scene, &output);
     let meshes = conversion.meshes.iter().map(|(path, _)| path);
     let pictures = conversion.pictures.iter().map(|(path, _)| path);
-    let outputs: Vec<&PathBuf> = std::iter::once(&output).chain(meshes).chain(pictures).collect();
+    let grids = conversion.grids.iter().map(|(path, _)| path);
+    let outputs: Vec<&PathBuf> = std::iter::once(&output).chain(meshes).chain(pictures).chain(grids).collect();
     let named: Vec<FileWithRole> = outputs.iter().map(|path| FileWithRole::new("the output", path)).collect();
     let mut inputs = vec![FileWithRole::new("the scene file", &arguments.scene)];
     let read_files = files.into_input_paths();
@@ -72,6 +74,11 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, CommandFailure> 
     }
     for (path, picture) in &conversion.pictures {
         failures.ok_or_collect_error(image::write(path, picture, &WriteOptions::default()));
+    }
+    for (path, grid) in &conversion.grids {
+        let encoding = GridEncoding::F32;
+        failures
+            .ok_or_collect_error(replace_file_with(path, |file| grid::write_to(BufWriter::new(file), grid, encoding)));
     }
     let written = replace_file_with(&output, |file| file.write_all(conversion.text.as_bytes()));
     if failures.ok_or_collect_error(written).is_some() {

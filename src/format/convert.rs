@@ -1,10 +1,12 @@
-//! Converts an imported scene to scene text, with separate files for embedded meshes and pictures.
+//! Converts an imported scene to scene text, with separate files for embedded meshes, pictures and
+//! grids.
 
 use super::description::{
     DensityDescription, GroupItem, ObjectDescription, ObjectGroup, SceneDescription, ShapeDescription, Spanned,
     TextureKindDescription,
 };
 use super::file::SceneFile;
+use super::grid::DensityGrid;
 use super::mesh::TriangleMesh;
 use super::resolve::candidate_file_paths;
 use crate::image::Image;
@@ -12,7 +14,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A scene converted to scene text. Its embedded meshes and pictures become separate files.
+/// A scene converted to scene text. Its embedded meshes, pictures and grids become separate files.
 #[derive(Clone, Debug)]
 pub struct ConvertedScene {
     /// Text of the scene in the scene language.
@@ -21,6 +23,8 @@ pub struct ConvertedScene {
     pub meshes: Vec<(PathBuf, Arc<TriangleMesh>)>,
     /// Embedded pictures, each with the path of the OpenEXR file to write.
     pub pictures: Vec<(PathBuf, Arc<Image>)>,
+    /// Embedded density grids, each with the path of the grid file to write.
+    pub grids: Vec<(PathBuf, Arc<DensityGrid>)>,
     /// Paths of existing files that the text names, such as meshes and pictures.
     pub named_files: Vec<PathBuf>,
 }
@@ -28,15 +32,16 @@ pub struct ConvertedScene {
 impl ConvertedScene {
     /// Converts a scene to text for the file `output`; writes no file.
     ///
-    /// Names of mesh and picture files begin with the stem of `output`. If `output` is not in the
-    /// scene's folder, relative paths of existing files become absolute.
+    /// Names of mesh, picture and grid files begin with the stem of `output`. If `output` is not in
+    /// the scene's folder, relative paths of existing files become absolute.
     #[must_use]
     pub fn new(scene: &SceneFile, output: &Path) -> Self {
         let mut description = scene.description.clone();
         let folder = output.parent().unwrap_or(Path::new(""));
         let stem = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut names: BTreeMap<String, String> = BTreeMap::new();
-        let (mut meshes, mut pictures, mut named_files) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut meshes, mut pictures, mut grids) = (Vec::new(), Vec::new(), Vec::new());
+        let mut named_files = Vec::new();
         for (i, (path, mesh)) in scene.assets.meshes.iter().enumerate() {
             let name = format!("{stem}-mesh{i}.ply");
             meshes.push((folder.join(&name), Arc::clone(mesh)));
@@ -45,6 +50,11 @@ impl ConvertedScene {
         for (i, (path, picture)) in scene.assets.pictures.iter().enumerate() {
             let name = format!("{stem}-picture{i}.exr");
             pictures.push((folder.join(&name), Arc::clone(picture)));
+            names.insert(path.clone(), name);
+        }
+        for (i, (path, grid)) in scene.assets.grids.iter().enumerate() {
+            let name = format!("{stem}-grid{i}.grid");
+            grids.push((folder.join(&name), Arc::clone(grid)));
             names.insert(path.clone(), name);
         }
         let same_folder = canonical_path(folder) == canonical_path(scene.folder());
@@ -62,7 +72,7 @@ impl ConvertedScene {
             }
             named_files.push(file);
         });
-        Self { text: description.to_string(), meshes, pictures, named_files }
+        Self { text: description.to_string(), meshes, pictures, grids, named_files }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The interface of scene importers: trait, result, embedded assets and errors.
 
 use super::description::SceneDescription;
+use super::grid::DensityGrid;
 use super::mesh::{MeshReadMonitor, TriangleMesh};
 use super::{SceneError, SourceText};
 use crate::image::Image;
@@ -72,8 +73,8 @@ pub struct ImportedScene {
     pub notes: Vec<ImportNote>,
 }
 
-/// Meshes and pictures that a scene file itself contains, with the paths by which its description
-/// names them.
+/// Meshes, pictures and grids that a scene file itself contains, with the paths by which its
+/// description names them.
 ///
 /// A path that is listed here is not looked up in the file system.
 #[derive(Clone, Debug, Default)]
@@ -82,13 +83,15 @@ pub struct EmbeddedAssets {
     pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
     /// Pictures of textures and lights; their values are linear.
     pub pictures: BTreeMap<String, Arc<Image>>,
+    /// Density grids of media.
+    pub grids: BTreeMap<String, Arc<DensityGrid>>,
 }
 
 impl EmbeddedAssets {
-    /// True if `path` names an embedded mesh or picture.
+    /// True if `path` names an embedded mesh, picture or grid.
     #[must_use]
     pub fn contains(&self, path: &str) -> bool {
-        self.meshes.contains_key(path) || self.pictures.contains_key(path)
+        self.meshes.contains_key(path) || self.pictures.contains_key(path) || self.grids.contains_key(path)
     }
 }
 

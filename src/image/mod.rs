@@ -31,5 +31,6 @@ pub use read::{
 pub use relative::RelativeErrorWeights;
 pub use replace::{canonical_output_path, check_replaceable, replace_file, replace_file_with};
 pub(crate) use rgba::{RgbaLevels, decode_rgba_levels};
+pub(crate) use tone::srgb_decode;
 pub use tone::{ClippedPixelReport, MAX_EXPOSURE_STOPS, ToneCurve, ToneMap, UnknownToneCurve};
 pub use write::{OutputFormat, check_writable, encode, write};

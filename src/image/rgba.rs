@@ -1,4 +1,4 @@
-//! Decoding of PNG and JPEG pictures with alpha, for scenes of other programs.
+//! Decoding of PNG, JPEG and BMP pictures with alpha, for scenes of other programs.
 
 use super::buffer::pixel_count;
 use super::error::{DecodeFailure, ReadError, check_compression_ratio, check_memory};
@@ -33,7 +33,7 @@ const DECODED_BYTES_PER_PIXEL: u64 = 16;
 /// Memory that a decoder may allocate for tables, in addition to the memory for pixels \[bytes].
 const DECODER_BYTES: u64 = 1 << 20;
 
-/// Decodes a PNG or JPEG picture; `Ok(None)` for another format. Errors name `path`.
+/// Decodes a PNG, JPEG or BMP picture; `Ok(None)` for another format. Errors name `path`.
 ///
 /// Fails if decoding needs more than `free` bytes of memory; `None` is no limit.
 ///
@@ -41,7 +41,7 @@ const DECODER_BYTES: u64 = 1 << 20;
 /// [`ReadError`] if the picture is damaged or too large.
 pub(crate) fn decode_rgba_levels(path: &Path, file: &[u8], free: Option<u64>) -> Result<Option<RgbaLevels>, ReadError> {
     let format = match ::image::guess_format(file) {
-        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
+        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Bmp)) => format,
         Ok(_) | Err(_) => return Ok(None),
     };
     decode_levels(file, format, free).map(Some).map_err(|failure| failure.into_read_error(path.to_owned()))
@@ -51,7 +51,8 @@ fn decode_levels(file: &[u8], format: ImageFormat, free: Option<u64>) -> Result<
     let reason = |error: ImageError| DecodeFailure::Reason(error.to_string());
     let (width, height) = ImageReader::with_format(Cursor::new(file), format).into_dimensions().map_err(reason)?;
     let pixels = pixel_count(width, height)?;
-    // A PNG has at least one bit per pixel. A JPEG codes each block of 64 pixels by a bit or more.
+    // A PNG or BMP has at least one bit per pixel. A JPEG codes each block of 64 pixels by a bit or
+    // more.
     check_compression_ratio(pixels as u64 / 8, file.len())?;
     check_memory(pixels, free)?;
     let mut reader = ImageReader::with_format(Cursor::new(file), format);

@@ -164,7 +164,7 @@ pub(super) fn srgb_encode(linear: f64) -> f64 {
 }
 
 /// Linear value of an sRGB signal in \[0, 1] (IEC 61966-2-1).
-pub(super) fn srgb_decode(signal: f64) -> f64 {
+pub(crate) fn srgb_decode(signal: f64) -> f64 {
     if signal <= 0.040_45 { signal / 12.92 } else { libm::pow((signal + 0.055) / 1.055, 2.4) }
 }
 

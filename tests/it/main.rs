@@ -9,6 +9,7 @@ mod cli;
 mod course;
 mod gltf;
 mod golden;
+mod mitsuba;
 mod plan;
 mod report;
 mod robustness;

@@ -1,7 +1,7 @@
 //! The container and JSON of a glTF file.
 
 use super::context::{FileContext, ReadResult};
-use super::notes::ImportNotes;
+use crate::format::import_notes::ImportNotes;
 use gltf::json::validation::{Checked, Error as Defect, Validate};
 use gltf::json::{Image, Path as JsonPath, Root};
 use gltf::{Document, Semantic};

@@ -2,7 +2,7 @@
 
 use super::accessors::Buffers;
 use super::context::{FileContext, ReadResult};
-use super::notes::ImportNotes;
+use crate::format::import_notes::ImportNotes;
 use crate::format::mesh::{TriangleMesh, unit_normal};
 use glam::{DVec2, DVec3, DVec4};
 use gltf::mesh::Mode;

@@ -1,13 +1,13 @@
 //! Materials of a glTF file as materials of the scene language.
 
 use super::context::{FileContext, ReadResult};
-use super::notes::ImportNotes;
 use super::pictures::{Pictures, TextureReference, TextureUse, TextureValues};
 use crate::format::description::{
     DielectricAbsorption, EmissionDescription, GroupItem, MaterialDescription, MaterialKindDescription,
     MetalDescription, NormalPerturbationDescription, ObjectGroup, RefractiveIndexDescription, Span, Spanned,
     TexturedValue,
 };
+use crate::format::import_notes::ImportNotes;
 use glam::{DVec3, DVec4};
 use gltf::material::AlphaMode;
 use std::collections::{HashMap, HashSet};

@@ -5,23 +5,23 @@ mod context;
 mod document;
 mod geometry;
 mod materials;
-mod notes;
 mod pictures;
 mod scene;
 #[cfg(test)]
 mod tests;
 
 use super::description::{EnvironmentRadiance, LightDescription, SceneDescription, Span, Spanned};
+use super::framing::framing_camera;
 use super::import::{EmbeddedAssets, ImportOptions, ImportedScene, SceneImporter, SceneReadError};
+use super::import_notes::ImportNotes;
 use super::mesh::MeshReadMonitor;
 use accessors::Buffers;
 use context::FileContext;
 use document::{GltfFile, parse_document};
 use glam::DVec3;
 use materials::Materials;
-use notes::ImportNotes;
 use pictures::Pictures;
-use scene::{framing_camera, read_scene};
+use scene::read_scene;
 use std::path::Path;
 
 /// Importer of glTF 2.0.
@@ -86,6 +86,6 @@ fn import_bytes(context: &FileContext<'_>, bytes: &[u8]) -> Result<ImportedScene
         materials: descriptions,
         root: content.root,
     };
-    let assets = EmbeddedAssets { meshes: content.meshes, pictures };
+    let assets = EmbeddedAssets { meshes: content.meshes, pictures, ..EmbeddedAssets::default() };
     Ok(ImportedScene { description, source: context.source(), assets, notes: notes.into_notes() })
 }

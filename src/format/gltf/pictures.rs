@@ -2,11 +2,11 @@
 
 use super::accessors::Buffers;
 use super::context::{FileContext, ReadResult};
-use super::notes::ImportNotes;
 use crate::color::Rgb;
 use crate::format::description::{
     PictureEncoding, Span, Spanned, TexcoordTransformDescription, TextureDescription, TextureKindDescription, WrapMode,
 };
+use crate::format::import_notes::ImportNotes;
 use crate::image::{Image, RgbaLevels, decode_rgba_levels};
 use glam::{DVec2, DVec3, Vec3};
 use gltf::image::Source;

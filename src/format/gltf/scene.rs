@@ -4,12 +4,13 @@ use super::accessors::Buffers;
 use super::context::{FileContext, ReadResult};
 use super::geometry::{mean_vertex_color, read_primitive};
 use super::materials::Materials;
-use super::notes::ImportNotes;
 use crate::format::description::{
     CameraDescription, DirectionOrTarget, DirectionalLightStrength, GroupItem, LightDescription, MeshOptions,
     ObjectDescription, ObjectGroup, PointLightStrength, ProjectionDescription, ShapeDescription, Span, Spanned,
     TransformStep,
 };
+use crate::format::framing::{DEFAULT_ASPECT_RATIO, camera_description};
+use crate::format::import_notes::ImportNotes;
 use crate::format::mesh::TriangleMesh;
 use crate::math::Transform;
 use glam::{DAffine3, DMat4, DQuat, DVec3};
@@ -20,15 +21,6 @@ use std::sync::Arc;
 
 /// Luminous flux of one watt \[lm/W]: luminous units of the file are divided by it.
 const LUMENS_PER_WATT: f64 = 683.0;
-
-/// Height of pictures \[pixels], because glTF files do not state it.
-const PICTURE_HEIGHT: f64 = 720.0;
-
-/// Ratio of width to height of pictures if the camera does not give one.
-const DEFAULT_ASPECT_RATIO: f64 = 4.0 / 3.0;
-
-/// Largest ratio of width to height, and its inverse.
-const MAX_ASPECT_RATIO: f64 = 20.0;
 
 /// Estimated bytes of memory for each object: its description and its place in the scene.
 const MEMORY_PER_INSTANCE: u64 = 1_500;
@@ -354,38 +346,6 @@ impl NodeWalker<'_, '_> {
         self.content.lights.push(Spanned::new(description, Span::default()));
         Ok(())
     }
-}
-
-/// Returns a camera whose picture is [`PICTURE_HEIGHT`] pixels high.
-fn camera_description(
-    center: DVec3,
-    direction: DVec3,
-    up: DVec3,
-    (projection, aspect): (ProjectionDescription, f64),
-) -> CameraDescription {
-    let aspect =
-        if aspect > 0.0 { aspect.clamp(1.0 / MAX_ASPECT_RATIO, MAX_ASPECT_RATIO) } else { DEFAULT_ASPECT_RATIO };
-    CameraDescription {
-        center,
-        aim: DirectionOrTarget::Direction(direction),
-        up,
-        projection,
-        width: (PICTURE_HEIGHT * aspect).round() as u32,
-        height: PICTURE_HEIGHT as u32,
-        motion: Vec::new(),
-    }
-}
-
-/// Returns a camera that sees everything within the bounds from above, in front and to the right.
-pub(super) fn framing_camera((low, high): (DVec3, DVec3)) -> CameraDescription {
-    const ANGLE: f64 = 40.0;
-    let (center, radius) =
-        if low.cmple(high).all() { (0.5 * low + 0.5 * high, 0.5 * (high - low).length()) } else { (DVec3::ZERO, 1.0) };
-    let radius = if radius > 0.0 && radius.is_finite() { radius } else { 1.0 };
-    let direction = DVec3::new(-0.5, -0.4, -1.0).normalize();
-    let distance = 1.05 * radius / libm::sin((0.5 * ANGLE).to_radians());
-    let projection = ProjectionDescription::Perspective { angle: ANGLE, lens: None };
-    camera_description(center - direction * distance, direction, DVec3::Y, (projection, DEFAULT_ASPECT_RATIO))
 }
 
 /// Returns the name of a node for messages.

@@ -116,7 +116,14 @@ pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) 
 /// # Errors
 /// The cause reported by the system.
 pub fn write(path: &Path, grid: &DensityGrid, encoding: GridEncoding) -> std::io::Result<()> {
-    let mut out = BufWriter::new(File::create(path)?);
+    write_to(BufWriter::new(File::create(path)?), grid, encoding)
+}
+
+/// Writes the content of a grid file to `out`.
+///
+/// # Errors
+/// The error of `out`.
+pub fn write_to(mut out: impl Write, grid: &DensityGrid, encoding: GridEncoding) -> std::io::Result<()> {
     let [x, y, z] = grid.size;
     let word = if encoding == GridEncoding::F32 { "f32" } else { "text" };
     write!(out, "caustica-grid 1\nsize {x} {y} {z}\ntype {word}\n\n")?;

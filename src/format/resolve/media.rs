@@ -58,9 +58,12 @@ fn make_density_grid(
         DensityDescription::Grid { path, scale, extent } => {
             let file = r.find_file("grid", path)?;
             let help = "repair the grid or name another; the grid format is described in docs/guide/scene-language.md";
-            let read = grid::read_with_memory_limit(&file, r.memory.available_bytes());
-            let mut grid = read
-                .map_err(|e| r.file_or_memory_error(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help))?;
+            let mut grid = match r.assets.grids.get(path.as_str()) {
+                Some(grid) => (**grid).clone(),
+                None => grid::read_with_memory_limit(&file, r.memory.available_bytes()).map_err(|e| {
+                    r.file_or_memory_error(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help)
+                })?,
+            };
             for value in &mut grid.values {
                 let scaled = f64::from(*value) * scale;
                 if scaled > MAX_DENSITY {

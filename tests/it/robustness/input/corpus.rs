@@ -7,13 +7,14 @@ use std::fs;
 type Replay = fn(&[u8]);
 
 /// Folders of `tests/corpus`, each with the function of its fuzz target.
-const KINDS: [(&str, Replay); 8] = [
+const KINDS: [(&str, Replay); 9] = [
     ("scene", readers::scene),
     ("render", readers::render),
     ("obj", readers::obj),
     ("ply", readers::ply),
     ("mtl", readers::mtl),
     ("gltf", readers::gltf),
+    ("mitsuba", readers::mitsuba),
     ("grid", readers::grid),
     ("picture", readers::picture),
 ];

@@ -3,7 +3,10 @@
 //! Fuzz targets and the corpus replay share these functions.
 
 use caustica::format::description::{DensityDescription, SceneDescription};
-use caustica::format::{ImportOptions, SourceText, gltf, grid, mesh, mtl, parse, parse_scene_bytes, resolve};
+use caustica::format::{
+    ImportOptions, ImportedScene, SceneReadError, SourceText, gltf, grid, mesh, mitsuba, mtl, parse, parse_scene_bytes,
+    resolve,
+};
 use caustica::image::{PixelMeaning, decode};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
 use caustica::light::EnvironmentLight;
@@ -115,11 +118,23 @@ pub fn grid(bytes: &[u8]) {
     }
 }
 
-/// Reads a glTF file and checks that its description prints and parses back equal.
+/// Reads a glTF file and checks the imported scene.
 pub fn gltf(bytes: &[u8]) {
-    let path = Path::new(NOWHERE).join("fuzz.gltf");
-    let options = ImportOptions { memory: MemoryLimit::Limit(1 << 31), ..ImportOptions::default() };
-    match gltf::decode(&path, bytes, &options) {
+    check_imported(gltf::decode(&Path::new(NOWHERE).join("fuzz.gltf"), bytes, &import_options()));
+}
+
+/// Reads a Mitsuba file and checks the imported scene.
+pub fn mitsuba(bytes: &[u8]) {
+    check_imported(mitsuba::decode(&Path::new(NOWHERE).join("fuzz.xml"), bytes, &import_options()));
+}
+
+fn import_options() -> ImportOptions {
+    ImportOptions { memory: MemoryLimit::Limit(1 << 31), ..ImportOptions::default() }
+}
+
+/// Checks that an imported description prints and parses back equal, and that its meshes are valid.
+fn check_imported(imported: Result<ImportedScene, SceneReadError>) {
+    match imported {
         Ok(scene) => {
             let printed = scene.description.to_string();
             let again = parse("printed.txt", &printed).unwrap_or_else(|e| panic!("{e}\n{printed}"));

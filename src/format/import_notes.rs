@@ -1,4 +1,4 @@
-//! Messages about content of a glTF file that is ignored, approximated or added.
+//! Messages about content of a scene file that is ignored, approximated or added.
 
 use crate::format::import::ImportNote;
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,7 +8,7 @@ const NAMED_PLACES: usize = 3;
 
 /// Messages about a file: one for each kind, with the places where it applies.
 #[derive(Default)]
-pub(super) struct ImportNotes {
+pub(in crate::format) struct ImportNotes {
     /// Places by message; the flag is true for content that is not supported.
     places: BTreeMap<(bool, String), BTreeSet<String>>,
 }

@@ -1,0 +1,45 @@
+//! Cameras for files that state no picture size or no camera.
+
+use super::description::{CameraDescription, DirectionOrTarget, ProjectionDescription};
+use glam::DVec3;
+
+/// Height of pictures \[pixels], because glTF files do not state it.
+const PICTURE_HEIGHT: f64 = 720.0;
+
+/// Ratio of width to height of pictures if the camera does not give one.
+pub(super) const DEFAULT_ASPECT_RATIO: f64 = 4.0 / 3.0;
+
+/// Largest ratio of width to height, and its inverse.
+const MAX_ASPECT_RATIO: f64 = 20.0;
+
+/// Returns a camera whose picture is [`PICTURE_HEIGHT`] pixels high.
+pub(super) fn camera_description(
+    center: DVec3,
+    direction: DVec3,
+    up: DVec3,
+    (projection, aspect): (ProjectionDescription, f64),
+) -> CameraDescription {
+    let aspect =
+        if aspect > 0.0 { aspect.clamp(1.0 / MAX_ASPECT_RATIO, MAX_ASPECT_RATIO) } else { DEFAULT_ASPECT_RATIO };
+    CameraDescription {
+        center,
+        aim: DirectionOrTarget::Direction(direction),
+        up,
+        projection,
+        width: (PICTURE_HEIGHT * aspect).round() as u32,
+        height: PICTURE_HEIGHT as u32,
+        motion: Vec::new(),
+    }
+}
+
+/// Returns a camera that sees everything within the bounds from above, in front and to the right.
+pub(super) fn framing_camera((low, high): (DVec3, DVec3)) -> CameraDescription {
+    const ANGLE: f64 = 40.0;
+    let (center, radius) =
+        if low.cmple(high).all() { (0.5 * low + 0.5 * high, 0.5 * (high - low).length()) } else { (DVec3::ZERO, 1.0) };
+    let radius = if radius > 0.0 && radius.is_finite() { radius } else { 1.0 };
+    let direction = DVec3::new(-0.5, -0.4, -1.0).normalize();
+    let distance = 1.05 * radius / libm::sin((0.5 * ANGLE).to_radians());
+    let projection = ProjectionDescription::Perspective { angle: ANGLE, lens: None };
+    camera_description(center - direction * distance, direction, DVec3::Y, (projection, DEFAULT_ASPECT_RATIO))
+}

@@ -1,0 +1,108 @@
+//! Conductors of a Mitsuba scene file: metals by name, or by complex refractive index.
+
+use super::color::{ColorMeaning, ColorValue};
+use super::context::ImportContext;
+use super::files::ReadResult;
+use super::textures::TextureValues;
+use super::tree::SceneObject;
+use crate::bsdf::metal_refractive_index;
+use crate::color::conductor_rgb;
+use crate::format::description::{MaterialKindDescription, MetalDescription, Span, Spanned, TexturedValue};
+use glam::DVec3;
+
+/// Greatest reflectance of a conductor at normal incidence: its index is infinite for 1.
+const MAX_METAL_REFLECTANCE: f64 = 0.999_9;
+
+/// Names of metals in Mitsuba, and in the scene language.
+const METAL_NAMES: [(&str, &str); 14] = [
+    ("Ag", "silver"),
+    ("Al", "aluminium"),
+    ("Au", "gold"),
+    ("Cr", "chromium"),
+    ("Cu", "copper"),
+    ("Cu_palik", "copper"),
+    ("CuZn", "brass"),
+    ("Fe", "iron"),
+    ("Ir", "iridium"),
+    ("Mo", "molybdenum"),
+    ("Ni", "nickel"),
+    ("Ti", "titanium"),
+    ("V", "vanadium"),
+    ("W", "tungsten"),
+];
+
+/// Returns a conductor whose reflectance is multiplied by `tint`.
+pub(super) fn conductor(
+    context: &ImportContext<'_>,
+    bsdf: &SceneObject,
+    tint: TextureValues,
+    roughness: TexturedValue<f64>,
+) -> ReadResult<MaterialKindDescription> {
+    let eta = context.color_value(bsdf, "eta")?;
+    let k = context.color_value(bsdf, "k")?;
+    // Mitsuba's default without an index is a perfect mirror from version 2 on, and copper before.
+    let named = bsdf.text("material");
+    let name = named.unwrap_or("none");
+    let is_ideal = match (&eta, &k) {
+        (None, None) => name == "none",
+        (_, Some(k)) => eta.as_ref().is_some_and(|eta| eta.uniform() == Some(0.0)) && k.uniform() == Some(1.0),
+        _ => false,
+    };
+    if is_ideal {
+        return Ok(match roughness {
+            TexturedValue::Plain(0.0) => MaterialKindDescription::Mirror { reflectance: tint.into_color() },
+            roughness => metal_of_reflectance(tint.mean(), roughness),
+        });
+    }
+    let metal = if eta.is_some() || k.is_some() {
+        index_metal(bsdf, eta, k)?
+    } else if let Some((_, known)) = METAL_NAMES.iter().find(|(theirs, _)| *theirs == name) {
+        MetalDescription::Named(Spanned::new((*known).to_owned(), Span::default()))
+    } else {
+        context.note(&format!("the metal `{name}` is not known: it becomes chromium"), bsdf);
+        MetalDescription::Named(Spanned::new("chromium".to_owned(), Span::default()))
+    };
+    let mean = tint.mean();
+    if mean == DVec3::ONE {
+        return Ok(MaterialKindDescription::Conductor { metal, roughness });
+    }
+    context.note("factors of metals change their reflectance at normal incidence", bsdf);
+    Ok(metal_of_reflectance(mean * normal_reflectance(&metal), roughness))
+}
+
+/// Returns the metal of a complex refractive index by RGB values or spectra.
+fn index_metal(bsdf: &SceneObject, eta: Option<ColorValue>, k: Option<ColorValue>) -> ReadResult<MetalDescription> {
+    let (eta, k) = (eta.unwrap_or(ColorValue::Uniform(0.0)), k.unwrap_or(ColorValue::Uniform(0.0)));
+    let outer = bsdf.number("ext_eta").unwrap_or(1.0);
+    let (eta, k) = match (&eta, &k) {
+        (ColorValue::Sampled(_), _) | (_, ColorValue::Sampled(_)) => match (eta.spectrum(), k.spectrum()) {
+            (Some(eta), Some(k)) => conductor_rgb(&eta, &k),
+            _ => (eta.rgb(ColorMeaning::Coefficient), k.rgb(ColorMeaning::Coefficient)),
+        },
+        _ => (eta.rgb(ColorMeaning::Coefficient), k.rgb(ColorMeaning::Coefficient)),
+    };
+    if !(eta.min_element() >= 0.0 && k.min_element() >= 0.0 && eta.max_element() < 1e6 && k.max_element() < 1e6) {
+        return Err(bsdf.place.error("the index of this metal is not valid", "give `eta` and `k` at least 0"));
+    }
+    Ok(MetalDescription::Index { eta: (eta / outer).max(DVec3::splat(1e-6)), k: k / outer })
+}
+
+/// Returns a conductor of index 1 + ik whose reflectance at normal incidence is `reflectance`.
+pub(super) fn metal_of_reflectance(reflectance: DVec3, roughness: TexturedValue<f64>) -> MaterialKindDescription {
+    let reflectance = reflectance.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
+    // Such a conductor reflects k² / (4 + k²) at normal incidence.
+    let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
+    MaterialKindDescription::Conductor { metal: MetalDescription::Index { eta: DVec3::ONE, k }, roughness }
+}
+
+/// Returns the reflectance of a metal at normal incidence.
+fn normal_reflectance(metal: &MetalDescription) -> DVec3 {
+    let (eta, k) = match metal {
+        MetalDescription::Index { eta, k } => (*eta, *k),
+        MetalDescription::Named(name) => match metal_refractive_index(name) {
+            Some((eta, k)) => (eta.as_dvec3(), k.as_dvec3()),
+            None => return DVec3::ONE,
+        },
+    };
+    ((eta - 1.0) * (eta - 1.0) + k * k) / ((eta + 1.0) * (eta + 1.0) + k * k)
+}

@@ -1,0 +1,190 @@
+//! The scene that is being imported: its objects, files and messages.
+
+use super::color::{ColorMeaning, ColorValue};
+use super::document::unknown_reference;
+use super::files::{ReadResult, SceneFiles};
+use super::tree::{ChildObject, ObjectClass, ObjectTree, SceneObject, Value};
+use crate::format::import_notes::ImportNotes;
+use glam::DVec3;
+use std::cell::RefCell;
+use std::rc::Rc;
+
+/// Values that have no effect on a picture of this renderer, or only on other variants of Mitsuba.
+const SILENT_VALUES: [&str; 24] = [
+    "accel",
+    "banner",
+    "component_format",
+    "compress",
+    "far_clip",
+    "file_format",
+    "filter_type",
+    "focus_distance",
+    "hide_emitters",
+    "high_quality_edges",
+    "label",
+    "max_value",
+    "mis_compensation",
+    "name",
+    "near_clip",
+    "nonlinear",
+    "pixel_format",
+    "rr_depth",
+    "sample_border",
+    "sampling_weight",
+    "seed",
+    "shutter_close",
+    "shutter_open",
+    "silhouette_sampling_weight",
+];
+
+/// The objects, files and messages of a scene that is being imported.
+pub(super) struct ImportContext<'a> {
+    /// Files that the scene may name.
+    pub files: &'a SceneFiles<'a>,
+    /// Objects of the scene.
+    pub tree: &'a ObjectTree,
+    /// Messages so far.
+    pub notes: RefCell<ImportNotes>,
+}
+
+impl ImportContext<'_> {
+    /// Notes that a part of an object is ignored or approximated.
+    pub fn note(&self, message: &str, object: &SceneObject) {
+        let place = object.place.described(&self.files.path.display().to_string());
+        let place = match &object.id {
+            Some(id) => format!("`{id}`, {place}"),
+            None => place,
+        };
+        self.notes.borrow_mut().add_unsupported(message, place);
+    }
+
+    /// Notes that all of an object is ignored or approximated.
+    pub fn note_whole(&self, message: &str, object: &SceneObject) {
+        object.mark_as_read();
+        self.note(message, object);
+    }
+
+    /// Returns the nested objects of a class, with their names. References are followed.
+    ///
+    /// # Errors
+    /// If a reference names no object.
+    pub fn children(&self, object: &SceneObject, class: ObjectClass) -> ReadResult<Vec<(String, Rc<SceneObject>)>> {
+        let mut found = Vec::new();
+        for (name, child) in &object.children {
+            let child = match child {
+                ChildObject::Own(child) => child,
+                ChildObject::Reference(id, place) => {
+                    self.tree.by_id.get(id).ok_or_else(|| unknown_reference(place, id))?
+                }
+            };
+            if child.class == class {
+                found.push((name.clone(), Rc::clone(child)));
+            }
+        }
+        Ok(found)
+    }
+
+    /// Returns the first nested object of a class that has no name or the name `name`.
+    pub fn child(&self, object: &SceneObject, class: ObjectClass, name: &str) -> ReadResult<Option<Rc<SceneObject>>> {
+        let children = self.children(object, class)?;
+        let named = children.iter().find(|(own, _)| own == name).or_else(|| children.iter().find(|c| c.0.is_empty()));
+        Ok(named.map(|(_, child)| Rc::clone(child)))
+    }
+
+    /// Returns the nested object of a class that has the name `name`.
+    pub fn named_child(
+        &self,
+        object: &SceneObject,
+        class: ObjectClass,
+        name: &str,
+    ) -> ReadResult<Option<Rc<SceneObject>>> {
+        Ok(self.children(object, class)?.into_iter().find(|(own, _)| own == name).map(|(_, child)| child))
+    }
+
+    /// Returns a color or spectrum of an object; `None` if it has none of this name, or a texture.
+    ///
+    /// # Errors
+    /// If the value is not a color, or negative where it may not be.
+    pub fn color_value(&self, object: &SceneObject, name: &str) -> ReadResult<Option<ColorValue>> {
+        match object.value(name) {
+            Some(Value::Color(color)) => return Ok(Some(color.clone())),
+            Some(Value::Number(number)) => return Ok(Some(ColorValue::Uniform(*number))),
+            Some(Value::Vector(vector)) => return Ok(Some(ColorValue::Rgb(*vector))),
+            Some(Value::Boolean(_) | Value::Text(_) | Value::Transform(_)) => {
+                let message = format!("`{name}` is not a color");
+                return Err(object.place.error(message, "write it as `rgb` or `spectrum`"));
+            }
+            None => {}
+        }
+        let Some(texture) = self.named_child(object, ObjectClass::Texture, name)? else { return Ok(None) };
+        self.spectrum_object(&texture)
+    }
+
+    /// Returns the spectrum that an object describes; `None` if it is a texture.
+    pub fn spectrum_object(&self, texture: &SceneObject) -> ReadResult<Option<ColorValue>> {
+        let scale = || texture.number("scale").or_else(|| texture.number("value")).unwrap_or(1.0);
+        Ok(match texture.plugin.as_str() {
+            "d65" => match self.color_value(texture, "color")? {
+                Some(color) => Some(ColorValue::Rgb(color.rgb(ColorMeaning::Reflectance) * scale())),
+                None => Some(ColorValue::Daylight(scale())),
+            },
+            "blackbody" => {
+                let kelvin = texture.number("temperature").filter(|kelvin| *kelvin > 0.0 && *kelvin < 1e9);
+                let missing = || {
+                    texture.place.error("this blackbody has no temperature above 0", "give a `temperature` in kelvin")
+                };
+                Some(ColorValue::Blackbody(kelvin.ok_or_else(missing)?, texture.number("scale").unwrap_or(1.0)))
+            }
+            "uniform" => Some(ColorValue::Uniform(texture.number("value").unwrap_or(1.0))),
+            "srgb" | "rgb" => self.color_value(texture, "color")?,
+            "regular" | "irregular" => Some(self.sampled_spectrum(texture)?),
+            _ => None,
+        })
+    }
+
+    /// Returns the spectrum of plugin `regular` or `irregular`, whose samples are texts.
+    fn sampled_spectrum(&self, texture: &SceneObject) -> ReadResult<ColorValue> {
+        let numbers = |name: &str| texture.text(name).and_then(super::color::parse_numbers);
+        let values = numbers("values").unwrap_or_default();
+        let wavelengths = numbers("wavelengths").or_else(|| {
+            let (low, high) = match numbers("range").as_deref() {
+                Some([low, high]) => (*low, *high),
+                _ => (texture.number("wavelength_min")?, texture.number("wavelength_max")?),
+            };
+            let step = (high - low) / (values.len().max(2) - 1) as f64;
+            Some((0..values.len()).map(|i| low + step * i as f64).collect())
+        });
+        let pairs = wavelengths.unwrap_or_default();
+        let spectrum = (pairs.len() == values.len()).then(|| {
+            crate::color::Spectrum::from_samples(pairs.into_iter().zip(values).map(|(a, b)| [a, b]).collect())
+        });
+        spectrum.flatten().map(ColorValue::Sampled).ok_or_else(|| {
+            texture
+                .place
+                .error("this spectrum has no list of wavelengths and values", "give as many of both, ascending")
+        })
+    }
+
+    /// Returns a color as linear RGB; `default` if the object has none.
+    pub fn color(&self, object: &SceneObject, name: &str, meaning: ColorMeaning, default: f64) -> ReadResult<DVec3> {
+        let color = self.color_value(object, name)?.map_or(DVec3::splat(default), |color| color.rgb(meaning));
+        if color.min_element() >= 0.0 && color.max_element() <= 1e30 {
+            return Ok(color);
+        }
+        let message = format!("`{name}` is negative or too large");
+        Err(object.place.error(message, "give a color whose values are finite and at least 0"))
+    }
+
+    /// Notes each value that no part of the importer has read, of objects that it has read.
+    pub fn note_unread_values(&self) {
+        let mut pending = vec![&self.tree.root];
+        while let Some(object) = pending.pop() {
+            for (name, (_, is_read)) in &object.values {
+                if object.is_used.get() && !is_read.get() && !SILENT_VALUES.contains(&name.as_str()) {
+                    self.note(&format!("`{name}` of `{}` is ignored", object.plugin), object);
+                }
+            }
+            pending.extend(object.own_children());
+        }
+    }
+}

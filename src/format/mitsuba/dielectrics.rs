@@ -1,0 +1,78 @@
+//! Refractive indices of dielectrics, by number or by the names of Mitsuba.
+
+use super::context::ImportContext;
+use super::files::ReadResult;
+use super::tree::{SceneObject, Value};
+
+/// Refractive indices by name, in alphabetical order: values in common use at 589 nm.
+const INDICES: [(&str, f64); 23] = [
+    ("acetone", 1.36),
+    ("acrylic glass", 1.49),
+    ("air", 1.000_277),
+    ("amber", 1.55),
+    ("benzene", 1.501),
+    ("bk7", 1.5046),
+    ("bromine", 1.661),
+    ("carbon dioxide", 1.000_45),
+    ("carbon tetrachloride", 1.461),
+    ("diamond", 2.419),
+    ("ethanol", 1.361),
+    ("fused quartz", 1.458),
+    ("glycerol", 1.4729),
+    ("helium", 1.000_036),
+    ("hydrogen", 1.000_132),
+    ("pet", 1.575),
+    ("polypropylene", 1.49),
+    ("pyrex", 1.47),
+    ("silicone oil", 1.520_45),
+    ("sodium chloride", 1.544),
+    ("vacuum", 1.0),
+    ("water", 1.333),
+    ("water ice", 1.31),
+];
+
+/// Greatest index that counts as air or another gas.
+const MAX_GAS_INDEX: f64 = 1.001;
+
+/// Returns the refractive index of the inner side over that of the outer side.
+///
+/// An outer side that is no gas belongs to another body if some dielectric of the scene has its
+/// index inside. Then the index is that of the inner side alone, because bodies nest.
+pub(super) fn refractive_index(context: &ImportContext<'_>, bsdf: &SceneObject) -> ReadResult<f64> {
+    let inner = named_index(bsdf, "int_ior", if bsdf.plugin.contains("plastic") { 1.49 } else { 1.5046 })?;
+    let outer = named_index(bsdf, "ext_ior", 1.000_277)?;
+    if outer <= MAX_GAS_INDEX {
+        return Ok(inner / outer);
+    }
+    let surrounds = |object: &SceneObject| {
+        object.plugin.contains("dielectric")
+            && named_index(object, "int_ior", 1.5046).is_ok_and(|index| (index - outer).abs() < 1e-3)
+    };
+    let is_nested = context.tree.any_object(&surrounds);
+    Ok(if is_nested { inner } else { inner / outer })
+}
+
+/// True if a relative index is so near to 1 that the interface has no effect.
+pub(super) fn is_air(index: f64) -> bool {
+    (index - 1.0).abs() < 1e-9
+}
+
+fn named_index(bsdf: &SceneObject, name: &str, default: f64) -> ReadResult<f64> {
+    let index = match bsdf.value(name) {
+        None => default,
+        Some(Value::Text(text)) => {
+            let wanted = text.trim().to_ascii_lowercase();
+            let named = INDICES.iter().find(|(known, _)| *known == wanted);
+            let Some((_, index)) = named else {
+                let message = format!("no dielectric is called `{text}`");
+                return Err(bsdf.place.error(message, "write its refractive index as a `float`"));
+            };
+            *index
+        }
+        Some(_) => bsdf.number(name).unwrap_or(f64::NAN),
+    };
+    if (1e-2..=1e3).contains(&index) {
+        return Ok(index);
+    }
+    Err(bsdf.place.error(format!("`{name}` is no refractive index"), "write a number from 0.01 to 1000"))
+}

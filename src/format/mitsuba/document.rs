@@ -1,0 +1,384 @@
+//! Reads the XML of a scene file, with its includes and parameters, as a tree of objects.
+
+use super::color::{ColorValue, parse_numbers};
+use super::files::{Place, ReadResult, SceneFiles};
+use super::names::snake_case;
+use super::transforms::{parse_transform, parse_vector};
+use super::tree::{ChildObject, ObjectClass, ObjectTree, SceneObject, Value};
+use crate::format::SourceText;
+use crate::format::description::Span;
+use crate::format::import::SceneReadError;
+use roxmltree::{Document, Node, ParsingOptions};
+use std::cell::Cell;
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// Greatest depth of nested elements. Deeper ones would exceed the stack.
+const MAX_DEPTH: u32 = 64;
+
+/// Greatest depth of included files.
+const MAX_INCLUDE_DEPTH: usize = 16;
+
+/// Greatest number of included files, counted at each include.
+const MAX_INCLUDES: usize = 10_000;
+
+/// Greatest length of an attribute after its parameters are inserted \[bytes].
+const MAX_EXPANDED_LENGTH: usize = 1 << 16;
+
+/// Greatest number of bytes and elements of all files together, so that includes end.
+const MAX_TOTAL_BYTES: u64 = 1 << 28;
+const MAX_ELEMENTS: u64 = 1 << 22;
+
+/// Memory of one element while a file is read, at most \[bytes].
+const MEMORY_PER_ELEMENT: u64 = 600;
+
+/// Bytes of memory for each byte of a file, while its XML is parsed.
+const MEMORY_PER_BYTE: u64 = 24;
+
+/// Reads the tree of objects from the text of the scene file.
+pub(super) fn read_tree(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ObjectTree> {
+    let mut reader = TreeReader {
+        files,
+        parameters: HashMap::new(),
+        by_id: HashMap::new(),
+        aliases: Vec::new(),
+        included: Vec::new(),
+        includes: 0,
+        bytes: 0,
+        elements: 0,
+    };
+    let mut root = Contents::default();
+    reader.read_text(files.path, bytes, None, &mut root)?;
+    for (alias, id, place) in std::mem::take(&mut reader.aliases) {
+        let Some(object) = reader.by_id.get(&id).cloned() else { return Err(unknown_reference(&place, &id)) };
+        reader.by_id.insert(alias, object);
+    }
+    let place =
+        Place { source: SourceText::new(&files.path.display().to_string(), ""), span: Span::default(), line: 1 };
+    let root = root.into_object(ObjectClass::Scene, "scene", None, place);
+    Ok(ObjectTree { root: Rc::new(root), by_id: reader.by_id })
+}
+
+/// Returns the error of a reference to an object that does not exist.
+pub(super) fn unknown_reference(place: &Place, id: &str) -> SceneReadError {
+    place.error(format!("no object has the id `{id}`"), "correct the id, or define the object")
+}
+
+/// State of reading a scene file and its includes.
+struct TreeReader<'r, 'a> {
+    files: &'r SceneFiles<'a>,
+    /// Values of `$name` parameters. The first definition counts.
+    parameters: HashMap<String, String>,
+    by_id: HashMap<String, Rc<SceneObject>>,
+    /// Further names of objects: name, id and place.
+    aliases: Vec<(String, String, Place)>,
+    /// Files that are being read, from the scene file to the innermost include.
+    included: Vec<PathBuf>,
+    includes: usize,
+    bytes: u64,
+    elements: u64,
+}
+
+/// Values and nested objects of an object that is being read.
+#[derive(Default)]
+struct Contents {
+    values: BTreeMap<String, (Value, Cell<bool>)>,
+    children: Vec<(String, ChildObject)>,
+}
+
+impl Contents {
+    fn into_object(self, class: ObjectClass, plugin: &str, id: Option<String>, place: Place) -> SceneObject {
+        let Self { values, children } = self;
+        SceneObject { class, plugin: plugin.to_owned(), id, place, values, children, is_used: Cell::new(false) }
+    }
+}
+
+/// Text of the file that is being read, with the line of the last element.
+struct CurrentFile {
+    source: SourceText,
+    /// Offset of the last element, and its line from 1.
+    last: Cell<(usize, u32)>,
+}
+
+impl CurrentFile {
+    /// Returns the place of an element. Elements come in the order of the file.
+    fn place(&self, node: &Node<'_, '_>) -> Place {
+        let range = node.range();
+        let (offset, line) = self.last.get();
+        let text = self.source.text().as_bytes();
+        let newlines = |bytes: &[u8]| bytes.iter().filter(|byte| **byte == b'\n').count() as u32;
+        let line = if range.start >= offset {
+            line + newlines(&text[offset..range.start])
+        } else {
+            1 + newlines(&text[..range.start])
+        };
+        self.last.set((range.start, line));
+        let tag = node.tag_name().name().len() + 1;
+        Place { source: self.source.clone(), span: Span { start: range.start, len: tag }, line }
+    }
+}
+
+impl TreeReader<'_, '_> {
+    /// Adds the content of one file to `contents`. `includer` is the place of the include.
+    fn read_text(
+        &mut self,
+        path: &Path,
+        bytes: Vec<u8>,
+        includer: Option<&Place>,
+        contents: &mut Contents,
+    ) -> ReadResult<()> {
+        let name = path.display().to_string();
+        let whole = |text: &str| Place { source: SourceText::new(&name, text), span: Span::default(), line: 1 };
+        self.bytes += bytes.len() as u64;
+        self.files.check_memory(path, MEMORY_PER_BYTE * bytes.len() as u64)?;
+        if self.bytes > MAX_TOTAL_BYTES {
+            let place = includer.cloned().unwrap_or_else(|| whole(""));
+            return Err(place.error("the scene file and its includes are longer than 256 MiB", "put meshes into files"));
+        }
+        let Ok(text) = String::from_utf8(bytes) else {
+            return Err(whole("").error("the file is not UTF-8 text", "save it in the encoding UTF-8"));
+        };
+        let options = ParsingOptions { nodes_limit: 4 * MAX_ELEMENTS as u32, ..ParsingOptions::default() };
+        let document = Document::parse_with_options(&text, options).map_err(|error| {
+            let place = Place { span: span_of_error(&text, &error), ..whole(&text) };
+            let message = error.to_string();
+            place.error(
+                format!("the XML is damaged: {}", message.split(" at ").next().unwrap_or_default()),
+                "repair the file: each element needs its end, and a document type is not allowed",
+            )
+        })?;
+        let file = CurrentFile { source: SourceText::new(&name, &text), last: Cell::new((0, 1)) };
+        let root = document.root_element();
+        let place = file.place(&root);
+        self.included.push(path.canonicalize().unwrap_or_else(|_| path.to_owned()));
+        if root.tag_name().name() == "scene" {
+            for child in root.children().filter(Node::is_element) {
+                self.read_element(&file, child, 1, contents)?;
+            }
+        } else if includer.is_some() {
+            self.read_element(&file, root, 1, contents)?;
+        } else {
+            let message = format!("the root of a Mitsuba scene is `scene`, not `{}`", root.tag_name().name());
+            return Err(place.error(message, "name the file of the scene; --format names the format of other files"));
+        }
+        self.included.pop();
+        Ok(())
+    }
+
+    /// Adds an element to the object that holds it.
+    fn read_element(
+        &mut self,
+        file: &CurrentFile,
+        node: Node<'_, '_>,
+        depth: u32,
+        contents: &mut Contents,
+    ) -> ReadResult<()> {
+        let place = file.place(&node);
+        self.elements += 1;
+        self.files.check_total(MEMORY_PER_ELEMENT * self.elements)?;
+        if self.elements > MAX_ELEMENTS {
+            return Err(place.error("the scene has more than four million elements", "put meshes into files"));
+        }
+        if depth > MAX_DEPTH {
+            return Err(place.error(format!("elements are nested deeper than {MAX_DEPTH}"), "nest them less deep"));
+        }
+        let tag = node.tag_name().name().to_ascii_lowercase();
+        let attribute = |name: &str| node.attribute(name);
+        let name = snake_case(&self.expanded(attribute("name").unwrap_or_default(), &place)?);
+        match tag.as_str() {
+            "default" => {
+                let value = self.expanded(required(&node, "value", &place)?, &place)?;
+                let name = required(&node, "name", &place)?;
+                self.parameters.entry(name.to_owned()).or_insert(value);
+                return Ok(());
+            }
+            "path" => {
+                let value = self.expanded(required(&node, "value", &place)?, &place)?;
+                self.files.add_folder(&value);
+                return Ok(());
+            }
+            "include" => return self.include(&node, &place, contents),
+            "alias" => {
+                let id = self.expanded(required(&node, "id", &place)?, &place)?;
+                let alias = self.expanded(required(&node, "as", &place)?, &place)?;
+                self.aliases.push((alias, id, place));
+                return Ok(());
+            }
+            "ref" => {
+                let id = self.expanded(required(&node, "id", &place)?, &place)?;
+                contents.children.push((name, ChildObject::Reference(id, place)));
+                return Ok(());
+            }
+            _ => {}
+        }
+        let class = ObjectClass::from_tag(&tag).filter(|class| {
+            *class != ObjectClass::Scene && (*class != ObjectClass::Texture || attribute("type").is_some())
+        });
+        if let Some(class) = class {
+            let plugin = self.expanded(attribute("type").unwrap_or_default(), &place)?;
+            let id = attribute("id").map(|id| self.expanded(id, &place)).transpose()?;
+            let mut nested = Contents::default();
+            for child in node.children().filter(Node::is_element) {
+                self.read_element(file, child, depth + 1, &mut nested)?;
+            }
+            let object = Rc::new(nested.into_object(class, &plugin, id.clone(), place.clone()));
+            if let Some(id) = id
+                && self.by_id.insert(id.clone(), Rc::clone(&object)).is_some()
+            {
+                return Err(place.error(format!("two objects have the id `{id}`"), "give each object its own id"));
+            }
+            contents.children.push((name, ChildObject::Own(object)));
+            return Ok(());
+        }
+        let value = self.value(file, &tag, &node, &place)?;
+        if name.is_empty() {
+            return Err(place.error(format!("this `{tag}` has no name"), "write an attribute `name`"));
+        }
+        contents.values.insert(name, (value, Cell::new(false)));
+        Ok(())
+    }
+
+    /// Adds the content of an included file.
+    fn include(&mut self, node: &Node<'_, '_>, place: &Place, contents: &mut Contents) -> ReadResult<()> {
+        let name = self.expanded(required(node, "filename", place)?, place)?;
+        let path = self.files.find(&name, place)?;
+        let absolute = path.canonicalize().unwrap_or_else(|_| path.clone());
+        if self.included.contains(&absolute) {
+            return Err(place.error(format!("`{name}` includes itself"), "remove the include"));
+        }
+        if self.included.len() > MAX_INCLUDE_DEPTH {
+            let message = format!("includes are nested deeper than {MAX_INCLUDE_DEPTH}");
+            return Err(place.error(message, "nest them less deep"));
+        }
+        self.includes += 1;
+        if self.includes > MAX_INCLUDES {
+            return Err(place.error(format!("the scene has more than {MAX_INCLUDES} includes"), "join files"));
+        }
+        let bytes = self.files.read(&path)?;
+        self.read_text(&path, bytes, Some(place), contents)
+    }
+
+    /// Returns the value of an element that is no object.
+    fn value(&self, file: &CurrentFile, tag: &str, node: &Node<'_, '_>, place: &Place) -> ReadResult<Value> {
+        let text = |name: &str| self.expanded(required(node, name, place)?, place);
+        let invalid = |what: &str, text: &str| {
+            let excerpt: String = text.chars().take(40).collect();
+            place.error(format!("`{excerpt}` is not {what}"), "correct the attribute `value`")
+        };
+        Ok(match tag {
+            "float" | "integer" => {
+                let text = text("value")?;
+                match parse_numbers(&text).as_deref() {
+                    Some([number]) => Value::Number(*number),
+                    _ => return Err(invalid("a number", &text)),
+                }
+            }
+            "boolean" => match &*text("value")?.trim().to_ascii_lowercase() {
+                "true" => Value::Boolean(true),
+                "false" => Value::Boolean(false),
+                other => return Err(invalid("`true` or `false`", other)),
+            },
+            "string" => Value::Text(text("value")?),
+            "point" | "vector" => Value::Vector(parse_vector(self.attributes(node, place)?, 0.0, place)?),
+            "rgb" | "srgb" | "color" => {
+                let text = text("value")?;
+                let color = ColorValue::parse_rgb(&text, tag == "srgb");
+                Value::Color(color.ok_or_else(|| invalid("a color: three numbers or `#rrggbb`", &text))?)
+            }
+            "spectrum" => match node.attribute("filename") {
+                Some(name) => Value::Color(self.spectrum_file(&self.expanded(name, place)?, place)?),
+                None => {
+                    let text = text("value")?;
+                    let spectrum = ColorValue::parse_spectrum(&text);
+                    Value::Color(spectrum.ok_or_else(|| invalid("a spectrum: a number, or pairs `400:0.5`", &text))?)
+                }
+            },
+            "blackbody" => {
+                let kelvin = text("temperature")?;
+                let temperature: Option<f64> = kelvin.trim().trim_end_matches(['K', 'k']).trim().parse().ok();
+                let scale = match node.attribute("scale") {
+                    Some(scale) => self.expanded(scale, place)?.trim().parse().ok(),
+                    None => Some(1.0),
+                };
+                match (temperature, scale) {
+                    (Some(kelvin), Some(scale)) if kelvin > 0.0 && kelvin < 1e9 => {
+                        Value::Color(ColorValue::Blackbody(kelvin, scale))
+                    }
+                    _ => return Err(invalid("a temperature above 0 K", &kelvin)),
+                }
+            }
+            "transform" | "animation" => {
+                let steps = node.children().filter(Node::is_element);
+                let steps = steps.map(|step| {
+                    let place = file.place(&step);
+                    let attributes = self.attributes(&step, &place)?;
+                    Ok((step.tag_name().name().to_ascii_lowercase(), attributes, place))
+                });
+                if tag == "animation" {
+                    return Err(place.error("animated transforms are not read", "write the transform of one moment"));
+                }
+                Value::Transform(parse_transform(&steps.collect::<ReadResult<Vec<_>>>()?)?)
+            }
+            _ => {
+                let help = "remove it, or look up its name in the documentation of Mitsuba";
+                return Err(place.error(format!("the element `{tag}` is not known"), help));
+            }
+        })
+    }
+
+    fn spectrum_file(&self, name: &str, place: &Place) -> ReadResult<ColorValue> {
+        let path = self.files.find(name, place)?;
+        let bytes = self.files.read(&path)?;
+        let spectrum = std::str::from_utf8(&bytes).ok().and_then(ColorValue::parse_spectrum_file);
+        spectrum.ok_or_else(|| {
+            let message = format!("the file `{name}` is not a list of wavelengths and values");
+            place.error(message, "write a wavelength in nanometres and a value per line, in ascending order")
+        })
+    }
+
+    /// Returns the attributes of an element with their parameters inserted.
+    fn attributes(&self, node: &Node<'_, '_>, place: &Place) -> ReadResult<HashMap<String, String>> {
+        let expanded = |text: &str| self.expanded(text, place);
+        node.attributes().map(|a| Ok((a.name().to_ascii_lowercase(), expanded(a.value())?))).collect()
+    }
+
+    /// Returns `text` with the values of its parameters `$name`. The longest name that fits counts.
+    fn expanded(&self, text: &str, place: &Place) -> ReadResult<String> {
+        if !text.contains('$') {
+            return Ok(text.to_owned());
+        }
+        let mut parts = text.split('$');
+        let mut expanded = parts.next().unwrap_or_default().to_owned();
+        for part in parts {
+            let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+            let longest = part.find(|c| !is_name(c)).unwrap_or(part.len());
+            let Some(length) = (1..=longest).rev().find(|end| self.parameters.contains_key(&part[..*end])) else {
+                let message = format!("the parameter `${}` has no value", &part[..longest]);
+                return Err(place.error(message, "give it one: `<default name=\"…\" value=\"…\"/>`"));
+            };
+            expanded.push_str(&self.parameters[&part[..length]]);
+            expanded.push_str(&part[length..]);
+            if expanded.len() > MAX_EXPANDED_LENGTH {
+                return Err(place.error("the parameters of this attribute are too long", "use shorter values"));
+            }
+        }
+        Ok(expanded)
+    }
+}
+
+/// Returns an attribute of an element; an error if there is none.
+fn required<'n>(node: &Node<'n, '_>, name: &str, place: &Place) -> ReadResult<&'n str> {
+    node.attribute(name).ok_or_else(|| {
+        let message = format!("this `{}` has no attribute `{name}`", node.tag_name().name());
+        place.error(message, "add the attribute")
+    })
+}
+
+/// Returns the position of an error of the XML parser.
+fn span_of_error(text: &str, error: &roxmltree::Error) -> Span {
+    let position = error.pos();
+    let line = text.split_inclusive('\n').take(position.row.saturating_sub(1) as usize).map(str::len).sum::<usize>();
+    let column = text[line..].chars().take(position.col.saturating_sub(1) as usize).map(char::len_utf8).sum::<usize>();
+    Span { start: line + column, len: 1 }
+}

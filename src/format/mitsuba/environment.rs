@@ -1,0 +1,127 @@
+//! Environment maps of a Mitsuba scene file.
+//!
+//! Mitsuba's maps have +y at the top. Their left edge is −z, and +x is at a quarter of the width.
+
+use super::context::ImportContext;
+use super::files::ReadResult;
+use super::textures::Textures;
+use super::tree::SceneObject;
+use crate::color::Rgb;
+use crate::format::description::{EnvironmentRadiance, Span, Spanned};
+use crate::image::Image;
+use glam::{DMat3, DMat4, DVec3, Vec3};
+use std::f64::consts::{PI, TAU};
+
+/// Greatest deviation of a transform from a rotation about y. Larger ones need a new map.
+const MAX_TILT: f64 = 1e-6;
+
+/// Number of samples of the old map along each side of a pixel of a new map.
+const SAMPLES: u32 = 4;
+
+/// Returns the radiance of an `envmap`. A tilted map is resampled.
+pub(super) fn read_environment(
+    context: &ImportContext<'_>,
+    textures: &mut Textures,
+    emitter: &SceneObject,
+    to_world: DMat4,
+) -> ReadResult<EnvironmentRadiance> {
+    let (file, image) = textures.picture(context, emitter, false)?;
+    let scale = emitter.number("scale").unwrap_or(1.0);
+    if !(0.0..=1e30).contains(&scale) {
+        return Err(emitter.place.error("the scale of the environment map is negative", "correct `scale`"));
+    }
+    context.files.check_memory(&file, 24 * image.pixels().len() as u64)?;
+    let mut image = (*image).clone();
+    for pixel in image.pixels_mut() {
+        *pixel = if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO };
+    }
+    let linear = DMat3::from_mat4(to_world);
+    let singular = || emitter.place.error("the transform of the environment map is singular", "scale it less");
+    let axes = [linear.x_axis, linear.y_axis, linear.z_axis];
+    if axes.iter().any(|axis| axis.try_normalize().is_none()) || linear.determinant() == 0.0 {
+        return Err(singular());
+    }
+    let y = linear.y_axis.normalize();
+    let is_upright = (y - DVec3::Y).length() < MAX_TILT
+        && linear.x_axis.y.abs() < MAX_TILT * linear.x_axis.length()
+        && linear.determinant() > 0.0
+        && (linear.x_axis.length() - linear.z_axis.length()).abs() < MAX_TILT * linear.x_axis.length()
+        && linear.x_axis.dot(linear.z_axis).abs() < MAX_TILT * linear.x_axis.length_squared();
+    let rotate = if is_upright {
+        // Half a turn moves the left edge of the map from the center to −z.
+        let angle = libm::atan2(linear.z_axis.x, linear.z_axis.z).to_degrees() + 180.0;
+        if angle >= 360.0 { angle - 360.0 } else { angle }
+    } else {
+        image = resampled(&image, linear).ok_or_else(singular)?;
+        180.0
+    };
+    let path = Spanned::new(textures.embed(image), Span::default());
+    Ok(EnvironmentRadiance::Picture { path, scale, rotate })
+}
+
+/// Returns the map that shows `image` under the linear map `to_world`; `None` if it is singular.
+///
+/// The new map has as many pixels. Each is the mean of [`SAMPLES`]² values of the old one.
+fn resampled(image: &Image, to_world: DMat3) -> Option<Image> {
+    let inverse = to_world.inverse();
+    if !inverse.is_finite() {
+        return None;
+    }
+    let (width, height) = (image.width(), image.height());
+    let mut pixels = Vec::with_capacity(image.pixels().len());
+    for row in 0..height {
+        for column in 0..width {
+            let mut sum = DVec3::ZERO;
+            for sample in 0..SAMPLES * SAMPLES {
+                let within = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES);
+                let phi = (f64::from(column) + within(sample % SAMPLES)) / f64::from(width) * TAU;
+                let theta = (f64::from(row) + within(sample / SAMPLES)) / f64::from(height) * PI;
+                let (sin, cos) = (libm::sin(theta), libm::cos(theta));
+                let world = DVec3::new(libm::sin(phi) * sin, cos, -libm::cos(phi) * sin);
+                sum += value(image, (inverse * world).normalize_or(DVec3::Y)).as_dvec3();
+            }
+            pixels.push((sum / f64::from(SAMPLES * SAMPLES)).as_vec3());
+        }
+    }
+    Image::from_pixels(width, height, pixels).ok()
+}
+
+/// Returns the value of Mitsuba's map in a unit direction, interpolated between pixels.
+fn value(image: &Image, direction: DVec3) -> Rgb {
+    let (width, height) = (i64::from(image.width()), i64::from(image.height()));
+    let x = (libm::atan2(direction.x, -direction.z) / TAU).rem_euclid(1.0) * width as f64 - 0.5;
+    let y = libm::acos(direction.y.clamp(-1.0, 1.0)) / PI * height as f64 - 0.5;
+    let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
+    let at = |x: i64, y: i64| image.get(x.rem_euclid(width) as u32, y.clamp(0, height - 1) as u32).unwrap_or_default();
+    let row = |y: i64| at(x.floor() as i64, y) * (1.0 - fx) + at(x.floor() as i64 + 1, y) * fx;
+    row(y.floor() as i64) * (1.0 - fy) + row(y.floor() as i64 + 1) * fy
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Compares a resampled map with the old one along rotated directions.
+    #[test]
+    fn a_tilted_map_shows_the_rotated_sky() {
+        let (width, height) = (64, 32);
+        let color = |d: DVec3| (0.5 + 0.5 * d).as_vec3();
+        let mut pixels = Vec::new();
+        for row in 0..height {
+            for column in 0..width {
+                let (phi, theta) = (TAU * (f64::from(column) + 0.5) / 64.0, PI * (f64::from(row) + 0.5) / 32.0);
+                let sin = libm::sin(theta);
+                pixels.push(color(DVec3::new(libm::sin(phi) * sin, libm::cos(theta), -libm::cos(phi) * sin)));
+            }
+        }
+        let image = Image::from_pixels(width, height, pixels).unwrap();
+        let tilt = DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y);
+        let tilted = resampled(&image, tilt).unwrap();
+        // Not Z, which becomes the pole: there, the nearest values are half a pixel away.
+        for direction in [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::new(0.6, -0.64, 0.48)] {
+            let (found, expected) = (value(&tilted, tilt * direction), color(direction));
+            // The curvature of a sine over a pixel of 0.1 rad, twice interpolated and averaged.
+            assert!((found - expected).abs().max_element() < 0.01, "{direction}: {found} instead of {expected}");
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! Emitters of a Mitsuba scene file that are no surfaces, as lights.
+
+use super::color::ColorMeaning;
+use super::context::ImportContext;
+use super::environment::read_environment;
+use super::files::ReadResult;
+use super::sensor::half_height;
+use super::textures::Textures;
+use super::tree::{ObjectClass, SceneObject};
+use crate::color::Rgb;
+use crate::format::description::{
+    DirectionOrTarget, DirectionalLightStrength, EnvironmentRadiance, LightDescription, LightPattern,
+    PointLightStrength, Span, Spanned,
+};
+use crate::image::Image;
+use glam::{DMat4, DVec3, Vec3};
+use std::f64::consts::PI;
+
+/// Number of rows of the intensity map of a spotlight: 8 per degree.
+const SPOT_ROWS: u32 = 1_440;
+
+/// Width and height of the picture of a spotlight with a texture \[pixels].
+const SPOT_PICTURE_SIZE: u32 = 512;
+
+/// Greatest half angle of a spotlight with a texture \[degrees]. Its picture is a plane.
+const MAX_PICTURE_CUTOFF: f64 = 85.0;
+
+/// Returns the light of an emitter; `None` for an emitter that needs a surface, or is black.
+///
+/// # Errors
+/// If a value is not valid, or lights of this kind are not supported.
+pub(super) fn read_light(
+    context: &ImportContext<'_>,
+    textures: &mut Textures,
+    emitter: &SceneObject,
+) -> ReadResult<Option<LightDescription>> {
+    let to_world = emitter.transform("to_world").unwrap_or(DMat4::IDENTITY);
+    let position = emitter.vector("position").unwrap_or(to_world.w_axis.truncate());
+    let axis = |column: DVec3| column.try_normalize().ok_or_else(|| singular(emitter));
+    let color = |name: &str| context.color(emitter, name, ColorMeaning::Emission, 1.0);
+    let light = match emitter.plugin.as_str() {
+        "point" => {
+            let strength = scaled(emitter, color("intensity")?);
+            LightDescription::Point { position, strength: PointLightStrength::Intensity(strength) }
+        }
+        "spot" => read_spot(context, textures, emitter, to_world)?,
+        "projector" => read_projector(context, textures, emitter, to_world)?,
+        "directional" => {
+            let direction = match emitter.vector("direction") {
+                Some(direction) => axis(to_world.transform_vector3(direction))?,
+                None => axis(to_world.z_axis.truncate())?,
+            };
+            let irradiance = scaled(emitter, color("irradiance")?);
+            LightDescription::Directional { direction, strength: DirectionalLightStrength::Irradiance(irradiance) }
+        }
+        "constant" => LightDescription::Environment(EnvironmentRadiance::Constant(scaled(emitter, color("radiance")?))),
+        "envmap" => LightDescription::Environment(read_environment(context, textures, emitter, to_world)?),
+        "sky" | "sun" | "sunsky" => {
+            let message = format!("the daylight model `{}` is not supported", emitter.plugin);
+            return Err(emitter.place.error(message, "render the sky as a picture, and use it as an `envmap`"));
+        }
+        // Area lights shine by their shape.
+        "area" | "directionalarea" => return Ok(None),
+        other => {
+            context.note_whole(&format!("emitters of kind `{other}` are left out"), emitter);
+            return Ok(None);
+        }
+    };
+    Ok(Some(light).filter(|light| !is_black(light)))
+}
+
+/// Returns the strength times the factors of versions before 2.
+fn scaled(emitter: &SceneObject, strength: DVec3) -> DVec3 {
+    strength * emitter.number("scale").unwrap_or(1.0).max(0.0)
+}
+
+fn singular(emitter: &SceneObject) -> crate::format::import::SceneReadError {
+    emitter.place.error("the direction of this emitter is zero", "correct its transform")
+}
+
+/// True if a light without position pattern has no strength. Such lights are left out.
+fn is_black(light: &LightDescription) -> bool {
+    match light {
+        LightDescription::Point { strength: PointLightStrength::Intensity(strength), .. }
+        | LightDescription::Directional { strength: DirectionalLightStrength::Irradiance(strength), .. }
+        | LightDescription::Environment(EnvironmentRadiance::Constant(strength)) => *strength == DVec3::ZERO,
+        LightDescription::Oriented { strength: PointLightStrength::Intensity(strength), .. } => {
+            *strength == DVec3::ZERO
+        }
+        LightDescription::Point { .. }
+        | LightDescription::Directional { .. }
+        | LightDescription::Spot { .. }
+        | LightDescription::Sphere { .. }
+        | LightDescription::Disc { .. }
+        | LightDescription::Rectangle { .. }
+        | LightDescription::Oriented { .. }
+        | LightDescription::Moving { .. }
+        | LightDescription::Environment(EnvironmentRadiance::Picture { .. }) => false,
+    }
+}
+
+/// Returns a light with the intensity pattern of a spotlight.
+///
+/// Mitsuba's falloff is linear in the angle. It becomes a map by the angle, or a picture if the
+/// light has a texture.
+fn read_spot(
+    context: &ImportContext<'_>,
+    textures: &mut Textures,
+    emitter: &SceneObject,
+    to_world: DMat4,
+) -> ReadResult<LightDescription> {
+    let cutoff = emitter.number("cutoff_angle").unwrap_or(20.0);
+    let beam = emitter.number("beam_width").unwrap_or(0.75 * cutoff);
+    if !(cutoff > 0.0 && cutoff <= 180.0 && beam >= 0.0 && beam <= cutoff) {
+        let help = "choose angles with 0 ≤ beam_width ≤ cutoff_angle ≤ 180";
+        return Err(emitter.place.error("the angles of this spotlight are not valid", help));
+    }
+    let falloff = |degrees: f64| {
+        if degrees <= beam { 1.0 } else { ((cutoff - degrees) / (cutoff - beam)).max(0.0) }
+    };
+    let intensity = scaled(emitter, context.color(emitter, "intensity", ColorMeaning::Emission, 1.0)?);
+    let strength = PointLightStrength::Intensity(intensity);
+    let position = to_world.w_axis.truncate();
+    let [right, up, axis] = emitter_axes(emitter, to_world)?;
+    let texture = context.named_child(emitter, ObjectClass::Texture, "texture")?;
+    let embed = |textures: &mut Textures, width, height, pixels| {
+        let image = Image::from_pixels(width, height, pixels);
+        image.map(|image| textures.embed(image)).map_err(|error| emitter.place.error(error, "use another texture"))
+    };
+    if let Some(texture) = texture.filter(|texture| texture.plugin == "bitmap") {
+        if cutoff > MAX_PICTURE_CUTOFF {
+            let message = format!("a spotlight with a texture is wider than {MAX_PICTURE_CUTOFF} degrees");
+            return Err(emitter.place.error(message, "choose a smaller `cutoff_angle`"));
+        }
+        let (_, picture) = textures.picture(context, &texture, texture.boolean("raw", false))?;
+        let size = SPOT_PICTURE_SIZE;
+        let tangent = libm::tan(cutoff.to_radians());
+        let mut pixels = Vec::with_capacity((size * size) as usize);
+        for row in 0..size {
+            for column in 0..size {
+                let centered = |i: u32| (f64::from(i) + 0.5) / f64::from(size) * 2.0 - 1.0;
+                // The picture's right is −x of the light, and its top is +y.
+                let (x, y) = (-centered(column), -centered(row));
+                let degrees = libm::atan(libm::hypot(x, y) * tangent).to_degrees();
+                let value = interpolated(&picture, 0.5 + 0.5 * x, 0.5 + 0.5 * y);
+                pixels.push(value * falloff(degrees) as f32);
+            }
+        }
+        let path = Spanned::new(embed(textures, size, size, pixels)?, Span::default());
+        let pattern = LightPattern::Picture { path, angle: 2.0 * cutoff };
+        let aim = DirectionOrTarget::Direction(axis);
+        return Ok(LightDescription::Oriented { position, aim, up: Some(up), pattern, strength });
+    }
+    let angle = |row: u32| (f64::from(row) + 0.5) * 180.0 / f64::from(SPOT_ROWS);
+    let pixels: Vec<Rgb> = (0..SPOT_ROWS).map(|row| Vec3::splat(falloff(angle(row)) as f32)).collect();
+    let path = Spanned::new(embed(textures, 1, SPOT_ROWS, pixels)?, Span::default());
+    // The map is symmetric about its top, which is the axis of the light.
+    let aim = DirectionOrTarget::Direction(right);
+    Ok(LightDescription::Oriented { position, aim, up: Some(axis), pattern: LightPattern::Map(path), strength })
+}
+
+/// Returns a projector. Its texture is the irradiance on a plane at distance 1, divided by π.
+fn read_projector(
+    context: &ImportContext<'_>,
+    textures: &mut Textures,
+    emitter: &SceneObject,
+    to_world: DMat4,
+) -> ReadResult<LightDescription> {
+    let [_, up, axis] = emitter_axes(emitter, to_world)?;
+    let scale = emitter.number("scale").unwrap_or(1.0).max(0.0);
+    let texture = context.named_child(emitter, ObjectClass::Texture, "irradiance")?;
+    let image = match texture.filter(|texture| texture.plugin == "bitmap") {
+        Some(texture) => (*textures.picture(context, &texture, texture.boolean("raw", false))?.1).clone(),
+        None => {
+            let irradiance = context.color(emitter, "irradiance", ColorMeaning::Emission, 1.0)?;
+            let image = Image::from_pixels(1, 1, vec![irradiance.as_vec3()]);
+            image.map_err(|error| emitter.place.error(error, "use a picture"))?
+        }
+    };
+    let (width, height) = (image.width(), image.height());
+    let size = [f64::from(width), f64::from(height)];
+    let half = half_height(emitter, size)?;
+    let mut image = image;
+    for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
+        let (column, row) = (i as u32 % width, i as u32 / width);
+        let x = ((f64::from(column) + 0.5) / size[0] * 2.0 - 1.0) * half * size[0] / size[1];
+        let y = ((f64::from(row) + 0.5) / size[1] * 2.0 - 1.0) * half;
+        // Irradiance is intensity times the cube of the cosine.
+        let squared = 1.0 + x * x + y * y;
+        let value = if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO };
+        *pixel = value * (PI * squared * squared.sqrt()) as f32;
+    }
+    let pattern = LightPattern::Picture {
+        path: Spanned::new(textures.embed(image), Span::default()),
+        angle: 2.0 * libm::atan(half).to_degrees(),
+    };
+    let strength = PointLightStrength::Intensity(DVec3::splat(scale));
+    let aim = DirectionOrTarget::Direction(axis);
+    let position = to_world.w_axis.truncate();
+    Ok(LightDescription::Oriented { position, aim, up: Some(up), pattern, strength })
+}
+
+/// Returns the unit axes right, up and forward of an emitter; its own x points to the left.
+fn emitter_axes(emitter: &SceneObject, to_world: DMat4) -> ReadResult<[DVec3; 3]> {
+    let axes = [-to_world.x_axis.truncate(), to_world.y_axis.truncate(), to_world.z_axis.truncate()];
+    let [Some(right), Some(up), Some(forward)] = axes.map(DVec3::try_normalize) else { return Err(singular(emitter)) };
+    if forward.cross(up).length() < 1e-6 {
+        return Err(singular(emitter));
+    }
+    Ok([right, up, forward])
+}
+
+/// Returns the value of a picture at (u, v) in \[0, 1]², interpolated between pixels; v grows
+/// downwards.
+fn interpolated(image: &Image, u: f64, v: f64) -> Rgb {
+    let (width, height) = (f64::from(image.width()), f64::from(image.height()));
+    let (x, y) = (u * width - 0.5, v * height - 0.5);
+    let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
+    let at = |x: f64, y: f64| {
+        let (x, y) = (x.rem_euclid(width) as u32, y.rem_euclid(height) as u32);
+        image.get(x.min(image.width() - 1), y.min(image.height() - 1)).unwrap_or_default()
+    };
+    let row = |y: f64| at(x.floor(), y) * (1.0 - fx) + at(x.floor() + 1.0, y) * fx;
+    let value = row(y.floor()) * (1.0 - fy) + row(y.floor() + 1.0) * fy;
+    if value.is_finite() { value.max(Vec3::ZERO) } else { Vec3::ZERO }
+}

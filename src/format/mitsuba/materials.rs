@@ -1,0 +1,549 @@
+//! BSDFs of a Mitsuba scene file as materials of the description.
+
+use super::conductors::conductor;
+use super::context::ImportContext;
+use super::dielectrics::{is_air, refractive_index};
+use super::files::ReadResult;
+use super::meshes::TexcoordConvention;
+use super::textures::{TextureUse, TextureValues, Textures};
+use super::tree::{ObjectClass, SceneObject};
+use crate::format::description::{
+    DielectricAbsorption, EmissionDescription, GroupItem, MaterialDescription, MaterialKindDescription,
+    NormalPerturbationDescription, ObjectGroup, Span, Spanned, TexturedValue,
+};
+use glam::DVec3;
+use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
+
+/// Greatest depth of BSDFs inside BSDFs.
+const MAX_DEPTH: u32 = 24;
+
+/// Least GGX α that becomes a Phong lobe: a smaller α gives a lobe narrower than a degree.
+const MIN_PHONG_ALPHA: f64 = 0.01;
+
+/// Part of a material that decides which surfaces a shape needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MaterialBoundary {
+    /// The surface lets no light pass, or is a mix.
+    Opaque,
+    /// The surface bounds a dielectric body.
+    Body,
+    /// The surface is a pane without thickness.
+    Pane,
+    /// There is no surface.
+    Null,
+}
+
+/// A material of the description, and what shapes need to know of it.
+#[derive(Clone, Debug)]
+pub(super) struct ImportedMaterial {
+    /// Name in the description.
+    pub name: String,
+    /// Surfaces that a shape of this material needs.
+    pub boundary: MaterialBoundary,
+    /// True if the material uses a texture.
+    pub is_textured: bool,
+}
+
+/// Variant of a BSDF: the medium inside, the texture of emission, and the texture coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct MaterialVariant {
+    /// Name of the medium inside of the shape.
+    pub medium: Option<String>,
+    /// Emission by a texture.
+    pub emission: Option<(Spanned<String>, f64)>,
+    /// Texture coordinates of the shape.
+    pub convention: TexcoordConvention,
+}
+
+/// Materials that shapes use so far.
+#[derive(Default)]
+pub(super) struct Materials {
+    /// Materials of the description.
+    pub descriptions: Vec<Spanned<MaterialDescription>>,
+    names: HashSet<String>,
+    used: HashMap<(Option<*const SceneObject>, String), ImportedMaterial>,
+    clear: Option<String>,
+    black: Option<String>,
+    interfaces: HashMap<String, String>,
+}
+
+/// Reflection, transmission and normals of a BSDF.
+struct Surface {
+    kind: MaterialKindDescription,
+    normal: Option<NormalPerturbationDescription>,
+}
+
+impl From<MaterialKindDescription> for Surface {
+    fn from(kind: MaterialKindDescription) -> Self {
+        Self { kind, normal: None }
+    }
+}
+
+impl Materials {
+    /// Returns the material of a shape; gray without a BSDF.
+    pub fn material(
+        &mut self,
+        context: &ImportContext<'_>,
+        textures: &mut Textures,
+        bsdf: Option<&Rc<SceneObject>>,
+        variant: &MaterialVariant,
+    ) -> ReadResult<ImportedMaterial> {
+        let key = (bsdf.map(Rc::as_ptr), format!("{variant:?}"));
+        if let Some(known) = self.used.get(&key) {
+            return Ok(known.clone());
+        }
+        let MaterialVariant { medium, emission, convention } = variant;
+        let wanted = bsdf.and_then(|bsdf| bsdf.id.clone()).unwrap_or_else(|| "material".to_owned());
+        let name = self.unique_name(&wanted);
+        let mut conversion = Conversion { materials: self, textures, context, convention: *convention, name: &name };
+        let surface = match bsdf {
+            Some(bsdf) => conversion.convert(bsdf, 0)?,
+            None => diffuse(DVec3::splat(0.5)).into(),
+        };
+        let Surface { mut kind, normal } = surface;
+        let emission = emission.clone().map(|(name, scale)| EmissionDescription::Texture { name, scale });
+        if kind.is_null_interface() && emission.is_some() {
+            kind = diffuse(DVec3::ZERO);
+        }
+        let boundary = match &kind {
+            MaterialKindDescription::Dielectric { .. } => MaterialBoundary::Body,
+            MaterialKindDescription::NullInterface { .. } => MaterialBoundary::Null,
+            MaterialKindDescription::Thin { .. } => MaterialBoundary::Pane,
+            MaterialKindDescription::Phong { .. }
+            | MaterialKindDescription::Diffuse { .. }
+            | MaterialKindDescription::Mirror { .. }
+            | MaterialKindDescription::Conductor { .. }
+            | MaterialKindDescription::CoatedDiffuse { .. }
+            | MaterialKindDescription::Mix { .. } => MaterialBoundary::Opaque,
+        };
+        let fills = matches!(boundary, MaterialBoundary::Body | MaterialBoundary::Null);
+        let medium = medium.clone().filter(|_| fills).map(|name| Spanned::new(name, Span::default()));
+        let description =
+            MaterialDescription { name: Some(name.clone()), kind, emission, normal_perturbation: normal, medium };
+        let is_textured = !description.texture_names().is_empty() || description.kind.mix_material_names().is_some();
+        self.descriptions.push(Spanned::new(description, Span::default()));
+        let imported = ImportedMaterial { name, boundary, is_textured };
+        if !imported.is_textured {
+            // Texture coordinates have no effect on the material.
+            for convention in [TexcoordConvention::Same, TexcoordConvention::Flipped] {
+                let variant = MaterialVariant { convention, ..variant.clone() };
+                self.used.insert((key.0, format!("{variant:?}")), imported.clone());
+            }
+        }
+        self.used.insert(key, imported.clone());
+        Ok(imported)
+    }
+
+    /// Returns the name of the material of a boundary without a surface, filled by `medium`.
+    pub fn interface(&mut self, medium: &str) -> String {
+        if let Some(name) = self.interfaces.get(medium) {
+            return name.clone();
+        }
+        let name = self.unique_name("boundary");
+        let kind = MaterialKindDescription::NullInterface { priority: 0 };
+        let filling = Some(Spanned::new(medium.to_owned(), Span::default()));
+        self.push(name.clone(), kind, None, filling);
+        self.interfaces.insert(medium.to_owned(), name.clone());
+        name
+    }
+
+    /// Returns the name of a material that reflects nothing.
+    pub fn black(&mut self) -> String {
+        if let Some(name) = &self.black {
+            return name.clone();
+        }
+        let name = self.unique_name("black");
+        self.push(name.clone(), diffuse(DVec3::ZERO), None, None);
+        self.black = Some(name.clone());
+        name
+    }
+
+    /// Removes materials that neither objects nor mixes use; returns the names of all textures.
+    pub fn keep_used(&mut self, objects: &ObjectGroup) -> HashSet<String> {
+        let mut used = HashSet::new();
+        collect_material_names(objects, &mut used);
+        // The parts of a mix stand before it.
+        for material in self.descriptions.iter().rev() {
+            if material.name.as_ref().is_some_and(|name| used.contains(name)) {
+                used.extend(material.kind.mix_material_names().into_iter().flatten().map(|part| part.value.clone()));
+            }
+        }
+        self.descriptions.retain(|material| material.name.as_ref().is_some_and(|name| used.contains(name)));
+        self.descriptions.iter().flat_map(|m| m.texture_names()).map(|name| name.value.clone()).collect()
+    }
+
+    fn push(
+        &mut self,
+        name: String,
+        kind: MaterialKindDescription,
+        normal_perturbation: Option<NormalPerturbationDescription>,
+        medium: Option<Spanned<String>>,
+    ) {
+        let material = MaterialDescription { name: Some(name), kind, emission: None, normal_perturbation, medium };
+        self.descriptions.push(Spanned::new(material, Span::default()));
+    }
+
+    /// Returns a name that no other material has, without control characters.
+    fn unique_name(&mut self, wanted: &str) -> String {
+        let clean: String = wanted.chars().map(|c| if c.is_control() || c == '"' { ' ' } else { c }).collect();
+        let clean = clean.trim();
+        let base = if clean.is_empty() { "material" } else { clean };
+        let numbered = (self.names.len() + 1..).map(|i| format!("{base} {i}"));
+        let mut candidates = std::iter::once(base.to_owned()).chain(numbered);
+        let name = candidates.find(|name| !self.names.contains(name)).unwrap_or_default();
+        self.names.insert(name.clone());
+        name
+    }
+
+    /// Returns the name of a material that lets all light pass.
+    fn clear_material(&mut self) -> String {
+        if let Some(name) = &self.clear {
+            return name.clone();
+        }
+        let name = self.unique_name("clear");
+        let kind = MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() };
+        self.push(name.clone(), kind, None, None);
+        self.clear = Some(name.clone());
+        name
+    }
+}
+
+/// Adds the names of the materials of all objects.
+fn collect_material_names(group: &ObjectGroup, names: &mut HashSet<String>) {
+    for item in &group.items {
+        match item {
+            GroupItem::MaterialName(name) => drop(names.insert(name.value.clone())),
+            GroupItem::MaterialIndex(_) | GroupItem::Object(_) => {}
+        }
+    }
+}
+
+fn diffuse(reflectance: DVec3) -> MaterialKindDescription {
+    MaterialKindDescription::Diffuse { reflectance: reflectance.into() }
+}
+
+/// A BSDF that is being converted.
+struct Conversion<'c, 'a> {
+    materials: &'c mut Materials,
+    textures: &'c mut Textures,
+    context: &'c ImportContext<'a>,
+    convention: TexcoordConvention,
+    /// Name of the material. Parts of mixes have names that begin with it.
+    name: &'c str,
+}
+
+impl Conversion<'_, '_> {
+    fn convert(&mut self, bsdf: &Rc<SceneObject>, depth: u32) -> ReadResult<Surface> {
+        if depth > MAX_DEPTH {
+            return Err(bsdf.place.error("BSDFs are nested too deep, or contain themselves", "nest them less deep"));
+        }
+        let context = self.context;
+        Ok(match bsdf.plugin.as_str() {
+            "diffuse" | "lambertian" => {
+                let reflectance = self.color(bsdf, "reflectance", 0.5)?;
+                MaterialKindDescription::Diffuse { reflectance }.into()
+            }
+            "roughdiffuse" | "difftrans" => {
+                context.note_whole(&format!("`{}` becomes diffuse", bsdf.plugin), bsdf);
+                let reflectance = self.color(bsdf, "reflectance", 0.5)?;
+                MaterialKindDescription::Diffuse { reflectance }.into()
+            }
+            "dielectric" | "roughdielectric" => self.dielectric(bsdf)?,
+            "thindielectric" => {
+                self.note_tints(bsdf)?;
+                let index = refractive_index(context, bsdf)?;
+                let transmittance = DVec3::ONE.into();
+                MaterialKindDescription::Thin { index, transmittance }.into()
+            }
+            "conductor" | "roughconductor" => {
+                let roughness = if bsdf.plugin == "conductor" { 0.0.into() } else { self.roughness(bsdf)? };
+                let tint = self.values(bsdf, "specular_reflectance", 1.0, TextureUse::Color)?;
+                conductor(context, bsdf, tint, roughness)?.into()
+            }
+            "plastic" | "roughplastic" => self.plastic(bsdf)?,
+            "principled" | "principledthin" => self.principled(bsdf)?,
+            "phong" => self.phong(bsdf)?,
+            "twosided" => {
+                let sides = context.children(bsdf, ObjectClass::Bsdf)?;
+                if sides.len() > 1 {
+                    context.note("surfaces with two BSDFs have the first one on both sides", bsdf);
+                }
+                self.nested(bsdf, &sides, depth)?
+            }
+            "mask" => {
+                let opacity = self.values(bsdf, "opacity", 0.5, TextureUse::Fraction)?.into_number();
+                let sides = context.children(bsdf, ObjectClass::Bsdf)?;
+                let solid = self.nested(bsdf, &sides, depth)?;
+                self.masked(solid, opacity)
+            }
+            "blendbsdf" | "mixturebsdf" => self.blend(bsdf, depth)?,
+            "bumpmap" | "bump" => {
+                let sides = context.children(bsdf, ObjectClass::Bsdf)?;
+                let mut surface = self.nested(bsdf, &sides, depth)?;
+                let scale = bsdf.number("scale").unwrap_or(1.0);
+                let heights = context.children(bsdf, ObjectClass::Texture)?;
+                if let Some((_, texture)) = heights.first() {
+                    let wanted = (TextureUse::Height, self.convention);
+                    if let TextureValues::Texture(texture, _) =
+                        self.textures.texture(context, texture, wanted, 1.0, 0)?
+                    {
+                        surface.normal = Some(NormalPerturbationDescription::Bump { texture, height: scale });
+                    }
+                }
+                self.perturb_parts(bsdf, surface)
+            }
+            "normalmap" => {
+                let sides = context.children(bsdf, ObjectClass::Bsdf)?;
+                let mut surface = self.nested(bsdf, &sides, depth)?;
+                let wanted = (TextureUse::Normal, self.convention);
+                let values = match context.children(bsdf, ObjectClass::Texture)?.first() {
+                    Some((_, texture)) => Some(self.textures.texture(context, texture, wanted, 1.0, 0)?),
+                    // A fork of Mitsuba names the file directly.
+                    None if bsdf.values.contains_key("filename") => {
+                        Some(self.textures.bitmap(context, bsdf, wanted, 1.0)?)
+                    }
+                    None => None,
+                };
+                if let Some(TextureValues::Texture(name, _)) = values {
+                    surface.normal = Some(NormalPerturbationDescription::NormalMap(name));
+                }
+                self.perturb_parts(bsdf, surface)
+            }
+            "null" => MaterialKindDescription::NullInterface { priority: 0 }.into(),
+            "coating" | "roughcoating" => {
+                context.note_whole(&format!("the coat of `{}` is ignored", bsdf.plugin), bsdf);
+                let sides = context.children(bsdf, ObjectClass::Bsdf)?;
+                self.nested(bsdf, &sides, depth)?
+            }
+            other => {
+                context.note_whole(&format!("BSDFs of kind `{other}` become diffuse gray"), bsdf);
+                diffuse(DVec3::splat(0.5)).into()
+            }
+        })
+    }
+
+    /// Returns the surface of the first nested BSDF.
+    fn nested(
+        &mut self,
+        bsdf: &Rc<SceneObject>,
+        sides: &[(String, Rc<SceneObject>)],
+        depth: u32,
+    ) -> ReadResult<Surface> {
+        let Some((_, inner)) = sides.first() else {
+            let message = format!("`{}` has no nested BSDF", bsdf.plugin);
+            return Err(bsdf.place.error(message, "nest a `bsdf` in it, or refer to one"));
+        };
+        self.convert(inner, depth + 1)
+    }
+
+    fn dielectric(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<Surface> {
+        self.note_tints(bsdf)?;
+        let index = refractive_index(self.context, bsdf)?;
+        let roughness = if bsdf.plugin == "dielectric" { 0.0.into() } else { self.roughness(bsdf)? };
+        let (refraction, attenuation) = (index.into(), DielectricAbsorption::None);
+        if is_air(index) && roughness == TexturedValue::Plain(0.0) {
+            return Ok(MaterialKindDescription::NullInterface { priority: 0 }.into());
+        }
+        Ok(MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority: 0 }.into())
+    }
+
+    /// Notes factors of reflection and transmission that differ from 1.
+    fn note_tints(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<()> {
+        for name in ["specular_reflectance", "specular_transmittance"] {
+            if self.values(bsdf, name, 1.0, TextureUse::Color)?.mean() != DVec3::ONE {
+                self.context.note(&format!("`{name}` of dielectrics is ignored: it is 1"), bsdf);
+            }
+        }
+        Ok(())
+    }
+
+    fn plastic(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<Surface> {
+        let index = refractive_index(self.context, bsdf)?;
+        let base = self.values(bsdf, "diffuse_reflectance", 0.5, TextureUse::Color)?;
+        let tint = self.values(bsdf, "specular_reflectance", 1.0, TextureUse::Color)?.mean();
+        let alpha = if bsdf.plugin == "plastic" { 0.0 } else { self.mean_roughness(bsdf)? };
+        self.context.note("the gloss of plastic is a Phong lobe, which does not grow towards grazing angles", bsdf);
+        Ok(glossy(base.into_color(), tint * normal_reflectance(index), alpha).into())
+    }
+
+    fn principled(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<Surface> {
+        let context = self.context;
+        for name in ["clearcoat", "sheen", "flatness", "anisotropic", "spec_tint"] {
+            if bsdf.number(name).is_some_and(|strength| strength != 0.0) {
+                context.note(&format!("`{name}` of `principled` is ignored"), bsdf);
+            }
+        }
+        let base = self.values(bsdf, "base_color", 0.5, TextureUse::Color)?;
+        let metallic = self.values(bsdf, "metallic", 0.0, TextureUse::Fraction)?.into_number();
+        let rough = self.values(bsdf, "roughness", 0.5, TextureUse::Fraction)?.mean().x;
+        let transmission = self.values(bsdf, "spec_trans", 0.0, TextureUse::Fraction)?.into_number();
+        let index = match bsdf.number("eta") {
+            Some(eta) if eta > 1.0 => eta,
+            _ => {
+                // The specular strength stands for a reflectance of 0.08 at most.
+                let root = (0.08 * bsdf.number("specular").unwrap_or(0.5).clamp(0.0, 1.0)).sqrt();
+                (1.0 + root) / (1.0 - root)
+            }
+        };
+        let alpha = rough * rough;
+        context.note("the gloss of `principled` is a Phong lobe, which does not grow towards grazing angles", bsdf);
+        let mut kind = glossy(base.clone().into_color(), DVec3::splat(normal_reflectance(index)), alpha);
+        if transmission != TexturedValue::Plain(0.0) {
+            let glass = MaterialKindDescription::Dielectric {
+                refraction: index.into(),
+                attenuation: DielectricAbsorption::None,
+                roughness: alpha.into(),
+                priority: 0,
+            };
+            kind = self.mix(kind, glass, transmission);
+        }
+        if metallic != TexturedValue::Plain(0.0) {
+            let metal = super::conductors::metal_of_reflectance(base.mean(), alpha.into());
+            if matches!(base, TextureValues::Texture(..)) {
+                context.note("metals with a texture of color have its mean", bsdf);
+            }
+            kind = self.mix(kind, metal, metallic);
+        }
+        Ok(kind.into())
+    }
+
+    fn phong(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<Surface> {
+        let diffuse = self.color(bsdf, "diffuse_reflectance", 0.5)?;
+        let specular = self.values(bsdf, "specular_reflectance", 0.2, TextureUse::Color)?.mean();
+        let shininess = bsdf.number("exponent").unwrap_or(30.0).clamp(0.0, 1e6);
+        let specular = specular * phong_gain(shininess);
+        Ok(MaterialKindDescription::Phong { diffuse, specular: specular.into(), shininess, texture: None }.into())
+    }
+
+    fn blend(&mut self, bsdf: &Rc<SceneObject>, depth: u32) -> ReadResult<Surface> {
+        let weight = if bsdf.plugin == "mixturebsdf" {
+            let weights = bsdf.text("weights").and_then(super::color::parse_numbers).unwrap_or_default();
+            match weights[..] {
+                [a, b] if a >= 0.0 && b >= 0.0 && a + b > 0.0 => {
+                    if (a + b - 1.0).abs() > 1e-6 {
+                        self.context.note("weights of mixtures are scaled to the sum 1", bsdf);
+                    }
+                    (b / (a + b)).into()
+                }
+                _ => return Err(bsdf.place.error("this mixture has not two weights", "give `weights` of two BSDFs")),
+            }
+        } else {
+            self.values(bsdf, "weight", 0.5, TextureUse::Fraction)?.into_number()
+        };
+        let parts = self.context.children(bsdf, ObjectClass::Bsdf)?;
+        let [(_, first), (_, second)] = &parts[..] else {
+            return Err(bsdf.place.error("a blend needs two BSDFs", "nest two `bsdf` elements in it"));
+        };
+        let (first, second) = (self.convert(first, depth + 1)?, self.convert(second, depth + 1)?);
+        let names = [self.add_part("first", first), self.add_part("second", second)];
+        Ok(mix_of(names, weight).into())
+    }
+
+    /// Returns a surface that lets light pass where the opacity is below 1.
+    fn masked(&mut self, solid: Surface, opacity: TexturedValue<f64>) -> Surface {
+        if opacity == TexturedValue::Plain(1.0) {
+            return solid;
+        }
+        let names = [self.materials.clear_material(), self.add_part("solid", solid)];
+        mix_of(names, opacity).into()
+    }
+
+    /// Returns a surface without perturbed normals if it is a mix. Its parts lose them with a
+    /// message.
+    fn perturb_parts(&mut self, bsdf: &SceneObject, surface: Surface) -> Surface {
+        if surface.kind.mix_material_names().is_some() && surface.normal.is_some() {
+            self.context.note("bump maps and normal maps of mixes are ignored", bsdf);
+            return surface.kind.into();
+        }
+        surface
+    }
+
+    fn mix(
+        &mut self,
+        first: MaterialKindDescription,
+        second: MaterialKindDescription,
+        amount: TexturedValue<f64>,
+    ) -> MaterialKindDescription {
+        if amount == TexturedValue::Plain(1.0) {
+            return second;
+        }
+        let names = [self.add_part("first", first.into()), self.add_part("second", second.into())];
+        mix_of(names, amount)
+    }
+
+    /// Adds a part of a mix, and returns its name. Boundaries without a surface become clear.
+    fn add_part(&mut self, suffix: &str, surface: Surface) -> String {
+        if surface.kind.is_null_interface() {
+            return self.materials.clear_material();
+        }
+        let name = self.materials.unique_name(&format!("{} {suffix}", self.name));
+        self.materials.push(name.clone(), surface.kind, surface.normal, None);
+        name
+    }
+
+    /// Returns GGX α. Beckmann's α is multiplied by √ln 2, so that half of all slopes stay below
+    /// the median slope.
+    fn roughness(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<TexturedValue<f64>> {
+        let is_ggx = bsdf.text("distribution").unwrap_or("beckmann") == "ggx";
+        if !is_ggx {
+            self.context.note("Beckmann distributions become GGX with the same median slope", bsdf);
+        }
+        let factor = if is_ggx { 1.0 } else { std::f64::consts::LN_2.sqrt() };
+        let _ = bsdf.boolean("sample_visible", true);
+        if bsdf.values.contains_key("alpha_u") || bsdf.values.contains_key("alpha_v") {
+            self.context.note("anisotropic roughness becomes isotropic", bsdf);
+            let [u, v] = ["alpha_u", "alpha_v"].map(|name| self.values(bsdf, name, 0.1, TextureUse::Fraction));
+            return Ok((factor * (u?.mean().x * v?.mean().x).sqrt()).into());
+        }
+        Ok(match self.values(bsdf, "alpha", 0.1, TextureUse::Fraction)?.into_number() {
+            TexturedValue::Plain(alpha) => (factor * alpha).into(),
+            texture @ TexturedValue::Texture(_) => texture,
+        })
+    }
+
+    fn mean_roughness(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<f64> {
+        match self.roughness(bsdf)? {
+            TexturedValue::Plain(alpha) => Ok(alpha),
+            TexturedValue::Texture(_) => Ok(self.values(bsdf, "alpha", 0.1, TextureUse::Fraction)?.mean().x),
+        }
+    }
+
+    fn values(
+        &mut self,
+        bsdf: &SceneObject,
+        name: &str,
+        default: f64,
+        wanted: TextureUse,
+    ) -> ReadResult<TextureValues> {
+        self.textures.values(self.context, bsdf, (name, default), (wanted, self.convention))
+    }
+
+    fn color(&mut self, bsdf: &SceneObject, name: &str, default: f64) -> ReadResult<TexturedValue<DVec3>> {
+        Ok(self.values(bsdf, name, default, TextureUse::Color)?.into_color())
+    }
+}
+
+fn mix_of([first, second]: [String; 2], amount: TexturedValue<f64>) -> MaterialKindDescription {
+    let [first, second] = [first, second].map(|name| Spanned::new(name, Span::default()));
+    MaterialKindDescription::Mix { first, second, amount }
+}
+
+/// Returns the reflectance of a dielectric interface at normal incidence.
+fn normal_reflectance(index: f64) -> f64 {
+    let root = (index - 1.0) / (index + 1.0);
+    root * root
+}
+
+/// Returns a diffuse surface with a Phong lobe that reflects `specular` in total.
+fn glossy(diffuse: TexturedValue<DVec3>, specular: DVec3, alpha: f64) -> MaterialKindDescription {
+    let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
+    let shininess = 2.0 / (alpha * alpha) - 2.0;
+    let specular = (specular * phong_gain(shininess)).into();
+    MaterialKindDescription::Phong { diffuse, specular, shininess, texture: None }
+}
+
+/// Returns the coefficient of a Phong lobe that reflects all light.
+fn phong_gain(shininess: f64) -> f64 {
+    0.5 * (shininess + 2.0)
+}

@@ -1,0 +1,241 @@
+//! Participating media of a Mitsuba scene file.
+
+use super::color::ColorMeaning;
+use super::context::ImportContext;
+use super::files::ReadResult;
+use super::tree::{ObjectClass, SceneObject};
+use super::volume::{self, VolumeGrid};
+use crate::format::description::{
+    DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, Span, Spanned, TransformStep,
+    TransformedBoxDescription,
+};
+use crate::format::grid::DensityGrid;
+use crate::format::import::SceneReadError;
+use glam::{DMat4, DVec3};
+use std::collections::{BTreeMap, HashMap};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Greatest magnitude of a mean cosine, because a phase function may not be a delta function.
+const MAX_MEAN_COSINE: f64 = 0.999;
+
+/// Values of a medium by position: equal everywhere, or a grid in a box.
+enum VolumeValues {
+    /// Equal values everywhere, and the map from the unit cube to the world.
+    Constant(DVec3, DMat4),
+    /// Values of a grid, and the map from the unit cube to the world.
+    Grid(VolumeGrid, DMat4),
+}
+
+/// Media and density grids that shapes use so far.
+#[derive(Default)]
+pub(super) struct Media {
+    /// Media of the description.
+    pub descriptions: Vec<Spanned<MediumDescription>>,
+    /// Embedded density grids, by path.
+    pub grids: BTreeMap<String, Arc<DensityGrid>>,
+    names: HashMap<*const SceneObject, String>,
+}
+
+impl Media {
+    /// Returns the name of a medium, and adds it when it is first used.
+    pub fn name(&mut self, context: &ImportContext<'_>, medium: &Rc<SceneObject>) -> ReadResult<Spanned<String>> {
+        let key = Rc::as_ptr(medium);
+        if let Some(name) = self.names.get(&key) {
+            return Ok(Spanned::new(name.clone(), Span::default()));
+        }
+        let name = format!("medium{}", self.descriptions.len());
+        let description = self.convert(context, medium, &name)?;
+        self.descriptions.push(Spanned::new(description, Span::default()));
+        self.names.insert(key, name.clone());
+        Ok(Spanned::new(name, Span::default()))
+    }
+
+    fn convert(
+        &mut self,
+        context: &ImportContext<'_>,
+        medium: &SceneObject,
+        name: &str,
+    ) -> ReadResult<MediumDescription> {
+        let phase = read_phase(context, medium)?;
+        let scale = medium.number("scale").unwrap_or(1.0);
+        if !(0.0..=1e12).contains(&scale) {
+            return Err(medium.place.error("the scale of the medium is negative or too large", "correct `scale`"));
+        }
+        let (coefficients, density) = match medium.plugin.as_str() {
+            "homogeneous" => (self.homogeneous(context, medium, scale)?, DensityDescription::Homogeneous),
+            "heterogeneous" => self.heterogeneous(context, medium, (name, scale))?,
+            other => {
+                let help = "use a `homogeneous` or `heterogeneous` medium";
+                return Err(medium.place.error(format!("media of kind `{other}` are not supported"), help));
+            }
+        };
+        let emission = context.color(medium, "emission", ColorMeaning::Emission, 0.0)?;
+        Ok(MediumDescription { name: name.to_owned(), coefficients, emission, phase, density })
+    }
+
+    fn homogeneous(
+        &self,
+        context: &ImportContext<'_>,
+        medium: &SceneObject,
+        scale: f64,
+    ) -> ReadResult<MediumCoefficients> {
+        if let Some(material) = medium.text("material") {
+            let message = format!("the material `{material}` of a medium is not known");
+            return Err(medium.place.error(message, "write its coefficients: `sigma_t` and `albedo`"));
+        }
+        let values = |name: &str| -> ReadResult<Option<DVec3>> {
+            if let Some(volume) = context.named_child(medium, ObjectClass::Volume, name)? {
+                return match read_volume(context, &volume)? {
+                    VolumeValues::Constant(color, _) => Ok(Some(color)),
+                    VolumeValues::Grid(..) => {
+                        let message = format!("`{name}` of a homogeneous medium varies");
+                        Err(volume.place.error(message, "use a `heterogeneous` medium"))
+                    }
+                };
+            }
+            let is_given = context.color_value(medium, name)?.is_some();
+            Ok(if is_given { Some(context.color(medium, name, ColorMeaning::Coefficient, 0.0)?) } else { None })
+        };
+        if let (Some(absorption), Some(scattering)) = (values("sigma_a")?, values("sigma_s")?) {
+            let (absorption, scattering) = (absorption * scale, scattering * scale);
+            return Ok(MediumCoefficients::AbsorptionScattering { absorption, scattering });
+        }
+        let extinction = values("sigma_t")?.unwrap_or(DVec3::ONE) * scale;
+        let albedo = values("albedo")?.unwrap_or(DVec3::splat(0.75)).min(DVec3::ONE);
+        Ok(MediumCoefficients::ExtinctionAlbedo { extinction, albedo })
+    }
+
+    fn heterogeneous(
+        &mut self,
+        context: &ImportContext<'_>,
+        medium: &SceneObject,
+        (name, scale): (&str, f64),
+    ) -> ReadResult<(MediumCoefficients, DensityDescription)> {
+        let values = |names: [&str; 2], default: f64| -> ReadResult<VolumeValues> {
+            for name in names {
+                if let Some(volume) = context.named_child(medium, ObjectClass::Volume, name)? {
+                    return read_volume(context, &volume);
+                }
+                if context.color_value(medium, name)?.is_some() {
+                    let color = context.color(medium, name, ColorMeaning::Coefficient, 0.0)?;
+                    return Ok(VolumeValues::Constant(color, DMat4::IDENTITY));
+                }
+            }
+            Ok(VolumeValues::Constant(DVec3::splat(default), DMat4::IDENTITY))
+        };
+        // Versions before 2 call the extinction `density`.
+        let extinction = values(["sigma_t", "density"], 1.0)?;
+        let albedo = values(["albedo", "albedo"], 0.75)?;
+        let (grid, to_world) = match extinction {
+            // Mitsuba bounds such a medium by the unit cube of the volume.
+            VolumeValues::Constant(extinction, to_world) => {
+                let values = extinction.as_vec3().to_array().to_vec();
+                (VolumeGrid { size: [1; 3], channels: 3, bounds: [[0.0; 3], [1.0; 3]], values }, to_world)
+            }
+            VolumeValues::Grid(grid, to_world) => (grid, to_world),
+        };
+        let is_one_cell = grid.size == [1; 3];
+        let mean = weighted_mean(&grid, |_| 1.0);
+        let gray = mean.element_sum() / 3.0;
+        let color = if gray > 0.0 { mean / gray } else { DVec3::ONE };
+        if grid.channels == 3 && !is_one_cell {
+            context.note("a color of extinction that varies in space becomes its mean", medium);
+        }
+        let cells = grid.values.chunks(grid.channels);
+        let densities: Vec<f32> = cells.map(|cell| cell.iter().sum::<f32>() / cell.len() as f32).collect();
+        let albedo = match albedo {
+            VolumeValues::Constant(albedo, _) => albedo,
+            VolumeValues::Grid(albedos, albedo_to_world) => {
+                context.note("an albedo that varies in space becomes its mean", medium);
+                let is_aligned = albedos.size == grid.size && albedo_to_world == to_world;
+                weighted_mean(&albedos, |cell| if is_aligned { f64::from(densities[cell]) } else { 1.0 })
+            }
+        };
+        let maps = vec![TransformStep::Matrix(to_world)];
+        let extent = TransformedBoxDescription { min: DVec3::ZERO, max: DVec3::ONE, maps };
+        self.grids.insert(name.to_owned(), Arc::new(DensityGrid { size: grid.size, values: densities }));
+        let path = Spanned::new(name.to_owned(), Span::default());
+        let coefficients =
+            MediumCoefficients::ExtinctionAlbedo { extinction: color * scale, albedo: albedo.min(DVec3::ONE) };
+        Ok((coefficients, DensityDescription::Grid { path, scale: 1.0, extent }))
+    }
+}
+
+/// Returns the mean color of a grid, weighted by a function of the number of the cell.
+///
+/// The mean is that of all cells if all weights are 0.
+fn weighted_mean(grid: &VolumeGrid, weight: impl Fn(usize) -> f64) -> DVec3 {
+    let (mut sum, mut total, mut plain) = (DVec3::ZERO, 0.0, DVec3::ZERO);
+    for (i, cell) in grid.values.chunks(grid.channels).enumerate() {
+        let channel = |k: usize| f64::from(cell[k % cell.len()]);
+        let color = DVec3::new(channel(0), channel(1), channel(2));
+        plain += color;
+        sum += color * weight(i);
+        total += weight(i);
+    }
+    if total > 0.0 { sum / total } else { plain / (grid.values.len() / grid.channels).max(1) as f64 }
+}
+
+fn read_volume(context: &ImportContext<'_>, volume: &SceneObject) -> ReadResult<VolumeValues> {
+    match volume.plugin.as_str() {
+        "constvolume" => {
+            let color = context.color(volume, "value", ColorMeaning::Coefficient, 1.0)?;
+            let to_world = volume.transform("to_world").unwrap_or(DMat4::IDENTITY);
+            if to_world.determinant() == 0.0 || !to_world.is_finite() {
+                return Err(singular(volume));
+            }
+            Ok(VolumeValues::Constant(color, to_world))
+        }
+        "gridvolume" => {
+            let Some(name) = volume.text("filename") else {
+                return Err(volume.place.error("this volume has no file", "give it a `filename`"));
+            };
+            let file = context.files.find(name, &volume.place)?;
+            let bytes = context.files.read(&file)?;
+            context.files.check_memory(&file, 4 * bytes.len() as u64)?;
+            let damaged = |defect| volume.place.error(format!("`{name}`: {defect}"), "export the volume again");
+            let grid = volume::decode(&bytes).map_err(damaged)?;
+            let mut to_world = volume.transform("to_world").unwrap_or(DMat4::IDENTITY);
+            // The values of versions before 2 fill the box that the file states.
+            let is_old = volume.values.contains_key("send_data") || volume.values.contains_key("min");
+            if volume.boolean("use_grid_bbox", is_old) {
+                let [low, high] = grid.bounds.map(|corner| DVec3::from(corner.map(f64::from)));
+                to_world *= DMat4::from_translation(low) * DMat4::from_scale(high - low);
+            }
+            if volume.text("filter_type") == Some("nearest") {
+                context.note("volumes are interpolated instead of showing cells", volume);
+            }
+            if to_world.determinant() == 0.0 || !to_world.is_finite() {
+                return Err(singular(volume));
+            }
+            Ok(VolumeValues::Grid(grid, to_world))
+        }
+        other => {
+            let message = format!("volumes of kind `{other}` are not supported");
+            Err(volume.place.error(message, "use a `gridvolume` or `constvolume`"))
+        }
+    }
+}
+
+fn singular(volume: &SceneObject) -> SceneReadError {
+    volume.place.error("the transform of the volume is singular", "scale it less")
+}
+
+fn read_phase(context: &ImportContext<'_>, medium: &SceneObject) -> ReadResult<PhaseFunctionDescription> {
+    let Some(phase) = context.child(medium, ObjectClass::Phase, "phase")? else {
+        return Ok(PhaseFunctionDescription::Isotropic);
+    };
+    Ok(match phase.plugin.as_str() {
+        "isotropic" => PhaseFunctionDescription::Isotropic,
+        "rayleigh" => PhaseFunctionDescription::Rayleigh,
+        "hg" => {
+            let g = phase.number("g").unwrap_or(0.8).clamp(-MAX_MEAN_COSINE, MAX_MEAN_COSINE);
+            PhaseFunctionDescription::HenyeyGreenstein(g)
+        }
+        other => {
+            context.note_whole(&format!("phase functions of kind `{other}` become isotropic"), &phase);
+            PhaseFunctionDescription::Isotropic
+        }
+    })
+}

@@ -1,0 +1,200 @@
+//! Meshes of a Mitsuba scene file: OBJ, PLY and `.serialized` files, and the built-in cube.
+
+use super::context::ImportContext;
+use super::files::ReadResult;
+use super::serialized;
+use super::tree::SceneObject;
+use crate::format::SceneError;
+use crate::format::import::SceneReadError;
+use crate::format::mesh::{self, LoadedMesh, TriangleMesh};
+use glam::{DVec2, DVec3};
+use std::collections::{BTreeMap, HashMap};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Texture coordinates of a shape, compared with those of Mitsuba.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum TexcoordConvention {
+    /// Equal to those of Mitsuba, where v = 0 is the top of a picture.
+    Same,
+    /// v is 1 minus that of Mitsuba.
+    Flipped,
+}
+
+/// Distance of the inner copy of a thin wall from the wall, as a fraction of the mesh's size.
+const INNER_DISTANCE: f64 = 1e-4;
+
+/// Embedded meshes, each read once.
+#[derive(Default)]
+pub(super) struct Meshes {
+    /// Meshes by path.
+    pub embedded: BTreeMap<String, Arc<TriangleMesh>>,
+    known: HashMap<(PathBuf, usize, [bool; 2]), String>,
+    inner: HashMap<String, String>,
+    cube: Option<String>,
+    sphere: Option<String>,
+}
+
+impl Meshes {
+    /// Returns the path of the embedded mesh of a shape, and its texture coordinates.
+    pub fn mesh(
+        &mut self,
+        context: &ImportContext<'_>,
+        shape: &SceneObject,
+    ) -> ReadResult<(String, TexcoordConvention)> {
+        let Some(name) = shape.text("filename") else {
+            return Err(shape.place.error("this mesh has no file", "give it a `filename`"));
+        };
+        // Mitsuba turns v of OBJ files over by default, because their v grows upwards.
+        let is_obj = shape.plugin == "obj";
+        let turns = shape.boolean("flip_tex_coords", is_obj);
+        let convention = if turns { TexcoordConvention::Flipped } else { TexcoordConvention::Same };
+        let file = context.files.find(name, &shape.place)?;
+        let index = shape.number("shape_index").unwrap_or(0.0);
+        if !(0.0..1e9).contains(&index) {
+            return Err(shape.place.error("the number of the mesh is negative or too large", "correct `shape_index`"));
+        }
+        let flags = [shape.boolean("face_normals", false), shape.boolean("flip_normals", false)];
+        let key = (file.clone(), index as usize, flags);
+        if let Some(path) = self.known.get(&key) {
+            return Ok((path.clone(), convention));
+        }
+        let (mut triangles, is_flat, is_split) = if shape.plugin == "serialized" {
+            let bytes = context.files.read(&file)?;
+            let free = context.files.free_memory().map(|free| free.saturating_sub(bytes.len() as u64));
+            let decoded = serialized::decode(&bytes, index as usize, free);
+            let damaged = |defect| shape.place.error(format!("`{name}`: {defect}"), "export the mesh again");
+            let mut decoded = decoded.map_err(damaged)?;
+            let vertices = decoded.mesh.positions.len();
+            decoded.mesh.merge_equal_vertices();
+            let is_split = decoded.mesh.distinct_position_indices().1 < vertices;
+            (decoded.mesh, decoded.has_face_normals, is_split)
+        } else {
+            let loaded = mesh::load_with_memory_limit(&file, context.files.monitor, context.files.free_memory());
+            let loaded: LoadedMesh = loaded.map_err(|error| mesh_error(shape, &error))?;
+            let is_split = loaded.repeated_vertices() > 0;
+            (loaded.mesh, false, is_split)
+        };
+        if shape.number("max_smooth_angle").is_some() {
+            context.note("`max_smooth_angle` is ignored: normals are those of the file", shape);
+        }
+        // Mitsuba shares normals among faces that share the vertices of the file.
+        match triangles.normals {
+            _ if flags[0] || is_flat => triangles.normals = None,
+            None if !is_split => triangles.compute_smooth_normals(180.0),
+            None => context.note("meshes without normals that repeat vertices have flat faces", shape),
+            Some(_) => {}
+        }
+        if flags[1] {
+            triangles.reverse_orientation();
+        }
+        triangles.materials.clear();
+        triangles.triangle_materials.clear();
+        let path = self.embed(triangles);
+        self.known.insert(key, path.clone());
+        Ok((path, convention))
+    }
+
+    /// Returns the path of the cube \[−1, 1]³, each side of which shows the whole picture.
+    pub fn cube(&mut self) -> String {
+        if let Some(path) = &self.cube {
+            return path.clone();
+        }
+        let mut cube = TriangleMesh::default();
+        let mut texcoords = Vec::new();
+        for axis in 0..3 {
+            for sign in [-1.0, 1.0] {
+                let side = |k: usize| DVec3::AXES[(axis + k) % 3];
+                let (normal, u, v) = (side(0) * sign, side(1) * sign, side(2));
+                let base = cube.positions.len() as u32;
+                for (s, t) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+                    cube.positions.push(normal + u * (2.0 * s - 1.0) + v * (2.0 * t - 1.0));
+                    texcoords.push(DVec2::new(s, t));
+                }
+                cube.triangles.extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+            }
+        }
+        cube.texcoords = Some(texcoords);
+        let path = self.embed(cube);
+        self.cube = Some(path.clone());
+        path
+    }
+
+    /// Returns the path of a unit sphere of triangles whose normals point inwards.
+    pub fn inward_sphere(&mut self) -> String {
+        const STACKS: u32 = 128;
+        const SLICES: u32 = 2 * STACKS;
+        if let Some(path) = &self.sphere {
+            return path.clone();
+        }
+        let mut sphere = TriangleMesh::default();
+        for stack in 0..=STACKS {
+            let theta = std::f64::consts::PI * f64::from(stack) / f64::from(STACKS);
+            for slice in 0..SLICES {
+                let phi = std::f64::consts::TAU * f64::from(slice) / f64::from(SLICES);
+                let ring = if stack % STACKS == 0 { 0.0 } else { libm::sin(theta) };
+                sphere.positions.push(DVec3::new(ring * libm::cos(phi), ring * libm::sin(phi), libm::cos(theta)));
+            }
+        }
+        for stack in 0..STACKS {
+            for slice in 0..SLICES {
+                let at = |row: u32, column: u32| row * SLICES + column % SLICES;
+                let [a, b] = [at(stack, slice), at(stack, slice + 1)];
+                let [c, d] = [at(stack + 1, slice), at(stack + 1, slice + 1)];
+                // The rings at the poles are points.
+                if stack > 0 {
+                    sphere.triangles.push([a, b, d]);
+                }
+                if stack + 1 < STACKS {
+                    sphere.triangles.push([a, d, c]);
+                }
+            }
+        }
+        sphere.normals = Some(sphere.positions.iter().map(|p| -p.normalize()).collect());
+        sphere.merge_equal_vertices();
+        let path = self.embed(sphere);
+        self.sphere = Some(path.clone());
+        path
+    }
+
+    /// Returns the path of a copy of the mesh `path` that lies just inside of it.
+    ///
+    /// The boundary of a medium behind a thin wall needs a surface of its own.
+    pub fn inner_copy(&mut self, path: &str) -> String {
+        if let Some(inner) = self.inner.get(path) {
+            return inner.clone();
+        }
+        let mut copy = self.embedded.get(path).map(|mesh| (**mesh).clone()).unwrap_or_default();
+        let distance = INNER_DISTANCE * copy.bounds_diagonal();
+        let (indices, count) = copy.distinct_position_indices();
+        let mut outward = vec![DVec3::ZERO; count];
+        for triangle in &copy.triangles {
+            let [a, b, c] = triangle.map(|v| copy.positions[v as usize]);
+            let area = (b - a).cross(c - a);
+            triangle.iter().for_each(|v| outward[indices[*v as usize] as usize] += area);
+        }
+        for (position, index) in copy.positions.iter_mut().zip(&indices) {
+            *position -= outward[*index as usize].normalize_or_zero() * distance;
+        }
+        (copy.normals, copy.texcoords) = (None, None);
+        copy.merge_equal_vertices();
+        let inner = self.embed(copy);
+        self.inner.insert(path.to_owned(), inner.clone());
+        inner
+    }
+
+    fn embed(&mut self, mesh: TriangleMesh) -> String {
+        let path = format!("mesh{}", self.embedded.len());
+        self.embedded.insert(path.clone(), Arc::new(mesh));
+        path
+    }
+}
+
+/// Returns the error of a mesh file at the shape that names it.
+fn mesh_error(shape: &SceneObject, error: &mesh::MeshError) -> SceneReadError {
+    let help = "repair the mesh or name another";
+    let place = &shape.place;
+    let described = SceneError::error_at_span(&place.source, place.span, error.to_string(), "this mesh", help);
+    let is_memory = matches!(error, mesh::MeshError::Memory { .. });
+    if is_memory { described.marked_out_of_memory().into() } else { described.into() }
+}

@@ -1,0 +1,178 @@
+//! Scenes in the XML format of Mitsuba, versions 0.4 to 3.
+
+mod color;
+mod conductors;
+mod context;
+mod dielectrics;
+mod document;
+mod environment;
+mod files;
+mod lights;
+mod materials;
+mod media;
+mod meshes;
+mod names;
+mod sensor;
+mod serialized;
+mod settings;
+mod shapes;
+#[cfg(test)]
+mod tests;
+mod textures;
+mod transforms;
+mod tree;
+mod volume;
+
+use super::SourceText;
+use super::description::{EnvironmentRadiance, LightDescription, LightPattern, SceneDescription, Span, Spanned};
+use super::framing::framing_camera;
+use super::import::{EmbeddedAssets, ImportOptions, ImportedScene, SceneImporter, SceneReadError};
+use super::mesh::MeshReadMonitor;
+use context::ImportContext;
+use document::read_tree;
+use files::{ReadResult, SceneFiles};
+use glam::DVec3;
+use lights::read_light;
+use sensor::read_camera;
+use settings::suggested_flags;
+use shapes::Shapes;
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+use textures::Textures;
+use tree::{ObjectClass, SceneObject};
+
+/// Importer of Mitsuba's XML format.
+pub(super) struct MitsubaImporter;
+
+impl SceneImporter for MitsubaImporter {
+    fn name(&self) -> &'static str {
+        "Mitsuba XML"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["xml"]
+    }
+
+    fn import(
+        &self,
+        path: &Path,
+        monitor: &dyn MeshReadMonitor,
+        options: &ImportOptions,
+    ) -> Result<ImportedScene, SceneReadError> {
+        let files = SceneFiles::new(path, monitor, options);
+        let bytes = files.read(path)?;
+        import_bytes(&files, bytes)
+    }
+}
+
+/// Imports the bytes of a scene file.
+///
+/// Errors name `path`, whose folder holds the files that the bytes name.
+///
+/// # Errors
+/// [`SceneReadError`].
+pub fn decode(path: &Path, bytes: &[u8], options: &ImportOptions) -> Result<ImportedScene, SceneReadError> {
+    import_bytes(&SceneFiles::new(path, &(), options), bytes.to_vec())
+}
+
+fn import_bytes(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ImportedScene> {
+    let tree = read_tree(files, bytes)?;
+    let context = ImportContext { files, tree: &tree, notes: RefCell::default() };
+    let (mut shapes, mut textures) = (Shapes::default(), Textures::default());
+    for (_, shape) in context.children(&tree.root, ObjectClass::Shape)? {
+        shapes.add(&context, &mut textures, &shape)?;
+    }
+    let lights = read_lights(&context, &mut textures, shapes.has_emitters)?;
+    let sensors = context.children(&tree.root, ObjectClass::Sensor)?;
+    let sensor = sensors.first().map(|(_, sensor)| sensor);
+    if let Some((_, second)) = sensors.get(1) {
+        context.note("sensors after the first one are ignored", second);
+    }
+    let mut camera = None;
+    let mut ambient_medium = None;
+    if let Some(sensor) = sensor {
+        camera = read_camera(&context, sensor)?;
+        if camera.is_none() {
+            context.note_whole(&format!("sensors of kind `{}` are ignored", sensor.plugin), sensor);
+        }
+        // The camera stands in the medium that fills the space between all shapes.
+        if let Some((_, medium)) = context.children(sensor, ObjectClass::Medium)?.first() {
+            ambient_medium = Some(shapes.media.name(&context, medium)?);
+        }
+    }
+    let camera = camera.unwrap_or_else(|| {
+        let message = "the file has no camera: the picture shows the whole scene from above and in front";
+        context.notes.borrow_mut().add_missing(message);
+        framing_camera(shapes.bounds.unwrap_or((DVec3::ZERO, DVec3::ZERO)))
+    });
+    let flags = suggested_flags(&context, sensor)?;
+    if !flags.is_empty() {
+        let message = format!("the settings of the file are not applied: they stand for `{flags}`");
+        context.notes.borrow_mut().add_missing(&message);
+    }
+    context.note_unread_values();
+    let used_textures = shapes.materials.keep_used(&shapes.root);
+    textures.keep(&used_textures, &lights.iter().filter_map(light_picture).collect());
+    let notes = context.notes.into_inner();
+    let description = SceneDescription {
+        camera: Spanned::new(camera, Span::default()),
+        background: DVec3::ZERO,
+        ambient_medium,
+        lights,
+        textures: textures.descriptions,
+        media: shapes.media.descriptions,
+        materials: shapes.materials.descriptions,
+        root: shapes.root,
+    };
+    let assets =
+        EmbeddedAssets { meshes: shapes.meshes.embedded, pictures: textures.pictures, grids: shapes.media.grids };
+    let source = SourceText::new(&files.path.display().to_string(), "");
+    Ok(ImportedScene { description, source, assets, notes: notes.into_notes() })
+}
+
+/// Returns the lights at the top of the file; a white sky if the scene would be dark.
+fn read_lights(
+    context: &ImportContext<'_>,
+    textures: &mut Textures,
+    has_emitters: bool,
+) -> ReadResult<Vec<Spanned<LightDescription>>> {
+    let mut lights: Vec<Spanned<LightDescription>> = Vec::new();
+    let emitters: Vec<(String, Rc<SceneObject>)> = context.children(&context.tree.root, ObjectClass::Emitter)?;
+    let is_environment = |light: &LightDescription| matches!(light, LightDescription::Environment(_));
+    for (_, emitter) in &emitters {
+        let Some(light) = read_light(context, textures, emitter)? else { continue };
+        if is_environment(&light) && lights.iter().any(|light| is_environment(&light.value)) {
+            context.note("environment emitters after the first one are left out", emitter);
+            continue;
+        }
+        lights.push(Spanned::new(light, Span::default()));
+    }
+    if emitters.is_empty() && !has_emitters {
+        let message = "the file has no light: a white sky of radiance 1 lights the scene";
+        context.notes.borrow_mut().add_missing(message);
+        let sky = LightDescription::Environment(EnvironmentRadiance::Constant(DVec3::ONE));
+        lights.push(Spanned::new(sky, Span::default()));
+    }
+    Ok(lights)
+}
+
+/// Returns the path of the picture of a light; `None` if it has none.
+fn light_picture(light: &Spanned<LightDescription>) -> Option<String> {
+    match &light.value {
+        LightDescription::Environment(EnvironmentRadiance::Picture { path, .. }) => Some(path.value.clone()),
+        LightDescription::Oriented { pattern, .. } => match pattern {
+            LightPattern::Picture { path, .. } | LightPattern::Map(path) | LightPattern::Profile(path) => {
+                Some(path.value.clone())
+            }
+        },
+        LightDescription::Point { .. }
+        | LightDescription::Directional { .. }
+        | LightDescription::Spot { .. }
+        | LightDescription::Sphere { .. }
+        | LightDescription::Disc { .. }
+        | LightDescription::Rectangle { .. }
+        | LightDescription::Moving { .. }
+        | LightDescription::Environment(EnvironmentRadiance::Constant(_)) => None,
+    }
+}

@@ -1,0 +1,68 @@
+//! Settings of a Mitsuba scene file that flags of the command line stand for.
+
+use super::context::ImportContext;
+use super::files::ReadResult;
+use super::tree::{ObjectClass, SceneObject};
+use std::rc::Rc;
+
+/// Integrators of Mitsuba, with the algorithms that find the same light paths.
+const ALGORITHMS: [(&str, &str); 13] = [
+    ("path", "path"),
+    ("prbvolpath", "path"),
+    ("volpath", "path"),
+    ("volpath_simple", "path"),
+    ("volpathmis", "path"),
+    ("prb", "path"),
+    ("direct", "path"),
+    ("ptracer", "hybrid"),
+    ("bdpt", "hybrid"),
+    ("photonmapper", "pm"),
+    ("ppm", "ppm"),
+    ("sppm", "sppm"),
+    ("pssmlt", "path"),
+];
+
+/// Pixel filters of Mitsuba, with the names of the command line.
+const FILTERS: [(&str, &str); 5] =
+    [("box", "box"), ("tent", "tent"), ("gaussian", "gaussian"), ("mitchell", "mitchell"), ("catmullrom", "mitchell")];
+
+/// Returns the flags of `render` that stand for the integrator and the pixel filter of the file;
+/// empty if the file states neither.
+pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<SceneObject>>) -> ReadResult<String> {
+    let mut flags = Vec::new();
+    let integrators = context.children(&context.tree.root, ObjectClass::Integrator)?;
+    if let Some((_, integrator)) = integrators.first() {
+        integrator.mark_as_read();
+        let mut inner = Rc::clone(integrator);
+        // `moment` and `aov` wrap another integrator.
+        while let Some((_, nested)) = context.children(&inner, ObjectClass::Integrator)?.into_iter().next() {
+            nested.mark_as_read();
+            if Rc::ptr_eq(&nested, &inner) {
+                break;
+            }
+            inner = nested;
+        }
+        if let Some((_, algorithm)) = ALGORITHMS.iter().find(|(theirs, _)| *theirs == inner.plugin) {
+            flags.push(format!("--integrator {algorithm}"));
+        }
+        // Mitsuba counts the edges of a path: two for direct light, which takes no bounce here. An
+        // unlimited path has −1.
+        let depth = if inner.plugin == "direct" { Some(2.0) } else { inner.number("max_depth") };
+        if let Some(depth) = depth.filter(|depth| *depth >= 2.0) {
+            flags.push(format!("--max-bounces {}", depth - 2.0));
+        }
+    }
+    let Some(sensor) = sensor else { return Ok(flags.join(" ")) };
+    if let Some(film) = context.child(sensor, ObjectClass::Film, "film")?
+        && let Some(filter) = context.child(&film, ObjectClass::Filter, "rfilter")?
+    {
+        filter.mark_as_read();
+        if let Some((_, name)) = FILTERS.iter().find(|(theirs, _)| *theirs == filter.plugin) {
+            flags.push(format!("--filter {name}"));
+        }
+    }
+    if let Some(sampler) = context.child(sensor, ObjectClass::Sampler, "sampler")? {
+        sampler.mark_as_read();
+    }
+    Ok(flags.join(" "))
+}

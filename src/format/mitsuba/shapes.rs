@@ -1,0 +1,350 @@
+//! Shapes of a Mitsuba scene file as objects of the description.
+
+use super::color::ColorMeaning;
+use super::context::ImportContext;
+use super::files::ReadResult;
+use super::materials::{MaterialBoundary, MaterialVariant, Materials};
+use super::media::Media;
+use super::meshes::{Meshes, TexcoordConvention};
+use super::textures::{TextureUse, TextureValues, Textures};
+use super::tree::{ObjectClass, SceneObject};
+use crate::format::description::{
+    GroupItem, MeshOptions, ObjectDescription, ObjectGroup, ShapeDescription, Span, Spanned, TransformStep,
+};
+use crate::math::Transform;
+use glam::{DAffine3, DMat4, DVec3};
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// Estimated bytes of memory for each object: its description and its place in the scene.
+const MEMORY_PER_OBJECT: u64 = 1_500;
+
+/// Greatest depth of shapes inside shapes.
+const MAX_DEPTH: u32 = 8;
+
+/// Objects of the scene, with what they use.
+#[derive(Default)]
+pub(super) struct Shapes {
+    /// Objects with their materials, in the order of the file.
+    pub root: ObjectGroup,
+    /// Meshes of the objects.
+    pub meshes: Meshes,
+    /// Materials of the objects.
+    pub materials: Materials,
+    /// Media inside the objects.
+    pub media: Media,
+    /// Lower and upper corner of the bounds of all objects; `None` if there are none.
+    pub bounds: Option<(DVec3, DVec3)>,
+    /// True if a surface emits light.
+    pub has_emitters: bool,
+    /// Objects of shape groups, under the identity.
+    groups: HashMap<*const SceneObject, Rc<Vec<PlacedShape>>>,
+}
+
+/// A shape with its material and the transform to its surroundings.
+#[derive(Clone, Debug)]
+struct PlacedShape {
+    material: String,
+    shape: ShapeDescription,
+    emission: Option<DVec3>,
+    to_world: DAffine3,
+    /// Corners of a box around the shape, in its own frame.
+    bounds: (DVec3, DVec3),
+}
+
+/// Surface of a shape, before its transform.
+struct ShapeGeometry {
+    surface: ShapeDescription,
+    /// Transform to the surroundings of the shape.
+    to_world: DAffine3,
+    /// Corners of a box around the surface, in its own frame.
+    bounds: (DVec3, DVec3),
+}
+
+/// Emission of a shape: equal everywhere, or by a texture.
+#[derive(Default)]
+struct ShapeEmission {
+    radiance: Option<DVec3>,
+    texture: Option<(Spanned<String>, f64)>,
+}
+
+impl Shapes {
+    /// Adds the objects of a shape at the top of the file.
+    pub fn add(
+        &mut self,
+        context: &ImportContext<'_>,
+        textures: &mut Textures,
+        shape: &Rc<SceneObject>,
+    ) -> ReadResult<()> {
+        if shape.plugin == "shapegroup" {
+            return Ok(());
+        }
+        for placed in self.placed(context, textures, shape, 0)? {
+            self.push(context, placed, shape)?;
+        }
+        Ok(())
+    }
+
+    /// Returns the shapes that an object of the file stands for.
+    fn placed(
+        &mut self,
+        context: &ImportContext<'_>,
+        textures: &mut Textures,
+        shape: &Rc<SceneObject>,
+        depth: u32,
+    ) -> ReadResult<Vec<PlacedShape>> {
+        if depth > MAX_DEPTH {
+            return Err(shape.place.error("shapes are nested too deep, or contain themselves", "nest them less deep"));
+        }
+        match shape.plugin.as_str() {
+            "instance" => {
+                let to_world = matrix(shape);
+                let groups = context.children(shape, ObjectClass::Shape)?;
+                let Some((_, group)) = groups.first() else {
+                    return Err(shape.place.error("this instance names no shape group", "refer to one by its id"));
+                };
+                let members = self.group(context, textures, group, depth)?;
+                Ok(members.iter().map(|m| PlacedShape { to_world: to_world * m.to_world, ..m.clone() }).collect())
+            }
+            "shapegroup" | "merge" => Ok(self.group(context, textures, shape, depth)?.to_vec()),
+            _ => self.single(context, textures, shape),
+        }
+    }
+
+    fn group(
+        &mut self,
+        context: &ImportContext<'_>,
+        textures: &mut Textures,
+        group: &Rc<SceneObject>,
+        depth: u32,
+    ) -> ReadResult<Rc<Vec<PlacedShape>>> {
+        if let Some(known) = self.groups.get(&Rc::as_ptr(group)) {
+            return Ok(Rc::clone(known));
+        }
+        let mut members = Vec::new();
+        for (_, shape) in context.children(group, ObjectClass::Shape)? {
+            members.extend(self.placed(context, textures, &shape, depth + 1)?);
+            context.files.check_total(MEMORY_PER_OBJECT * members.len() as u64)?;
+        }
+        let members = Rc::new(members);
+        self.groups.insert(Rc::as_ptr(group), Rc::clone(&members));
+        Ok(members)
+    }
+
+    /// Returns the objects of one surface: the surface itself, and an inner boundary if a thin wall
+    /// holds a medium.
+    fn single(
+        &mut self,
+        context: &ImportContext<'_>,
+        textures: &mut Textures,
+        shape: &Rc<SceneObject>,
+    ) -> ReadResult<Vec<PlacedShape>> {
+        let bsdf = context.children(shape, ObjectClass::Bsdf)?.into_iter().next().map(|(_, bsdf)| bsdf);
+        let medium = match context.named_child(shape, ObjectClass::Medium, "interior")? {
+            Some(medium) => Some(self.media.name(context, &medium)?.value),
+            None => None,
+        };
+        if !context.children(shape, ObjectClass::Subsurface)?.is_empty() {
+            context.note("subsurface scattering is ignored", shape);
+        }
+        let is_mesh = matches!(shape.plugin.as_str(), "obj" | "ply" | "serialized");
+        let (mesh, convention) = if is_mesh {
+            let (path, convention) = self.meshes.mesh(context, shape)?;
+            (Some(path), convention)
+        } else {
+            (None, if shape.plugin == "sphere" { TexcoordConvention::Flipped } else { TexcoordConvention::Same })
+        };
+        let emission = self.emission(context, textures, shape, convention)?;
+        let variant = MaterialVariant { medium: medium.clone(), emission: emission.texture.clone(), convention };
+        let material = self.materials.material(context, textures, bsdf.as_ref(), &variant)?;
+        let Some(ShapeGeometry { surface, to_world, bounds }) =
+            self.geometry(context, shape, mesh.as_deref(), material.is_textured, material.boundary)?
+        else {
+            return Ok(Vec::new());
+        };
+        let (mut name, boundary) = (material.name, material.boundary);
+        if boundary == MaterialBoundary::Null && emission.radiance.is_some() {
+            context.note("emitters without a surface become black", shape);
+            name = self.materials.black();
+        } else if boundary == MaterialBoundary::Null && medium.is_none() {
+            return Ok(Vec::new());
+        }
+        let place = |material: String, shape, emission| PlacedShape { material, shape, emission, to_world, bounds };
+        let mut placed = vec![place(name, surface.clone(), emission.radiance)];
+        if let (MaterialBoundary::Pane, Some(medium)) = (boundary, medium) {
+            let interface = self.materials.interface(&medium);
+            let inner = self.inner_shape(surface);
+            placed.push(place(interface, inner, None));
+        }
+        Ok(placed)
+    }
+
+    /// Returns the emission of a shape with an area light.
+    fn emission(
+        &mut self,
+        context: &ImportContext<'_>,
+        textures: &mut Textures,
+        shape: &SceneObject,
+        convention: TexcoordConvention,
+    ) -> ReadResult<ShapeEmission> {
+        let emitters = context.children(shape, ObjectClass::Emitter)?;
+        let Some((_, emitter)) = emitters.first() else { return Ok(ShapeEmission::default()) };
+        if emitter.plugin != "area" {
+            let message = format!("emitters of kind `{}` on surfaces are ignored", emitter.plugin);
+            context.note_whole(&message, emitter);
+            return Ok(ShapeEmission::default());
+        }
+        let wanted = (TextureUse::Radiance, convention);
+        Ok(match textures.values(context, emitter, ("radiance", 1.0), wanted)? {
+            TextureValues::Constant(_) => {
+                let radiance = context.color(emitter, "radiance", ColorMeaning::Emission, 1.0)?;
+                let radiance = Some(radiance).filter(|radiance| *radiance != DVec3::ZERO);
+                self.has_emitters |= radiance.is_some();
+                ShapeEmission { radiance, texture: None }
+            }
+            TextureValues::Texture(name, _) => {
+                self.has_emitters = true;
+                ShapeEmission { radiance: None, texture: Some((name, 1.0)) }
+            }
+        })
+    }
+
+    /// Returns the surface of a shape with its place; `None` for shapes that are left out.
+    fn geometry(
+        &mut self,
+        context: &ImportContext<'_>,
+        shape: &SceneObject,
+        mesh: Option<&str>,
+        is_textured: bool,
+        boundary: MaterialBoundary,
+    ) -> ReadResult<Option<ShapeGeometry>> {
+        let mut to_world = matrix(shape);
+        if let Some(path) = mesh {
+            let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            let positions = self.meshes.embedded.get(path).into_iter().flat_map(|mesh| &mesh.positions);
+            let bounds = positions.fold(start, |(low, high), p| (low.min(*p), high.max(*p)));
+            return Ok(Some(ShapeGeometry { surface: mesh_shape(path.to_owned()), to_world, bounds }));
+        }
+        let is_turned = shape.boolean("flip_normals", false);
+        let unit = (DVec3::splat(-1.0), DVec3::ONE);
+        let flat = (DVec3::new(-1.0, -1.0, 0.0), DVec3::new(1.0, 1.0, 0.0));
+        let radius = |default: f64| {
+            let radius = shape.number("radius").unwrap_or(default);
+            let invalid = || shape.place.error("the radius of this shape is not above 0", "correct `radius`");
+            if radius > 0.0 && radius < 1e30 { Ok(radius) } else { Err(invalid()) }
+        };
+        let (surface, bounds) = match shape.plugin.as_str() {
+            "sphere" => {
+                let center = shape.vector("center").unwrap_or(DVec3::ZERO);
+                let radius = radius(1.0)?;
+                to_world *= DAffine3::from_translation(center);
+                let is_inward = is_turned && boundary != MaterialBoundary::Null;
+                if is_inward {
+                    context.note("spheres with flipped normals become meshes of 65,000 triangles", shape);
+                    to_world *= DAffine3::from_scale(DVec3::splat(radius));
+                    (mesh_shape(self.meshes.inward_sphere()), unit)
+                } else {
+                    if is_textured {
+                        // Longitude and latitude start at other axes than those of Mitsuba.
+                        let columns = [DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y];
+                        let inverse = glam::DMat3::from_cols(columns[0], columns[1], columns[2]).transpose();
+                        to_world *= DAffine3::from_mat3(inverse);
+                    }
+                    (ShapeDescription::Sphere { center: DVec3::ZERO, radius }, (unit.0 * radius, unit.1 * radius))
+                }
+            }
+            "rectangle" => {
+                let (edge0, edge1) = (DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.0));
+                let (edge0, edge1) = if is_turned { (edge1, edge0) } else { (edge0, edge1) };
+                (ShapeDescription::Rectangle { corner: DVec3::new(-1.0, -1.0, 0.0), edge0, edge1 }, flat)
+            }
+            "disk" => {
+                if is_textured {
+                    context.note("textures lie flat on disks instead of by radius and angle", shape);
+                }
+                let normal = if is_turned { DVec3::NEG_Z } else { DVec3::Z };
+                (ShapeDescription::Disc { center: DVec3::ZERO, normal, radius: 1.0 }, flat)
+            }
+            "cylinder" => {
+                if is_turned {
+                    context.note("flipped normals of cylinders are ignored", shape);
+                }
+                let ends = [shape.vector("p0").unwrap_or(DVec3::ZERO), shape.vector("p1").unwrap_or(DVec3::Z)];
+                let radius = radius(1.0)?;
+                if ends[0] == ends[1] {
+                    return Err(shape.place.error("both ends of this cylinder are the same point", "move one of them"));
+                }
+                let bounds = (ends[0].min(ends[1]) - radius, ends[0].max(ends[1]) + radius);
+                (ShapeDescription::Cylinder { ends, radius, is_capped: false }, bounds)
+            }
+            "cube" if is_textured || is_turned => {
+                if is_turned {
+                    context.note("flipped normals of cubes are ignored", shape);
+                }
+                (mesh_shape(self.meshes.cube()), unit)
+            }
+            "cube" => (ShapeDescription::Box { min: unit.0, max: unit.1 }, unit),
+            other => {
+                context.note_whole(&format!("shapes of kind `{other}` are left out"), shape);
+                return Ok(None);
+            }
+        };
+        Ok(Some(ShapeGeometry { surface, to_world, bounds }))
+    }
+
+    /// Returns a surface that lies just inside of `shape`.
+    fn inner_shape(&mut self, shape: ShapeDescription) -> ShapeDescription {
+        const SHRINK: f64 = 1.0 - 1e-4;
+        match shape {
+            ShapeDescription::Mesh { path, options } => {
+                let inner = self.meshes.inner_copy(&path.value);
+                ShapeDescription::Mesh { path: Spanned::new(inner, Span::default()), options }
+            }
+            ShapeDescription::Sphere { center, radius } => ShapeDescription::Sphere { center, radius: radius * SHRINK },
+            ShapeDescription::Box { min, max } => ShapeDescription::Box { min: min * SHRINK, max: max * SHRINK },
+            ShapeDescription::Cylinder { .. }
+            | ShapeDescription::Plane { .. }
+            | ShapeDescription::Disc { .. }
+            | ShapeDescription::Rectangle { .. }
+            | ShapeDescription::Cone { .. }
+            | ShapeDescription::Triangle { .. }
+            | ShapeDescription::Revolution { .. }
+            | ShapeDescription::Curve(_)
+            | ShapeDescription::Patches { .. }
+            | ShapeDescription::Nurbs { .. } => shape,
+        }
+    }
+
+    /// Adds an object to the scene.
+    fn push(&mut self, context: &ImportContext<'_>, placed: PlacedShape, source: &SceneObject) -> ReadResult<()> {
+        let PlacedShape { material, shape, emission, to_world, bounds: (low, high) } = placed;
+        if Transform::new(to_world).is_err() {
+            context.note("objects that are scaled to nothing are left out", source);
+            return Ok(());
+        }
+        let objects = self.root.items.len() as u64 / 2 + 1;
+        context.files.check_total(MEMORY_PER_OBJECT * objects)?;
+        for corner in 0..8 {
+            let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+            let corner = to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
+            let (low, high) = self.bounds.unwrap_or((corner, corner));
+            self.bounds = Some((low.min(corner), high.max(corner)));
+        }
+        let mut object = ObjectDescription::Shape { shape, emission };
+        if to_world != DAffine3::IDENTITY {
+            let maps = vec![TransformStep::Matrix(to_world.into())];
+            object = ObjectDescription::Transform { maps, object: Box::new(Spanned::new(object, Span::default())) };
+        }
+        self.root.items.push(GroupItem::MaterialName(Spanned::new(material, Span::default())));
+        self.root.items.push(GroupItem::Object(Spanned::new(object, Span::default())));
+        Ok(())
+    }
+}
+
+fn mesh_shape(path: String) -> ShapeDescription {
+    ShapeDescription::Mesh { path: Spanned::new(path, Span::default()), options: MeshOptions::default() }
+}
+
+fn matrix(shape: &SceneObject) -> DAffine3 {
+    DAffine3::from_mat4(shape.transform("to_world").unwrap_or(DMat4::IDENTITY))
+}

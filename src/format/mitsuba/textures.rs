@@ -1,0 +1,384 @@
+//! Textures of a Mitsuba scene file: bitmaps and checkerboards as textures of the description.
+
+use super::color::ColorMeaning;
+use super::context::ImportContext;
+use super::files::ReadResult;
+use super::meshes::TexcoordConvention;
+use super::tree::{ObjectClass, SceneObject};
+use crate::color::{Rgb, luminance};
+use crate::format::SceneError;
+use crate::format::description::{
+    PictureEncoding, Span, Spanned, TexcoordTransformDescription, TextureDescription, TextureKindDescription,
+    TexturedValue, WrapMode,
+};
+use crate::format::import::SceneReadError;
+use crate::image::{Image, PixelMeaning, ReadError, decode, decode_rgba_levels};
+use glam::{DMat2, DMat4, DVec2, DVec3, Vec3};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::PathBuf;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Greatest depth of textures inside textures.
+const MAX_DEPTH: u32 = 8;
+
+/// Values that a material takes from a texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum TextureUse {
+    /// Colors inside \[0, 1].
+    Color,
+    /// Numbers inside \[0, 1]: the luminance of colors.
+    Fraction,
+    /// Numbers at least 0, such as heights: the luminance of colors.
+    Height,
+    /// Radiance at least 0.
+    Radiance,
+    /// Normals in tangent space: values as they are.
+    Normal,
+}
+
+/// Values of a texture: one value, or the name of a texture of the description.
+#[derive(Clone, Debug)]
+pub(super) enum TextureValues {
+    /// Equal values everywhere.
+    Constant(DVec3),
+    /// Name of a texture, and its mean.
+    Texture(Spanned<String>, DVec3),
+}
+
+impl TextureValues {
+    /// Returns the mean over the texture.
+    pub fn mean(&self) -> DVec3 {
+        match self {
+            Self::Constant(mean) | Self::Texture(_, mean) => *mean,
+        }
+    }
+
+    /// Returns the values as a color.
+    pub fn into_color(self) -> TexturedValue<DVec3> {
+        match self {
+            Self::Constant(color) => TexturedValue::Plain(color),
+            Self::Texture(name, _) => TexturedValue::Texture(name),
+        }
+    }
+
+    /// Returns the values as a number.
+    pub fn into_number(self) -> TexturedValue<f64> {
+        match self {
+            Self::Constant(color) => TexturedValue::Plain(color.x),
+            Self::Texture(name, _) => TexturedValue::Texture(name),
+        }
+    }
+}
+
+/// Textures and pictures that materials and lights use so far.
+#[derive(Default)]
+pub(super) struct Textures {
+    /// Textures of the description.
+    pub descriptions: Vec<Spanned<TextureDescription>>,
+    /// Embedded pictures, by path.
+    pub pictures: BTreeMap<String, Arc<Image>>,
+    /// Pictures of files, linear or raw.
+    decoded: HashMap<(PathBuf, bool), Rc<Image>>,
+    /// Embedded pictures by file, rawness, use and factor.
+    embedded: HashMap<(PathBuf, bool, TextureUse, u64), TextureValues>,
+    /// Names of textures by their content.
+    names: HashMap<String, String>,
+}
+
+impl Textures {
+    /// Returns the values of the texture or color `name` of an object; `default` if it has none.
+    pub fn values(
+        &mut self,
+        context: &ImportContext<'_>,
+        object: &SceneObject,
+        (name, default): (&str, f64),
+        (wanted, convention): (TextureUse, TexcoordConvention),
+    ) -> ReadResult<TextureValues> {
+        let meaning = match wanted {
+            TextureUse::Color => ColorMeaning::Reflectance,
+            TextureUse::Radiance => ColorMeaning::Emission,
+            TextureUse::Fraction | TextureUse::Height | TextureUse::Normal => ColorMeaning::Coefficient,
+        };
+        if context.color_value(object, name)?.is_none()
+            && let Some(texture) = context.named_child(object, ObjectClass::Texture, name)?
+        {
+            return self.texture(context, &texture, (wanted, convention), 1.0, 0);
+        }
+        Ok(TextureValues::Constant(limited(context.color(object, name, meaning, default)?, wanted)))
+    }
+
+    /// Returns the values of a texture object times `factor`.
+    pub fn texture(
+        &mut self,
+        context: &ImportContext<'_>,
+        texture: &SceneObject,
+        (wanted, convention): (TextureUse, TexcoordConvention),
+        factor: f64,
+        depth: u32,
+    ) -> ReadResult<TextureValues> {
+        if depth > MAX_DEPTH {
+            return Err(texture.place.error("textures are nested too deep", "nest them less deep"));
+        }
+        if let Some(color) = context.spectrum_object(texture)? {
+            let color = color.rgb(ColorMeaning::Reflectance).max(DVec3::ZERO) * factor;
+            return Ok(TextureValues::Constant(limited(color, wanted)));
+        }
+        match texture.plugin.as_str() {
+            "bitmap" => self.bitmap(context, texture, (wanted, convention), factor),
+            "checkerboard" => self.checkerboard(context, texture, (wanted, convention), factor, depth),
+            "scale" => {
+                let own = factor * texture.number("scale").or_else(|| texture.number("value")).unwrap_or(1.0);
+                match context.children(texture, ObjectClass::Texture)?.first() {
+                    Some((_, inner)) => self.texture(context, inner, (wanted, convention), own, depth + 1),
+                    None => Ok(TextureValues::Constant(limited(DVec3::splat(own), wanted))),
+                }
+            }
+            _ => {
+                let message = format!("textures of kind `{}` become gray of reflectance 0.5", texture.plugin);
+                context.note_whole(&message, texture);
+                Ok(TextureValues::Constant(limited(DVec3::splat(0.5 * factor), wanted)))
+            }
+        }
+    }
+
+    /// Returns the linear picture of a `bitmap` texture; raw values if the texture asks for them.
+    pub fn picture(
+        &mut self,
+        context: &ImportContext<'_>,
+        object: &SceneObject,
+        is_raw: bool,
+    ) -> ReadResult<(PathBuf, Rc<Image>)> {
+        let Some(name) = object.text("filename") else {
+            return Err(object.place.error("this picture has no file", "give it a `filename`"));
+        };
+        let file = context.files.find(name, &object.place)?;
+        if let Some(image) = self.decoded.get(&(file.clone(), is_raw)) {
+            return Ok((file, Rc::clone(image)));
+        }
+        let bytes = context.files.read(&file)?;
+        let free = context.files.free_memory().map(|free| free.saturating_sub(bytes.len() as u64));
+        let failed = |error: ReadError| {
+            let help = "repair the picture or name another: PNG, JPEG, BMP, OpenEXR or Radiance HDR";
+            let place = &object.place;
+            let described =
+                SceneError::error_at_span(&place.source, place.span, error.to_string(), "this picture", help);
+            let is_memory = matches!(error, ReadError::Memory { .. });
+            SceneReadError::from(if is_memory { described.marked_out_of_memory() } else { described })
+        };
+        let image = match decode_rgba_levels(&file, &bytes, free).map_err(failed)? {
+            Some(levels) => {
+                let greatest = f64::from(levels.greatest);
+                let table: Vec<f32> = if is_raw {
+                    (0..=levels.greatest).map(|level| (f64::from(level) / greatest) as f32).collect()
+                } else {
+                    levels.srgb_table()
+                };
+                let pixel = |p: &[u16; 4]| Vec3::from([0, 1, 2].map(|k| table[usize::from(p[k])]));
+                let pixels = levels.pixels.iter().map(pixel).collect();
+                Image::from_pixels(levels.width, levels.height, pixels)
+                    .map_err(|error| object.place.error(error, "name another picture"))?
+            }
+            None => decode(&file, &bytes, PixelMeaning::Radiance, free).map_err(failed)?.0,
+        };
+        let image = Rc::new(image);
+        self.decoded.insert((file.clone(), is_raw), Rc::clone(&image));
+        Ok((file, image))
+    }
+
+    /// Embeds a picture and returns its path.
+    pub fn embed(&mut self, image: Image) -> String {
+        let path = format!("picture{}", self.pictures.len());
+        self.pictures.insert(path.clone(), Arc::new(image));
+        path
+    }
+
+    /// Removes all textures but those called `names`, and pictures that no texture shows.
+    ///
+    /// `others` are paths of pictures that lights use.
+    pub fn keep(&mut self, names: &HashSet<String>, others: &HashSet<String>) {
+        self.descriptions.retain(|texture| names.contains(&texture.name));
+        let shown: HashSet<&str> = self
+            .descriptions
+            .iter()
+            .filter_map(|texture| match &texture.kind {
+                TextureKindDescription::Image { path, .. } => Some(path.value.as_str()),
+                TextureKindDescription::Checker { .. } | TextureKindDescription::Solid { .. } => None,
+            })
+            .collect();
+        self.pictures.retain(|path, _| shown.contains(path.as_str()) || others.contains(path));
+    }
+
+    /// Returns the values of the picture that an object names.
+    pub fn bitmap(
+        &mut self,
+        context: &ImportContext<'_>,
+        texture: &SceneObject,
+        (wanted, convention): (TextureUse, TexcoordConvention),
+        factor: f64,
+    ) -> ReadResult<TextureValues> {
+        // Versions before 2 write the encoding as `gamma`.
+        let is_raw = wanted == TextureUse::Normal
+            || texture.boolean("raw", false)
+            || texture.number("gamma").is_some_and(|gamma| gamma == 1.0);
+        let (file, picture) = self.picture(context, texture, is_raw)?;
+        let key = (file, is_raw, wanted, factor.to_bits());
+        let values = match self.embedded.get(&key) {
+            Some(values) => values.clone(),
+            None => {
+                context.files.check_memory(&key.0, 12 * picture.pixels().len() as u64)?;
+                let value = |pixel: &Rgb| -> Vec3 { used_value(*pixel * factor as f32, wanted) };
+                let pixels: Vec<Rgb> = picture.pixels().iter().map(value).collect();
+                let mean = pixels.iter().map(|pixel| pixel.as_dvec3()).sum::<DVec3>() / pixels.len() as f64;
+                let values = if pixels.iter().all(|pixel| *pixel == pixels[0]) {
+                    TextureValues::Constant(pixels[0].as_dvec3())
+                } else {
+                    let image = Image::from_pixels(picture.width(), picture.height(), pixels);
+                    let image = image.map_err(|error| texture.place.error(error, "name another picture"))?;
+                    TextureValues::Texture(Spanned::new(self.embed(image), Span::default()), mean)
+                };
+                self.embedded.insert(key, values.clone());
+                values
+            }
+        };
+        let TextureValues::Texture(path, mean) = values else { return Ok(values) };
+        if texture.text("filter_type") == Some("nearest") {
+            context.note("textures are interpolated instead of showing square pixels", texture);
+        }
+        let wrap = ["wrap_mode", "wrap_mode_u"].iter().find_map(|name| texture.text(name)).unwrap_or("repeat");
+        let wrap = match wrap {
+            "repeat" => WrapMode::Repeat,
+            "mirror" => WrapMode::Mirror,
+            "clamp" => WrapMode::Clamp,
+            _ => {
+                context.note("textures end with their border pixels", texture);
+                WrapMode::Clamp
+            }
+        };
+        let to_uv = mitsuba_transform(context, texture, convention);
+        // Rows of a picture count from the top in Mitsuba, and v counts from the bottom here.
+        let coordinates = decomposed(context, texture, turned(to_uv));
+        let kind = TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates };
+        Ok(TextureValues::Texture(self.name(kind), mean))
+    }
+
+    fn checkerboard(
+        &mut self,
+        context: &ImportContext<'_>,
+        texture: &SceneObject,
+        (wanted, convention): (TextureUse, TexcoordConvention),
+        factor: f64,
+        depth: u32,
+    ) -> ReadResult<TextureValues> {
+        let mut colors = [DVec3::ZERO; 2];
+        for (color, (name, default)) in colors.iter_mut().zip([("color0", 0.4), ("color1", 0.2)]) {
+            let inner = match context.color_value(texture, name)? {
+                Some(_) => None,
+                None => context.named_child(texture, ObjectClass::Texture, name)?,
+            };
+            *color = match inner {
+                Some(inner) => {
+                    context.note("textures inside a checkerboard become their mean", &inner);
+                    self.texture(context, &inner, (wanted, convention), factor, depth + 1)?.mean()
+                }
+                None => {
+                    let color = context.color(texture, name, ColorMeaning::Reflectance, default)? * factor;
+                    limited(color, wanted)
+                }
+            };
+        }
+        let mean = 0.5 * (colors[0] + colors[1]);
+        // A period of Mitsuba's checkerboard is 1, and that of the description is 2.
+        let (linear, offset) = mitsuba_transform(context, texture, convention);
+        let coordinates = decomposed(context, texture, (linear * 2.0, offset * 2.0));
+        let name = self.name(TextureKindDescription::Checker { colors, coordinates });
+        Ok(TextureValues::Texture(name, mean))
+    }
+
+    /// Returns the name of the texture of this kind, and adds it when it is first used.
+    fn name(&mut self, kind: TextureKindDescription) -> Spanned<String> {
+        let next = format!("texture{}", self.descriptions.len());
+        let name = self.names.entry(format!("{kind:?}")).or_insert_with(|| next.clone()).clone();
+        if name == next {
+            let description = TextureDescription { name: next, kind };
+            self.descriptions.push(Spanned::new(description, Span::default()));
+        }
+        Spanned::new(name, Span::default())
+    }
+}
+
+/// Returns a color within the limits of its use.
+fn limited(color: DVec3, wanted: TextureUse) -> DVec3 {
+    match wanted {
+        TextureUse::Color | TextureUse::Fraction | TextureUse::Normal => color.clamp(DVec3::ZERO, DVec3::ONE),
+        TextureUse::Height | TextureUse::Radiance => color.max(DVec3::ZERO),
+    }
+}
+
+/// Returns the value of a pixel as it is used; 0 for values that are no numbers.
+fn used_value(pixel: Rgb, wanted: TextureUse) -> Vec3 {
+    let pixel = if pixel.is_finite() { pixel } else { Rgb::ZERO };
+    let pixel = match wanted {
+        TextureUse::Color | TextureUse::Radiance | TextureUse::Normal => pixel,
+        TextureUse::Fraction | TextureUse::Height => Rgb::splat(luminance(pixel)),
+    };
+    match wanted {
+        TextureUse::Color | TextureUse::Fraction | TextureUse::Normal => pixel.clamp(Vec3::ZERO, Vec3::ONE),
+        TextureUse::Height | TextureUse::Radiance => pixel.max(Vec3::ZERO),
+    }
+}
+
+/// Returns the affine map from the texture coordinates of a shape to those that Mitsuba looks up.
+fn mitsuba_transform(
+    context: &ImportContext<'_>,
+    texture: &SceneObject,
+    convention: TexcoordConvention,
+) -> (DMat2, DVec2) {
+    let matrix = texture.transform("to_uv").unwrap_or(DMat4::IDENTITY);
+    let mut linear = DMat2::from_cols(matrix.x_axis.truncate().truncate(), matrix.y_axis.truncate().truncate());
+    let mut offset = matrix.w_axis.truncate().truncate();
+    // A matrix of 9 numbers has its offset in the third column.
+    if offset == DVec2::ZERO {
+        offset = matrix.z_axis.truncate().truncate();
+    }
+    // Versions before 2 write scales and offsets of both coordinates.
+    let number = |name: &str, default: f64| texture.number(name).unwrap_or(default);
+    let scale = DVec2::new(number("uscale", 1.0), number("vscale", 1.0));
+    linear *= DMat2::from_diagonal(scale);
+    offset += DVec2::new(number("uoffset", 0.0), number("voffset", 0.0));
+    if !(linear.determinant() != 0.0 && linear.is_finite() && offset.is_finite()) {
+        context.note("transforms of texture coordinates that are singular are ignored", texture);
+        (linear, offset) = (DMat2::IDENTITY, DVec2::ZERO);
+    }
+    match convention {
+        TexcoordConvention::Same => (linear, offset),
+        TexcoordConvention::Flipped => {
+            (linear * DMat2::from_diagonal(DVec2::new(1.0, -1.0)), offset + linear * DVec2::Y)
+        }
+    }
+}
+
+/// Returns the affine map, followed by turning v over: v becomes 1 − v.
+fn turned((linear, offset): (DMat2, DVec2)) -> (DMat2, DVec2) {
+    let flip = DMat2::from_diagonal(DVec2::new(1.0, -1.0));
+    (flip * linear, flip * offset + DVec2::Y)
+}
+
+/// Returns the scale, rotation and offset of an affine map; a shear is ignored with a message.
+fn decomposed(
+    context: &ImportContext<'_>,
+    texture: &SceneObject,
+    (linear, offset): (DMat2, DVec2),
+) -> TexcoordTransformDescription {
+    let (u, v) = (linear.x_axis, linear.y_axis);
+    if u.dot(v).abs() > 1e-9 * u.length() * v.length() {
+        context.note("textures are not sheared", texture);
+    }
+    let scale = DVec2::new(u.length(), linear.determinant() / u.length());
+    let is_half_turn = u.y == 0.0 && u.x < 0.0;
+    if is_half_turn {
+        // Negative scales are exact, and a rotation by 180 degrees is not.
+        return TexcoordTransformDescription { scale: -scale, rotate: 0.0, offset };
+    }
+    TexcoordTransformDescription { scale, rotate: libm::atan2(u.y, u.x).to_degrees(), offset }
+}
