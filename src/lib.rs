@@ -14,7 +14,8 @@
 //! | write a picture | [`Image`], [`write_image`], [`WriteOptions`] |
 //!
 //! Feature `cli` (on by default) builds the `caustica` program. A library user can turn it off
-//! with `default-features = false` to build no argument parser and no progress bars.
+//! with `default-features = false` to build no argument parser and no progress bars. Feature `view`
+//! (on by default) adds the live page, and with it a web server.
 //!
 //! # A scene in code
 //!
@@ -138,6 +139,9 @@ pub mod stats;
 pub mod study;
 #[doc(hidden)]
 pub mod texture;
+#[cfg(feature = "view")]
+#[doc(hidden)]
+pub mod view;
 
 /// # Example: a position, a view direction and a field of view
 /// ```

@@ -16,6 +16,7 @@ use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use clap::{CommandFactory, Parser};
 use it::support::shell::shell_words;
 use std::collections::BTreeSet;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -111,6 +112,7 @@ fn run_documented_command(page: &str, line: &[String], folder: &Path) {
                 let outputs = render.output.iter().chain(&render.stats).chain(&render.film);
                 (Some(&render.scene.scene), outputs.collect())
             }
+            Some(Command::View(view)) => return show_documented_view(&arguments, &view.scene.scene),
             Some(Command::Estimate(estimate)) => {
                 set_small_render_flags(&mut arguments, estimate.method.caustic_photons.is_some());
                 let passes = arguments.iter().position(|word| word == "--passes").unwrap();
@@ -174,6 +176,21 @@ fn run_documented_command(page: &str, line: &[String], folder: &Path) {
         ("cargo", "build" | "test" | "bench" | "install" | "doc" | "clippy" | "fmt") | ("git" | "cd", _) => {}
         _ => panic!("{command_line}\nthis test does not know how to try this command: teach it"),
     }
+}
+
+/// Starts a documented `caustica view`, and ends it once it has printed the address of its page.
+fn show_documented_view(arguments: &[String], scene: &Path) {
+    let mut arguments = arguments.to_vec();
+    set_flag(&mut arguments, "--size", "32x24");
+    let mapped = repository_root().join(scene).to_str().unwrap().to_owned();
+    arguments.iter_mut().filter(|a| Path::new(a) == scene).for_each(|a| *a = mapped.clone());
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_caustica"));
+    let mut child = command.args(&arguments).stderr(std::process::Stdio::piped()).spawn().unwrap();
+    let mut line = String::new();
+    BufReader::new(child.stderr.take().unwrap()).read_line(&mut line).unwrap();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(line.starts_with("live page: http://127.0.0.1:"), "{line}");
 }
 
 /// Replaces size, passes and photons by those of a small render.

@@ -18,7 +18,7 @@ const STOREYS: [&[&str]; 11] = [
     &["plan", "photon"],
     &["integrate"],
     &["render", "format"],
-    &["study"],
+    &["study", "view"],
     &["cli"],
 ];
 

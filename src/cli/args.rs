@@ -1,5 +1,7 @@
 //! Arguments of the command line.
 
+#[cfg(feature = "view")]
+use super::ViewArguments;
 use super::number::{
     parse_alpha, parse_bytes, parse_confidence, parse_count, parse_duration, parse_exposure_stops, parse_gather_count,
     parse_length, parse_picture_size, parse_positive_count, parse_relative_error, parse_seed, parse_seed_count,
@@ -15,6 +17,8 @@ use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 use crate::render::error_estimate::Confidence;
 use crate::stats::MemoryLimit;
+#[cfg(feature = "view")]
+use crate::view::ListenAddress;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -45,6 +49,9 @@ a second one stops at once";
 pub enum Command {
     /// Render a scene to pictures
     Render(Box<RenderArguments>),
+    /// Render a scene and show it on a live page, which follows changes of the scene file
+    #[cfg(feature = "view")]
+    View(Box<ViewArguments>),
     /// Show which effects of light a scene needs, why, and what each costs
     Plan(Box<PlanArguments>),
     /// Estimate the passes, time and photons that a given error takes, from a short pilot render
@@ -288,6 +295,17 @@ pub struct RenderArguments {
     /// writes them at the end only
     #[arg(long, value_parser = parse_duration, default_value = "10s", value_name = "TIME")]
     pub update: Duration,
+
+    /// Show the render on a live page at this address while it goes on  [default: a free port of
+    /// 127.0.0.1]
+    #[cfg(feature = "view")]
+    #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:0")]
+    pub listen: Option<ListenAddress>,
+
+    /// Picture to compare with on the live page: .exr, .png or .hdr
+    #[cfg(feature = "view")]
+    #[arg(long, value_name = "FILE", requires = "listen")]
+    pub reference: Option<PathBuf>,
 
     #[command(flatten)]
     pub pictures: PictureArguments,

@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure>
         return Err(CommandFailure::usage_error(ErrorEstimateUnsupportedError { flag: "estimate" }));
     }
     check_comparable(&arguments.compare).map_err(CommandFailure::usage_error)?;
-    listen_for_signals("the result of the pilot");
+    listen_for_signals("the result of the pilot so far is written after this pass");
     let progress = ProgressDisplay::new(arguments.quiet);
     with_thread_pool(&arguments.scene, || {
         let start = Instant::now();

@@ -13,17 +13,15 @@ pub(super) static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Starts to handle signals.
 ///
-/// `kept` names the output that the command still writes after the first signal, such as "the
-/// picture".
-pub(super) fn listen_for_signals(kept: &'static str) {
+/// `consequence` says what the command still does after the first signal, such as "the picture so
+/// far is written after this pass".
+pub(super) fn listen_for_signals(consequence: &'static str) {
     on_signal(move || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
             clear_progress_bar();
             std::process::exit(i32::from(Exit::Interrupted as u8));
         }
-        print_message(&format!(
-            "interrupted: {kept} so far is written after this pass; interrupt again to stop at once"
-        ));
+        print_message(&format!("interrupted: {consequence}; interrupt again to stop at once"));
     });
 }
 

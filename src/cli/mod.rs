@@ -10,6 +10,8 @@ mod failure;
 mod film;
 mod forecast_text;
 mod interrupt;
+#[cfg(feature = "view")]
+mod live;
 mod merge;
 mod mesh;
 mod number;
@@ -25,6 +27,8 @@ mod shard;
 mod shell;
 mod study;
 mod updates;
+#[cfg(feature = "view")]
+mod view;
 
 pub use args::{Arguments, Command, EstimateArguments, PlanArguments, RenderArguments, StudyArguments};
 pub use convert::ConvertArguments;
@@ -35,6 +39,8 @@ pub use merge::MergeArguments;
 pub use mesh::MeshArguments;
 pub use pictures::PictureArguments;
 pub use shard::Shard;
+#[cfg(feature = "view")]
+pub use view::ViewArguments;
 
 /// Runs a command.
 ///
@@ -44,6 +50,8 @@ pub fn run(arguments: Arguments) -> Result<Exit, CommandFailure> {
     failure::install_report_style();
     match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
+        #[cfg(feature = "view")]
+        Command::View(arguments) => view::run(&arguments),
         Command::Plan(arguments) if arguments.check => check::run(&arguments.scene),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Estimate(arguments) => estimate::run(&arguments),

@@ -47,10 +47,7 @@ pub(super) fn simulated_effects_line(plan: &Plan) -> String {
 /// Prints the plan and the numbers of rays and photons of a pass, and warns of omitted effects.
 pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay) {
     progress.print_line(&simulated_effects_line(integrator.plan()));
-    integrator.ray_photon_balance().iter().for_each(|balance| progress.print_line(&pass_counts_line(balance)));
-    prefix_rays_line(integrator.prefix_rays_per_pixel()).iter().for_each(|line| progress.print_line(line));
-    indirect_photons_line(integrator).iter().for_each(|line| progress.print_line(line));
-    environment_guiding_line(integrator).iter().for_each(|line| progress.print_line(line));
+    pass_work_lines(integrator).iter().for_each(|line| progress.print_line(line));
     omitted_effect_warnings(integrator.plan()).for_each(|line| print_message(&line));
     if finds_caustics_only_by_chance(integrator) {
         print_message(UNSAMPLED_CAUSTICS);
@@ -62,6 +59,14 @@ pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay
 /// Its estimated error then leaves out the caustics that its camera paths did not hit.
 pub(super) fn finds_caustics_only_by_chance(integrator: &dyn Integrator) -> bool {
     integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none()
+}
+
+/// Returns lines about the rays and photons of a pass, and about what guides them.
+pub(super) fn pass_work_lines(integrator: &dyn Integrator) -> Vec<String> {
+    let counts = integrator.ray_photon_balance().map(|balance| pass_counts_line(&balance));
+    let prefix_rays = prefix_rays_line(integrator.prefix_rays_per_pixel());
+    let lines = [counts, prefix_rays, indirect_photons_line(integrator), environment_guiding_line(integrator)];
+    lines.into_iter().flatten().collect()
 }
 
 /// Warning for a scene with caustics and an algorithm without photons.
@@ -116,7 +121,7 @@ pub(super) fn omitted_effect_warnings(plan: &Plan) -> impl Iterator<Item = Strin
 }
 
 fn plan_table(algorithm: Algorithm, integrator: &dyn Integrator, work: &ExpectedWork) -> String {
-    let (plan, balance) = (integrator.plan(), integrator.ray_photon_balance());
+    let plan = integrator.plan();
     let mut text = format!("{} simulates\n", algorithm.name());
     for decision in &plan.decisions {
         let state = match (decision.is_simulated, decision.is_forced_by_user()) {
@@ -130,10 +135,7 @@ fn plan_table(algorithm: Algorithm, integrator: &dyn Integrator, work: &Expected
         let line = format!("  {:<16} {state:<14} {costs:<29} {}", decision.effect, decision.reason);
         let _ = writeln!(text, "{line}");
     }
-    balance.iter().for_each(|balance| text += &format!("{}\n", pass_counts_line(balance)));
-    prefix_rays_line(integrator.prefix_rays_per_pixel()).iter().for_each(|line| text += &format!("{line}\n"));
-    indirect_photons_line(integrator).iter().for_each(|line| text += &format!("{line}\n"));
-    environment_guiding_line(integrator).iter().for_each(|line| text += &format!("{line}\n"));
+    pass_work_lines(integrator).iter().for_each(|line| text += &format!("{line}\n"));
     let _ = writeln!(text, "total about {} per pass", work_counts_text(work.whole, count_text));
     omitted_effect_warnings(plan).for_each(|line| text += &format!("{line}\n"));
     text

@@ -4,6 +4,8 @@ use super::check::quick_scene_warnings;
 use super::diagnostics::{all_lights_are_black, black_picture_note, no_photon_stored_note};
 use super::film::{SavedFilm, film_header};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
+#[cfg(feature = "view")]
+use super::live::LiveOutput;
 use super::number::count_with_noun;
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use super::pictures::write_pictures;
@@ -19,11 +21,13 @@ use crate::image::{self, Image, ToneCurve, WriteOptions};
 use crate::integrate::{Algorithm, EmissionGuidingReportPerMap, Integrator};
 use crate::render::error_estimate::{Confidence, MIN_PASSES, StopForecast};
 use crate::render::{
-    EndReason, ErrorTarget, RenderLimits, RenderResult, StopCriteria, check_error_estimate_memory, check_photon_memory,
-    check_picture_memory, continue_render, picture_layers,
+    EndReason, ErrorTarget, PassProgress, RenderLimits, RenderResult, StopCriteria, check_error_estimate_memory,
+    check_photon_memory, check_picture_memory, continue_render, picture_layers,
 };
 use crate::scene::Scene;
 use crate::study::text::percent_text;
+#[cfg(feature = "view")]
+use crate::view::{Phase, PlanReport};
 use glam::Vec3;
 use std::ops::Range;
 use std::time::{Duration, Instant};
@@ -54,7 +58,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
         image::check_replaceable(path).map_err(CommandFailure::output_error)?;
     }
     check_distinct_files(&output_files(arguments), &[FileWithRole::new("the scene file", &arguments.scene.scene)])?;
-    listen_for_signals("the picture");
+    listen_for_signals("the picture so far is written after this pass");
     let progress = ProgressDisplay::new(arguments.quiet);
     with_thread_pool(&arguments.scene, || load_scene_and_render(arguments, &progress))
 }
@@ -70,6 +74,10 @@ fn output_files(arguments: &RenderArguments) -> Vec<FileWithRole> {
 
 fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay) -> Result<Exit, CommandFailure> {
     let start = Instant::now();
+    #[cfg(feature = "view")]
+    let live_output = LiveOutput::start(arguments)?;
+    #[cfg(feature = "view")]
+    let mut live = live_output.as_ref().map(|output| output.begin_render(start));
     let inputs = InputFileCollector::new(progress);
     let (file, scene) = load_scene_and_file(&arguments.scene, &inputs)?;
     progress.remove_progress_bar();
@@ -102,6 +110,8 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let (memory, size) = (arguments.scene.memory_limit(), scene.camera().size());
     let check = if estimates_error { check_error_estimate_memory } else { check_picture_memory };
     let pictures = check(1, size, memory.available_bytes()).map_err(CommandFailure::usage_error)?;
+    #[cfg(feature = "view")]
+    live.iter().for_each(|live| live.set_phase(Phase::Pilots));
     let integrator = algorithm.prepare(&scene, settings);
     check_photon_memory(integrator.expected_photons(), pictures, memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
@@ -131,12 +141,27 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let options = write_options(arguments);
     let mut updates =
         arguments.update_interval().map(|interval| PictureUpdates::new(&arguments.output, &options, interval));
-    let rendered = render_passes(before, numbers, &stop, integrator.as_ref(), start, progress, |rendered| {
-        updates.iter_mut().for_each(|updates| updates.update(&rendered.film));
-        film.iter_mut().for_each(|film| film.save_if_due(rendered));
+    #[cfg(feature = "view")]
+    live.iter().for_each(|live| {
+        let notes = plan::pass_work_lines(integrator.as_ref());
+        live.begin_passes(PlanReport::new(integrator.plan(), notes), &stop, size);
+    });
+    let rendered = render_passes(before, numbers, &stop, integrator.as_ref(), start, progress, |standing| {
+        if standing.ended.is_none() {
+            updates.iter_mut().for_each(|updates| updates.update(&standing.rendered.film));
+            film.iter_mut().for_each(|film| film.save_if_due(standing.rendered));
+        }
+        #[cfg(feature = "view")]
+        live.iter_mut().for_each(|live| live.after_pass(standing, &stop));
     });
     progress.remove_progress_bar();
-    write_render_outputs(arguments, progress, setup, &stop, all_lights_are_black(&scene), &rendered, film.as_ref())
+    #[cfg(feature = "view")]
+    live.iter_mut().for_each(|live| live.end(&rendered, Phase::Ended));
+    let powerless = all_lights_are_black(&scene);
+    let written = write_render_outputs(arguments, progress, setup, &stop, powerless, &rendered, film.as_ref());
+    #[cfg(feature = "view")]
+    live_output.into_iter().for_each(LiveOutput::finish);
+    written
 }
 
 /// Returns the numbers of the passes to render, and `stop` with the number of these passes as
@@ -187,7 +212,7 @@ fn print_scene_summary(setup: &RenderSetup, scene: &Scene, progress: &ProgressDi
 }
 
 /// Adds the passes of `numbers` to `before` until a criterion of `stop` holds, and shows progress.
-/// Calls `update` with the result after each pass except the last.
+/// Calls `after_pass` after each pass.
 fn render_passes(
     before: RenderResult,
     numbers: Range<u32>,
@@ -195,7 +220,7 @@ fn render_passes(
     integrator: &dyn Integrator,
     start: Instant,
     progress: &ProgressDisplay,
-    mut update: impl FnMut(&RenderResult),
+    mut after_pass: impl FnMut(&PassProgress<'_>),
 ) -> RenderResult {
     let passes_before = before.film.passes();
     let (passes, target) = (stop.passes, stop.target);
@@ -231,9 +256,7 @@ fn render_passes(
             progress.set_time_left(Some(left));
         }
         error.into_iter().for_each(|note| progress.set_progress_note(note));
-        if standing.ended.is_none() {
-            update(standing.rendered);
-        }
+        after_pass(standing);
     })
 }
 

@@ -12,7 +12,7 @@ use crate::stats::Counters;
 ///
 /// The picture is the mean of all passes. Pass `i` depends only on the scene, the settings and
 /// `i`, so any pass can be computed alone.
-pub trait Integrator: Sync {
+pub trait Integrator: Send + Sync {
     /// Renders the pass with number `pass`, counted from 0.
     fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> Pass;
 

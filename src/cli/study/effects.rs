@@ -37,7 +37,7 @@ const REPORT_WRITERS: [(&str, ReportWriter<EffectStudyResult>); 4] = [
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, CommandFailure> {
     // Everything that can fail without rendering is checked before rendering.
     let outputs = StudyOutputs::from_arguments(arguments, &REPORT_WRITERS)?;
-    listen_for_signals("the study");
+    listen_for_signals("the study so far is written after this pass");
     let progress = ProgressDisplay::new(arguments.quiet);
     with_thread_pool(&arguments.scene, || run_effect_study(arguments, &outputs, &progress))
 }

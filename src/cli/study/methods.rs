@@ -87,7 +87,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, CommandFailure> {
     check_distinct_files(&study_output_files(arguments), &truth)?;
     let read = |text: &String| VariantArguments::parse(text, &arguments.method).map_err(CommandFailure::usage_error);
     let named = kind.variants.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-    listen_for_signals("the study");
+    listen_for_signals("the study so far is written after this pass");
     let progress = ProgressDisplay::new(arguments.quiet);
     with_thread_pool(&arguments.scene, || run_method_study(arguments, named, &outputs, &progress))
 }

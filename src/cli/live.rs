@@ -1,0 +1,76 @@
+//! The live page of `caustica render --listen`, and its reference picture.
+
+use super::interrupt::INTERRUPTED;
+use super::progress::print_message;
+use super::{CommandFailure, Exit, RenderArguments};
+use crate::image;
+use crate::view::{Frame, LivePage, LiveRender, PageServer, Request};
+use miette::Report;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+/// Error: the reference picture of the live page cannot be read.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("cannot read the reference `{}`: {source}", path.display())]
+#[diagnostic(help("name a picture in .exr, .png or .hdr format"))]
+struct ReferenceError {
+    path: PathBuf,
+    source: image::ReadError,
+}
+
+/// Reads the reference picture at `path`, if there is one.
+pub(super) fn read_reference(path: Option<&Path>) -> Result<Option<Frame>, CommandFailure> {
+    let Some(path) = path else { return Ok(None) };
+    let image = image::read(path)
+        .map_err(|source| CommandFailure::new(Exit::Input, ReferenceError { path: path.to_owned(), source }))?;
+    Ok(Some(Frame::from_image(&image)))
+}
+
+/// Prints the address of a live page. It is printed even if the command is quiet, because its token
+/// is nowhere else.
+pub(super) fn print_page_address(server: &PageServer) {
+    print_message(&format!("live page: {}", server.url()));
+}
+
+/// Live page of a render on the command line.
+pub(super) struct LiveOutput {
+    page: Arc<LivePage>,
+    server: PageServer,
+}
+
+impl LiveOutput {
+    /// Starts the page of `--listen`; `None` without this flag.
+    pub fn start(arguments: &RenderArguments) -> Result<Option<Self>, CommandFailure> {
+        let Some(address) = arguments.listen else { return Ok(None) };
+        let reference = read_reference(arguments.reference.as_deref())?;
+        let scene = arguments.scene.scene.display().to_string();
+        let page = Arc::new(LivePage::new(scene, arguments.method.integrator.name(), false, reference));
+        let server = PageServer::start(address, page.clone(), Box::new(take_request));
+        let server = server.map_err(|error| CommandFailure::usage_error(Report::new(error)))?;
+        print_page_address(&server);
+        Ok(Some(Self { page, server }))
+    }
+
+    /// Begins a render on the page. Loading of its scene began at the time `start`.
+    pub fn begin_render(&self, start: Instant) -> LiveRender<'_> {
+        LiveRender::begin(&self.page, start)
+    }
+
+    /// Ends the page, after the last picture has reached it.
+    pub fn finish(self) {
+        self.server.finish();
+    }
+}
+
+/// Takes a request of the page. Stopping is what the first Ctrl-C does.
+fn take_request(request: Request) -> bool {
+    match request {
+        Request::Stop => {
+            INTERRUPTED.store(true, Ordering::Relaxed);
+            true
+        }
+        Request::Resume | Request::Orbit(_) => false,
+    }
+}

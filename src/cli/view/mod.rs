@@ -1,0 +1,84 @@
+//! `caustica view`: renders a scene, shows it on a live page, and follows changes of its files.
+
+mod job;
+mod session;
+
+use super::args::{EffectsArguments, MethodArguments, SceneArguments};
+use super::interrupt::listen_for_signals;
+use super::live::{print_page_address, read_reference};
+use super::number::{parse_confidence, parse_duration, parse_positive_count, parse_relative_error};
+use super::{CommandFailure, Exit};
+use crate::render::RenderLimits;
+use crate::render::error_estimate::Confidence;
+use crate::view::{ListenAddress, LivePage, PageServer};
+use clap::Args;
+use miette::Report;
+use session::{RequestQueue, Session};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Arguments of `view`.
+#[derive(Debug, Args)]
+pub struct ViewArguments {
+    #[command(flatten)]
+    pub scene: SceneArguments,
+
+    /// Address and port of the page. Other machines can reach it only with an address of a network
+    #[arg(long, value_name = "ADDR:PORT", default_value = "127.0.0.1:0")]
+    pub listen: ListenAddress,
+
+    /// Picture to compare with: .exr, .png or .hdr
+    #[arg(long, value_name = "FILE")]
+    pub reference: Option<PathBuf>,
+
+    #[command(flatten)]
+    pub method: MethodArguments,
+
+    #[command(flatten)]
+    pub effects: EffectsArguments,
+
+    /// Number of passes after which the render pauses  [default: no limit; 1 for raycast]
+    #[arg(long, value_parser = parse_positive_count, value_name = "N")]
+    pub passes: Option<u32>,
+
+    /// Pause after the pass in which this time has elapsed, such as 60s or 5m  [default: 5m; no
+    /// limit with --passes or --target-error]
+    #[arg(long, value_parser = parse_duration, value_name = "TIME")]
+    pub time: Option<Duration>,
+
+    /// Pause after the pass in which the estimated relative error is at most this, such as 2%
+    /// [default: 3%; none with --passes or --time]
+    #[arg(long, value_parser = parse_relative_error, value_name = "ERROR")]
+    pub target_error: Option<f64>,
+
+    /// Confidence that the error is at most the one at which the render pauses
+    #[arg(long, value_parser = parse_confidence, default_value = "90%", value_name = "PART")]
+    pub confidence: Confidence,
+}
+
+impl ViewArguments {
+    /// Returns the limits at which a render pauses.
+    fn limits(&self) -> RenderLimits {
+        let Self { passes, time, target_error, confidence, .. } = *self;
+        RenderLimits { passes, time, target_error, confidence, preview: false }
+    }
+}
+
+/// Runs `caustica view` until the first interrupting signal.
+pub(super) fn run(arguments: &ViewArguments) -> Result<Exit, CommandFailure> {
+    let reference = read_reference(arguments.reference.as_deref())?;
+    let scene = arguments.scene.scene.display().to_string();
+    let page = Arc::new(LivePage::new(scene, arguments.method.integrator.name(), true, reference));
+    let threads = arguments.scene.threads.map_or(0, |n| n as usize);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.map_err(|error| CommandFailure::usage_error(Report::from_err(error)))?;
+    let (queue, requests) = RequestQueue::new();
+    let server = PageServer::start(arguments.listen, page.clone(), Box::new(move |request| queue.put(request)));
+    let server = server.map_err(|error| CommandFailure::usage_error(Report::new(error)))?;
+    listen_for_signals("the view ends after this pass");
+    print_page_address(&server);
+    Session::new(arguments, &page, &pool, requests).run();
+    server.finish();
+    Ok(Exit::Success)
+}

@@ -1,0 +1,204 @@
+//! Pixels that the live page shows: the picture, and maps of its estimated error.
+
+use crate::image::Image;
+use crate::integrate::MeanGatherDisc;
+use crate::render::RenderResult;
+use crate::render::error_estimate::{ErrorMaps, MIN_PASSES};
+use axum::body::Bytes;
+use glam::Vec3;
+use half::f16;
+use half::slice::HalfFloatSliceExt;
+use std::sync::OnceLock;
+
+/// Number of bytes before the values of an encoded layer.
+pub(super) const HEADER_BYTES: usize = 20;
+
+/// Exponent of the power of two that bounds the values of an encoded layer. A half float holds
+/// values below 2¹⁶; those below 2⁻¹⁴ lose digits.
+const MAX_EXPONENT: i32 = 15;
+
+/// Number of values that are converted at once.
+const CHUNK: usize = 1024;
+
+/// Kind of a layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LayerKind {
+    /// Radiance \[W/(m² sr)].
+    Picture,
+    /// Standard error of the radiance \[W/(m² sr)].
+    Noise,
+    /// Estimated bias of the radiance \[W/(m² sr)], signed.
+    Bias,
+    /// Mean gather radius of estimates from the caustic map \[length].
+    CausticRadius,
+    /// Mean gather radius of estimates from the global map \[length].
+    GlobalRadius,
+    /// Mean number of photons of estimates from the caustic map.
+    CausticPhotons,
+    /// Mean number of photons of estimates from the global map.
+    GlobalPhotons,
+}
+
+impl LayerKind {
+    /// All kinds, the picture first.
+    pub const ALL: [Self; 7] = [
+        Self::Picture,
+        Self::Noise,
+        Self::Bias,
+        Self::CausticRadius,
+        Self::GlobalRadius,
+        Self::CausticPhotons,
+        Self::GlobalPhotons,
+    ];
+
+    /// Returns the name of the layer in the URL of its pixels; that of `--aov` without the channel
+    /// of the picture.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Picture => "picture",
+            Self::Noise => "noise",
+            Self::Bias => "bias",
+            Self::CausticRadius => "radius.caustic",
+            Self::GlobalRadius => "radius.global",
+            Self::CausticPhotons => "photons.caustic",
+            Self::GlobalPhotons => "photons.global",
+        }
+    }
+
+    /// Returns the kind with this name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+}
+
+/// One layer of a frame. Its encoding is made when a client first asks for it, and then shared.
+#[derive(Debug)]
+pub struct Layer {
+    /// Kind of the layer.
+    pub kind: LayerKind,
+    /// Number of channels: 3 or 1.
+    channels: u32,
+    /// Values of all channels of the first pixel, then of the second, in rows from the top.
+    values: Vec<f32>,
+    encoded: OnceLock<Bytes>,
+}
+
+/// Layers of one moment of a render, all of one size.
+#[derive(Debug)]
+pub struct Frame {
+    /// Number of the frame. A later frame has a larger number.
+    pub sequence: u32,
+    /// Width and height \[pixels].
+    pub size: (u32, u32),
+    /// Number of passes in the layers.
+    pub passes: u32,
+    /// True if the frame shows a preview of reduced size.
+    pub is_preview: bool,
+    /// The layers.
+    pub layers: Vec<Layer>,
+}
+
+impl Layer {
+    /// Makes a layer of colours.
+    #[must_use]
+    pub fn from_colors(kind: LayerKind, pixels: &[Vec3]) -> Self {
+        let values = pixels.iter().flat_map(|pixel| pixel.to_array()).collect();
+        Self { kind, channels: 3, values, encoded: OnceLock::new() }
+    }
+
+    /// Makes a layer of numbers.
+    #[must_use]
+    pub fn from_numbers(kind: LayerKind, values: Vec<f32>) -> Self {
+        Self { kind, channels: 1, values, encoded: OnceLock::new() }
+    }
+
+    /// Returns the colours of a layer with three channels.
+    #[must_use]
+    pub fn colors(&self) -> Vec<Vec3> {
+        self.values.as_chunks().0.iter().map(|channels| Vec3::from_array(*channels)).collect()
+    }
+}
+
+impl Frame {
+    /// Makes a frame that holds the picture alone.
+    #[must_use]
+    pub fn from_picture(sequence: u32, size: (u32, u32), passes: u32, pixels: &[Vec3]) -> Self {
+        let layers = vec![Layer::from_colors(LayerKind::Picture, pixels)];
+        Self { sequence, size, passes, is_preview: false, layers }
+    }
+
+    /// Makes a frame of an image.
+    #[must_use]
+    pub fn from_image(image: &Image) -> Self {
+        Self::from_picture(0, (image.width(), image.height()), 0, image.pixels())
+    }
+
+    /// Makes a frame of the maps of the estimated error; `None` if the error is not estimated.
+    #[must_use]
+    pub fn from_error_maps(sequence: u32, rendered: &RenderResult) -> Option<Self> {
+        let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES)?;
+        let ErrorMaps { noise, bias, caustic, indirect } = estimator.error_maps(&rendered.film);
+        let mut layers = vec![Layer::from_colors(LayerKind::Noise, &noise)];
+        if !bias.is_empty() {
+            let numbers = |kind, discs: &[MeanGatherDisc], value: fn(&MeanGatherDisc) -> f32| {
+                Layer::from_numbers(kind, discs.iter().map(value).collect())
+            };
+            layers.push(Layer::from_colors(LayerKind::Bias, &bias));
+            layers.push(numbers(LayerKind::CausticRadius, &caustic, |disc| disc.radius));
+            layers.push(numbers(LayerKind::GlobalRadius, &indirect, |disc| disc.radius));
+            layers.push(numbers(LayerKind::CausticPhotons, &caustic, |disc| disc.photons));
+            layers.push(numbers(LayerKind::GlobalPhotons, &indirect, |disc| disc.photons));
+        }
+        let (size, passes) = (rendered.film.size(), rendered.film.passes());
+        Some(Self { sequence, size, passes, is_preview: false, layers })
+    }
+
+    /// Returns the layer of a kind.
+    #[must_use]
+    pub fn layer(&self, kind: LayerKind) -> Option<&Layer> {
+        self.layers.iter().find(|layer| layer.kind == kind)
+    }
+
+    /// Returns the encoding of a layer of this frame.
+    ///
+    /// Four 32-bit numbers come first: sequence number, width, height and number of channels. A
+    /// 32-bit float follows, the scale. The values follow as half floats, divided by the scale.
+    /// All numbers are little-endian.
+    #[must_use]
+    pub fn encoded_layer(&self, kind: LayerKind) -> Option<Bytes> {
+        let layer = self.layer(kind)?;
+        let encode = || {
+            let (width, height) = self.size;
+            let scale = layer_scale(&layer.values);
+            let mut bytes = Vec::with_capacity(HEADER_BYTES + 2 * layer.values.len());
+            for number in [self.sequence, width, height, layer.channels, scale.to_bits()] {
+                bytes.extend_from_slice(&number.to_le_bytes());
+            }
+            let (mut scaled, mut halves) = ([0.0; CHUNK], [f16::ZERO; CHUNK]);
+            for chunk in layer.values.chunks(CHUNK) {
+                let (scaled, halves) = (&mut scaled[..chunk.len()], &mut halves[..chunk.len()]);
+                scaled.iter_mut().zip(chunk).for_each(|(scaled, value)| *scaled = value / scale);
+                halves.convert_from_f32_slice(scaled);
+                halves.iter().for_each(|half| bytes.extend_from_slice(&half.to_le_bytes()));
+            }
+            Bytes::from(bytes)
+        };
+        Some(layer.encoded.get_or_init(encode).clone())
+    }
+}
+
+/// Returns the power of two by which values are divided, so that half floats hold all of them.
+///
+/// The largest finite value divided by it is in \[2¹⁴, 2¹⁵). So values down to 2⁻²⁹ of the
+/// largest one keep all 11 bits of a half float.
+fn layer_scale(values: &[f32]) -> f32 {
+    let largest = values.iter().filter(|value| value.is_finite()).fold(0.0_f32, |largest, v| largest.max(v.abs()));
+    if largest < f32::MIN_POSITIVE {
+        return 1.0;
+    }
+    let (_, exponent) = libm::frexpf(largest);
+    // The scale and its inverse must be normal numbers.
+    libm::ldexpf(1.0, (exponent - MAX_EXPONENT).clamp(-126, 126))
+}

@@ -1,0 +1,118 @@
+//! Guard of the server: which requests come from the page itself.
+
+use axum::http::header::{HOST, ORIGIN};
+use axum::http::{HeaderMap, HeaderValue};
+use std::net::IpAddr;
+
+/// Number of random bytes of a token.
+const TOKEN_BYTES: usize = 16;
+
+/// Why a request is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Refusal {
+    /// The path does not begin with the token.
+    Token,
+    /// The header `Host` names no address of this server.
+    Host,
+    /// The header `Origin` names another site.
+    Origin,
+}
+
+impl Refusal {
+    /// Returns the text of the response.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Token => "the address lacks the token: open the address that caustica printed\n",
+            Self::Host => "the header Host names no address of this server\n",
+            Self::Origin => "the header Origin names another site\n",
+        }
+    }
+}
+
+/// Returns a token of 128 random bits from the operating system, in hexadecimal digits.
+///
+/// # Errors
+/// Those of the operating system.
+pub(super) fn random_token() -> std::io::Result<String> {
+    let mut bytes = [0; TOKEN_BYTES];
+    getrandom::fill(&mut bytes).map_err(std::io::Error::other)?;
+    Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+/// Checks that a request comes from the page of the server at `port`, or from the user.
+///
+/// Other sites cannot know the token, which is the first part of the path. A site whose name
+/// resolves to this machine (DNS rebinding) sends its name as `Host`, so only IP addresses and
+/// `localhost` are accepted there.
+pub(super) fn check_request(path: &str, headers: &HeaderMap, token: &str, port: u16) -> Result<(), Refusal> {
+    let host = single_header(headers, HOST.as_str()).ok_or(Refusal::Host)?;
+    if !is_own_host(host, port) {
+        return Err(Refusal::Host);
+    }
+    if headers.contains_key(ORIGIN) {
+        let origin = single_header(headers, ORIGIN.as_str()).and_then(|origin| origin.strip_prefix("http://"));
+        if !origin.is_some_and(|origin| origin.eq_ignore_ascii_case(host)) {
+            return Err(Refusal::Origin);
+        }
+    }
+    let first = path.trim_start_matches('/').split('/').next().unwrap_or("");
+    if equal_in_constant_time(first.as_bytes(), token.as_bytes()) { Ok(()) } else { Err(Refusal::Token) }
+}
+
+/// Returns the text of a header that a request has exactly once.
+fn single_header<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
+    let mut values = headers.get_all(name).iter();
+    let value: &HeaderValue = values.next()?;
+    if values.next().is_some() { None } else { value.to_str().ok() }
+}
+
+/// True if `host` is an IP address or `localhost`, with the port of this server.
+fn is_own_host(host: &str, port: u16) -> bool {
+    let Some((name, number)) = host.rsplit_once(':') else { return false };
+    let name = name.strip_prefix('[').and_then(|name| name.strip_suffix(']')).unwrap_or(name);
+    number.parse() == Ok(port) && (name.eq_ignore_ascii_case("localhost") || name.parse::<IpAddr>().is_ok())
+}
+
+/// True if both texts are equal. The time does not tell where they differ.
+fn equal_in_constant_time(a: &[u8], b: &[u8]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).fold(0, |difference, (a, b)| difference | (a ^ b)) == 0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn checked(path: &str, headers: &[(&'static str, &str)]) -> Result<(), Refusal> {
+        let mut map = HeaderMap::new();
+        headers.iter().for_each(|(name, value)| {
+            map.append(*name, HeaderValue::from_str(value).unwrap());
+        });
+        check_request(path, &map, "abc123", 8080)
+    }
+
+    #[test]
+    fn only_own_hosts_and_origins_pass() {
+        let own = ("host", "127.0.0.1:8080");
+        for host in ["127.0.0.1:8080", "localhost:8080", "LocalHost:8080", "[::1]:8080", "192.168.0.7:8080"] {
+            assert_eq!(checked("/abc123/", &[("host", host)]), Ok(()), "{host}");
+        }
+        for host in ["evil.example:8080", "127.0.0.1", "127.0.0.1:80", "localhost.evil.example:8080", ""] {
+            assert_eq!(checked("/abc123/", &[("host", host)]), Err(Refusal::Host), "{host}");
+        }
+        assert_eq!(checked("/abc123/", &[]), Err(Refusal::Host));
+        assert_eq!(checked("/abc123/", &[own, ("host", "evil.example")]), Err(Refusal::Host));
+        assert_eq!(checked("/abc123/", &[own, ("origin", "http://127.0.0.1:8080")]), Ok(()));
+        for origin in ["null", "https://127.0.0.1:8080", "http://evil.example", "http://127.0.0.1:8081"] {
+            assert_eq!(checked("/abc123/", &[own, ("origin", origin)]), Err(Refusal::Origin), "{origin}");
+        }
+        for path in ["/", "/abc124/", "/abc12/", "/abc1234/", "", "/events"] {
+            assert_eq!(checked(path, &[own]), Err(Refusal::Token), "{path}");
+        }
+    }
+
+    #[test]
+    fn tokens_are_long_and_differ() {
+        let [a, b] = [random_token().unwrap(), random_token().unwrap()];
+        assert!(a.len() == 32 && a != b && a.bytes().all(|byte| byte.is_ascii_hexdigit()));
+    }
+}

@@ -1,0 +1,146 @@
+//! The newest state of a render, which its threads publish and the server reads.
+
+use super::frame::Frame;
+use super::status::{FrameReport, LiveStatus, SceneSource};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use tokio::sync::watch;
+
+/// State of a render at one moment.
+#[derive(Clone, Debug, Default)]
+pub struct LiveState {
+    /// Facts about the render.
+    pub status: LiveStatus,
+    /// The newest picture.
+    pub picture: Option<Arc<Frame>>,
+    /// The newest maps of the estimated error.
+    pub maps: Option<Arc<Frame>>,
+    /// Text of the scene file.
+    pub source: Arc<SceneSource>,
+}
+
+/// A published state, with its text for browsers.
+#[derive(Debug, Default)]
+pub(super) struct PublishedState {
+    pub state: LiveState,
+    json: OnceLock<Arc<str>>,
+}
+
+impl PublishedState {
+    /// Returns the facts as JSON, which all clients share.
+    pub fn json(&self) -> Arc<str> {
+        let encode = || serde_json::to_string(&self.state.status).unwrap_or_default().into();
+        self.json.get_or_init(encode).clone()
+    }
+}
+
+/// Board on which a render publishes its newest state.
+///
+/// A reader takes the newest state whenever it is ready for one, and misses those in between. So
+/// neither a slow reader nor many readers delay the render: publishing replaces one pointer.
+#[derive(Debug)]
+pub struct LivePage {
+    /// The state that the next publication changes.
+    newest: Mutex<LiveState>,
+    sender: watch::Sender<Arc<PublishedState>>,
+    /// True if a reader has asked for maps since the last ones were made.
+    wants_maps: AtomicBool,
+    /// Reference picture for comparisons.
+    reference: Option<Arc<Frame>>,
+}
+
+impl LivePage {
+    /// Makes a page of the scene file `scene`. `interactive` is true for `caustica view`.
+    #[must_use]
+    pub fn new(scene: String, integrator: &'static str, interactive: bool, reference: Option<Frame>) -> Self {
+        let status = LiveStatus {
+            version: env!("CARGO_PKG_VERSION"),
+            scene,
+            integrator,
+            interactive,
+            reference: reference.as_ref().map(|frame| frame.size),
+            ..LiveStatus::default()
+        };
+        let newest = LiveState { status, ..LiveState::default() };
+        let sender = watch::Sender::new(Arc::new(PublishedState { state: newest.clone(), json: OnceLock::new() }));
+        let reference = reference.map(Arc::new);
+        Self { newest: Mutex::new(newest), sender, wants_maps: AtomicBool::new(false), reference }
+    }
+
+    /// Begins a new render and returns its number. Publications of earlier renders are ignored from
+    /// now on. The old picture stays until a new one is there.
+    pub fn begin_render(&self) -> u32 {
+        let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        let old = &newest.status;
+        newest.status = LiveStatus {
+            version: old.version,
+            scene: old.scene.clone(),
+            integrator: old.integrator,
+            interactive: old.interactive,
+            reference: old.reference,
+            render: old.render + 1,
+            sequence: old.sequence,
+            size: old.size,
+            picture: old.picture.clone(),
+            source_revision: old.source_revision,
+            problems: old.problems,
+            ..LiveStatus::default()
+        };
+        newest.maps = None;
+        let render = newest.status.render;
+        self.publish_state(&mut newest);
+        render
+    }
+
+    /// Changes the state of render `render` and publishes it. Does nothing if a later render has
+    /// begun.
+    ///
+    /// `change` receives the number of a frame that it may add.
+    pub fn publish(&self, render: u32, change: impl FnOnce(&mut LiveState, u32)) {
+        let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        if newest.status.render == render {
+            let sequence = newest.status.sequence + 1;
+            change(&mut newest, sequence);
+            self.publish_state(&mut newest);
+        }
+    }
+
+    fn publish_state(&self, newest: &mut LiveState) {
+        newest.status.sequence += 1;
+        newest.status.picture = newest.picture.as_deref().map(FrameReport::new);
+        newest.status.maps = newest.maps.as_deref().map(FrameReport::new);
+        newest.status.problems = newest.source.problems.len();
+        self.sender.send_replace(Arc::new(PublishedState { state: newest.clone(), json: OnceLock::new() }));
+    }
+
+    /// Returns true if a reader has asked for maps since the last call.
+    pub fn take_wish_for_maps(&self) -> bool {
+        self.wants_maps.swap(false, Ordering::Relaxed)
+    }
+
+    /// Asks the render for maps of the estimated error.
+    pub(super) fn wish_for_maps(&self) {
+        self.wants_maps.store(true, Ordering::Relaxed);
+    }
+
+    /// Returns a receiver of the newest state.
+    pub(super) fn subscribe(&self) -> watch::Receiver<Arc<PublishedState>> {
+        self.sender.subscribe()
+    }
+
+    /// Returns the newest state.
+    pub(super) fn newest(&self) -> Arc<PublishedState> {
+        self.sender.borrow().clone()
+    }
+
+    /// Returns the reference picture.
+    pub(super) fn reference(&self) -> Option<&Frame> {
+        self.reference.as_deref()
+    }
+
+    /// Returns the number of browsers that receive the state.
+    #[must_use]
+    pub fn reader_count(&self) -> usize {
+        self.sender.receiver_count()
+    }
+}

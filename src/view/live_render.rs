@@ -1,0 +1,131 @@
+//! Publication of a render's passes to the live page.
+
+use super::frame::Frame;
+use super::live_page::{LivePage, LiveState};
+use super::pace::Pace;
+use super::status::{CurvePoint, ForecastReport, Phase, PlanReport};
+use crate::render::{ErrorTarget, PassProgress, RenderResult, StopCriteria};
+use glam::Vec3;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Largest number of points of the curve of the error. Estimates become rarer as passes go on, so
+/// a render has fewer.
+const MAX_CURVE_POINTS: usize = 400;
+
+/// Publisher of one render, which its thread calls after each pass.
+#[derive(Debug)]
+pub struct LiveRender<'a> {
+    page: &'a LivePage,
+    /// Number of the render.
+    number: u32,
+    /// Start of loading the scene.
+    start: Instant,
+    picture_pace: Pace,
+    map_pace: Pace,
+    curve: Arc<Vec<CurvePoint>>,
+    forecast: Option<Arc<ForecastReport>>,
+}
+
+impl<'a> LiveRender<'a> {
+    /// Begins a new render on `page`. Loading of its scene began at the time `start`.
+    #[must_use]
+    pub fn begin(page: &'a LivePage, start: Instant) -> Self {
+        let (picture_pace, map_pace) = (Pace::default(), Pace::default());
+        Self { page, number: page.begin_render(), start, picture_pace, map_pace, curve: Arc::default(), forecast: None }
+    }
+
+    /// Changes and publishes the state of this render.
+    pub fn publish(&self, change: impl FnOnce(&mut LiveState, u32)) {
+        self.page.publish(self.number, change);
+    }
+
+    /// Publishes the part of the work that goes on.
+    pub fn set_phase(&self, phase: Phase) {
+        self.publish(|state, _| state.status.phase = phase);
+    }
+
+    /// Publishes a preview of reduced size.
+    pub fn show_preview(&self, size: (u32, u32), pixels: &[Vec3]) {
+        let seconds = self.start.elapsed().as_secs_f64();
+        self.publish(|state, sequence| {
+            let frame = Frame { is_preview: true, ..Frame::from_picture(sequence, size, 0, pixels) };
+            state.picture = Some(Arc::new(frame));
+            state.status.first_pixels_seconds.get_or_insert(seconds);
+        });
+    }
+
+    /// Publishes the plan and the limits, before the first pass.
+    pub fn begin_passes(&self, plan: PlanReport, stop: &StopCriteria<'_>, size: (u32, u32)) {
+        self.publish(|state, _| {
+            let status = &mut state.status;
+            status.phase = Phase::Passes;
+            status.ended = None;
+            status.size = size;
+            status.plan = Some(Arc::new(plan));
+            status.pass_limit = stop.passes;
+            status.time_limit = stop.time.map(|time| time.as_secs_f64());
+            status.error_limit = stop.target.map(|target| target.error);
+            status.confidence = stop.target.map(ErrorTarget::interval_confidence);
+        });
+    }
+
+    /// Publishes a pass, unless the last publication was too short a time ago.
+    pub fn after_pass(&mut self, progress: &PassProgress<'_>, stop: &StopCriteria<'_>) {
+        if let Some((estimate, forecast)) = &progress.error
+            && estimate.error.is_finite()
+            && self.curve.len() < MAX_CURVE_POINTS
+        {
+            let point = CurvePoint::new(estimate, progress.rendered.wall.as_secs_f64());
+            Arc::make_mut(&mut self.curve).push(point);
+            self.forecast = Some(Arc::new(ForecastReport::new(estimate, forecast, stop)));
+        }
+        let start = Instant::now();
+        if progress.ended.is_some() || !self.picture_pace.is_due(start) {
+            return;
+        }
+        self.publish_result(progress.rendered);
+        self.picture_pace.record(start, Instant::now());
+        let start = Instant::now();
+        if self.map_pace.is_due(start) && self.page.take_wish_for_maps() {
+            self.publish_maps(progress.rendered);
+            self.map_pace.record(start, Instant::now());
+        }
+    }
+
+    /// Publishes the result of a render whose phase becomes `phase`: stopped or ended.
+    pub fn end(&mut self, rendered: &RenderResult, phase: Phase) {
+        self.publish_result(rendered);
+        self.publish_maps(rendered);
+        self.publish(|state, _| {
+            state.status.phase = phase;
+            state.status.ended = Some(rendered.ended);
+        });
+    }
+
+    /// Publishes the picture and the facts of `rendered`.
+    fn publish_result(&self, rendered: &RenderResult) {
+        let seconds = self.start.elapsed().as_secs_f64();
+        let pixels = rendered.film.mean();
+        self.publish(|state, sequence| {
+            let frame = Frame::from_picture(sequence, rendered.film.size(), rendered.film.passes(), &pixels);
+            state.picture = Some(Arc::new(frame));
+            let status = &mut state.status;
+            status.passes = rendered.film.passes();
+            status.seconds = rendered.wall.as_secs_f64();
+            status.first_pixels_seconds.get_or_insert(seconds);
+            status.curve = self.curve.clone();
+            status.forecast.clone_from(&self.forecast);
+            status.counters = rendered.counters;
+            status.unaimed = rendered.unaimed;
+            status.aimed = rendered.aimed;
+        });
+    }
+
+    /// Publishes maps of the estimated error, if it is estimated.
+    fn publish_maps(&self, rendered: &RenderResult) {
+        if let Some(maps) = Frame::from_error_maps(0, rendered) {
+            self.publish(|state, sequence| state.maps = Some(Arc::new(Frame { sequence, ..maps })));
+        }
+    }
+}

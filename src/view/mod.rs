@@ -1,0 +1,24 @@
+//! The live page: a web page that shows a render while it goes on.
+//!
+//! A render publishes its newest state to a [`LivePage`], and never waits for a reader. A
+//! [`PageServer`] serves the page and the newest state to any number of browsers.
+
+mod address;
+mod frame;
+mod guard;
+mod live_page;
+mod live_render;
+mod pace;
+mod responses;
+mod server;
+mod status;
+
+pub use address::{ListenAddress, ListenError};
+pub use frame::{Frame, Layer, LayerKind};
+pub use live_page::{LivePage, LiveState};
+pub use live_render::LiveRender;
+pub use server::{Orbit, PageServer, Request, RequestHandler};
+pub use status::{LiveStatus, Phase, PlanReport, SceneProblem, SceneSource};
+
+#[cfg(test)]
+mod tests;

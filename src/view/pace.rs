@@ -1,0 +1,46 @@
+//! Limit of the time that publishing takes from a render.
+
+use std::time::{Duration, Instant};
+
+/// Least time between two publications, relative to the time that a publication takes. So
+/// publications take at most 1 % of a render.
+const MIN_INTERVAL_FACTOR: u32 = 100;
+
+/// Least time between two publications.
+const MIN_INTERVAL: Duration = Duration::from_millis(100);
+
+/// Pace of publications: tells when the next one is due.
+#[derive(Debug, Default)]
+pub(super) struct Pace {
+    /// Earliest time of the next publication; `None` before the first one.
+    next: Option<Instant>,
+}
+
+impl Pace {
+    /// True if a publication is due at the time `now`.
+    pub fn is_due(&self, now: Instant) -> bool {
+        self.next.is_none_or(|next| now >= next)
+    }
+
+    /// Records a publication that lasted from `start` to `end`.
+    pub fn record(&mut self, start: Instant, end: Instant) {
+        self.next = Some(end + MIN_INTERVAL.max((end - start) * MIN_INTERVAL_FACTOR));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn publications_take_a_hundredth_of_the_time() {
+        let start = Instant::now();
+        let after = |milliseconds| start + Duration::from_millis(milliseconds);
+        let mut pace = Pace::default();
+        assert!(pace.is_due(start));
+        pace.record(start, after(10));
+        assert!(!pace.is_due(after(1009)) && pace.is_due(after(1010)));
+        pace.record(start, start);
+        assert!(!pace.is_due(after(99)) && pace.is_due(after(100)));
+    }
+}

@@ -1,0 +1,157 @@
+// Connection to the program, keys and buttons.
+
+let state = null;
+let isFetching = false;
+
+/** Number of the frame that the newest state has for the layer; 0 without one. */
+function newestSequence() {
+  const frame = viewer.layer === "picture" ? state.picture : state.maps;
+  return frame ? frame.sequence : 0;
+}
+
+/** Fetches the newest frame of the layer. One request runs at a time. */
+async function fetchFrame() {
+  if (isFetching || !state) return;
+  const layer = viewer.layer;
+  const after = viewer.shown && viewer.shown.layer === layer ? viewer.shown.frame.sequence : 0;
+  if (layer === "picture" && newestSequence() <= after) return;
+  isFetching = true;
+  try {
+    const response = await fetch(`layer/${layer}?after=${after}`);
+    if (response.status === 200) {
+      const frame = decodeFrame(await response.arrayBuffer());
+      if (layer === viewer.layer) showFrame(frame);
+    }
+  } catch {
+    // The events tell when the connection is back.
+  }
+  isFetching = false;
+  const shown = viewer.shown && viewer.shown.layer === viewer.layer ? viewer.shown.frame.sequence : 0;
+  if (viewer.layer !== layer || (newestSequence() > shown && newestSequence() > after)) setTimeout(fetchFrame, 50);
+}
+
+/** Fetches the reference picture once. */
+async function fetchReference() {
+  if (viewer.others.reference) return;
+  const response = await fetch("layer/reference");
+  if (response.status !== 200) return;
+  viewer.others.reference = makePicture(decodeFrame(await response.arrayBuffer()), "picture");
+  viewer.other = viewer.other || "reference";
+  listOthers();
+}
+
+/** Lists the layers that exist. */
+function listLayers() {
+  const maps = state.maps ? state.maps.layers : state.curve.length ? ["noise"] : [];
+  const names = ["picture", ...maps];
+  if (!names.includes(viewer.layer)) names.push(viewer.layer);
+  const select = byId("layer");
+  if (names.join() === Array.from(select.options, (option) => option.value).join()) return;
+  select.replaceChildren(...names.map((name) => element("option", { value: name }, LAYER_NAMES[name])));
+  select.value = viewer.layer;
+}
+
+function setLayer(layer) {
+  viewer.layer = layer;
+  byId("layer").value = layer;
+  fetchFrame();
+}
+
+function showState(next) {
+  state = next;
+  document.body.dataset.phase = state.phase;
+  document.body.dataset.passes = state.passes;
+  const name = state.scene.split(/[\\/]/).pop();
+  document.title = `${name} – Caustica`;
+  byId("scene").textContent = name;
+  byId("scene").title = `${state.scene}, Caustica ${state.version}`;
+  byId("status").textContent = statusText(state);
+  const isPaused = state.phase === "stopped" || state.phase === "ended";
+  byId("stop").textContent = isPaused && state.interactive ? "Resume" : "Stop";
+  byId("stop").disabled = isPaused ? !state.interactive : state.phase !== "passes" && state.phase !== "pilots";
+  const canSave = Boolean(state.picture && !state.picture.preview);
+  byId("save-png").disabled = byId("save-exr").disabled = !canSave;
+  if (state.size[0]) viewer.size = state.size;
+  else if (state.picture && !viewer.size[0]) viewer.size = [state.picture.width, state.picture.height];
+  listLayers();
+  byId("error-text").textContent = errorText(state);
+  showCurve(state);
+  showPlan(state);
+  showPhotons(state);
+  showSource(state);
+  fetchFrame();
+  if (state.reference) fetchReference();
+}
+
+const post = (name, body) => fetch(`request/${name}`, { method: "POST", body: body ? JSON.stringify(body) : "" });
+
+function stopOrResume() {
+  if (byId("stop").disabled) return;
+  post(byId("stop").textContent === "Resume" ? "resume" : "stop");
+}
+
+/** Saves the newest picture as a file of the browser. */
+function save(kind) {
+  if (byId(`save-${kind}`).disabled) return;
+  const link = element("a", { href: `save/picture.${kind}?exposure=${viewer.exposure}&tone=${viewer.tone}`, download: "" });
+  document.body.append(link);
+  link.click();
+  link.remove();
+}
+
+function nextOption(id) {
+  const select = byId(id);
+  return select.options[(select.selectedIndex + 1) % select.options.length].value;
+}
+
+const ARROWS = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+
+const KEYS = {
+  " ": stopOrResume,
+  s: () => save("png"),
+  e: () => save("exr"),
+  l: () => setLayer(nextOption("layer")),
+  "[": () => setExposure(viewer.exposure - 0.5),
+  "]": () => setExposure(viewer.exposure + 0.5),
+  t: () => setTone(nextOption("tone")),
+  "+": () => zoomBy(2),
+  "=": () => zoomBy(2),
+  "-": () => zoomBy(0.5),
+  0: fitPicture,
+  1: () => setZoom(1 / (devicePixelRatio || 1)),
+  p: pinPicture,
+  f: () => setMode("flip"),
+  d: () => setMode("split"),
+  "?": () => byId("keys").showModal(),
+};
+
+document.addEventListener("keydown", (event) => {
+  if (event.altKey || event.ctrlKey || event.metaKey || byId("keys").open) return;
+  if (event.target.closest("select, input, pre, #panels")) return;
+  if (event.key === " " && event.target.closest("button")) return;
+  const arrow = ARROWS[event.key];
+  if (arrow) {
+    if (cameraDrag) cameraDrag.drag(-20 * arrow[0], -20 * arrow[1]);
+    else panBy(40 * arrow[0], 40 * arrow[1]);
+  } else if (KEYS[event.key]) {
+    KEYS[event.key]();
+  } else {
+    return;
+  }
+  event.preventDefault();
+});
+
+byId("stop").addEventListener("click", stopOrResume);
+byId("save-png").addEventListener("click", () => save("png"));
+byId("save-exr").addEventListener("click", () => save("exr"));
+byId("help").addEventListener("click", () => byId("keys").showModal());
+byId("layer").addEventListener("change", (event) => setLayer(event.target.value));
+startViewer();
+
+const events = new EventSource("events");
+events.addEventListener("message", (event) => showState(JSON.parse(event.data)));
+events.addEventListener("error", () => {
+  const isOver = state && state.phase === "ended" && !state.interactive;
+  byId("status").textContent = isOver ? `${statusText(state)} · the program has ended` : "the program does not answer";
+  byId("stop").disabled = true;
+});

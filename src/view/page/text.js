@@ -1,0 +1,55 @@
+// Helpers for elements and for texts of numbers.
+
+const byId = (id) => document.getElementById(id);
+
+/** Makes an element with attributes and children. Texts are never read as HTML. */
+function element(name, attributes, ...children) {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes || {})) made.setAttribute(key, value);
+  made.append(...children);
+  return made;
+}
+
+const SVG = "http://www.w3.org/2000/svg";
+
+/** Makes an SVG element with attributes and a text. */
+function svgElement(name, attributes, text) {
+  const made = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  if (text !== undefined) made.textContent = text;
+  return made;
+}
+
+/** Text of a number with three digits. */
+function digits(value) {
+  if (!Number.isFinite(value)) return String(value);
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e5 || size < 1e-3) return value.toExponential(2);
+  return String(Number(value.toPrecision(3)));
+}
+
+/** Text of a relative error in percent. */
+function percent(value) {
+  if (!Number.isFinite(value)) return "unknown";
+  const hundredths = 100 * value;
+  return `${hundredths >= 10 ? hundredths.toFixed(0) : hundredths >= 1 ? hundredths.toFixed(1) : digits(hundredths)} %`;
+}
+
+/** Text of a duration in seconds. */
+function duration(seconds) {
+  if (seconds < 9.95) return `${seconds.toFixed(1)} s`;
+  const whole = Math.round(seconds);
+  if (whole < 60) return `${whole} s`;
+  if (whole < 3600) return `${Math.floor(whole / 60)} min ${whole % 60} s`;
+  if (whole < 172800) return `${Math.floor(whole / 3600)} h ${Math.floor(whole / 60) % 60} min`;
+  return `${Math.floor(whole / 86400)} d`;
+}
+
+/** Text of a count with a unit of a thousand, a million or a billion. */
+function count(value) {
+  for (const [unit, letter] of [[1e9, "G"], [1e6, "M"], [1e3, "k"]]) {
+    if (value >= unit) return `${digits(value / unit)} ${letter}`;
+  }
+  return String(Math.round(value));
+}

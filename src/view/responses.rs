@@ -1,0 +1,224 @@
+//! Responses of the server: page, events, pixels, scene text and saved pictures.
+
+use super::frame::{Frame, LayerKind};
+use super::live_page::{LivePage, PublishedState};
+use super::server::Request;
+use crate::image::{self, BitDepth, ExrPrecision, Image, OutputFormat, ToneMap, WriteOptions};
+use axum::body::{Body, Bytes};
+use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE, RETRY_AFTER};
+use axum::http::{HeaderValue, StatusCode};
+use axum::response::sse::{Event, KeepAlive, Sse};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use std::convert::Infallible;
+use std::future::Future;
+use std::path::Path;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll};
+use tokio::sync::OwnedSemaphorePermit;
+use tokio_stream::Stream;
+use tokio_stream::wrappers::WatchStream;
+
+const PAGE: &str = include_str!("page/page.html");
+const STYLE: &str = include_str!("page/page.css");
+/// Scripts of the page, in the order in which they use each other.
+const SCRIPTS: [&str; 7] = [
+    include_str!("page/text.js"),
+    include_str!("page/pixels.js"),
+    include_str!("page/viewer.js"),
+    include_str!("page/curve.js"),
+    include_str!("page/panels.js"),
+    include_str!("page/source.js"),
+    include_str!("page/main.js"),
+];
+
+/// Returns the page with its style and scripts. They carry `nonce`, without which the browser
+/// would refuse them.
+pub(super) fn page_html(nonce: &str) -> String {
+    let script = format!("(() => {{\n\"use strict\";\n{}\n}})();", SCRIPTS.join("\n"));
+    PAGE.replace("{nonce}", nonce).replace("{style}", STYLE).replace("{script}", &script)
+}
+
+/// Stream of the newest states for one browser. It ends when the server ends.
+struct StateEvents {
+    states: WatchStream<Arc<PublishedState>>,
+    end: Pin<Box<dyn Future<Output = ()> + Send>>,
+    _permit: OwnedSemaphorePermit,
+}
+
+impl Stream for StateEvents {
+    type Item = Result<Event, Infallible>;
+
+    fn poll_next(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Self::Item>> {
+        // The last state goes out before the end.
+        match Pin::new(&mut self.states).poll_next(context) {
+            Poll::Ready(Some(state)) => return Poll::Ready(Some(Ok(Event::default().data(state.json())))),
+            Poll::Ready(None) => return Poll::Ready(None),
+            Poll::Pending => {}
+        }
+        self.end.as_mut().poll(context).map(|()| None)
+    }
+}
+
+/// Returns the response that sends each new state to a browser until `end`.
+///
+/// A state is taken only when the connection accepts it. So a slow browser misses states, and
+/// nothing queues up.
+pub(super) fn state_events(
+    page: &LivePage,
+    end: impl Future<Output = ()> + Send + 'static,
+    permit: OwnedSemaphorePermit,
+) -> Response {
+    let states = WatchStream::new(page.subscribe());
+    Sse::new(StateEvents { states, end: Box::pin(end), _permit: permit })
+        .keep_alive(KeepAlive::default())
+        .into_response()
+}
+
+/// Returns a response that tells the browser to ask again later.
+pub(super) fn busy() -> Response {
+    let mut response = (StatusCode::SERVICE_UNAVAILABLE, "too many requests at a time\n").into_response();
+    response.headers_mut().insert(RETRY_AFTER, HeaderValue::from_static("1"));
+    response
+}
+
+/// Bytes of a layer on their way to a browser. They count as one response in progress until sent.
+struct BytesInProgress {
+    bytes: Bytes,
+    _permit: OwnedSemaphorePermit,
+}
+
+impl AsRef<[u8]> for BytesInProgress {
+    fn as_ref(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+/// Frame that a browser already shows.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct KnownFrame {
+    /// Sequence number of the frame.
+    #[serde(default)]
+    after: u32,
+}
+
+/// Returns the response with the pixels of the newest layer `name`, or of the reference picture.
+///
+/// The response is empty if the browser already shows this frame. Asking for a map lets the render
+/// make new ones.
+pub(super) async fn layer_pixels(
+    page: Arc<LivePage>,
+    name: String,
+    known: KnownFrame,
+    permit: OwnedSemaphorePermit,
+) -> Response {
+    let encode = move || {
+        if name == "reference" {
+            return page.reference()?.encoded_layer(LayerKind::Picture);
+        }
+        let kind = LayerKind::from_name(&name)?;
+        let newest = page.newest();
+        let frame = match kind {
+            LayerKind::Picture => &newest.state.picture,
+            LayerKind::Noise
+            | LayerKind::Bias
+            | LayerKind::CausticRadius
+            | LayerKind::GlobalRadius
+            | LayerKind::CausticPhotons
+            | LayerKind::GlobalPhotons => {
+                page.wish_for_maps();
+                &newest.state.maps
+            }
+        };
+        let frame = frame.as_ref()?;
+        if frame.sequence <= known.after { Some(Bytes::new()) } else { frame.encoded_layer(kind) }
+    };
+    match tokio::task::spawn_blocking(encode).await {
+        Ok(Some(bytes)) if bytes.is_empty() => StatusCode::NO_CONTENT.into_response(),
+        Ok(Some(bytes)) => {
+            let bytes = Bytes::from_owner(BytesInProgress { bytes, _permit: permit });
+            ([(CONTENT_TYPE, "application/octet-stream")], Body::from(bytes)).into_response()
+        }
+        Ok(None) => (StatusCode::NOT_FOUND, "this layer does not exist yet\n").into_response(),
+        Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
+    }
+}
+
+/// Returns the response with the text of the scene file and its errors, as JSON.
+pub(super) fn scene_source(page: &LivePage) -> Response {
+    let source = page.newest().state.source.clone();
+    match serde_json::to_string(&*source) {
+        Ok(json) => ([(CONTENT_TYPE, "application/json")], json).into_response(),
+        Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
+    }
+}
+
+/// Exposure and tone curve of a saved PNG.
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct SaveOptions {
+    #[serde(default)]
+    exposure: f32,
+    tone: Option<String>,
+}
+
+/// Returns the response with the newest picture as a file. `file` ends with `.png` or `.exr`.
+pub(super) async fn saved_picture(page: Arc<LivePage>, file: String, options: SaveOptions) -> Response {
+    let newest = page.newest();
+    let Some(frame) = newest.state.picture.clone().filter(|frame| !frame.is_preview) else {
+        return (StatusCode::NOT_FOUND, "there is no pass yet\n").into_response();
+    };
+    let (Ok(format), Ok(curve)) =
+        (OutputFormat::from_path(Path::new(&file)), options.tone.as_deref().unwrap_or("srgb").parse())
+    else {
+        return (StatusCode::BAD_REQUEST, "choose .png or .exr, and tone srgb, filmic or course\n").into_response();
+    };
+    let tone = ToneMap { curve, exposure_stops: options.exposure };
+    let kind = match format {
+        OutputFormat::Png => "image/png",
+        OutputFormat::Exr => "image/x-exr",
+    };
+    let name = format!("attachment; filename=\"{}\"", saved_file_name(&newest.state.status.scene, &frame, format));
+    match tokio::task::spawn_blocking(move || encoded_picture(&frame, format, tone)).await {
+        Ok(Some(bytes)) => {
+            let mut response = ([(CONTENT_TYPE, kind)], bytes).into_response();
+            if let Ok(name) = HeaderValue::from_str(&name) {
+                response.headers_mut().insert(CONTENT_DISPOSITION, name);
+            }
+            response
+        }
+        Ok(None) => (StatusCode::BAD_REQUEST, "the picture cannot be encoded with this exposure\n").into_response(),
+        Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
+    }
+}
+
+/// Returns the name of a saved file: that of the scene, with the number of passes.
+fn saved_file_name(scene: &str, frame: &Frame, format: OutputFormat) -> String {
+    let stem = Path::new(scene).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let stem: String =
+        stem.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
+    let extension = match format {
+        OutputFormat::Png => "png",
+        OutputFormat::Exr => "exr",
+    };
+    format!("{stem}-{}.{extension}", frame.passes)
+}
+
+/// Returns the bytes of a picture file; `None` if the tone map is not valid.
+fn encoded_picture(frame: &Frame, format: OutputFormat, tone: ToneMap) -> Option<Vec<u8>> {
+    let pixels = frame.layer(LayerKind::Picture)?.colors();
+    let image = Image::from_pixels(frame.size.0, frame.size.1, pixels).ok()?;
+    let software = ("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")));
+    let options = WriteOptions { tone, depth: BitDepth::Eight, floats: ExrPrecision::Single, metadata: vec![software] };
+    image::encode(format, &image, &options).ok().map(|(bytes, _)| bytes)
+}
+
+/// Parses a request of the page: a name, and the text of its body.
+pub(super) fn parse_request(name: &str, body: &[u8]) -> Option<Request> {
+    match name {
+        "stop" => Some(Request::Stop),
+        "resume" => Some(Request::Resume),
+        "orbit" => serde_json::from_slice(body).ok().map(Request::Orbit),
+        _ => None,
+    }
+}

@@ -1,0 +1,258 @@
+//! The web server of the live page, in a thread of its own.
+
+use super::address::{ListenAddress, ListenError};
+use super::guard::{check_request, random_token};
+use super::live_page::LivePage;
+use super::responses::{
+    KnownFrame, SaveOptions, busy, layer_pixels, page_html, parse_request, saved_picture, scene_source, state_events,
+};
+use axum::Router;
+use axum::body::Bytes;
+use axum::extract::{DefaultBodyLimit, Path, Query, Request as HttpRequest, State};
+use axum::http::header::{CACHE_CONTROL, CONTENT_SECURITY_POLICY, REFERRER_POLICY, X_CONTENT_TYPE_OPTIONS};
+use axum::http::{HeaderValue, StatusCode};
+use axum::middleware::{Next, from_fn_with_state};
+use axum::response::{Html, IntoResponse, Response};
+use axum::routing::{get, post};
+use serde::Deserialize;
+use std::io;
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::Duration;
+use tokio::sync::{Semaphore, watch};
+
+/// Largest number of browsers that receive states at a time.
+const MAX_READERS: usize = 64;
+
+/// Largest number of responses with pixels at a time. Each may hold the memory of one frame.
+const MAX_PIXEL_RESPONSES: usize = 32;
+
+/// Largest body of a request \[bytes].
+const MAX_BODY_BYTES: usize = 4096;
+
+/// Time in which open pages may fetch the last picture before the server ends.
+const FAREWELL: Duration = Duration::from_millis(500);
+
+/// Time after which connections are cut at the end of the server.
+const CUT: Duration = Duration::from_millis(500);
+
+/// Position of the camera relative to that of the scene file, on a sphere around the point that
+/// the center of the picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Orbit {
+    /// Angle to the right around the up vector \[radians].
+    pub yaw: f64,
+    /// Angle upward \[radians].
+    pub pitch: f64,
+    /// Logarithm of the factor by which the distance grows.
+    pub zoom: f64,
+}
+
+/// Request of a page to the render.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Request {
+    /// End the render after the current pass.
+    Stop,
+    /// Continue a render that was stopped.
+    Resume,
+    /// Move the camera.
+    Orbit(Orbit),
+}
+
+/// Receiver of the requests of pages. It returns false if it refuses a request, and never waits.
+pub type RequestHandler = Box<dyn Fn(Request) -> bool + Send + Sync>;
+
+/// Server of the live page.
+#[derive(Debug)]
+pub struct PageServer {
+    url: String,
+    page: Arc<LivePage>,
+    end: watch::Sender<bool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// Data that all responses share.
+struct Shared {
+    page: Arc<LivePage>,
+    handler: RequestHandler,
+    token: String,
+    port: u16,
+    readers: Arc<Semaphore>,
+    pixel_responses: Arc<Semaphore>,
+    end: watch::Receiver<bool>,
+}
+
+impl PageServer {
+    /// Starts a server at `address`, in a thread of its own. `handler` receives the requests of
+    /// pages.
+    ///
+    /// # Errors
+    /// [`ListenError`] if the address is in use, or the system refuses it.
+    pub fn start(address: ListenAddress, page: Arc<LivePage>, handler: RequestHandler) -> Result<Self, ListenError> {
+        let ListenAddress(address) = address;
+        Self::bind(address, page, handler).map_err(|source| ListenError { address, source })
+    }
+
+    fn bind(address: SocketAddr, page: Arc<LivePage>, handler: RequestHandler) -> io::Result<Self> {
+        let listener = TcpListener::bind(address)?;
+        listener.set_nonblocking(true)?;
+        let bound = listener.local_addr()?;
+        let token = random_token()?;
+        let url = format!("http://{}/{token}/", SocketAddr::new(reachable_address(bound.ip()), bound.port()));
+        let (end, receiver) = watch::channel(false);
+        let shared = Arc::new(Shared {
+            page: page.clone(),
+            handler,
+            token,
+            port: bound.port(),
+            readers: Arc::new(Semaphore::new(MAX_READERS)),
+            pixel_responses: Arc::new(Semaphore::new(MAX_PIXEL_RESPONSES)),
+            end: receiver,
+        });
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_io().enable_time().build()?;
+        let serve = move || {
+            runtime.block_on(serve(listener, shared));
+            runtime.shutdown_background();
+        };
+        let thread = std::thread::Builder::new().name("live page".to_owned()).spawn(serve)?;
+        Ok(Self { url, page, end, thread: Some(thread) })
+    }
+
+    /// Returns the address of the page, with its token.
+    #[must_use]
+    pub fn url(&self) -> &str {
+        &self.url
+    }
+
+    /// Ends the server. Open pages have half a second to fetch the last picture.
+    pub fn finish(self) {
+        if self.page.reader_count() > 0 {
+            std::thread::sleep(FAREWELL);
+        }
+    }
+}
+
+impl Drop for PageServer {
+    fn drop(&mut self) {
+        self.end.send_replace(true);
+        if let Some(thread) = self.thread.take() {
+            // A panic of the server must not spoil the render.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Returns an address by which this machine reaches a server that listens at `ip`.
+fn reachable_address(ip: IpAddr) -> IpAddr {
+    match ip {
+        IpAddr::V4(Ipv4Addr::UNSPECIFIED) => Ipv4Addr::LOCALHOST.into(),
+        IpAddr::V6(Ipv6Addr::UNSPECIFIED) => Ipv6Addr::LOCALHOST.into(),
+        ip => ip,
+    }
+}
+
+/// Answers requests until the end of the server.
+async fn serve(listener: TcpListener, shared: Arc<Shared>) {
+    let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
+    let end = shared.end.clone();
+    let router = Router::new()
+        .route("/{token}/", get(send_page))
+        .route("/{token}/events", get(send_events))
+        .route("/{token}/layer/{name}", get(send_layer))
+        .route("/{token}/source", get(send_source))
+        .route("/{token}/save/{file}", get(send_file))
+        .route("/{token}/request/{name}", post(take_request))
+        .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
+        .layer(from_fn_with_state(shared.clone(), guard))
+        .with_state(shared);
+    let served = axum::serve(listener, router).with_graceful_shutdown(until_end(end.clone()));
+    let cut = async {
+        until_end(end).await;
+        tokio::time::sleep(CUT).await;
+    };
+    tokio::select! {
+        _ = served => {}
+        () = cut => {}
+    }
+}
+
+/// Waits for the end of the server.
+async fn until_end(mut end: watch::Receiver<bool>) {
+    // An error means that the server was dropped.
+    let _ = end.wait_for(|end| *end).await;
+}
+
+/// Refuses requests that do not come from the page, and adds headers to all responses.
+async fn guard(State(shared): State<Arc<Shared>>, request: HttpRequest, next: Next) -> Response {
+    let checked = check_request(request.uri().path(), request.headers(), &shared.token, shared.port);
+    let mut response = match checked {
+        Ok(()) => next.run(request).await,
+        Err(refusal) => (StatusCode::FORBIDDEN, refusal.text()).into_response(),
+    };
+    let headers = response.headers_mut();
+    headers.insert(CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    headers.insert(REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
+    headers.insert(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
+    headers.insert("cross-origin-resource-policy", HeaderValue::from_static("same-origin"));
+    response
+}
+
+async fn send_page() -> Response {
+    let Ok(nonce) = random_token() else { return StatusCode::INTERNAL_SERVER_ERROR.into_response() };
+    let policy = format!(
+        "default-src 'none'; script-src 'nonce-{nonce}'; style-src 'nonce-{nonce}'; connect-src 'self'; \
+         img-src data: blob:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    );
+    let mut response = Html(page_html(&nonce)).into_response();
+    if let Ok(policy) = HeaderValue::from_str(&policy) {
+        response.headers_mut().insert(CONTENT_SECURITY_POLICY, policy);
+    }
+    response
+}
+
+async fn send_events(State(shared): State<Arc<Shared>>) -> Response {
+    match shared.readers.clone().try_acquire_owned() {
+        Ok(permit) => state_events(&shared.page, until_end(shared.end.clone()), permit),
+        Err(_) => busy(),
+    }
+}
+
+async fn send_layer(
+    State(shared): State<Arc<Shared>>,
+    Path((_, name)): Path<(String, String)>,
+    Query(known): Query<KnownFrame>,
+) -> Response {
+    match shared.pixel_responses.clone().try_acquire_owned() {
+        Ok(permit) => layer_pixels(shared.page.clone(), name, known, permit).await,
+        Err(_) => busy(),
+    }
+}
+
+async fn send_source(State(shared): State<Arc<Shared>>) -> Response {
+    scene_source(&shared.page)
+}
+
+async fn send_file(
+    State(shared): State<Arc<Shared>>,
+    Path((_, file)): Path<(String, String)>,
+    Query(options): Query<SaveOptions>,
+) -> Response {
+    match shared.pixel_responses.clone().try_acquire_owned() {
+        Ok(_permit) => saved_picture(shared.page.clone(), file, options).await,
+        Err(_) => busy(),
+    }
+}
+
+async fn take_request(
+    State(shared): State<Arc<Shared>>,
+    Path((_, name)): Path<(String, String)>,
+    body: Bytes,
+) -> Response {
+    match parse_request(&name, &body) {
+        Some(request) if (shared.handler)(request) => StatusCode::NO_CONTENT.into_response(),
+        Some(_) => (StatusCode::CONFLICT, "the render cannot do this now\n").into_response(),
+        None => (StatusCode::BAD_REQUEST, "unknown request\n").into_response(),
+    }
+}

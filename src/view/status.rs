@@ -1,0 +1,268 @@
+//! Facts about a render that the live page shows beside its pixels.
+
+use super::frame::Frame;
+use crate::integrate::PhotonReport;
+use crate::plan::Plan;
+use crate::render::error_estimate::{
+    Confidence, ErrorEstimate, ErrorForecast, PassRange, RANGE_PROBABILITY, StopForecast,
+};
+use crate::render::{EndReason, ErrorTarget, StopCriteria};
+use crate::stats::Counters;
+use serde::Serialize;
+use std::sync::Arc;
+
+/// Largest number of points of the predicted curve of the error.
+const FORECAST_POINTS: u32 = 24;
+
+/// Part of the work that goes on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Phase {
+    /// The scene is read, and its hierarchy is built.
+    #[default]
+    Loading,
+    /// The scene has errors, so nothing is rendered.
+    Failed,
+    /// A preview of reduced size is rendered.
+    Preview,
+    /// Pilots (small simulations) prepare the render.
+    Pilots,
+    /// Passes are rendered.
+    Passes,
+    /// The user stopped the render. It can be resumed.
+    Stopped,
+    /// The render has ended.
+    Ended,
+}
+
+/// Point of the curve of the estimated error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CurvePoint {
+    /// Wall time of all passes so far \[s].
+    pub seconds: f64,
+    /// Number of passes.
+    pub passes: u32,
+    /// Estimated relative error.
+    pub error: f64,
+    /// Lower end of its interval.
+    pub low: f64,
+    /// Upper end of its interval.
+    pub high: f64,
+    /// Part of the error that is noise.
+    pub noise: f64,
+    /// Part of the error that is bias.
+    pub bias: f64,
+}
+
+/// Forecast of the error.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ForecastReport {
+    /// Relative error that is forecast: the target of the render, or else half of its error.
+    pub target: f64,
+    /// True if `target` ends the render.
+    pub ends_render: bool,
+    /// 10 % quantile, median and 90 % quantile of the number of passes at the target; `None` where
+    /// too far to tell.
+    pub passes: [Option<u32>; 3],
+    /// Bias that keeps the error above the target for any number of passes; `None` if none does.
+    pub floor: Option<f64>,
+    /// Probability that the number of passes is between the two quantiles.
+    pub probability: f64,
+    /// Predicted curve: numbers of passes and relative errors.
+    pub curve: Vec<(u32, f64)>,
+}
+
+/// Plan of the render: decisions with their reasons.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct PlanReport {
+    /// Decisions about effects of light.
+    pub effects: Vec<EffectReport>,
+    /// Remarks about the work of a pass.
+    pub notes: Vec<String>,
+}
+
+/// Decision of the plan about one effect of light.
+#[derive(Clone, Debug, Serialize)]
+pub struct EffectReport {
+    /// Name of the effect.
+    pub name: &'static str,
+    /// True if it is simulated.
+    pub on: bool,
+    /// True if the user forced the decision.
+    pub forced: bool,
+    /// Reason of the decision.
+    pub reason: String,
+    /// Flaw that the missing effect causes; `None` unless the scene needs it.
+    pub flaw: Option<&'static str>,
+}
+
+/// Text of the scene file, with its errors.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct SceneSource {
+    /// Name of the file.
+    pub name: String,
+    /// Text of the file; empty for a binary format.
+    pub text: Arc<str>,
+    /// Errors of the file.
+    pub problems: Vec<SceneProblem>,
+    /// Warnings about the scene, one line each.
+    pub warnings: Vec<String>,
+}
+
+/// Error of the scene file.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SceneProblem {
+    /// Line, from 1; 0 without a position.
+    pub line: usize,
+    /// Column in characters, from 1; 0 without a position.
+    pub column: usize,
+    /// The defect.
+    pub message: String,
+    /// Advice on how to correct it.
+    pub remedy: String,
+}
+
+/// Number, size and passes of a frame.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct FrameReport {
+    /// Number of the frame.
+    pub sequence: u32,
+    /// Width \[pixels].
+    pub width: u32,
+    /// Height \[pixels].
+    pub height: u32,
+    /// Number of passes in the layers.
+    pub passes: u32,
+    /// True for a preview of reduced size.
+    pub preview: bool,
+    /// Names of the layers.
+    pub layers: Vec<&'static str>,
+}
+
+/// Facts about a render. Each publication holds all of them, so a reader may skip any.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct LiveStatus {
+    /// Version of the program.
+    pub version: &'static str,
+    /// Scene file, as the user named it.
+    pub scene: String,
+    /// Name of the algorithm.
+    pub integrator: &'static str,
+    /// True if the page belongs to `caustica view`: it then can move the camera and resume.
+    pub interactive: bool,
+    /// Number of the render, counted from 1. It rises when the scene or the camera changes.
+    pub render: u32,
+    /// Number of the publication.
+    pub sequence: u32,
+    /// Part of the work that goes on.
+    pub phase: Phase,
+    /// Why the render ended.
+    pub ended: Option<EndReason>,
+    /// Width and height of the full picture \[pixels]; 0 before the scene is read.
+    pub size: (u32, u32),
+    /// The newest picture.
+    pub picture: Option<FrameReport>,
+    /// The newest maps of the estimated error. They may be older than the picture.
+    pub maps: Option<FrameReport>,
+    /// Size of the reference picture \[pixels]; `None` without one.
+    pub reference: Option<(u32, u32)>,
+    /// Number of passes so far.
+    pub passes: u32,
+    /// Wall time of the passes so far \[s].
+    pub seconds: f64,
+    /// Time from the start of loading to the first pixels \[s].
+    pub first_pixels_seconds: Option<f64>,
+    /// Largest number of passes.
+    pub pass_limit: Option<u32>,
+    /// Wall time after which the render ends \[s].
+    pub time_limit: Option<f64>,
+    /// Relative error at which the render ends.
+    pub error_limit: Option<f64>,
+    /// Confidence of the interval of the error.
+    pub confidence: Option<Confidence>,
+    /// Curve of the estimated error.
+    pub curve: Arc<Vec<CurvePoint>>,
+    /// Forecast that belongs to the last point of the curve.
+    pub forecast: Option<Arc<ForecastReport>>,
+    /// Plan of the render; `None` before pilots have ended.
+    pub plan: Option<Arc<PlanReport>>,
+    /// Counts of rays and density estimates.
+    pub counters: Counters,
+    /// Counts and flux of photon paths that start in all directions.
+    pub unaimed: PhotonReport,
+    /// Counts and flux of photon paths that are aimed at casters.
+    pub aimed: PhotonReport,
+    /// Number of versions of the scene file that were read.
+    pub source_revision: u32,
+    /// Number of errors in the scene file.
+    pub problems: usize,
+}
+
+impl CurvePoint {
+    /// Makes the point of an error estimate after `seconds` of wall time.
+    #[must_use]
+    pub fn new(estimate: &ErrorEstimate, seconds: f64) -> Self {
+        let ErrorEstimate { passes, error, low, high, noise, bias, .. } = *estimate;
+        Self { seconds, passes, error, low, high, noise, bias }
+    }
+}
+
+impl ForecastReport {
+    /// Makes the report of a forecast that starts from `estimate`.
+    #[must_use]
+    pub fn new(estimate: &ErrorEstimate, forecast: &ErrorForecast, stop: &StopCriteria<'_>) -> Self {
+        let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
+        let target = stop.target.unwrap_or(half);
+        let (passes, floor) = match forecast.stop(target.error, target.interval_confidence()) {
+            StopForecast::Passes(PassRange { low, median, high }) => ([Some(low), Some(median), high], None),
+            StopForecast::Never { floor } => ([None; 3], Some(floor)),
+            StopForecast::TooFar { at_least } => ([Some(at_least), None, None], None),
+        };
+        let last = passes.into_iter().flatten().max().unwrap_or(0).max(4 * estimate.passes);
+        let ratio = f64::from(last) / f64::from(estimate.passes.max(1));
+        let point = |i: u32| {
+            let factor = libm::pow(ratio, f64::from(i) / f64::from(FORECAST_POINTS - 1));
+            (f64::from(estimate.passes) * factor).round() as u32
+        };
+        let mut numbers: Vec<u32> = (0..FORECAST_POINTS).map(point).collect();
+        numbers.dedup();
+        Self {
+            target: target.error,
+            ends_render: stop.target.is_some(),
+            passes,
+            floor,
+            probability: RANGE_PROBABILITY,
+            curve: numbers.into_iter().map(|n| (n, forecast.error_after_passes(n))).collect(),
+        }
+    }
+}
+
+impl PlanReport {
+    /// Makes the report of a plan with remarks about the work of a pass.
+    #[must_use]
+    pub fn new(plan: &Plan, notes: Vec<String>) -> Self {
+        let effects = plan.decisions.iter().map(|decision| EffectReport {
+            name: decision.effect.name(),
+            on: decision.is_simulated,
+            forced: decision.is_forced_by_user(),
+            reason: decision.reason.to_string(),
+            flaw: (decision.is_needed && !decision.is_simulated).then(|| decision.effect.symptom_if_missing()),
+        });
+        Self { effects: effects.collect(), notes }
+    }
+}
+
+impl FrameReport {
+    /// Makes the report of a frame.
+    #[must_use]
+    pub fn new(frame: &Frame) -> Self {
+        Self {
+            sequence: frame.sequence,
+            width: frame.size.0,
+            height: frame.size.1,
+            passes: frame.passes,
+            preview: frame.is_preview,
+            layers: frame.layers.iter().map(|layer| layer.kind.name()).collect(),
+        }
+    }
+}

@@ -1,0 +1,367 @@
+use super::*;
+use crate::integrate::{Algorithm, Settings, SilentMonitor};
+use crate::render::{RenderResult, StopCriteria, render};
+use crate::scene::{Material, Scene, SceneBuilder};
+use crate::shape::{Shape, Sphere};
+use glam::{DVec3, Vec3};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+/// Server of a page whose requests are collected.
+struct Served {
+    page: Arc<LivePage>,
+    server: PageServer,
+    address: SocketAddr,
+    /// Path of the page, which is the token between slashes.
+    root: String,
+    requests: Arc<Mutex<Vec<Request>>>,
+}
+
+/// Status code, headers and body of a response.
+struct Answer {
+    code: u16,
+    head: String,
+    body: Vec<u8>,
+}
+
+impl Served {
+    fn start() -> Self {
+        Self::with_reference(None)
+    }
+
+    fn with_reference(reference: Option<Frame>) -> Self {
+        let page = Arc::new(LivePage::new("a b/scene.txt".to_owned(), "path", true, reference));
+        let requests = Arc::<Mutex<Vec<Request>>>::default();
+        let list = requests.clone();
+        let take = move |request| {
+            list.lock().unwrap().push(request);
+            request != Request::Resume
+        };
+        let server = PageServer::start(ListenAddress::default(), page.clone(), Box::new(take)).unwrap();
+        let rest = server.url().strip_prefix("http://").unwrap().to_owned();
+        let (address, token) = rest.split_once('/').unwrap();
+        let (address, root) = (address.parse().unwrap(), format!("/{token}"));
+        Self { page, server, address, root, requests }
+    }
+
+    fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect(self.address).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        stream
+    }
+
+    /// Sends a request line with headers and a body.
+    fn send(&self, line: &str, headers: &str, body: &str) -> Answer {
+        let mut stream = self.connect();
+        let length = body.len();
+        write!(stream, "{line} HTTP/1.1\r\n{headers}Connection: close\r\nContent-Length: {length}\r\n\r\n{body}")
+            .unwrap();
+        let mut bytes = Vec::new();
+        stream.read_to_end(&mut bytes).unwrap();
+        let end = bytes.windows(4).position(|four| four == b"\r\n\r\n").unwrap();
+        let head = String::from_utf8(bytes[..end].to_vec()).unwrap();
+        Answer { code: head[9..12].parse().unwrap(), head: head.to_lowercase(), body: bytes[end + 4..].to_vec() }
+    }
+
+    fn host(&self) -> String {
+        format!("Host: {}\r\n", self.address)
+    }
+
+    /// Requests a path below that of the page.
+    fn get(&self, path: &str) -> Answer {
+        self.send(&format!("GET {}{path}", self.root), &self.host(), "")
+    }
+
+    fn post(&self, path: &str, body: &str) -> Answer {
+        let headers = format!("{}Origin: http://{}\r\n", self.host(), self.address);
+        self.send(&format!("POST {}{path}", self.root), &headers, body)
+    }
+
+    /// Opens the stream of states.
+    fn events(&self) -> BufReader<TcpStream> {
+        let mut stream = self.connect();
+        write!(stream, "GET {}events HTTP/1.1\r\n{}\r\n", self.root, self.host()).unwrap();
+        BufReader::new(stream)
+    }
+
+    /// Publishes a picture of equal pixels.
+    fn show(&self, number: u32, size: (u32, u32), radiance: f32) {
+        self.page.publish(number, |state, sequence| {
+            let pixels = vec![Vec3::new(radiance, 0.5 * radiance, -radiance); (size.0 * size.1) as usize];
+            state.picture = Some(Arc::new(Frame::from_picture(sequence, size, 7, &pixels)));
+        });
+    }
+}
+
+/// Returns the next state of a stream of events.
+fn next_state(events: &mut impl BufRead) -> serde_json::Value {
+    let mut line = String::new();
+    loop {
+        line.clear();
+        assert!(events.read_line(&mut line).unwrap() > 0, "the stream has ended");
+        if let Some(json) = line.strip_prefix("data: ") {
+            return serde_json::from_str(json).unwrap();
+        }
+    }
+}
+
+/// Decodes a layer: sequence number, size, number of channels and values.
+fn decode(bytes: &[u8]) -> ([u32; 4], Vec<f32>) {
+    let number = |i: usize| u32::from_le_bytes(bytes[4 * i..][..4].try_into().unwrap());
+    let scale = f32::from_bits(number(4));
+    let values = bytes[frame::HEADER_BYTES..].as_chunks().0;
+    let values = values.iter().map(|half| half::f16::from_le_bytes(*half).to_f32() * scale).collect();
+    ([0, 1, 2, 3].map(number), values)
+}
+
+/// Returns a sphere that shines, seen in a picture of 24 × 16 pixels.
+fn shining_scene() -> Scene {
+    let mut builder = SceneBuilder::new();
+    let white = builder.add_material(Material::diffuse(Vec3::splat(0.5)));
+    builder.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.0, -4.0), 1.0)), white, Vec3::ONE);
+    builder.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, -11.0, -4.0), 10.0)), white, Vec3::ZERO);
+    builder.build(crate::Camera::perspective(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7, 24, 16).unwrap()).unwrap()
+}
+
+#[test]
+fn foreign_requests_are_refused() {
+    let served = Served::start();
+    let (own, root) = (served.host(), served.root.clone());
+    assert_eq!(served.get("").code, 200);
+    let refused = |line: &str, headers: &str| served.send(line, headers, "").code;
+    assert_eq!(refused("GET /", &own), 403);
+    assert_eq!(refused("GET /events", &own), 403);
+    assert_eq!(refused(&format!("GET /0{}", &root[1..]), &own), 403);
+    let port = served.address.port();
+    assert_eq!(refused(&format!("GET {root}"), &format!("Host: evil.example:{port}\r\n")), 403);
+    assert_eq!(refused(&format!("GET {root}"), &format!("Host: localhost:{port}\r\n")), 200);
+    let foreign = format!("{own}Origin: http://evil.example\r\n");
+    assert_eq!(refused(&format!("POST {root}request/stop"), &foreign), 403);
+    assert!(served.requests.lock().unwrap().is_empty());
+    assert_eq!(served.post("request/stop", "").code, 204);
+    assert_eq!(served.post("request/resume", "").code, 409);
+    assert_eq!(served.post("request/format", "").code, 400);
+    assert_eq!(served.post("request/orbit", "{\"yaw\": 1, \"pitch\": 0.5, \"zoom\": 0}").code, 204);
+    assert_eq!(served.post("request/orbit", "{\"yaw\": \"x\"}").code, 400);
+    assert_eq!(served.post("request/stop", &"x".repeat(1 << 20)).code, 413);
+    let orbit = Request::Orbit(Orbit { yaw: 1.0, pitch: 0.5, zoom: 0.0 });
+    assert_eq!(*served.requests.lock().unwrap(), [Request::Stop, Request::Resume, orbit]);
+}
+
+#[test]
+fn the_page_needs_no_other_server() {
+    let served = Served::start();
+    let answer = served.get("");
+    let page = String::from_utf8(answer.body).unwrap();
+    for address in ["http://", "https://", "src=", "@import", "{nonce}", "{style}", "{script}"] {
+        assert!(!page.replace("http://www.w3.org/2000/svg", "").contains(address), "{address}");
+    }
+    assert!(answer.head.contains("content-security-policy: default-src 'none'"), "{}", answer.head);
+    assert!(answer.head.contains("cache-control: no-store"), "{}", answer.head);
+    let nonce = answer.head.split("'nonce-").nth(1).unwrap().split('\'').next().unwrap();
+    assert_eq!(page.matches(&format!("nonce=\"{nonce}\"")).count(), 2);
+    // Identifiers that scripts look up exist.
+    for id in page.split("byId(\"").skip(1).map(|part| part.split('"').next().unwrap()) {
+        assert!(page.contains(&format!("id=\"{id}\"")), "{id}");
+    }
+    for kind in LayerKind::ALL {
+        let name = kind.name();
+        assert!(page.contains(&format!("\"{name}\":")) || page.contains(&format!("  {name}:")), "{name}");
+    }
+}
+
+#[test]
+fn readers_receive_the_newest_state() {
+    let served = Served::start();
+    let mut events = served.events();
+    assert_eq!(next_state(&mut events)["render"], 0);
+    let number = served.page.begin_render();
+    assert_eq!(next_state(&mut events)["render"], 1);
+    served.show(number, (2, 1), 1.0);
+    let state = next_state(&mut events);
+    assert_eq!((&state["picture"]["width"], &state["picture"]["passes"]), (&2.into(), &7.into()));
+    // A publication of an earlier render is ignored.
+    let next = served.page.begin_render();
+    served.show(number, (3, 3), 1.0);
+    served.show(next, (4, 1), 1.0);
+    let last = std::iter::from_fn(|| Some(next_state(&mut events))).find(|state| state["picture"]["width"] == 4);
+    assert_eq!(last.unwrap()["render"], 2);
+    // Late readers receive the newest state at once.
+    assert_eq!(next_state(&mut served.events())["picture"]["width"], 4);
+}
+
+#[test]
+fn layers_keep_three_digits_of_all_values() {
+    let radiances = [0.0, 1.0, 1e-4, 123.456, 65_504.0, 3e7, -2.5, f32::INFINITY, f32::NAN];
+    let pixels: Vec<Vec3> = radiances.iter().map(|value| Vec3::splat(*value)).collect();
+    let frame = Frame::from_picture(9, (3, 3), 1, &pixels);
+    let (head, values) = decode(&frame.encoded_layer(LayerKind::Picture).unwrap());
+    assert_eq!(head, [9, 3, 3, 3]);
+    for (i, radiance) in radiances.iter().enumerate() {
+        let value = values[3 * i + 1];
+        let exact = value == *radiance || (value.is_nan() && radiance.is_nan());
+        assert!(
+            exact || (value / radiance - 1.0).abs() < 1.0 / 2048.0 || radiance.abs() < 3e7 / 2e9,
+            "{radiance} {value}"
+        );
+    }
+    for scale in [1e-30, 1e-42, 1e30, 3e38] {
+        let frame = Frame::from_picture(1, (1, 1), 1, &[Vec3::splat(scale)]);
+        let (_, values) = decode(&frame.encoded_layer(LayerKind::Picture).unwrap());
+        assert!((values[0] / scale - 1.0).abs() < 1.0 / 2048.0 || scale < f32::MIN_POSITIVE, "{scale} {}", values[0]);
+    }
+    assert!(frame.encoded_layer(LayerKind::Noise).is_none());
+}
+
+#[test]
+fn maps_are_made_only_when_asked_for() {
+    let served = Served::start();
+    let number = served.page.begin_render();
+    served.show(number, (2, 1), 0.25);
+    assert!(!served.page.take_wish_for_maps());
+    let picture = served.get("layer/picture");
+    let (head, values) = decode(&picture.body);
+    assert_eq!((&head[1..], &values[..3]), (&[2, 1, 3][..], &[0.25, 0.125, -0.25][..]));
+    assert_eq!(served.get(&format!("layer/picture?after={}", head[0])).code, 204);
+    assert_eq!(served.get(&format!("layer/picture?after={}", head[0] - 1)).code, 200);
+    assert!(!served.page.take_wish_for_maps());
+    assert_eq!(served.get("layer/noise").code, 404);
+    assert!(served.page.take_wish_for_maps() && !served.page.take_wish_for_maps());
+    assert_eq!(served.get("layer/secret").code, 404);
+    assert_eq!(served.get("layer/reference").code, 404);
+    let reference = crate::Image::from_pixels(1, 1, vec![Vec3::splat(2.0)]).unwrap();
+    let served = Served::with_reference(Some(Frame::from_image(&reference)));
+    assert_eq!(decode(&served.get("layer/reference").body).1, [2.0; 3]);
+}
+
+#[test]
+fn saved_files_hold_the_newest_picture() {
+    let served = Served::start();
+    assert_eq!(served.get("save/picture.png").code, 404);
+    let number = served.page.begin_render();
+    served.show(number, (2, 1), 0.3);
+    let folder = tempfile::tempdir().unwrap();
+    let exr = served.get("save/picture.exr");
+    assert!(exr.head.contains("filename=\"scene-7.exr\""), "{}", exr.head);
+    std::fs::write(folder.path().join("a.exr"), &exr.body).unwrap();
+    let image = crate::image::read(&folder.path().join("a.exr")).unwrap();
+    assert_eq!(image.pixels(), [Vec3::new(0.3, 0.15, -0.3); 2]);
+    let png = served.get("save/picture.png?exposure=1&tone=course");
+    std::fs::write(folder.path().join("a.png"), &png.body).unwrap();
+    let tone = crate::image::ToneMap { curve: crate::image::ToneCurve::Course, exposure_stops: 1.0 };
+    let metadata = vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))];
+    let options = crate::image::WriteOptions { tone, metadata, ..Default::default() };
+    let expected = crate::image::encode(crate::image::OutputFormat::Png, &image, &options).unwrap().0;
+    assert!(png.body == expected);
+    for wrong in ["save/picture.jpg", "save/picture.png?tone=x", "save/picture.png?exposure=999"] {
+        assert_eq!(served.get(wrong).code, 400, "{wrong}");
+    }
+}
+
+#[test]
+fn slow_readers_never_delay_publications() {
+    let served = Served::start();
+    let number = served.page.begin_render();
+    served.show(number, (1000, 1000), 1.0);
+    // Clients that ask for states and pixels and never read them.
+    let silent: Vec<TcpStream> = (0..24)
+        .flat_map(|_| {
+            ["events", "layer/picture"].map(|path| {
+                let mut stream = served.connect();
+                write!(stream, "GET {}{path} HTTP/1.1\r\n{}\r\n", served.root, served.host()).unwrap();
+                stream
+            })
+        })
+        .collect();
+    while served.page.reader_count() < 24 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let start = Instant::now();
+    for _ in 0..2000 {
+        served.page.publish(number, |state, _| state.status.passes += 1);
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    assert!(seconds < 2.0, "2000 publications took {seconds} s");
+    // Another reader still receives the last state.
+    assert_eq!(next_state(&mut served.events())["passes"], 2000);
+    drop(silent);
+    let start = Instant::now();
+    while served.page.reader_count() > 0 && start.elapsed() < Duration::from_secs(20) {
+        served.page.publish(number, |state, _| state.status.passes += 1);
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert_eq!(served.page.reader_count(), 0, "readers that went away are forgotten");
+}
+
+#[test]
+fn the_server_ends_beside_open_connections() {
+    let served = Served::start();
+    let mut events = served.events();
+    next_state(&mut events);
+    let _silent = served.connect();
+    let number = served.page.begin_render();
+    served.page.publish(number, |state, _| state.status.phase = Phase::Ended);
+    let start = Instant::now();
+    served.server.finish();
+    assert!(start.elapsed() < Duration::from_secs(5));
+    let last = std::iter::from_fn(|| Some(next_state(&mut events))).find(|state| state["phase"] == "ended");
+    assert!(last.is_some());
+}
+
+#[test]
+fn publications_change_no_bit_of_a_render() {
+    let scene = shining_scene();
+    let mut settings = Settings::default();
+    settings.camera_paths.estimate_error = true;
+    let integrator = Algorithm::Path.prepare(&scene, settings);
+    let interrupted = AtomicBool::new(false);
+    let stop = StopCriteria { passes: Some(6), ..StopCriteria::unlimited(&interrupted) };
+    let plain = render(integrator.as_ref(), (24, 16), &stop, &SilentMonitor, |_| {});
+    let page = LivePage::new("scene".to_owned(), "path", false, None);
+    let mut live = LiveRender::begin(&page, Instant::now());
+    live.begin_passes(PlanReport::new(integrator.plan(), Vec::new()), &stop, (24, 16));
+    let shown: RenderResult = render(integrator.as_ref(), (24, 16), &stop, &SilentMonitor, |progress| {
+        page.wish_for_maps();
+        live.after_pass(progress, &stop);
+    });
+    live.end(&shown, Phase::Ended);
+    assert_eq!(plain.film, shown.film);
+    let newest = page.newest();
+    let (status, maps) = (&newest.state.status, newest.state.maps.as_ref().unwrap());
+    assert_eq!((status.passes, status.phase), (6, Phase::Ended));
+    assert_eq!(newest.state.picture.as_ref().unwrap().layer(LayerKind::Picture).unwrap().colors(), shown.film.mean());
+    let estimator = shown.estimator.as_ref().unwrap();
+    assert_eq!(maps.layer(LayerKind::Noise).unwrap().colors(), estimator.error_maps(&shown.film).noise);
+    let estimate = estimator.estimate(&shown.film);
+    let last = status.curve.last().unwrap();
+    assert_eq!((last.passes, last.error, last.high), (6, estimate.error, estimate.high));
+    assert_eq!(status.curve.iter().map(|point| point.passes).collect::<Vec<_>>(), [4, 5, 6]);
+    let forecast = status.forecast.as_ref().unwrap();
+    assert!(forecast.curve[0] == (6, estimate.error) || (forecast.curve[0].1 / estimate.error - 1.0).abs() < 1e-6);
+    assert!(!forecast.ends_render && forecast.target == 0.5 * estimate.error);
+}
+
+#[test]
+fn many_readers_share_one_encoding() {
+    let served = Served::start();
+    let number = served.page.begin_render();
+    served.show(number, (300, 300), 1.0);
+    let good = AtomicU32::new(0);
+    std::thread::scope(|scope| {
+        for _ in 0..16 {
+            scope.spawn(|| {
+                let answer = served.get("layer/picture");
+                let is_whole = answer.code == 200 && answer.body.len() == frame::HEADER_BYTES + 2 * 3 * 300 * 300;
+                good.fetch_add(u32::from(is_whole), Ordering::Relaxed);
+            });
+        }
+    });
+    assert_eq!(good.into_inner(), 16);
+    let newest = served.page.newest();
+    let frame = newest.state.picture.as_ref().unwrap();
+    let [a, b] = [0, 1].map(|_| frame.encoded_layer(LayerKind::Picture).unwrap().as_ptr());
+    assert_eq!(a, b);
+}
