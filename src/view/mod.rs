@@ -9,6 +9,7 @@ mod guard;
 mod live_page;
 mod live_render;
 mod pace;
+mod request;
 mod responses;
 mod server;
 mod status;
@@ -17,7 +18,8 @@ pub use address::{ListenAddress, ListenError};
 pub use frame::{Frame, Layer, LayerKind};
 pub use live_page::{LivePage, LiveState};
 pub use live_render::LiveRender;
-pub use server::{Orbit, PageServer, Request, RequestHandler};
+pub use request::{Orbit, Request};
+pub use server::{PageServer, RequestHandler};
 pub use status::{LiveStatus, Phase, PlanReport, SceneProblem, SceneSource};
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use super::frame::{Frame, LayerKind};
 use super::live_page::{LivePage, PublishedState};
-use super::server::Request;
 use crate::image::{self, BitDepth, ExrPrecision, Image, OutputFormat, ToneMap, WriteOptions};
 use axum::body::{Body, Bytes};
 use axum::http::header::{CONTENT_DISPOSITION, CONTENT_TYPE, RETRY_AFTER};
@@ -211,14 +210,4 @@ fn encoded_picture(frame: &Frame, format: OutputFormat, tone: ToneMap) -> Option
     let software = ("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")));
     let options = WriteOptions { tone, depth: BitDepth::Eight, floats: ExrPrecision::Single, metadata: vec![software] };
     image::encode(format, &image, &options).ok().map(|(bytes, _)| bytes)
-}
-
-/// Parses a request of the page: a name, and the text of its body.
-pub(super) fn parse_request(name: &str, body: &[u8]) -> Option<Request> {
-    match name {
-        "stop" => Some(Request::Stop),
-        "resume" => Some(Request::Resume),
-        "orbit" => serde_json::from_slice(body).ok().map(Request::Orbit),
-        _ => None,
-    }
 }

@@ -3,8 +3,9 @@
 use super::address::{ListenAddress, ListenError};
 use super::guard::{check_request, random_token};
 use super::live_page::LivePage;
+use super::request::Request;
 use super::responses::{
-    KnownFrame, SaveOptions, busy, layer_pixels, page_html, parse_request, saved_picture, scene_source, state_events,
+    KnownFrame, SaveOptions, busy, layer_pixels, page_html, saved_picture, scene_source, state_events,
 };
 use axum::Router;
 use axum::body::Bytes;
@@ -14,7 +15,6 @@ use axum::http::{HeaderValue, StatusCode};
 use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{Html, IntoResponse, Response};
 use axum::routing::{get, post};
-use serde::Deserialize;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
 use std::sync::Arc;
@@ -36,30 +36,6 @@ const FAREWELL: Duration = Duration::from_millis(500);
 
 /// Time after which connections are cut at the end of the server.
 const CUT: Duration = Duration::from_millis(500);
-
-/// Position of the camera relative to that of the scene file, on a sphere around the point that
-/// the center of the picture shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Orbit {
-    /// Angle to the right around the up vector \[radians].
-    pub yaw: f64,
-    /// Angle upward \[radians].
-    pub pitch: f64,
-    /// Logarithm of the factor by which the distance grows.
-    pub zoom: f64,
-}
-
-/// Request of a page to the render.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Request {
-    /// End the render after the current pass.
-    Stop,
-    /// Continue a render that was stopped.
-    Resume,
-    /// Move the camera.
-    Orbit(Orbit),
-}
 
 /// Receiver of the requests of pages. It returns false if it refuses a request, and never waits.
 pub type RequestHandler = Box<dyn Fn(Request) -> bool + Send + Sync>;
@@ -250,7 +226,7 @@ async fn take_request(
     Path((_, name)): Path<(String, String)>,
     body: Bytes,
 ) -> Response {
-    match parse_request(&name, &body) {
+    match Request::parse(&name, &body) {
         Some(request) if (shared.handler)(request) => StatusCode::NO_CONTENT.into_response(),
         Some(_) => (StatusCode::CONFLICT, "the render cannot do this now\n").into_response(),
         None => (StatusCode::BAD_REQUEST, "unknown request\n").into_response(),

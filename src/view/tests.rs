@@ -1,4 +1,6 @@
 use super::*;
+use crate::camera::Camera;
+use crate::image::Image;
 use crate::integrate::{Algorithm, Settings, SilentMonitor};
 use crate::render::{RenderResult, StopCriteria, render};
 use crate::scene::{Material, Scene, SceneBuilder};
@@ -123,7 +125,7 @@ fn shining_scene() -> Scene {
     let white = builder.add_material(Material::diffuse(Vec3::splat(0.5)));
     builder.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.0, -4.0), 1.0)), white, Vec3::ONE);
     builder.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, -11.0, -4.0), 10.0)), white, Vec3::ZERO);
-    builder.build(crate::Camera::perspective(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7, 24, 16).unwrap()).unwrap()
+    builder.build(Camera::perspective(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7, 24, 16).unwrap()).unwrap()
 }
 
 #[test]
@@ -232,7 +234,7 @@ fn maps_are_made_only_when_asked_for() {
     assert!(served.page.take_wish_for_maps() && !served.page.take_wish_for_maps());
     assert_eq!(served.get("layer/secret").code, 404);
     assert_eq!(served.get("layer/reference").code, 404);
-    let reference = crate::Image::from_pixels(1, 1, vec![Vec3::splat(2.0)]).unwrap();
+    let reference = Image::from_pixels(1, 1, vec![Vec3::splat(2.0)]).unwrap();
     let served = Served::with_reference(Some(Frame::from_image(&reference)));
     assert_eq!(decode(&served.get("layer/reference").body).1, [2.0; 3]);
 }

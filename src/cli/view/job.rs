@@ -144,8 +144,8 @@ impl<'a> Job<'a> {
         self.render_passes(integrator.as_ref(), algorithm, size);
     }
 
-    /// Renders passes until the job is cancelled. A render that reaches its limits pauses; once it is
-    /// resumed, it has no limits.
+    /// Renders passes until the job is cancelled. A render that reaches its limits pauses. Once it
+    /// is resumed, it has no limits.
     fn render_passes(&mut self, integrator: &dyn Integrator, algorithm: Algorithm, size: (u32, u32)) {
         let control = self.control.clone();
         let limited = self.arguments.limits().stop_criteria(algorithm, integrator, &control.interrupted);
