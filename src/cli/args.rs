@@ -176,7 +176,7 @@ pub struct EffectsArguments {
 /// Flags for reading scenes of other programs.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ImportArguments {
-    /// Format of the scene, by its file extension: txt, gltf, glb or xml  [default: by the
+    /// Format of the scene, by its file extension: txt, gltf, glb, xml or pbrt  [default: by the
     /// extension of the file]
     #[arg(long, value_parser = parse_scene_format, value_name = "EXTENSION")]
     pub format: Option<String>,
@@ -201,7 +201,7 @@ impl ImportArguments {
 /// The scene file, and flags for picture size, threads and memory.
 #[derive(Debug, Args)]
 pub struct SceneArguments {
-    /// Scene file: scene text, .gltf, .glb or .xml
+    /// Scene file: scene text, .gltf, .glb, .xml or .pbrt
     pub scene: PathBuf,
 
     #[command(flatten)]

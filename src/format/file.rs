@@ -9,6 +9,7 @@ use super::import::{
 use super::language::parse;
 use super::mesh::MeshReadMonitor;
 use super::mitsuba::MitsubaImporter;
+use super::pbrt::PbrtImporter;
 use super::resolve::resolve_with_assets;
 use super::scene_text::SceneTextImporter;
 use super::{SourceText, warnings};
@@ -17,7 +18,7 @@ use crate::stats::MemoryLimit;
 use std::path::{Path, PathBuf};
 
 /// Importers of all scene formats. A file with another extension is read as scene text.
-pub const IMPORTERS: &[&dyn SceneImporter] = &[&SceneTextImporter, &GltfImporter, &MitsubaImporter];
+pub const IMPORTERS: &[&dyn SceneImporter] = &[&SceneTextImporter, &GltfImporter, &MitsubaImporter, &PbrtImporter];
 
 /// A scene file that was read but not resolved. Its description may still be changed.
 #[derive(Clone, Debug)]

@@ -16,6 +16,7 @@ mod line_error;
 pub mod mesh;
 pub mod mitsuba;
 pub mod mtl;
+pub mod pbrt;
 mod resolve;
 mod scene_text;
 #[cfg(test)]

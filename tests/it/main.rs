@@ -10,6 +10,7 @@ mod course;
 mod gltf;
 mod golden;
 mod mitsuba;
+mod pbrt;
 mod plan;
 mod report;
 mod robustness;

@@ -7,7 +7,7 @@ use std::fs;
 type Replay = fn(&[u8]);
 
 /// Folders of `tests/corpus`, each with the function of its fuzz target.
-const KINDS: [(&str, Replay); 9] = [
+const KINDS: [(&str, Replay); 10] = [
     ("scene", readers::scene),
     ("render", readers::render),
     ("obj", readers::obj),
@@ -15,6 +15,7 @@ const KINDS: [(&str, Replay); 9] = [
     ("mtl", readers::mtl),
     ("gltf", readers::gltf),
     ("mitsuba", readers::mitsuba),
+    ("pbrt", readers::pbrt),
     ("grid", readers::grid),
     ("picture", readers::picture),
 ];

@@ -5,7 +5,7 @@
 use caustica::format::description::{DensityDescription, SceneDescription};
 use caustica::format::{
     ImportOptions, ImportedScene, SceneReadError, SourceText, gltf, grid, mesh, mitsuba, mtl, parse, parse_scene_bytes,
-    resolve,
+    pbrt, resolve,
 };
 use caustica::image::{PixelMeaning, decode};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
@@ -126,6 +126,12 @@ pub fn gltf(bytes: &[u8]) {
 /// Reads a Mitsuba file and checks the imported scene.
 pub fn mitsuba(bytes: &[u8]) {
     check_imported(mitsuba::decode(&Path::new(NOWHERE).join("fuzz.xml"), bytes, &import_options()));
+}
+
+/// Reads a pbrt scene and checks the imported scene.
+pub fn pbrt(bytes: &[u8]) {
+    let options = ImportOptions { memory: MemoryLimit::Limit(1 << 28), ..ImportOptions::default() };
+    check_imported(pbrt::decode(&Path::new(NOWHERE).join("fuzz.pbrt"), bytes, &options));
 }
 
 fn import_options() -> ImportOptions {

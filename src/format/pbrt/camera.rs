@@ -1,0 +1,129 @@
+//! Cameras and films of pbrt.
+
+use super::files::ReadResult;
+use super::parameters::Parameters;
+use super::state::MovingTransform;
+use crate::format::description::{
+    ApertureDescription, CameraDescription, DirectionOrTarget, FocusDescription, LensDescription, ProjectionDescription,
+};
+use crate::format::import_notes::ImportNotes;
+use glam::{DAffine3, DVec3};
+
+/// Greatest width and height of a picture \[pixels].
+const MAX_SIDE: f64 = 65_536.0;
+
+/// Returns width and height of the film's picture \[pixels].
+pub(super) fn film_size(name: &str, parameters: &Parameters, notes: &mut ImportNotes) -> ReadResult<(u32, u32)> {
+    let place = &parameters.place;
+    if !matches!(name, "rgb" | "image" | "gbuffer" | "spectral") {
+        let message = format!("no film is called `{name}`");
+        return Err(place.error(message, "pbrt has the films rgb, gbuffer, spectral and image"));
+    }
+    let default = if name == "image" { [640.0, 480.0] } else { [1280.0, 720.0] };
+    let width = parameters.number_or("xresolution", default[0]);
+    let height = parameters.number_or("yresolution", default[1]);
+    if !(width >= 1.0 && height >= 1.0 && width <= MAX_SIDE && height <= MAX_SIDE) {
+        return Err(place.error("the film has no pixels, or too many", "give resolutions from 1 to 65536"));
+    }
+    if parameters.find_any(&["cropwindow", "pixelbounds"]).is_some() {
+        notes.add_unsupported("crop windows are ignored: the whole picture is rendered", place.described());
+    }
+    let gain = parameters.number_or("iso", 100.0) / 100.0 * parameters.number_or("exposuretime", 1.0);
+    let is_physical = parameters.text("sensor").is_some_and(|sensor| sensor != "cie1931");
+    if is_physical || gain != 1.0 || parameters.number_or("scale", 1.0) != 1.0 {
+        notes.add_unsupported("sensors and exposures of films are ignored: pixels are radiance", place.described());
+    }
+    Ok((width as u32, height as u32))
+}
+
+/// Returns the camera, and the reflection that the world needs.
+///
+/// pbrt's camera space is left-handed, and ours is right-handed. So the scene is mirrored, except
+/// where its own transforms mirror it already.
+pub(super) fn read_camera(
+    name: &str,
+    parameters: &Parameters,
+    to_world: MovingTransform,
+    (width, height): (u32, u32),
+    notes: &mut ImportNotes,
+) -> ReadResult<(CameraDescription, DAffine3)> {
+    let place = &parameters.place;
+    if !to_world.is_still() {
+        notes.add_unsupported("cameras that move stay where they are when the shutter opens", place.described());
+    }
+    let to_world = to_world.0[0];
+    let axes = to_world.matrix3;
+    let lengths = [axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length()];
+    let scale = lengths[2];
+    let is_even = lengths.iter().all(|length| (length / scale - 1.0).abs() < 1e-4)
+        && axes.x_axis.dot(axes.y_axis).abs() + axes.y_axis.dot(axes.z_axis).abs() < 1e-4 * scale * scale;
+    if !is_even {
+        notes.add_unsupported("cameras that are sheared or stretched are not", place.described());
+    }
+    let is_spherical = matches!(name, "spherical" | "environment");
+    // A picture of all directions has no handedness of its own: its right is our right.
+    let needs_mirror = (axes.determinant() > 0.0) != is_spherical;
+    let mirror = if needs_mirror { DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0)) } else { DAffine3::IDENTITY };
+    let placed = mirror * to_world;
+    let aspect = parameters.number("frameaspectratio").unwrap_or(f64::from(width) / f64::from(height));
+    let aspect = if aspect > 0.0 { aspect } else { 1.0 };
+    let window = match *parameters.numbers("screenwindow") {
+        [left, right, bottom, top] if right > left && top > bottom => [left, right, bottom, top],
+        [] if aspect > 1.0 => [-aspect, aspect, -1.0, 1.0],
+        [] => [-1.0, 1.0, -1.0 / aspect, 1.0 / aspect],
+        _ => return Err(place.error("the screen window is empty", "give `screenwindow` as left, right, bottom, top")),
+    };
+    let [left, right, bottom, top] = window;
+    let is_centered = (left + right).abs() + (bottom + top).abs() < 1e-6 * (top - bottom);
+    let is_square = ((right - left) * f64::from(height) / ((top - bottom) * f64::from(width)) - 1.0).abs() < 1e-3;
+    if !(is_centered && is_square) {
+        let message = "screen windows off the center, and pixels that are not square, are centered and square";
+        notes.add_unsupported(message, place.described());
+    }
+    let half_height = 0.5 * (top - bottom);
+    let projection = match name {
+        "perspective" => {
+            let fov = parameters.number("halffov").map_or(parameters.number_or("fov", 90.0), |half| 2.0 * half);
+            if !(fov > 0.0 && fov < 180.0) {
+                return Err(place.error("the field of view is not between 0° and 180°", "correct `fov`"));
+            }
+            let half = libm::atan(libm::tan((0.5 * fov).to_radians()) * half_height);
+            let radius = parameters.number_or("lensradius", 0.0) * scale;
+            let distance = parameters.number_or("focaldistance", 1e6) * scale;
+            let lens = (radius > 0.0 && distance > 0.0).then_some(LensDescription {
+                aperture: ApertureDescription::Radius(radius),
+                focus: FocusDescription::Distance(distance),
+                blades: 0,
+            });
+            ProjectionDescription::Perspective { angle: 2.0 * half.to_degrees(), lens }
+        }
+        "orthographic" => {
+            if parameters.number_or("lensradius", 0.0) > 0.0 {
+                notes.add_unsupported("lenses of orthographic cameras are ignored", place.described());
+            }
+            ProjectionDescription::Orthographic { size: 2.0 * half_height * scale }
+        }
+        "spherical" | "environment" => {
+            if parameters.text("mapping") != Some("equirectangular") && name == "spherical" {
+                let message = "spherical cameras of equal area have an equirectangular picture";
+                notes.add_unsupported(message, place.described());
+            }
+            ProjectionDescription::Environment
+        }
+        _ => {
+            let message = format!("no camera `{name}` is supported");
+            return Err(place.error(message, "use a perspective, orthographic or spherical camera"));
+        }
+    };
+    let forward = if is_spherical { DVec3::NEG_X } else { DVec3::Z };
+    let camera = CameraDescription {
+        center: placed.translation,
+        aim: DirectionOrTarget::Direction(placed.transform_vector3(forward).normalize()),
+        up: placed.transform_vector3(DVec3::Y).normalize(),
+        projection,
+        width,
+        height,
+        motion: Vec::new(),
+    };
+    Ok((camera, mirror))
+}

@@ -1,0 +1,84 @@
+//! Environment maps of pbrt as equirectangular pictures of Caustica.
+
+use crate::color::Rgb;
+use crate::image::Image;
+use glam::{DMat3, DVec2, DVec3};
+use std::f64::consts::{FRAC_2_PI, PI, TAU};
+
+/// Number of samples of the old map along each side of a pixel of the new map.
+const SAMPLES: u32 = 3;
+
+/// Layout of the directions in an environment map of pbrt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MapLayout {
+    /// Equal-area octahedral map of pbrt-v4.
+    Octahedral,
+    /// Map by latitude and longitude of pbrt-v3, with +z at the top.
+    LatitudeLongitude,
+}
+
+/// Returns the equirectangular map, with +y at the top and −z at the left edge, of a map whose
+/// axes are `to_world`; `None` if the transform is singular or the size invalid.
+pub(super) fn equirectangular(image: &Image, layout: MapLayout, to_world: DMat3) -> Option<Image> {
+    let inverse = to_world.inverse();
+    if !inverse.is_finite() {
+        return None;
+    }
+    let (width, height) = match layout {
+        MapLayout::Octahedral => (image.width().checked_mul(2)?, image.height()),
+        MapLayout::LatitudeLongitude => (image.width(), image.height()),
+    };
+    let mut pixels = Vec::with_capacity(width as usize * height as usize);
+    for row in 0..height {
+        for column in 0..width {
+            let mut sum = DVec3::ZERO;
+            for sample in 0..SAMPLES * SAMPLES {
+                let within = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES);
+                let phi = (f64::from(column) + within(sample % SAMPLES)) / f64::from(width) * TAU;
+                let theta = (f64::from(row) + within(sample / SAMPLES)) / f64::from(height) * PI;
+                let (sin, cos) = (libm::sin(theta), libm::cos(theta));
+                let world = DVec3::new(libm::sin(phi) * sin, cos, -libm::cos(phi) * sin);
+                sum += value(image, layout, (inverse * world).normalize_or(DVec3::Z)).as_dvec3();
+            }
+            pixels.push((sum / f64::from(SAMPLES * SAMPLES)).as_vec3());
+        }
+    }
+    Image::from_pixels(width, height, pixels).ok()
+}
+
+/// Returns the value of pbrt's map in a unit direction of the light's own space.
+fn value(image: &Image, layout: MapLayout, direction: DVec3) -> Rgb {
+    let (width, height) = (i64::from(image.width()), i64::from(image.height()));
+    let place = match layout {
+        MapLayout::Octahedral => octahedral_coordinates(direction),
+        MapLayout::LatitudeLongitude => DVec2::new(
+            (libm::atan2(direction.y, direction.x) / TAU).rem_euclid(1.0),
+            libm::acos(direction.z.clamp(-1.0, 1.0)) / PI,
+        ),
+    };
+    let (x, y) = (place.x * width as f64 - 0.5, place.y * height as f64 - 0.5);
+    let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
+    let at = |x: i64, y: i64| {
+        let x = match layout {
+            MapLayout::Octahedral => x.clamp(0, width - 1),
+            MapLayout::LatitudeLongitude => x.rem_euclid(width),
+        };
+        image.get(x as u32, y.clamp(0, height - 1) as u32).unwrap_or_default()
+    };
+    let row = |y: i64| at(x.floor() as i64, y) * (1.0 - fx) + at(x.floor() as i64 + 1, y) * fx;
+    row(y.floor() as i64) * (1.0 - fy) + row(y.floor() as i64 + 1) * fy
+}
+
+/// Returns the coordinates in \[0, 1]² of a unit direction in the equal-area octahedral map
+/// (Clarberg 2008).
+fn octahedral_coordinates(direction: DVec3) -> DVec2 {
+    let DVec3 { x, y, z } = direction.abs();
+    let radius = (1.0 - z).max(0.0).sqrt();
+    let phi = if x == 0.0 && y == 0.0 { 0.0 } else { libm::atan2(y, x) * FRAC_2_PI };
+    let v = phi * radius;
+    let (u, v) = if direction.z < 0.0 { (1.0 - v, 1.0 - (radius - v)) } else { (radius - v, v) };
+    0.5 * DVec2::new(u.copysign(direction.x), v.copysign(direction.y)) + 0.5
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,112 @@
+//! Files of one pbrt scene: permission, memory checks and errors.
+
+use crate::format::SceneError;
+use crate::format::import::{ImportOptions, SceneReadError};
+use crate::format::mesh::MeshReadMonitor;
+use crate::image::open_file;
+use std::cell::Cell;
+use std::fmt::Display;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+pub(super) type ReadResult<T> = Result<T, SceneReadError>;
+
+/// Position of a directive: the name of its file, and its line.
+#[derive(Clone, Debug)]
+pub(super) struct Place {
+    /// Name of the file.
+    pub file: Rc<str>,
+    /// Line in the file, from 1.
+    pub line: u32,
+}
+
+impl Place {
+    /// Returns an error at this place.
+    pub fn error(&self, message: impl Display, help: &str) -> SceneReadError {
+        SceneError::error_without_position(&self.file, format!("line {}: {message}", self.line), help).into()
+    }
+
+    /// Returns the position for messages.
+    pub fn described(&self) -> String {
+        let name = Path::new(&*self.file).file_name().unwrap_or_default().to_string_lossy();
+        format!("{name} line {}", self.line)
+    }
+}
+
+/// The files that a scene file may name.
+pub(super) struct SceneFiles<'a> {
+    /// Path of the scene file.
+    pub path: &'a Path,
+    /// Receiver of the paths of further files.
+    pub monitor: &'a dyn MeshReadMonitor,
+    /// Memory limit, and permission to leave the folder.
+    pub options: &'a ImportOptions,
+    /// Free memory before the scene is read \[bytes]; `None` if no limit is known.
+    free_at_start: Option<u64>,
+    /// Memory that the scene takes so far \[bytes].
+    used: Cell<u64>,
+}
+
+impl<'a> SceneFiles<'a> {
+    /// Returns the files of the scene at `path`.
+    pub fn new(path: &'a Path, monitor: &'a dyn MeshReadMonitor, options: &'a ImportOptions) -> Self {
+        let free_at_start = options.memory.available_bytes();
+        Self { path, monitor, options, free_at_start, used: Cell::new(0) }
+    }
+
+    /// Returns the bytes that the scene may still take; `None` if no limit is known.
+    pub fn free_memory(&self) -> Option<u64> {
+        self.free_at_start.map(|free| free.saturating_sub(self.used.get()))
+    }
+
+    /// Counts `bytes` of the scene's memory; returns an error if they exceed the free memory.
+    pub fn count_memory(&self, bytes: u64) -> ReadResult<()> {
+        self.used.set(self.used.get().saturating_add(bytes));
+        match self.free_at_start {
+            Some(free) if self.used.get() > free => {
+                Err(SceneReadError::Memory { path: self.path.to_owned(), needed: self.used.get(), free })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Reads a whole file.
+    pub fn read(&self, path: &Path) -> ReadResult<Vec<u8>> {
+        let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
+        let (file, length) = open_file(path).map_err(unreadable)?;
+        self.count_memory(length)?;
+        let mut bytes = Vec::new();
+        file.take(length).read_to_end(&mut bytes).map_err(unreadable)?;
+        Ok(bytes)
+    }
+
+    /// Returns the path of a file that the scene names, relative to the folder of the scene file.
+    ///
+    /// The file must lie below that folder, unless the options allow other folders.
+    pub fn resolve(&self, place: &Place, name: &str) -> ReadResult<PathBuf> {
+        let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let file = folder.join(name);
+        let Ok(absolute) = file.canonicalize() else {
+            let help = format!("put the file at `{}`", file.display());
+            return Err(place.error(format!("the file `{name}` does not exist"), &help));
+        };
+        let is_inside = folder.canonicalize().is_ok_and(|folder| absolute.starts_with(folder));
+        if !is_inside && !self.options.allows_outside_files {
+            let help = "move the file below the scene's folder, or trust the scene with --allow-outside";
+            return Err(place.error(format!("`{name}` is outside the folder of the scene"), help));
+        }
+        self.monitor.on_input_file_found(&file);
+        Ok(file)
+    }
+
+    /// Returns the decompressed content of a gzip file.
+    pub fn unzipped(&self, bytes: &[u8], place: &Place) -> ReadResult<Vec<u8>> {
+        let free = self.free_memory().unwrap_or(u64::MAX);
+        let mut out = Vec::new();
+        let read = flate2::read::MultiGzDecoder::new(bytes).take(free).read_to_end(&mut out);
+        read.map_err(|e| place.error(format!("the compressed file is damaged: {e}"), "compress it again with gzip"))?;
+        self.count_memory(out.len() as u64 + 1)?;
+        Ok(out)
+    }
+}

@@ -1,0 +1,568 @@
+//! Interpreter of the directives of a pbrt scene.
+
+use super::camera::{film_size, read_camera};
+use super::content::SceneContent;
+use super::files::{Place, ReadResult, SceneFiles};
+use super::lights::Lights;
+use super::materials::Materials;
+use super::parameters::{Parameters, parse_number};
+use super::shapes::read_shape;
+use super::state::{AreaLight, CurrentMaterial, GraphicsState, MovingTransform, object_motion, transform_map};
+use super::textures::Textures;
+use super::tokens::{Token, TokenKind, Tokens};
+use crate::format::SourceText;
+use crate::format::description::{
+    CameraDescription, DensityDescription, DirectionOrTarget, EnvironmentRadiance, GroupItem, LightDescription,
+    MediumCoefficients, MediumDescription, ObjectDescription, ObjectGroup, PhaseFunctionDescription,
+    ProjectionDescription, SceneDescription, Span, Spanned, TransformStep,
+};
+use crate::format::import::{EmbeddedAssets, ImportedScene};
+use crate::format::import_notes::ImportNotes;
+use glam::{DAffine3, DMat4, DVec3};
+use std::collections::{BTreeMap, HashMap};
+use std::rc::Rc;
+
+/// Greatest depth of nested includes.
+const MAX_INCLUDE_DEPTH: usize = 32;
+
+/// Greatest number of included files.
+const MAX_INCLUDES: usize = 100_000;
+
+/// Greatest depth of nested attribute blocks.
+const MAX_ATTRIBUTE_DEPTH: usize = 10_000;
+
+/// Greatest depth of object instances inside objects.
+const MAX_INSTANCE_DEPTH: usize = 64;
+
+/// Estimated bytes of memory for each object: its description and its place in the scene.
+const MEMORY_PER_OBJECT: u64 = 2_000;
+
+/// Estimated bytes of memory for each saved graphics state.
+const MEMORY_PER_STATE: u64 = 600;
+
+/// Directives that change only how pbrt samples or stores a picture.
+const IGNORED_DIRECTIVES: [&str; 9] = [
+    "Accelerator",
+    "ColorSpace",
+    "Integrator",
+    "Option",
+    "PixelFilter",
+    "Renderer",
+    "Sampler",
+    "SurfaceIntegrator",
+    "VolumeIntegrator",
+];
+
+/// Objects between `ObjectBegin` and `ObjectEnd`.
+#[derive(Clone, Default)]
+struct ObjectDefinition {
+    group: ObjectGroup,
+    /// Number of shapes, with those of instances.
+    shapes: u64,
+    depth: usize,
+}
+
+/// State of reading a scene.
+pub(super) struct Interpreter<'a> {
+    files: &'a SceneFiles<'a>,
+    state: GraphicsState,
+    saved: Vec<GraphicsState>,
+    coordinates: HashMap<String, MovingTransform>,
+    content: SceneContent,
+    lights: Lights,
+    media: Vec<Spanned<MediumDescription>>,
+    film: Option<(u32, u32)>,
+    camera: Option<CameraDescription>,
+    ambient_medium: Rc<str>,
+    /// Reflection that makes pbrt's left-handed picture right-handed, or the identity.
+    mirror: DAffine3,
+    /// Directive `Camera` with its transform, until the film is known.
+    camera_directive: Option<(Rc<Parameters>, String, MovingTransform)>,
+    root: ObjectGroup,
+    definitions: HashMap<String, Rc<ObjectDefinition>>,
+    /// Name and content of the object that is being defined.
+    open_object: Option<(String, ObjectDefinition)>,
+    includes: usize,
+    shape_count: usize,
+}
+
+impl<'a> Interpreter<'a> {
+    /// Makes the interpreter at the start of a scene.
+    pub fn new(files: &'a SceneFiles<'a>) -> Self {
+        let content = SceneContent {
+            meshes: BTreeMap::new(),
+            textures: Textures::default(),
+            materials: Materials::new(),
+            notes: ImportNotes::default(),
+            is_v3: false,
+        };
+        Self {
+            files,
+            state: GraphicsState::new(),
+            saved: Vec::new(),
+            coordinates: HashMap::from([("world".to_owned(), MovingTransform::IDENTITY)]),
+            content,
+            lights: Lights::default(),
+            media: Vec::new(),
+            film: None,
+            camera: None,
+            ambient_medium: "".into(),
+            mirror: DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0)),
+            camera_directive: None,
+            root: ObjectGroup::default(),
+            definitions: HashMap::new(),
+            open_object: None,
+            includes: 0,
+            shape_count: 0,
+        }
+    }
+
+    /// Reads the directives of the scene file.
+    pub fn run(&mut self, bytes: &[u8]) -> ReadResult<()> {
+        let file: Rc<str> = self.files.path.display().to_string().into();
+        self.run_file(bytes, file, 0)?;
+        if self.camera.is_none() {
+            self.place_camera()?;
+        }
+        Ok(())
+    }
+
+    /// Returns the imported scene.
+    pub fn finish(mut self) -> ReadResult<ImportedScene> {
+        let place = Place { file: self.files.path.display().to_string().into(), line: 1 };
+        if self.open_object.is_some() {
+            return Err(place.error("an object is not closed", "add `ObjectEnd`"));
+        }
+        let has_emitters = self.lights.has_emitters;
+        let mut lights = self.lights.into_descriptions(&mut self.content, self.files)?;
+        if lights.is_empty() && !has_emitters {
+            self.content.notes.add_missing("the file has no light: a white sky of radiance 1 lights the scene");
+            let sky = LightDescription::Environment(EnvironmentRadiance::Constant(DVec3::ONE));
+            lights.push(Spanned::new(sky, Span::default()));
+        }
+        let camera = self.camera.unwrap_or_else(|| {
+            self.content.notes.add_missing("the file has no camera: it stands at the origin, and looks along z");
+            CameraDescription {
+                center: DVec3::ZERO,
+                aim: DirectionOrTarget::Direction(self.mirror.transform_vector3(DVec3::Z)),
+                up: DVec3::Y,
+                projection: ProjectionDescription::Perspective { angle: 90.0, lens: None },
+                width: 640,
+                height: 480,
+                motion: Vec::new(),
+            }
+        });
+        let ambient_medium =
+            (!self.ambient_medium.is_empty()).then(|| Spanned::new(self.ambient_medium.to_string(), Span::default()));
+        let SceneContent { meshes, textures, materials, notes, .. } = self.content;
+        let description = SceneDescription {
+            camera: Spanned::new(camera, Span::default()),
+            background: DVec3::ZERO,
+            ambient_medium,
+            lights,
+            textures: textures.descriptions,
+            media: self.media,
+            materials: materials.descriptions,
+            root: self.root,
+        };
+        let assets = EmbeddedAssets { meshes, pictures: textures.pictures, ..EmbeddedAssets::default() };
+        let source = SourceText::new(&self.files.path.display().to_string(), "");
+        Ok(ImportedScene { description, source, assets, notes: notes.into_notes() })
+    }
+
+    /// Reads the directives of one file, and of the files that it includes.
+    fn run_file(&mut self, bytes: &[u8], file: Rc<str>, depth: usize) -> ReadResult<()> {
+        let text = String::from_utf8_lossy(bytes);
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let mut tokens = Tokens::new(text, file);
+        while let Some(token) = tokens.next()? {
+            let place = tokens.place(token.line);
+            let TokenKind::Word(directive) = token.kind else {
+                return Err(place.error("a value stands outside of a directive", "begin with a directive, as `Shape`"));
+            };
+            self.run_directive(directive, &mut tokens, place, depth)?;
+        }
+        Ok(())
+    }
+
+    fn run_directive(
+        &mut self,
+        directive: &str,
+        tokens: &mut Tokens<'_>,
+        place: Place,
+        depth: usize,
+    ) -> ReadResult<()> {
+        match directive {
+            "Translate" | "Scale" | "Rotate" | "LookAt" | "Transform" | "ConcatTransform" => {
+                let count = match directive {
+                    "Translate" | "Scale" => 3,
+                    "Rotate" => 4,
+                    "LookAt" => 9,
+                    _ => 16,
+                };
+                let map = transform_map(directive, &numbers(tokens, count, &place)?, &place)?;
+                if directive == "Transform" {
+                    self.state.set_transform(MovingTransform::IDENTITY);
+                }
+                self.state.concatenate(map, &place)
+            }
+            "Identity" => {
+                self.state.set_transform(MovingTransform::IDENTITY);
+                Ok(())
+            }
+            "TransformTimes" => numbers(tokens, 2, &place).map(|_| ()),
+            "CoordinateSystem" => {
+                let name = quoted(tokens, &place)?;
+                self.files.count_memory(MEMORY_PER_STATE)?;
+                self.coordinates.insert(name, self.state.transform);
+                Ok(())
+            }
+            "CoordSysTransform" => {
+                let name = quoted(tokens, &place)?;
+                let known = self.coordinates.get(&name).copied();
+                let transform = known.ok_or_else(|| {
+                    let help = "define it with `CoordinateSystem`; `camera` needs a camera before";
+                    place.error(format!("no coordinate system is called `{name}`"), help)
+                })?;
+                self.state.set_transform(transform);
+                Ok(())
+            }
+            "ActiveTransform" => {
+                let word = match tokens.next()? {
+                    Some(Token { kind: TokenKind::Word(word), .. }) => word,
+                    _ => "",
+                };
+                self.state.is_active = match word {
+                    "All" => [true; 2],
+                    "StartTime" => [true, false],
+                    "EndTime" => [false, true],
+                    _ => return Err(place.error("`ActiveTransform` needs All, StartTime or EndTime", "add the word")),
+                };
+                Ok(())
+            }
+            "ReverseOrientation" => {
+                self.state.is_reversed = !self.state.is_reversed;
+                Ok(())
+            }
+            "AttributeBegin" | "TransformBegin" => self.save_state(&place),
+            "AttributeEnd" | "TransformEnd" => {
+                let saved = self.saved.pop().ok_or_else(|| {
+                    place.error(format!("`{directive}` without a begin"), "remove it, or add the begin")
+                })?;
+                if directive == "AttributeEnd" {
+                    self.state = saved;
+                } else {
+                    (self.state.transform, self.state.is_active) = (saved.transform, saved.is_active);
+                }
+                Ok(())
+            }
+            "WorldBegin" => {
+                self.place_camera()?;
+                self.state.transform = MovingTransform::IDENTITY;
+                self.state.is_active = [true; 2];
+                Ok(())
+            }
+            "WorldEnd" => Ok(()),
+            "ObjectBegin" => {
+                let name = quoted(tokens, &place)?;
+                if self.open_object.is_some() {
+                    return Err(place.error("an object is defined inside an object", "close the first: `ObjectEnd`"));
+                }
+                self.save_state(&place)?;
+                self.open_object = Some((name, ObjectDefinition::default()));
+                Ok(())
+            }
+            "ObjectEnd" => {
+                let without = || place.error("`ObjectEnd` without `ObjectBegin`", "remove it");
+                let (name, definition) = self.open_object.take().ok_or_else(without)?;
+                self.state = self.saved.pop().ok_or_else(without)?;
+                self.definitions.insert(name, Rc::new(definition));
+                Ok(())
+            }
+            "ObjectInstance" => {
+                let name = quoted(tokens, &place)?;
+                self.add_instance(&name, &place)
+            }
+            "Include" | "Import" => {
+                let name = quoted(tokens, &place)?;
+                self.include(&name, directive == "Import", &place, depth)
+            }
+            "MediumInterface" => {
+                let inside = quoted(tokens, &place)?;
+                let outside = match tokens.peek()? {
+                    Some(Token { kind: TokenKind::Quoted(_), .. }) => quoted(tokens, &place)?,
+                    _ => inside.clone(),
+                };
+                self.state.media = [inside.into(), outside.into()];
+                Ok(())
+            }
+            "NamedMaterial" => {
+                let name = quoted(tokens, &place)?;
+                self.state.material = CurrentMaterial::Named(name.into(), place);
+                Ok(())
+            }
+            "Texture" => {
+                let (name, value_kind, class) =
+                    (quoted(tokens, &place)?, quoted(tokens, &place)?, quoted(tokens, &place)?);
+                let parameters = Parameters::read(tokens, place, self.files)?;
+                let SceneContent { textures, notes, .. } = &mut self.content;
+                let is_color = value_kind != "float";
+                textures.define((&name, &class, is_color), &parameters, self.files, notes)
+            }
+            _ => {
+                let known = IGNORED_DIRECTIVES.contains(&directive)
+                    || matches!(
+                        directive,
+                        "Camera"
+                            | "Film"
+                            | "Attribute"
+                            | "MakeNamedMaterial"
+                            | "MakeNamedMedium"
+                            | "Material"
+                            | "LightSource"
+                            | "AreaLightSource"
+                            | "Shape"
+                    );
+                if !known {
+                    let message = format!("`{directive}` is not a directive of pbrt");
+                    return Err(place.error(message, "correct its spelling; a directive ends where its file ends"));
+                }
+                let name = quoted(tokens, &place)?;
+                let parameters = Parameters::read(tokens, place, self.files)?;
+                self.run_parametrized(directive, &name, parameters)
+            }
+        }
+    }
+
+    /// Runs a directive with a name and parameters.
+    fn run_parametrized(&mut self, directive: &str, name: &str, parameters: Parameters) -> ReadResult<()> {
+        let place = parameters.place.clone();
+        match directive {
+            "Film" => {
+                self.content.is_v3 |= name == "image";
+                self.film = Some(film_size(name, &parameters, &mut self.content.notes)?);
+                Ok(())
+            }
+            "Camera" => {
+                let to_world = self.state.transform.inverse();
+                let to_world =
+                    to_world.ok_or_else(|| place.error("the camera's transform is singular", "scale less"))?;
+                self.coordinates.insert("camera".to_owned(), to_world);
+                self.ambient_medium = Rc::clone(&self.state.media[1]);
+                self.camera_directive = Some((Rc::new(parameters), name.to_owned(), to_world));
+                Ok(())
+            }
+            "Attribute" => {
+                let message = "parameters by `Attribute` are ignored";
+                self.content.notes.add_unsupported(message, place.described());
+                Ok(())
+            }
+            "Material" => {
+                let number = self.content.materials.add_numbered(name, parameters);
+                self.state.material = CurrentMaterial::Numbered(number);
+                Ok(())
+            }
+            "MakeNamedMaterial" => {
+                self.content.materials.add_named(name, parameters);
+                Ok(())
+            }
+            "MakeNamedMedium" => self.add_medium(name, &parameters),
+            "LightSource" => {
+                let transform = self.state.transform;
+                if !transform.is_still() {
+                    let message = "lights that move stay where they are when the shutter opens";
+                    self.content.notes.add_unsupported(message, place.described());
+                }
+                let mirrored = self.mirror * transform.0[0];
+                self.lights.add(name, &parameters, mirrored, &mut self.content, self.files)
+            }
+            "AreaLightSource" => {
+                if !matches!(name, "diffuse" | "area") {
+                    let message = format!("no area light is called `{name}`");
+                    return Err(place.error(message, "pbrt has area lights `diffuse`"));
+                }
+                self.state.area_light = Some(AreaLight { parameters: Rc::new(parameters) });
+                Ok(())
+            }
+            "Shape" => self.add_shape(name, &parameters),
+            // Directives that change only how pbrt samples or stores a picture.
+            _ => Ok(()),
+        }
+    }
+
+    fn save_state(&mut self, place: &Place) -> ReadResult<()> {
+        if self.saved.len() >= MAX_ATTRIBUTE_DEPTH {
+            return Err(place.error("attribute blocks nest too deep", "close the blocks: `AttributeEnd`"));
+        }
+        self.files.count_memory(MEMORY_PER_STATE)?;
+        self.saved.push(self.state.clone());
+        Ok(())
+    }
+
+    /// Makes the camera of the picture, and finds whether the scene has to be mirrored.
+    fn place_camera(&mut self) -> ReadResult<()> {
+        let Some((parameters, name, to_world)) = self.camera_directive.take() else { return Ok(()) };
+        let size = self.film.unwrap_or((1280, 720));
+        let (camera, mirror) = read_camera(&name, &parameters, to_world, size, &mut self.content.notes)?;
+        self.camera = Some(camera);
+        self.mirror = mirror;
+        Ok(())
+    }
+
+    fn include(&mut self, name: &str, is_import: bool, place: &Place, depth: usize) -> ReadResult<()> {
+        self.includes += 1;
+        if depth >= MAX_INCLUDE_DEPTH || self.includes > MAX_INCLUDES {
+            let help = "let no file include itself";
+            return Err(place.error(format!("files include each other too often, last `{name}`"), help));
+        }
+        let path = self.files.resolve(place, name)?;
+        let bytes = self.files.read(&path)?;
+        let bytes = if name.ends_with(".gz") { self.files.unzipped(&bytes, place)? } else { bytes };
+        // The state changes of an imported file end with it.
+        let saved = is_import.then(|| self.state.clone());
+        self.run_file(&bytes, path.display().to_string().into(), depth + 1)?;
+        if let Some(saved) = saved {
+            self.state = saved;
+        }
+        Ok(())
+    }
+
+    fn add_medium(&mut self, name: &str, parameters: &Parameters) -> ReadResult<()> {
+        let medium = super::lights::homogeneous_medium(name, parameters, self.files, &mut self.content.notes)?;
+        let Some((absorption, scattering, emission, g)) = medium else { return Ok(()) };
+        let phase =
+            if g == 0.0 { PhaseFunctionDescription::Isotropic } else { PhaseFunctionDescription::HenyeyGreenstein(g) };
+        let description = MediumDescription {
+            name: name.to_owned(),
+            coefficients: MediumCoefficients::AbsorptionScattering { absorption, scattering },
+            emission,
+            phase,
+            density: DensityDescription::Homogeneous,
+        };
+        self.files.count_memory(MEMORY_PER_OBJECT)?;
+        self.media.retain(|medium| medium.name != name);
+        self.media.push(Spanned::new(description, Span::default()));
+        Ok(())
+    }
+
+    fn add_shape(&mut self, kind: &str, parameters: &Parameters) -> ReadResult<()> {
+        let place = &parameters.place;
+        self.files.count_memory(MEMORY_PER_OBJECT)?;
+        let name = format!("shape{}", self.shape_count);
+        self.shape_count += 1;
+        let is_reversed = self.state.is_reversed;
+        let shape = read_shape((kind, &name), parameters, is_reversed, &mut self.content, self.files)?;
+        let Some(shape) = shape else { return Ok(()) };
+        let inside = Rc::clone(&self.state.media[0]);
+        let medium = (!inside.is_empty() && inside != self.state.media[1])
+            .then(|| self.media.iter().any(|medium| *medium.name == *inside).then_some(&*inside))
+            .flatten();
+        let emission = match (&self.state.area_light, &self.open_object) {
+            (Some(_), Some(_)) => {
+                let message = "shapes of object instances emit no light";
+                self.content.notes.add_unsupported(message, place.described());
+                None
+            }
+            (Some(light), None) => super::lights::area_radiance(&light.parameters, self.files, &mut self.content)?,
+            (None, _) => None,
+        };
+        let alpha = parameters.find("alpha");
+        let SceneContent { textures, materials, notes, .. } = &mut self.content;
+        let material = materials.resolve(&self.state.material, (medium, alpha), textures, self.files, notes)?;
+        self.lights.has_emitters |= emission.is_some_and(|radiance| radiance != DVec3::ZERO);
+        let object = ObjectDescription::Shape { shape, emission };
+        let object = Spanned::new(object, Span::default());
+        let transform = self.state.transform;
+        let mut group = ObjectGroup::default();
+        group.items.push(GroupItem::MaterialName(Spanned::new(material, Span::default())));
+        if let Some((_, definition)) = &mut self.open_object {
+            definition.shapes += 1;
+            let placed = placed(object, DAffine3::IDENTITY, &transform, place, &mut self.content.notes);
+            group.items.push(GroupItem::Object(placed));
+            definition.group.items.append(&mut group.items);
+        } else {
+            let placed = placed(object, self.mirror, &transform, place, &mut self.content.notes);
+            group.items.push(GroupItem::Object(placed));
+            self.root.items.append(&mut group.items);
+        }
+        Ok(())
+    }
+
+    fn add_instance(&mut self, name: &str, place: &Place) -> ReadResult<()> {
+        let definition = self.definitions.get(name).cloned().ok_or_else(|| {
+            place.error(format!("no object is called `{name}`"), "define it before: `ObjectBegin`, `ObjectEnd`")
+        })?;
+        self.files.count_memory(MEMORY_PER_OBJECT.saturating_mul(definition.shapes))?;
+        let object = Spanned::new(ObjectDescription::Group(definition.group.clone()), Span::default());
+        let transform = self.state.transform;
+        match &mut self.open_object {
+            Some((_, outer)) => {
+                if definition.depth + 1 > MAX_INSTANCE_DEPTH {
+                    return Err(place.error("object instances nest too deep", "use fewer levels"));
+                }
+                outer.shapes += definition.shapes;
+                outer.depth = outer.depth.max(definition.depth + 1);
+                let placed = placed(object, DAffine3::IDENTITY, &transform, place, &mut self.content.notes);
+                outer.group.items.push(GroupItem::Object(placed));
+            }
+            None => {
+                let placed = placed(object, self.mirror, &transform, place, &mut self.content.notes);
+                self.root.items.push(GroupItem::Object(placed));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns `object` under a transform, which may move, and then under `outer`.
+fn placed(
+    object: Spanned<ObjectDescription>,
+    outer: DAffine3,
+    transform: &MovingTransform,
+    place: &Place,
+    notes: &mut ImportNotes,
+) -> Spanned<ObjectDescription> {
+    let under = |map: DAffine3, object: Spanned<ObjectDescription>| {
+        if map == DAffine3::IDENTITY {
+            return object;
+        }
+        let maps = vec![TransformStep::Matrix(DMat4::from(map))];
+        Spanned::new(ObjectDescription::Transform { maps, object: Box::new(object) }, Span::default())
+    };
+    let Some(motion) = object_motion(transform) else { return under(outer * transform.0[0], object) };
+    if motion.omits_scale {
+        notes.add_unsupported("scales that change over the shutter stay as at its start", place.described());
+    }
+    let center = DAffine3::from_translation(motion.center);
+    let object = under(center.inverse() * transform.0[0], object);
+    let moving = ObjectDescription::Moving { maps: motion.steps, object: Box::new(object) };
+    under(outer * center, Spanned::new(moving, Span::default()))
+}
+
+/// Returns the next token, which must be a text in quotes.
+fn quoted(tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<String> {
+    match tokens.next()? {
+        Some(Token { kind: TokenKind::Quoted(text), .. }) => Ok(text.into_owned()),
+        _ => {
+            Err(place.error("a name in quotes is missing", "write the name after the directive, as `Shape \"sphere\"`"))
+        }
+    }
+}
+
+/// Returns `count` numbers, which may stand in brackets.
+fn numbers(tokens: &mut Tokens<'_>, count: usize, place: &Place) -> ReadResult<Vec<f64>> {
+    let mut numbers = Vec::with_capacity(count);
+    let missing = || place.error(format!("the directive needs {count} numbers"), "add the missing numbers");
+    let mut is_open = false;
+    while numbers.len() < count {
+        match tokens.next()?.ok_or_else(missing)?.kind {
+            TokenKind::Open if numbers.is_empty() && !is_open => is_open = true,
+            TokenKind::Word(word) => numbers.push(parse_number(word, place)?),
+            TokenKind::Open | TokenKind::Close | TokenKind::Quoted(_) => return Err(missing()),
+        }
+    }
+    if is_open && !matches!(tokens.next()?, Some(Token { kind: TokenKind::Close, .. })) {
+        return Err(place.error("a bracket is not closed", "close it with `]`"));
+    }
+    Ok(numbers)
+}

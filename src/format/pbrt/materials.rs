@@ -1,0 +1,499 @@
+//! Materials of pbrt as materials of the scene language.
+
+use super::files::{Place, ReadResult, SceneFiles};
+use super::parameters::{Parameter, Parameters};
+use super::spectra::{SpectralValue, spectral_value};
+use super::state::CurrentMaterial;
+use super::textures::{TextureValue, Textures};
+use crate::bsdf::metal_refractive_index;
+use crate::color::{conductor_rgb, glass_by_name};
+use crate::format::description::{
+    DielectricAbsorption, MaterialDescription, MaterialKindDescription, MetalDescription,
+    NormalPerturbationDescription, RefractiveIndexDescription, Span, Spanned, TexturedValue,
+};
+use crate::format::import_notes::ImportNotes;
+use glam::DVec3;
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// Greatest depth of mixes of mixes.
+const MAX_MIX_DEPTH: usize = 16;
+
+/// Least GGX α of a rough surface: pbrt treats a smaller one as smooth.
+const SMOOTH_ALPHA: f64 = 1e-3;
+
+/// Least GGX α of a Phong lobe: a smaller α gives a lobe narrower than a degree.
+const MIN_PHONG_ALPHA: f64 = 0.01;
+
+/// Greatest reflectance of a conductor at normal incidence: its index is infinite for 1.
+const MAX_METAL_REFLECTANCE: f64 = 0.9999;
+
+/// Index of refraction of pbrt's coats and of its glossy materials.
+const COAT_INDEX: f64 = 1.5;
+
+/// Estimated bytes of memory for each material.
+const MEMORY_PER_MATERIAL: u64 = 2_000;
+
+/// Glasses of pbrt that have no formula here, with the index at 587.56 nm and the Abbe number.
+const GLASSES_BY_ABBE_NUMBER: [(&str, f64, f64); 5] = [
+    ("BAF10", 1.6700, 47.11),
+    ("F5", 1.6034, 38.03),
+    ("FK51A", 1.4866, 84.47),
+    ("LASF9", 1.8503, 32.17),
+    ("SF5", 1.6727, 32.25),
+];
+
+/// A material of the file.
+#[derive(Clone)]
+struct FileMaterial {
+    kind: String,
+    parameters: Rc<Parameters>,
+}
+
+/// Materials of the file, and those of the description.
+pub(super) struct Materials {
+    numbered: Vec<Option<FileMaterial>>,
+    named: HashMap<String, FileMaterial>,
+    /// Names of materials of the description, by material, medium and alpha.
+    used: HashMap<String, String>,
+    /// Materials of the description.
+    pub descriptions: Vec<Spanned<MaterialDescription>>,
+}
+
+/// A material that is being converted.
+struct Conversion<'m> {
+    materials: &'m mut Materials,
+    textures: &'m mut Textures,
+    files: &'m SceneFiles<'m>,
+    notes: &'m mut ImportNotes,
+    /// Medium inside the surface.
+    medium: Option<&'m str>,
+}
+
+/// GGX α of a surface.
+struct Roughness {
+    alpha: TexturedValue<f64>,
+    mean: f64,
+}
+
+impl Materials {
+    /// Makes the materials of a file, with pbrt's default as number 0.
+    pub fn new() -> Self {
+        Self { numbered: vec![None], named: HashMap::new(), used: HashMap::new(), descriptions: Vec::new() }
+    }
+
+    /// Adds a material without a name, and returns its number.
+    pub fn add_numbered(&mut self, kind: &str, parameters: Parameters) -> usize {
+        self.numbered.push(Some(FileMaterial { kind: kind.to_owned(), parameters: Rc::new(parameters) }));
+        self.numbered.len() - 1
+    }
+
+    /// Adds a named material.
+    pub fn add_named(&mut self, name: &str, parameters: Parameters) {
+        let kind = parameters.text("type").unwrap_or("diffuse").to_owned();
+        self.named.insert(name.to_owned(), FileMaterial { kind, parameters: Rc::new(parameters) });
+    }
+
+    /// Returns the name of the description's material for a shape.
+    ///
+    /// `medium` is the medium inside the shape. `alpha` is the opacity of the shape.
+    pub fn resolve(
+        &mut self,
+        material: &CurrentMaterial,
+        (medium, alpha): (Option<&str>, Option<&Parameter>),
+        textures: &mut Textures,
+        files: &SceneFiles<'_>,
+        notes: &mut ImportNotes,
+    ) -> ReadResult<String> {
+        let opacity = alpha.map_or(String::new(), |alpha| format!("{:?} {:?}", alpha.numbers, alpha.texts));
+        let key = match material {
+            CurrentMaterial::Numbered(number) => format!("{number}|{medium:?}|{opacity}"),
+            CurrentMaterial::Named(name, _) => format!("\"{name}\"|{medium:?}|{opacity}"),
+        };
+        if let Some(name) = self.used.get(&key) {
+            return Ok(name.clone());
+        }
+        let mut conversion = Conversion { materials: self, textures, files, notes, medium };
+        let mut name = conversion.convert(material, 0)?;
+        if let Some(parameter) = alpha {
+            let place = Place { file: files.path.display().to_string().into(), line: 0 };
+            let value = conversion.textures.parameter_value(parameter, false, &place, files)?;
+            let (amount, mean) = conversion.scalar(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
+            if amount != TexturedValue::Plain(1.0) && mean < 1.0 {
+                name = conversion.masked(&name, amount)?;
+            }
+        }
+        self.used.insert(key, name.clone());
+        Ok(name)
+    }
+}
+
+impl Conversion<'_> {
+    /// Adds a material of the file to the description, and returns its name.
+    fn convert(&mut self, material: &CurrentMaterial, depth: usize) -> ReadResult<String> {
+        let missing = |name: &str, place: &Place| {
+            place.error(format!("no material is called `{name}`"), "define it with `MakeNamedMaterial`")
+        };
+        let found = match material {
+            CurrentMaterial::Numbered(number) => self.materials.numbered.get(*number).cloned().flatten(),
+            CurrentMaterial::Named(name, place) => {
+                Some(self.materials.named.get(&**name).cloned().ok_or_else(|| missing(name, place))?)
+            }
+        };
+        let Some(FileMaterial { kind, parameters }) = found else {
+            return self.push(MaterialKindDescription::Diffuse { reflectance: DVec3::splat(0.5).into() }, None);
+        };
+        let place = &parameters.place;
+        if kind == "mix" {
+            return self.mix(&parameters, depth);
+        }
+        let surface = self.surface(&kind, &parameters)?;
+        let normal = self.perturbation(&parameters)?;
+        let name = self.push(surface, normal)?;
+        if kind != "uber" {
+            return Ok(name);
+        }
+        let Some(opacity) = parameters.find("opacity") else { return Ok(name) };
+        let value = self.textures.parameter_value(opacity, true, place, self.files)?;
+        let (amount, mean) = self.scalar(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
+        if mean < 1.0 { self.masked(&name, amount) } else { Ok(name) }
+    }
+
+    fn push(
+        &mut self,
+        kind: MaterialKindDescription,
+        normal_perturbation: Option<NormalPerturbationDescription>,
+    ) -> ReadResult<String> {
+        self.files.count_memory(MEMORY_PER_MATERIAL)?;
+        let name = format!("material{}", self.materials.descriptions.len());
+        let has_body = kind.is_dielectric() || kind.is_null_interface();
+        let medium = self.medium.filter(|_| has_body).map(|name| Spanned::new(name.to_owned(), Span::default()));
+        let material =
+            MaterialDescription { name: Some(name.clone()), kind, emission: None, normal_perturbation, medium };
+        self.materials.descriptions.push(Spanned::new(material, Span::default()));
+        Ok(name)
+    }
+
+    /// Returns the name of a mix of the material with nothing; `opacity` is the amount of the
+    /// material.
+    fn masked(&mut self, name: &str, opacity: TexturedValue<f64>) -> ReadResult<String> {
+        let clear = MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() };
+        let clear = self.push(clear, None)?;
+        let part = |name: &str| Spanned::new(name.to_owned(), Span::default());
+        self.push(MaterialKindDescription::Mix { first: part(&clear), second: part(name), amount: opacity }, None)
+    }
+
+    /// Returns the name of a mix of two named materials.
+    fn mix(&mut self, parameters: &Parameters, depth: usize) -> ReadResult<String> {
+        let place = &parameters.place;
+        if depth >= MAX_MIX_DEPTH {
+            return Err(place.error("mixes of materials nest too deep", "let no mix contain itself"));
+        }
+        let listed = parameters.find("materials").map_or(&[][..], |list| &list.texts);
+        let names = match (listed, parameters.text("namedmaterial1"), parameters.text("namedmaterial2")) {
+            ([first, second, ..], _, _) => [first.clone(), second.clone()],
+            // In pbrt-v3, the amount is that of the first material.
+            (_, Some(first), Some(second)) => [second.to_owned(), first.to_owned()],
+            _ => return Err(place.error("a mix has no two materials", "name two materials: `\"string materials\"`")),
+        };
+        let amount = match parameters.find("amount") {
+            Some(parameter) => self.textures.parameter_value(parameter, false, place, self.files)?,
+            None => TextureValue::Constant(DVec3::splat(0.5)),
+        };
+        let (amount, _) = self.scalar(&amount, &|amount| amount.clamp(0.0, 1.0))?;
+        let mut parts = Vec::new();
+        for name in names {
+            let name = self.convert(&CurrentMaterial::Named(name.into(), place.clone()), depth + 1)?;
+            parts.push(Spanned::new(name, Span::default()));
+        }
+        let [first, second] = [parts[0].clone(), parts[1].clone()];
+        self.push(MaterialKindDescription::Mix { first, second, amount }, None)
+    }
+
+    /// Returns the reflection and transmission of a material.
+    fn surface(&mut self, kind: &str, p: &Parameters) -> ReadResult<MaterialKindDescription> {
+        let place = &p.place;
+        let diffuse = |reflectance: TexturedValue<DVec3>| MaterialKindDescription::Diffuse { reflectance };
+        Ok(match kind {
+            "diffuse" => diffuse(self.color(p, "reflectance", 0.5, &|c| c)?.0),
+            "matte" => {
+                if p.find("sigma").is_some_and(|sigma| sigma.numbers != [0.0]) {
+                    self.note("rough diffuse surfaces (`sigma`) are Lambertian", place);
+                }
+                diffuse(self.color(p, "Kd", 0.5, &|c| c)?.0)
+            }
+            "coateddiffuse" => {
+                self.note("coated diffuse surfaces are a diffuse surface and a Phong lobe", place);
+                let index = self.index(p, &["eta"])?;
+                let (escape, inner) = (1.0 - mean_fresnel(index), inner_reflectance(index));
+                // Light that leaves the base is reflected back by the coat again and again.
+                let kept = move |c: DVec3| escape * (1.0 - inner) * c / (1.0 - inner * c);
+                let (diffuse, _) = self.color(p, "reflectance", 0.5, &kept)?;
+                let roughness = self.roughness(p, 0.0, false)?;
+                phong(diffuse, DVec3::splat(normal_fresnel(index)), roughness.mean)
+            }
+            "plastic" | "uber" | "substrate" | "disney" => {
+                let name = if kind == "disney" { "color" } else { "Kd" };
+                let default = if kind == "plastic" || kind == "uber" { 0.25 } else { 0.5 };
+                let message = format!("`{kind}` is a diffuse surface and a Phong lobe of constant strength");
+                self.note(&message, place);
+                if p.find_any(&["Kr", "Kt"]).is_some() {
+                    self.note("mirrors and transmission of `uber` (Kr, Kt) are left out", place);
+                }
+                let (_, gloss) = self.color(p, "Ks", if kind == "disney" { 0.04 } else { default }, &|c| c)?;
+                let f0 = if matches!(kind, "plastic" | "uber") { normal_fresnel(COAT_INDEX) * gloss } else { gloss };
+                let kept = DVec3::splat(1.0 - f0.max_element());
+                let (diffuse, _) = self.color(p, name, default, &|c| c * kept)?;
+                let roughness = self.roughness(p, 0.1, true)?;
+                phong(diffuse, f0, roughness.mean)
+            }
+            "mirror" => MaterialKindDescription::Mirror { reflectance: self.color(p, "Kr", 0.9, &|c| c)?.0 },
+            "glass" | "dielectric" => {
+                let is_v3 = kind == "glass";
+                if p.find_any(&["Kr", "Kt"]).is_some_and(|color| color.numbers.iter().any(|c| *c != 1.0)) {
+                    self.note("colors of glass (Kr, Kt) are ignored", place);
+                }
+                let roughness = self.roughness(p, 0.0, is_v3)?;
+                MaterialKindDescription::Dielectric {
+                    refraction: self.refraction(p)?,
+                    attenuation: DielectricAbsorption::None,
+                    roughness: roughness.alpha,
+                    priority: 0,
+                }
+            }
+            "thindielectric" => {
+                MaterialKindDescription::Thin { index: self.index(p, &["eta"])?, transmittance: DVec3::ONE.into() }
+            }
+            "conductor" | "metal" => {
+                let roughness = self.roughness(p, if kind == "metal" { 0.01 } else { 0.0 }, kind == "metal")?;
+                self.conductor(p, ["reflectance", "eta", "k"], roughness.alpha)?
+            }
+            "coatedconductor" => {
+                self.note("coats of conductors are left out: the conductor is bare", place);
+                let alpha = self.roughness_of(p, ["conductor.uroughness", "conductor.vroughness"], 0.0, false)?.alpha;
+                self.conductor(p, ["reflectance", "conductor.eta", "conductor.k"], alpha)?
+            }
+            "diffusetransmission" => {
+                self.note("diffuse transmission is left out: surfaces only reflect", place);
+                let scale = p.number_or("scale", 1.0);
+                diffuse(self.color(p, "reflectance", 0.25, &|c| (c * scale).clamp(DVec3::ZERO, DVec3::ONE))?.0)
+            }
+            "translucent" => {
+                self.note("diffuse transmission is left out: surfaces only reflect", place);
+                let share = p.find("reflect").map_or(0.5, |reflect| reflect.numbers.first().copied().unwrap_or(0.5));
+                diffuse(self.color(p, "Kd", 0.25, &|c| c * share.clamp(0.0, 1.0))?.0)
+            }
+            "interface" | "none" | "" => {
+                if self.medium.is_none() {
+                    // A boundary without a medium changes nothing.
+                    return Ok(MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() });
+                }
+                MaterialKindDescription::NullInterface { priority: 0 }
+            }
+            "subsurface" | "kdsubsurface" => {
+                self.note("subsurface scattering is left out: surfaces are diffuse", place);
+                let name = if kind == "kdsubsurface" { "Kd" } else { "reflectance" };
+                diffuse(self.color(p, name, 0.5, &|c| c)?.0)
+            }
+            _ => {
+                let message = format!("the material `{kind}` is not supported");
+                return Err(place.error(message, "replace it, for example by a `diffuse` or `conductor` material"));
+            }
+        })
+    }
+
+    /// Returns a conductor by the names of its reflectance, η and k.
+    fn conductor(
+        &mut self,
+        p: &Parameters,
+        [reflectance, eta, k]: [&str; 3],
+        roughness: TexturedValue<f64>,
+    ) -> ReadResult<MaterialKindDescription> {
+        let place = &p.place;
+        let (eta, k) = if p.find(reflectance).is_some() {
+            let (value, mean) = self.color(p, reflectance, 0.5, &|c| c)?;
+            if value.texture_name().is_some() {
+                self.note("textures of metals are their mean", place);
+            }
+            // A conductor of index 1 + ik reflects k² / (4 + k²) at normal incidence.
+            let r = mean.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
+            (DVec3::ONE, (r / (1.0 - r)).map(f64::sqrt) * 2.0)
+        } else {
+            let mut value = |name: &str, is_eta: bool| match p.find(name) {
+                Some(parameter) if parameter.kind == "texture" => {
+                    let value = self.textures.parameter_value(parameter, true, place, self.files)?;
+                    Ok(SpectralValue::Channels(self.textures.add(&value, &|c| c, self.files)?.1))
+                }
+                Some(parameter) => spectral_value(parameter, place, self.files),
+                None => {
+                    let copper = metal_refractive_index("copper").unwrap_or_default();
+                    Ok(SpectralValue::Channels(if is_eta { copper.0 } else { copper.1 }.as_dvec3()))
+                }
+            };
+            match (value(eta, true)?, value(k, false)?) {
+                (SpectralValue::Spectrum(eta), SpectralValue::Spectrum(k)) => conductor_rgb(&eta, &k),
+                (eta, k) => (eta.channels(), k.channels()),
+            }
+        };
+        if !(eta.min_element() > 0.0 && k.min_element() >= 0.0) {
+            return Err(place.error("the index of the metal is not positive", "give η above 0, and k of at least 0"));
+        }
+        Ok(MaterialKindDescription::Conductor { metal: MetalDescription::Index { eta, k }, roughness })
+    }
+
+    /// Returns the index of a dielectric.
+    fn refraction(&mut self, p: &Parameters) -> ReadResult<RefractiveIndexDescription> {
+        let glass = p.find("eta").filter(|eta| eta.kind == "spectrum").and_then(|eta| eta.texts.first());
+        if let Some(name) = glass.and_then(|name| name.strip_prefix("glass-")) {
+            if glass_by_name(name).is_some() {
+                return Ok(RefractiveIndexDescription::Named(Spanned::new(name.to_owned(), Span::default())));
+            }
+            if let Some((_, index, abbe)) = GLASSES_BY_ABBE_NUMBER.iter().find(|glass| glass.0 == name) {
+                return Ok(RefractiveIndexDescription::Abbe { index: *index, abbe: *abbe });
+            }
+        }
+        self.index(p, &["eta", "index"]).map(RefractiveIndexDescription::Index)
+    }
+
+    /// Returns the index of refraction of a parameter, for the middle of the spectrum.
+    fn index(&mut self, p: &Parameters, names: &[&str]) -> ReadResult<f64> {
+        let place = &p.place;
+        let index = match p.find_any(names) {
+            None => COAT_INDEX,
+            Some(parameter) if parameter.kind == "texture" => {
+                self.note("textures of the index of refraction are 1.5", place);
+                COAT_INDEX
+            }
+            Some(parameter) => spectral_value(parameter, place, self.files)?.channels().y,
+        };
+        if !(0.01..=100.0).contains(&index) {
+            return Err(place.error("the index of refraction is not between 0.01 and 100", "correct `eta`"));
+        }
+        Ok(index)
+    }
+
+    /// Returns GGX α from the usual names of roughness.
+    fn roughness(&mut self, p: &Parameters, default: f64, is_v3: bool) -> ReadResult<Roughness> {
+        self.roughness_of(p, ["uroughness", "vroughness"], default, is_v3)
+    }
+
+    /// Returns GGX α from a pair of names, or from `roughness`.
+    fn roughness_of(&mut self, p: &Parameters, [u, v]: [&str; 2], default: f64, is_v3: bool) -> ReadResult<Roughness> {
+        let place = &p.place;
+        let prefix = u.strip_suffix("uroughness").unwrap_or_default();
+        let common = format!("{prefix}roughness");
+        let value = |name: &str| match p.find_any(&[name, &common]) {
+            Some(parameter) => self.textures.parameter_value(parameter, false, place, self.files),
+            None => Ok(TextureValue::Constant(DVec3::splat(default))),
+        };
+        let (first, second) = (value(u)?, value(v)?);
+        let remaps = p.flag("remaproughness") != Some(false);
+        // A v3 glass without any roughness is smooth, whatever the remapping.
+        let is_smooth = |r: f64| r <= 0.0 && (is_v3 || remaps);
+        let alpha = move |r: f64| {
+            let alpha = match (remaps, is_v3) {
+                _ if is_smooth(r) => 0.0,
+                (false, _) => r,
+                (true, false) => r.max(0.0).sqrt(),
+                (true, true) => {
+                    let x = libm::log(r.max(1e-3));
+                    1.62142 + x * (0.819955 + x * (0.1734 + x * (0.0171201 + x * 0.000640711)))
+                }
+            };
+            if alpha < SMOOTH_ALPHA { 0.0 } else { alpha.min(1.0) }
+        };
+        let (mut first, mean) = self.scalar(&first, &alpha)?;
+        let (_, other) = self.scalar(&second, &alpha)?;
+        if (mean - other).abs() > 1e-9 {
+            self.note("roughness that differs by direction is even: the geometric mean", place);
+            first = TexturedValue::Plain((mean * other).sqrt());
+        }
+        Ok(Roughness { alpha: first, mean })
+    }
+
+    /// Returns a color parameter mapped by `map`, and its mean.
+    fn color(
+        &mut self,
+        p: &Parameters,
+        name: &str,
+        default: f64,
+        map: &dyn Fn(DVec3) -> DVec3,
+    ) -> ReadResult<(TexturedValue<DVec3>, DVec3)> {
+        let value = match p.find(name) {
+            Some(parameter) => self.textures.parameter_value(parameter, true, &p.place, self.files)?,
+            None => TextureValue::Constant(DVec3::splat(default)),
+        };
+        let unit = |color: DVec3| map(color.clamp(DVec3::ZERO, DVec3::ONE));
+        self.textures.add(&value, &unit, self.files)
+    }
+
+    /// Returns the mean of the channels of a value, mapped by `map`, and its mean over the texture.
+    fn scalar(&mut self, value: &TextureValue, map: &dyn Fn(f64) -> f64) -> ReadResult<(TexturedValue<f64>, f64)> {
+        let mean = |c: DVec3| if c.x == c.y && c.y == c.z { c.x } else { c.element_sum() / 3.0 };
+        let gray = |color: DVec3| DVec3::splat(map(mean(color)));
+        let (value, mean) = self.textures.add(value, &gray, self.files)?;
+        Ok(match value {
+            TexturedValue::Plain(value) => (TexturedValue::Plain(value.x), value.x),
+            TexturedValue::Texture(name) => (TexturedValue::Texture(name), mean.x),
+        })
+    }
+
+    /// Returns the bump map or normal map of a material.
+    fn perturbation(&mut self, p: &Parameters) -> ReadResult<Option<NormalPerturbationDescription>> {
+        if let Some(name) = p.text("normalmap") {
+            let meaning = crate::image::PixelMeaning::Data;
+            let image = super::textures::read_picture(name, meaning, &p.place, self.files)?;
+            let coordinates = Default::default();
+            let value = TextureValue::Picture {
+                image: image.into(),
+                factor: DVec3::ONE,
+                wrap: crate::format::description::WrapMode::Repeat,
+                coordinates,
+            };
+            let (value, _) = self.textures.add(&value, &|c| c, self.files)?;
+            return Ok(value.texture_name().cloned().map(NormalPerturbationDescription::NormalMap));
+        }
+        let Some(parameter) = p.find_any(&["displacement", "bumpmap"]) else { return Ok(None) };
+        let value = self.textures.parameter_value(parameter, false, &p.place, self.files)?;
+        let (value, _) = self.textures.add(&value, &|c| c, self.files)?;
+        let texture = value.texture_name().cloned();
+        Ok(texture.map(|texture| NormalPerturbationDescription::Bump { texture, height: 1.0 }))
+    }
+
+    fn note(&mut self, message: &str, place: &Place) {
+        self.notes.add_unsupported(message, place.described());
+    }
+}
+
+/// Returns a diffuse surface with a Phong lobe of the reflectance `f0` at normal incidence.
+fn phong(diffuse: TexturedValue<DVec3>, f0: DVec3, alpha: f64) -> MaterialKindDescription {
+    let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
+    let shininess = 2.0 / (alpha * alpha) - 2.0;
+    let specular = f0 * (0.5 * (shininess + 2.0));
+    MaterialKindDescription::Phong { diffuse, specular: specular.into(), shininess, texture: None }
+}
+
+/// Fresnel reflectance at normal incidence of an index.
+fn normal_fresnel(index: f64) -> f64 {
+    let root = (index - 1.0) / (index + 1.0);
+    root * root
+}
+
+/// Mean Fresnel reflectance under diffuse light from outside.
+fn mean_fresnel(index: f64) -> f64 {
+    const STEPS: u32 = 200;
+    // The midpoint rule over the squared sine, which diffuse light fills evenly.
+    let reflectance = |i: u32| {
+        let sin2 = (f64::from(i) + 0.5) / f64::from(STEPS);
+        let (cos, refracted) = ((1.0 - sin2).sqrt(), (1.0 - sin2 / (index * index)).max(0.0).sqrt());
+        let parallel = (index * cos - refracted) / (index * cos + refracted);
+        let perpendicular = (cos - index * refracted) / (cos + index * refracted);
+        0.5 * (parallel * parallel + perpendicular * perpendicular)
+    };
+    (0..STEPS).map(reflectance).sum::<f64>() / f64::from(STEPS)
+}
+
+/// Mean Fresnel reflectance under diffuse light from inside, by reciprocity.
+fn inner_reflectance(index: f64) -> f64 {
+    (1.0 - (1.0 - mean_fresnel(index)) / (index * index)).clamp(0.0, 1.0)
+}

@@ -1,0 +1,64 @@
+//! Scenes in pbrt's text format: version 4, with the spellings of version 3.
+
+mod camera;
+mod content;
+mod environment;
+mod files;
+mod interpreter;
+mod lights;
+mod materials;
+mod parameters;
+mod shapes;
+mod spectra;
+mod state;
+mod subdivision;
+#[cfg(test)]
+mod tests;
+mod textures;
+mod tokens;
+
+use super::import::{ImportOptions, ImportedScene, SceneImporter, SceneReadError};
+use super::mesh::MeshReadMonitor;
+use files::SceneFiles;
+use interpreter::Interpreter;
+use std::path::Path;
+
+/// Importer of pbrt.
+pub(super) struct PbrtImporter;
+
+impl SceneImporter for PbrtImporter {
+    fn name(&self) -> &'static str {
+        "pbrt"
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["pbrt"]
+    }
+
+    fn import(
+        &self,
+        path: &Path,
+        monitor: &dyn MeshReadMonitor,
+        options: &ImportOptions,
+    ) -> Result<ImportedScene, SceneReadError> {
+        let files = SceneFiles::new(path, monitor, options);
+        let bytes = files.read(path)?;
+        import_bytes(&files, &bytes)
+    }
+}
+
+/// Imports the bytes of a `.pbrt` file.
+///
+/// Errors name `path`, whose folder holds the files that the bytes name.
+///
+/// # Errors
+/// [`SceneReadError`].
+pub fn decode(path: &Path, bytes: &[u8], options: &ImportOptions) -> Result<ImportedScene, SceneReadError> {
+    import_bytes(&SceneFiles::new(path, &(), options), bytes)
+}
+
+fn import_bytes(files: &SceneFiles<'_>, bytes: &[u8]) -> Result<ImportedScene, SceneReadError> {
+    let mut interpreter = Interpreter::new(files);
+    interpreter.run(bytes)?;
+    interpreter.finish()
+}

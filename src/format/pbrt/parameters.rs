@@ -1,0 +1,148 @@
+//! Parameter lists of directives: `"type name" [values]`.
+
+use super::files::{Place, ReadResult, SceneFiles};
+use super::tokens::{TokenKind, Tokens};
+use glam::DVec3;
+
+/// Estimated bytes of memory for each parameter.
+const MEMORY_PER_PARAMETER: u64 = 200;
+
+/// Help for a parameter whose values do not fit.
+const VALUE_HELP: &str = "write the values as `\"float radius\" [ 1 ]`";
+
+/// A parameter of a directive.
+#[derive(Clone, Debug)]
+pub(super) struct Parameter {
+    /// Type as the file writes it, such as `rgb`.
+    pub kind: String,
+    /// Name of the parameter.
+    pub name: String,
+    /// Values that are numbers.
+    pub numbers: Vec<f64>,
+    /// Values that are texts or truth values.
+    pub texts: Vec<String>,
+}
+
+/// Parameters of a directive, with its place.
+#[derive(Clone, Debug)]
+pub(super) struct Parameters {
+    /// Position of the directive.
+    pub place: Place,
+    list: Vec<Parameter>,
+}
+
+impl Parameters {
+    /// Returns the parameters that follow a directive at `place`.
+    pub fn read(tokens: &mut Tokens<'_>, place: Place, files: &SceneFiles<'_>) -> ReadResult<Self> {
+        let mut list = Vec::new();
+        while let Some(token) = tokens.peek()? {
+            let TokenKind::Quoted(declaration) = &token.kind else { break };
+            let place = Place { file: place.file.clone(), line: token.line };
+            let mut words = declaration.split_whitespace();
+            let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
+                let message = format!("`{declaration}` is not a type and a name");
+                return Err(place.error(message, VALUE_HELP));
+            };
+            let mut parameter =
+                Parameter { kind: kind.to_owned(), name: name.to_owned(), numbers: Vec::new(), texts: Vec::new() };
+            tokens.next()?;
+            parameter.read_values(tokens, &place)?;
+            let texts: usize = parameter.texts.iter().map(|text| text.len() + 24).sum();
+            files.count_memory(MEMORY_PER_PARAMETER + 8 * parameter.numbers.len() as u64 + texts as u64)?;
+            list.push(parameter);
+        }
+        Ok(Self { place, list })
+    }
+
+    /// Returns the parameter `name`; `None` if the directive has none.
+    pub fn find(&self, name: &str) -> Option<&Parameter> {
+        self.list.iter().find(|parameter| parameter.name == name)
+    }
+
+    /// Returns the first parameter with one of `names`.
+    pub fn find_any(&self, names: &[&str]) -> Option<&Parameter> {
+        names.iter().find_map(|name| self.find(name))
+    }
+
+    /// Returns the numbers of a parameter; empty if the directive has none.
+    pub fn numbers(&self, name: &str) -> &[f64] {
+        self.find(name).map_or(&[], |parameter| &parameter.numbers)
+    }
+
+    /// Returns the single number of a parameter; `None` if it has none, or is a texture.
+    pub fn number(&self, name: &str) -> Option<f64> {
+        self.numbers(name).first().copied()
+    }
+
+    /// Returns the number of a parameter, or `default`.
+    pub fn number_or(&self, name: &str, default: f64) -> f64 {
+        self.number(name).unwrap_or(default)
+    }
+
+    /// Returns the text of a parameter.
+    pub fn text(&self, name: &str) -> Option<&str> {
+        self.find(name)?.texts.first().map(String::as_str)
+    }
+
+    /// Returns the truth value of a parameter.
+    pub fn flag(&self, name: &str) -> Option<bool> {
+        self.text(name).map(|text| text == "true")
+    }
+
+    /// Returns the point or vector of a parameter.
+    pub fn point(&self, name: &str) -> Option<DVec3> {
+        match self.numbers(name) {
+            [x, y, z, ..] => Some(DVec3::new(*x, *y, *z)),
+            _ => None,
+        }
+    }
+
+    /// Returns the points of a parameter.
+    pub fn points(&self, name: &str) -> ReadResult<Vec<DVec3>> {
+        let numbers = self.numbers(name);
+        if !numbers.len().is_multiple_of(3) {
+            let message = format!("`{name}` has {} numbers, which is not a multiple of 3", numbers.len());
+            return Err(self.place.error(message, "give three numbers for each point"));
+        }
+        Ok(numbers.as_chunks::<3>().0.iter().map(|p| DVec3::from_array(*p)).collect())
+    }
+}
+
+impl Parameter {
+    /// Reads one value without brackets, or all values in brackets.
+    fn read_values(&mut self, tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<()> {
+        let missing = |name: &str| place.error(format!("the parameter `{name}` has no values"), VALUE_HELP);
+        let first = tokens.next()?.ok_or_else(|| missing(&self.name))?;
+        if first.kind != TokenKind::Open {
+            return self.push(&first.kind, place);
+        }
+        loop {
+            let token = tokens.next()?.ok_or_else(|| place.error("a bracket is not closed", "close it with `]`"))?;
+            match &token.kind {
+                TokenKind::Close => return Ok(()),
+                kind @ (TokenKind::Open | TokenKind::Word(_) | TokenKind::Quoted(_)) => self.push(kind, place)?,
+            }
+        }
+    }
+
+    fn push(&mut self, kind: &TokenKind<'_>, place: &Place) -> ReadResult<()> {
+        match kind {
+            TokenKind::Quoted(text) => self.texts.push(text.clone().into_owned()),
+            TokenKind::Word(word @ ("true" | "false")) => self.texts.push((*word).to_owned()),
+            TokenKind::Word(word) => self.numbers.push(parse_number(word, place)?),
+            TokenKind::Open | TokenKind::Close => {
+                return Err(place.error(format!("a bracket is misplaced in `{}`", self.name), VALUE_HELP));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns the finite number that `word` writes.
+pub(super) fn parse_number(word: &str, place: &Place) -> ReadResult<f64> {
+    match word.parse::<f64>() {
+        Ok(number) if number.is_finite() && number.abs() <= 1e30 => Ok(number),
+        Ok(_) => Err(place.error(format!("the number {word} is too large"), "use numbers up to 1e30")),
+        Err(_) => Err(place.error(format!("`{word}` is not a number"), VALUE_HELP)),
+    }
+}

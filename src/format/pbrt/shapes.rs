@@ -1,0 +1,238 @@
+//! Shapes of pbrt.
+
+use super::content::SceneContent;
+use super::files::{ReadResult, SceneFiles};
+use super::parameters::Parameters;
+use super::subdivision::subdivided;
+use crate::format::description::{MeshOptions, ShapeDescription, Span, Spanned};
+use crate::format::mesh::{TriangleMesh, decode};
+use glam::{DVec2, DVec3};
+use std::path::Path;
+use std::sync::Arc;
+
+/// Bytes of memory for each vertex and each triangle corner of a mesh.
+const MEMORY_PER_CORNER: u64 = 100;
+
+/// Greatest number of subdivisions of a mesh.
+const MAX_LEVELS: f64 = 10.0;
+
+/// Number of segments along each side of a bilinear patch that is not flat.
+const PATCH_SEGMENTS: u32 = 16;
+
+/// Returns the shape of a directive in object space; `None` if it is left out.
+///
+/// A mesh is embedded under the path `name`. `is_reversed` turns the shape inside out.
+pub(super) fn read_shape(
+    (kind, name): (&str, &str),
+    parameters: &Parameters,
+    is_reversed: bool,
+    content: &mut SceneContent,
+    files: &SceneFiles<'_>,
+) -> ReadResult<Option<ShapeDescription>> {
+    let place = &parameters.place;
+    let radius = |parameters: &Parameters| {
+        let radius = parameters.number_or("radius", 1.0);
+        let help = "give a `radius` above 0";
+        if radius > 0.0 { Ok(radius) } else { Err(place.error("the radius is not above 0", help)) }
+    };
+    let notes = &mut content.notes;
+    if parameters.number_or("phimax", 360.0) != 360.0 {
+        notes.add_unsupported("shapes cut by `phimax` are whole", place.described());
+    }
+    let mesh = match kind {
+        "sphere" => {
+            let radius = radius(parameters)?;
+            let [low, high] = ["zmin", "zmax"].map(|name| parameters.number(name));
+            if low.is_some_and(|z| z > -radius) || high.is_some_and(|z| z < radius) {
+                notes.add_unsupported("spheres cut by `zmin` and `zmax` are whole", place.described());
+            }
+            if is_reversed {
+                notes.add_unsupported("spheres and cylinders are not turned inside out", place.described());
+            }
+            return Ok(Some(ShapeDescription::Sphere { center: DVec3::ZERO, radius }));
+        }
+        "disk" => {
+            if parameters.number_or("innerradius", 0.0) > 0.0 {
+                notes.add_unsupported("disks have no hole", place.described());
+            }
+            let center = DVec3::Z * parameters.number_or("height", 0.0);
+            let normal = if is_reversed { DVec3::NEG_Z } else { DVec3::Z };
+            return Ok(Some(ShapeDescription::Disc { center, normal, radius: radius(parameters)? }));
+        }
+        "cylinder" => {
+            let ends = [parameters.number_or("zmin", -1.0), parameters.number_or("zmax", 1.0)];
+            if ends[0] == ends[1] {
+                return Err(place.error("the cylinder has no height", "give different `zmin` and `zmax`"));
+            }
+            if is_reversed {
+                notes.add_unsupported("spheres and cylinders are not turned inside out", place.described());
+            }
+            let ends = ends.map(|z| DVec3::Z * z);
+            return Ok(Some(ShapeDescription::Cylinder { ends, radius: radius(parameters)?, is_capped: false }));
+        }
+        "trianglemesh" => triangle_mesh(parameters, files)?,
+        "bilinearmesh" => bilinear_mesh(parameters, files)?,
+        "loopsubdiv" => {
+            let levels = parameters.number("levels").or(parameters.number("nlevels")).unwrap_or(3.0);
+            if !(0.0..=MAX_LEVELS).contains(&levels) {
+                return Err(place.error("the subdivision has no level from 0 to 10", "correct `levels`"));
+            }
+            let base = triangle_mesh(parameters, files)?;
+            let corners = 3 * base.triangles.len() as u64 + base.positions.len() as u64;
+            // Four times as many triangles a level, and tables of their edges.
+            files.count_memory((6 * MEMORY_PER_CORNER * corners).saturating_mul(1 << (2 * levels as u64)))?;
+            subdivided(base.positions, base.triangles, levels as u32)
+        }
+        "plymesh" => {
+            let file = parameters.text("filename").unwrap_or_default();
+            let path = files.resolve(place, file)?;
+            let bytes = files.read(&path)?;
+            let bytes = if bytes.starts_with(&[0x1f, 0x8b]) { files.unzipped(&bytes, place)? } else { bytes };
+            // The extension selects the reader, and `.ply.gz` is PLY too.
+            let named = Path::new(file.strip_suffix(".gz").unwrap_or(file));
+            let loaded = decode(named, bytes, files.monitor, files.free_memory());
+            let mesh = loaded.map_err(|e| place.error(e, "export the mesh again, or check it: `caustica mesh`"))?.mesh;
+            files.count_memory(MEMORY_PER_CORNER * (mesh.positions.len() + 3 * mesh.triangles.len()) as u64)?;
+            if parameters.find("displacement").is_some() {
+                notes.add_unsupported("displacement of meshes is ignored", place.described());
+            }
+            TriangleMesh { materials: Vec::new(), triangle_materials: Vec::new(), ..mesh }
+        }
+        "curve" => {
+            notes.add_unsupported("curves are left out", place.described());
+            return Ok(None);
+        }
+        _ => {
+            let message = format!("the shape `{kind}` is not supported");
+            return Err(place.error(message, "use sphere, disk, cylinder or a mesh"));
+        }
+    };
+    let mut mesh = mesh;
+    if is_reversed {
+        mesh.reverse_orientation();
+    }
+    mesh.merge_equal_vertices();
+    if mesh.triangles.is_empty() {
+        notes.add_unsupported("meshes without triangles are left out", place.described());
+        return Ok(None);
+    }
+    content.meshes.insert(name.to_owned(), Arc::new(mesh));
+    let path = Spanned::new(name.to_owned(), Span::default());
+    Ok(Some(ShapeDescription::Mesh { path, options: MeshOptions::default() }))
+}
+
+/// Returns the vertex indices of a parameter; an error if one is no vertex.
+fn indices(parameters: &Parameters, count: usize, files: &SceneFiles<'_>) -> ReadResult<Vec<u32>> {
+    let numbers = parameters.numbers("indices");
+    files.count_memory(MEMORY_PER_CORNER * numbers.len() as u64)?;
+    let index = |number: &f64| {
+        if *number >= 0.0 && *number < count as f64 && number.fract() == 0.0 {
+            return Ok(*number as u32);
+        }
+        let message = format!("the index {number} is no vertex: there are {count}");
+        Err(parameters.place.error(message, "correct `indices`"))
+    };
+    numbers.iter().map(index).collect()
+}
+
+/// Returns the positions, normals and texture coordinates of a mesh, without faces.
+fn vertices(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<TriangleMesh> {
+    let place = &parameters.place;
+    let positions = parameters.points("P")?;
+    files.count_memory(MEMORY_PER_CORNER * positions.len() as u64)?;
+    if positions.is_empty() || positions.len() > u32::MAX as usize / 2 {
+        return Err(place.error("the mesh has no vertices", "give positions: `\"point3 P\" [ … ]`"));
+    }
+    let wrong = |name: &str, count: usize| {
+        let message = format!("`{name}` has {count} elements for {} vertices", positions.len());
+        place.error(message, "give as many as vertices")
+    };
+    let normals = parameters.points("N")?;
+    if !normals.is_empty() && normals.len() != positions.len() {
+        return Err(wrong("N", normals.len()));
+    }
+    let normals = (!normals.is_empty()).then(|| normals.iter().map(|n| n.normalize_or_zero()).collect());
+    let uv = parameters.find_any(&["uv", "st"]).map_or(&[][..], |parameter| &parameter.numbers);
+    if !uv.is_empty() && uv.len() != 2 * positions.len() {
+        return Err(wrong("uv", uv.len() / 2));
+    }
+    let texcoords = (!uv.is_empty()).then(|| uv.as_chunks::<2>().0.iter().map(|p| DVec2::from_array(*p)).collect());
+    Ok(TriangleMesh { positions, normals, texcoords, ..TriangleMesh::default() })
+}
+
+/// Returns a mesh of triangles.
+fn triangle_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<TriangleMesh> {
+    let mut mesh = vertices(parameters, files)?;
+    let mut corners = indices(parameters, mesh.positions.len(), files)?;
+    if corners.is_empty() && mesh.positions.len() == 3 {
+        corners = vec![0, 1, 2];
+    }
+    if corners.is_empty() || !corners.len().is_multiple_of(3) {
+        let message = format!("the mesh has {} indices, which is no multiple of 3", corners.len());
+        return Err(parameters.place.error(message, "give three `indices` for each triangle"));
+    }
+    mesh.triangles = corners.as_chunks().0.to_vec();
+    face_normals(&mut mesh);
+    Ok(mesh)
+}
+
+/// Turns triangles so that they face along their normals, as pbrt does.
+fn face_normals(mesh: &mut TriangleMesh) {
+    let TriangleMesh { positions, triangles, normals: Some(normals), .. } = mesh else { return };
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|i| positions[i as usize]);
+        let normal: DVec3 = triangle.iter().map(|i| normals[*i as usize]).sum();
+        if (b - a).cross(c - a).dot(normal) < 0.0 {
+            triangle.swap(1, 2);
+        }
+    }
+}
+
+/// Returns the triangles of bilinear patches. Flat ones with straight sides are two triangles.
+fn bilinear_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<TriangleMesh> {
+    let base = vertices(parameters, files)?;
+    let mut corners = indices(parameters, base.positions.len(), files)?;
+    if corners.is_empty() && base.positions.len() == 4 {
+        corners = vec![0, 1, 2, 3];
+    }
+    if corners.is_empty() || !corners.len().is_multiple_of(4) {
+        let message = format!("the mesh has {} indices, which is no multiple of 4", corners.len());
+        return Err(parameters.place.error(message, "give four `indices` for each patch"));
+    }
+    let patches = corners.as_chunks::<4>().0;
+    let mut mesh = TriangleMesh::default();
+    let (mut normals, mut texcoords) = (Vec::new(), Vec::new());
+    for patch in patches {
+        let p = patch.map(|i| base.positions[i as usize]);
+        let n = base.normals.as_ref().map(|normals| patch.map(|i| normals[i as usize]));
+        let uv = base.texcoords.as_ref().map(|uv| patch.map(|i| uv[i as usize]));
+        let uv = uv.unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y, DVec2::ONE]);
+        let twist = p[0] + p[3] - p[1] - p[2];
+        let size = (p[3] - p[0]).length() + (p[2] - p[1]).length();
+        // A parallelogram needs no segments.
+        let segments = if twist.length() < 1e-9 * size { 1 } else { PATCH_SEGMENTS };
+        files.count_memory(MEMORY_PER_CORNER * 6 * u64::from(segments * segments))?;
+        let first = mesh.positions.len() as u32;
+        for j in 0..=segments {
+            for i in 0..=segments {
+                let (u, v) = (f64::from(i) / f64::from(segments), f64::from(j) / f64::from(segments));
+                let weights = [(1.0 - u) * (1.0 - v), u * (1.0 - v), (1.0 - u) * v, u * v];
+                mesh.positions.push((0..4).map(|k| weights[k] * p[k]).sum());
+                let (du, dv) = ((p[1] - p[0]).lerp(p[3] - p[2], v), (p[2] - p[0]).lerp(p[3] - p[1], u));
+                let given = n.map(|n| (0..4).map(|k| weights[k] * n[k]).sum::<DVec3>());
+                normals.push(given.unwrap_or(du.cross(dv)).normalize_or_zero());
+                texcoords.push((0..4).map(|k| weights[k] * uv[k]).sum());
+            }
+        }
+        for j in 0..segments {
+            for i in 0..segments {
+                let at = |i: u32, j: u32| first + j * (segments + 1) + i;
+                mesh.triangles.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
+                mesh.triangles.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+    }
+    (mesh.normals, mesh.texcoords) = (Some(normals), Some(texcoords));
+    face_normals(&mut mesh);
+    Ok(mesh)
+}

@@ -1,0 +1,149 @@
+//! Colors of pbrt: RGB, XYZ, blackbodies, sampled and named spectra.
+
+use super::files::{Place, ReadResult, SceneFiles};
+use super::parameters::{Parameter, parse_number};
+use crate::bsdf::metal_refractive_index;
+use crate::color::{Spectrum, illuminant_rgb, xyz_to_rgb};
+use glam::DVec3;
+
+/// Meaning of a color.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ColorUse {
+    /// Reflectance or transmittance, inside \[0, 1].
+    Reflectance,
+    /// Light. Spectra of pbrt-v4 have luminance 1 before their scale.
+    Light {
+        /// True for files of pbrt-v3, which keeps the unit of spectra.
+        is_v3: bool,
+    },
+    /// Number by wavelength, such as an absorption coefficient.
+    Unbounded,
+}
+
+/// A spectrum, or its values for linear red, green and blue.
+pub(super) enum SpectralValue {
+    /// Values by wavelength.
+    Spectrum(Spectrum),
+    /// Values by channel.
+    Channels(DVec3),
+}
+
+impl SpectralValue {
+    /// Returns the values by channel.
+    pub fn channels(&self) -> DVec3 {
+        match self {
+            Self::Spectrum(spectrum) => spectrum.channel_means(),
+            Self::Channels(rgb) => *rgb,
+        }
+    }
+}
+
+/// Returns the linear RGB value of a parameter.
+pub(super) fn color(
+    parameter: &Parameter,
+    wanted: ColorUse,
+    place: &Place,
+    files: &SceneFiles<'_>,
+) -> ReadResult<DVec3> {
+    let value = match (&*parameter.kind, &*parameter.numbers) {
+        ("blackbody", [kelvin, rest @ ..]) => {
+            if !(*kelvin >= 100.0 && *kelvin <= 1e6) {
+                return Err(place.error("the temperature is not between 100 and 1,000,000 K", "correct `blackbody`"));
+            }
+            let spectrum = Spectrum::normalized_blackbody(*kelvin);
+            match (wanted, rest.first()) {
+                (ColorUse::Light { .. }, Some(scale)) => spectrum.radiance_rgb() * *scale,
+                (ColorUse::Light { .. }, None) => spectrum.normalized_radiance_rgb(),
+                (ColorUse::Reflectance | ColorUse::Unbounded, _) => spectrum.reflectance_rgb(),
+            }
+        }
+        _ => match spectral_value(parameter, place, files)? {
+            SpectralValue::Channels(rgb) => rgb,
+            SpectralValue::Spectrum(spectrum) => match wanted {
+                ColorUse::Reflectance => spectrum.reflectance_rgb(),
+                ColorUse::Light { is_v3: true } => spectrum.radiance_rgb(),
+                ColorUse::Light { is_v3: false } => spectrum.normalized_radiance_rgb(),
+                ColorUse::Unbounded => spectrum.channel_means(),
+            },
+        },
+    };
+    let value = if wanted == ColorUse::Reflectance { value.clamp(DVec3::ZERO, DVec3::ONE) } else { value };
+    if value.min_element() < 0.0 {
+        return Err(place.error(format!("`{}` is negative", parameter.name), "use values of at least 0"));
+    }
+    Ok(value)
+}
+
+/// Returns the spectrum or channels of a parameter.
+pub(super) fn spectral_value(
+    parameter: &Parameter,
+    place: &Place,
+    files: &SceneFiles<'_>,
+) -> ReadResult<SpectralValue> {
+    let Parameter { kind, name, numbers, texts } = parameter;
+    let channels = |rgb| Ok(SpectralValue::Channels(rgb));
+    match (&**kind, &**numbers, texts.first()) {
+        ("rgb" | "color", [r, g, b], _) => channels(DVec3::new(*r, *g, *b)),
+        ("xyz", [x, y, z], _) => channels(xyz_to_rgb(DVec3::new(*x, *y, *z)).max(DVec3::ZERO)),
+        ("float", [value], _) => channels(DVec3::splat(*value)),
+        ("spectrum", [value], None) => channels(DVec3::splat(*value)),
+        ("spectrum", _, Some(text)) => named_spectrum(text, place, files),
+        ("spectrum", pairs @ [_, _, ..], None) => sampled(pairs, place).map(SpectralValue::Spectrum),
+        _ => Err(place
+            .error(format!("`{kind} {name}` has {} numbers", numbers.len()), "write colors as `\"rgb L\" [ 1 1 1 ]`")),
+    }
+}
+
+/// Returns the spectrum of pairs of wavelength and value.
+fn sampled(pairs: &[f64], place: &Place) -> ReadResult<Spectrum> {
+    let samples = pairs.as_chunks::<2>().0.to_vec();
+    let spectrum = if pairs.len().is_multiple_of(2) { Spectrum::from_samples(samples) } else { None };
+    spectrum.ok_or_else(|| {
+        place.error("the samples of a spectrum are no pairs of increasing wavelength and value", "sort the pairs")
+    })
+}
+
+/// Returns the spectrum with a name of pbrt, or that of a file.
+fn named_spectrum(name: &str, place: &Place, files: &SceneFiles<'_>) -> ReadResult<SpectralValue> {
+    if let Some(metal) = name.strip_prefix("metal-") {
+        let (metal, is_eta) = match (metal.strip_suffix("-eta"), metal.strip_suffix("-k")) {
+            (Some(metal), _) => (metal, true),
+            (None, Some(metal)) => (metal, false),
+            (None, None) => (metal, true),
+        };
+        return metal_index(metal, is_eta)
+            .map(SpectralValue::Channels)
+            .ok_or_else(|| place.error(format!("no metal is called `{metal}`"), "give `eta` and `k` as spectra"));
+    }
+    if let Some(rgb) = name.strip_prefix("stdillum-").and_then(illuminant_rgb) {
+        return Ok(SpectralValue::Channels(rgb));
+    }
+    if name.starts_with("stdillum-") || name.starts_with("illum-") || name.starts_with("glass-") {
+        return Err(place.error(format!("the spectrum `{name}` has no color here"), "give its samples, or an `rgb`"));
+    }
+    let path = files.resolve(place, name)?;
+    let bytes = files.read(&path)?;
+    let text = String::from_utf8_lossy(&bytes);
+    let mut numbers = Vec::new();
+    let file: std::rc::Rc<str> = path.display().to_string().into();
+    for (line, content) in text.lines().enumerate() {
+        let place = Place { file: file.clone(), line: line as u32 + 1 };
+        for word in content.split('#').next().unwrap_or_default().split_whitespace() {
+            numbers.push(parse_number(word, &place)?);
+        }
+    }
+    sampled(&numbers, &Place { file, line: 1 }).map(SpectralValue::Spectrum)
+}
+
+/// Returns η or k of a metal or of an oxide that pbrt counts among the metals.
+fn metal_index(name: &str, is_eta: bool) -> Option<DVec3> {
+    let oxide = match name {
+        "MgO" => Some(1.737),
+        "TiO2" => Some(2.61),
+        _ => None,
+    };
+    if let Some(index) = oxide {
+        return Some(DVec3::splat(if is_eta { index } else { 0.0 }));
+    }
+    metal_refractive_index(name).map(|(eta, k)| if is_eta { eta } else { k }.as_dvec3())
+}

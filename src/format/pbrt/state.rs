@@ -1,0 +1,210 @@
+//! The graphics state of pbrt: transforms, material, media and area light of the next shape.
+
+use super::files::{Place, ReadResult};
+use super::parameters::Parameters;
+use crate::format::description::TransformStep;
+use crate::math::Transform;
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use std::rc::Rc;
+
+/// Largest rotation that counts as none \[radians].
+const LEAST_ROTATION: f64 = 1e-9;
+
+/// Transforms at the start and the end of the shutter interval.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct MovingTransform(pub [DAffine3; 2]);
+
+impl MovingTransform {
+    /// The transform that changes nothing.
+    pub const IDENTITY: Self = Self([DAffine3::IDENTITY; 2]);
+
+    /// Returns the inverse at both times; `None` if one is singular.
+    pub fn inverse(&self) -> Option<Self> {
+        let inverse = |map: DAffine3| Transform::new(map).is_ok().then(|| map.inverse());
+        Some(Self([inverse(self.0[0])?, inverse(self.0[1])?]))
+    }
+
+    /// True if both transforms are equal.
+    pub fn is_still(&self) -> bool {
+        self.0[0] == self.0[1]
+    }
+}
+
+/// Motion of an object: the steps about a center, and true if the steps are only approximate.
+pub(super) struct ObjectMotion {
+    /// Center of the rotation in world space: the origin of the object when the shutter opens.
+    pub center: DVec3,
+    /// Translation and rotation, the translation first.
+    pub steps: Vec<TransformStep>,
+    /// True if the motion also scales or shears, which the steps omit.
+    pub omits_scale: bool,
+}
+
+/// Returns the motion between the two transforms; `None` for an object at rest.
+pub(super) fn object_motion(transform: &MovingTransform) -> Option<ObjectMotion> {
+    let [start, end] = transform.0;
+    if transform.is_still() {
+        return None;
+    }
+    let relative = end.matrix3 * start.matrix3.inverse();
+    let scale = DVec3::new(relative.x_axis.length(), relative.y_axis.length(), relative.z_axis.length());
+    let unscaled = DMat3::from_cols(relative.x_axis / scale.x, relative.y_axis / scale.y, relative.z_axis / scale.z);
+    let is_rotation = (unscaled.transpose() * unscaled).abs_diff_eq(DMat3::IDENTITY, 1e-6);
+    let omits_scale = !is_rotation || !scale.abs_diff_eq(DVec3::ONE, 1e-6) || unscaled.determinant() < 0.0;
+    let mut steps = vec![TransformStep::Translate(end.translation - start.translation)];
+    if is_rotation && unscaled.determinant() > 0.0 {
+        let rotation = DQuat::from_mat3(&unscaled);
+        // The shorter way around.
+        let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
+        let angle = 2.0 * libm::atan2(rotation.xyz().length(), rotation.w);
+        if angle > LEAST_ROTATION {
+            steps.push(TransformStep::Rotate { axis: rotation.xyz().normalize(), angle: angle.to_degrees() });
+        }
+    }
+    Some(ObjectMotion { center: start.translation, steps, omits_scale })
+}
+
+/// Area light of the shapes that follow.
+#[derive(Clone, Debug)]
+pub(super) struct AreaLight {
+    /// Parameters of the directive.
+    pub parameters: Rc<Parameters>,
+}
+
+/// Material of the shapes that follow.
+#[derive(Clone, Debug)]
+pub(super) enum CurrentMaterial {
+    /// Material without a name, by number.
+    Numbered(usize),
+    /// Named material, which may be defined later.
+    Named(Rc<str>, Place),
+}
+
+/// The graphics state.
+#[derive(Clone, Debug)]
+pub(super) struct GraphicsState {
+    /// Transform from object to world space.
+    pub transform: MovingTransform,
+    /// Transforms that directives change: at the start and the end of the shutter interval.
+    pub is_active: [bool; 2],
+    /// True if shapes are turned inside out.
+    pub is_reversed: bool,
+    /// Material of shapes.
+    pub material: CurrentMaterial,
+    /// Emission of shapes.
+    pub area_light: Option<AreaLight>,
+    /// Names of the media inside and outside of shapes; empty for vacuum.
+    pub media: [Rc<str>; 2],
+}
+
+impl GraphicsState {
+    /// Returns the state at the start of a file.
+    pub fn new() -> Self {
+        Self {
+            transform: MovingTransform::IDENTITY,
+            is_active: [true; 2],
+            is_reversed: false,
+            material: CurrentMaterial::Numbered(0),
+            area_light: None,
+            media: ["".into(), "".into()],
+        }
+    }
+
+    /// Multiplies the active transforms by `map`, which applies first.
+    pub fn concatenate(&mut self, map: DAffine3, place: &Place) -> ReadResult<()> {
+        for i in 0..2 {
+            if self.is_active[i] {
+                let product = self.transform.0[i] * map;
+                if !(product.is_finite() && product.matrix3.determinant() != 0.0) {
+                    return Err(place.error("the transform is singular or too large", "use scales other than 0"));
+                }
+                self.transform.0[i] = product;
+            }
+        }
+        Ok(())
+    }
+
+    /// Replaces the active transforms.
+    pub fn set_transform(&mut self, transform: MovingTransform) {
+        for i in 0..2 {
+            if self.is_active[i] {
+                self.transform.0[i] = transform.0[i];
+            }
+        }
+    }
+}
+
+/// Returns the affine map of a directive's numbers; the directive is a transform.
+pub(super) fn transform_map(directive: &str, n: &[f64], place: &Place) -> ReadResult<DAffine3> {
+    let vector = |i: usize| DVec3::new(n[i], n[i + 1], n[i + 2]);
+    let invalid = |message: &str| place.error(message, "correct the numbers of the transform");
+    match directive {
+        "Translate" => Ok(DAffine3::from_translation(vector(0))),
+        "Scale" => Ok(DAffine3::from_scale(vector(0))),
+        "Rotate" => {
+            if vector(1) == DVec3::ZERO {
+                return Err(invalid("the axis of a rotation is zero"));
+            }
+            Ok(TransformStep::Rotate { axis: vector(1), angle: n[0] }.matrix())
+        }
+        "LookAt" => {
+            let (eye, target, up) = (vector(0), vector(3), vector(6));
+            let forward = (target - eye).try_normalize().ok_or_else(|| invalid("LookAt: both points are equal"))?;
+            let up = up.try_normalize().ok_or_else(|| invalid("LookAt: the up vector is zero"))?;
+            let right =
+                up.cross(forward).try_normalize().ok_or_else(|| invalid("LookAt: the view is parallel to up"))?;
+            let axes = DMat3::from_cols(right, forward.cross(right), forward);
+            Ok(DAffine3::from_mat3_translation(axes, eye).inverse())
+        }
+        _ => {
+            let matrix: [f64; 16] = n.try_into().map_err(|_| invalid("a matrix has 16 numbers"))?;
+            let matrix = DMat4::from_cols_array(&matrix);
+            let row = matrix.row(3);
+            if row.w == 0.0 || row.truncate().abs().max_element() > 1e-9 * row.w.abs() {
+                return Err(invalid("the matrix is not affine"));
+            }
+            Ok(DAffine3::from_mat4(matrix * (1.0 / row.w)))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place() -> Place {
+        Place { file: "test".into(), line: 1 }
+    }
+
+    /// pbrt's camera looks along +z, and +x is to the right.
+    #[test]
+    fn look_at_maps_the_view_to_z() {
+        let map = transform_map("LookAt", &[1.0, 2.0, 3.0, 1.0, 2.0, 13.0, 0.0, 1.0, 0.0], &place()).unwrap();
+        assert!(map.transform_point3(DVec3::new(1.0, 2.0, 8.0)).abs_diff_eq(5.0 * DVec3::Z, 1e-12));
+        assert!(map.transform_vector3(DVec3::X).abs_diff_eq(DVec3::X, 1e-12));
+    }
+
+    #[test]
+    fn matrices_are_in_column_order() {
+        let mut numbers = DMat4::IDENTITY.to_cols_array();
+        numbers[12..15].copy_from_slice(&[1.0, 2.0, 3.0]);
+        let map = transform_map("Transform", &numbers, &place()).unwrap();
+        assert_eq!(map.translation, DVec3::new(1.0, 2.0, 3.0));
+        numbers[3] = 1.0;
+        assert!(transform_map("Transform", &numbers, &place()).is_err());
+    }
+
+    #[test]
+    fn motions_are_split_into_translation_and_rotation() {
+        let start = DAffine3::from_translation(DVec3::X);
+        let end = DAffine3::from_translation(DVec3::new(1.0, 4.0, 0.0)) * DAffine3::from_rotation_z(0.5);
+        let motion = object_motion(&MovingTransform([start, end])).unwrap();
+        assert_eq!((motion.center, motion.omits_scale), (DVec3::X, false));
+        let around = DAffine3::from_translation(motion.center);
+        let full = around * TransformStep::composed_matrix(&motion.steps) * around.inverse() * start;
+        assert!(full.abs_diff_eq(end, 1e-12));
+        let scaled = MovingTransform([start, start * DAffine3::from_scale(DVec3::splat(2.0))]);
+        assert!(object_motion(&scaled).unwrap().omits_scale);
+        assert!(object_motion(&MovingTransform([start; 2])).is_none());
+    }
+}

@@ -1,0 +1,162 @@
+//! Loop subdivision of triangle meshes (Loop 1987), with vertices at their limit positions.
+
+use crate::format::mesh::TriangleMesh;
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// Neighbors of a vertex.
+#[derive(Clone, Debug, Default)]
+struct Neighborhood {
+    /// Number of edges.
+    valence: u32,
+    /// Sum of the positions of all neighbors.
+    sum: DVec3,
+    /// Number of boundary edges.
+    boundary_edges: u32,
+    /// Sum of the positions of neighbors along boundary edges.
+    boundary_sum: DVec3,
+}
+
+/// Edges with the number of their triangles and the corners that lie opposite.
+type Edges = HashMap<[u32; 2], (u32, [u32; 2])>;
+
+/// Returns the mesh after `levels` subdivisions, with smooth normals.
+pub(super) fn subdivided(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, levels: u32) -> TriangleMesh {
+    let (mut positions, mut triangles) = (positions, triangles);
+    for _ in 0..levels {
+        (positions, triangles) = subdivided_once(&positions, &triangles);
+    }
+    let edges = edges(&triangles);
+    let neighbors = neighborhoods(&positions, &edges);
+    let limits = positions.iter().zip(&neighbors).map(|(position, around)| limit_position(*position, around));
+    let mut mesh = TriangleMesh { positions: limits.collect(), triangles, ..TriangleMesh::default() };
+    mesh.compute_smooth_normals(180.0);
+    mesh
+}
+
+/// Returns the mesh after one subdivision: each triangle becomes four.
+fn subdivided_once(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let edges = edges(triangles);
+    let neighbors = neighborhoods(positions, &edges);
+    let mut fine: Vec<DVec3> = positions.iter().zip(&neighbors).map(|(p, around)| even_position(*p, around)).collect();
+    let mut middles: HashMap<[u32; 2], u32> = HashMap::with_capacity(edges.len());
+    let mut middle = |a: u32, b: u32| {
+        let key = [a.min(b), a.max(b)];
+        *middles.entry(key).or_insert_with(|| {
+            let ends = positions[a as usize] + positions[b as usize];
+            fine.push(match edges.get(&key) {
+                Some((2, [c, d])) => 0.375 * ends + 0.125 * (positions[*c as usize] + positions[*d as usize]),
+                _ => 0.5 * ends,
+            });
+            fine.len() as u32 - 1
+        })
+    };
+    let mut out = Vec::with_capacity(4 * triangles.len());
+    for &[a, b, c] in triangles {
+        let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+        out.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+    }
+    (fine, out)
+}
+
+/// Returns the edges of a mesh. The indices of each are sorted.
+fn edges(triangles: &[[u32; 3]]) -> Edges {
+    let mut edges = Edges::with_capacity(2 * triangles.len());
+    for &[a, b, c] in triangles {
+        for (start, end, opposite) in [(a, b, c), (b, c, a), (c, a, b)] {
+            let (count, corners) = edges.entry([start.min(end), start.max(end)]).or_default();
+            if let Some(corner) = corners.get_mut(*count as usize) {
+                *corner = opposite;
+            }
+            *count += 1;
+        }
+    }
+    edges
+}
+
+/// Returns the neighbors of each vertex.
+fn neighborhoods(positions: &[DVec3], edges: &Edges) -> Vec<Neighborhood> {
+    let mut neighbors = vec![Neighborhood::default(); positions.len()];
+    // Sums depend on the order of their terms, so the edges are sorted.
+    let mut sorted: Vec<_> = edges.iter().collect();
+    sorted.sort_unstable_by_key(|(ends, _)| **ends);
+    for (&[a, b], (count, _)) in sorted {
+        for (vertex, neighbor) in [(a, b), (b, a)] {
+            let around = &mut neighbors[vertex as usize];
+            around.valence += 1;
+            around.sum += positions[neighbor as usize];
+            if *count == 1 {
+                around.boundary_edges += 1;
+                around.boundary_sum += positions[neighbor as usize];
+            }
+        }
+    }
+    neighbors
+}
+
+/// Weight of each neighbor of an inner vertex (Warren 1995).
+fn neighbor_weight(valence: u32) -> f64 {
+    if valence == 3 { 3.0 / 16.0 } else { 3.0 / (8.0 * f64::from(valence)) }
+}
+
+/// Returns the position of a vertex after one subdivision.
+fn even_position(position: DVec3, around: &Neighborhood) -> DVec3 {
+    match around.boundary_edges {
+        0 if around.valence > 0 => {
+            let weight = neighbor_weight(around.valence);
+            position * (1.0 - f64::from(around.valence) * weight) + weight * around.sum
+        }
+        2 => 0.75 * position + 0.125 * around.boundary_sum,
+        _ => position,
+    }
+}
+
+/// Returns the position of a vertex after infinitely many subdivisions.
+fn limit_position(position: DVec3, around: &Neighborhood) -> DVec3 {
+    match around.boundary_edges {
+        0 if around.valence > 0 => {
+            let valence = f64::from(around.valence);
+            let weight = 1.0 / (valence + 3.0 / (8.0 * neighbor_weight(around.valence)));
+            position * (1.0 - valence * weight) + weight * around.sum
+        }
+        2 => 0.6 * position + 0.2 * around.boundary_sum,
+        _ => position,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn octahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
+        let positions = vec![DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z];
+        let triangles =
+            [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]].to_vec();
+        (positions, triangles)
+    }
+
+    /// A limit position is a fixed point: further subdivision does not move it.
+    #[test]
+    fn limits_do_not_depend_on_the_level() {
+        let (positions, triangles) = octahedron();
+        let coarse = subdivided(positions.clone(), triangles.clone(), 0);
+        let fine = subdivided(positions, triangles, 3);
+        assert_eq!(fine.triangles.len(), 8 * 64);
+        for corner in &coarse.positions {
+            assert!(fine.positions.iter().any(|p| p.abs_diff_eq(*corner, 1e-12)), "{corner}");
+        }
+        let radii = fine.positions.iter().map(|p| p.length());
+        assert!(radii.clone().fold(0.0, f64::max) / radii.fold(f64::MAX, f64::min) < 1.15);
+        let normals = fine.normals.unwrap();
+        assert!(fine.positions.iter().zip(&normals).all(|(p, n)| p.normalize().dot(*n) > 0.95));
+    }
+
+    #[test]
+    fn a_flat_square_keeps_its_plane_and_boundary() {
+        let square = vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+        let mesh = subdivided(square, vec![[0, 1, 2], [0, 2, 3]], 2);
+        assert_eq!(mesh.triangles.len(), 32);
+        let inside = |p: &DVec3| p.z == 0.0 && p.x >= 0.0 && p.y >= 0.0 && p.x <= 1.0 && p.y <= 1.0;
+        assert!(mesh.positions.iter().all(inside));
+    }
+}

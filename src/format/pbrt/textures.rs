@@ -1,0 +1,320 @@
+//! Textures of pbrt as textures and pictures of the description.
+
+use super::files::{Place, ReadResult, SceneFiles};
+use super::parameters::{Parameter, Parameters};
+use super::spectra::{ColorUse, color};
+use crate::format::description::{
+    PictureEncoding, SolidPatternDescription, Span, Spanned, TexcoordTransformDescription, TextureDescription,
+    TextureKindDescription, TexturedValue, WrapMode,
+};
+use crate::format::import_notes::ImportNotes;
+use crate::image::{Image, PixelMeaning, decode, decode_rgba_levels};
+use glam::{DVec2, DVec3, Vec3};
+use std::collections::{BTreeMap, HashMap};
+use std::path::Path;
+use std::sync::Arc;
+
+/// A texture of the file: its pattern, times a factor.
+#[derive(Clone, Debug)]
+pub(super) enum TextureValue {
+    /// One value everywhere.
+    Constant(DVec3),
+    /// Pixels of a picture.
+    Picture {
+        /// The picture; its values are linear.
+        image: Arc<Image>,
+        /// Factor of the values.
+        factor: DVec3,
+        /// Rule beyond the edges.
+        wrap: WrapMode,
+        /// Transform of texture coordinates.
+        coordinates: TexcoordTransformDescription,
+    },
+    /// A checkerboard of two colors.
+    Checker {
+        /// Both colors.
+        colors: [DVec3; 2],
+        /// Transform of texture coordinates.
+        coordinates: TexcoordTransformDescription,
+    },
+    /// Noise between two colors.
+    Solid {
+        /// Function of the position.
+        pattern: SolidPatternDescription,
+        /// Both colors.
+        colors: [DVec3; 2],
+        /// Number of octaves.
+        octaves: u32,
+    },
+}
+
+impl TextureValue {
+    /// Returns the texture with all values mapped; `map` acts on each value.
+    fn mapped(&self, map: &dyn Fn(DVec3) -> DVec3) -> Self {
+        match self {
+            Self::Constant(value) => Self::Constant(map(*value)),
+            Self::Picture { image, factor, wrap, coordinates } => {
+                let mut image = (**image).clone();
+                for pixel in image.pixels_mut() {
+                    *pixel = map(pixel.as_dvec3() * *factor).as_vec3();
+                }
+                Self::Picture { image: image.into(), factor: DVec3::ONE, wrap: *wrap, coordinates: *coordinates }
+            }
+            Self::Checker { colors, coordinates } => {
+                Self::Checker { colors: colors.map(map), coordinates: *coordinates }
+            }
+            Self::Solid { pattern, colors, octaves } => {
+                Self::Solid { pattern: *pattern, colors: colors.map(map), octaves: *octaves }
+            }
+        }
+    }
+
+    /// Returns the mean over the texture.
+    fn mean(&self) -> DVec3 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Picture { image, factor, .. } => {
+                let pixels = image.pixels();
+                *factor * pixels.iter().map(|pixel| pixel.as_dvec3()).sum::<DVec3>() / pixels.len().max(1) as f64
+            }
+            Self::Checker { colors, .. } | Self::Solid { colors, .. } => 0.5 * (colors[0] + colors[1]),
+        }
+    }
+
+    /// Returns the bytes that a copy takes.
+    fn memory(&self) -> u64 {
+        match self {
+            Self::Picture { image, .. } => 12 * image.pixels().len() as u64,
+            Self::Constant(_) | Self::Checker { .. } | Self::Solid { .. } => 0,
+        }
+    }
+}
+
+/// Textures that a file defines, and those of the description.
+#[derive(Default)]
+pub(super) struct Textures {
+    /// Textures of the file: those of floats, and those of colors, by name.
+    defined: HashMap<(bool, String), TextureValue>,
+    /// Textures of the description.
+    pub descriptions: Vec<Spanned<TextureDescription>>,
+    /// Embedded pictures, by path.
+    pub pictures: BTreeMap<String, Arc<Image>>,
+}
+
+impl Textures {
+    /// Defines a texture of a name and class; the flag is true for colors.
+    pub fn define(
+        &mut self,
+        (name, class, is_color): (&str, &str, bool),
+        parameters: &Parameters,
+        files: &SceneFiles<'_>,
+        notes: &mut ImportNotes,
+    ) -> ReadResult<()> {
+        let place = &parameters.place;
+        let value = |names: &[&str], default: f64| match parameters.find_any(names) {
+            Some(parameter) => self.parameter_value(parameter, is_color, place, files),
+            None => Ok(TextureValue::Constant(DVec3::splat(default))),
+        };
+        let texture = match class {
+            "constant" => value(&["value"], 1.0)?,
+            "scale" => {
+                let (first, second) = (value(&["tex", "tex1"], 1.0)?, value(&["scale", "tex2"], 1.0)?);
+                let (texture, factor) = match (&first, &second) {
+                    (TextureValue::Constant(factor), _) => (&second, *factor),
+                    (_, TextureValue::Constant(factor)) => (&first, *factor),
+                    _ => {
+                        let message = "products of two textures are the first, times the mean of the second";
+                        notes.add_unsupported(message, place.described());
+                        (&first, second.mean())
+                    }
+                };
+                files.count_memory(texture.memory())?;
+                texture.mapped(&|value| value * factor)
+            }
+            "mix" | "directionmix" => {
+                let (first, second) = (value(&["tex1"], 0.0)?, value(&["tex2"], 1.0)?);
+                let amount = value(&["amount"], 0.5)?;
+                match (&first, &second, &amount) {
+                    (TextureValue::Constant(a), TextureValue::Constant(b), amount) => {
+                        let (a, b) = (*a, *b);
+                        files.count_memory(amount.memory())?;
+                        amount.mapped(&|t| a + (b - a) * t)
+                    }
+                    _ => {
+                        notes.add_unsupported("mixes of textures are their mean", place.described());
+                        let (a, b) = (first.mean(), second.mean());
+                        TextureValue::Constant(a + (b - a) * amount.mean())
+                    }
+                }
+            }
+            "checkerboard" => {
+                let colors = [value(&["tex1"], 1.0)?.mean(), value(&["tex2"], 0.0)?.mean()];
+                if parameters.number_or("dimension", 2.0) != 2.0 {
+                    notes.add_unsupported("checkerboards of three dimensions have two", place.described());
+                }
+                TextureValue::Checker { colors, coordinates: coordinates(parameters, notes) }
+            }
+            "imagemap" => {
+                let name = parameters.text("filename").unwrap_or_default();
+                let is_linear = !is_color
+                    || parameters.text("encoding") == Some("linear")
+                    || parameters.flag("gamma") == Some(false);
+                let meaning = if is_linear { PixelMeaning::Data } else { PixelMeaning::Radiance };
+                let mut image = read_picture(name, meaning, place, files)?;
+                let inverts = parameters.flag("invert") == Some(true);
+                for pixel in image.pixels_mut() {
+                    let value = if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO };
+                    let value = if is_color { value } else { Vec3::splat(value.element_sum() / 3.0) };
+                    *pixel = if inverts { (1.0 - value).max(Vec3::ZERO) } else { value };
+                }
+                let wrap = match parameters.text("wrap") {
+                    Some("clamp") => WrapMode::Clamp,
+                    Some("black") => {
+                        notes.add_unsupported("textures that are black beyond their edges repeat", place.described());
+                        WrapMode::Repeat
+                    }
+                    _ => WrapMode::Repeat,
+                };
+                let factor = DVec3::splat(parameters.number_or("scale", 1.0).max(0.0));
+                TextureValue::Picture { image: image.into(), factor, wrap, coordinates: coordinates(parameters, notes) }
+            }
+            "fbm" | "wrinkled" | "windy" | "marble" => {
+                notes.add_unsupported("procedural textures have Caustica's noise, not pbrt's", place.described());
+                let (pattern, colors) = match class {
+                    "marble" => (SolidPatternDescription::Marble, [DVec3::new(0.2, 0.2, 0.3), DVec3::splat(0.9)]),
+                    _ => (SolidPatternDescription::Noise, [DVec3::ZERO, DVec3::ONE]),
+                };
+                let octaves = parameters.number_or("octaves", 8.0).clamp(1.0, 16.0) as u32;
+                TextureValue::Solid { pattern, colors, octaves }
+            }
+            "bilerp" => {
+                notes.add_unsupported("textures between four corners are their mean", place.described());
+                let mut sum = DVec3::ZERO;
+                for (name, default) in [("v00", 0.0), ("v01", 1.0), ("v10", 0.0), ("v11", 1.0)] {
+                    sum += value(&[name], default)?.mean();
+                }
+                TextureValue::Constant(0.25 * sum)
+            }
+            "dots" => {
+                notes.add_unsupported("textures of dots have the color between the dots", place.described());
+                value(&["outside"], 0.0)?
+            }
+            _ => {
+                let message = format!("no texture `{class}` is supported");
+                return Err(place.error(message, "use imagemap, constant, scale, mix or checkerboard"));
+            }
+        };
+        files.count_memory(400 + texture.memory())?;
+        self.defined.insert((is_color, name.to_owned()), texture);
+        Ok(())
+    }
+
+    /// Returns the value of a parameter: a number, a color, or a texture of the file.
+    pub fn parameter_value(
+        &self,
+        parameter: &Parameter,
+        is_color: bool,
+        place: &Place,
+        files: &SceneFiles<'_>,
+    ) -> ReadResult<TextureValue> {
+        if parameter.kind != "texture" {
+            let wanted = if is_color { ColorUse::Reflectance } else { ColorUse::Unbounded };
+            if !is_color && parameter.numbers.len() == 1 {
+                return Ok(TextureValue::Constant(DVec3::splat(parameter.numbers[0])));
+            }
+            return color(parameter, wanted, place, files).map(TextureValue::Constant);
+        }
+        let name = parameter.texts.first().map(String::as_str).unwrap_or_default();
+        let find = |is_color: bool| self.defined.get(&(is_color, name.to_owned()));
+        find(is_color).or_else(|| find(!is_color)).cloned().ok_or_else(|| {
+            place.error(format!("no texture is called `{name}`"), "define it before its use: `Texture \"name\" …`")
+        })
+    }
+
+    /// Adds the texture of values mapped by `map`; returns a constant or its name, and its mean.
+    pub fn add(
+        &mut self,
+        value: &TextureValue,
+        map: &dyn Fn(DVec3) -> DVec3,
+        files: &SceneFiles<'_>,
+    ) -> ReadResult<(TexturedValue<DVec3>, DVec3)> {
+        files.count_memory(value.memory())?;
+        let mapped = value.mapped(map);
+        let mean = mapped.mean();
+        let kind = match mapped {
+            TextureValue::Constant(value) => return Ok((TexturedValue::Plain(value), value)),
+            TextureValue::Picture { image, wrap, coordinates, .. } => {
+                let first = image.pixels().first().copied().unwrap_or_default();
+                if image.pixels().iter().all(|pixel| *pixel == first) {
+                    return Ok((TexturedValue::Plain(first.as_dvec3()), first.as_dvec3()));
+                }
+                let path = Spanned::new(self.embed((*image).clone(), files)?, Span::default());
+                TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates }
+            }
+            TextureValue::Checker { colors, coordinates } => TextureKindDescription::Checker { colors, coordinates },
+            TextureValue::Solid { pattern, colors, octaves } => TextureKindDescription::Solid {
+                pattern,
+                colors,
+                octaves,
+                frequency: 1.0,
+                amplitude: 1.0,
+                maps: Vec::new(),
+            },
+        };
+        files.count_memory(400)?;
+        let name = format!("texture{}", self.descriptions.len());
+        self.descriptions.push(Spanned::new(TextureDescription { name: name.clone(), kind }, Span::default()));
+        Ok((TexturedValue::Texture(Spanned::new(name, Span::default())), mean))
+    }
+
+    /// Embeds a picture, and returns its path.
+    pub fn embed(&mut self, image: Image, files: &SceneFiles<'_>) -> ReadResult<String> {
+        files.count_memory(12 * image.pixels().len() as u64)?;
+        let path = format!("picture{}", self.pictures.len());
+        self.pictures.insert(path.clone(), image.into());
+        Ok(path)
+    }
+}
+
+/// Returns the transform of texture coordinates of a texture.
+fn coordinates(parameters: &Parameters, notes: &mut ImportNotes) -> TexcoordTransformDescription {
+    if parameters.text("mapping").is_some_and(|mapping| mapping != "uv") {
+        let message = "textures are mapped by texture coordinates only";
+        notes.add_unsupported(message, parameters.place.described());
+    }
+    let pair =
+        |u: &str, v: &str, default: f64| DVec2::new(parameters.number_or(u, default), parameters.number_or(v, default));
+    let mut scale = pair("uscale", "vscale", 1.0);
+    // A scale of 0 shows one line of the texture.
+    scale = scale.map(|s| if s == 0.0 { 1e-12 } else { s });
+    TexcoordTransformDescription { scale, rotate: 0.0, offset: pair("udelta", "vdelta", 0.0) }
+}
+
+/// Reads a picture that the scene names: PNG, OpenEXR, Radiance HDR or JPEG.
+pub(super) fn read_picture(
+    name: &str,
+    meaning: PixelMeaning,
+    place: &Place,
+    files: &SceneFiles<'_>,
+) -> ReadResult<Image> {
+    let path = files.resolve(place, name)?;
+    let bytes = files.read(&path)?;
+    let failed = |e: &dyn std::fmt::Display| place.error(e, "convert the picture to PNG or OpenEXR");
+    if bytes.starts_with(&[0xff, 0xd8]) {
+        let levels = decode_rgba_levels(Path::new(name), &bytes, files.free_memory()).map_err(|e| failed(&e))?;
+        if let Some(levels) = levels {
+            let (table, greatest) = (levels.srgb_table(), f32::from(levels.greatest));
+            let value = |level: u16| match meaning {
+                PixelMeaning::Radiance => table.get(usize::from(level)).copied().unwrap_or_default(),
+                PixelMeaning::Data => f32::from(level) / greatest,
+            };
+            let pixels = levels.pixels.iter().map(|p| Vec3::new(value(p[0]), value(p[1]), value(p[2]))).collect();
+            let image = Image::from_pixels(levels.width, levels.height, pixels).map_err(|e| failed(&e))?;
+            files.count_memory(12 * image.pixels().len() as u64)?;
+            return Ok(image);
+        }
+    }
+    let (image, _) = decode(&path, &bytes, meaning, files.free_memory()).map_err(|e| failed(&e))?;
+    files.count_memory(12 * image.pixels().len() as u64)?;
+    Ok(image)
+}

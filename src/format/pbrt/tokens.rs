@@ -1,0 +1,169 @@
+//! Tokens of pbrt's text format: words, numbers, quoted texts and brackets.
+
+use super::files::{Place, ReadResult};
+use std::borrow::Cow;
+use std::rc::Rc;
+
+/// A token with its line.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Token<'t> {
+    /// Content of the token.
+    pub kind: TokenKind<'t>,
+    /// Line of the token, from 1.
+    pub line: u32,
+}
+
+/// Content of a token.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum TokenKind<'t> {
+    /// A directive, number or truth value without quotes.
+    Word(&'t str),
+    /// A text in quotes, without them.
+    Quoted(Cow<'t, str>),
+    /// An opening bracket.
+    Open,
+    /// A closing bracket.
+    Close,
+}
+
+/// Reader of the tokens of one file.
+pub(super) struct Tokens<'t> {
+    text: &'t str,
+    position: usize,
+    line: u32,
+    file: Rc<str>,
+    peeked: Option<Token<'t>>,
+}
+
+impl<'t> Tokens<'t> {
+    /// Makes the tokens of `text`. Errors name `file`.
+    pub fn new(text: &'t str, file: Rc<str>) -> Self {
+        Self { text, position: 0, line: 1, file, peeked: None }
+    }
+
+    /// Returns the position of a token for messages.
+    pub fn place(&self, line: u32) -> Place {
+        Place { file: Rc::clone(&self.file), line }
+    }
+
+    /// Returns the next token and moves past it; `None` at the end of the file.
+    pub fn next(&mut self) -> ReadResult<Option<Token<'t>>> {
+        if let Some(token) = self.peeked.take() {
+            return Ok(Some(token));
+        }
+        self.read()
+    }
+
+    /// Returns the next token; `None` at the end of the file.
+    pub fn peek(&mut self) -> ReadResult<Option<&Token<'t>>> {
+        if self.peeked.is_none() {
+            self.peeked = self.read()?;
+        }
+        Ok(self.peeked.as_ref())
+    }
+
+    fn read(&mut self) -> ReadResult<Option<Token<'t>>> {
+        self.skip_blanks();
+        let line = self.line;
+        let rest = &self.text[self.position..];
+        let Some(first) = rest.bytes().next() else { return Ok(None) };
+        let kind = match first {
+            b'[' => {
+                self.position += 1;
+                TokenKind::Open
+            }
+            b']' => {
+                self.position += 1;
+                TokenKind::Close
+            }
+            b'"' => TokenKind::Quoted(self.quoted(&rest[1..])?),
+            _ => {
+                let ends = |c: u8| c.is_ascii_whitespace() || matches!(c, b'"' | b'[' | b']' | b'#');
+                let length = rest.bytes().position(ends).unwrap_or(rest.len());
+                self.position += length;
+                TokenKind::Word(&rest[..length])
+            }
+        };
+        Ok(Some(Token { kind, line }))
+    }
+
+    /// Skips white space and comments.
+    fn skip_blanks(&mut self) {
+        let bytes = self.text.as_bytes();
+        while let Some(byte) = bytes.get(self.position) {
+            match byte {
+                b'\n' => self.line += 1,
+                b'#' => {
+                    let rest = &bytes[self.position..];
+                    self.position += rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
+                    continue;
+                }
+                byte if byte.is_ascii_whitespace() => {}
+                _ => return,
+            }
+            self.position += 1;
+        }
+    }
+
+    /// Returns the text up to the closing quote, and moves past it. `rest` follows the opening
+    /// quote.
+    fn quoted(&mut self, rest: &'t str) -> ReadResult<Cow<'t, str>> {
+        let mut is_escaped = false;
+        for (i, byte) in rest.bytes().enumerate() {
+            match byte {
+                b'\n' => break,
+                b'\\' if !is_escaped => is_escaped = true,
+                b'"' if !is_escaped => {
+                    self.position += i + 2;
+                    let text = &rest[..i];
+                    return Ok(if text.contains('\\') { unescaped(text).into() } else { text.into() });
+                }
+                _ => is_escaped = false,
+            }
+        }
+        Err(self.place(self.line).error("a text in quotes does not end on its line", "close it with `\"`"))
+    }
+}
+
+/// Returns `text` with its escapes replaced.
+fn unescaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut characters = text.chars();
+    while let Some(c) = characters.next() {
+        let escaped = if c == '\\' { characters.next() } else { None };
+        out.push(match escaped {
+            Some('n') => '\n',
+            Some('t') => '\t',
+            Some('r') => '\r',
+            Some(other) => other,
+            None => c,
+        });
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kinds(text: &str) -> Vec<TokenKind<'_>> {
+        let mut tokens = Tokens::new(text, "test".into());
+        std::iter::from_fn(|| tokens.next().unwrap().map(|token| token.kind)).collect()
+    }
+
+    #[test]
+    fn comments_and_blanks_separate_tokens() {
+        use TokenKind::{Close, Open, Quoted, Word};
+        let found = kinds("Shape\"a b\"[.5#x\n-1e3]#end");
+        assert_eq!(found, [Word("Shape"), Quoted("a b".into()), Open, Word(".5"), Word("-1e3"), Close]);
+        assert_eq!(kinds(r#""a\"b\\c\n""#), [Quoted("a\"b\\c\n".into())]);
+        assert!(kinds(" \r\n# only a comment").is_empty());
+    }
+
+    #[test]
+    fn an_open_quote_is_an_error_with_its_line() {
+        let mut tokens = Tokens::new("a\n\"b\n\"", "test".into());
+        assert!(tokens.next().is_ok());
+        assert!(tokens.next().unwrap_err().to_string().contains("line 2"));
+    }
+}

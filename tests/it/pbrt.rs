@@ -1,0 +1,69 @@
+//! Scenes of pbrt: conversion.
+//!
+//! Scenes by other people may not be distributed, so they lie outside the repository: see
+//! [`crate::support::world_data_folder`].
+
+use crate::support::{project_path, world_data_folder};
+use caustica::format::mesh::MeshFormat;
+use caustica::format::{ConvertedScene, SceneFile, parse};
+use caustica::image::{self, WriteOptions};
+use caustica::integrate::{Algorithm, Settings, SilentMonitor};
+use glam::Vec3;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Returns all pbrt files of a folder and below that are scenes, not parts of scenes.
+fn scenes_below(folder: &Path) -> Vec<PathBuf> {
+    let mut scenes = Vec::new();
+    for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if entry.is_dir() && entry.file_name().is_some_and(|name| name != "geometry") {
+            scenes.extend(scenes_below(&entry));
+        } else if entry.extension().is_some_and(|e| e == "pbrt") {
+            scenes.push(entry);
+        }
+    }
+    scenes.sort();
+    scenes
+}
+
+/// Renders one pass of a small picture of a scene that was read.
+fn small_picture(mut file: SceneFile) -> Vec<Vec3> {
+    (file.description.camera.value.width, file.description.camera.value.height) = (24, 18);
+    let scene = file.resolve().unwrap_or_else(|e| panic!("{e}"));
+    Algorithm::Path.prepare(&scene, Settings::default()).render_pass(0, &SilentMonitor).image
+}
+
+/// Every scene renders the same bits after conversion, or is refused with a place and a reason.
+#[test]
+fn pbrt_scenes_convert_to_the_same_bits() {
+    let mut scenes = vec![project_path("tests/data/pbrt/cell.pbrt")];
+    for folder in ["pbrt-v3", "pbrt-v4"] {
+        scenes.extend(world_data_folder(folder).iter().flat_map(|folder| scenes_below(folder)));
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let mut rendered = 0;
+    for scene in scenes {
+        let file = match SceneFile::read(&scene) {
+            Ok(file) => file,
+            Err(error) => {
+                assert!(error.to_string().contains("line "), "{}: {error}", scene.display());
+                continue;
+            }
+        };
+        let printed = file.description.to_string();
+        let again = parse("printed.txt", &printed).unwrap_or_else(|e| panic!("{}: {e}", scene.display()));
+        assert!(again == file.description, "{}", scene.display());
+        let output = folder.path().join("converted.txt");
+        let converted = ConvertedScene::new(&file, &output);
+        fs::write(&output, converted.text).unwrap();
+        converted.meshes.iter().for_each(|(path, mesh)| mesh.write(path, MeshFormat::Ply, &[]).unwrap());
+        for (path, picture) in &converted.pictures {
+            image::write(path, picture, &WriteOptions::default()).unwrap();
+        }
+        let imported = small_picture(file);
+        assert!(imported.iter().all(|pixel| pixel.is_finite()));
+        assert!(small_picture(SceneFile::read(&output).unwrap()) == imported, "{}", scene.display());
+        rendered += 1;
+    }
+    assert!(rendered > 0);
+}
