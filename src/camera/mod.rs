@@ -190,6 +190,56 @@ impl Camera {
         }
     }
 
+    /// Copy of the camera with a picture of `width` × `height` pixels. The vertical angle of view, or
+    /// the height of an orthographic image, stays.
+    #[must_use]
+    pub fn with_size(self, width: u32, height: u32) -> Self {
+        let ratio = match self.projection {
+            CameraProjection::Perspective(_) | CameraProjection::Orthographic => {
+                f64::from(self.height) / f64::from(height)
+            }
+            CameraProjection::Panorama => 1.0,
+        };
+        self.with_scaled_pixels(ratio, (width, height))
+    }
+
+    fn with_scaled_pixels(self, ratio: f64, (width, height): (u32, u32)) -> Self {
+        let Self { right, up, pixel_size, .. } = self;
+        Self { right: right * ratio, up: up * ratio, pixel_size: pixel_size * ratio, width, height, ..self }
+    }
+
+    /// Unit vector of the viewing direction, in world space.
+    #[must_use]
+    pub fn forward(&self) -> DVec3 {
+        self.forward
+    }
+
+    /// Copy of the camera at another point of a sphere around `pivot`, turned with it.
+    ///
+    /// `yaw` turns it around the unit vector `axis`, then `pitch` around its own horizontal axis
+    /// \[radians]. The radius is multiplied by `distance` > 0. So is the focus distance of a lens,
+    /// and the size of an orthographic image.
+    #[must_use]
+    pub fn orbited(self, pivot: DVec3, axis: DVec3, yaw: f64, pitch: f64, distance: f64) -> Self {
+        let right = rotated(self.right.normalize(), axis, yaw);
+        let turned = |v: DVec3| rotated(rotated(v, axis, yaw), right, pitch);
+        let moved = Self {
+            center: pivot + turned(self.center - pivot) * distance,
+            forward: turned(self.forward),
+            right: turned(self.right),
+            up: turned(self.up),
+            ..self
+        };
+        match self.projection {
+            CameraProjection::Perspective(lens) => {
+                let lens = lens.map(|lens| Lens { focus: lens.focus * distance, ..lens });
+                Self { projection: CameraProjection::Perspective(lens), ..moved }
+            }
+            CameraProjection::Orthographic => moved.with_scaled_pixels(distance, self.size()),
+            CameraProjection::Panorama => moved,
+        }
+    }
+
     /// Generates the world-space ray through image point `p` \[pixels from the top left].
     ///
     /// The ray has a unit direction. `lens` in \[0, 1)² samples the point of the lens where the ray
@@ -225,6 +275,12 @@ impl Camera {
             }
         }
     }
+}
+
+/// Returns `v`, rotated by `angle` \[radians] around the unit vector `axis` (Rodrigues' formula).
+fn rotated(v: DVec3, axis: DVec3, angle: f64) -> DVec3 {
+    let (sin, cos) = libm::sincos(angle);
+    v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
 }
 
 #[cfg(test)]

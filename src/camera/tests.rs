@@ -82,3 +82,30 @@ fn moved_camera_starts_rays_at_its_new_position() {
     assert_ray_direction(&moved, Vec2::new(200.0, 100.0), Vec3::NEG_X);
     assert_eq!(moved.center(), DVec3::X);
 }
+
+#[test]
+fn smaller_pictures_show_the_same_view() {
+    let camera = wide_angle_camera().with_lens(Lens { radius: 0.3, focus: 4.0, blades: 0 });
+    let panorama = Camera::panorama(DVec3::X, DVec3::NEG_Z, DVec3::Y, 400, 200).unwrap();
+    let parallel = Camera::orthographic(DVec3::X, DVec3::NEG_Z, DVec3::Y, 3.0, 400, 200).unwrap();
+    for camera in [camera, panorama, parallel] {
+        let small = camera.with_size(40, 20);
+        assert_eq!(small.size(), (40, 20));
+        for p in [Vec2::new(200.0, 100.0), Vec2::new(10.0, 190.0)] {
+            let (large, small) = (camera.generate_ray(p, None), small.generate_ray(p / 10.0, None));
+            assert!((large.direction - small.direction).length() < 1e-6 && large.origin.distance(small.origin) < 1e-6);
+        }
+    }
+}
+
+#[test]
+fn orbits_scale_focus_and_parallel_pictures() {
+    let focused = wide_angle_camera().with_lens(Lens { radius: 0.3, focus: 4.0, blades: 0 });
+    let moved = focused.orbited(DVec3::NEG_Z * 4.0, DVec3::Y, 1.0, 0.0, 2.0);
+    assert_eq!(moved.lens().unwrap().focus, 8.0);
+    assert!((moved.center() - (moved.forward() * -8.0 + DVec3::NEG_Z * 4.0)).length() < 1e-12);
+    let parallel = Camera::orthographic(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 3.0, 300, 300).unwrap();
+    let wider = parallel.orbited(DVec3::NEG_Z, DVec3::Y, 0.0, 0.0, 2.0);
+    let side = wider.generate_ray(Vec2::new(300.0, 150.0), None).origin;
+    assert!((side - Vec3::new(3.0, 0.0, 1.0)).length() < 1e-6, "{side}");
+}

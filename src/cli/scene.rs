@@ -63,6 +63,18 @@ pub(super) fn load_scene_and_file(
     arguments: &SceneArguments,
     monitor: &dyn MeshReadMonitor,
 ) -> Result<(SceneFile, Scene), CommandFailure> {
+    let file = read_sized_scene_file(arguments, monitor)?;
+    let scene = resolve_scene_file(&file, arguments, monitor)?;
+    Ok((file, scene))
+}
+
+/// Reads the scene file of the command line, and sets the picture size of `--size` if given.
+///
+/// If the picture does not fit into memory, returns a failure.
+pub(super) fn read_sized_scene_file(
+    arguments: &SceneArguments,
+    monitor: &dyn MeshReadMonitor,
+) -> Result<SceneFile, CommandFailure> {
     let memory = arguments.memory_limit();
     let mut file = read_scene_file(&arguments.scene, &arguments.import, monitor, memory)?;
     if let Some((width, height)) = arguments.size {
@@ -72,11 +84,19 @@ pub(super) fn load_scene_and_file(
     let camera = &file.description.camera;
     check_picture_memory(1, (camera.width, camera.height), memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
-    let scene = file.resolve_monitored(monitor, memory).map_err(|e| {
+    Ok(file)
+}
+
+/// Builds the scene of a file within the memory limit of the command line.
+pub(super) fn resolve_scene_file(
+    file: &SceneFile,
+    arguments: &SceneArguments,
+    monitor: &dyn MeshReadMonitor,
+) -> Result<Scene, CommandFailure> {
+    file.resolve_monitored(monitor, arguments.memory_limit()).map_err(|e| {
         let exit = if e.is_out_of_memory() { Exit::Usage } else { Exit::Input };
         CommandFailure::new(exit, e)
-    })?;
-    Ok((file, scene))
+    })
 }
 
 /// Runs `work` in a Rayon pool of `--threads` threads; by default one for each core.

@@ -10,9 +10,10 @@ use super::language::parse;
 use super::mesh::MeshReadMonitor;
 use super::mitsuba::MitsubaImporter;
 use super::pbrt::PbrtImporter;
-use super::resolve::resolve_with_assets;
+use super::resolve::{resolve_camera, resolve_with_assets};
 use super::scene_text::SceneTextImporter;
 use super::{SourceText, warnings};
+use crate::camera::Camera;
 use crate::scene::Scene;
 use crate::stats::MemoryLimit;
 use std::path::{Path, PathBuf};
@@ -104,6 +105,14 @@ impl SceneFile {
     /// [`SceneError`].
     pub fn resolve_monitored(&self, monitor: &dyn MeshReadMonitor, memory: MemoryLimit) -> Result<Scene, SceneError> {
         resolve_with_assets(&self.description, &self.source, &self.folder, &self.assets, monitor, memory)
+    }
+
+    /// Returns the camera of the description.
+    ///
+    /// # Errors
+    /// [`SceneError`] if single precision cannot represent its view.
+    pub fn resolve_camera(&self) -> Result<Camera, SceneError> {
+        resolve_camera(&self.description, &self.source)
     }
 
     /// Returns warnings about unused textures and materials, and about defective dielectric meshes.

@@ -20,7 +20,7 @@ pub(super) const MID_SHUTTER: f64 = 0.5;
 /// The moving shapes, planes, lights, camera, texture mappings and media of a scene. Each part is
 /// stored as it is before its motion, except media. Each motion maps to coordinates relative to
 /// [`Scene::origin`].
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Animation {
     /// Moving shapes, which the scene lists after the shapes at rest.
     pub shapes: Vec<(Shape, Motion)>,

@@ -48,7 +48,7 @@ use crate::medium::Medium;
 use crate::shape::{Shape, SurfacePoint, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
 use animation::Animation;
-use build::DerivedSceneData;
+use build::{DerivedSceneData, derive_scene_data};
 use geometry::Geometry;
 use glam::{DVec3, Vec3};
 use interiors::{CoincidentFaces, CoincidentFlags};
@@ -100,6 +100,28 @@ impl Scene {
     #[must_use]
     pub fn camera(&self) -> &Camera {
         &self.camera
+    }
+
+    /// Returns a copy of the scene with another camera, in the coordinates of the scene description.
+    ///
+    /// The camera rests while the shutter is open. The copy shares geometry, hierarchies and textures
+    /// with this scene, and keeps its origin.
+    #[must_use]
+    pub fn with_camera(&self, camera: &Camera) -> Self {
+        let mut scene = self.clone();
+        scene.camera = camera.translated(-self.origin);
+        scene.animation = self.animation.as_deref().and_then(|animation| {
+            let resting = Animation { camera: None, ..animation.clone() };
+            (!resting.is_empty()).then(|| Arc::new(resting))
+        });
+        scene.derived = derive_scene_data(&scene);
+        scene
+    }
+
+    /// Returns the camera in the coordinates of the scene description, at mid-shutter.
+    #[must_use]
+    pub fn camera_in_description(&self) -> Camera {
+        self.camera.translated(self.origin)
     }
 
     /// Radiance \[W/(m² sr)] of camera rays that hit nothing, used if there is no environment

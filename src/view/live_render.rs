@@ -35,6 +35,12 @@ impl<'a> LiveRender<'a> {
         Self { page, number: page.begin_render(), start, picture_pace, map_pace, curve: Arc::default(), forecast: None }
     }
 
+    /// Returns the number of the render on its page.
+    #[must_use]
+    pub fn number(&self) -> u32 {
+        self.number
+    }
+
     /// Changes and publishes the state of this render.
     pub fn publish(&self, change: impl FnOnce(&mut LiveState, u32)) {
         self.page.publish(self.number, change);

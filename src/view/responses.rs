@@ -22,13 +22,14 @@ use tokio_stream::wrappers::WatchStream;
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
 /// Scripts of the page, in the order in which they use each other.
-const SCRIPTS: [&str; 7] = [
+const SCRIPTS: [&str; 8] = [
     include_str!("page/text.js"),
     include_str!("page/pixels.js"),
     include_str!("page/viewer.js"),
     include_str!("page/curve.js"),
     include_str!("page/panels.js"),
     include_str!("page/source.js"),
+    include_str!("page/orbit.js"),
     include_str!("page/main.js"),
 ];
 

@@ -1,6 +1,7 @@
 //! Facts about a render that the live page shows beside its pixels.
 
 use super::frame::Frame;
+use super::request::Orbit;
 use crate::integrate::PhotonReport;
 use crate::plan::Plan;
 use crate::render::error_estimate::{
@@ -160,6 +161,8 @@ pub struct LiveStatus {
     pub ended: Option<EndReason>,
     /// Width and height of the full picture \[pixels]; 0 before the scene is read.
     pub size: (u32, u32),
+    /// Position of the camera.
+    pub orbit: Orbit,
     /// The newest picture.
     pub picture: Option<FrameReport>,
     /// The newest maps of the estimated error. They may be older than the picture.

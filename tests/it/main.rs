@@ -9,6 +9,8 @@ mod cli;
 mod course;
 mod gltf;
 mod golden;
+#[cfg(feature = "view")]
+mod live_page;
 mod mitsuba;
 mod pbrt;
 mod plan;

@@ -1,27 +1,28 @@
 //! A render of `caustica view`, in a thread of its own.
 
 use super::ViewArguments;
-use crate::cli::check::quick_scene_warnings;
+use super::orbit::orbited_camera;
+use super::preview::render_preview;
+use super::scene::{LoadedScene, ReadScene, problem_of_report, read_scene};
+use super::session::{Event, EventQueue};
 use crate::cli::plan;
-use crate::cli::progress::InputFileCollector;
-use crate::cli::scene::load_scene_and_file;
 use crate::cli::settings::settings_from_arguments;
-use crate::format::{SceneError, SceneReadError};
-use crate::integrate::{Algorithm, Integrator, SilentMonitor};
+use crate::integrate::{Algorithm, Integrator, PassStage, ProgressMonitor};
 use crate::render::{
     EndReason, MemoryError, RenderResult, StopCriteria, check_error_estimate_memory, check_photon_memory,
     check_picture_memory, continue_render,
 };
 use crate::scene::Scene;
-use crate::view::{LiveRender, Phase, PlanReport, SceneProblem, SceneSource};
+use crate::view::{LiveRender, Orbit, Phase, PlanReport};
 use miette::Report;
 use rayon::ThreadPool;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
-/// Longest text of a scene file that the page shows \[bytes].
-const MAX_SOURCE_BYTES: u64 = 1 << 20;
+/// Time without another movement of the camera, after which pilots begin.
+const SETTLING_TIME: Duration = Duration::from_millis(300);
 
 /// Flags by which the session controls a job.
 #[derive(Debug, Default)]
@@ -36,7 +37,7 @@ struct JobControl {
 #[derive(Debug)]
 pub(super) struct JobHandle {
     control: Arc<JobControl>,
-    /// Wakes a paused job. A job ends once this is dropped and it is cancelled.
+    /// Wakes a paused job. A paused job ends once this is dropped.
     resume: SyncSender<()>,
 }
 
@@ -53,61 +54,93 @@ impl JobHandle {
         let _ = self.resume.try_send(());
     }
 
-    /// Ends the job. Its thread may still finish its current work, whose result is dropped.
+    /// Ends the job. Its thread drops the current pass, but finishes pilots.
     pub fn cancel(self) {
         self.control.cancelled.store(true, Ordering::Relaxed);
         self.control.interrupted.store(true, Ordering::Relaxed);
     }
 }
 
+/// Monitor of a job's passes, which ends them once the job is cancelled.
+struct JobMonitor<'a>(&'a JobControl);
+
+impl ProgressMonitor for JobMonitor<'_> {
+    fn begin_stage(&self, _: PassStage, _: u64) {}
+    fn report_progress(&self, _: u64) {}
+
+    fn is_cancelled(&self) -> bool {
+        self.0.cancelled.load(Ordering::Relaxed)
+    }
+}
+
+/// Scene of a job.
+pub(super) enum JobScene {
+    /// The scene file, to be read. If only its camera differs from the given scene, it is reused.
+    File(Option<Arc<LoadedScene>>),
+    /// A scene that was read before.
+    Loaded(Arc<LoadedScene>),
+}
+
+/// Data that all jobs of a session share.
+#[derive(Clone, Copy)]
+pub(super) struct JobContext<'a> {
+    pub arguments: &'a ViewArguments,
+    pub pool: &'a ThreadPool,
+    pub events: &'a EventQueue,
+    /// Held by the one job that runs pilots and passes. So the memory of two renders is never in use
+    /// at a time.
+    pub turn: &'a Mutex<()>,
+}
+
 /// A render, from reading its scene to its end.
 pub(super) struct Job<'a> {
-    arguments: &'a ViewArguments,
-    pool: &'a ThreadPool,
+    context: JobContext<'a>,
     live: LiveRender<'a>,
+    orbit: Orbit,
     control: Arc<JobControl>,
     resumed: Receiver<()>,
 }
 
-/// A scene that was read, with its text for the page.
-struct LoadedScene {
-    scene: Arc<Scene>,
-    source: SceneSource,
-}
-
 impl<'a> Job<'a> {
-    /// Makes a job that publishes to `live`, and the handle that controls it.
-    pub fn new(arguments: &'a ViewArguments, pool: &'a ThreadPool, live: LiveRender<'a>) -> (JobHandle, Self) {
+    /// Makes a job that publishes to `live`, and the handle that controls it. `orbit` moves the
+    /// camera.
+    pub fn new(context: JobContext<'a>, live: LiveRender<'a>, orbit: Orbit) -> (JobHandle, Self) {
         let (resume, resumed) = sync_channel(1);
         let control = Arc::<JobControl>::default();
-        (JobHandle { control: control.clone(), resume }, Self { arguments, pool, live, control, resumed })
+        live.publish(|state, _| state.status.orbit = orbit);
+        (JobHandle { control: control.clone(), resume }, Self { context, live, orbit, control, resumed })
     }
 
     /// Reads the scene and renders it until the job is cancelled.
-    pub fn run(mut self) {
-        let loaded = self.pool.install(|| load_scene(self.arguments));
-        match loaded {
-            Ok(LoadedScene { scene, source }) => {
-                self.publish_source(source);
-                self.render(&scene);
+    pub fn run(mut self, scene: JobScene) {
+        let JobContext { arguments, pool, events, .. } = self.context;
+        let loaded = match scene {
+            JobScene::Loaded(loaded) => loaded,
+            JobScene::File(previous) => {
+                let ReadScene { source, files, loaded } = pool.install(|| read_scene(arguments, previous.as_deref()));
+                if self.is_cancelled() {
+                    return;
+                }
+                events.put(Event::Read { render: self.live.number(), files, loaded: loaded.clone() });
+                let failed = loaded.is_none();
+                self.live.publish(|state, _| {
+                    state.source = Arc::new(source);
+                    state.status.source_revision += 1;
+                    state.status.phase = if failed { Phase::Failed } else { Phase::Preview };
+                });
+                let Some(loaded) = loaded else { return };
+                loaded
             }
-            Err(source) => {
-                self.publish_source(source);
-                self.live.set_phase(Phase::Failed);
-            }
+        };
+        let moved = orbited_camera(&loaded.scene, loaded.up(), self.orbit);
+        match moved.map(|camera| loaded.scene.with_camera(&camera)) {
+            Some(scene) => self.render(&scene),
+            None => self.render(&loaded.scene),
         }
     }
 
     fn is_cancelled(&self) -> bool {
         self.control.cancelled.load(Ordering::Relaxed)
-    }
-
-    /// Publishes the text of the scene file.
-    fn publish_source(&self, source: SceneSource) {
-        self.live.publish(|state, _| {
-            state.source = Arc::new(source);
-            state.status.source_revision += 1;
-        });
     }
 
     /// Publishes the reason why the scene does not fit into memory.
@@ -120,24 +153,43 @@ impl<'a> Job<'a> {
         });
     }
 
-    /// Renders `scene`. Waits after each end until the render is resumed or cancelled.
+    /// Renders a preview of `scene`, and then the picture.
     fn render(&mut self, scene: &Scene) {
-        let arguments = self.arguments;
+        let JobContext { arguments, pool, turn, .. } = self.context;
         let (algorithm, size) = (arguments.method.integrator, scene.camera().size());
         let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
         settings.camera_paths.estimate_error = algorithm != Algorithm::Raycast;
         let free = || arguments.scene.memory_limit().available_bytes();
         let check =
             if settings.camera_paths.estimate_error { check_error_estimate_memory } else { check_picture_memory };
+        self.live.publish(|state, _| {
+            state.status.size = size;
+            state.status.phase = Phase::Preview;
+        });
+        if algorithm != Algorithm::Raycast {
+            let control = self.control.clone();
+            let (preview_size, pixels) = pool.install(|| render_preview(scene, &settings, &JobMonitor(&control)));
+            if self.is_cancelled() {
+                return;
+            }
+            self.live.show_preview(preview_size, &pixels);
+        }
+        // While the camera is dragged, previews are enough.
+        if self.orbit != Orbit::default()
+            && self.resumed.recv_timeout(SETTLING_TIME) == Err(RecvTimeoutError::Disconnected)
+        {
+            return;
+        }
+        let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.is_cancelled() {
+            return;
+        }
         let pictures = match check(1, size, free()) {
             Ok(pictures) => pictures,
             Err(error) => return self.publish_memory_error(error),
         };
-        if self.is_cancelled() {
-            return;
-        }
         self.live.set_phase(Phase::Pilots);
-        let integrator = self.pool.install(|| algorithm.prepare(scene, settings));
+        let integrator = pool.install(|| algorithm.prepare(scene, settings));
         if let Err(error) = check_photon_memory(integrator.expected_photons(), pictures, free()) {
             return self.publish_memory_error(error);
         }
@@ -148,7 +200,8 @@ impl<'a> Job<'a> {
     /// is resumed, it has no limits.
     fn render_passes(&mut self, integrator: &dyn Integrator, algorithm: Algorithm, size: (u32, u32)) {
         let control = self.control.clone();
-        let limited = self.arguments.limits().stop_criteria(algorithm, integrator, &control.interrupted);
+        let JobContext { arguments, pool, .. } = self.context;
+        let limited = arguments.limits().stop_criteria(algorithm, integrator, &control.interrupted);
         let unlimited = StopCriteria {
             // A second pass of ray casting would repeat the first.
             passes: (algorithm == Algorithm::Raycast).then_some(1),
@@ -159,14 +212,16 @@ impl<'a> Job<'a> {
         while !self.is_cancelled() {
             self.live.begin_passes(PlanReport::new(integrator.plan(), plan::pass_work_lines(integrator)), &stop, size);
             let live = &mut self.live;
-            rendered = self.pool.install(|| {
-                continue_render(rendered, 0..u32::MAX, integrator, &stop, &SilentMonitor, |standing| {
+            rendered = pool.install(|| {
+                continue_render(rendered, 0..u32::MAX, integrator, &stop, &JobMonitor(&control), |standing| {
                     live.after_pass(standing, &stop);
                 })
             });
             if self.is_cancelled() {
                 return;
             }
+            // Requests from before the pause are not for it.
+            while self.resumed.try_recv().is_ok() {}
             let is_stopped = rendered.ended == EndReason::Interrupted;
             self.live.end(&rendered, if is_stopped { Phase::Stopped } else { Phase::Ended });
             if self.resumed.recv().is_err() {
@@ -177,57 +232,4 @@ impl<'a> Job<'a> {
             }
         }
     }
-}
-
-/// Reads the scene of the command line.
-///
-/// # Errors
-/// The text of the scene file with its errors.
-fn load_scene(arguments: &ViewArguments) -> Result<LoadedScene, SceneSource> {
-    let path = &arguments.scene.scene;
-    let name = path.display().to_string();
-    let inputs = InputFileCollector::new(&());
-    match load_scene_and_file(&arguments.scene, &inputs) {
-        Ok((file, scene)) => {
-            let text = file.source.text();
-            let text = if text.len() as u64 <= MAX_SOURCE_BYTES { text } else { "" };
-            let warnings = quick_scene_warnings(&file, &scene, &arguments.scene);
-            let source = SceneSource { name, text: text.into(), problems: Vec::new(), warnings };
-            Ok(LoadedScene { scene: Arc::new(scene), source })
-        }
-        Err(failure) => {
-            let problems = failure.reports.iter().flat_map(problems_of_report).collect();
-            Err(SceneSource { name, text: text_of_file(path).into(), problems, warnings: Vec::new() })
-        }
-    }
-}
-
-/// Returns the text of a file; empty if it is too long, or no text.
-fn text_of_file(path: &std::path::Path) -> String {
-    let is_short = std::fs::metadata(path).is_ok_and(|data| data.is_file() && data.len() <= MAX_SOURCE_BYTES);
-    if is_short { std::fs::read_to_string(path).unwrap_or_default() } else { String::new() }
-}
-
-/// Returns the errors of a scene file that a report holds.
-fn problems_of_report(report: &Report) -> Vec<SceneProblem> {
-    let error = match report.downcast_ref::<SceneReadError>() {
-        Some(SceneReadError::Language(error)) => Some(error),
-        Some(SceneReadError::Unreadable { .. } | SceneReadError::Memory { .. }) => None,
-        None => report.downcast_ref::<SceneError>(),
-    };
-    let Some(first) = error else { return vec![problem_of_report(report)] };
-    let problem = |error: &SceneError| SceneProblem {
-        line: error.line(),
-        column: error.column(),
-        message: error.message().to_owned(),
-        remedy: error.remedy().to_owned(),
-    };
-    std::iter::once(first).chain(first.further_errors()).map(problem).collect()
-}
-
-/// Returns an error without a position.
-fn problem_of_report(report: &Report) -> SceneProblem {
-    let causes: Vec<String> = report.chain().map(ToString::to_string).collect();
-    let remedy = report.help().map_or(String::new(), |help| help.to_string());
-    SceneProblem { line: 0, column: 0, message: causes.join(": "), remedy }
 }

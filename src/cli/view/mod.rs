@@ -1,7 +1,11 @@
 //! `caustica view`: renders a scene, shows it on a live page, and follows changes of its files.
 
 mod job;
+mod orbit;
+mod preview;
+mod scene;
 mod session;
+mod watch;
 
 use super::args::{EffectsArguments, MethodArguments, SceneArguments};
 use super::interrupt::listen_for_signals;
@@ -13,7 +17,7 @@ use crate::render::error_estimate::Confidence;
 use crate::view::{ListenAddress, LivePage, PageServer};
 use clap::Args;
 use miette::Report;
-use session::{RequestQueue, Session};
+use session::{Event, EventQueue, Session};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -73,12 +77,17 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<Exit, CommandFailure> {
     let threads = arguments.scene.threads.map_or(0, |n| n as usize);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| CommandFailure::usage_error(Report::from_err(error)))?;
-    let (queue, requests) = RequestQueue::new();
-    let server = PageServer::start(arguments.listen, page.clone(), Box::new(move |request| queue.put(request)));
+    let (queue, events) = EventQueue::new();
+    let requests = queue.clone();
+    let server = PageServer::start(
+        arguments.listen,
+        page.clone(),
+        Box::new(move |request| requests.put(Event::Request(request))),
+    );
     let server = server.map_err(|error| CommandFailure::usage_error(Report::new(error)))?;
     listen_for_signals("the view ends after this pass");
     print_page_address(&server);
-    Session::new(arguments, &page, &pool, requests).run();
+    Session::new(arguments, &page, &pool, queue).run(&events);
     server.finish();
     Ok(Exit::Success)
 }

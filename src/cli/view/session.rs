@@ -1,35 +1,54 @@
-//! Session of `caustica view`: starts a render thread, and hands requests of the page to it.
+//! Session of `caustica view`: starts a render thread whenever the scene or the camera changes, and
+//! hands requests of the page to it.
 
 use super::ViewArguments;
-use super::job::{Job, JobHandle};
+use super::job::{Job, JobContext, JobHandle, JobScene};
+use super::scene::LoadedScene;
+use super::watch::{FileWatch, WatchedFiles};
 use crate::cli::interrupt::INTERRUPTED;
-use crate::view::{LivePage, LiveRender, Request};
+use crate::view::{LivePage, LiveRender, Orbit, Request};
 use rayon::ThreadPool;
 use std::sync::atomic::Ordering;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex};
 use std::thread::{self, Scope};
 use std::time::{Duration, Instant};
 
-/// Largest number of requests that wait for the session. Further ones are refused.
-const MAX_REQUESTS: usize = 64;
+/// Largest number of events that wait for the session. Further ones are refused.
+const MAX_EVENTS: usize = 64;
 
-/// Time after which the session looks for signals.
+/// Longest time between two looks at signals and files.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Sending end of the queue of requests.
-#[derive(Debug)]
-pub(super) struct RequestQueue(SyncSender<Request>);
+/// Event that the session reacts to.
+pub(super) enum Event {
+    /// Request of a page.
+    Request(Request),
+    /// A job has read the scene.
+    Read {
+        /// Number of the job's render.
+        render: u32,
+        /// The scene file and the files that it names.
+        files: WatchedFiles,
+        /// The scene; `None` if it has errors.
+        loaded: Option<Arc<LoadedScene>>,
+    },
+}
 
-impl RequestQueue {
+/// Sending end of the queue of events.
+#[derive(Clone)]
+pub(super) struct EventQueue(SyncSender<Event>);
+
+impl EventQueue {
     /// Makes an empty queue. Returns both ends.
-    pub fn new() -> (Self, Receiver<Request>) {
-        let (sender, receiver) = sync_channel(MAX_REQUESTS);
+    pub fn new() -> (Self, Receiver<Event>) {
+        let (sender, receiver) = sync_channel(MAX_EVENTS);
         (Self(sender), receiver)
     }
 
-    /// Adds a request; returns false if the queue is full. Never waits.
-    pub fn put(&self, request: Request) -> bool {
-        self.0.try_send(request).is_ok()
+    /// Adds an event; returns false if the queue is full. Never waits.
+    pub fn put(&self, event: Event) -> bool {
+        self.0.try_send(event).is_ok()
     }
 }
 
@@ -38,44 +57,98 @@ pub(super) struct Session<'a> {
     arguments: &'a ViewArguments,
     page: &'a LivePage,
     pool: &'a ThreadPool,
-    requests: Receiver<Request>,
+    queue: EventQueue,
+    turn: Mutex<()>,
+}
+
+/// The current job, and what later jobs need from earlier ones.
+struct SessionState {
+    job: JobHandle,
+    /// Number of the current render.
+    render: u32,
+    /// The scene that was read last without an error.
+    loaded: Option<Arc<LoadedScene>>,
+    watch: FileWatch,
+    /// Position of the camera.
+    orbit: Orbit,
+    /// True if the current job renders another position of the camera.
+    orbit_changed: bool,
 }
 
 impl<'a> Session<'a> {
-    /// Makes a session whose renders run in `pool` and appear on `page`.
-    pub fn new(
-        arguments: &'a ViewArguments,
-        page: &'a LivePage,
-        pool: &'a ThreadPool,
-        requests: Receiver<Request>,
-    ) -> Self {
-        Self { arguments, page, pool, requests }
+    /// Makes a session whose renders run in `pool` and appear on `page`. Its jobs report to `queue`.
+    pub fn new(arguments: &'a ViewArguments, page: &'a LivePage, pool: &'a ThreadPool, queue: EventQueue) -> Self {
+        Self { arguments, page, pool, queue, turn: Mutex::new(()) }
     }
 
-    /// Renders until the first interrupting signal.
-    pub fn run(&self) {
+    /// Renders until the first interrupting signal. `events` is the other end of the queue.
+    pub fn run(&self, events: &Receiver<Event>) {
         thread::scope(|scope| {
-            let job = self.start_job(scope);
+            let mut watch = FileWatch::default();
+            watch.set_files(WatchedFiles::new(&self.arguments.scene.scene));
+            let orbit = Orbit::default();
+            let (render, job) = self.start_job(scope, JobScene::File(None), orbit);
+            let mut state = SessionState { job, render, loaded: None, watch, orbit, orbit_changed: false };
+            let mut next_look = Instant::now() + POLL_INTERVAL;
             while !INTERRUPTED.load(Ordering::Relaxed) {
-                match self.requests.recv_timeout(POLL_INTERVAL) {
-                    Ok(Request::Stop) => job.stop(),
-                    Ok(Request::Resume) => job.resume(),
-                    Ok(Request::Orbit(_)) | Err(RecvTimeoutError::Timeout) => {}
-                    Err(RecvTimeoutError::Disconnected) => break,
+                let first = events.recv_timeout(next_look.saturating_duration_since(Instant::now()));
+                // Only the last of several movements matters.
+                first.into_iter().chain(events.try_iter()).for_each(|event| state.apply(event));
+                let mut next_scene = state.moved_scene();
+                if Instant::now() >= next_look {
+                    next_look = Instant::now() + POLL_INTERVAL;
+                    if state.watch.look() {
+                        next_scene = Some(JobScene::File(state.loaded.clone()));
+                    }
+                }
+                if let Some(scene) = next_scene {
+                    state.orbit_changed = false;
+                    let (render, job) = self.start_job(scope, scene, state.orbit);
+                    state.render = render;
+                    std::mem::replace(&mut state.job, job).cancel();
                 }
             }
-            job.cancel();
+            state.job.cancel();
         });
     }
 
-    /// Starts the render thread of a new job.
-    fn start_job<'scope>(&self, scope: &'scope Scope<'scope, '_>) -> JobHandle
-    where
-        'a: 'scope,
-    {
+    /// Starts the render thread of a new job. Returns the number of its render and its handle.
+    fn start_job<'scope>(
+        &'scope self,
+        scope: &'scope Scope<'scope, '_>,
+        scene: JobScene,
+        orbit: Orbit,
+    ) -> (u32, JobHandle) {
         let live = LiveRender::begin(self.page, Instant::now());
-        let (handle, job) = Job::new(self.arguments, self.pool, live);
-        scope.spawn(move || job.run());
-        handle
+        let number = live.number();
+        let context = JobContext { arguments: self.arguments, pool: self.pool, events: &self.queue, turn: &self.turn };
+        let (handle, job) = Job::new(context, live, orbit);
+        scope.spawn(move || job.run(scene));
+        (number, handle)
+    }
+}
+
+impl SessionState {
+    /// Reacts to an event.
+    fn apply(&mut self, event: Event) {
+        match event {
+            Event::Request(Request::Stop) => self.job.stop(),
+            Event::Request(Request::Resume) => self.job.resume(),
+            Event::Request(Request::Orbit(orbit)) => {
+                self.orbit_changed |= orbit != self.orbit;
+                self.orbit = orbit;
+            }
+            Event::Read { render, files, loaded } => {
+                if render == self.render {
+                    self.watch.set_files(files);
+                    self.loaded = loaded.or(self.loaded.take());
+                }
+            }
+        }
+    }
+
+    /// Returns the scene to render if the camera has moved; `None` while there is no scene.
+    fn moved_scene(&self) -> Option<JobScene> {
+        self.loaded.clone().filter(|_| self.orbit_changed).map(JobScene::Loaded)
     }
 }

@@ -10,7 +10,10 @@ use crate::format::{SceneError, SourceText};
 use glam::DVec3;
 
 /// Returns the camera of a description; an error if single precision cannot represent its view.
-pub(super) fn resolve_camera(description: &SceneDescription, source: &SourceText) -> Result<Camera, SceneError> {
+pub(in crate::format) fn resolve_camera(
+    description: &SceneDescription,
+    source: &SourceText,
+) -> Result<Camera, SceneError> {
     let described = &description.camera;
     let description::CameraDescription { center, up, width, height, .. } = described.value;
     let direction = aim_direction(described.aim, center);

@@ -12,6 +12,8 @@ mod shapes;
 mod tests;
 mod textures;
 
+pub(super) use camera::resolve_camera;
+
 use super::description::{
     DirectionOrTarget, EmissionDescription, GroupItem, ObjectDescription, ObjectGroup, SceneDescription,
     ShapeDescription, Span, Spanned, TransformStep,
@@ -75,7 +77,7 @@ pub(super) fn resolve_with_assets(
     monitor: &dyn MeshReadMonitor,
     memory: MemoryLimit,
 ) -> Result<Scene, SceneError> {
-    let camera = camera::resolve_camera(description, source)?;
+    let camera = resolve_camera(description, source)?;
     let mut resolver = Resolver {
         source,
         folder,

@@ -53,3 +53,27 @@ fn a_scene_is_recentered_on_its_shapes() {
     assert_eq!(scene.camera().center(), DVec3::new(0.0, 0.0, 9.0));
     assert_eq!(scene.photon_domain().center, Vec3::ZERO);
 }
+
+#[test]
+fn another_camera_gives_the_scene_built_with_it() {
+    let scene = |camera: Camera, moves: bool| {
+        let mut builder = SceneBuilder::new();
+        let glass = builder.add_material(Material::dielectric(1.5, Rgb::ZERO));
+        builder.add_shape(Shape::Sphere(Ball::new(DVec3::new(2.0, 0.0, 0.0), 1.0)), glass, Rgb::ZERO);
+        add_emissive_sphere(&mut builder, DVec3::new(-2.0, 3.0, 0.0), Rgb::ONE);
+        if moves {
+            builder.set_camera_motion(Motion::default());
+        }
+        builder.build(camera).unwrap()
+    };
+    let inside = Camera::perspective(DVec3::new(2.0, 0.1, 0.0), DVec3::NEG_Z, DVec3::Y, 1.0, 8, 6).unwrap();
+    let outside = scene(perspective_camera(), true);
+    let (moved, built) = (outside.with_camera(&inside), scene(inside, false));
+    assert_eq!(moved.camera(), built.camera());
+    assert_eq!(format!("{:?}", moved.derived), format!("{:?}", built.derived));
+    assert_ne!(format!("{:?}", moved.derived), format!("{:?}", outside.derived), "the camera is inside of glass");
+    assert!(Arc::ptr_eq(&moved.geometry.hierarchy, &outside.geometry.hierarchy));
+    assert!(outside.has_motion() && !moved.has_motion());
+    let there = moved.camera_in_description().center();
+    assert!(there.distance(inside.center()) < 1e-12);
+}

@@ -61,11 +61,14 @@ function showState(next) {
   state = next;
   document.body.dataset.phase = state.phase;
   document.body.dataset.passes = state.passes;
+  document.body.dataset.render = state.render;
   const name = state.scene.split(/[\\/]/).pop();
   document.title = `${name} – Caustica`;
   byId("scene").textContent = name;
   byId("scene").title = `${state.scene}, Caustica ${state.version}`;
   byId("status").textContent = statusText(state);
+  byId("camera").hidden = !state.interactive;
+  takePosition(state.orbit);
   const isPaused = state.phase === "stopped" || state.phase === "ended";
   byId("stop").textContent = isPaused && state.interactive ? "Resume" : "Stop";
   byId("stop").disabled = isPaused ? !state.interactive : state.phase !== "passes" && state.phase !== "pilots";
@@ -122,6 +125,8 @@ const KEYS = {
   p: pinPicture,
   f: () => setMode("flip"),
   d: () => setMode("split"),
+  o: toggleOrbit,
+  r: resetCamera,
   "?": () => byId("keys").showModal(),
 };
 
@@ -146,6 +151,8 @@ byId("save-png").addEventListener("click", () => save("png"));
 byId("save-exr").addEventListener("click", () => save("exr"));
 byId("help").addEventListener("click", () => byId("keys").showModal());
 byId("layer").addEventListener("change", (event) => setLayer(event.target.value));
+byId("orbit").addEventListener("click", toggleOrbit);
+byId("reset").addEventListener("click", resetCamera);
 startViewer();
 
 const events = new EventSource("events");

@@ -104,7 +104,8 @@ function paintNow() {
   context.clearRect(0, 0, width, height);
   if (!viewer.shown) return;
   const { zoom, center } = view();
-  const [left, top] = [width / 2 - center[0] * zoom * ratio, height / 2 - center[1] * zoom * ratio];
+  // Whole pixels, so that a picture at 1:1 is shown exactly.
+  const [left, top] = [width / 2 - center[0] * zoom * ratio, height / 2 - center[1] * zoom * ratio].map(Math.round);
   const drawPicture = (picture) => {
     if (picture.key !== JSON.stringify(look())) render(picture);
     context.imageSmoothingEnabled = picture.frame.width < viewer.size[0] || zoom * ratio < 1;

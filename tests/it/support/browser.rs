@@ -23,15 +23,22 @@ pub struct LoadedPage {
     pub pixels: Vec<[u8; 3]>,
 }
 
+/// Returns the program of a browser: that of `CAUSTICA_CHROMIUM`, or the first known one in PATH.
+pub fn find_browser() -> Option<PathBuf> {
+    if let Some(program) = std::env::var_os("CAUSTICA_CHROMIUM") {
+        return Some(program.into());
+    }
+    let path = std::env::var_os("PATH")?;
+    let names = ["chromium", "chromium-browser", "google-chrome"];
+    std::env::split_paths(&path)
+        .flat_map(|folder| names.map(|name| folder.join(name)))
+        .find(|program| program.is_file())
+}
+
 impl Browser {
-    /// Returns the first known browser in PATH.
+    /// Returns the browser that [`find_browser`] finds.
     pub fn find() -> Option<Self> {
-        let path = std::env::var_os("PATH")?;
-        let names = ["chromium", "chromium-browser", "google-chrome"];
-        let program = std::env::split_paths(&path)
-            .flat_map(|folder| names.map(|name| folder.join(name)))
-            .find(|program| program.is_file())?;
-        Some(Self { program, folder: tempfile::tempdir().unwrap() })
+        Some(Self { program: find_browser()?, folder: tempfile::tempdir().unwrap() })
     }
 
     /// Writes `page` to a file and opens it with the URL suffix `fragment` in a window of the given

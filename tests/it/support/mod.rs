@@ -2,6 +2,7 @@
 
 pub mod browser;
 mod data;
+pub mod devtools;
 pub mod shell;
 mod statistics;
 mod transport;

@@ -1,0 +1,76 @@
+//! The moved camera of `caustica view`.
+
+use crate::camera::Camera;
+use crate::scene::Scene;
+use crate::view::Orbit;
+use glam::{DVec3, Vec2};
+
+/// Smallest angle between the view and the up vector \[radians]. The camera turns no further.
+const MIN_POLE_ANGLE: f64 = 0.05;
+
+/// Largest absolute logarithm of a change of distance.
+const MAX_ZOOM: f64 = 8.0;
+
+/// Returns the camera of `scene`, moved by `orbit` around the point in the center of the picture;
+/// `None` if the orbit moves nothing, or is not finite.
+///
+/// `up` is the up vector of the scene description. All coordinates are those of the description.
+pub(super) fn orbited_camera(scene: &Scene, up: DVec3, orbit: Orbit) -> Option<Camera> {
+    let Orbit { yaw, pitch, zoom } = orbit;
+    if orbit == Orbit::default() || ![yaw, pitch, zoom].iter().all(|number| number.is_finite()) {
+        return None;
+    }
+    let camera = scene.camera_in_description();
+    let axis = up.try_normalize()?;
+    // Angle between view and axis; a positive pitch raises the view, which lowers this angle.
+    let angle = libm::acos(camera.forward().dot(axis).clamp(-1.0, 1.0));
+    let (least, most) = (MIN_POLE_ANGLE.min(angle), (std::f64::consts::PI - MIN_POLE_ANGLE).max(angle));
+    let pitch = angle - (angle - pitch).clamp(least, most);
+    let distance = libm::exp(zoom.clamp(-MAX_ZOOM, MAX_ZOOM));
+    Some(camera.orbited(pivot(scene), axis, yaw, pitch, distance))
+}
+
+/// Returns the point that the center of the picture shows. If it shows no surface, the point lies
+/// before the camera, as far away as the middle of the scene.
+fn pivot(scene: &Scene) -> DVec3 {
+    let camera = scene.camera();
+    let (width, height) = camera.size();
+    let ray = camera.generate_ray(0.5 * Vec2::new(width as f32, height as f32), None);
+    let domain = scene.photon_domain();
+    let middle = (domain.center - ray.origin).dot(ray.direction).max(0.1 * domain.radius);
+    let distance = scene.intersect(&ray).map_or(middle, |hit| hit.t);
+    scene.origin() + ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(distance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Material, SceneBuilder};
+    use crate::shape::{Shape, Sphere};
+    use glam::Vec3;
+
+    fn ball() -> Scene {
+        let mut builder = SceneBuilder::new();
+        let white = builder.add_material(Material::diffuse(Vec3::ONE));
+        builder.add_shape(Shape::Sphere(Sphere::new(DVec3::new(3.0, 1.0, -5.0), 1.0)), white, Vec3::ZERO);
+        let camera = Camera::perspective(DVec3::new(3.0, 1.0, 0.0), -DVec3::Z, DVec3::Y, 0.7, 32, 24).unwrap();
+        builder.build(camera).unwrap()
+    }
+
+    #[test]
+    fn orbits_keep_the_pivot_in_the_center() {
+        let scene = ball();
+        let point = DVec3::new(3.0, 1.0, -4.0);
+        for (yaw, pitch, zoom) in [(0.7, 0.0, 0.0), (0.0, -0.4, 0.5), (-2.0, 9.0, -1.0)] {
+            let camera = orbited_camera(&scene, DVec3::Y * 3.0, Orbit { yaw, pitch, zoom }).unwrap();
+            let to_point = point - camera.center();
+            assert!((to_point.length() - 4.0 * libm::exp(zoom)).abs() < 1e-4, "{yaw} {pitch}");
+            assert!((to_point.normalize() - camera.forward()).length() < 1e-4, "{yaw} {pitch}");
+            assert!(camera.forward().y.abs() < 1.0 - 1e-4, "the poles are never reached");
+        }
+        let right = orbited_camera(&scene, DVec3::Y, Orbit { yaw: 0.5, ..Orbit::default() }).unwrap();
+        assert!(right.center().x > 3.0, "a positive yaw moves the camera to the right");
+        assert_eq!(orbited_camera(&scene, DVec3::Y, Orbit::default()), None);
+        assert_eq!(orbited_camera(&scene, DVec3::Y, Orbit { yaw: f64::NAN, ..Orbit::default() }), None);
+    }
+}

@@ -1,0 +1,55 @@
+//! The first picture of a render: few paths through few pixels, without pilots.
+
+use crate::color::Rgb;
+use crate::integrate::{Algorithm, ProgressMonitor, Settings};
+use crate::scene::Scene;
+
+/// Largest number of pixels of a preview.
+const MAX_PIXELS: f64 = 20_000.0;
+
+/// Number of camera paths per pixel.
+const SAMPLES: u32 = 2;
+
+/// Returns the size of a preview for a picture of `size`: the same shape, with fewer pixels.
+fn preview_size((width, height): (u32, u32)) -> (u32, u32) {
+    let pixels = f64::from(width) * f64::from(height);
+    let factor = (MAX_PIXELS / pixels).sqrt().min(1.0);
+    let shrunk = |side: u32| ((f64::from(side) * factor).round() as u32).max(1);
+    // A long picture has at least one pixel across, and then fewer along.
+    let (width, height) = (shrunk(width), shrunk(height));
+    (width.min(MAX_PIXELS as u32), height.min(MAX_PIXELS as u32))
+}
+
+/// Renders a preview of `scene` by path tracing. Returns its size and its radiance \[W/(m² sr)].
+///
+/// It lacks the caustics that only photons find. `settings` are those of the render that follows.
+pub(super) fn render_preview(
+    scene: &Scene,
+    settings: &Settings,
+    monitor: &dyn ProgressMonitor,
+) -> ((u32, u32), Vec<Rgb>) {
+    let (width, height) = preview_size(scene.camera().size());
+    let small = scene.with_camera(&scene.camera_in_description().with_size(width, height));
+    let mut settings = Settings { balance: false, prefix_rays: false, guides_environment: false, ..settings.clone() };
+    settings.camera_paths.samples = Some(SAMPLES);
+    settings.camera_paths.adaptive = false;
+    settings.camera_paths.estimate_error = false;
+    let integrator = Algorithm::Path.prepare(&small, settings);
+    ((width, height), integrator.render_pass(0, monitor).image)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn previews_are_small_and_keep_the_shape() {
+        assert_eq!(preview_size((960, 720)), (163, 122));
+        assert_eq!(preview_size((100, 80)), (100, 80));
+        assert_eq!(preview_size((1 << 28, 1)), (20_000, 1));
+        for size in [(1, 1), (1920, 1080), (16_384, 16_384), (3, 1 << 20)] {
+            let (width, height) = preview_size(size);
+            assert!(width >= 1 && height >= 1 && width * height <= 20_300, "{size:?}");
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Reading of the scene of `caustica view`, with its text and errors for the page.
+
+use super::ViewArguments;
+use super::watch::{WatchedFiles, WatchingMonitor};
+use crate::cli::CommandFailure;
+use crate::cli::check::quick_scene_warnings;
+use crate::cli::scene::{read_sized_scene_file, resolve_scene_file};
+use crate::format::description::SceneDescription;
+use crate::format::{SceneError, SceneFile, SceneReadError};
+use crate::scene::Scene;
+use crate::view::{SceneProblem, SceneSource};
+use glam::DVec3;
+use miette::Report;
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+/// Longest text of a scene file that the page shows \[bytes].
+const MAX_SOURCE_BYTES: u64 = 1 << 20;
+
+/// A scene that was read.
+pub(super) struct LoadedScene {
+    pub scene: Arc<Scene>,
+    pub description: SceneDescription,
+    /// The scene file and the files that it names, as they were before reading.
+    pub files: WatchedFiles,
+}
+
+impl LoadedScene {
+    /// Returns the up vector of the camera, in the coordinates of the description.
+    pub fn up(&self) -> DVec3 {
+        self.description.camera.up
+    }
+}
+
+/// Result of reading a scene: its text and errors, its files, and the scene if there is no error.
+pub(super) struct ReadScene {
+    pub source: SceneSource,
+    pub files: WatchedFiles,
+    pub loaded: Option<Arc<LoadedScene>>,
+}
+
+/// Reads the scene of the command line.
+///
+/// If only the camera differs from `previous`, the new scene shares everything else with it.
+pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScene>) -> ReadScene {
+    let path = &arguments.scene.scene;
+    let name = path.display().to_string();
+    let monitor = WatchingMonitor::new(path);
+    let read = read_sized_scene_file(&arguments.scene, &monitor).and_then(|file| {
+        if let Some((scene, previous)) = previous.and_then(|previous| Some((reused_scene(&file, previous)?, previous)))
+        {
+            return Ok((file, scene, Some(&previous.files)));
+        }
+        let scene = resolve_scene_file(&file, &arguments.scene, &monitor)?;
+        Ok((file, scene, None))
+    });
+    let mut files = monitor.into_files();
+    match read {
+        Ok((file, scene, reused)) => {
+            reused.into_iter().for_each(|reused| files.add_all(reused));
+            let text = file.source.text();
+            let text = if text.len() as u64 <= MAX_SOURCE_BYTES { text } else { "" };
+            let warnings = quick_scene_warnings(&file, &scene, &arguments.scene);
+            let source = SceneSource { name, text: text.into(), problems: Vec::new(), warnings };
+            let (scene, description) = (Arc::new(scene), file.description);
+            let loaded = LoadedScene { scene, description, files: files.clone() };
+            ReadScene { source, files, loaded: Some(Arc::new(loaded)) }
+        }
+        Err(CommandFailure { reports, .. }) => {
+            let problems = reports.iter().flat_map(problems_of_report).collect();
+            let source = SceneSource { name, text: text_of_file(path).into(), problems, warnings: Vec::new() };
+            ReadScene { source, files, loaded: None }
+        }
+    }
+}
+
+/// Returns the scene of `previous` with the camera of `file`; `None` if more than the camera
+/// differs, or a file that the scene names has changed.
+fn reused_scene(file: &SceneFile, previous: &LoadedScene) -> Option<Scene> {
+    let mut old = previous.description.clone();
+    old.camera.clone_from(&file.description.camera);
+    let rests = file.description.camera.motion.is_empty();
+    let has_assets = !file.assets.meshes.is_empty() || !file.assets.pictures.is_empty();
+    if !rests || has_assets || old != file.description || !previous.files.has_same_inputs() {
+        return None;
+    }
+    let camera = file.resolve_camera().ok()?;
+    Some(previous.scene.with_camera(&camera))
+}
+
+/// Returns the text of a file; empty if it is too long, or no text.
+fn text_of_file(path: &Path) -> String {
+    let is_short = fs::metadata(path).is_ok_and(|data| data.is_file() && data.len() <= MAX_SOURCE_BYTES);
+    if is_short { fs::read_to_string(path).unwrap_or_default() } else { String::new() }
+}
+
+/// Returns the errors of a scene file that a report holds.
+fn problems_of_report(report: &Report) -> Vec<SceneProblem> {
+    let error = match report.downcast_ref::<SceneReadError>() {
+        Some(SceneReadError::Language(error)) => Some(error),
+        Some(SceneReadError::Unreadable { .. } | SceneReadError::Memory { .. }) => None,
+        None => report.downcast_ref::<SceneError>(),
+    };
+    let Some(first) = error else { return vec![problem_of_report(report)] };
+    let problem = |error: &SceneError| SceneProblem {
+        line: error.line(),
+        column: error.column(),
+        message: error.message().to_owned(),
+        remedy: error.remedy().to_owned(),
+    };
+    std::iter::once(first).chain(first.further_errors()).map(problem).collect()
+}
+
+/// Returns an error without a position.
+pub(super) fn problem_of_report(report: &Report) -> SceneProblem {
+    let causes: Vec<String> = report.chain().map(ToString::to_string).collect();
+    let remedy = report.help().map_or(String::new(), |help| help.to_string());
+    SceneProblem { line: 0, column: 0, message: causes.join(": "), remedy }
+}

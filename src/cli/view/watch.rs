@@ -1,0 +1,143 @@
+//! Changes of the files of a scene, found by their time and length.
+
+use crate::format::mesh::{MeshReadMonitor, TriangleMesh};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
+
+/// Time of the last change and length of a file \[bytes]; `None` if there is no such file.
+type FileStamp = Option<(SystemTime, u64)>;
+
+/// Returns the stamp of the file at `path`.
+fn file_stamp(path: &Path) -> FileStamp {
+    let data = fs::metadata(path).ok()?;
+    Some((data.modified().ok()?, data.len()))
+}
+
+/// Files of a scene, with their stamps before they were read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct WatchedFiles(Vec<(PathBuf, FileStamp)>);
+
+impl WatchedFiles {
+    /// Makes a list with one file, in its present state.
+    pub fn new(path: &Path) -> Self {
+        Self(vec![(path.to_owned(), file_stamp(path))])
+    }
+
+    /// Adds the files of `other` that the list lacks, in the state in which `other` knows them.
+    pub fn add_all(&mut self, other: &Self) {
+        for (path, stamp) in &other.0 {
+            if self.0.iter().all(|(known, _)| known != path) {
+                self.0.push((path.clone(), *stamp));
+            }
+        }
+    }
+
+    /// Adds a file in its present state.
+    fn add(&mut self, path: &Path) {
+        if self.0.iter().all(|(known, _)| known != path) {
+            self.0.push((path.to_owned(), file_stamp(path)));
+        }
+    }
+
+    /// Returns the list with the present states of its files.
+    fn refreshed(&self) -> Self {
+        Self(self.0.iter().map(|(path, _)| (path.clone(), file_stamp(path))).collect())
+    }
+
+    /// True if the files other than the first are as they were.
+    pub fn has_same_inputs(&self) -> bool {
+        self.0.iter().skip(1).all(|(path, stamp)| file_stamp(path) == *stamp)
+    }
+}
+
+/// Collects the files that a scene names while they are read.
+pub(super) struct WatchingMonitor(Mutex<WatchedFiles>);
+
+impl WatchingMonitor {
+    /// Makes a monitor for the scene file at `path`, which is read next.
+    pub fn new(path: &Path) -> Self {
+        Self(Mutex::new(WatchedFiles::new(path)))
+    }
+
+    /// Returns the scene file and the files that it names.
+    pub fn into_files(self) -> WatchedFiles {
+        self.0.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl MeshReadMonitor for WatchingMonitor {
+    fn on_input_file_found(&self, path: &Path) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).add(path);
+    }
+
+    fn on_read_start(&self, _: &Path, _: u64) {}
+    fn on_bytes_parsed(&self, _: u64) {}
+    fn on_read_end(&self, _: &Path, _: &TriangleMesh) {}
+}
+
+/// Watch over files, which is asked at intervals.
+///
+/// A change is reported once two looks in turn find the same state. So a file that is being written
+/// is not read half.
+#[derive(Debug, Default)]
+pub(super) struct FileWatch {
+    files: WatchedFiles,
+    /// State at the last look, if it differs from `files`.
+    changed: Option<WatchedFiles>,
+}
+
+impl FileWatch {
+    /// Watches other files from now on, which were read in the state of `files`.
+    pub fn set_files(&mut self, files: WatchedFiles) {
+        (self.files, self.changed) = (files, None);
+    }
+
+    /// Looks at the files. Returns true once after a change.
+    pub fn look(&mut self) -> bool {
+        let now = self.files.refreshed();
+        if now == self.files {
+            self.changed = None;
+            return false;
+        }
+        let is_settled = self.changed.as_ref() == Some(&now);
+        if is_settled {
+            self.set_files(now);
+        } else {
+            self.changed = Some(now);
+        }
+        is_settled
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settled_changes_are_reported_once() {
+        let folder = tempfile::tempdir().unwrap();
+        let [scene, mesh] = ["scene.txt", "mesh.obj"].map(|name| folder.path().join(name));
+        fs::write(&scene, "a").unwrap();
+        let monitor = WatchingMonitor::new(&scene);
+        monitor.on_input_file_found(&mesh);
+        monitor.on_input_file_found(&mesh);
+        let files = monitor.into_files();
+        assert_eq!(files.0.len(), 2);
+        let mut watch = FileWatch::default();
+        watch.set_files(files.clone());
+        assert!(!watch.look());
+        // A file that grows is not settled.
+        fs::write(&scene, "ab").unwrap();
+        assert!(!watch.look());
+        fs::write(&scene, "abc").unwrap();
+        assert!(!watch.look());
+        assert!(watch.look() && !watch.look() && files.has_same_inputs());
+        // A file appears, and goes away before it is settled.
+        fs::write(&mesh, "v").unwrap();
+        assert!(!watch.look() && !files.has_same_inputs());
+        fs::remove_file(&mesh).unwrap();
+        assert!(!watch.look() && !watch.look());
+    }
+}

@@ -1,0 +1,282 @@
+//! The live page, from outside: by HTTP, and in a headless browser.
+
+use crate::support::devtools::DevTools;
+use crate::support::project_path;
+use serde_json::Value;
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+/// A box with a lamp and two balls.
+const SCENE: &str = "\
+PerspectiveCamera { center 0 1 3.9  lookAt 0 1 0  angle 40  width 96  height 72 }
+Background { color .1 .1 .2 }
+Lights { RectangleLight { corner -.5 1.98 -.5  edge0 1 0 0  edge1 0 0 1  power 20 18 15 } }
+Materials {
+    Diffuse white { reflectance .75 .75 .75 }
+    Dielectric glass { indexOfRefraction 1.5 }
+}
+Group {
+    MaterialName white
+    Rectangle { corner -1 0 -1  edge0 0 0 3  edge1 2 0 0 }
+    Rectangle { corner -1 0 -1  edge0 2 0 0  edge1 0 2 0 }
+    Sphere { center .45 .4 -.3 radius .4 }
+    MaterialName glass  Sphere { center -.4 .4 .5 radius .4 }
+}
+";
+
+/// The program with a live page, in a folder of its own.
+struct Shown {
+    child: Child,
+    messages: BufReader<std::process::ChildStderr>,
+    folder: tempfile::TempDir,
+    address: String,
+}
+
+impl Shown {
+    /// Starts the program with these words; `{scene}` stands for the scene file.
+    fn start(words: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("scene.txt"), SCENE).unwrap();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_caustica"))
+            .current_dir(folder.path())
+            .args(words.split_whitespace())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut messages = BufReader::new(child.stderr.take().unwrap());
+        let mut line = String::new();
+        messages.read_line(&mut line).unwrap();
+        let address = line.trim().strip_prefix("live page: ").unwrap_or_else(|| panic!("{line}")).to_owned();
+        Self { child, messages, folder, address }
+    }
+
+    fn scene(&self) -> PathBuf {
+        self.folder.path().join("scene.txt")
+    }
+
+    /// Sends a request below the address of the page, and returns the connection.
+    fn request(&self, method: &str, path: &str) -> BufReader<TcpStream> {
+        let (host, root) = self.address.strip_prefix("http://").unwrap().split_once('/').unwrap();
+        let mut stream = TcpStream::connect(host).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        write!(stream, "{method} /{root}{path} HTTP/1.1\r\nHost: {host}\r\nContent-Length: 0\r\n\r\n").unwrap();
+        BufReader::new(stream)
+    }
+
+    /// Reads states until one fulfils a condition.
+    fn wait_for(&self, mut condition: impl FnMut(&Value) -> bool) -> Value {
+        let mut events = self.request("GET", "events");
+        let mut line = String::new();
+        loop {
+            line.clear();
+            assert!(events.read_line(&mut line).unwrap() > 0, "the stream has ended");
+            if let Some(state) = line.strip_prefix("data: ") {
+                let state = serde_json::from_str(state).unwrap();
+                if condition(&state) {
+                    return state;
+                }
+            }
+        }
+    }
+
+    /// Sends a request of the page, and waits for its status line.
+    fn post(&self, name: &str) {
+        let mut line = String::new();
+        self.request("POST", &format!("request/{name}")).read_line(&mut line).unwrap();
+        assert!(line.contains(" 204 "), "{line}");
+    }
+}
+
+impl Drop for Shown {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+#[test]
+fn listening_renders_write_the_same_files() {
+    let words = "render scene.txt -o a.exr --passes 5 --photons 2k --seed 3 --listen";
+    let mut shown = Shown::start(words);
+    let last = shown.wait_for(|state| state["phase"] == "ended");
+    assert_eq!((&last["passes"], &last["ended"], &last["pass_limit"]), (&5.into(), &"passes".into(), &5.into()));
+    assert!(last["plan"]["effects"].as_array().unwrap().len() > 5 && last["curve"].as_array().unwrap().len() == 2);
+    assert_eq!(shown.child.wait().unwrap().code(), Some(0));
+    let with_page = fs::read(shown.folder.path().join("a.exr")).unwrap();
+    let mut plain = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
+    let words = words.replace("a.exr", "b.exr").replace(" --listen", "");
+    plain.current_dir(shown.folder.path()).args(words.split_whitespace()).assert().success();
+    assert!(fs::read(shown.folder.path().join("b.exr")).unwrap() == with_page);
+}
+
+#[test]
+fn stop_ends_a_render_like_an_interrupt() {
+    let mut shown = Shown::start("render scene.txt -o a.exr --time 120s --photons 2k --listen 127.0.0.1:0");
+    shown.wait_for(|state| state["passes"].as_u64() > Some(0));
+    shown.post("stop");
+    let mut said = String::new();
+    shown.messages.read_to_string(&mut said).unwrap();
+    assert_eq!(shown.child.wait().unwrap().code(), Some(130), "{said}");
+    assert!(said.contains("wrote a.exr"), "{said}");
+}
+
+#[test]
+fn wrong_addresses_and_references_are_refused() {
+    let fails = |words: &str, code: i32, part: &str| {
+        let mut program = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
+        let scene = project_path("scenes/ring.txt");
+        let words: Vec<&str> = words.split_whitespace().collect();
+        let output =
+            program.arg(words[0]).arg(scene).args(&words[1..]).timeout(Duration::from_secs(60)).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(code) && said.contains(part), "{said}");
+    };
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap();
+    fails(&format!("view --listen {address}"), 2, "cannot serve the live page");
+    fails("view --listen example.org:80", 2, "write ADDR:PORT");
+    fails("view --reference missing.exr", 1, "cannot read the reference");
+    fails("render -o a.png --reference a.exr", 2, "--listen");
+}
+
+#[test]
+fn the_first_pixels_are_a_preview() {
+    // So many photons that the first pass takes seconds.
+    let shown = Shown::start("view scene.txt --photons 4M --caustic-photons 4M --size 1920x1440");
+    let first = shown.wait_for(|state| !state["picture"].is_null());
+    assert_eq!((&first["picture"]["preview"], &first["passes"]), (&true.into(), &0.into()));
+    assert_eq!((&first["picture"]["width"], &first["size"][0]), (&163.into(), &1920.into()));
+    assert!(first["first_pixels_seconds"].as_f64() < Some(20.0), "{}", first["first_pixels_seconds"]);
+}
+
+#[test]
+fn views_follow_edits_of_the_scene() {
+    let shown = Shown::start("view scene.txt --photons 2k --passes 3");
+    let ended = shown.wait_for(|state| state["phase"] == "ended");
+    assert_eq!((&ended["passes"], &ended["render"], &ended["problems"]), (&3.into(), &1.into(), &0.into()));
+    // An error leaves the picture, and names the place.
+    fs::write(shown.scene(), SCENE.replace("Sphere { center .45", "Spere { center .45")).unwrap();
+    let failed = shown.wait_for(|state| state["phase"] == "failed");
+    assert_eq!((&failed["problems"], failed["picture"].is_null()), (&1.into(), false));
+    let mut source = String::new();
+    let mut answer = shown.request("GET", "source");
+    while !source.contains("did you mean `Sphere`?") {
+        assert!(answer.read_line(&mut source).unwrap() > 0, "{source}");
+    }
+    // Another camera, and a smaller picture.
+    fs::write(shown.scene(), SCENE.replace("width 96  height 72", "width 40  height 30")).unwrap();
+    let mended = shown.wait_for(|state| state["phase"] == "ended" && state["problems"] == 0);
+    assert_eq!((&mended["size"], &mended["passes"]), (&serde_json::json!([40, 30]), &3.into()));
+    // A pause at the limit ends with a request.
+    shown.post("resume");
+    shown.wait_for(|state| state["passes"].as_u64() > Some(5));
+}
+
+#[test]
+#[ignore = "long: a minute in a browser"]
+fn the_page_works_in_a_browser() {
+    let Some(mut browser) = DevTools::start() else {
+        eprintln!("SKIPPED: no chromium, chromium-browser or google-chrome in PATH, and CAUSTICA_CHROMIUM is not set");
+        return;
+    };
+    let shown = Shown::start("view scene.txt --photons 5k --time 600s");
+    let text = |id: &str| format!("document.getElementById('{id}').textContent");
+    let click = |id: &str| format!("document.getElementById('{id}').click()");
+    let passes = "Number(document.body.dataset.passes)";
+    // Sum of the bytes of the canvas, which any change of the picture changes.
+    let painted = "(() => { const c = document.getElementById('canvas'); return c.width && \
+                   c.getContext('2d').getImageData(0, 0, c.width, c.height).data.reduce((a, b) => a + b, 0); })()";
+
+    // It loads, refines, and shows error, plan and photons.
+    browser.open(&shown.address, 1280, 800);
+    browser.wait_for(&format!("{passes} >= 5"));
+    browser.wait_for("document.querySelector('#curve svg path.error')");
+    browser.wait_for(&format!("{}.includes('the true error is probably between')", text("error-text")));
+    browser.wait_for("document.querySelectorAll('#plan tr').length > 10");
+    browser.wait_for("document.querySelectorAll('#photons tr').length > 5");
+    browser.wait_for(&format!("{}.includes('RectangleLight')", text("source")));
+    let first = browser.value(painted);
+    assert!(first.as_f64() > Some(1e6), "{first}");
+
+    // A pause keeps the picture, so that later changes have one cause.
+    browser.press(" ");
+    browser.wait_for(&format!("{}.startsWith('stopped')", text("status")));
+    browser.wait_for(&format!("{} === 'Resume'", text("stop")));
+    std::thread::sleep(Duration::from_millis(500));
+    let still = browser.value(painted);
+    browser.press("]");
+    browser.wait_for(&format!("{} === '+0.5' && {painted} > {still}", text("exposure-value")));
+    browser.press("[");
+    browser.wait_for(&format!("{painted} === {still}"));
+    browser.press("t");
+    browser.wait_for(&format!("document.getElementById('tone').value === 'filmic' && {painted} !== {still}"));
+    browser.press("t");
+    browser.press("t");
+    browser.wait_for(&format!("{painted} === {still}"));
+
+    // The page maps radiance to the bytes of the program's own PNG.
+    browser.press("1");
+    let block = "(async () => { const bitmap = await createImageBitmap(await (await fetch('save/picture.png')).blob()); \
+                 const saved = document.createElement('canvas'); [saved.width, saved.height] = [bitmap.width, bitmap.height]; \
+                 saved.getContext('2d').drawImage(bitmap, 0, 0); const shown = document.getElementById('canvas'); \
+                 const left = Math.round(shown.width / 2 - bitmap.width / 2), top = Math.round(shown.height / 2 - bitmap.height / 2); \
+                 const a = saved.getContext('2d').getImageData(0, 0, bitmap.width, bitmap.height).data; \
+                 const b = shown.getContext('2d').getImageData(left, top, bitmap.width, bitmap.height).data; \
+                 return Math.max(...a.map((byte, i) => Math.abs(byte - b[i]))); })()";
+    std::thread::sleep(Duration::from_millis(300));
+    let difference = browser.value(block);
+    assert!(difference.as_f64() <= Some(1.0), "{difference} levels");
+    browser.press("+");
+    browser.wait_for(&format!("{painted} !== {still}"));
+    browser.press("0");
+    browser.wait_for(&format!("{painted} === {still}"));
+
+    // Values under the pointer, layers, comparison.
+    browser.drag(&[(400.0, 400.0)]);
+    browser.wait_for(&format!("/^\\(\\d+, \\d+\\)  [\\d.e-]+  /.test({})", text("values")));
+    browser.press("p");
+    browser.press("l");
+    browser.wait_for(&format!("document.getElementById('layer').value === 'noise' && !document.getElementById('legend').hidden && {painted} !== {still}"));
+    browser.value("(() => { const l = document.getElementById('layer'); l.value = 'picture'; l.dispatchEvent(new Event('change')); })()");
+    browser.wait_for(&format!("{painted} === {still}"));
+    browser.press("]");
+    browser.press("f");
+    browser.wait_for(&format!("{} === 'showing: pinned'", text("overlay")));
+    browser.press("d");
+    browser.wait_for(&format!("{} === 'now | pinned'", text("overlay")));
+    browser.press("d");
+    browser.press("[");
+
+    // Resume, edit with an error, mend.
+    let before = browser.value(passes);
+    browser.value(&click("stop"));
+    browser.wait_for(&format!("{passes} > {before}"));
+    fs::write(shown.scene(), SCENE.replace("MaterialName glass", "MaterialName gloss")).unwrap();
+    browser.wait_for(&format!(
+        "!document.getElementById('problems').hidden && {}.includes('line 13')",
+        text("problem-list")
+    ));
+    browser.wait_for("document.querySelector('#source .wrong')");
+    fs::write(shown.scene(), SCENE.replace("reflectance .75 .75 .75", "reflectance .2 .3 .75")).unwrap();
+    browser.wait_for(&format!("document.getElementById('problems').hidden && {passes} >= 1"));
+    browser.wait_for(&format!("{}.includes('.2 .3 .75')", text("source")));
+
+    // The camera moves, which restarts the render.
+    let render = browser.value("Number(document.body.dataset.render)");
+    browser.press("o");
+    browser.drag(&[(400.0, 400.0), (450.0, 410.0), (520.0, 420.0)]);
+    browser.wait_for(&format!("Number(document.body.dataset.render) > {render} && {passes} >= 1"));
+    let moved = shown.wait_for(|state| state["orbit"]["yaw"] != 0.0);
+    assert!(moved["orbit"]["yaw"].as_f64() < Some(-0.5), "{}", moved["orbit"]);
+    browser.press("r");
+    shown.wait_for(|state| state["orbit"]["yaw"] == 0.0 && state["passes"].as_u64() > Some(0));
+
+    // Nothing overflows on a narrow window, and nothing went wrong.
+    browser.resize(500, 900);
+    browser.wait_for("document.documentElement.scrollWidth <= 500");
+    assert!(browser.complaints().is_empty(), "{:?}", browser.complaints());
+}
