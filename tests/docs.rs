@@ -167,6 +167,10 @@ fn run_documented_command(page: &str, line: &[String], folder: &Path) {
             let there = examples.join(format!("{name}.rs")).is_file() || examples.join(name).join("main.rs").is_file();
             assert!(there, "{command_line}\nthere is no such example");
         }
+        ("pip", "install") | ("python", _) => {
+            let path = if word(0) == "pip" { word(2) } else { word(1) };
+            assert!(repository_root().join(path).exists(), "{command_line}\nthere is no {path}");
+        }
         ("cargo", "+nightly") => {
             let [target, corpus] = [6, 7].map(|i| word(i).to_owned());
             let there = repository_root().join(format!("fuzz/fuzz_targets/{target}.rs")).is_file()
