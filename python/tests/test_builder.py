@@ -52,7 +52,7 @@ def test_meshes_from_arrays_equal_those_of_files(tmp_path):
 
 def test_an_emitter_fills_the_view_with_its_radiance():
     builder = builder_with_camera()
-    builder.sphere(builder.diffuse(0.0), center=(0, 1, 0), radius=20, emission=(1, 2, 3))
+    builder.rectangle(builder.diffuse(0.0), (-50, -50, -5), (100, 0, 0), (0, 100, 0), emission=(1, 2, 3))
     image = builder.build().render("path", passes=1).image
     np.testing.assert_allclose(image, np.broadcast_to(np.float32([1, 2, 3]), image.shape), rtol=1e-6)
 
@@ -88,7 +88,7 @@ def test_every_part_builds_a_scene(tmp_path):
     with builder.moving(translate=(1, 0, 0)):
         builder.sphere(floor, (0, 0, 40), 1)
     scene = builder.build()
-    assert (scene.triangles, scene.lights >= 7) == (5, True)
+    assert (scene.triangles, scene.lights) == (5, 6)
     assert np.isfinite(scene.render(passes=1).image).all()
 
 
@@ -149,7 +149,6 @@ def test_errors_name_the_line_of_the_call():
         (lambda b, m: b.diffuse(2.0), caustica.SceneError, "reflectance"),
         (lambda b, m: b.conductor('"} Sphere {'), caustica.SceneError, "metal"),
         (lambda b, m: b.objects("} }"), caustica.SceneError, "test_builder"),
-        (lambda b, m: b.sphere(m, (1e300, 0, 0), 1), caustica.SceneError, "."),
     ],
 )
 def test_wrong_values_are_errors(call, kind, match):

@@ -21,9 +21,9 @@ def test_scene_errors_name_place_and_remedy(text):
     with pytest.raises(caustica.SceneError) as caught:
         caustica.load_string(text.replace("Sphere", "Spere"), name="ball.txt")
     error = caught.value
-    assert (error.file, error.line, error.column) == ("ball.txt", 5, 87)
+    assert (error.file, error.line, error.column) == ("ball.txt", 5, 82)
     assert "Spere" in error.message and error.remedy == "did you mean `Sphere`?"
-    assert str(error) == f"ball.txt:5:87: {error.message}; {error.remedy}"
+    assert str(error) == f"ball.txt:5:82: {error.message}; {error.remedy}"
     assert isinstance(error, ValueError)
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
 
@@ -31,8 +31,9 @@ def test_scene_errors_name_place_and_remedy(text):
 def test_all_errors_of_a_scene_are_listed(text):
     with pytest.raises(caustica.SceneError) as caught:
         caustica.load_string(text.replace("Sphere", "Spere").replace("Diffuse", "Difuse"))
+    # The material that is missing is the second error of line 5.
     first, further = caught.value, caught.value.further
-    assert first.line == 4 and [error.line for error in further] == [5]
+    assert first.line == 4 and [error.line for error in further] == [5, 5]
     assert str(further[0]) in str(first)
 
 
