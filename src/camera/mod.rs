@@ -190,8 +190,8 @@ impl Camera {
         }
     }
 
-    /// Copy of the camera with a picture of `width` × `height` pixels. The vertical angle of view, or
-    /// the height of an orthographic image, stays.
+    /// Copy of the camera with a picture of `width` × `height` pixels. The vertical angle of view,
+    /// or the height of an orthographic image, stays.
     #[must_use]
     pub fn with_size(self, width: u32, height: u32) -> Self {
         let ratio = match self.projection {

@@ -102,10 +102,11 @@ impl Scene {
         &self.camera
     }
 
-    /// Returns a copy of the scene with another camera, in the coordinates of the scene description.
+    /// Returns a copy of the scene with another camera, in the coordinates of the scene
+    /// description.
     ///
-    /// The camera rests while the shutter is open. The copy shares geometry, hierarchies and textures
-    /// with this scene, and keeps its origin.
+    /// The camera rests while the shutter is open. The copy shares geometry, hierarchies and
+    /// textures with this scene, and keeps its origin.
     #[must_use]
     pub fn with_camera(&self, camera: &Camera) -> Self {
         let mut scene = self.clone();

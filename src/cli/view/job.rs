@@ -1,10 +1,10 @@
 //! A render of `caustica view`, in a thread of its own.
 
 use super::ViewArguments;
+use super::event::{Event, EventQueue};
 use super::orbit::orbited_camera;
 use super::preview::render_preview;
 use super::scene::{LoadedScene, ReadScene, problem_of_report, read_scene};
-use super::session::{Event, EventQueue};
 use crate::cli::plan;
 use crate::cli::settings::settings_from_arguments;
 use crate::integrate::{Algorithm, Integrator, PassStage, ProgressMonitor};
@@ -87,8 +87,8 @@ pub(super) struct JobContext<'a> {
     pub arguments: &'a ViewArguments,
     pub pool: &'a ThreadPool,
     pub events: &'a EventQueue,
-    /// Held by the one job that runs pilots and passes. So the memory of two renders is never in use
-    /// at a time.
+    /// Held by the one job that runs pilots and passes. So the memory of two renders is never in
+    /// use at a time.
     pub turn: &'a Mutex<()>,
 }
 

@@ -1,5 +1,6 @@
 //! `caustica view`: renders a scene, shows it on a live page, and follows changes of its files.
 
+mod event;
 mod job;
 mod orbit;
 mod preview;
@@ -16,8 +17,9 @@ use crate::render::RenderLimits;
 use crate::render::error_estimate::Confidence;
 use crate::view::{ListenAddress, LivePage, PageServer};
 use clap::Args;
+use event::{Event, EventQueue};
 use miette::Report;
-use session::{Event, EventQueue, Session};
+use session::Session;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;

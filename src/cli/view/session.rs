@@ -2,6 +2,7 @@
 //! hands requests of the page to it.
 
 use super::ViewArguments;
+use super::event::{Event, EventQueue};
 use super::job::{Job, JobContext, JobHandle, JobScene};
 use super::scene::LoadedScene;
 use super::watch::{FileWatch, WatchedFiles};
@@ -9,48 +10,13 @@ use crate::cli::interrupt::INTERRUPTED;
 use crate::view::{LivePage, LiveRender, Orbit, Request};
 use rayon::ThreadPool;
 use std::sync::atomic::Ordering;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::Receiver;
 use std::sync::{Arc, Mutex};
 use std::thread::{self, Scope};
 use std::time::{Duration, Instant};
 
-/// Largest number of events that wait for the session. Further ones are refused.
-const MAX_EVENTS: usize = 64;
-
 /// Longest time between two looks at signals and files.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
-
-/// Event that the session reacts to.
-pub(super) enum Event {
-    /// Request of a page.
-    Request(Request),
-    /// A job has read the scene.
-    Read {
-        /// Number of the job's render.
-        render: u32,
-        /// The scene file and the files that it names.
-        files: WatchedFiles,
-        /// The scene; `None` if it has errors.
-        loaded: Option<Arc<LoadedScene>>,
-    },
-}
-
-/// Sending end of the queue of events.
-#[derive(Clone)]
-pub(super) struct EventQueue(SyncSender<Event>);
-
-impl EventQueue {
-    /// Makes an empty queue. Returns both ends.
-    pub fn new() -> (Self, Receiver<Event>) {
-        let (sender, receiver) = sync_channel(MAX_EVENTS);
-        (Self(sender), receiver)
-    }
-
-    /// Adds an event; returns false if the queue is full. Never waits.
-    pub fn put(&self, event: Event) -> bool {
-        self.0.try_send(event).is_ok()
-    }
-}
 
 /// Session of `caustica view`.
 pub(super) struct Session<'a> {
@@ -76,7 +42,8 @@ struct SessionState {
 }
 
 impl<'a> Session<'a> {
-    /// Makes a session whose renders run in `pool` and appear on `page`. Its jobs report to `queue`.
+    /// Makes a session whose renders run in `pool` and appear on `page`. Its jobs report to
+    /// `queue`.
     pub fn new(arguments: &'a ViewArguments, page: &'a LivePage, pool: &'a ThreadPool, queue: EventQueue) -> Self {
         Self { arguments, page, pool, queue, turn: Mutex::new(()) }
     }

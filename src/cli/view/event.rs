@@ -1,0 +1,42 @@
+//! Events that a session of `caustica view` reacts to, and their queue.
+
+use super::scene::LoadedScene;
+use super::watch::WatchedFiles;
+use crate::view::Request;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+
+/// Largest number of events that wait for the session. Further ones are refused.
+const MAX_EVENTS: usize = 64;
+
+/// Event that the session reacts to.
+pub(super) enum Event {
+    /// Request of a page.
+    Request(Request),
+    /// A job has read the scene.
+    Read {
+        /// Number of the job's render.
+        render: u32,
+        /// The scene file and the files that it names.
+        files: WatchedFiles,
+        /// The scene; `None` if it has errors.
+        loaded: Option<Arc<LoadedScene>>,
+    },
+}
+
+/// Sending end of the queue of events.
+#[derive(Clone)]
+pub(super) struct EventQueue(SyncSender<Event>);
+
+impl EventQueue {
+    /// Makes an empty queue. Returns both ends.
+    pub fn new() -> (Self, Receiver<Event>) {
+        let (sender, receiver) = sync_channel(MAX_EVENTS);
+        (Self(sender), receiver)
+    }
+
+    /// Adds an event; returns false if the queue is full. Never waits.
+    pub fn put(&self, event: Event) -> bool {
+        self.0.try_send(event).is_ok()
+    }
+}
