@@ -7,6 +7,7 @@ use super::files::ReadResult;
 use super::meshes::TexcoordConvention;
 use super::textures::{TextureUse, TextureValues, Textures};
 use super::tree::{ObjectClass, SceneObject};
+use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::description::{
     DielectricAbsorption, EmissionDescription, GroupItem, MaterialDescription, MaterialKindDescription,
     NormalPerturbationDescription, ObjectGroup, Span, Spanned, TexturedValue,
@@ -363,8 +364,16 @@ impl Conversion<'_, '_> {
         let base = self.values(bsdf, "diffuse_reflectance", 0.5, TextureUse::Color)?;
         let tint = self.values(bsdf, "specular_reflectance", 1.0, TextureUse::Color)?.mean();
         let alpha = if bsdf.plugin == "plastic" { 0.0 } else { self.mean_roughness(bsdf)? };
-        self.context.note("the gloss of plastic is a Phong lobe, which does not grow towards grazing angles", bsdf);
-        Ok(glossy(base.into_color(), tint * normal_reflectance(index), alpha).into())
+        if tint != DVec3::ONE {
+            self.context.note("`specular_reflectance` of plastic is ignored", bsdf);
+        }
+        let kind = MaterialKindDescription::CoatedDiffuse {
+            reflectance: base.into_color(),
+            index: index.clamp(1.0, f64::from(MAX_COAT_INDEX)),
+            roughness: alpha.into(),
+            nonlinear: bsdf.boolean("nonlinear", false),
+        };
+        Ok(kind.into())
     }
 
     fn principled(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<Surface> {

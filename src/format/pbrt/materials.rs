@@ -5,7 +5,7 @@ use super::parameters::{Parameter, Parameters};
 use super::spectra::{SpectralValue, spectral_value};
 use super::state::CurrentMaterial;
 use super::textures::{TextureValue, Textures};
-use crate::bsdf::metal_refractive_index;
+use crate::bsdf::{MAX_COAT_INDEX, metal_refractive_index};
 use crate::color::{conductor_rgb, glass_by_name};
 use crate::format::description::{
     DielectricAbsorption, MaterialDescription, MaterialKindDescription, MetalDescription,
@@ -223,14 +223,10 @@ impl Conversion<'_> {
                 diffuse(self.color(p, "Kd", 0.5, &|c| c)?.0)
             }
             "coateddiffuse" => {
-                self.note("coated diffuse surfaces are a diffuse surface and a Phong lobe", place);
-                let index = self.index(p, &["eta"])?;
-                let (escape, inner) = (1.0 - mean_fresnel(index), inner_reflectance(index));
-                // Light that leaves the base is reflected back by the coat again and again.
-                let kept = move |c: DVec3| escape * (1.0 - inner) * c / (1.0 - inner * c);
-                let (diffuse, _) = self.color(p, "reflectance", 0.5, &kept)?;
-                let roughness = self.roughness(p, 0.0, false)?;
-                phong(diffuse, DVec3::splat(normal_fresnel(index)), roughness.mean)
+                let index = self.index(p, &["eta"])?.clamp(1.0, f64::from(MAX_COAT_INDEX));
+                let (reflectance, _) = self.color(p, "reflectance", 0.5, &|c| c)?;
+                let roughness = self.roughness(p, 0.0, false)?.alpha;
+                MaterialKindDescription::CoatedDiffuse { reflectance, index, roughness, nonlinear: true }
             }
             "plastic" | "uber" | "substrate" | "disney" => {
                 let name = if kind == "disney" { "color" } else { "Kd" };
@@ -477,23 +473,4 @@ fn phong(diffuse: TexturedValue<DVec3>, f0: DVec3, alpha: f64) -> MaterialKindDe
 fn normal_fresnel(index: f64) -> f64 {
     let root = (index - 1.0) / (index + 1.0);
     root * root
-}
-
-/// Mean Fresnel reflectance under diffuse light from outside.
-fn mean_fresnel(index: f64) -> f64 {
-    const STEPS: u32 = 200;
-    // The midpoint rule over the squared sine, which diffuse light fills evenly.
-    let reflectance = |i: u32| {
-        let sin2 = (f64::from(i) + 0.5) / f64::from(STEPS);
-        let (cos, refracted) = ((1.0 - sin2).sqrt(), (1.0 - sin2 / (index * index)).max(0.0).sqrt());
-        let parallel = (index * cos - refracted) / (index * cos + refracted);
-        let perpendicular = (cos - index * refracted) / (cos + index * refracted);
-        0.5 * (parallel * parallel + perpendicular * perpendicular)
-    };
-    (0..STEPS).map(reflectance).sum::<f64>() / f64::from(STEPS)
-}
-
-/// Mean Fresnel reflectance under diffuse light from inside, by reciprocity.
-fn inner_reflectance(index: f64) -> f64 {
-    (1.0 - (1.0 - mean_fresnel(index)) / (index * index)).clamp(0.0, 1.0)
 }
