@@ -137,6 +137,8 @@ fn run_documented_command(page: &str, line: &[String], folder: &Path) {
             Some(Command::Film(_)) => (None, Vec::new()),
             Some(Command::Completions { .. } | Command::Man) | None => (None, Vec::new()),
         };
+        // Scenes that the page asks the reader to save are in the folder, others in the project.
+        let scene = scene.filter(|scene| !folder.join(scene).is_file());
         if let Some(scene) = scene.and_then(Path::to_str) {
             let mapped = repository_root().join(scene).to_str().unwrap().to_owned();
             arguments.iter_mut().filter(|a| *a == scene).for_each(|a| *a = mapped.clone());
