@@ -240,6 +240,12 @@ impl From<f64> for RefractiveIndexDescription {
     }
 }
 
+/// Smallest refractive index that a material may have.
+pub const MIN_REFRACTIVE_INDEX: f64 = 0.001;
+/// Largest refractive index that a material may have. Ratios and squares of indices stay well
+/// within single precision.
+pub const MAX_REFRACTIVE_INDEX: f64 = 1000.0;
+
 /// Complex index of refraction of a conductor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MetalDescription {
@@ -252,6 +258,16 @@ pub enum MetalDescription {
         /// Imaginary part k of the complex index of refraction, at least 0.
         k: DVec3,
     },
+}
+
+impl MetalDescription {
+    /// Returns the metal whose index is nearest to `eta` + i`k` in the range that materials may
+    /// have.
+    #[must_use]
+    pub fn with_nearest_index(eta: DVec3, k: DVec3) -> Self {
+        let [least, greatest] = [MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX].map(DVec3::splat);
+        Self::Index { eta: eta.clamp(least, greatest), k: k.clamp(DVec3::ZERO, greatest) }
+    }
 }
 
 /// Absorption inside a dielectric body.

@@ -20,7 +20,8 @@ pub use lights::{
     PointLightStrength,
 };
 pub use materials::{
-    DielectricAbsorption, MaterialDescription, MaterialKindDescription, MetalDescription, RefractiveIndexDescription,
+    DielectricAbsorption, MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX, MaterialDescription, MaterialKindDescription,
+    MetalDescription, RefractiveIndexDescription,
 };
 pub use media::{
     DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, TransformedBoxDescription,

@@ -3,15 +3,15 @@
 use std::fmt;
 
 use super::super::description::{
-    DielectricAbsorption, EmissionDescription, MaterialDescription, MaterialKindDescription, MetalDescription,
-    NormalPerturbationDescription, Spanned, TexturedValue,
+    DielectricAbsorption, EmissionDescription, MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX, MaterialDescription,
+    MaterialKindDescription, MetalDescription, NormalPerturbationDescription, Spanned, TexturedValue,
 };
 use super::super::error::SceneError;
 use super::fields::{BlockFields, ParsedField, parse_block_by_keyword};
 use super::lexer::Token;
 use super::names::parse_block_name;
 use super::parser::Parser;
-use super::refraction::{INDEX_FIELD, MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX, parse_refraction, write_refraction};
+use super::refraction::{INDEX_FIELD, parse_refraction, write_refraction};
 use super::schema::{
     BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, MAX_COEFFICIENT, block_keywords, block_schema,
     field_schema,

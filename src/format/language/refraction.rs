@@ -2,18 +2,12 @@
 
 use std::fmt;
 
-use super::super::description::RefractiveIndexDescription;
+use super::super::description::{MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX, RefractiveIndexDescription};
 use super::super::error::SceneError;
 use super::fields::{BlockFields, ParsedField};
 use super::schema::{FieldKind, FieldRange, FieldSchema, field_schema};
 use super::writer::{SceneWriter, SpacedNumbers};
 use crate::color::DispersionFormula;
-
-/// Smallest accepted refractive index.
-pub(super) const MIN_REFRACTIVE_INDEX: f64 = 0.001;
-/// Largest accepted refractive index. Ratios and squares of indices stay well within single
-/// precision.
-pub(super) const MAX_REFRACTIVE_INDEX: f64 = 1000.0;
 
 /// Schema of the field `indexOfRefraction` of dielectrics and thin panes.
 pub(super) const INDEX_FIELD: FieldSchema =

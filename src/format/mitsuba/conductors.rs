@@ -84,7 +84,7 @@ fn index_metal(bsdf: &SceneObject, eta: Option<ColorValue>, k: Option<ColorValue
     if !(eta.min_element() >= 0.0 && k.min_element() >= 0.0 && eta.max_element() < 1e6 && k.max_element() < 1e6) {
         return Err(bsdf.place.error("the index of this metal is not valid", "give `eta` and `k` at least 0"));
     }
-    Ok(MetalDescription::Index { eta: (eta / outer).max(DVec3::splat(1e-6)), k: k / outer })
+    Ok(MetalDescription::with_nearest_index(eta / outer, k / outer))
 }
 
 /// Returns a conductor of index 1 + ik whose reflectance at normal incidence is `reflectance`.

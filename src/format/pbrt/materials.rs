@@ -334,7 +334,7 @@ impl Conversion<'_> {
         if !(eta.min_element() > 0.0 && k.min_element() >= 0.0) {
             return Err(place.error("the index of the metal is not positive", "give η above 0, and k of at least 0"));
         }
-        Ok(MaterialKindDescription::Conductor { metal: MetalDescription::Index { eta, k }, roughness })
+        Ok(MaterialKindDescription::Conductor { metal: MetalDescription::with_nearest_index(eta, k), roughness })
     }
 
     /// Returns the index of a dielectric.
