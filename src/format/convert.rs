@@ -1,5 +1,5 @@
-//! Converts an imported scene to scene text, with separate files for embedded meshes, pictures and
-//! grids.
+//! Converts a scene of any format to a text in Caustica's scene language. Meshes, pictures and
+//! grids that the scene file embeds go to separate files.
 
 use super::description::{
     DensityDescription, GroupItem, ObjectDescription, ObjectGroup, SceneDescription, ShapeDescription, Spanned,
@@ -14,10 +14,10 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// A scene converted to scene text. Its embedded meshes, pictures and grids become separate files.
+/// A scene as text in the scene language, with the files that the text refers to.
 #[derive(Clone, Debug)]
 pub struct ConvertedScene {
-    /// Text of the scene in the scene language.
+    /// Text in the scene language.
     pub text: String,
     /// Embedded meshes, each with the path of the PLY file to write.
     pub meshes: Vec<(PathBuf, Arc<TriangleMesh>)>,
@@ -25,15 +25,17 @@ pub struct ConvertedScene {
     pub pictures: Vec<(PathBuf, Arc<Image>)>,
     /// Embedded density grids, each with the path of the grid file to write.
     pub grids: Vec<(PathBuf, Arc<DensityGrid>)>,
-    /// Paths of existing files that the text names, such as meshes and pictures.
+    /// Paths of the other files that the text refers to, which exist already, such as meshes and
+    /// pictures.
     pub named_files: Vec<PathBuf>,
 }
 
 impl ConvertedScene {
-    /// Converts a scene to text for the file `output`; writes no file.
+    /// Converts `scene` to a text that is to be saved as the file `output`. Writes no file.
     ///
-    /// Names of mesh, picture and grid files begin with the stem of `output`. If `output` is not in
-    /// the scene's folder, relative paths of existing files become absolute.
+    /// Names of mesh, picture and grid files begin with the file stem of `output`. If `output` is
+    /// not in the folder of the scene, paths of existing files become absolute, so that they stay
+    /// valid.
     #[must_use]
     pub fn new(scene: &SceneFile, output: &Path) -> Self {
         let mut description = scene.description.clone();
@@ -83,7 +85,7 @@ fn canonical_path(path: &Path) -> Option<PathBuf> {
     path.canonicalize().ok()
 }
 
-/// Calls `visit` for each file path of the description.
+/// Calls `visit` for each path of a mesh, picture, light profile or grid in the description.
 fn visit_file_paths(description: &mut SceneDescription, visit: &mut impl FnMut(&mut String)) {
     for light in &mut description.lights {
         if let Some(path) = light.value.file_path_mut() {
@@ -103,7 +105,7 @@ fn visit_file_paths(description: &mut SceneDescription, visit: &mut impl FnMut(&
             DensityDescription::Homogeneous | DensityDescription::Cloud { .. } => {}
         }
     }
-    // These fields hold either the name of a texture or the path of a picture.
+    // These fields hold the name of a texture or the path of a picture. Only paths are visited.
     let mut visit_path = |name: &mut Spanned<String>| {
         if !textures.contains(&name.value) {
             visit(&mut name.value);

@@ -41,7 +41,8 @@ impl SourceText {
         &self.text
     }
 
-    /// Returns a one-line warning at `span`; it has no position if the text is empty.
+    /// Returns a one-line warning with file, line and column of `span`; only the file if the text
+    /// is empty.
     pub(super) fn warning_at_span(&self, span: Span, message: &str) -> String {
         if self.text.is_empty() {
             return format!("{}: warning: {message}", self.name);
@@ -142,13 +143,13 @@ impl SceneError {
         Self::new(source, span, message.into(), Some(label.into()), help.into())
     }
 
-    /// Returns an error of the whole file, whose position is the first character.
+    /// Returns an error that concerns the whole file. Its position is the first character.
     #[must_use]
     pub fn error_for_whole_file(source: &SourceText, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self::new(source, Span::default(), message.into(), None, help.into())
     }
 
-    /// Returns an error of the file named `file` without a position in a text.
+    /// Returns an error that names the `file`, but no line and column.
     #[must_use]
     pub fn error_without_position(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
         let mut error = Self::error_for_whole_file(&SourceText::new(file, ""), message, help);
@@ -277,9 +278,10 @@ impl Diagnostic for SceneError {
     }
 }
 
-/// Returns the text with escaped control characters near `span`, and the span in the new text.
+/// Returns a copy of the text with control characters near `span` escaped, and the span in the
+/// copy.
 ///
-/// `None` if there are no such characters. They are escaped because a terminal would execute them.
+/// Escaping keeps a terminal from executing them. `None` if there are no such characters.
 fn escape_near_span(source: &SourceText, span: Span) -> Option<(SourceText, Span)> {
     let text = source.text();
     let is_unsafe = |c: char| c.is_control() && !['\n', '\r', '\t'].contains(&c);

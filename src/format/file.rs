@@ -1,4 +1,4 @@
-//! A scene file: read by the importer of its format, and resolved.
+//! Reads a scene file by the importer of its format, and builds the scene.
 
 use super::SceneError;
 use super::description::{SceneDescription, Span};
@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 /// Importers of all scene formats. A file with another extension is read as scene text.
 pub const IMPORTERS: &[&dyn SceneImporter] = &[&SceneTextImporter, &GltfImporter, &MitsubaImporter, &PbrtImporter];
 
-/// A scene file that was read but not resolved. Its description may still be changed.
+/// A scene file that was read, before the [`Scene`] is built. Its description may still be changed.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
     /// Description of the scene.

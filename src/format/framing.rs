@@ -1,18 +1,22 @@
-//! Cameras for files that state no picture size or no camera.
+//! Cameras for imported scenes whose file states no picture size or no camera.
 
 use super::description::{CameraDescription, DirectionOrTarget, ProjectionDescription};
 use glam::DVec3;
 
-/// Height of pictures \[pixels], because glTF files do not state it.
+/// Picture height of imported cameras \[pixels], for formats that do not state it, such as glTF.
 const PICTURE_HEIGHT: f64 = 720.0;
 
-/// Ratio of width to height of pictures if the camera does not give one.
+/// Aspect ratio (width : height) of the picture if the imported camera does not give one.
 pub(super) const DEFAULT_ASPECT_RATIO: f64 = 4.0 / 3.0;
 
-/// Largest ratio of width to height, and its inverse.
+/// Largest aspect ratio (width : height) of a picture. The smallest is its inverse.
 const MAX_ASPECT_RATIO: f64 = 20.0;
 
-/// Returns a camera whose picture is [`PICTURE_HEIGHT`] pixels high.
+/// Returns a camera with a picture of [`PICTURE_HEIGHT`] and the aspect ratio `aspect` (width :
+/// height).
+///
+/// `aspect` is clamped to [1/20, 20]. It is replaced by [`DEFAULT_ASPECT_RATIO`] if it is not above
+/// 0.
 pub(super) fn camera_description(
     center: DVec3,
     direction: DVec3,
@@ -32,7 +36,9 @@ pub(super) fn camera_description(
     }
 }
 
-/// Returns a camera that sees everything within the bounds from above, in front and to the right.
+/// Returns a perspective camera that sees all of a scene with bounds from `low` to `high`.
+///
+/// It looks at the center of the bounds from above, in front and to the right, with +y up.
 pub(super) fn framing_camera((low, high): (DVec3, DVec3)) -> CameraDescription {
     const ANGLE: f64 = 40.0;
     let (center, radius) =

@@ -1,4 +1,4 @@
-//! Messages about content of a scene file that is ignored, approximated or added.
+//! Collects an importer's messages about content that it ignores, approximates or adds.
 
 use crate::format::import::ImportNote;
 use std::collections::{BTreeMap, BTreeSet};
@@ -6,22 +6,24 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Largest number of places that one message names. Further places are only counted.
 const NAMED_PLACES: usize = 3;
 
-/// Messages about a file: one for each kind, with the places where it applies.
+/// Messages about a file. Each distinct message occurs once, with all places where it applies.
 #[derive(Default)]
 pub(in crate::format) struct ImportNotes {
-    /// Places by message; the flag is true for content that is not supported.
+    /// Places where each message applies. The key is the message, with true for unsupported
+    /// content.
     places: BTreeMap<(bool, String), BTreeSet<String>>,
 }
 
 impl ImportNotes {
-    /// Notes content at `place` that is ignored or approximated.
+    /// Adds a message about content that the importer ignores or approximates.
     ///
-    /// `message` says which content, and what the importer does instead. Equal messages become one.
+    /// `message` names the content and what the importer does instead. `place` names the object
+    /// that has the content. Calls with equal messages give one message with all places.
     pub fn add_unsupported(&mut self, message: &str, place: impl Into<String>) {
         self.add(true, message, place.into());
     }
 
-    /// Notes that the file leaves something out, such as a camera.
+    /// Adds a message that the file lacks something, such as a camera.
     pub fn add_missing(&mut self, message: &str) {
         self.places.entry((false, message.to_owned())).or_default();
     }
@@ -30,7 +32,7 @@ impl ImportNotes {
         self.places.entry((is_unsupported, message.to_owned())).or_default().insert(place);
     }
 
-    /// Returns one message for each kind.
+    /// Returns the messages. Each ends with the number of its places and the first few of them.
     pub fn into_notes(self) -> Vec<ImportNote> {
         let note = |((is_unsupported, message), places): ((bool, String), BTreeSet<String>)| {
             let message = if places.is_empty() { message } else { format!("{message} ({})", listed(&places)) };
@@ -40,7 +42,7 @@ impl ImportNotes {
     }
 }
 
-/// Returns the number of places and the names of the first few.
+/// Returns the number of `places` and the first three of them as text, such as `4×: a, b, c, …`.
 fn listed(places: &BTreeSet<String>) -> String {
     let more = if places.len() > NAMED_PLACES { ", …" } else { "" };
     let names = places.iter().take(NAMED_PLACES).map(String::as_str).collect::<Vec<_>>().join(", ");

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// Description of a defect in a file, and its remedy.
+/// Text that describes a defect in a file, and advice on how to correct the defect.
 pub(in crate::format) type MessageAndRemedy = (String, &'static str);
 
 /// Error in one line of an input file.

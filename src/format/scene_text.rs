@@ -11,7 +11,7 @@ use crate::image::open_file;
 use std::io::Read;
 use std::path::Path;
 
-/// Estimated bytes of memory for each byte of a scene text that is read, described and resolved.
+/// Estimated memory of the built scene per byte of its scene text \[bytes].
 ///
 /// A sphere whose text has 40 letters takes about a kilobyte, mostly in the BVH.
 const MEMORY_PER_TEXT_BYTE: u64 = 32;

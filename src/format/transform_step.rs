@@ -47,7 +47,7 @@ impl TransformStep {
 
     /// Returns the step as a motion from the identity at time 0 to the full step at time 1.
     ///
-    /// A matrix cannot be interpolated and applies at all times.
+    /// A matrix step is not interpolated: it applies in full at all times.
     #[must_use]
     pub fn motion_step(&self) -> MotionStep {
         match *self {
@@ -62,10 +62,11 @@ impl TransformStep {
         }
     }
 
-    /// Returns the affine map M of all `steps`, in the order of the MIT 6.837 scene language.
+    /// Returns the affine map M that applies all `steps`, composed as in the MIT 6.837 scene
+    /// language.
     ///
-    /// M starts as the identity. Each step with map T sets M ← M T, so it is applied before the
-    /// steps listed earlier. A matrix sets M ← T M, so it is applied after them.
+    /// M starts as the identity. A step with the map T sets M ← M T, so T is applied before all
+    /// earlier steps in the list. Only a matrix step sets M ← T M, so T is applied after them.
     #[must_use]
     pub fn composed_matrix(steps: &[Self]) -> DAffine3 {
         steps.iter().fold(DAffine3::IDENTITY, |m, step| match step {
@@ -85,7 +86,7 @@ mod tests {
     use super::*;
 
     fn is_nearly_equal(a: DVec3, b: DVec3) -> bool {
-        // Few roundings of numbers below 10.
+        // The coordinates are below 10, so a few rounding errors stay below this bound.
         (a - b).abs().max_element() < 1e-14
     }
 

@@ -43,7 +43,7 @@ pub(super) fn unused_item_warnings(description: &SceneDescription, source: &Sour
     warning_lines(unused_item_messages(description, &UsedSceneItems::collect_used_items(description)), source)
 }
 
-/// Returns one warning line for each message, in the order of the text.
+/// Returns one warning line for each pair of position and message, in the order of the text.
 fn warning_lines(mut found: Vec<(Span, String)>, source: &SourceText) -> Vec<String> {
     found.sort_by_key(|(span, _)| span.start);
     found.into_iter().map(|(span, message)| source.warning_at_span(span, &message)).collect()
@@ -66,7 +66,9 @@ fn unused_item_messages(description: &SceneDescription, uses: &UsedSceneItems<'_
     found
 }
 
-/// Returns why a mesh is not a valid boundary of a body; `None` if it is valid or empty.
+/// Returns the defect that keeps a mesh from bounding a dielectric body; `None` if there is none.
+///
+/// A mesh without triangles has no defect.
 fn dielectric_mesh_defect(report: &MeshReport) -> Option<String> {
     if report.triangles == 0 {
         return None;
@@ -84,7 +86,8 @@ fn dielectric_mesh_defect(report: &MeshReport) -> Option<String> {
 /// Materials, textures and dielectric meshes that a scene uses.
 #[derive(Default)]
 struct UsedSceneItems<'a> {
-    /// Indices of the materials assigned to objects. Materials mixed in a `Mix` are not included.
+    /// Indices of the materials assigned to objects, without the two materials that a `Mix` refers
+    /// to.
     materials: BTreeSet<usize>,
     /// Names of textures that a material refers to.
     textures: BTreeSet<&'a str>,
@@ -102,9 +105,9 @@ impl<'a> UsedSceneItems<'a> {
         uses
     }
 
-    /// Records what the objects of a group use.
+    /// Records the materials and dielectric meshes that the objects of a group use.
     ///
-    /// `material` is the index of the current material, which entries of the group change.
+    /// `material` is the index of the current material. Entries of the group change it.
     fn collect_items_used_by_group(
         &mut self,
         description: &'a SceneDescription,
@@ -123,7 +126,10 @@ impl<'a> UsedSceneItems<'a> {
         }
     }
 
-    /// Records what an object uses. `material` is the index of the current material.
+    /// Records the materials and dielectric meshes that an object uses.
+    ///
+    /// `material` is the index of the current material. If the object is a group, its entries
+    /// change it.
     fn collect_items_used_by_object(
         &mut self,
         description: &'a SceneDescription,
@@ -146,14 +152,14 @@ impl<'a> UsedSceneItems<'a> {
         }
     }
 
-    /// True if an object has the material directly, or through a mix.
+    /// True if an object has the material with this `index`, or a mix that contains it.
     fn is_material_used(&self, description: &SceneDescription, index: usize) -> bool {
         let materials = &description.materials;
         let name = materials[index].name.as_deref();
         let part_of = |mix: &Spanned<MaterialDescription>| {
             mix.kind.mix_material_names().is_some_and(|parts| parts.iter().any(|part| Some(part.as_str()) == name))
         };
-        // The parts of a mix stand before it, so the recursion ends.
+        // A mix refers only to materials before it, so the recursion ends.
         let in_mix =
             |(mix, _): (usize, &Spanned<MaterialDescription>)| mix > index && self.is_material_used(description, mix);
         self.materials.contains(&index)

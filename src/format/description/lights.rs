@@ -69,8 +69,8 @@ pub enum LightDescription {
     Oriented {
         /// Position of the light.
         position: DVec3,
-        /// Axis of the projector or intensity profile, or the center direction of the intensity
-        /// map.
+        /// Direction of the light's axis. A projector and an intensity profile are aligned with it;
+        /// an intensity map has its center there.
         aim: DirectionOrTarget,
         /// Up direction of the pattern; `None` for +y, or for −z if `aim` is parallel to y.
         up: Option<DVec3>,
@@ -81,19 +81,21 @@ pub enum LightDescription {
     },
     /// A light that moves while the shutter is open.
     Moving {
-        /// Steps of the motion. The light's own position is the origin of its rotations and scales.
+        /// Steps of the motion. Rotations and scales are about the light's own position.
         ///
         /// The first listed step is applied last.
         maps: Vec<TransformStep>,
         /// The light as it is when the shutter opens.
         light: Box<Spanned<LightDescription>>,
     },
-    /// An environment light: radiance from infinity in all directions. A scene has at most one.
+    /// An environment light: radiance that arrives from infinity in all directions. A scene has at
+    /// most one.
     Environment(EnvironmentRadiance),
 }
 
 impl LightDescription {
-    /// Returns the path of the light's picture or profile; `None` if the light has no file.
+    /// Returns the path of the light's picture or intensity profile; `None` if the light uses no
+    /// file.
     #[must_use]
     pub fn file_path_mut(&mut self) -> Option<&mut String> {
         match self {
@@ -141,26 +143,26 @@ pub enum EnvironmentRadiance {
         path: Spanned<String>,
         /// Factor from picture values to radiance in W/(m² sr), at least 0.
         scale: f64,
-        /// Right-handed rotation about the y axis in degrees.
+        /// Right-handed rotation of the picture about the y axis in degrees.
         rotate: f64,
     },
 }
 
-/// Intensity pattern of an oriented point light.
+/// Relative intensity of an oriented point light in each direction, read from a file.
 ///
-/// Paths are as written: not empty, without line breaks.
+/// Paths are as written in the scene file: not empty, without line breaks.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LightPattern {
-    /// A picture that a projector casts.
+    /// A picture that the light casts like a slide projector.
     Picture {
         /// Path of the picture.
         path: Spanned<String>,
         /// Full vertical angle of view \[degrees], inside (0, 180).
         angle: f64,
     },
-    /// An equirectangular picture of the intensity in all directions.
+    /// Path of an equirectangular picture of the intensity in all directions.
     Map(Spanned<String>),
-    /// A table of intensity by the angle from the axis.
+    /// Path of a table of the intensity by the angle from the light's axis.
     Profile(Spanned<String>),
 }
 

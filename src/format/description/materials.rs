@@ -5,22 +5,22 @@ use glam::DVec3;
 
 use super::{EmissionDescription, NormalPerturbationDescription, Spanned, TexturedValue};
 
-/// A material as the scene file describes it.
+/// A material as the scene file describes it: scattering, emission, normals and inner medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialDescription {
     /// Name that objects and mixes refer to: not empty, without line breaks.
     pub name: Option<String>,
-    /// Reflection and transmission.
+    /// Model of reflection and transmission, with its parameters.
     pub kind: MaterialKindDescription,
     /// Emitted radiance; `None` for a material that does not emit.
     pub emission: Option<EmissionDescription>,
     /// Perturbation of shading normals by a bump map or normal map.
     pub normal_perturbation: Option<NormalPerturbationDescription>,
-    /// Name of the medium inside a body of a `Dielectric` or `NullInterface` material.
+    /// Name of the medium inside a body with this material, for `Dielectric` and `NullInterface`.
     pub medium: Option<Spanned<String>>,
 }
 
-/// Reflection and transmission of a material.
+/// Reflection and transmission of a material: one variant per model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialKindDescription {
     /// The Phong model of the course MIT 6.837.
@@ -56,7 +56,7 @@ pub enum MaterialKindDescription {
         /// priorities, the body that was entered last wins.
         priority: u8,
     },
-    /// Null interface: boundary of a region without a surface.
+    /// Null interface: bounds a region of a medium. Light crosses it unchanged.
     NullInterface {
         /// Priority where bodies overlap: the highest wins.
         priority: u8,
@@ -83,7 +83,8 @@ pub enum MaterialKindDescription {
         index: f64,
         /// GGX α of the coat, inside [0, 1]; 0 is smooth.
         roughness: TexturedValue<f64>,
-        /// True if interreflection between coat and base makes colors deeper.
+        /// True to account for color shifts by interreflection between coat and base, which deepens
+        /// colors.
         nonlinear: bool,
     },
     /// Stochastic mix: one of two materials, chosen at random at each point.
@@ -100,8 +101,8 @@ pub enum MaterialKindDescription {
 impl MaterialDescription {
     /// Returns the names of all textures that the material uses.
     ///
-    /// The texture of a `Phong` material, a bump map or a normal map may be the path of a picture
-    /// instead of a name.
+    /// The texture of a `Phong` material, of a bump map or of a normal map may be the path of a
+    /// picture instead.
     #[must_use]
     pub fn texture_names(&self) -> Vec<&Spanned<String>> {
         let mut textures = self.kind.texture_names();
@@ -199,7 +200,7 @@ impl MaterialKindDescription {
         }
     }
 
-    /// True for a null interface, which has no surface.
+    /// True for a null interface, which neither reflects nor refracts light.
     #[must_use]
     pub fn is_null_interface(&self) -> bool {
         match self {
@@ -223,7 +224,7 @@ pub enum RefractiveIndexDescription {
     Index(f64),
     /// Name of a glass with a known dispersion formula.
     Named(Spanned<String>),
-    /// Two-term Cauchy equation, given by index and Abbe number.
+    /// Two-term Cauchy equation that has a given index and Abbe number.
     Abbe {
         /// Refractive index at the d line, 587.56 nm.
         index: f64,
@@ -261,8 +262,8 @@ pub enum MetalDescription {
 }
 
 impl MetalDescription {
-    /// Returns the metal whose index is nearest to `eta` + i`k` in the range that materials may
-    /// have.
+    /// Returns a conductor with the index η + ik, each component clamped to the range for
+    /// materials.
     #[must_use]
     pub fn with_nearest_index(eta: DVec3, k: DVec3) -> Self {
         let [least, greatest] = [MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX].map(DVec3::splat);

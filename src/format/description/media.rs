@@ -20,7 +20,7 @@ pub struct MediumDescription {
     pub density: DensityDescription,
 }
 
-/// Absorption and scattering of a medium, in one of two parametrizations.
+/// Absorption and scattering coefficients of a medium, in one of two parametrizations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MediumCoefficients {
     /// Absorption and scattering coefficients.
@@ -64,7 +64,7 @@ pub enum DensityDescription {
         /// Box that the grid fills.
         extent: TransformedBoxDescription,
     },
-    /// A procedural cloud: noise from 0 to 1 in the ellipsoid inscribed in a box.
+    /// A procedural cloud in the ellipsoid inscribed in a box. Its density is noise from 0 to 1.
     Cloud {
         /// Cloud cover, from 0 (empty) to 1 (everywhere).
         cover: f64,

@@ -183,8 +183,8 @@ pub enum DirectionOrTarget {
 /// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjectGroup {
-    /// Entries in the order of the file. A material applies to all objects after it, even beyond
-    /// the end of the group.
+    /// Entries in the order of the file. A material applies to all objects that follow in the file,
+    /// even beyond the end of its group.
     pub items: Vec<GroupItem>,
 }
 
@@ -304,7 +304,7 @@ pub enum ShapeDescription {
     Mesh {
         /// Path of the mesh file as the text writes it: not empty, without line breaks.
         path: Spanned<String>,
-        /// Use of the materials and normals of the mesh's file.
+        /// Selection of the materials and normals that the mesh file provides.
         options: MeshOptions,
     },
     /// Surface of revolution: the points (x cos θ, y, x sin θ) for all points (x, y) of a profile.
@@ -338,17 +338,19 @@ pub enum ShapeDescription {
     },
 }
 
-/// Use of the materials and normals of a mesh file.
+/// Selection of the materials and normals that a mesh file provides.
 ///
-/// The default keeps the scene's material and the file's normals, and smooths nothing.
+/// The default keeps the scene's material and the file's normals, and computes no smooth normals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshOptions {
     /// True if faces have the materials of the mesh's file instead of the scene's.
     pub uses_file_materials: bool,
     /// True if the file's normals are ignored.
     pub ignores_normals: bool,
-    /// Greatest angle between faces that are smoothed, in degrees, inside [0, 180]; `None` for flat
-    /// faces. It applies to faces without normals in the file.
+    /// Greatest angle in degrees, inside [0, 180], between neighboring faces that share smooth
+    /// normals.
+    ///
+    /// `None` for flat faces. It applies only to faces without normals in the file.
     pub max_smoothing_angle: Option<f64>,
 }
 

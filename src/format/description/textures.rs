@@ -69,8 +69,8 @@ pub enum TextureKindDescription {
         colors: [DVec3; 2],
         /// Number of noise octaves, from 1 to 16.
         octaves: u32,
-        /// Frequency in 1/length, above 0: of the first noise octave, of marble veins or of wood
-        /// rings.
+        /// Frequency in 1/length, above 0. It counts periods of the first noise octave, marble
+        /// veins or wood rings.
         frequency: f64,
         /// Amplitude of the noise, at least 0.
         amplitude: f64,
@@ -84,9 +84,9 @@ pub enum TextureKindDescription {
 pub enum SolidPatternDescription {
     /// Perlin noise.
     Noise,
-    /// Parallel veins that noise distorts.
+    /// Parallel veins, distorted by noise.
     Marble,
-    /// Rings about an axis that noise distorts.
+    /// Rings about an axis, distorted by noise.
     Wood,
 }
 
@@ -136,7 +136,8 @@ pub enum EmissionDescription {
 /// The texture is given by its name, or else by the path of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NormalPerturbationDescription {
-    /// Bump map (Blinn 1978): heights along the surface normal.
+    /// Bump map (Blinn 1978): heights by which the surface is displaced along its normal for
+    /// shading.
     Bump {
         /// Name or picture path of the texture that holds the heights.
         texture: Spanned<String>,

@@ -18,7 +18,7 @@ pub enum GridError {
     /// A line cannot be understood.
     #[error(transparent)]
     Line(#[from] LineError),
-    /// The file does not have the length that its size line implies.
+    /// The file has another length than its `size` line implies.
     #[error(
         "{}: {found} bytes follow the empty line, but {} × {} × {} cells of type f32 take {expected}: write the file anew, or \
          correct its size",
@@ -29,9 +29,9 @@ pub enum GridError {
         path: PathBuf,
         /// Cells along x, y and z.
         size: [u32; 3],
-        /// Bytes that the densities of all cells should take.
+        /// Length that the size line implies for the densities \[bytes].
         expected: u64,
-        /// Bytes that actually follow the header.
+        /// Length of the part of the file after the header \[bytes].
         found: u64,
     },
     /// A density is negative or not finite.
@@ -57,9 +57,9 @@ pub enum GridError {
         path: PathBuf,
         /// Number of cells of the grid.
         cells: usize,
-        /// Bytes that reading the grid takes.
+        /// Memory that reading the grid takes \[bytes].
         needed: u64,
-        /// Bytes of memory that are free, if known.
+        /// Memory that is free \[bytes]; `None` if unknown, when the system refused the allocation.
         free: Option<u64>,
     },
 }

@@ -1,4 +1,5 @@
-//! Density grid files: a text header, an empty line, and the values with x running fastest.
+//! Reads and writes density grid files: a text header, an empty line, and the values. The index x
+//! varies fastest.
 //!
 //! ```text
 //! caustica-grid 1
@@ -25,7 +26,7 @@ use std::path::Path;
 /// Largest accepted number of cells of a grid.
 pub const MAX_CELLS: u64 = 1 << 30;
 
-/// Memory per grid cell \[bytes]: 4 for the density, and 4 for majorants and unused list capacity.
+/// Memory per grid cell \[bytes]: 4 for its density, and 4 for majorants and unused list capacity.
 pub(super) const BYTES_PER_CELL: u64 = 8;
 
 /// Largest accepted size of a header, with its empty line \[bytes].
@@ -39,7 +40,7 @@ const READ_CHUNK_BYTES: usize = 1 << 16;
 pub struct DensityGrid {
     /// Number of cells along x, y and z, each at least 1.
     pub size: [u32; 3],
-    /// Densities, finite and at least 0, with x running fastest.
+    /// Densities of all cells, finite and at least 0; the index x varies fastest.
     pub values: Vec<f32>,
 }
 
@@ -73,7 +74,7 @@ pub fn read(path: &Path) -> Result<DensityGrid, GridError> {
 
 /// Reads a grid file. Fails before allocating if the grid takes more than `free` bytes.
 ///
-/// `free` is `None` if the free memory is unknown.
+/// `None` sets no limit, for systems whose free memory is unknown.
 ///
 /// # Errors
 /// [`GridError`].
@@ -83,9 +84,9 @@ pub fn read_with_memory_limit(path: &Path, free: Option<u64>) -> Result<DensityG
     decode(path, length, file, free)
 }
 
-/// Reads a grid from the bytes of an open `file`.
+/// Reads a grid from the bytes that `file` gives.
 ///
-/// `length` is the file's size in bytes. `path` only appears in errors. `free` limits the memory,
+/// `length` is the file's size in bytes. `path` appears in errors only. `free` limits the memory,
 /// see [`read_with_memory_limit`].
 ///
 /// # Errors
@@ -212,14 +213,14 @@ struct GridBodyReader<'a> {
     header: &'a GridHeader,
     /// Size of the whole file \[bytes].
     length: u64,
-    /// Bytes of memory that are free, if known.
+    /// Memory that is free \[bytes]; `None` if unknown.
     free: Option<u64>,
 }
 
 impl GridBodyReader<'_> {
     /// Returns an empty list with capacity for the densities of all cells.
     ///
-    /// Fails if the list and `more` bytes do not fit into memory.
+    /// Fails if the memory for the grid and `more` bytes exceeds the free memory.
     fn reserve_values(&self, more: u64) -> Result<Vec<f32>, GridError> {
         let Self { path, header, free, .. } = *self;
         let needed = BYTES_PER_CELL * header.cells as u64 + more;

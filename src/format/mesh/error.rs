@@ -1,4 +1,4 @@
-//! Errors of reading meshes, and reading of files within a memory limit.
+//! Errors of reading meshes and their materials, and helpers that keep to a memory limit.
 
 use crate::format::line_error::{LineError, MessageAndRemedy};
 use crate::image::open_file;
@@ -52,7 +52,7 @@ pub enum MeshError {
         /// Path of the mesh file.
         path: PathBuf,
     },
-    /// The mesh has more vertices than a signed 32-bit index can count.
+    /// The mesh has more vertices than `i32::MAX`.
     #[error("the mesh {} has more than 2147483647 vertices: split it", path.display())]
     TooLarge {
         /// Path of the mesh file.
@@ -66,9 +66,9 @@ pub enum MeshError {
     Memory {
         /// Path of the mesh or material file.
         path: PathBuf,
-        /// Bytes that reading the mesh takes.
+        /// Memory that reading the file takes \[bytes].
         needed: u64,
-        /// Bytes of memory that are free.
+        /// Memory that is free \[bytes].
         free: u64,
     },
     /// Faces name a material that no material file defines.
@@ -105,8 +105,9 @@ impl MeshError {
     }
 }
 
-/// Reads the bytes of a file. Fails before allocating if they exceed `free` bytes; `None` sets no
-/// limit.
+/// Returns the bytes of the file at `path`.
+///
+/// Fails before allocating if they exceed `free` \[bytes]. `free` is `None` without a memory limit.
 pub(in crate::format) fn read_file_bytes(path: &Path, free: Option<u64>) -> Result<Vec<u8>, MeshError> {
     let refused = |source: std::io::Error| match source.kind() {
         std::io::ErrorKind::NotFound => MeshError::Missing { path: path.into() },
@@ -119,8 +120,9 @@ pub(in crate::format) fn read_file_bytes(path: &Path, free: Option<u64>) -> Resu
     Ok(bytes)
 }
 
-/// Returns an error that names `path` if `needed` exceeds `free` bytes. `free` is `None` without a
-/// memory limit.
+/// Fails with an error that names `path` if `needed` exceeds `free`, both in bytes.
+///
+/// `free` is `None` without a memory limit.
 pub(in crate::format) fn check_memory(path: &Path, needed: u64, free: Option<u64>) -> Result<(), MeshError> {
     match free {
         Some(free) if needed > free => Err(MeshError::Memory { path: path.into(), needed, free }),

@@ -7,7 +7,7 @@ use hashbrown::HashTable;
 use hashbrown::hash_table::Entry;
 use std::hash::Hash;
 
-/// List of values with distinct keys. A hash table finds the index of the value with a given key.
+/// List of values with distinct keys. A hash table maps a key to the index of its value.
 pub(in crate::format) struct DeduplicatedList<T> {
     hasher: RandomState,
     table: HashTable<u32>,
@@ -16,7 +16,7 @@ pub(in crate::format) struct DeduplicatedList<T> {
 
 impl<T> DeduplicatedList<T> {
     pub fn with_capacity(n: usize) -> Self {
-        // Indices depend only on the order of values, so any seed works.
+        // Indices depend only on the order of insertion, so any seed works.
         let hasher = RandomState::with_seeds(1, 2, 3, 4);
         Self { hasher, table: HashTable::with_capacity(n), list: Vec::with_capacity(n) }
     }
@@ -46,12 +46,12 @@ impl<T> DeduplicatedList<T> {
     }
 }
 
-/// Bit patterns of the three coordinates of `p`.
+/// Returns the bit patterns of the three coordinates of `p`.
 pub(in crate::format) fn coordinate_bits(p: DVec3) -> [u64; 3] {
     p.to_array().map(f64::to_bits)
 }
 
-/// Bit patterns of the coordinates of `p`, with −0 replaced by 0.
+/// Returns the bit patterns of the coordinates of `p`, so that −0 and 0 give the same bits.
 fn position_bits(p: DVec3) -> [u64; 3] {
     coordinate_bits(p + DVec3::ZERO)
 }
@@ -61,7 +61,7 @@ const UNASSIGNED: u32 = u32::MAX;
 pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
     let normals = mesh.normals.as_deref();
     let mut known: Vec<u32> = vec![UNASSIGNED; mesh.positions.len()];
-    // Index of a vertex, and true if it loses its normal.
+    // New vertices: index of the old vertex, and true if the new one has no normal.
     let mut numbers: DeduplicatedList<(u32, bool)> = DeduplicatedList::with_capacity(mesh.positions.len());
     let key = |&(v, flat): &(u32, bool)| {
         let normal = normals.filter(|_| !flat).map_or(DVec3::ZERO, |n| n[v as usize]);
@@ -92,10 +92,9 @@ pub(super) fn merge_equal_vertices(mesh: &mut TriangleMesh) {
     keep_listed_vertices(mesh, vertices.iter().map(|(v, _)| *v));
 }
 
-/// Replaces the vertices of `mesh` by its vertices with the indices in `list`.
+/// Makes vertex i of `mesh` a copy of its old vertex `list[i]`, and drops all other vertices.
 ///
-/// Only positions and texture coordinates are replaced. The caller must replace normals and
-/// triangles.
+/// Changes only positions and texture coordinates. The caller must replace normals and triangles.
 pub(super) fn keep_listed_vertices(mesh: &mut TriangleMesh, list: impl Iterator<Item = u32> + Clone) {
     mesh.positions = list.clone().map(|v| mesh.positions[v as usize]).collect();
     let texcoord = |texcoords: Vec<DVec2>| list.map(|v| texcoords[v as usize]).collect();

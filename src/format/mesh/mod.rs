@@ -30,7 +30,7 @@ use crate::image::WriteError;
 use glam::{DVec2, DVec3};
 use std::path::Path;
 
-/// Material index of a triangle that has no material.
+/// Material index of triangles without a material.
 pub const NO_MATERIAL: u32 = u32::MAX;
 
 /// Indexed triangle mesh, as in a mesh file.
@@ -42,11 +42,12 @@ pub struct TriangleMesh {
     ///
     /// Reading keeps triangles without area.
     pub triangles: Vec<[u32; 3]>,
-    /// Unit shading normals of the vertices.
+    /// Unit shading normals of the vertices; `None` if no triangle has normals.
     ///
-    /// A zero normal at all corners of a triangle means that the triangle has no normals.
+    /// A triangle without normals has zero vectors at all its corners.
     pub normals: Option<Vec<DVec3>>,
-    /// Texture coordinates of the vertices; zero for a vertex that has none.
+    /// Texture coordinates of the vertices; `None` if no vertex has any. A single vertex without
+    /// them has (0, 0).
     pub texcoords: Option<Vec<DVec2>>,
     /// Names of the materials. After reading, at least one triangle uses each of them.
     pub materials: Vec<String>,
@@ -59,14 +60,14 @@ pub struct TriangleMesh {
 impl TriangleMesh {
     /// Merges vertices that are equal bit for bit, and removes unused vertices.
     ///
-    /// Afterwards, vertices are in the order of first use. If one corner of a triangle has no
-    /// normal, its other corners lose theirs.
+    /// Afterwards, vertices are in the order in which the triangles use them. If one corner of a
+    /// triangle has no normal, its other corners lose theirs.
     pub fn merge_equal_vertices(&mut self) {
         merge::merge_equal_vertices(self);
     }
 
-    /// Returns the index of each vertex's position among the distinct positions, and the number of
-    /// distinct positions.
+    /// Numbers the distinct vertex positions. Returns each vertex's position number, and their
+    /// count.
     ///
     /// Coordinates −0 and 0 are equal here.
     #[must_use]
@@ -74,35 +75,38 @@ impl TriangleMesh {
         merge::distinct_position_indices(self)
     }
 
-    /// Moves each vertex to the first vertex within `tolerance` \[length], and merges equal
+    /// Moves each vertex to the first earlier vertex within `tolerance` \[length], and merges equal
     /// vertices.
     ///
-    /// Returns by how many the number of distinct positions decreases.
+    /// Returns the decrease in the number of distinct positions.
     pub fn weld_vertices(&mut self, tolerance: f64) -> usize {
         weld::weld_vertices(self, tolerance)
     }
 
-    /// Makes the selected repairs, removes unused vertices, and returns what was repaired.
+    /// Makes the repairs that `repair` selects, removes unused vertices, and returns the repair
+    /// counts.
     pub fn repair(&mut self, repair: &MeshRepairs) -> RepairCounts {
         repair::repair(self, repair)
     }
 
     /// Computes smooth shading normals for all triangles that have none.
     ///
-    /// A normal is the mean of the adjacent face normals, weighted by their corner angles (Thürmer
-    /// and Wüthrich 1998, "Computing vertex normals from polygonal facets"). Two faces share their
-    /// normals along an edge if the face normals differ by at most `angle` \[degrees]. Vertices are
-    /// split at sharper edges, at edges of one or more than two faces, and where windings disagree.
+    /// A normal is the mean of the normals of adjacent faces, weighted by their corner angles
+    /// (Thürmer and Wüthrich 1998, "Computing vertex normals from polygonal facets"). The mean
+    /// extends across an edge if its two face normals differ by at most `angle` \[degrees].
+    /// Vertices are split at all other edges: sharper ones, edges of one or more than two faces,
+    /// and edges with inconsistent windings.
     pub fn compute_smooth_normals(&mut self, angle: f64) {
         normals::compute_smooth_normals(self, angle);
     }
 
-    /// Makes the windings of each connected component consistent and outward.
+    /// Makes the windings of each connected component consistent and outward. Returns the number of
+    /// flipped triangles.
     ///
-    /// Returns the number of flipped triangles. Closed components face outward by the sign of their
-    /// volume, but inward if an odd number of closed components of their material contain them.
-    /// Open components keep the winding of most of their triangles. Non-orientable components are
-    /// not changed.
+    /// - The sign of its volume tells which side of a closed component is outside. The component
+    ///   faces inward if an odd number of other closed components of its material contain it.
+    /// - Open components keep the winding of most of their triangles.
+    /// - Non-orientable components are not changed.
     pub fn orient_outward(&mut self) -> usize {
         orient::orient_outward(self)
     }
@@ -112,10 +116,10 @@ impl TriangleMesh {
         orient::reverse_orientation(self);
     }
 
-    /// Splits the mesh by material; returns pairs of material index and part.
+    /// Splits the mesh by material. Returns one mesh per material, with its material index.
     ///
-    /// Pairs are in the order of the first triangle of each material. Triangles without material
-    /// have index [`NO_MATERIAL`]. Parts have empty lists of materials.
+    /// The list is in the order of the first triangle of each material. Triangles without material
+    /// have index [`NO_MATERIAL`]. The returned meshes have empty lists of materials.
     #[must_use]
     pub fn split_by_material(&self) -> Vec<(u32, Self)> {
         split::split_by_material(self)
@@ -127,13 +131,13 @@ impl TriangleMesh {
         report::mesh_report(self)
     }
 
-    /// Diagonal of the bounding box of all vertices \[length]; 0 if it is not finite.
+    /// Returns the length of the bounding box's diagonal \[length]; 0 if it is not finite.
     #[must_use]
     pub fn bounds_diagonal(&self) -> f64 {
         report::bounds_diagonal(self)
     }
 
-    /// Area of a triangle \[length²].
+    /// Returns the area of a triangle \[length²], which is given by its vertex indices.
     #[must_use]
     pub fn triangle_area(&self, triangle: [u32; 3]) -> f64 {
         report::triangle_area(self, triangle)
@@ -149,10 +153,10 @@ impl TriangleMesh {
         solid::solid_defect(self)
     }
 
-    /// Writes a mesh file completely or not at all. All numbers read back bit for bit.
+    /// Writes a mesh file completely or not at all. Its numbers are exact when read again.
     ///
-    /// An OBJ file names the materials, and the material files in `libraries`. A PLY file has no
-    /// materials.
+    /// `libraries` are the paths of MTL files that an OBJ file shall refer to. An OBJ file also
+    /// names the material of each triangle. A PLY file has no materials.
     ///
     /// # Errors
     ///
@@ -162,7 +166,7 @@ impl TriangleMesh {
     }
 }
 
-/// Mesh that was read from a file, with the names of its material files and vertex statistics.
+/// Mesh that was read from a file, with the paths of its material files and vertex statistics.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadedMesh {
     /// The mesh. No two vertices are equal bit for bit in position, normal and texture coordinates.
@@ -193,15 +197,16 @@ impl LoadedMesh {
     }
 }
 
-/// Receiver of progress reports while a scene's files are read. `()` ignores them.
+/// Receiver of progress reports while a scene's files are read. The implementation for `()` ignores
+/// them.
 pub trait MeshReadMonitor: Sync {
     /// Called with the path of each file besides the scene file itself, before the file is read.
     fn on_input_file_found(&self, _path: &Path) {}
     /// Called before parsing the mesh file at `path`, whose size is `bytes`.
     fn on_read_start(&self, path: &Path, bytes: u64);
-    /// Called when another `bytes` bytes of the file have been parsed.
+    /// Called repeatedly during parsing. `bytes` is the number of bytes parsed since the last call.
     fn on_bytes_parsed(&self, bytes: u64);
-    /// Called with the mesh when the file at `path` has been parsed.
+    /// Called after parsing the file at `path`, with the mesh that it holds.
     fn on_read_end(&self, path: &Path, mesh: &TriangleMesh);
 }
 
@@ -222,9 +227,10 @@ pub fn load(path: &Path, monitor: &dyn MeshReadMonitor) -> Result<LoadedMesh, Me
     load_with_memory_limit(path, monitor, None)
 }
 
-/// Reads a mesh file. Fails before allocating if the mesh takes more than `free` bytes.
+/// Reads a mesh file in one of the formats of [`load`].
 ///
-/// `free` is `None` if the free memory is unknown. [`load`] describes the formats.
+/// Fails before allocating if the mesh takes more than `free` bytes. `None` sets no limit, for
+/// systems whose free memory is unknown.
 ///
 /// # Errors
 /// [`MeshError`], which names the file.
@@ -238,9 +244,9 @@ pub fn load_with_memory_limit(
     decode(path, bytes, monitor, free)
 }
 
-/// Parses the bytes of a PLY or OBJ file. [`load_with_memory_limit`] describes the rules.
+/// Parses the bytes of a PLY or OBJ file by the rules of [`load_with_memory_limit`].
 ///
-/// `path` appears in errors, and its extension helps to find the format.
+/// `path` appears in errors. Its extension helps to tell the formats apart.
 ///
 /// # Errors
 /// [`MeshError`].
@@ -265,7 +271,7 @@ pub fn decode(
     Ok(loaded)
 }
 
-/// Returns the lower and upper corner of the bounds of `points`; infinities if there are none.
+/// Returns the lower and upper corner of the bounds of `points`; +∞ and −∞ if there are none.
 fn point_bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
     points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
 }
@@ -276,8 +282,8 @@ fn point_bounds(points: impl Iterator<Item = DVec3>) -> (DVec3, DVec3) {
 /// were written to a file read back bit for bit.
 pub(in crate::format) fn unit_normal(v: DVec3) -> DVec3 {
     let squared = v.length_squared();
-    // Normalisation errs by 2.5 ulps per component, so by about 5 ulps in the square. The sum of
-    // squares adds 3 ulps.
+    // Normalization has an error of 2.5 ulps per component, so of about 5 ulps in the squared
+    // length. Its sum adds 3 ulps.
     if (squared - 1.0).abs() <= 8.0 * f64::EPSILON {
         v
     } else if squared.is_normal() {

@@ -28,7 +28,8 @@ pub(super) fn compute_smooth_normals(mesh: &mut TriangleMesh, angle: f64) {
     assign_smoothing_group_normals(mesh, &missing, &groups, &sums);
 }
 
-/// Unit normal of a triangle, by its winding; zero for triangles without area.
+/// Returns the unit normal of a triangle on its counter-clockwise side; zero for triangles without
+/// area.
 pub(super) fn face_normal(mesh: &TriangleMesh, triangle: [u32; 3]) -> DVec3 {
     let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
     normalize_without_overflow(normalize_without_overflow(b - a).cross(normalize_without_overflow(c - a)))
@@ -43,9 +44,10 @@ fn corner_angle(mesh: &TriangleMesh, corner: usize) -> f64 {
     libm::atan2(e.cross(f).length(), e.dot(f))
 }
 
-/// Returns the smoothing group of each triangle corner. Corners of a group share one normal.
+/// Returns the index of the smoothing group of each triangle corner.
 ///
-/// Corner 3t + k is corner k of triangle t. Groups are numbered in the order of first use.
+/// All corners of a group get one normal. Element 3t + k belongs to corner k of triangle t. Groups
+/// are numbered in the order of their first corners.
 fn smoothing_groups(mesh: &TriangleMesh, faces: &[DVec3], angle: f64) -> Vec<u32> {
     // Products of unit vectors err by some ulps. An angle equal to the limit counts as smooth.
     let least = if angle >= 180.0 { f64::NEG_INFINITY } else { libm::cos(angle.to_radians()) - 8.0 * f64::EPSILON };
@@ -71,10 +73,11 @@ fn smoothing_groups(mesh: &TriangleMesh, faces: &[DVec3], angle: f64) -> Vec<u32
     numbers
 }
 
-/// Sets smooth normals at the corners of triangles marked in `missing`, and splits vertices where
-/// needed.
+/// Gives smooth normals to the triangles marked in `missing`. Splits vertices whose corners are in
+/// different groups.
 ///
-/// `sums` holds the weighted sum of face normals of each group.
+/// `groups` holds the group of each triangle corner, and `sums` the weighted sum of face normals of
+/// each group.
 fn assign_smoothing_group_normals(mesh: &mut TriangleMesh, missing: &[bool], groups: &[u32], sums: &[DVec3]) {
     const KEEPS_NORMAL: u32 = u32::MAX;
     let mut numbers: DeduplicatedList<(u32, u32)> = DeduplicatedList::with_capacity(mesh.positions.len());
@@ -94,7 +97,8 @@ fn assign_smoothing_group_normals(mesh: &mut TriangleMesh, missing: &[bool], gro
     mesh.merge_equal_vertices();
 }
 
-/// `v` scaled to unit length, without overflow or underflow; zero if `v` is zero or not finite.
+/// Returns `v` scaled to unit length, without overflow or underflow; zero if `v` is zero or not
+/// finite.
 fn normalize_without_overflow(v: DVec3) -> DVec3 {
     let size = v.abs().max_element();
     if size > 0.0 && size.is_finite() { (v / size).normalize_or_zero() } else { DVec3::ZERO }

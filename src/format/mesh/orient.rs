@@ -1,4 +1,4 @@
-//! Consistent windings with outward normals.
+//! Makes the windings of a mesh consistent, with outward normals.
 
 use super::merge::{DeduplicatedList, keep_listed_vertices};
 use super::normals::face_normal;
@@ -8,16 +8,18 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Largest number of closed components for which nesting is computed, since its cost is quadratic.
+/// Largest number of closed components whose nesting is computed. The cost is quadratic in the
+/// number.
 const MAX_NESTED_COMPONENTS: usize = 256;
 
-/// Connected component of a mesh: triangles that are connected by edges of exactly two triangles.
+/// Connected component of a mesh: its triangles are connected by edges that have exactly two
+/// triangles.
 #[derive(Debug, Default)]
 struct ConnectedMeshComponent {
     faces: Vec<u32>,
     /// True if every edge has exactly two triangles.
     is_closed: bool,
-    /// True if windings can be made consistent.
+    /// True if flipping triangles can make all windings consistent.
     is_orientable: bool,
     low: DVec3,
     high: DVec3,
@@ -90,7 +92,7 @@ fn corner_positions(mesh: &TriangleMesh, triangle: u32) -> [DVec3; 3] {
     mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize])
 }
 
-/// Six times the signed volume of a closed component \[length³].
+/// Returns six times the signed volume of a closed component \[length³].
 ///
 /// Triangles marked in `turn` count as flipped.
 fn six_times_signed_volume(mesh: &TriangleMesh, component: &ConnectedMeshComponent, turn: &[bool]) -> f64 {
@@ -103,10 +105,10 @@ fn six_times_signed_volume(mesh: &TriangleMesh, component: &ConnectedMeshCompone
     component.faces.iter().map(six).sum()
 }
 
-/// Returns the number of closed components of the same material that contain each component.
+/// Returns, for each component, the number of closed components of its material that contain it.
 ///
-/// Triangles marked in `turn` count as flipped. Open components have depth 0. All depths are 0 if
-/// there are more than [`MAX_NESTED_COMPONENTS`] closed components.
+/// Triangles marked in `turn` count as flipped. Open and non-orientable components have depth 0.
+/// All depths are 0 if there are more than [`MAX_NESTED_COMPONENTS`] closed components.
 fn component_nesting_depths(mesh: &TriangleMesh, components: &[ConnectedMeshComponent], turn: &[bool]) -> Vec<usize> {
     let closed = |component: &ConnectedMeshComponent| component.is_closed && component.is_orientable;
     let mut depths = vec![0; components.len()];
@@ -132,8 +134,8 @@ fn component_nesting_depths(mesh: &TriangleMesh, components: &[ConnectedMeshComp
 
 /// True if the closed component contains the point `p`.
 ///
-/// The test sums the solid angles of its triangles (van Oosterom and Strackee 1983, "The solid
-/// angle of a plane triangle"). Triangles marked in `turn` count as flipped.
+/// The test sums the signed solid angles of the component's triangles (van Oosterom and Strackee
+/// 1983, "The solid angle of a plane triangle"). Triangles marked in `turn` count as flipped.
 fn mesh_component_contains_point(
     mesh: &TriangleMesh,
     component: &ConnectedMeshComponent,
@@ -147,13 +149,13 @@ fn mesh_component_contains_point(
         let angle = 2.0 * libm::atan2(a.dot(b.cross(c)), below);
         if turn[*t as usize] { -angle } else { angle }
     };
-    // The sum is 4π inside and 0 outside.
+    // The sum is ±4π inside and 0 outside.
     component.faces.iter().map(angle).sum::<f64>().abs() > TAU
 }
 
 /// Flips the triangles marked in `turn`.
 ///
-/// Reverses a shading normal of a flipped triangle if the normal would point to the back.
+/// Reverses a shading normal of a flipped triangle if it would point away from the new front side.
 fn flip_marked_triangles(mesh: &mut TriangleMesh, turn: &[bool]) {
     let Some(normals) = &mesh.normals else {
         for (triangle, _) in mesh.triangles.iter_mut().zip(turn).filter(|(_, turn)| **turn) {

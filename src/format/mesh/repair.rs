@@ -5,30 +5,31 @@ use super::report::duplicate_triangles;
 use super::topology::MeshTopology;
 use serde::Serialize;
 
-/// Selection of repairs to make on a mesh. They are made in the order of the fields.
+/// Selection of repairs to make on a mesh. They are made in the order of these fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshRepairs {
-    /// Distance \[length] within which vertices are merged; 0 merges equal positions.
+    /// Distance \[length] within which vertices are merged. 0 merges equal positions; `None` merges
+    /// none.
     pub weld: Option<f64>,
-    /// True to remove triangles that have the same three positions as an earlier one.
+    /// True to remove each triangle that has the same three positions as an earlier triangle.
     pub removes_duplicates: bool,
-    /// True to remove triangles without area, except those that close a surface.
+    /// True to remove triangles without area, except those without which the surface would be open.
     pub removes_degenerates: bool,
     /// True to make windings consistent, see [`TriangleMesh::orient_outward`].
     pub orients_outward: bool,
 }
 
 impl MeshRepairs {
-    /// Default distance for merging vertices, relative to the diagonal of the mesh's bounds.
+    /// Default merge distance of vertices, as a fraction of the diagonal of the mesh's bounds.
     ///
-    /// Single precision cannot distinguish vertices that are so close.
+    /// It is far below the single-precision rounding of coordinates as large as the diagonal.
     pub const DEFAULT_WELD_TOLERANCE: f64 = 1e-9;
 }
 
-/// Numbers of repairs that were made on a mesh.
+/// Counts of the repairs that were made on a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RepairCounts {
-    /// Number of positions merged with others.
+    /// Number of distinct positions that were merged into others.
     pub welded: usize,
     /// Number of removed triangles that had the same three positions as an earlier one.
     pub duplicates: usize,
@@ -60,8 +61,8 @@ pub(super) fn repair(mesh: &mut TriangleMesh, repair: &MeshRepairs) -> RepairCou
 
 /// Marks triangles without area that can be removed without opening the surface.
 ///
-/// A triangle without area stays if each of its edges has two triangles. It may then close the gap
-/// at a T-junction, where a vertex lies on an edge of another triangle.
+/// A triangle without area stays if each of its edges has exactly two triangles. It may then close
+/// the gap at a T-junction, where a vertex lies on an edge of another triangle.
 fn removable_degenerate_triangles(mesh: &TriangleMesh) -> Vec<bool> {
     let topology = MeshTopology::new(mesh);
     let mut closing = vec![0_u8; mesh.triangles.len()];

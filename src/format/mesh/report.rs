@@ -25,9 +25,9 @@ pub struct MeshReport {
     pub normals: bool,
     /// True if the mesh has texture coordinates.
     pub texture_coordinates: bool,
-    /// Lower corner of the bounds of all triangles.
+    /// Lower corner of the bounds of all triangles; +∞ if there are none.
     pub min: [f64; 3],
-    /// Upper corner of the bounds of all triangles.
+    /// Upper corner of the bounds of all triangles; −∞ if there are none.
     pub max: [f64; 3],
     /// Total area of the triangles \[length²].
     pub area: f64,
@@ -38,23 +38,26 @@ pub struct MeshReport {
     /// True if each edge has at most two triangles, and all triangles around a vertex are connected
     /// by edges.
     pub manifold: bool,
-    /// True if windings can be made consistent.
+    /// True if flipping triangles can make all windings consistent.
     pub orientable: bool,
     /// Number of edges with one triangle.
     pub boundary_edges: usize,
     /// Number of edges with more than two triangles.
     pub non_manifold_edges: usize,
-    /// Number of positions whose triangles are not all connected by edges.
+    /// Number of vertex positions whose triangles are not all connected by edges at this position.
     pub non_manifold_vertices: usize,
-    /// Number of edges whose two triangles have inconsistent windings.
+    /// Number of edges that their two triangles traverse in the same direction: one winding is
+    /// wrong.
     pub inconsistent_edges: usize,
     /// Number of triangles without area.
     pub degenerate_faces: usize,
     /// Number of triangles that have the same three positions as an earlier one, in any order.
+    /// Triangles with two equal positions do not count.
     pub duplicate_faces: usize,
-    /// Number of connected components; triangles are connected by common edges.
+    /// Number of connected components. Triangles with a common edge are connected.
     pub components: usize,
-    /// Euler characteristic: positions − edges + triangles with three different positions.
+    /// Euler characteristic: number of positions − edges + triangles. Triangles with two equal
+    /// positions do not count.
     pub euler_characteristic: i64,
     /// Sum of the genera of all components; `None` unless closed, manifold and orientable.
     pub genus: Option<i64>,
@@ -123,7 +126,9 @@ fn signed_volume(mesh: &TriangleMesh, about: DVec3) -> f64 {
     mesh.triangles.iter().map(six).sum::<f64>() / 6.0
 }
 
-/// True for each triangle that has the same three positions as an earlier one.
+/// Marks each triangle that has the same three positions as an earlier one, in any order.
+///
+/// Triangles with two equal positions are not marked.
 pub(super) fn duplicate_triangles(mesh: &TriangleMesh, topology: &MeshTopology) -> Vec<bool> {
     let mut keys: Vec<([u32; 3], u32)> = Vec::with_capacity(mesh.triangles.len());
     for (t, triangle) in
@@ -141,7 +146,7 @@ pub(super) fn duplicate_triangles(mesh: &TriangleMesh, topology: &MeshTopology) 
     duplicates
 }
 
-/// Numbers of topological elements and defects of a mesh; see [`MeshReport`].
+/// Counts of a mesh's edges, faces, components and topological defects; see [`MeshReport`].
 struct TopologyCounts {
     /// Number of distinct positions that triangles use.
     positions: usize,
@@ -153,7 +158,7 @@ struct TopologyCounts {
     non_manifold_vertices: usize,
     inconsistent_edges: usize,
     orientable: bool,
-    /// True if the triangles of each edge traverse it equally often in both directions.
+    /// True if, at each edge, equally many triangles traverse it in either direction.
     balanced: bool,
     components: usize,
 }

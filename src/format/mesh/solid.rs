@@ -1,4 +1,4 @@
-//! Check that a mesh bounds a solid body, which dielectric materials and media need.
+//! Checks that a mesh bounds a solid body. Dielectric materials and media need such bodies.
 
 use super::TriangleMesh;
 use super::normals::face_normal;
@@ -6,7 +6,7 @@ use super::topology::MeshTopology;
 use glam::DVec3;
 use std::fmt::{Display, Formatter, Result as Written};
 
-/// Defect of a mesh that keeps it from bounding a solid body.
+/// Reason why a mesh does not bound a solid body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolidDefect {
     /// The surface has open edges, so it has no inside.
@@ -39,7 +39,7 @@ impl Display for SolidDefect {
     }
 }
 
-/// Bytes of memory per triangle that [`TriangleMesh::solid_defect`] takes.
+/// Memory that [`TriangleMesh::solid_defect`] takes per triangle \[bytes].
 pub const SOLID_CHECK_BYTES: u64 = 120;
 
 pub(super) fn solid_defect(mesh: &TriangleMesh) -> Option<SolidDefect> {
@@ -58,7 +58,7 @@ pub(super) fn solid_defect(mesh: &TriangleMesh) -> Option<SolidDefect> {
     if inconsistent > 0 {
         return Some(SolidDefect::InconsistentWinding { edges: inconsistent });
     }
-    // An origin near the mesh keeps cancellation small.
+    // An origin near the mesh reduces cancellation.
     let origin = mesh.triangles.first().map_or(DVec3::ZERO, |t| mesh.positions[t[0] as usize]);
     let six_volumes = mesh.triangles.iter().zip(&flipped).map(|(t, flipped)| {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize] - origin);
@@ -68,7 +68,7 @@ pub(super) fn solid_defect(mesh: &TriangleMesh) -> Option<SolidDefect> {
     (six_volumes.sum::<f64>() < 0.0).then_some(SolidDefect::InsideOut)
 }
 
-/// True if the sum of the corners' shading normals points to the back of the winding.
+/// True if the sum of the corners' shading normals points to the back side by the winding.
 fn normals_oppose_winding(mesh: &TriangleMesh, triangle: [u32; 3]) -> bool {
     let Some(normals) = &mesh.normals else { return false };
     let sum: DVec3 = triangle.iter().map(|v| normals[*v as usize]).sum();

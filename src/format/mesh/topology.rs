@@ -1,12 +1,13 @@
-//! Connectivity of triangles: corners with equal positions are one vertex.
+//! Connectivity of triangles. Vertices with equal positions are one vertex.
 
 use super::TriangleMesh;
 use rayon::prelude::*;
 
-/// Half-edge: one side of a triangle.
+/// Half-edge: one side of a triangle, from one corner to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct HalfEdge {
-    /// Position indices of both ends, the lower one first. Half-edges of one edge have equal pairs.
+    /// Position indices of both ends, the lower one first. Half-edges of one edge have the same
+    /// pair.
     pub positions: [u32; 2],
     pub triangle: u32,
     /// Corner of the triangle, 0 to 2, at which the half-edge starts; it ends at the next corner.
@@ -16,9 +17,9 @@ pub(super) struct HalfEdge {
 }
 
 impl HalfEdge {
-    /// Returns the triangle corners at the lower and at the higher of the two `positions`.
+    /// Returns the corner at `positions[0]` and the corner at `positions[1]`.
     ///
-    /// Corner 3t + k is corner k of triangle t.
+    /// Index 3t + k stands for corner k of triangle t.
     pub fn corner_indices(&self) -> [usize; 2] {
         let base = 3 * self.triangle as usize;
         let (start, end) = (base + self.corner as usize, base + (self.corner as usize + 1) % 3);
@@ -29,11 +30,12 @@ impl HalfEdge {
 /// Distinct positions and edges of a mesh.
 #[derive(Debug)]
 pub(super) struct MeshTopology {
-    /// Index of each vertex's position among the distinct positions.
+    /// Index of each vertex's position in the numbering of the distinct positions.
     pub vertex_positions: Vec<u32>,
     /// Number of distinct positions.
     pub position_count: usize,
-    /// Half-edges of the triangles with three different positions, sorted by edge.
+    /// Half-edges of all triangles with three different positions. Half-edges of one edge are
+    /// adjacent.
     half_edges: Vec<HalfEdge>,
 }
 
@@ -60,7 +62,7 @@ impl MeshTopology {
         Self { vertex_positions, position_count, half_edges }
     }
 
-    /// The half-edges of each edge, one slice per edge.
+    /// Returns one slice per edge of the mesh, with all half-edges of this edge.
     pub fn half_edges_by_edge(&self) -> impl Iterator<Item = &[HalfEdge]> {
         self.half_edges.chunk_by(|a, b| a.positions == b.positions)
     }
@@ -72,8 +74,9 @@ impl MeshTopology {
     }
 }
 
-/// Union-find of triangles (Tarjan 1975). Each triangle has a parity: whether its winding is
-/// flipped relative to the root of its set.
+/// Union-find of triangles (Tarjan 1975) that also tracks relative winding.
+///
+/// A triangle stores a parity: whether its winding is flipped relative to that of its set's root.
 #[derive(Debug)]
 pub(super) struct ParityUnionFind {
     parent: Vec<u32>,
@@ -106,8 +109,9 @@ impl ParityUnionFind {
         (root, turned)
     }
 
-    /// Joins the sets of `a` and `b`. `turned` is true if `a` and `b` are flipped relative to each
-    /// other. Returns false if that contradicts earlier joins.
+    /// Joins the sets of `a` and `b`. `turned` is true if `a` is flipped relative to `b`.
+    ///
+    /// Returns false if both are in one set already, with the opposite relation.
     pub fn union_sets(&mut self, a: usize, b: usize, turned: bool) -> bool {
         let ((a, a_turned), (b, b_turned)) = (self.find_root(a), self.find_root(b));
         let turned = turned ^ a_turned ^ b_turned;

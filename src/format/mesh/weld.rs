@@ -1,4 +1,4 @@
-//! Merging of nearly coincident vertices.
+//! Merges nearly coincident vertices.
 
 use super::{TriangleMesh, point_bounds};
 use ahash::RandomState;
@@ -21,14 +21,16 @@ pub(super) fn weld_vertices(mesh: &mut TriangleMesh, tolerance: f64) -> usize {
     before.saturating_sub(after)
 }
 
-/// Hash grid of the vertex positions that are not merged into earlier ones. Its cells are twice as
-/// wide as the merge tolerance.
+/// Hash grid of the positions that vertices keep or move to.
+///
+/// Cells are at least twice as wide as the merge tolerance.
 struct WeldGrid {
     tolerance: f64,
     low: DVec3,
     cell: f64,
     first: HashMap<[i64; 3], u32, RandomState>,
-    /// Positions in the grid, each with the index of the previous one in its cell or [`NO_POINT`].
+    /// Positions in the grid, each with the index of the previous one in its cell; [`NO_POINT`] if
+    /// it is the first.
     points: Vec<(DVec3, u32)>,
 }
 
@@ -46,13 +48,13 @@ impl WeldGrid {
         }
     }
 
-    /// Returns the first position in the grid within the tolerance of `p`.
+    /// Returns the earliest position in the grid within the tolerance of `p`.
     ///
-    /// If there is none, adds `p` and returns it.
+    /// If there is none, adds `p` to the grid and returns `p`.
     fn find_or_insert(&mut self, p: DVec3) -> DVec3 {
         let at = (p - self.low) / self.cell;
         let corner = at.floor();
-        // A neighbour is at most half a cell away.
+        // A position within the tolerance is at most half a cell away, so it is in one of 8 cells.
         let side = (at - corner).cmpge(DVec3::splat(0.5));
         let base = corner.to_array().map(|x| x as i64);
         let step = [side.x, side.y, side.z].map(|upper| if upper { 1 } else { -1 });

@@ -50,7 +50,7 @@ pub(super) fn write(
     })
 }
 
-/// Displays a number as the shortest decimal that reads back bit for bit.
+/// Displays the number as the shortest decimal that gives exactly this number when read again.
 ///
 /// Numbers below 10⁻⁵ or from 10¹⁶ have an exponent.
 pub(in crate::format) struct ShortestDecimal<T>(pub T);

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 const REPAIR_REMEDY: &str = "repair it or export the materials anew";
 
-/// Returns the valid lines of an MTL file, rewritten for `tobj`, without unknown keywords.
+/// Returns the lines of an MTL file that Caustica uses, rewritten for `tobj`.
 ///
 /// An error holds the number of the first invalid line, from 1, with a message and a remedy.
 pub(super) fn check_mtl_lines(text: &str) -> Result<String, (usize, MessageAndRemedy)> {
@@ -37,7 +37,7 @@ fn check_mtl_line(line: &str, named: &mut bool, valid_lines: &mut String) -> Res
             let [r, g, b] = parse_color_or_grey(keyword, rest)?;
             let _ = writeln!(valid_lines, "{keyword} {r} {g} {b}");
         }
-        // Some exporters write a negative exponent for no highlight.
+        // Some exporters write a negative exponent if there is no highlight.
         "Ns" => {
             let _ = writeln!(valid_lines, "Ns {}", parse_single_precision(keyword, rest)?.max(0.0));
         }
@@ -107,7 +107,7 @@ fn parse_color_or_grey(keyword: &str, rest: &str) -> Result<[f64; 3], MessageAnd
     }
 }
 
-/// Returns the picture path at the end of the arguments of an MTL texture line.
+/// Returns the picture path of an MTL texture line. `rest` holds the options and then the path.
 fn picture_path_after_options(mut rest: &str) -> &str {
     let next = |text: &str| text.split_ascii_whitespace().next().unwrap_or_default().to_owned();
     let after = |text: &'_ str, word: &str| text[word.len()..].trim_start().len();
@@ -122,7 +122,8 @@ fn picture_path_after_options(mut rest: &str) -> &str {
         rest = &rest[rest.len() - after(rest, &option)..];
         for k in 0..most {
             let value = next(rest);
-            // Offsets and scales may have fewer than three numbers.
+            // The first argument is required. Options such as `-o` and `-s` may have fewer than
+            // three numbers.
             if k > 0 && value.parse::<f64>().is_err() {
                 break;
             }

@@ -1,6 +1,6 @@
-//! Materials from and to MTL files, which accompany OBJ files.
+//! Reads and writes MTL files, the material files of OBJ meshes. Converts their materials.
 //!
-//! Submodule `check` checks each line; crate `tobj` parses the valid lines.
+//! Submodule `check` checks each line; the crate `tobj` parses the valid lines.
 
 mod check;
 #[cfg(test)]
@@ -31,7 +31,7 @@ pub struct MtlMaterial {
     pub specular: Option<DVec3>,
     /// Emitted radiance (Ke).
     pub emission: Option<DVec3>,
-    /// Transmittance (Tf).
+    /// Transmittance color (Tf).
     pub filter: Option<DVec3>,
     /// Phong exponent of the highlight (Ns).
     pub shininess: Option<f64>,
@@ -41,16 +41,16 @@ pub struct MtlMaterial {
     pub index: Option<f64>,
     /// Number of the illumination model (illum).
     pub illumination: Option<u8>,
-    /// Path of the picture that multiplies Kd (map_Kd), starting with the folder of the MTL file.
+    /// Path of the picture that multiplies Kd (map_Kd), joined to the folder of the MTL file.
     pub texture: Option<PathBuf>,
 }
 
 /// Reads the material files of a mesh, in the order of `libraries`.
 ///
-/// `mesh` is the path of the mesh file, and `libraries` its `mtllib` arguments. An argument is one
-/// path. If no file has that path, the argument is a list of paths separated by spaces. The last
-/// definition of a material counts. Fails before allocating if a file takes more than `free` bytes;
-/// `None` sets no limit.
+/// `mesh` is the path of the mesh file, and `libraries` holds the arguments of its `mtllib` lines.
+/// An argument is one path, or a list of paths separated by spaces if no file has that path. If a
+/// material is defined repeatedly, the last definition counts. Fails before allocating if a file
+/// takes more than `free` bytes; `None` sets no limit.
 ///
 /// # Errors
 /// [`MeshError`], which names the file.
@@ -78,7 +78,7 @@ pub fn load_libraries(mesh: &Path, libraries: &[String], free: Option<u64>) -> R
     Ok(materials)
 }
 
-/// Reads the materials of a mesh, in the order of its list of material names.
+/// Returns the materials of a mesh, in the order of its list of material names.
 ///
 /// `path` is the path of the mesh file. `free` limits the memory, see [`load_libraries`].
 ///
@@ -128,7 +128,7 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<MtlMaterial>, MeshError> 
         .collect())
 }
 
-/// Path with backslashes replaced by slashes, which all systems accept as separators.
+/// Returns the path with backslashes replaced by slashes, which all systems accept as separators.
 fn path_with_slashes(path: &str) -> PathBuf {
     PathBuf::from(path.replace('\\', "/"))
 }

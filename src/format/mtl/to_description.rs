@@ -12,14 +12,14 @@ use std::path::{PathBuf, absolute};
 const DEFAULT_INDEX: f64 = 1.5;
 
 impl MtlMaterial {
-    /// Converts to the closest material of the scene language.
+    /// Returns the closest material of the scene language.
     ///
-    /// - Dielectric with index `Ni` and tint `Tf`, if the illumination model is 4, 6, 7 or 9
-    ///   (glass, refraction) or `d` is below 1.
-    /// - Mirror with reflectance `Ks`, if the model is 3, 5 or 8 (reflection), `Kd` is black and
-    ///   there is no picture.
-    /// - Phong with `Kd` and the picture otherwise. It has the highlight of `Ks` and `Ns`, except
-    ///   in models 0 and 1.
+    /// - Dielectric with index `Ni` and tint `Tf`, if the illumination model is 4, 6, 7 or 9 (glass
+    ///   or refraction) or the opacity `d` is below 1.
+    /// - Otherwise mirror with reflectance `Ks`, if the model is 3, 5 or 8 (reflection), `Kd` is
+    ///   black and there is no picture.
+    /// - Otherwise Phong with diffuse color `Kd` times the picture. Its highlight has the color
+    ///   `Ks` and the exponent `Ns`. Models 0 and 1 have no highlight.
     ///
     /// # Errors
     /// A message and a remedy if the index of a dielectric is not in \[0.001, 1000].
@@ -65,8 +65,8 @@ impl MtlMaterial {
     }
 }
 
-/// Returns the absolute path of a picture, because a relative path in a scene would be relative to
-/// the scene file.
+/// Returns the absolute path of a picture. The scene language would resolve a relative path from
+/// the folder of the scene file, not of the MTL file.
 fn absolute_texture_path(path: &PathBuf) -> Spanned<String> {
     let whole = absolute(path).unwrap_or_else(|_| path.clone());
     Spanned::new(whole.display().to_string(), Span::default())

@@ -1,4 +1,4 @@
-//! Materials as MTL text.
+//! Writes materials as MTL text.
 
 use super::MtlMaterial;
 use crate::format::mesh::ShortestDecimal;
@@ -8,7 +8,7 @@ use std::path::{Path, absolute};
 
 /// Writes an MTL file completely or not at all.
 ///
-/// Paths of pictures inside the folder of `path` are written relative to it, others absolute.
+/// Paths of pictures are relative to the folder of `path` if they are inside it, else absolute.
 ///
 /// # Errors
 /// [`WriteError`].

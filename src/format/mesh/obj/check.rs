@@ -11,17 +11,17 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 /// Smallest size of a chunk of lines that one thread checks \[bytes].
 const MIN_CHUNK_BYTES: usize = 1 << 22;
 
-/// Error: an invalid line of an OBJ file.
+/// An invalid line of an OBJ file, with the defect and a remedy.
 pub(super) struct InvalidObjLine {
     /// Line number, from 1.
     pub line: usize,
     pub wrong: MessageAndRemedy,
 }
 
-/// True for each kind of index that a face corner has: position, texture coordinate, normal.
+/// Tells which indices a face corner has: position, texture coordinate, normal.
 type PresentIndices = [bool; 3];
 
-/// Names, for error messages, of the lists that the three indices of a face corner refer to.
+/// Names, for error messages, of the items that the three indices of a face corner refer to.
 const LIST_NAMES: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// Content of an OBJ file whose lines have all been checked.
@@ -29,8 +29,8 @@ const LIST_NAMES: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 pub(super) struct CheckedObjFile {
     /// Valid lines `v`, `vt`, `vn` and `f` in the order of the file, one text per chunk.
     ///
-    /// Added lines `g` divide the faces into groups. The faces of a group have one material. Their
-    /// corners have the same kinds of indices.
+    /// Lines `g`, which the check inserts, divide the faces into groups. All faces of a group have
+    /// one material, and all their corners have the same kinds of indices.
     pub texts: Vec<String>,
     /// Name of each group's material; empty for groups without material.
     pub groups: Vec<String>,
@@ -83,7 +83,7 @@ pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Resu
     Ok(result)
 }
 
-/// Divides `text` at line ends into byte ranges. A line continued by a backslash stays whole.
+/// Divides `text` into byte ranges of whole lines. Lines joined by a backslash stay in one range.
 fn line_chunks(text: &str) -> Vec<Range<usize>> {
     let mut chunks = Vec::new();
     let mut start = 0;
@@ -101,7 +101,7 @@ fn line_chunks(text: &str) -> Vec<Range<usize>> {
     chunks
 }
 
-/// Numbers of lines in a chunk of an OBJ file.
+/// Line counts of a chunk of an OBJ file.
 #[derive(Clone, Copy, Default)]
 struct ObjLineCounts {
     /// Number of all lines of the chunk.
@@ -138,7 +138,7 @@ impl ObjLineCounts {
 /// Calls `visit` with the index, from 0, and the text of each line that may hold a statement.
 ///
 /// A line that ends with a backslash is joined with the next line. Lines that do not begin with
-/// `v`, `f`, `m` or `u` are skipped.
+/// `v`, `f`, `m` or `u` are skipped, because Caustica needs no other statements.
 fn for_each_statement<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Result<(), E>) -> Result<(), E> {
     let mut lines = text.lines().enumerate();
     while let Some((i, first)) = lines.next() {
@@ -157,19 +157,19 @@ fn for_each_statement<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Resul
     Ok(())
 }
 
-/// State of checking one chunk of an OBJ file.
+/// State of the check of one chunk, a part of an OBJ file.
 struct ObjChunkChecker<'u> {
     valid_lines: String,
     /// Numbers of lines `v`, `vt` and `vn` read so far, counted from the start of the file.
     list_lengths: [usize; 3],
-    /// Kinds of indices at the corners of the last face, and the index of its material in `names`
-    /// plus 1.
+    /// Kinds of indices and material index (see `groups`) of the current face group; `None` before
+    /// the first face.
     group: Option<(PresentIndices, usize)>,
-    /// Names of the materials of the chunk; name i has index i + 1. Index 0 is the material that
-    /// the previous chunk ends with.
+    /// Names on the `usemtl` lines of the chunk, in order. Material index 0 stands for the last
+    /// material of the previous chunk, and index i + 1 for name i.
     names: Vec<String>,
-    /// Material index of each face group: 1 plus an index into `names`, or 0 for the material that
-    /// the previous chunk ends with.
+    /// Material index of each face group: 1 plus an index into `names`, or 0 for the last material
+    /// of the previous chunk.
     groups: Vec<usize>,
     libraries: Vec<String>,
     /// Number of corners of the chunk's faces.
@@ -219,9 +219,10 @@ impl<'u> ObjChunkChecker<'u> {
         }
     }
 
-    /// Copies the numbers of a line `v`, `vt` or `vn`, so that the copy has exactly `most` numbers.
+    /// Copies the numbers of a line `v`, `vt` or `vn` to the valid lines. The copy has exactly
+    /// `most` numbers.
     ///
-    /// The line must hold at least `fewest`. Missing numbers become 0, and surplus ones are
+    /// The line must hold at least `fewest` numbers. Missing ones become 0, and surplus ones are
     /// dropped.
     fn copy_obj_numbers<'w>(
         &mut self,

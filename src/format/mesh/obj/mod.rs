@@ -24,24 +24,24 @@ const BYTES_PER_COORDINATE: u64 = 8 * 3;
 /// one in [`TriangleMesh`] (4).
 const BYTES_PER_CORNER: u64 = 32;
 
-/// Parses the triangles of an OBJ file; line and point elements, groups and names are ignored.
+/// Reads a mesh from the bytes of an OBJ file. Ignores line and point elements, groups and object
+/// names.
 ///
-/// `path` appears in errors only. Fails before allocating if the mesh takes more than `free`
-/// bytes.
+/// `path` appears in errors only. Fails before allocating if the mesh takes more than `free` bytes.
 pub(super) fn read(
     path: &Path,
     bytes: Vec<u8>,
     monitor: &dyn MeshReadMonitor,
     free: Option<u64>,
 ) -> Result<LoadedMesh, MeshError> {
-    // Comments and names may have other encodings than UTF-8.
+    // Comments and names may be in another encoding than UTF-8, so invalid bytes are replaced.
     let length = bytes.len() as u64;
     check_memory(path, length, free)?;
     let text = String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
     let checked = check::check_obj_lines(text.strip_prefix('\u{feff}').unwrap_or(&text), monitor)
         .map_err(|e| MeshError::error_at_line(path, e.line, e.wrong))?;
     drop(text);
-    // The original text is freed, and the following steps take less than it.
+    // The original text is freed. The following steps take less memory than it did.
     check_memory(
         path,
         BYTES_PER_COORDINATE * checked.numbers as u64 + BYTES_PER_CORNER * checked.corners as u64,
@@ -63,7 +63,7 @@ pub(super) fn read(
     })
 }
 
-/// Reader of a list of texts as one stream, which reports progress to a monitor.
+/// Reader that presents a list of texts as one stream and reports progress to a monitor.
 struct MonitoredObjReader<'t> {
     texts: &'t [String],
     /// Number of bytes read from the first of `texts`.
@@ -89,7 +89,8 @@ impl BufRead for MonitoredObjReader<'_> {
 }
 
 impl MonitoredObjReader<'_> {
-    /// Removes empty texts from the front; they would look like the end of the file.
+    /// Removes empty texts from the front of the list. A reader would take them for the end of the
+    /// file.
     fn skip_empty_texts(&mut self) {
         while let [first, rest @ ..] = self.texts
             && first.is_empty()
@@ -107,7 +108,7 @@ impl Read for MonitoredObjReader<'_> {
     }
 }
 
-/// Joins all groups into one mesh; `None` if it has more than `i32::MAX` vertices.
+/// Joins the meshes of all face groups into one; `None` if it has more than `i32::MAX` vertices.
 fn join_obj_groups(models: &[tobj::Model], checked: &CheckedObjFile) -> Option<TriangleMesh> {
     let mut mesh = TriangleMesh::default();
     let has = |list: fn(&tobj::Mesh) -> &Vec<f64>| models.iter().any(|model| !list(&model.mesh).is_empty());

@@ -5,7 +5,9 @@ use glam::DVec3;
 use std::io::{Result, Write};
 
 /// Writes a mesh as OBJ text with one line for each distinct position, texture coordinate and
-/// normal. `libraries` are the arguments of its `mtllib` lines.
+/// normal.
+///
+/// `libraries` are the paths on its `mtllib` lines.
 pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &mut impl Write) -> Result<()> {
     writeln!(out, "# Caustica {}", env!("CARGO_PKG_VERSION"))?;
     for library in libraries {
@@ -60,7 +62,7 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
     Ok(())
 }
 
-/// Returns the index of each key in the list of distinct keys, and that list.
+/// Numbers the distinct keys. Returns the number of each key, and the list of distinct keys.
 fn deduplicate_keys<const N: usize>(keys: impl ExactSizeIterator<Item = [u64; N]>) -> (Vec<u32>, Vec<[u64; N]>) {
     let mut numbers = DeduplicatedList::with_capacity(keys.len());
     let list = keys.map(|key| numbers.find_or_append(key, |key| *key)).collect();

@@ -38,7 +38,7 @@ impl PlyNumberType {
         })
     }
 
-    /// Size of a number in binary files \[bytes].
+    /// Returns the size of a number of this type in binary files \[bytes].
     pub fn byte_size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -53,10 +53,10 @@ impl PlyNumberType {
     }
 }
 
-/// Use of a PLY property when the mesh is read.
+/// Purpose for which the mesh reader uses a PLY property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PlyPropertyRole {
-    /// Vertex coordinate: index into the list x, y, z, nx, ny, nz, u, v.
+    /// Vertex coordinate. The number is its index in the list x, y, z, nx, ny, nz, u, v.
     Slot(usize),
     /// List of a face's vertex indices.
     Corners,
@@ -68,9 +68,9 @@ pub(super) enum PlyPropertyRole {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PlyProperty {
     pub role: PlyPropertyRole,
-    /// Type of the list's length; `None` if the property is a number.
+    /// Integer type of the list's length; `None` if the property is a single number.
     pub list: Option<PlyNumberType>,
-    /// Type of the number, or of each number of the list.
+    /// Type of the single number, or of each number of the list.
     pub item: PlyNumberType,
 }
 
@@ -104,13 +104,13 @@ pub(super) struct PlyHeader {
     pub lines: usize,
 }
 
-/// Error of a header line: its number, from 1, with a message and a remedy.
+/// Error of a header line: the line number, from 1, with a message and a remedy.
 pub(super) type HeaderError = (usize, MessageAndRemedy);
 
 /// Remedy for files that violate the PLY format.
 const EXPORT_ANEW: &str = "export it anew as PLY";
 
-/// Names of vertex properties, each with the index for [`PlyPropertyRole::Slot`].
+/// Names of vertex properties, each with its index for [`PlyPropertyRole::Slot`].
 const VERTEX_PROPERTY_SLOTS: [(&str, usize); 14] = [
     ("x", 0),
     ("y", 1),
@@ -188,9 +188,9 @@ impl PlyHeader {
         Ok(header)
     }
 
-    /// Fails if a declared count exceeds what a file of `bytes` bytes can hold.
+    /// Fails if the declared element counts need more bytes than a file of `bytes` bytes holds.
     fn check_counts_fit_file(&self, bytes: usize) -> Result<(), HeaderError> {
-        // The last number of a text may lack white space after it.
+        // White space after the last number of a text file is optional.
         let mut left = bytes - self.bytes + usize::from(self.encoding == PlyEncoding::Ascii);
         for element in &self.elements {
             let least = element.min_element_bytes(self.encoding);
@@ -211,7 +211,7 @@ impl PlyHeader {
 }
 
 impl PlyElement {
-    /// Smallest size of one element in the file \[bytes].
+    /// Returns the smallest possible size of one such element in the file \[bytes].
     pub fn min_element_bytes(&self, encoding: PlyEncoding) -> usize {
         let one = |p: &PlyProperty| {
             // A face has at least three corners.

@@ -16,23 +16,23 @@ pub(super) use write::write;
 
 /// Memory per vertex while equal vertices are merged \[bytes].
 ///
-/// It covers position, normal and texture coordinates (64), a copy of them (64), a flag (1), an
-/// index (4), and an entry of a hash table (20).
+/// It covers position, normal and texture coordinates (64), their copy in the merged mesh (64), a
+/// flag (1), an index (4), and an entry of a hash table (20).
 const BYTES_PER_VERTEX: u64 = 160;
 
-/// Memory per triangle, with unused list capacity \[bytes].
+/// Memory per triangle \[bytes], including unused capacity of its list.
 const BYTES_PER_TRIANGLE: u64 = 24;
 
-/// Memory per corner of the current face, with unused list capacity \[bytes].
+/// Memory per corner of the face that is being read \[bytes], including unused capacity of its
+/// list.
 const BYTES_PER_CORNER: u64 = 8;
 
 /// Number of elements between two progress reports.
 const PROGRESS_STRIDE: u64 = 1 << 16;
 
-/// Parses the triangles of a PLY file; skips elements and properties that meshes do not use.
+/// Reads a mesh from the bytes of a PLY file. Skips elements and properties that meshes do not use.
 ///
-/// `path` appears in errors only. Fails before allocating if the mesh takes more than `free`
-/// bytes.
+/// `path` appears in errors only. Fails before allocating if the mesh takes more than `free` bytes.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -45,7 +45,8 @@ pub(super) fn read(
     if count(PlyElementKind::Vertex) > i32::MAX as u64 {
         return Err(MeshError::TooLarge { path: path.into() });
     }
-    // The file can hold the header's counts, so the products do not overflow.
+    // The header check ensured that the file can hold these counts, so the products do not
+    // overflow.
     let needed = BYTES_PER_VERTEX * count(PlyElementKind::Vertex) + BYTES_PER_TRIANGLE * count(PlyElementKind::Face);
     check_memory(path, needed, free)?;
     let mut reader = PlyMeshReader {
@@ -79,7 +80,7 @@ pub(super) fn read(
 
 /// Error in one element of a PLY body, such as a face.
 struct PlyElementError {
-    /// Line number in text files, from 1; byte offset in binary files.
+    /// Line number from 1 in a text file; byte offset of the element in a binary file.
     position: usize,
     /// Name and index, from 0, of the invalid element, such as `face 12`.
     element: String,
@@ -89,7 +90,7 @@ struct PlyElementError {
 /// Cause of a [`PlyElementError`].
 enum PlyElementErrorCause {
     Malformed(MessageAndRemedy),
-    /// The mesh would need `needed` bytes, and `free` are available.
+    /// The mesh needs more memory than is free, both in bytes.
     Memory {
         needed: u64,
         free: u64,
@@ -171,9 +172,9 @@ impl PlyMeshReader<'_> {
         Ok(())
     }
 
-    /// Reserves memory in the mesh for all vertices or faces that `element` declares.
+    /// Reserves capacity in the mesh for all vertices or faces that `element` declares.
     ///
-    /// The header check has ensured that the file can hold that many.
+    /// The count is safe: the header check ensured that the file can hold it.
     fn reserve_mesh_memory(&mut self, element: &PlyElement) {
         let mesh = &mut self.loaded.mesh;
         let n = element.count as usize;
@@ -220,7 +221,7 @@ impl PlyMeshReader<'_> {
         Ok(())
     }
 
-    /// Fails if the mesh with another face of `n` corners would exceed the memory limit.
+    /// Fails if another face of `n` corners would make the mesh exceed the memory limit.
     ///
     /// The face becomes `n − 2` triangles.
     #[inline]
@@ -303,7 +304,7 @@ fn skip_ply_list<R: PlyNumberReader>(
     Ok(())
 }
 
-/// Fails if the rest of the file cannot hold a list of `n` entries of type `item`.
+/// Fails if the rest of the file is too short for a list of `n` numbers of type `item`.
 #[inline]
 fn check_ply_list_length<R: PlyNumberReader>(numbers: &R, n: u64, item: PlyNumberType) -> Result<(), MessageAndRemedy> {
     let most = numbers.max_remaining_values(item);

@@ -7,9 +7,9 @@ const TRUNCATED_REMEDY: &str = "the file is cut short, or its counts are wrong";
 
 /// Sequential reader of the numbers in a PLY body.
 pub(super) trait PlyNumberReader {
-    /// Returns the next number of the body.
+    /// Returns the next number of the body, which has the type `kind`.
     fn read_number(&mut self, kind: PlyNumberType) -> Result<f64, MessageAndRemedy>;
-    /// Returns the next number of the body; `kind` is an integer type.
+    /// Returns the next number of the body, which has the integer type `kind`.
     fn read_integer(&mut self, kind: PlyNumberType) -> Result<i64, MessageAndRemedy>;
     /// Returns the reader's position for error messages: a byte offset in binary files, a line
     /// number in text files.

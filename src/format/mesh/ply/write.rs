@@ -3,12 +3,13 @@
 use crate::format::mesh::{ShortestDecimal, TriangleMesh};
 use std::io::{Result, Write};
 
-/// Vertex properties of one kind, such as the position.
+/// Group of vertex properties that are written together, such as x, y and z of the position.
 struct PlyVertexProperty<'m> {
     names: &'static [&'static str],
-    /// True if all values are exact in single precision, so they are written as `float`.
+    /// True if single precision represents all values exactly. They are then written as `float`.
     is_single_precision: bool,
-    /// Returns the property's values at the vertex with a given index.
+    /// Returns the values at the vertex with a given index, one for each name. Further ones are
+    /// unused.
     get: Box<dyn Fn(usize) -> [f64; 3] + 'm>,
 }
 
