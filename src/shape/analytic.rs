@@ -35,10 +35,10 @@ pub(super) trait AnalyticShape: Sized {
     /// The shape translated by `by` in world space.
     fn translated(&self, by: DVec3) -> Self;
 
-    /// The shape transformed by the world-space map `map`; its outer side stays the outer side.
+    /// The shape transformed by the world-space map `map`.
     ///
-    /// `None` if the result is another kind of shape, or if the combined object-to-world map is
-    /// singular.
+    /// The image of the outer side is the outer side of the result, also if `map` mirrors. `None`
+    /// if the result is another kind of shape, or if the combined object-to-world map is singular.
     fn transformed(&self, map: &Transform) -> Option<Self>;
 
     /// Area of the surface \[length²].
@@ -47,7 +47,9 @@ pub(super) trait AnalyticShape: Sized {
     /// Samples a point of the surface, with its pdf per area; `u` is uniform in \[0, 1)².
     fn sample(&self, u: Vec2) -> ShapeSample;
 
-    /// Pdf of [`AnalyticShape::sample`] at `point`, per area \[1/length²]; by default, uniform.
+    /// Pdf of [`AnalyticShape::sample`] at `point`, per area \[1/length²].
+    ///
+    /// The default is for uniform samples: 1 over the area.
     #[inline]
     fn pdf(&self, _point: &SurfacePoint) -> f32 {
         (1.0 / self.area()) as f32
@@ -55,13 +57,14 @@ pub(super) trait AnalyticShape: Sized {
 
     /// Samples a point of the outer side, uniformly by solid angle as seen from `from`.
     ///
-    /// `u` is uniform in \[0, 1)².
+    /// `u` is uniform in \[0, 1)². By default, shapes do not support this and must be sampled by
+    /// area.
     #[inline]
     fn sample_solid_angle(&self, _from: Vec3, _u: Vec2) -> SolidAngleSampleResult {
         SolidAngleSampleResult::Unsupported
     }
 
-    /// Pdf per solid angle \[1/sr] of `sample_solid_angle`, the same for all visible points.
+    /// Pdf per solid angle \[1/sr] of `sample_solid_angle`, which all visible points share.
     ///
     /// It is 0 if the outer side is invisible from `from`, and `None` if the shape must be sampled
     /// by area.
@@ -81,8 +84,9 @@ pub(super) trait AnalyticShape: Sized {
         None
     }
 
-    /// World-space bounding sphere that is tighter than the sphere around the bounding box, if
-    /// known.
+    /// World-space bounding sphere that is tighter than the sphere around the bounding box.
+    ///
+    /// `None` if the shape knows no tighter sphere.
     fn bounding_sphere(&self) -> Option<BoundingSphere> {
         None
     }

@@ -10,14 +10,16 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 
 /// Box or parallelepiped: the surface of the cube \[−1, 1]³ under an affine map.
 ///
-/// Face 2·axis is on the negative side of an object-space axis, face 2·axis + 1 on the positive
-/// side. The last number of a [`ShapeHit`] is the number of the face.
+/// Faces are numbered from 0 to 5. In object space, face 2·a lies at −1 on axis a (0 for x, 1 for
+/// y, 2 for z), and face 2·a + 1 lies at 1. The last number of a [`ShapeHit`] is the number of the
+/// face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     to_world: Transform,
     /// World-space area of one face perpendicular to each object-space axis \[length²].
     face_areas: DVec3,
-    /// Largest change of each object-space coordinate per unit of world-space length.
+    /// Largest change of each object-space coordinate per unit of world-space length: the lengths
+    /// of the gradients.
     max_gradients: DVec3,
 }
 
@@ -163,7 +165,8 @@ impl AnalyticShape for Cuboid {
             rest -= self.face_areas[face / 2];
             face += 1;
         }
-        // The remainder within the chosen face is uniform again.
+        // Given the face, `rest` is uniform between 0 and the area of the face. It replaces a new
+        // random number.
         let x = (rest / self.face_areas[face / 2]).min(1.0);
         let axis = face / 2;
         let mut p = DVec3::ZERO;

@@ -33,8 +33,7 @@ impl Disc {
     #[must_use]
     pub fn circular_disc(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let (a, b) = normal.normalize().any_orthonormal_pair();
-        // The pair is right-handed with the given vector as third axis, so a × b points along the
-        // normal.
+        // The basis (a, b, normal) is right-handed, so a × b points along the normal.
         Self::new(center, a * radius, b * radius)
     }
 

@@ -84,7 +84,8 @@ impl AnalyticShape for Ellipsoid {
     }
 
     fn bounds_f64(&self) -> (DVec3, DVec3) {
-        // The unit ball extends along an axis by the length of that row.
+        // The half extent of the ellipsoid along a world axis is the length of that row of the
+        // linear map.
         let rows = self.to_world.forward().matrix3.transpose();
         let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
         let center = self.to_world.forward().translation;
@@ -111,7 +112,8 @@ impl AnalyticShape for Ellipsoid {
 
     #[inline]
     fn pdf(&self, point: &SurfacePoint) -> f32 {
-        // |M⁻ᵀ n| at the object-space point n is 1/|Mᵀ ng|, as Mᵀ maps the world normal to a
+        // The map stretches area by |det M|·|M⁻ᵀ n|, where M is its linear part and n the unit
+        // normal of the sphere. Here |M⁻ᵀ n| = 1/|Mᵀ ng|, as Mᵀ maps the unit world normal ng to a
         // multiple of n.
         let m = self.to_world.forward().matrix3;
         ((m.transpose() * point.ng.as_dvec3()).length()

@@ -112,7 +112,7 @@ impl Frustum {
     /// Interval of arc length τ in which the line of `ray` is inside the infinite cone around the
     /// side.
     ///
-    /// [`ObjectRay`] defines τ. The interval may be infinite at one end or both, and may cover the
+    /// [`ObjectRay`] defines τ. The interval may be infinite at one end or both, and may lie in the
     /// mirror image of the cone beyond its apex. `None` if the line misses the cone. The
     /// discriminant is computed from squared cross products, so it keeps its digits for grazing
     /// rays.
@@ -126,7 +126,8 @@ impl Frustum {
         let distance = hypot(o.x, o.z);
         let c = (distance - rho) * (distance + rho);
         if a == 0.0 {
-            // Parallel to a generator, or to the axis of a cylinder.
+            // The line is parallel to a generator (a straight line of the side) and crosses the
+            // cone at most once.
             return match b {
                 b if b > 0.0 => Some([f64::NEG_INFINITY, -0.5 * c / b]),
                 b if b < 0.0 => Some([-0.5 * c / b, f64::INFINITY]),
@@ -138,15 +139,17 @@ impl Frustum {
         if a > 0.0 {
             return quadratic_roots(a, b, c, discriminant).map(|(near, far)| [near, far]);
         }
-        // The line is steeper than the generators: it enters the cone for good, or leaves it.
+        // The line is steeper than the generators. It enters the cone and stays inside, or it
+        // leaves the cone and never returns.
         let (before, after) = quadratic_roots(a, b, c, discriminant.max(0.0))?;
         Some(if slope > 0.0 { [after, f64::INFINITY] } else { [f64::NEG_INFINITY, before] })
     }
 
-    /// Minimum object-space distances of a surface point from a rim: along y, and perpendicular to
+    /// Minimum distances that a surface point must keep from a rim: along y, and perpendicular to
     /// y.
     ///
-    /// `p` is the hit in object space. [`EDGE_MARGIN`] explains why points keep away from rims.
+    /// Both distances and the point `p` are in object space. [`EDGE_MARGIN`] explains why points
+    /// keep away from rims.
     #[inline]
     fn rim_margins(&self, p: DVec3) -> (f64, f64) {
         let largest = self.to_world.transform_point(p).abs().max_element();
@@ -197,9 +200,10 @@ impl Frustum {
 }
 
 impl AnalyticShape for Frustum {
-    /// Nearest hit, at which the ray enters or leaves the cone between the end planes.
+    /// Nearest hit, at which the ray enters or leaves the solid.
     ///
-    /// Side and caps are not tested separately, so no ray can escape at a rim.
+    /// The solid is the part of the cone between the end planes. Side and caps are not tested
+    /// separately, so no ray can escape at a rim.
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let local = ObjectRay::new(ray, &self.to_world);
@@ -220,7 +224,8 @@ impl AnalyticShape for Frustum {
             return None;
         }
         let hit = |(tau, part): (f64, FrustumPart)| {
-            // An open end is no hit: it counts as behind the ray.
+            // A ray passes an open end without a hit. A parameter behind the ray excludes this
+            // crossing.
             let t =
                 if self.is_capped || part == FrustumPart::Side { local.ray_parameter(tau) } else { f64::NEG_INFINITY };
             (t, part as u32 as f32)
@@ -235,7 +240,8 @@ impl AnalyticShape for Frustum {
         let from_axis = DVec2::new(p.x, p.z);
         match FrustumPart::from_hit_coordinates(uv) {
             FrustumPart::Side => {
-                // Keeps away from the rims and from an apex.
+                // The point keeps away from the rims and from an apex. `off` is the minimum
+                // distance along y from an end of the radius `rho`.
                 let off = |rho: f64| {
                     if rho < across { ((across - rho) / self.radius_decrease().abs()).max(along) } else { along }
                 };
@@ -308,7 +314,8 @@ impl AnalyticShape for Frustum {
         let turn = f64::from(u.y) * TAU;
         let (sin, cos) = sincos(turn);
         let radial = DVec2::new(cos, sin);
-        // The remainder within the chosen part is uniform again.
+        // Given the part, `x` is uniform between 0 and the part's area. It replaces a new random
+        // number.
         let cap = |area: f64, x: f64, radius: f64, part| {
             self.surface_point_on_cap(radial * (radius * (x / area).clamp(0.0, 1.0).sqrt()), part)
         };
@@ -327,7 +334,8 @@ impl AnalyticShape for Frustum {
         let total = self.area();
         let pdf = match FrustumPart::from_hit_coordinates(point.uv) {
             FrustumPart::Side => {
-                // |M⁻ᵀ n| at object normal n is |n|/|Mᵀ ng|, since Mᵀ maps ng to a multiple of n.
+                // M is the linear part of the map, and n the object-space normal. |M⁻ᵀ n| = |n|/|Mᵀ
+                // ng|, since Mᵀ maps the unit world normal ng to a multiple of n.
                 let m = self.to_world.forward().matrix3;
                 let back = (m.transpose() * point.ng.as_dvec3()).length();
                 let stretch = self.to_world.determinant().abs() * hypot(1.0, self.radius_decrease()) / back;

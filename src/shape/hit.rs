@@ -3,9 +3,9 @@
 use crate::math::Ray;
 use glam::{DVec3, Vec2};
 
-/// Hit (t, u, v) of a ray: the ray parameter, and two numbers that locate the point on the shape.
+/// Hit (t, u, v) of a ray: the ray parameter t, and two numbers that locate the point on the shape.
 ///
-/// Each kind of shape defines its two numbers, such as surface parameters or the index of a face.
+/// Each kind of shape defines u and v, for example as surface parameters or as the index of a face.
 pub type ShapeHit = (f32, f32, f32);
 
 /// World-space origin and direction of the ray, converted to f64.

@@ -51,8 +51,9 @@ impl MeshWithBvh {
 pub struct Instance {
     mesh: Arc<MeshWithBvh>,
     to_world: Transform,
-    /// Ratio of world-space to object-space area: exact for uniform scales, else |det M|^⅔, where M
-    /// is the linear part of the map.
+    /// Ratio of world-space to object-space area: |det M|^⅔, where M is the linear part of the map.
+    ///
+    /// The ratio is exact for uniform scales and approximate for others.
     area_scale: f64,
 }
 
@@ -73,9 +74,9 @@ impl Instance {
     /// The ray in object space, with its origin moved forward towards the mesh.
     ///
     /// Also returns the ray parameter t of the new origin on the given ray. The new origin is two
-    /// bounding-sphere radii before the point nearest to the mesh's centre, unless the ray starts
-    /// later. Rounding errors in f32 are then proportional to the mesh's size, however far away the
-    /// ray starts.
+    /// bounding-sphere radii before the point nearest to the mesh's centre. A ray that starts later
+    /// keeps its origin. Rounding errors in f32 are then proportional to the mesh's size, however
+    /// far away the ray starts.
     #[inline]
     fn object_ray_near_mesh(&self, ray: &Ray) -> (Ray, f64) {
         let (o, d) = object_ray(ray, &self.to_world);
@@ -95,8 +96,9 @@ impl Instance {
         let p = self.to_world.transform_point(own.p.as_dvec3()).as_vec3();
         let normal = |n: Vec3| self.to_world.transform_normal(n.as_dvec3()).normalize_or_zero().as_vec3();
         let (ng, ns) = (normal(own.ng), normal(own.ns));
-        // The position is rounded in both spaces, and the next ray once more on its way to object
-        // space. Displacement within the plane is no error.
+        // The error bound covers three roundings: of the point in object space, of the point in
+        // world space, and of the next ray's origin in object space. Only errors along the normal
+        // count, since a shift within the triangle's plane does no harm.
         let n = own.ng.as_dvec3();
         let rounded = n.abs().dot((own.error + own.p.abs() * f32::EPSILON).as_dvec3())
             / self.to_world.transform_normal(n).length();
@@ -133,8 +135,8 @@ impl AnalyticShape for Instance {
         let (o, d) = object_ray(ray, &self.to_world);
         let i = uv.x.to_bits() as usize;
         let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
-        // The hierarchy's f32 test chose the triangle; its plane gives the point in double
-        // precision.
+        // The hierarchy's f32 test selected the triangle. The intersection with the triangle's
+        // plane is computed again in f64.
         let (e1, e2) = (b - a, c - a);
         let p = d.cross(e2);
         let q = (o - a).cross(e1);
@@ -172,7 +174,8 @@ impl AnalyticShape for Instance {
         let (i, b) = match self.mesh.area_distribution() {
             Some(choice) => {
                 let (i, _) = choice.sample(u.x);
-                // The remainder of u.x within the chosen interval is uniform again.
+                // Given the triangle, the position of u.x in the triangle's interval is uniform. It
+                // replaces a new random number.
                 (i, warp::square_to_uniform_triangle(Vec2::new(choice.remapped_sample(u.x, i), u.y)))
             }
             None => (0, Vec2::ZERO),

@@ -7,7 +7,8 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 /// Vertex indices of one triangle, counter-clockwise seen from outside.
 pub type Triangle = [u32; 3];
 
-/// Triangle mesh with shared vertices, in the space that its owner defines.
+/// Triangle mesh with shared vertices. All vectors are in one space, which the user of the mesh
+/// chooses.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// Vertex positions.
@@ -47,12 +48,12 @@ impl Mesh {
         let b = b.as_dvec2();
         let cross = e1.cross(e2);
         let mut p = p0 + e1 * b.x + e2 * b.y;
-        // The f32 triangle test rounds corners relative to the ray's origin: its error is in ulps
-        // of the triangle's size.
+        // The f32 triangle test rounds the corners relative to the ray's origin. Near the triangle,
+        // its error is a few f32 ulps of the triangle's size.
         let size = e1.abs().max(e2.abs()).max_element();
         let room = EDGE_MARGIN * f64::from(f32::EPSILON) * (p.abs().max_element() + 4.0 * size);
-        // The height over an edge is a weight times the cross product over the edge length, which
-        // is at most √12 sizes.
+        // The distance of the point from an edge is a barycentric weight times |e1 × e2| over the
+        // edge's length. No edge is longer than √12 times `size`.
         let least = b.x.min(b.y).min(1.0 - b.x - b.y).max(0.0);
         let bound = room * size;
         if least * least * cross.length_squared() < 12.0 * bound * bound {
@@ -114,11 +115,11 @@ impl Mesh {
     }
 }
 
-/// Barycentric weights of a point, after it is moved away from the edges of its triangle.
+/// Barycentric weights of a point that is moved away from the edges of its triangle.
 ///
 /// `b` and the result are the weights of the second and third corner. `e1` and `e2` are the vectors
 /// from the first corner to these corners. `room` is the minimum distance to an edge, divided by
-/// twice the triangle's area. No weight is raised above a quarter. [`EDGE_MARGIN`] explains why
+/// twice the triangle's area. The move raises no weight above ¼. [`EDGE_MARGIN`] explains why
 /// points are moved.
 #[cold]
 fn move_weights_off_edges(b: DVec2, room: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
@@ -128,7 +129,7 @@ fn move_weights_off_edges(b: DVec2, room: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
     for (w, least) in weights.iter_mut().zip(least) {
         *w = w.max(least);
     }
-    // The largest weight shrinks in return, and keeps at least a quarter.
+    // The largest weight shrinks so that the sum stays 1. It keeps at least ¼.
     weights[largest] = 1.0 - (0..3).filter(|i| *i != largest).map(|i| weights[i]).sum::<f64>();
     DVec2::new(weights[1], weights[2])
 }

@@ -106,8 +106,8 @@ impl Shape {
 
     /// Texture coordinates at the world-space surface point `p`, as the shape itself defines them.
     ///
-    /// `uv` holds the last two numbers of the [`ShapeHit`] at `p`. Shapes that define none return
-    /// `uv` and gradients of zero.
+    /// `uv` holds the last two numbers of the [`ShapeHit`] at `p`. Shapes without own texture
+    /// coordinates return `uv`, with gradients of zero.
     #[must_use]
     pub fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         dispatch!(self, s, _w => s.tex_coord(p, uv))
@@ -164,9 +164,10 @@ impl Shape {
         dispatch!(self, s, wrap => wrap(s.translated(by)))
     }
 
-    /// The shape transformed by the world-space map `map`; its outer side stays the outer side.
+    /// The shape transformed by the world-space map `map`.
     ///
-    /// `None` if the combined object-to-world map is singular.
+    /// The image of the outer side is the outer side of the result, also if `map` mirrors. `None`
+    /// if the combined object-to-world map is singular.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Option<Self> {
         if let (Self::Sphere(s), None) = (self, map.uniform_scale()) {

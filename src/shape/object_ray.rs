@@ -38,7 +38,8 @@ impl ObjectRay {
         let length = d.length();
         let direction = d / length;
         let start = -o.dot(direction);
-        // A second step removes the rounding error of the first, which grows with the distance.
+        // The second projection removes the rounding error of the first, which grows with the
+        // distance of the ray's origin.
         let base = o + direction * start;
         let more = -base.dot(direction);
         Self { base: base + direction * more, direction, start: start + more, length }

@@ -87,8 +87,8 @@ impl Rectangle {
     /// The rectangle as seen from the world-space point `from`, in order to sample it by solid
     /// angle.
     ///
-    /// `None` if `from` is on the inner side or the edges are not perpendicular. `None`, too, if
-    /// the rectangle looks so small that sampling by area is better.
+    /// `None` if `from` is on the inner side or the edges are not perpendicular. Also `None` if the
+    /// rectangle looks so small that sampling by area is better.
     fn rectangle_view(&self, from: Vec3) -> Option<RectangleView> {
         let to = self.corner - from.as_dvec3();
         let z = -self.normal.dot(to);
@@ -166,7 +166,8 @@ impl AnalyticShape for Rectangle {
         let (x, y) = view.sample(u);
         let fraction = |i: usize, at: f64, [first, last]: [f64; 2]| self.edges[i] * ((at - first) / (last - first));
         let point = self.surface_at(self.corner + fraction(0, x, view.x) + fraction(1, y, view.y));
-        // Not computed from the rounded point, which may lie in the plane of `from`.
+        // The direction is computed from x and y, not from `point`: rounding may move `point` into
+        // a plane that contains `from`.
         let wi = (view.axes[0] * x + view.axes[1] * y - self.normal * view.z).normalize().as_vec3();
         SolidAngleSampleResult::Sampled(SolidAngleSample { point, wi, pdf: (1.0 / view.solid_angle) as f32 })
     }
@@ -177,10 +178,10 @@ impl AnalyticShape for Rectangle {
     }
 }
 
-/// Solid angle \[sr] of a rectangle from 0 to `x` and from `y[0]` to `y[1]`, seen from a distance.
+/// Solid angle \[sr] of a rectangle that covers 0 to `x` and `y[0]` to `y[1]` in its plane.
 ///
-/// The viewpoint is the origin, and the rectangle's plane is at the distance `z` > 0. The result
-/// has the sign of `x`.
+/// The viewpoint is in front of the point (0, 0), at the distance `z` > 0 from the plane. The
+/// result has the sign of `x`.
 fn strip_solid_angle(x: f64, y: [f64; 2], z: f64) -> f64 {
     let [to_first, to_last] = y.map(|y| atan2(x * y, z * (x * x + y * y + z * z).sqrt()));
     to_last - to_first
@@ -189,7 +190,7 @@ fn strip_solid_angle(x: f64, y: [f64; 2], z: f64) -> f64 {
 impl RectangleView {
     /// Maps `u` in \[0, 1)² to coordinates (x, y) on the rectangle, uniformly by solid angle.
     ///
-    /// The viewpoint is their origin. Source: Ureña, Fajardo, King 2013, "An Area-Preserving
+    /// [`RectangleView`] defines x and y. Source: Ureña, Fajardo, King 2013, "An Area-Preserving
     /// Parametrization for Spherical Rectangles". The equation for x is solved by products of
     /// sines, which keep their digits at grazing views.
     fn sample(&self, u: Vec2) -> (f64, f64) {
@@ -202,7 +203,8 @@ impl RectangleView {
         let x = 0.5 * z * sin(angle) / (difference * sum).max(0.0).sqrt();
         // Rounding may leave 0/0 at the far end of a grazing view.
         let x = if x.is_nan() { x1 } else { x.clamp(x0, x1) };
-        // Given x, the solid angle grows with the sine of the elevation over the (x, z) plane.
+        // For a given x, the solid angle grows in proportion to the sine of the elevation over the
+        // (x, z) plane.
         let d = hypot(x, z);
         let [h0, h1] = self.y.map(|y| y / hypot(d, y));
         let h = h0 + f64::from(u.y) * (h1 - h0);

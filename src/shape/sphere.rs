@@ -111,7 +111,8 @@ impl AnalyticShape for Sphere {
         let axis = axis / axis.length_squared().sqrt();
         let cone = warp::square_to_uniform_cone(u, one_minus_cos as f32);
         let sin2_theta = f64::from(cone.x * cone.x + cone.y * cone.y);
-        // The first hit in the sampled direction, as an angle at the sphere's centre.
+        // cos_alpha and sin_alpha give the first hit in the sampled direction, as an angle at the
+        // sphere's centre.
         let cos_alpha = sin2_theta / sin2.sqrt() + f64::from(cone.z) * (1.0 - sin2_theta / sin2).max(0.0).sqrt();
         let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
         let frame = Frame::from_normal(axis.as_vec3());

@@ -10,7 +10,7 @@ pub struct SurfacePoint {
     pub p: Vec3,
     /// Bound on the error of `p` along each axis \[length].
     ///
-    /// It includes the error with which the next ray, which starts at `p`, tests this surface.
+    /// It includes the error of the intersection test of a next ray from `p` with this surface.
     pub error: Vec3,
     /// Geometric unit normal, on the outer side of the shape.
     pub ng: Vec3,
@@ -68,7 +68,7 @@ pub enum SolidAngleSampleResult {
 /// Bound on the position error of a triangle hit along the ray, relative to the distance of the
 /// hit.
 ///
-/// The error comes from rounding to f32 where the triangle test shears the corners.
+/// The triangle test shears the corners and rounds them to f32, which causes the error.
 pub const TRIANGLE_HIT_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Bound on the error of the surface point `p` along each axis \[length].
@@ -83,10 +83,10 @@ pub(super) fn position_error_bound(p: Vec3, scale: f64) -> Vec3 {
 /// Minimum distance of surface points from the edges of their face, in position errors along an
 /// axis.
 ///
-/// The origin of the next ray is off by up to √3 errors, and is then offset by as much along the
-/// normal. Near an edge of two faces, the origin could end up behind the other face, and the ray
-/// would escape. At distance s from an edge with angle θ, the origin stays inside if s·sin θ >
-/// √3·(1 + cos θ) errors. 16 errors are enough for θ ≥ 12.4°.
+/// The origin of the next ray is off by up to √3 errors. It is then offset along the normal by the
+/// same distance. Near an edge of two faces, the origin could end up behind the other face, and the
+/// ray would escape. At distance s from an edge with the angle θ between the faces, the origin
+/// stays inside if s·sin θ > √3·(1 + cos θ) errors. 16 errors are enough for θ ≥ 12.4°.
 pub(super) const EDGE_MARGIN: f64 = 16.0;
 
 /// f32 box that contains the f64 box from `min` to `max`.

@@ -23,7 +23,7 @@ impl TexCoord {
     #[must_use]
     pub(super) fn from_derivatives(uv: Vec2, along_u: DVec3, along_v: DVec3) -> Self {
         let cross = along_u.cross(along_v);
-        // At a collapsed edge the gradients are unbounded.
+        // A collapsed edge has unbounded gradients; the maximum prevents a division by zero.
         let n2 = cross.length_squared().max(f64::MIN_POSITIVE);
         Self { uv: uv.as_dvec2(), du: along_v.cross(cross) / n2, dv: cross.cross(along_u) / n2 }
     }
@@ -60,7 +60,8 @@ pub struct TextureMapping {
 /// Unit directions of increasing u and v on a plane with the outer normal `normal`.
 ///
 /// A picture on a wall appears upright to a viewer on the outer side: u points right, and v is as
-/// near to +y as possible. On a horizontal plane, u is +x. All vectors are in one space.
+/// near to +y as possible. On a horizontal plane, u is +x. `normal` and the results are in the same
+/// space.
 #[must_use]
 pub fn upright_texture_axes(normal: DVec3) -> [DVec3; 2] {
     let n = normal.normalize_or(DVec3::Y);
@@ -71,10 +72,10 @@ pub fn upright_texture_axes(normal: DVec3) -> [DVec3; 2] {
 }
 
 impl TextureMappingKind {
-    /// Mapping of a plane with the outer normal `normal`: u and v are distances from the
-    /// object-space origin.
+    /// Mapping of a plane with the outer normal `normal`.
     ///
-    /// [`upright_texture_axes`] gives the directions of u and v.
+    /// u and v are distances from the object-space origin, along the directions of
+    /// [`upright_texture_axes`].
     #[must_use]
     pub fn plane_mapping(normal: DVec3) -> Self {
         Self::Planar { origin: DVec3::ZERO, rows: upright_texture_axes(normal) }
@@ -138,7 +139,8 @@ impl TextureMapping {
         match self.kind {
             TextureMappingKind::Spherical { center } => {
                 let d = p - center;
-                // At the poles u is arbitrary and its gradient unbounded.
+                // At the poles, u is arbitrary and its gradient is unbounded. The lower bounds
+                // prevent divisions by zero.
                 let around2 = (d.x * d.x + d.z * d.z).max(1e-30 * d.y * d.y).max(f64::MIN_POSITIVE);
                 let (around, r2) = (around2.sqrt(), d.length_squared().max(f64::MIN_POSITIVE));
                 let u = 0.5 + libm::atan2(d.x, d.z) / TAU;

@@ -58,7 +58,7 @@ impl BoxBvh {
     /// its index.
     fn build_node(&mut self, boxes: &[BoxCorners], order: &mut [u32], margin: f64) -> u32 {
         let index = self.nodes.len();
-        // An empty box.
+        // Unused slots keep this inverted box, which no line hits.
         let empty = [[f64::INFINITY; ARITY], [f64::NEG_INFINITY; ARITY]];
         self.nodes.push(Node { bounds: [empty; 3], children: [0; ARITY] });
         let mut rest = order;
@@ -119,7 +119,8 @@ impl BoxBvh {
                     hi[i] = hi[i].min(a.max(b));
                 }
             }
-            // The nearest child goes on top.
+            // Pushes the children that the line hits, so that the nearest child is on top of the
+            // stack.
             let start = count;
             for i in 0..ARITY {
                 if lo[i] <= hi[i] && node.bounds[0][0][i] < f64::INFINITY {

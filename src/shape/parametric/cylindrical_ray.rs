@@ -2,9 +2,11 @@
 
 use glam::{DVec2, DVec3};
 
-/// Smallest squared sine of the angle between ray and y axis at which rays are clipped by radius.
+/// Squared sine of the angle between ray and y axis, below which a ray is nearly parallel to the
+/// axis.
 ///
-/// A ray with a smaller angle is clipped by height only, or rejected as a whole.
+/// The τ range of such a ray inside a ring is computed from heights only. The radius only decides
+/// whether the ray misses the ring.
 const MIN_SLANT2: f64 = 1e-2;
 
 /// Interval of the arc length τ along a ray; empty unless `lo <= hi`.
@@ -93,8 +95,8 @@ impl CylindricalRay {
         let [inner, outer] = [x[0] - margin, x[1] + margin];
         let slant2 = self.radius2_coefficients[2];
         if slant2 < MIN_SLANT2 {
-            // The distance changes by less than the interval's length, so its value in the middle
-            // suffices.
+            // The ray is nearly parallel to the axis. Its distance from the axis differs from the
+            // distance at the middle of the interval by at most `half` times the sine of the angle.
             let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
             let radius = self.radius_and_slope(middle).0;
             let reach = half * slant2.sqrt() + margin;

@@ -1,8 +1,8 @@
 //! Constants and results of the root finders for parametric surfaces.
 
-/// Factor on the size of a parametric surface where the position error of a hit is bounded.
+/// Factor by which the position error bound of parametric surfaces exceeds that of other shapes.
 ///
-/// The larger bound covers polynomial evaluation and the tolerance for tangent rays.
+/// The larger bound covers the errors of polynomial evaluation and the tolerance for tangent rays.
 pub(super) const HIT_ERROR_SCALE: f64 = 256.0;
 
 /// Points and weights of five-point Gauss–Legendre quadrature on \[−1, 1].
@@ -17,9 +17,9 @@ pub(super) const GAUSS_LEGENDRE: [(f64, f64); 5] = [
 /// Largest relative change of the Jacobian over a parameter box in which Newton's method surely
 /// converges.
 ///
-/// Let J be the Jacobian at an iterate and J̄ its mean between iterate and root. If both differ
-/// from the Jacobian at the centre by at most the fraction q, then |1 − J⁻¹J̄| ≤ 2q/(1 − q), which
-/// is [`NEWTON_CONVERGENCE_RATE`].
+/// Let q be this change, relative to the Jacobian at the centre of the box. Let J be the Jacobian
+/// at an iterate, and J̄ its mean on the line from the iterate to the root. Then |1 − J⁻¹J̄| ≤
+/// 2q/(1 − q), which is [`NEWTON_CONVERGENCE_RATE`].
 pub(super) const MAX_DERIVATIVE_CHANGE: f64 = 0.25;
 
 /// Largest factor by which a Newton step multiplies the distance from the iterate to the root.

@@ -108,7 +108,8 @@ impl Patch {
 
         let mut builder = PatchBuilder::new(bases.map(SplineBasis::degree), free);
         for u in bases[0].knot_spans() {
-            // Along u for each column of the net, then along v.
+            // Bézier pieces along u are computed first, for each column of the control net. Their
+            // rows are then divided along v.
             let columns: Vec<Vec<Coefficients<4>>> =
                 (0..columns).map(|j| bases[0].bezier_piece(u, &homogeneous, (j, columns))).collect();
             for v in bases[1].knot_spans() {
@@ -165,8 +166,9 @@ impl Patch {
         (base.length_squared() <= size * size).then(|| (Line::new(base, direction), start, length))
     }
 
-    /// World-space surface point at the position `at` in a leaf, in \[−1, 1]²; `uv` is stored in
-    /// it.
+    /// World-space surface point of a leaf (a nearly flat piece) at the position `at` in \[−1, 1]².
+    ///
+    /// The point stores the surface parameters `uv`.
     fn surface_at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
         let subdivided = &*self.subdivided;
         let [p, ..] = subdivided.polynomial_piece_of_leaf(leaf).point_and_derivatives(at);
@@ -210,7 +212,8 @@ impl AnalyticShape for Patch {
     fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
         let (leaf, mut at) = self.subdivided.find_leaf(uv);
         if let Some((line, ..)) = self.object_line(ray) {
-            // Newton's method corrects the rounding of the coordinates.
+            // `uv` is rounded to f32, so the point may lie beside the ray. Newton steps move it
+            // back onto the ray. `most` is the longest step that this rounding explains.
             let most = 2.0 * f64::from(f32::EPSILON) / self.subdivided.leaves[leaf].half;
             for _ in 0..2 {
                 let step = self.subdivided.polynomial_piece_of_leaf(leaf).newton_step_at(&line, at);

@@ -117,7 +117,7 @@ impl PatchBuilder {
         Ok(())
     }
 
-    /// Upper bound on the memory of all leaves \[bytes], plus a quarter for unused capacity of
+    /// Upper bound on the memory of all leaves \[bytes]. A quarter is added for unused capacity of
     /// lists.
     pub fn memory_bytes(&self) -> u64 {
         let own = BYTES_PER_LEAF * self.leaves.len() as u64 + (size_of::<Coefficients<4>>() * self.powers.len()) as u64;
@@ -126,8 +126,8 @@ impl PatchBuilder {
 
     /// Divides a Bézier patch recursively into leaves, adds them, and returns the subdivision tree.
     ///
-    /// `ranges` are the intervals of u and v. Pieces smaller than `small` \[object-space length] or
-    /// after `depth` halvings are not divided.
+    /// `ranges` are the intervals of u and v. A piece is not divided if it is smaller than `small`
+    /// \[object-space length], or after `depth` halvings.
     fn subdivide_bezier_patch(
         &mut self,
         controls: &[Coefficients<4>],
@@ -212,7 +212,8 @@ fn axis_to_halve(a: &[Coefficients<4>], columns: usize) -> Option<usize> {
             turns[1] += size * j as f64;
         }
     }
-    // Rows of the inverse times the determinant, seen along the normal.
+    // `for_x` and `for_y` are the rows of the inverse Jacobian times |normal|², by absolute value.
+    // The Jacobian has the columns `along_x`, `along_y` and the unit normal.
     let length = normal.length();
     let (for_x, for_y) = (along_y.cross(normal).abs(), normal.cross(along_x).abs());
     let turn = turns[0] + turns[1];

@@ -165,7 +165,8 @@ impl PatchPiece<'_> {
                     Some((point(), project_center_to_line(a, line)))
                 }
                 RootClassification::Inside => None,
-                // A hundred halvings reach rounding, so the stack cannot overflow.
+                // A hundred halvings shrink a box to the size of rounding errors, and the stack has
+                // room for them. If the stack is full, the box counts as missed.
                 RootClassification::Unclear if count + 2 <= boxes.len() => {
                     let side = if is_longer_in_x(a, columns) { DVec2::X } else { DVec2::Y };
                     let (step, rest) = (0.5 * half * side, half * (1.0 - 0.5 * side));
@@ -189,7 +190,7 @@ impl PatchPiece<'_> {
 
     /// Half the edge lengths of the piece's bounding box; `None` if the line misses the box.
     ///
-    /// `range` is the interval of arc length τ in which a hit counts.
+    /// `range` is the interval of arc length τ on `line` in which hits count.
     fn half_extent_if_hit(&self, bounds: &LinearTermsWithBounds, line: &Line, range: [f64; 2]) -> Option<DVec3> {
         let [middle, along_y, along_x] = bounds.linear.map(|a| offset_from_base(&a, line.base));
         let reach = along_x.abs()
@@ -198,7 +199,8 @@ impl PatchPiece<'_> {
             + self.noise;
         let (a1, a2) = ((middle - reach) * line.inverse, (middle + reach) * line.inverse);
         let (lo, hi) = (a1.min(a2).max_element(), a1.max(a2).min_element());
-        // The bounds are on w·τ. The weight w is positive and close to its value at the centre.
+        // `lo` and `hi` bound w·τ, where w is the weight, which is positive and close to its value
+        // at the centre. They are divided by the largest or smallest w to bound τ.
         let [w, along_y, along_x] = bounds.linear.map(|a| a[3]);
         let spread = along_x.abs() + along_y.abs() + bounds.rest[3];
         let (least, most) = ((w - spread).max(0.0), w + spread);
@@ -228,7 +230,8 @@ fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
 
 /// Tests whether `line` intersects the piece `a` at parameters x, y in \[−1, 1].
 ///
-/// `bounds` belongs to `a`, and `noise` bounds the rounding error of its points.
+/// `bounds` are the linear terms and bounds of `a`, and `noise` bounds the rounding error of its
+/// points.
 #[inline]
 fn classify_roots(
     a: &[Coefficients<4>],
@@ -241,7 +244,8 @@ fn classify_roots(
     let [miss, along_y, along_x] = bounds.linear.map(|a| offset_from_base(&a, line.base));
     let determinant = d.dot(along_x.cross(along_y));
     let least = determinant.abs();
-    // Rows of the inverse times the determinant.
+    // The dot products of these vectors with a miss distance are the changes of x and y, times the
+    // determinant of the Jacobian.
     let (for_x, for_y) = (d.cross(along_y), along_x.cross(d));
     let (size_x, size_y) = (for_x.abs(), for_y.abs());
     let (x, y) = (for_x.dot(miss), for_y.dot(miss));

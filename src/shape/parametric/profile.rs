@@ -83,7 +83,8 @@ impl ProfilePiece<'_> {
                     found = Some((x, at));
                 }
             }
-            // Sixty halvings reach rounding, so the stack cannot overflow.
+            // Sixty halvings shrink an interval of x to the size of rounding errors, and the stack
+            // has room for them.
             if cut && count + 2 <= boxes.len() {
                 let half = 0.5 * half;
                 boxes[count] = (middle + half, half);
@@ -114,8 +115,8 @@ fn classify_roots(
     let [dx, dh] = a[1];
     let determinant = slope * dh - dx * dy;
     let least = determinant.abs();
-    // An interval that is too wide costs nothing, but one too narrow for the piece's curvature
-    // would never contract.
+    // The τ interval is widened if it is narrow for the piece's curvature, since Newton's method
+    // could not be proved to converge. A wider interval gives correct results, too.
     let wander = dh.abs() * turn[0] + dx.abs() * turn[1];
     let mut half = 0.5 * (t.hi - t.lo) + noise;
     if wander < least {
@@ -171,7 +172,8 @@ fn newton_root(
         let step_x = (slope * miss[1] - dy * miss[0]) / determinant;
         let step_z = (dx * miss[1] - dh * miss[0]) / determinant;
         let step = step_x.abs().max(step_z.abs() / half);
-        // A root inside the box would be nearer by now.
+        // Newton's method converges more slowly than it must for a root in the box, so there is
+        // none.
         if step.is_nan() || step > longest.max(tolerance) {
             return None;
         }
@@ -182,8 +184,8 @@ fn newton_root(
         if step <= tolerance {
             return Some((x, at + z));
         }
-        // A root x* would have |T(x) − x*| ≤ ⅔|x − x*|. At a standstill, the iterate is the root,
-        // or there is none.
+        // If x* were a root and T(x) the next iterate, then |T(x) − x*| ≤ ⅔|x − x*|. An iterate
+        // that stands still but still has a long step is no root, so there is none.
         if moved <= 0.01 * tolerance {
             return None;
         }

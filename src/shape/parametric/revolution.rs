@@ -110,8 +110,7 @@ impl Revolution {
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
-    /// Three values: the line of `ray` in object space, [`ObjectRay::start`] and
-    /// [`ObjectRay::length`].
+    /// Line of `ray` in object space, followed by [`ObjectRay::start`] and [`ObjectRay::length`].
     ///
     /// `None` if the line misses the bounding sphere of the surface.
     fn cylindrical_object_ray(&self, ray: &Ray) -> Option<(CylindricalRay, f64, f64)> {
@@ -129,9 +128,10 @@ impl Revolution {
         if turn < 0.0 { turn + 1.0 } else { turn }
     }
 
-    /// World-space surface point at the parameter x in \[−1, 1] of a leaf; `uv` is stored in it.
+    /// World-space surface point at the parameter x in \[−1, 1] of a leaf.
     ///
-    /// `radial` is the unit direction (x, z) from the axis to the point.
+    /// `radial` is the unit direction (x, z) from the axis to the point. The point stores the
+    /// surface parameters `uv`.
     fn surface_at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
         let profile = &self.profile;
         let p = self.to_world.transform_point(profile.leaf_point(leaf, x, radial));
@@ -174,8 +174,9 @@ impl AnalyticShape for Revolution {
     fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
         let (o, d) = object_ray(ray, &self.to_world);
         let (leaf, mut x) = self.profile.find_leaf(f64::from(uv.x));
-        // Newton's method corrects the rounding of the coordinates. It starts from the coordinates,
-        // since rounding of the distance may be larger.
+        // `uv` is rounded to f32, so its point may lie beside the ray. Newton steps move it back
+        // onto the ray. They start from `uv`, since the rounding error of the distance t may be
+        // larger.
         let mut p = o + d
             * ((self.profile.leaf_point(leaf, x, self.profile.radial_direction(leaf, uv.y)) - o).dot(d)
                 / d.length_squared());
@@ -299,7 +300,8 @@ impl RevolutionProfile {
         let extent = powers[1..].iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
         let mut away = 0.0;
         let [dx, dh] = loop {
-            // Where the derivative vanishes, the direction is the limit from inside the leaf.
+            // If the derivative vanishes at x, the direction is taken from a point further inside
+            // the leaf.
             let (_, slope) = evaluate_with_derivative(powers, x - f64::copysign(away, x));
             if slope[0].abs().max(slope[1].abs()) > 1e-7 * extent || away > 0.5 {
                 break slope;

@@ -10,8 +10,9 @@ use libm::hypot;
 /// Such a piece is not divided further, unless it crosses the axis.
 const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 
-/// Maximum number of nested halvings, reached at cusps and coincident control points, which never
-/// become flat.
+/// Maximum number of nested halvings of a Bézier curve.
+///
+/// It is reached at cusps and coincident control points, which never become straight.
 pub(super) const MAX_HALVINGS: u32 = 9;
 
 /// Memory of a leaf \[bytes], including its ring and its nodes in the hierarchy.
@@ -77,7 +78,8 @@ impl ProfileBuilder {
             let at = axis_crossing_parameter(controls).filter(|_| crosses).unwrap_or(0.5);
             let (mut first, mut last) = split_bezier(controls, at);
             if crosses && at != 0.5 {
-                // The root is rounded, but the point must lie exactly on the axis.
+                // The crossing parameter is rounded. The common control point of both halves must
+                // lie exactly on the axis.
                 (first[degree][0], last[0][0]) = (0.0, 0.0);
             }
             let middle = start + at * (end - start);
@@ -93,7 +95,7 @@ impl ProfileBuilder {
             ring: RingBounds { radius, height: [low, high] },
         });
         self.powers.extend(powers);
-        // Twice the size, for the slack of growing lists.
+        // The factor 2 covers the unused capacity of growing lists.
         let needed =
             2 * (BYTES_PER_LEAF * self.leaves.len() as u64 + (size_of::<Coefficients<2>>() * self.powers.len()) as u64);
         match self.free {
@@ -105,7 +107,7 @@ impl ProfileBuilder {
 
 /// Parameter in (0, 1) at which a Bézier curve crosses the axis x = 0.
 ///
-/// `None` unless the x of its control points changes sign exactly once.
+/// `None` unless the x coordinates of its control points change sign exactly once.
 fn axis_crossing_parameter(controls: &[Coefficients<2>]) -> Option<f64> {
     let sides: Vec<bool> = controls.iter().map(|c| c[0]).filter(|x| *x != 0.0).map(|x| x > 0.0).collect();
     let [first, .., _] = sides[..] else { return None };

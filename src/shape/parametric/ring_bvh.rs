@@ -36,7 +36,7 @@ impl RingBounds {
     }
 }
 
-/// Bounding volume hierarchy over rings, ordered along the profile.
+/// Bounding volume hierarchy over rings. Nodes group rings that are adjacent along the profile.
 #[derive(Debug)]
 pub struct RingBvh {
     nodes: Vec<Node>,
@@ -52,7 +52,7 @@ impl RingBvh {
 
     /// Appends the node over `rings`, and all nodes below it; returns its index.
     ///
-    /// `first` is the index of the first ring, and `margin` expands all rings.
+    /// `first` is the index of `rings[0]` among all rings. Every ring is expanded by `margin`.
     fn build_node(&mut self, rings: &[RingBounds], first: usize, margin: f64) -> u32 {
         let index = self.nodes.len();
         let nowhere = [f64::INFINITY; ARITY];
@@ -66,8 +66,8 @@ impl RingBvh {
             let inner = (ring.radius[0] - margin).max(0.0);
             let outer = ring.radius[1] + margin;
             let node = &mut self.nodes[index];
-            // Distances are compared as squares, whose rounding is proportional to the squared
-            // size.
+            // The intersection test compares squared distances. Their rounding error is
+            // proportional to the squared size of the surface.
             node.inner2[i] = inner * inner - margin * margin * 1e6;
             node.outer2[i] = outer * outer + margin * margin * 1e6;
             (node.below[i], node.above[i]) = (ring.height[0] - margin, ring.height[1] + margin);
@@ -110,7 +110,8 @@ impl RingBvh {
                 let meets = lo <= hi && p.max(q) >= node.inner2[i] && least <= node.outer2[i];
                 *entry = if meets { lo } else { f64::INFINITY };
             }
-            // The nearest child goes on top.
+            // Pushes the children that the ray may hit, so that the nearest child is on top of the
+            // stack.
             let start = count;
             for (i, entry) in entries.into_iter().enumerate() {
                 if entry < f64::INFINITY {

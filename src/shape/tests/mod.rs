@@ -45,7 +45,7 @@ fn sampled_points_have_their_stated_density() {
             let inverse = 1.0 / f64::from(s.pdf);
             sum += inverse;
             squares += inverse * inverse;
-            // The normal is rounded to f32.
+            // The pdf is computed from the point's normal, which is rounded to f32.
             assert!((shape.pdf(&s.point) * inverse as f32 - 1.0).abs() < 1e-6, "{shape:?}");
             if i < 1000 {
                 let above = s.point.p + s.point.ng * 0.1;

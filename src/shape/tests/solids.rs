@@ -68,8 +68,8 @@ impl TestSolid {
     /// Ray parameters at which `ray` enters and leaves the solid under `map`; `None` if the ray
     /// misses.
     ///
-    /// Also returns the minimum of [`TestSolid::implicit_value`] along the line of the ray. It
-    /// finds all three by ternary search and bisection.
+    /// Also returns the minimum of [`TestSolid::implicit_value`] along the line of the ray. Ternary
+    /// search finds the minimum, and bisection finds entry and exit.
     fn entry_and_exit(self, map: &Transform, ray: &Ray) -> (Option<[f64; 2]>, f64) {
         let o = map.inverse().transform_point3(ray.origin.as_dvec3());
         let d = map.inverse().transform_vector3(ray.direction.as_dvec3());
@@ -157,7 +157,8 @@ fn hits_agree_with_bisection() {
                 let from = map.transform_point(solid.center() + random_direction(i + 2_000_000) * distance).as_vec3();
                 let ray = Ray::new(from, map.transform_point(target).as_vec3() - from);
                 let (interval, least) = solid.entry_and_exit(&map, &ray);
-                // Rays that touch within the rounding of their ends may go either way.
+                // Left out: rays that touch the surface within rounding, for which a hit and a miss
+                // are both correct.
                 if least.abs() < 1e-9 || ray.direction == Vec3::ZERO {
                     continue;
                 }
@@ -167,7 +168,8 @@ fn hits_agree_with_bisection() {
                 };
                 let on_side = |t: f64| solid.side_implicit_value(at(t)) > -1e-9;
                 let mut candidates = interval.into_iter().flatten();
-                // Starts within rounding of the surface, and rims of open solids, are doubtful.
+                // A ray parameter is doubtful if it is within rounding of the ray's origin, or near
+                // a rim of an open solid.
                 let doubtful = |t: f64| {
                     let (p, y) = (at(t), at(t).y);
                     let at_rim = solid.side_implicit_value(p).abs() < 1e-6 && y.abs().min((y - 1.0).abs()) < 1e-6;
@@ -193,7 +195,7 @@ fn hits_agree_with_bisection() {
                     "{solid:?} {m} {i}: {p} is off by {} of {off}",
                     solid.implicit_value(p)
                 );
-                // The outer normal looks back along a ray that enters.
+                // Where the ray enters the solid, the outer normal points against the ray.
                 let enters = solid.implicit_value(at(0.0)) > 0.0 && Some(expected) == interval.map(|i| i[0]);
                 assert_eq!(point.ng.dot(ray.direction) < 0.0, enters, "{solid:?} {m} {i} {point:?}");
             }
@@ -231,7 +233,7 @@ fn offset_origins_prevent_self_intersection_of_solids() {
             let map = Transform::new(map).unwrap();
             let shape = solid.to_transformed_shape(&map);
             for i in 0..10_000 {
-                // At edges too, where the neighbouring face is near.
+                // Half of the points are on edges, where the neighbouring face is near.
                 let target = if i % 2 == 0 {
                     random_point_on_edge(solid, i)
                 } else {
@@ -276,11 +278,11 @@ fn grazing_and_axial_rays_hit_at_known_distances() {
     let pointed = frustum_shape(DVec3::ZERO, DVec3::Y, [1.0, 0.0], true);
     assert_eq!(hit(&pointed, Vec3::new(0.0, 3.0, 0.0), -Vec3::Y), Some(2.0), "the apex from above");
     assert_eq!(hit(&pointed, Vec3::new(0.25, 3.0, 0.0), -Vec3::Y), Some(2.25));
-    // Parallel to a generator: inside, and beside.
+    // The first ray is parallel to a generator inside the cone, the second beside the cone.
     let along = Vec3::new(-1.0, 1.0, 0.0);
     assert_eq!(hit(&pointed, Vec3::new(1.5, -1.0, 0.0), along), Some(1.0), "through the base, then out at the side");
     assert_eq!(hit(&pointed, Vec3::new(2.5, -1.0, 0.0), along), None);
-    // Above the apex, the mirror image of the cone is no part of it.
+    // The mirror image of the cone above its apex is not a part of the shape.
     assert_eq!(hit(&pointed, Vec3::new(0.0, 1.5, 3.0), -Vec3::Z), None);
 }
 
@@ -315,8 +317,9 @@ fn samples_are_uniform_by_area() {
     let map = Transform::new(map).unwrap();
     for solid in SOLIDS {
         let shape = solid.to_transformed_shape(&map);
-        // Bins by part, angle or first coordinate, and height or second coordinate, with their
-        // share of the area.
+        // Bins divide the surface by face or part and by two coordinates. On a face these are x and
+        // y, on other parts an angle and a height or radius. `expected` holds the areas of the
+        // bins.
         let mut expected: Vec<f64> = Vec::new();
         match solid {
             TestSolid::Cube => expected.resize(6 * 16, 1.0),
@@ -367,7 +370,8 @@ fn samples_are_uniform_by_area() {
             degrees += 1.0;
             chi2 += (count - mean) * (count - mean) / mean;
         }
-        // Wilson and Hilferty's normal approximation; 4.75 standard deviations are 10⁻⁶.
+        // The normal approximation is Wilson and Hilferty's. 4.75 standard deviations are exceeded
+        // with a probability of 10⁻⁶.
         let k = 2.0 / (9.0 * degrees);
         let deviations = (libm::cbrt(chi2 / degrees) - 1.0 + k) / k.sqrt();
         assert!(deviations < 4.75, "{solid:?}: χ² is {chi2} for {degrees}");
@@ -413,7 +417,7 @@ fn texture_gradients_match_differences() {
             let at = |p: DVec3| shape.tex_coord(p.as_vec3(), s.uv);
             let p = s.point.p.as_dvec3();
             let own = map.inverse().transform_point3(p);
-            // Near an axis, coordinates turn without bounds.
+            // Near the axis, gradients of the azimuth have no bound.
             if libm::hypot(own.x, own.z) < 0.2 {
                 continue;
             }
@@ -425,7 +429,7 @@ fn texture_gradients_match_differences() {
             for step in [t.as_dvec3(), b.as_dvec3()] {
                 let length = 1.0 / 256.0;
                 let change = (at(p + step * length).uv - at(p - step * length).uv) / (2.0 * length);
-                // The turn is continuous but for its seam.
+                // The azimuth is continuous except at its seam.
                 if change.length() > 20.0 {
                     continue;
                 }

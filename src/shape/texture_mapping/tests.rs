@@ -43,7 +43,8 @@ fn texture_coordinates_at_known_points() {
     close(globe, [1.0, 1.0, 1.0], [0.5, 0.75]);
     let pole = |y: f64| at(globe, DVec3::new(1.0, y, 0.0)).y;
     assert!((pole(2.0) - 1.0).abs() < 1e-12 && pole(-2.0).abs() < 1e-12);
-    // A map of the floor with north, −z, up; walls seen from outside, upright.
+    // u and v on the floor grow towards +x and −z, as on a map with north at −z. Pictures on walls
+    // are upright seen from outside.
     close(TextureMappingKind::plane_mapping(DVec3::Y), [2.0, 0.0, -3.0], [2.0, 3.0]);
     close(TextureMappingKind::plane_mapping(DVec3::Z * 5.0), [2.0, 3.0, 0.0], [2.0, 3.0]);
     close(TextureMappingKind::plane_mapping(DVec3::X), [0.0, 3.0, -2.0], [2.0, 3.0]);

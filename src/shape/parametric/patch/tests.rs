@@ -24,7 +24,8 @@ fn leaf_memory_is_checked_before_allocation() {
     assert!(bytes > 500_000, "{bytes}");
     assert!(Patch::with_memory_limit([&basis, &basis], &controls, Some(bytes)).is_ok());
     match Patch::with_memory_limit([&basis, &basis], &controls, Some(bytes / 2)) {
-        // Construction stops at the first leaf beyond the limit.
+        // The error reports the memory needed at the first leaf beyond the limit, not for the whole
+        // surface.
         Err(SplineError::Memory { needed, free }) => assert!(free == bytes / 2 && needed < free + 10_000),
         other => panic!("{other:?}"),
     }

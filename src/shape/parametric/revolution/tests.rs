@@ -21,7 +21,8 @@ fn profile_subdivision_respects_memory_and_precision() {
     let wave: Vec<DVec2> = (0..200).map(|i| DVec2::new(f64::from(1 + i % 2), f64::from(i / 3))).collect();
     let basis = SplineBasis::uniform_spline_basis(3, wave.len()).unwrap();
     let found = Revolution::with_memory_limit(&basis, &wave, Some(10_000)).unwrap_err();
-    // Construction stops at the first leaf beyond the limit.
+    // The error reports the memory needed at the first leaf beyond the limit, not for the whole
+    // surface.
     assert!(matches!(found, SplineError::Memory { needed: 10_001..11_000, free: 10_000 }), "{found}");
     assert!(Revolution::with_memory_limit(&basis, &wave, Some(10_000_000)).is_ok());
     let basis = SplineBasis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + MIN_SPAN, 1.0, 1.0, 1.0]).unwrap();

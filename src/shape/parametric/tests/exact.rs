@@ -127,8 +127,8 @@ fn revolved_lines_match_quadric_intersections() {
         for i in 0..20_000 {
             let ray = random_ray_near_shape(&shape, i);
             let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-            // Points on the line: (ρ, y) = (ra, ya) + s (rb − ra, yb − ya), eliminated by the
-            // larger component.
+            // The profile is the line (ρ, y) = (ra, ya) + s·(rb − ra, yb − ya) with s in \[0, 1]. s
+            // is computed from y, or from ρ if the line is horizontal.
             let (dr, dy) = (rb - ra, yb - ya);
             let mut truth = f64::INFINITY;
             let (mut edge, mut grazes) = (false, false);
@@ -143,7 +143,7 @@ fn revolved_lines_match_quadric_intersections() {
                 let p = o + d * t;
                 offer(t, (libm::hypot(p.x, p.z) - ra) / dr);
             } else {
-                // ρ = p + q t along the ray, by its height.
+                // On the cone of the profile, ρ = p + q·t at the height of the ray at t.
                 let (p, q) = (ra + dr * (o.y - ya) / dy, dr * d.y / dy);
                 let a = d.x * d.x + d.z * d.z - q * q;
                 let b = o.x * d.x + o.z * d.z - p * q;
@@ -171,7 +171,8 @@ fn revolved_lines_match_quadric_intersections() {
 fn tangent_rays_terminate() {
     let hits = |shape: &Shape, o: DVec3, d: DVec3| shape.intersect(&Ray::new(o.as_vec3(), d.as_vec3()));
     let ring = Shape::Patch(torus_patch(1.0, 0.5));
-    // Over the top, where a whole circle touches; along the outside; through the hole.
+    // First, a ray touches the torus along a whole circle on its top. Then a ray touches it at one
+    // outer point. The last ray passes through the hole.
     for (height, expected) in [(0.5f32, None), (0.5f32.next_up(), Some(false)), (0.5f32.next_down(), Some(true))] {
         let found = hits(&ring, DVec3::new(-3.0, f64::from(height), 0.0), DVec3::X);
         assert!(expected.is_none_or(|e| e == found.is_some()), "{height} {found:?}");
@@ -188,7 +189,7 @@ fn tangent_rays_terminate() {
     }
     assert!(hits(&ring, DVec3::new(0.0, 3.0, 0.0), DVec3::NEG_Y).is_none());
     let cup = cup_test_surface().shape;
-    // Along the axis, from above, below and within, and beside it by the smallest number.
+    // The rays run along the axis from above, from below and from within, and slightly beside it.
     for x in [0.0, 1e-30, 1e-9, 1e-7] {
         let (t, ..) = hits(&cup, DVec3::new(x, 3.0, 0.0), DVec3::NEG_Y).unwrap();
         assert!((t - 3.3).abs() < 2e-6, "{x} {t}");
@@ -254,8 +255,8 @@ fn transformed_parametric_shapes() -> Vec<(&'static str, Shape)> {
     cases.into_iter().chain(mirrored).collect()
 }
 
-/// True if a point sampled with this pdf may lie near an apex, where the surface comes close to
-/// itself.
+/// True if a point sampled with this pdf may lie near an apex, where two parts of the surface are
+/// close.
 fn may_be_near_apex(shape: &Shape, pdf: f32) -> bool {
     f64::from(pdf) * shape.area() > 30.0
 }
@@ -314,7 +315,7 @@ fn area_samples_match_their_pdf() {
             let found = shape.intersect(&ray).filter(|(t, ..)| (t - 1e-3 * size).abs() < 1e-5 * size);
             if let Some((t, u, v)) = found.filter(|_| !may_be_near_apex(&shape, sample.pdf)) {
                 let again = shape.pdf(&shape.surface_point(&ray, t, Vec2::new(u, v)));
-                // The pdf is discontinuous between leaves, and rounding may move a point across.
+                // The pdf jumps between leaves, and rounding may move a point into the next leaf.
                 strays += u32::from((again / sample.pdf - 1.0).abs() > 0.05);
             }
         }
@@ -345,7 +346,7 @@ fn texture_gradients_match_finite_differences() {
                 let after = uv + step * 2e-4;
                 let change = at(after) - here;
                 let estimated = DVec2::new(mapped.du.dot(change), mapped.dv.dot(change));
-                // The angle jumps across the axis.
+                // Steps across the axis are left out, since the azimuth jumps there.
                 if change.length() > 1e-5 * size && mapped.dv.length() * size < 30.0 {
                     tried += 1;
                     let truth = (after - uv).as_dvec2();

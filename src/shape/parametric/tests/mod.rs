@@ -15,7 +15,7 @@ struct TestSurface {
     name: &'static str,
     shape: Shape,
     pieces: Vec<ReferencePiece>,
-    /// Factor by which the number of test rays is reduced, since the reference is slow.
+    /// Factor by which this surface gets fewer test rays, as its reference is slow.
     thin: u64,
 }
 
@@ -205,7 +205,8 @@ fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> Com
         if agree {
             continue;
         }
-        // Only a touch at the nearer of the two results can excuse a difference.
+        // A difference is excused only if the ray grazes the surface, or passes an edge, near the
+        // first of the two hits.
         let first = t.unwrap_or(f64::INFINITY).min(found.hit.unwrap_or(f64::INFINITY));
         let reach = 4.0 * error / grazing + rounding;
         let excuse = found.near_quads.iter().any(|x| within(x.t, first, reach) && (x.cos <= grazing || x.edge));

@@ -81,7 +81,8 @@ impl ReferencePiece {
                 [second.xy().length(), radius * turn * turn, first.x * turn]
             }
             ReferenceSurface::Patch(controls, degree) => {
-                // Derivatives of S = A/W: W·S″ = A″ − 2W′S′ − W″S, and so on.
+                // A patch is S = A/W with the weight W. From W·S″ = A″ − 2W′S′ − W″S follows a
+                // bound on |S″|, and likewise for the mixed derivative.
                 let homogeneous: Vec<DVec4> = controls.iter().map(|c| (c.xyz() * c.w).extend(c.w)).collect();
                 let least = controls.iter().fold(f64::INFINITY, |m: f64, c| m.min(c.w));
                 let far = controls.iter().fold(0.0, |m: f64, c| m.max(c.xyz().length()));
@@ -151,8 +152,8 @@ impl ReferencePiece {
         let [uu, vv, uv] = self.second_derivatives;
         while let Some(([u0, u1, v0, v1], corners)) = quads.pop() {
             let (du, dv) = (u1 - u0, v1 - v0);
-            // A bilinear quad differs from the surface by the first two terms, two triangles differ
-            // from it by the last.
+            // a + b bounds the distance between the surface and the bilinear quad through the
+            // corners. c bounds the distance between that quad and two triangles.
             let [a, b, c] = [uu * du * du / 8.0, vv * dv * dv / 8.0, uv * du * dv / 4.0];
             let off = a + b + c;
             let min = corners.into_iter().fold(DVec3::INFINITY, DVec3::min) - off;
@@ -164,7 +165,8 @@ impl ReferencePiece {
             }
             if off > error {
                 let (u, v) = (0.5 * (u0 + u1), 0.5 * (v0 + v1));
-                // The twist halves with either side.
+                // The quad is halved along the parameter with the larger error term. Either halving
+                // also halves c.
                 let [p, q, r, s] = corners;
                 if a > b || a == b && du > dv {
                     let (e, f) = (self.point_at(u, v0), self.point_at(u, v1));
