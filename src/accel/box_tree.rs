@@ -12,8 +12,8 @@ use rayon::prelude::*;
 /// its distance. Coordinates must be below 10¹⁸ in magnitude.
 ///
 /// Boxes are sorted along a Morton curve, and each node holds eight consecutive boxes or nodes.
-/// This builds in a fraction of the time of the surface area heuristic. A better tree gains little,
-/// since queries return most of the boxes that they visit.
+/// This build is several times faster than one by the surface area heuristic. A better tree gains
+/// little, since queries return most of the boxes that they visit.
 pub struct BoxTree {
     /// Box indices in Morton order.
     order: Vec<u32>,

@@ -83,11 +83,12 @@ pub(super) struct BinaryNode {
     pub size: u32,
     /// Number of primitives in the left subtree; 0 for a single primitive.
     pub left: u32,
-    /// Number of child slots for the left subtree, `share[n]`, if this node fills n slots of a wide
+    /// Division of child slots between the two subtrees, if this node becomes a part of a wide
     /// node.
     ///
-    /// n is from 2 to [`ARITY`]. The right subtree gets the other slots. This division has the
-    /// least traversal cost. A value of 0 means that n − 1 slots cost as little.
+    /// If this subtree fills n slots of the wide node, with n from 2 to [`ARITY`], the left subtree
+    /// gets `share[n]` of them. The right subtree gets the others. This division has the least
+    /// traversal cost. If `share[n]` is 0, n − 1 slots cost as little.
     pub share: [u8; ARITY + 1],
     /// True if all primitives of this node become one leaf.
     pub leaf: bool,
@@ -127,8 +128,8 @@ impl PrimitiveCounts {
 
 /// Box, primitive counts and traversal costs of a subtree that has been built.
 ///
-/// `cost[n]` is the least cost if the subtree fills n child slots of a wide node, with n from 1 to
-/// [`ARITY`]. The unit of cost is a visit of a node with half area 1.
+/// `cost[n]` is the least cost if the subtree fills at most n child slots of a wide node, with n
+/// from 1 to [`ARITY`]. Costs are weighted with half the surface area of the boxes.
 struct SubtreeSummary {
     bounds: SimdBox,
     count: PrimitiveCounts,
@@ -177,7 +178,7 @@ fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSumma
     let area = bounds.half_area();
     let mut cost = [f32::INFINITY; ARITY + 1];
     for (slots, least) in cost.iter_mut().enumerate().skip(2) {
-        // Costs may overflow; any division is then as good.
+        // Costs may overflow to infinity. Any division is then equally good.
         root.share[slots] = 1;
         for share in 1..slots {
             let c = a.cost[share] + b.cost[slots - share];
@@ -192,8 +193,8 @@ fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSumma
     root.leaf = fits && leaf <= node;
     cost[1] = if root.leaf { leaf } else { node };
     for slots in 2..=ARITY {
-        // The strict comparison allows every wide node to be opened, even if areas vanish or
-        // overflow.
+        // The comparison is strict: of equal costs, the one that fills more slots wins. So a wide
+        // node gets two or more children even if all areas are 0 or infinite.
         if cost[slots - 1] < cost[slots] {
             cost[slots] = cost[slots - 1];
             root.share[slots] = 0;
@@ -286,7 +287,7 @@ fn best_split_plane(primitives: &[BvhPrimitive], centers: SimdBox) -> Option<(us
             bounds = bounds.union(bin.0);
             count.add(bin.1);
             let total = cost(bounds, count) + upper[at];
-            // Empty bins repeat the partition before them.
+            // A split after an empty bin equals the split before it.
             if bin.1.triangles + bin.1.others > 0 && total < least {
                 (least, best) = (total, Some((axis, at)));
             }

@@ -74,7 +74,8 @@ pub(super) struct Bvh8 {
 impl Bvh8 {
     /// Builds the hierarchy over triangles, given by corners, and other primitives, given by boxes.
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
-        // A triangle without area may be hit after rounding, but it has no normal.
+        // Triangles without area are left out. Rounding could produce hits of them, but they have
+        // no normal.
         let boxes =
             triangles.iter().map(|t| if has_area(t) { Bounds::from_points(*t) } else { Bounds::EMPTY }).zip(0..);
         let mut primitives: Vec<BvhPrimitive> = boxes
@@ -326,7 +327,8 @@ impl WideNodeInput<'_> {
 
 /// True if the triangle has an area above zero, computed in f64.
 fn has_area(corners: &[Vec3; 3]) -> bool {
-    // Differences of f32 and their products are exact in f64, or far from cancelling.
+    // In f64, these differences and products are exact, or they are so different that they cannot
+    // cancel.
     let [a, b, c] = corners.map(|v| v.as_dvec3());
     (b - a).cross(c - a) != DVec3::ZERO
 }

@@ -4,8 +4,8 @@
 //! nodes with up to eight children.
 //!
 //! A leaf is a packet of up to eight triangles, or one other primitive. The hit of a triangle
-//! depends only on the ray and on its corners, and box tests never lose a hit. So the tree decides
-//! the order in which a ray finds its hits, but no hit itself.
+//! depends only on the ray and on its corners, and box tests never lose a hit. So the shape of the
+//! tree affects the order in which hits are found, but not the hits.
 
 mod box_tree;
 mod build;
@@ -248,7 +248,8 @@ impl NearestHit {
     #[inline]
     fn to_primitive_hit(&self, ray: &Ray, precalc: &RayPrecalc) -> Option<PrimitiveHit> {
         let t = self.hit.t * precalc.direction_scale;
-        // A distance that the caller's unit cannot express is no hit.
+        // t may underflow to 0 or overflow to `t_max` in the caller's scale; the ray then has no
+        // hit.
         if !(self.hit.t < precalc.t_max && 0.0 < t && t < ray.t_max) {
             return None;
         }

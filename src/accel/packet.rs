@@ -125,7 +125,8 @@ impl TrianglePacket {
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
         }
-        // Scaled by the ray's depth, so that one division gives t.
+        // The sum of the edge functions is multiplied by the ray's depth, so that one division
+        // gives t.
         let volume = (u + v + w) * precalc.depth;
         let t = (u * a.z + v * b.z + w * c.z) / volume;
         (volume != 0.0).then_some(LeafHit { t: t as f32, weights: [v, w], total: u + v + w })

@@ -14,7 +14,7 @@ pub const MAX_COAT_INDEX: f32 = 4.0;
 /// Number of tabulated indices, evenly spaced in the square root of (η − 1)/(η + 1).
 const INDICES: usize = 21;
 
-/// Largest tabulated (η − 1)/(η + 1), for [`MAX_COAT_INDEX`].
+/// Largest tabulated (η − 1)/(η + 1), which belongs to η = [`MAX_COAT_INDEX`].
 const MAX_RATIO: f32 = 0.6;
 
 /// Number of tabulated roughnesses from 0 to 1, evenly spaced in √α.
@@ -23,10 +23,12 @@ const ALPHAS: usize = 16;
 /// Number of tabulated cosines from 0 to 1, evenly spaced in √cosθ.
 const COSINES: usize = 32;
 
-/// Numbers of a Fibonacci lattice of visible microfacets, over which a node averages.
+/// Number of points and generator of a Fibonacci lattice, which selects visible microfacets.
+///
+/// The albedo at each node of the table is a mean over these microfacets.
 const FACETS: (usize, usize) = (610, 377);
 
-/// Cosine that stands for the horizon, where the formulas divide by 0.
+/// Cosine at which the table's node for the horizon is computed; a cosine of 0 would lead to 0/0.
 const HORIZON_COSINE: f64 = 1e-4;
 
 /// Albedos at the nodes of all tabulated parameters, and their means over the hemisphere.
@@ -37,7 +39,7 @@ struct CoatAlbedoTable {
     mean: Vec<[f32; ALPHAS]>,
 }
 
-/// Returns the part of light from a direction of cosine `cos` that a coat reflects.
+/// Returns the fraction of light from a direction of cosine `cos` that a coat reflects.
 ///
 /// `eta` in \[1, 4] is the refractive index relative to the surroundings, `alpha` in \[0, 1] the
 /// GGX roughness. A smooth coat has its Fresnel reflectance. The error of a rough coat is at most
@@ -52,8 +54,8 @@ pub(super) fn coat_albedo(cos: f32, eta: f32, alpha: f32) -> f32 {
     interpolate(index_position(eta), |i| interpolate(y, |j| interpolate(x, |k| table.directional[i][j][k])))
 }
 
-/// Returns the part of diffuse light that a coat reflects on its outer side: the cosine-weighted
-/// mean of [`coat_albedo`].
+/// Returns the fraction of diffuse light that a coat reflects on its outer side: the
+/// cosine-weighted mean of [`coat_albedo`].
 pub(super) fn mean_coat_albedo(eta: f32, alpha: f32) -> f32 {
     if alpha == 0.0 {
         return mean_fresnel_reflectance(f64::from(eta)) as f32;
@@ -91,7 +93,8 @@ fn coat_albedo_table() -> &'static CoatAlbedoTable {
     })
 }
 
-/// Integrates the light that microfacets reflect from a direction of cosine `cos`.
+/// Fraction of light from a direction of cosine `cos` that microfacets with one reflection send
+/// back.
 fn rough_albedo(cos: f64, eta: f64, alpha: f64) -> f64 {
     if alpha == 0.0 {
         return fresnel_reflectance(cos, eta).0;
@@ -126,13 +129,17 @@ fn mean_of_cosines(values: &[f32; COSINES]) -> f32 {
     (0..COSINES - 1).map(segment).sum::<f64>() as f32
 }
 
-/// Returns the tabulated index below `eta`, and the fraction of the way to the next one.
+/// Returns the number of the table node at or below the refractive index `eta`.
+///
+/// Also returns the position of `eta` between this node and the next one, in \[0, 1].
 #[inline]
 fn index_position(eta: f32) -> (usize, f32) {
     node_position(((eta - 1.0) / (eta + 1.0) / MAX_RATIO).max(0.0).sqrt(), INDICES)
 }
 
-/// Returns the node below `x` in \[0, 1], and the fraction of the way to the next node.
+/// Returns the number of the node at or below `x`, if `nodes` nodes are evenly spaced in \[0, 1].
+///
+/// Also returns the position of `x` between this node and the next one, in \[0, 1].
 #[inline]
 fn node_position(x: f32, nodes: usize) -> (usize, f32) {
     let position = x.clamp(0.0, 1.0) * (nodes - 1) as f32;

@@ -9,10 +9,11 @@ use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
-/// Index of a coat below which it counts as absent. Its mean reflectance is below 10⁻⁴.
+/// Refractive index below which a coat counts as absent. Its mean reflectance is then below 10⁻⁴.
 const MIN_COAT_INDEX: f32 = 1.0001;
 
-/// Index of a rough coat below which it counts as smooth. Tabulated albedos begin there.
+/// Refractive index below which a rough coat counts as smooth. It then reflects less than 1 % of
+/// diffuse light.
 const MIN_ROUGH_COAT_INDEX: f32 = 1.01;
 
 /// Reflection on the outside of a dielectric coat, smooth or with GGX microfacets.
@@ -30,16 +31,17 @@ pub struct DielectricCoat {
 ///
 /// The base has the BRDF T(θₒ)·T(θᵢ)·ρ / (π η² (1 − ρF)). T is the transmittance of the coat from
 /// the outside, ρ the reflectance of the base, and F the diffuse reflectance of the coat from the
-/// inside. A white base reflects all light that enters, so the whole loses none,
-/// within the error of tabulated albedos if the coat is rough.
+/// inside. With a white base, coat and base together reflect all light. If the coat is rough, this
+/// holds within the error of tabulated albedos.
 ///
 /// If the roughness of the coat exceeds [`PHOTON_STORAGE_ALPHA`], this BSDF includes reflection on
 /// the coat. Otherwise it is the base alone, and [`Bsdf::select_layer`] chooses base or coat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoatedDiffuse {
-    /// Factor ρ / (η² (1 − ρF)), over the probability with which the base was selected.
+    /// Factor ρ / (η² (1 − ρF)), divided by the probability with which the base was selected.
     base: Rgb,
-    /// Part of the entering light that leaves again, as the mean of the channels.
+    /// Fraction of the light that enters through the coat and leaves again, as the mean of the
+    /// channels.
     base_albedo: f32,
     /// Refractive index of the coat relative to the surroundings.
     eta: f32,
@@ -54,7 +56,7 @@ impl DielectricCoat {
         self.alpha
     }
 
-    /// Returns the weighted Fresnel reflectance; `cos` is the cosine of the angle of incidence.
+    /// Returns the Fresnel reflectance at the cosine of incidence `cos`, times `weight`.
     #[inline]
     fn reflectance(&self, cos: f64) -> f32 {
         self.weight * fresnel_reflectance(cos.clamp(0.0, 1.0), f64::from(self.eta)).0 as f32
@@ -124,10 +126,12 @@ impl CoatedDiffuse {
     /// proportional to ρ.
     fn new(reflectance: Rgb, eta: f32, alpha: f32, nonlinear: bool) -> Self {
         let alpha = if alpha < SMOOTH_ALPHA || eta < MIN_ROUGH_COAT_INDEX { 0.0 } else { alpha };
-        // What passes outwards is what passes inwards over η², because interfaces are reciprocal.
+        // Interfaces are reciprocal: the transmittance from inside is that from outside, divided by
+        // η².
         let mean_transmittance = 1.0 - mean_coat_albedo(eta, alpha);
         let leaving = mean_transmittance / (eta * eta);
-        // 1 − ρF = 1 − ρ + ρ·leaving does not cancel if the base is nearly white.
+        // 1 − ρF is computed as 1 − ρ + ρ·`leaving`, where `leaving` = 1 − F. This sum does not
+        // cancel if the base is nearly white.
         let absorbed = if nonlinear { Rgb::ONE - reflectance } else { Rgb::ZERO };
         let counted = if nonlinear { reflectance } else { Rgb::ONE };
         let base = reflectance / (absorbed + counted * leaving) / (eta * eta);
@@ -145,18 +149,18 @@ impl CoatedDiffuse {
         self.alpha > PHOTON_STORAGE_ALPHA
     }
 
-    /// The coat's BSDF if the coat is so smooth that it is selected apart from the base.
+    /// The coat's BSDF; `None` if the coat is so rough that this BSDF includes it.
     pub(super) fn separate_coat(&self) -> Option<DielectricCoat> {
         (!self.includes_coat()).then(|| self.coat(1.0))
     }
 
-    /// Part of light from direction `w` that enters the coat.
+    /// Fraction of light from direction `w` that enters the coat; `n` is the shading normal.
     #[inline]
     fn transmittance(&self, w: Vec3, n: Vec3) -> f32 {
         1.0 - coat_albedo(w.dot(n).abs(), self.eta, self.alpha)
     }
 
-    /// Returns the albedos of the coat and of the base for light from `wo`.
+    /// Returns the albedo of the coat, then that of the base under the coat, for light from `wo`.
     #[inline]
     fn layer_albedos(&self, wo: Vec3, n: Vec3) -> (f32, f32) {
         let transmittance = self.transmittance(wo, n);

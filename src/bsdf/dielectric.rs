@@ -70,8 +70,8 @@ impl Dielectric {
         if lobe < split.reflected.1 {
             BsdfSample::specular_sample(split.reflected.0, Rgb::ONE, false, split.uses_geometric_normal[0])
         } else {
-            // In f32, 1 − reflectance has few digits if the transmittance is small. The weight
-            // makes up for them.
+            // 1 − reflectance in f32 loses digits if the transmittance is small. The weight
+            // corrects this error of the probability.
             let through = 1.0 - split.reflected.1;
             let exact = if through < 0.5 { split.transmitted.1 / through } else { 1.0 };
             let weight = Rgb::splat(exact / split.transmitted_radiance_divisor);

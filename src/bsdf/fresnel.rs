@@ -68,8 +68,8 @@ pub fn conductor_reflectance(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
     let channel = |eta: f32, k: f32| {
         let (real, half_imaginary) = (eta * eta - k * k - sin2, eta * k);
         let modulus = (real * real + 4.0 * half_imaginary * half_imaginary).sqrt();
-        // In one of a² = (modulus + real)/2 and b² = (modulus − real)/2, digits cancel. That square
-        // follows from a·b = ηk.
+        // a² = (modulus + real)/2 and b² = (modulus − real)/2. Digits cancel in the smaller of the
+        // two. It is computed from a·b = ηk.
         let larger = 0.5 * (modulus + real.abs());
         let smaller = if larger > 0.0 { half_imaginary * half_imaginary / larger } else { 0.0 };
         let (a2, b2) = if real > 0.0 { (larger, smaller) } else { (smaller, larger) };
@@ -79,7 +79,8 @@ pub fn conductor_reflectance(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
             if plus > 0.0 { minus / plus } else { 1.0 }
         };
         let perpendicular = quotient(a, cos, b2);
-        // The quotient of parallel and perpendicular reflectance, without tangents.
+        // The second quotient is parallel over perpendicular reflectance, in a form without
+        // tangents.
         0.5 * perpendicular * (1.0 + quotient(a * cos, sin2, b2 * cos * cos))
     };
     Rgb::new(channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z))
@@ -112,7 +113,8 @@ pub fn refract(wo: Vec3, n: Vec3, eta: f32) -> Refraction {
     let (dot, cross2, n2) = (o.dot(n), o.cross(n).length_squared(), n.length_squared());
     let all2 = dot * dot + cross2;
     let (cos2, sin2) = (dot * dot / all2, cross2 / all2);
-    // A small sine is accurate in its square, a large one in the cosine.
+    // The sum is computed from sin² below 45°, and from cos² above, as the smaller of the two is
+    // more accurate.
     let cos2_t = if sin2 < 0.5 { eta * eta - sin2 } else { (eta - 1.0) * (eta + 1.0) + cos2 } / (eta * eta);
     if cos2_t.is_nan() || cos2_t <= 0.0 {
         return Refraction { reflectance: 1.0, transmittance: 0.0, transmitted: (-n).as_vec3() };

@@ -22,7 +22,8 @@ const METAL_TABLE: [Metal; 13] = [
     ("copper", "Cu", Rgb::new(0.2004, 0.9240, 1.1022), Rgb::new(3.9129, 2.4528, 2.1421)),
     // Johnson and Christy 1972.
     ("gold", "Au", Rgb::new(0.143, 0.375, 1.442), Rgb::new(3.983, 2.386, 1.603)),
-    // Schmitt and others 2022, Optical Materials Express 12, 545: a film by atomic layers.
+    // Schmitt and others 2022, Optical Materials Express 12, 545: a film made by atomic layer
+    // deposition.
     ("iridium", "Ir", Rgb::new(2.991, 2.574, 2.119), Rgb::new(5.575, 5.096, 4.377)),
     // Johnson and Christy 1974.
     ("iron", "Fe", Rgb::new(2.911, 2.950, 2.584), Rgb::new(3.089, 2.932, 2.767)),

@@ -106,7 +106,8 @@ impl Ggx {
         let frame = Frame::from_normal(n);
         let (s, t, n) = (frame.s.as_dvec3(), frame.t.as_dvec3(), n.as_dvec3());
         let o = DVec3::new(self.alpha * wo.dot(s), self.alpha * wo.dot(t), wo.dot(n)).normalize();
-        // The cap has height 1 + o.z. Measured from its top, nothing cancels.
+        // The spherical cap has height 1 + o.z. `drop` is the depth of the sampled point below the
+        // cap's top, where digits do not cancel.
         let (cap, u_z) = (1.0 + o.z, f64::from(u.x));
         let drop = u_z * cap;
         let radius = (drop * (2.0 - drop)).max(0.0).sqrt();

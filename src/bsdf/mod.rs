@@ -135,10 +135,12 @@ pub enum Bsdf {
     RoughDielectric(RoughDielectric),
     /// A thin transparent sheet, such as a window pane.
     ThinDielectric(ThinDielectric),
-    /// A diffuse base under a dielectric coat; without reflection on the coat if the coat is
-    /// smooth.
+    /// A diffuse base under a dielectric coat.
+    ///
+    /// Reflection on the coat is included only if the coat's α exceeds [`PHOTON_STORAGE_ALPHA`].
     CoatedDiffuse(CoatedDiffuse),
-    /// Reflection on a smooth coat, which [`Bsdf::select_layer`] selects.
+    /// Reflection on a coat with α up to [`PHOTON_STORAGE_ALPHA`], which [`Bsdf::select_layer`]
+    /// selects.
     DielectricCoat(DielectricCoat),
 }
 
@@ -205,11 +207,11 @@ impl Bsdf {
         }
     }
 
-    /// Selects base or coat of a coated surface by `u` in \[0, 1), with probabilities that depend
-    /// on `wo` and the shading normal `ns`. Returns any other BSDF whole.
+    /// Selects base or coat of a coated surface by `u` in \[0, 1).
     ///
-    /// The selected BSDF is divided by the probability of its selection. A small `u` selects the
-    /// base. If the coat is so rough that photons are stored for it, both stay together.
+    /// The probabilities depend on `wo` and the shading normal `ns`. The selected BSDF is divided
+    /// by the probability of its selection. A small `u` selects the base. A coated surface with a
+    /// rough coat, on which photons are stored, is not split. Neither is any other BSDF.
     #[inline]
     #[must_use]
     pub fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Self {
@@ -445,7 +447,7 @@ impl Bsdf {
         match self {
             Self::Diffuse(reflectance) => {
                 let local = warp::square_to_cosine_hemisphere(u);
-                // The pdf is 0 in the horizon, so no MIS weight exists there.
+                // A direction in the horizon has a pdf of 0, so it has no MIS weight.
                 if local.z <= 0.0 {
                     return None;
                 }

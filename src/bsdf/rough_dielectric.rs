@@ -67,7 +67,8 @@ impl RoughDielectric {
             FacetScattering { facet, fresnel, masking_shadowing: ggx.reflection_masking_shadowing(cos_o, cos_i) }
         } else {
             let (facet, cos_t) = ggx.refracting_facet(o, i, n, eta)?;
-            // Computed from both cosines, so that both directions agree even if one grazes.
+            // Computed from both cosines, so that f(wo, wi) and f(wi, wo) agree even if one
+            // direction grazes.
             let fresnel = fresnel_transmittance(facet.cos, cos_t, eta);
             FacetScattering { facet, fresnel, masking_shadowing: ggx.transmission_masking_shadowing(cos_o, -cos_i) }
         })

@@ -36,7 +36,7 @@ impl ThinDielectric {
         let (r, length) = (r as f32, (1.0 / cos_t) as f32);
         let clear = self.transmittance == Rgb::ONE;
         let kept = if clear { Rgb::ONE } else { self.transmittance.map(|t| libm::powf(t, length)) };
-        // 1 − R²τ² without cancellation if nearly all light is reflected.
+        // `rest` is 1 − R²τ², as a product that does not cancel if nearly all light is reflected.
         let rest = (Rgb::ONE - kept + kept * t) * (Rgb::ONE + kept * r);
         let through = kept * (t * t) / rest;
         (Rgb::splat(r) + through * kept * r, through)
@@ -51,7 +51,7 @@ impl ThinDielectric {
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32) -> Option<BsdfSample> {
         let (mirrored, uses_geometric_normal) = dielectric::reflect_above_surface(wo, ns, ng);
-        // The cosine to the normal that reflected, which is not always `ns`.
+        // Cosine between `wo` and the normal that was used for reflection: `ns` or `ng`.
         let cos = wo.dot((wo + mirrored).normalize_or_zero());
         let (reflectance, transmittance) = self.reflectance_and_transmittance(cos);
         let (r, t) = (color::channel_mean(reflectance), color::channel_mean(transmittance));

@@ -3,14 +3,15 @@
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Base-2 logarithm of the ratio between the upper and the lower quantum of a pixel.
+/// Binary logarithm of [`BIN_SIZE`].
 const BIN_BITS: i32 = 31;
 
-/// Ratio between the upper and the lower quantum of a pixel: 2³¹. A quantum is the unit of an
-/// integer sum.
+/// Ratio between the upper and the lower quantum of a pixel: 2³¹.
+///
+/// A quantum is the unit of an integer sum; [`BinnedSums`] describes both.
 const BIN_SIZE: f64 = (1u64 << BIN_BITS) as f64;
 
-/// Number of levels. A level is a choice of the two quanta of a pixel.
+/// Number of levels. The level of a pixel selects its two quanta.
 ///
 /// The sum of three squares of f32 values is below the limit of the last level.
 const LEVELS: usize = 18;
@@ -197,7 +198,7 @@ fn add_to_bins<const N: usize>(bins: &mut [[i64; N]; 2], level: usize, values: [
     let integer = |rounded: f64| rounded.to_bits().wrapping_sub(ROUNDER.to_bits()) as i64;
     let [upper, lower] = bins;
     for channel in 0..N {
-        // Products by powers of two and the difference are exact.
+        // Products with powers of two are exact, and so is the difference.
         let scaled = values[channel] * inverse;
         let rounded = scaled + ROUNDER;
         let rest = (scaled - (rounded - ROUNDER)) * BIN_SIZE;
@@ -228,7 +229,8 @@ fn add_beyond_limit<const N: usize>(bins: &mut [[i64; N]; 2], tag: &mut u16, mut
 /// Raises the level of a pixel to `level`, which is not below the pixel's present level.
 fn raise_level<const N: usize>(bins: &mut [[i64; N]; 2], tag: &mut u16, level: usize) {
     let steps = level - level_of(*tag);
-    // All values round to 0 in upper quanta of the next level.
+    // Old values are below half a new upper quantum, so the new upper bins are 0. The old upper
+    // bins become the new lower bins, or round to 0 if `level` is two or more levels higher.
     match steps {
         0 => {}
         1 => *bins = [[0; N], bins[0]],

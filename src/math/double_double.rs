@@ -9,7 +9,7 @@ struct DoubleDouble(f64, f64);
 impl DoubleDouble {
     /// a · b without rounding error, by the algorithm of Dekker.
     fn exact_product(a: f64, b: f64) -> Self {
-        // Halves of 26 bits have exact products.
+        // Splits `x` into two numbers of 26 bits. Products of such numbers are exact.
         let halves = |x: f64| {
             let c = 134_217_729.0 * x;
             let high = c - (c - x);

@@ -51,8 +51,8 @@ impl Motion {
         Self::default().preceded_by_steps([MotionStep::Fixed(map)])
     }
 
-    /// This motion preceded by `steps`: points are mapped by the last step first, by this motion
-    /// last.
+    /// This motion with `steps` applied before it: points are mapped by the last step first, and by
+    /// this motion last.
     #[must_use]
     pub fn preceded_by_steps(&self, steps: impl IntoIterator<Item = MotionStep>) -> Self {
         let mut all = self.steps.clone();
@@ -65,14 +65,15 @@ impl Motion {
         Self { steps: all }
     }
 
-    /// This motion with `place` instead of the origin as the fixed point of rotations and scales.
+    /// This motion with the point `place` as centre of its rotations and scales, instead of the
+    /// origin.
     #[must_use]
     pub fn pivoted_at_point(&self, place: DVec3) -> Self {
         let back = MotionStep::Fixed(DAffine3::from_translation(-place));
         self.followed_by_map(DAffine3::from_translation(place)).preceded_by_steps([back])
     }
 
-    /// This motion followed by `map`: points are mapped by this motion first.
+    /// This motion with `map` applied after it.
     #[must_use]
     pub fn followed_by_map(&self, map: DAffine3) -> Self {
         Self::constant_motion(map).preceded_by_steps(self.steps.iter().copied())

@@ -53,7 +53,7 @@ impl Transform {
         {
             return Err(SingularTransformError);
         }
-        // M = U·D has the inverse D⁻¹·U⁻¹, which neither overflows nor underflows before its
+        // The inverse of M = U·D is D⁻¹·U⁻¹. This product overflows or underflows only if its
         // entries do.
         let inverse = DMat3::from_cols(rows[0] / x, rows[1] / y, rows[2] / z).transpose();
         let inverse = DAffine3::from_mat3_translation(inverse, inverse_translation(inverse, forward.translation));

@@ -65,7 +65,8 @@ fn assert_box_queries_agree_with_brute_force(bounds: &[Bounds], rays: impl Itera
     count
 }
 
-/// Random rays through the unit cube, after it is scaled by `scale` and translated by `shift`.
+/// Rays through points of the unit cube, after cube and ray origins are scaled by `scale` and moved
+/// by `shift`.
 ///
 /// Rays start inside, outside or far away, and are long or short.
 fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> {
@@ -84,7 +85,7 @@ fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> 
 
 #[test]
 fn box_queries_agree_with_brute_force() {
-    // Numbers of boxes around powers of 8, where the tree gets one more level.
+    // Near powers of 8, the tree gets one more level.
     for n in [0, 1, 2, 7, 8, 9, 64, 65, 513, 2000] {
         for (scale, shift) in [(1.0, Vec3::ZERO), (1e-25, Vec3::ZERO), (1e15, Vec3::ZERO), (1.0, Vec3::splat(-3e3))] {
             let bounds: Vec<Bounds> = (0..n)

@@ -158,8 +158,9 @@ fn leaves_near_a_box_hold_all_its_hits() {
 
 /// Hits agree with Cramer's rule in f64, up to the error of the triangle test.
 ///
-/// Shearing moves a corner by at most γ(9) of its distance, which is below 6 here. Barycentric
-/// weights err by as much, divided by the apparent height of the triangle.
+/// The shear moves a corner by at most γ(9) of its distance, which is below 6 here. γ is
+/// [`rounding_error_bound`](crate::math::rounding_error_bound). The error of barycentric weights is
+/// as large, divided by the apparent height of the triangle.
 #[test]
 fn hits_agree_with_double_precision() {
     let mut rng = SmallRng::seed_from_u64(9);

@@ -25,7 +25,8 @@ fn mean_albedos_match_their_directional_albedos() {
     }
 }
 
-/// Between nodes, the table matches a lattice that is ten times as fine.
+/// Between nodes, the interpolated table matches an integral with about a hundred times as many
+/// points.
 #[test]
 fn tabulated_albedos_match_fine_quadrature() {
     for (eta, alpha, cos) in [(1.5, 0.1, 0.9), (1.33, 0.02, 0.05), (1.5, 0.37, 0.3), (2.2, 0.8, 0.02), (3.9, 0.2, 0.5)]

@@ -64,7 +64,7 @@ fn conductors_match_closed_and_complex_forms() {
         for i in 1..100 {
             let cos = i as f32 / 100.0;
             let expected = complex(f64::from(cos), f64::from(eta), f64::from(k));
-            // A dozen operations in f32, each within half an ulp of numbers up to 1.
+            // About twelve f32 operations on numbers up to 1 have this error.
             assert!((f64::from(at(cos, eta, k)) - expected).abs() < 1e-6, "{eta} {k} at {cos}: {expected}");
             if k == 0.0 {
                 assert!((at(cos, eta, k) - dielectric_reflectance(cos, eta).0).abs() < 1e-6);
@@ -93,7 +93,7 @@ fn refraction_obeys_snell_and_reverses() {
         let there = refract(wo, n, 1.5);
         assert!((there.transmitted.x * 1.5 + sin).abs() < 1e-6 && there.transmitted.y < 0.0);
         let back = refract(there.transmitted, -n, 1.0 / 1.5);
-        // Each refraction rounds its direction by a few ulps; Snell's law magnifies that by
+        // Each refraction rounds its direction by a few ulps. Snell's law magnifies this error by
         // 1/cosθ.
         let error = (back.transmitted - wo).length();
         assert!(error < 8.0 * f32::EPSILON / cos, "{i}: {error}");

@@ -98,7 +98,7 @@ fn chi_square_test_cases() -> Vec<ChiSquareCase> {
         materials.push((Bsdf::Conductor(Conductor::new(eta, k, alpha)), 1.0, width));
         materials.extend([1.5, 1.0 / 1.5].map(|eta| (Bsdf::dielectric(eta, alpha), eta, width)));
     }
-    // Narrower than any lobe that is built: the formulas hold there too.
+    // The formulas also hold for these lobes, which are narrower than any that scenes can have.
     materials.push((Bsdf::RoughDielectric(RoughDielectric::new(1.5, 1e-4)), 1.5, 2e-4));
     materials.push((Bsdf::RoughDielectric(RoughDielectric::new(1.0 / 1.5, 1e-4)), 1.0 / 1.5, 2e-4));
     materials.push((Bsdf::Conductor(Conductor::new_without_smooth_limit(eta, k, 1e-4)), 1.0, 2e-4));
@@ -168,14 +168,15 @@ fn chi_square_p_value(counts: &[u32], expected: &[f64]) -> f64 {
 #[test]
 fn bsdf_samplers_match_their_pdfs() {
     let cases = chi_square_test_cases();
-    // Šidák: one false alarm in 400 runs of the whole list.
+    // Bonferroni's correction for many tests: one false alarm in 400 runs of the whole list.
     let least = 0.0025 / cases.len() as f64;
     for (index, case) in cases.iter().enumerate() {
         let grids = grids_around_specular_directions(case);
         let expected = expected_cell_probabilities(case, &grids);
         let lost = *expected.last().unwrap();
         let name = format!("{:?} from {} by {}", case.bsdf, case.wo, case.ns);
-        // Half the noise of counting all samples bounds the error of the midpoint rule.
+        // The error of the midpoint rule is at most half the standard error of a count of all
+        // samples.
         assert!(lost > -0.5 / (SAMPLES as f64).sqrt(), "{name} integrates to {}", 1.0 - lost);
         let mut counts = vec![0u32; expected.len()];
         let key = Key::new(17).purpose_key(Purpose::Test).child_key(index as u64);

@@ -4,7 +4,9 @@ use super::rough::mean_sample_weights;
 use super::*;
 use rand::RngExt;
 
-/// Returns the albedos of coat and base, or of both together and 0 if photons are stored for both.
+/// Returns the mean weights of samples of the separate coat and of `bsdf` itself.
+///
+/// Without a separate coat, the first is 0, and the second includes the coat.
 fn layer_albedos(bsdf: Bsdf, wo: Vec3) -> (f64, f64) {
     let coat = bsdf.separate_coat().map_or(0.0, |coat| mean_sample_weights(&coat, wo).0);
     (coat, mean_sample_weights(&bsdf, wo).0)
@@ -17,7 +19,8 @@ fn white_coated_surfaces_reflect_all_light() {
             let bsdf = Bsdf::coated_diffuse(Rgb::ONE, eta, alpha, true);
             for cos in [1.0, 0.7, 0.3, 0.1, 0.02] {
                 let (coat, base) = layer_albedos(bsdf, direction_with_cos(cos));
-                // The error of the lattice at the horizon, and that of tabulated albedos.
+                // The first tolerance is the lattice's error at the horizon. The second adds the
+                // error of tabulated albedos.
                 let tolerance = if alpha == 0.0 { 3e-3 } else { 0.018 };
                 assert!((coat + base - 1.0).abs() < tolerance, "{eta} {alpha} at {cos}: {coat} + {base}");
             }
@@ -25,7 +28,7 @@ fn white_coated_surfaces_reflect_all_light() {
     }
 }
 
-/// Averaged over the choice, the selected layers are base plus coat.
+/// The mean of the selected layers over `u` is base plus coat.
 #[test]
 fn selected_layers_add_up_to_both() {
     let n = 4096;
@@ -47,7 +50,7 @@ fn selected_layers_add_up_to_both() {
                 weight += mirrored(selected) / n as f32;
             }
             let expected = f(bsdf) + f(coat);
-            // One of 4096 choices may fall on the other side.
+            // At the boundary between the layers, one of the 4096 values of `u` may select either.
             assert!((mean - expected).abs().max_element() < 2e-3 * expected.max_element(), "{mean} {expected}");
             assert!((weight - mirrored(coat)).abs().max_element() < 2e-3, "{weight} {}", mirrored(coat));
         }
@@ -100,7 +103,8 @@ fn coated_base_matches_random_walk() {
     }
 }
 
-/// The linear form is proportional to the reflectance, and equals the other one for white.
+/// A coat with `nonlinear` = false is proportional to the reflectance, and equals a nonlinear one
+/// for white.
 #[test]
 fn linear_coats_are_proportional_to_reflectance() {
     let f = |reflectance: f32, nonlinear: bool| {

@@ -128,7 +128,7 @@ fn thin_sheets_match_the_slab_formula() {
             assert!((r[channel] - back).abs() < 2e-6 && (t[channel] - through).abs() < 2e-6, "{cos}: {r} {t}");
         }
     }
-    // A sheet less dense than its surroundings reflects all light beyond the critical angle.
+    // A sheet of lower index than its surroundings reflects all light beyond the critical angle.
     assert_eq!(ThinDielectric { eta: 1.0 / 1.5, ..clear }.reflectance_and_transmittance(0.1), (Rgb::ONE, Rgb::ZERO));
     assert_eq!(ThinDielectric { eta: 1.0, ..tinted }.reflectance_and_transmittance(0.4).0, Rgb::ZERO);
 }
@@ -153,7 +153,8 @@ fn thin_sheets_sample_both_directions() {
                 back += s.weight / n as f32;
             }
         }
-        // Each weight is below 2, so five standard errors are below 5·2/√n/2.
+        // Each weight is in \[0, 2], so its standard deviation is at most 1. The tolerance is five
+        // standard errors.
         let tolerance = 5.0 / (n as f32).sqrt();
         assert!((back - r).abs().max_element() < tolerance, "{cos}: {back} {r}");
         assert!((through - t).abs().max_element() < tolerance, "{cos}: {through} {t}");

@@ -39,7 +39,8 @@ pub(super) fn mean_sample_weights(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
     let (mut reflected, mut transmitted) = (0.0, 0.0);
     for i in 0..steps * steps {
         let u = (Vec2::new((i % steps) as f32, (i / steps) as f32) + 0.5) / steps as f32;
-        // A third coordinate of the lattice, by the golden ratio.
+        // The third coordinate of the lattice is a sequence of multiples of the golden ratio,
+        // modulo 1.
         let lobe = (f64::from(i) * 0.618_033_988_749_895).fract() as f32;
         if let Some(s) = bsdf.sample(wo, Vec3::Z, Vec3::Z, lobe, u, TransportMode::Importance) {
             *if s.is_transmitted { &mut transmitted } else { &mut reflected } += f64::from(s.weight.x);
@@ -156,7 +157,8 @@ fn a_rough_dielectric_has_the_documented_loss() {
         for (sign, stated) in [(1.0, outside), (-1.0, inside)] {
             for (cos, stated) in [1.0, grazing].into_iter().zip(stated) {
                 let (r, t) = mean_sample_weights(&glass, direction_with_cos(sign * cos));
-                // Counted fractions have an error of some 1/√65,536.
+                // `lobe` selects reflection or refraction, so the fractions have an error of about
+                // 1/√65,536.
                 assert!((1.0 - r - t - stated).abs() < 2e-3, "{alpha} at {}: {r} + {t}, {stated}", sign * cos);
             }
             for cos in [0.7, 0.2, 0.05] {
@@ -179,8 +181,8 @@ fn narrow_lobes_approach_delta_lobes() {
         let wo = direction_with_cos(cos);
         let smooth = Dielectric { eta: GLASS }.reflect_and_refract(wo, Vec3::Z, Vec3::Z, TransportMode::Importance);
         let (r, t) = mean_sample_weights(&glass, wo);
-        // The lattice of 65,536 has an error of at most its inverse root; Fresnel's curvature over
-        // α adds 10⁻⁵.
+        // A lattice of 65,536 points has an error of at most 1/√65,536. The curvature of Fresnel's
+        // equations within a lobe adds 10⁻⁵.
         let tolerance = 1.0 / 256.0;
         assert!((r - f64::from(smooth.reflected.1)).abs() < tolerance, "{cos}: {r} {smooth:?}");
         assert!((t - f64::from(smooth.transmitted.1)).abs() < tolerance, "{cos}: {t} {smooth:?}");
@@ -198,7 +200,8 @@ fn narrow_lobes_approach_delta_lobes() {
 fn projected_facet_area_is_one() {
     for alpha in [1e-4f32, 1e-3, 0.1, 1.0] {
         let ggx = microfacet::Ggx::new(alpha);
-        // With tan²θ = α² x/(1−x) the integrand is constant in x, so a lattice only sees rounding.
+        // With tan²θ = α² x/(1−x), the integrand does not depend on x. The sum then has rounding
+        // errors only.
         let steps = 1000;
         let total: f64 = (0..steps)
             .map(|i| {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
-/// Returns a number of uniform distribution in \[0, 1) for each pair of arguments.
+/// Returns a pseudorandom number in \[0, 1) for each pair of arguments.
 fn uniform(i: u64, which: u64) -> f64 {
     SmallRng::seed_from_u64(1000 * i + which).random()
 }
@@ -35,7 +35,7 @@ fn merged_sum<const N: usize>(values: &[[f64; N]], parts: u64, seed: u64) -> Bin
         let part = (parts as f64 * uniform(i as u64, seed)) as usize;
         dealt[part].add(std::iter::once(values[i]));
     }
-    // Merge pairs, so that sums of several sizes meet.
+    // Pairs are merged, so that sums of different numbers of values meet.
     while dealt.len() > 1 {
         let last = dealt.pop().unwrap();
         let at = (dealt.len() as f64 * uniform(dealt.len() as u64, seed)) as usize;
@@ -71,7 +71,8 @@ fn errors_stay_below_quanta() {
     }
 }
 
-/// Values of f32 between 2⁻¹⁶ and 2¹⁵ have at most 40 bits after the binary point.
+/// Sums of f32 values between 2⁻¹⁶ and 2¹⁵ are exact, since such values are multiples of the lower
+/// quantum.
 #[test]
 fn common_values_are_summed_exactly() {
     let values: Vec<_> = (0..1000).map(|i| [f64::from((0.5 * uniform(i, 3) + 1e-4) as f32)]).collect();
@@ -79,7 +80,7 @@ fn common_values_are_summed_exactly() {
     assert_eq!(sum_of(&values).value(0)[0], exact as f64 / libm::exp2(60.0));
 }
 
-/// A sum of the smallest f32 and of the largest number of largest squares is a finite number.
+/// The smallest f32 is summed exactly, and the largest number of largest squares has a finite sum.
 #[test]
 fn whole_range_of_floats_is_held() {
     let tiny = f64::from(f32::from_bits(1));
