@@ -1,8 +1,9 @@
 //! Spectra of reflectance, emission and refractive indices, and their linear RGB values.
 //!
-//! The responses are those of [`super::Wavelength`]: the CIE 1931 (2°) color matching functions in
-//! linear RGB of Rec. 709. Reflectances are seen under equal energy, which is white, because a path
-//! with a sampled wavelength treats them so. Emission keeps its luminance; its white is D65.
+//! The responses of the RGB channels are the CIE 1931 (2°) color matching functions in linear RGB
+//! of Rec. 709. [`super::Wavelength`] uses the same functions, with white added. The color of a
+//! reflectance is that under equal energy, and a constant reflectance is gray. Paths with sampled
+//! wavelengths give the same gray. The color of an emission keeps its luminance; its white is D65.
 
 use super::rgb::xyz_to_rgb;
 use super::wavelength::color_matching_rgb;
@@ -182,10 +183,11 @@ impl Spectrum {
         if luminance(rgb) > 0.0 { rgb / luminance(rgb) } else { DVec3::ONE }
     }
 
-    /// Returns the mean of the values in the band of each channel.
+    /// Returns the mean of the values for each channel, weighted by the positive part of its
+    /// response.
     ///
-    /// It suits numbers that are no colors, such as refractive indices and absorption coefficients:
-    /// each mean lies between the least and the greatest value.
+    /// It suits quantities that are no colors, such as refractive indices and absorption
+    /// coefficients: each mean lies between the least and the greatest value.
     #[must_use]
     pub fn channel_means(&self) -> DVec3 {
         let (mut sum, mut weights) = (DVec3::ZERO, DVec3::ZERO);
@@ -214,8 +216,8 @@ fn reflectance_rgb(reflectance: impl Fn(f64) -> f64) -> DVec3 {
 
 /// Returns η and k of a conductor for linear red, green and blue, from the spectra of both.
 ///
-/// η is the mean in the band of each channel. k makes the reflectance at normal incidence equal to
-/// the color of the spectral reflectance.
+/// η is the mean of [`Spectrum::channel_means`]. k is chosen so that the reflectance at normal
+/// incidence equals the color of the spectral reflectance.
 #[must_use]
 pub fn conductor_rgb(eta: &Spectrum, k: &Spectrum) -> (DVec3, DVec3) {
     let reflectance = reflectance_rgb(|nm| {
@@ -225,7 +227,7 @@ pub fn conductor_rgb(eta: &Spectrum, k: &Spectrum) -> (DVec3, DVec3) {
     let [least, greatest] = CONDUCTOR_REFLECTANCES.map(DVec3::splat);
     let r = reflectance.clamp(least, greatest);
     let root = r.map(f64::sqrt);
-    // A real index reflects less than r only between these bounds; beyond them, no k gives r.
+    // With η outside of these bounds, no k ≥ 0 gives the reflectance r.
     let (low, high) = ((1.0 - root) / (1.0 + root), (1.0 + root) / (1.0 - root));
     let eta = eta.channel_means().clamp(low.max(DVec3::splat(LEAST_ETA)), high);
     let squared = (r * (eta + 1.0) * (eta + 1.0) - (eta - 1.0) * (eta - 1.0)) / (1.0 - r);

@@ -65,7 +65,7 @@ impl Wavelength {
         RESPONSE_TABLE.weights[self.response_interval_index()]
     }
 
-    /// The wavelength as a number from 1 to 255, with an error of up to 2/3 nm.
+    /// The wavelength as a number from 1 to 255; decoding gives it back within 2/3 nm.
     #[must_use]
     pub fn byte_code(self) -> u8 {
         1 + self.response_interval_index() as u8
@@ -112,7 +112,7 @@ static RESPONSE_TABLE: LazyLock<SpectralResponseTable> = LazyLock::new(|| {
     table
 });
 
-/// Adds white to a linear RGB color if a channel is negative, until that channel is 0.
+/// Adds so much white to a linear RGB color with a negative channel that the least channel is 0.
 fn add_white_until_nonnegative(rgb: DVec3) -> DVec3 {
     rgb - rgb.min_element().min(0.0)
 }

@@ -13,8 +13,9 @@ pub struct Cloud {
     pub octaves: u32,
     /// Number of wavelengths of the first octave along each side of the cube.
     pub scale: f64,
-    /// Fraction of the range of noise values, 0 to 1, that becomes cloud. At 0 the cube is empty;
-    /// at 1 all of the ball is cloud.
+    /// Coverage from 0 to 1: the fraction of the range of noise values that becomes cloud.
+    ///
+    /// At 0 the cube is empty; at 1 all of the ball is cloud.
     pub cover: f64,
     /// Width of the soft edge, as a fraction of the radius from 0 to 1. At 0 the edge is hard.
     pub softness: f64,
@@ -36,8 +37,8 @@ impl Cloud {
         move |p| {
             let inwards = 1.0 - (2.0 * p - 1.0).length();
             let edge = if inwards > 0.0 { smoothstep(inwards / softness.max(f64::MIN_POSITIVE)) } else { 0.0 };
-            // The edge lowers the coverage, not the density: the cloud frays there instead of
-            // fading.
+            // Near the edge, the coverage decreases instead of the density, so the cloud frays
+            // instead of fading.
             let cover = cover.clamp(0.0, 1.0) * edge;
             if cover <= 0.0 {
                 return 0.0;
@@ -84,8 +85,9 @@ mod tests {
 
     /// Checks the effect of each setting; the mean density at full cover is π/12.
     ///
-    /// The ball fills π/6 of the cube, and the mean of the noise is ½. The tolerance is five
-    /// standard errors of 4π/3·2³ = 34 independent values of standard deviation ¼.
+    /// The ball fills π/6 of the cube, and the mean of the noise is ½. The noise has about 4π/3·2³
+    /// = 34 independent values in the ball, with standard deviation ¼. The tolerance is five
+    /// standard errors of their mean.
     #[test]
     fn cloud_cover_softness_and_seed_have_their_effect() {
         let full = mean_density(Cloud { cover: 1.0, softness: 0.0, ..CLOUD });

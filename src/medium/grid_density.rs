@@ -51,7 +51,7 @@ pub enum GridDensityError {
 #[derive(Clone, Debug)]
 pub struct GridDensity {
     grid: Arc<SharedGridData>,
-    /// Map from the unit cube to scene coordinates.
+    /// Map from the unit cube to the box of the grid, in scene coordinates.
     placement: Transform,
 }
 
@@ -174,14 +174,15 @@ impl GridDensity {
 pub(super) struct GridRay<'a> {
     grid: &'a SharedGridData,
     origin: DVec3,
-    /// Change of the position in grid space per unit of distance along the ray.
+    /// Change of the position in grid space per unit of scene distance along the ray.
     step: DVec3,
     distance: f64,
 }
 
 impl GridRay<'_> {
-    /// Returns the blocks with a positive majorant that the ray crosses, from near to far. Each
-    /// item holds the distances \[length] of entry and exit, and the majorant.
+    /// Returns the blocks with a positive majorant that the ray crosses, from near to far.
+    ///
+    /// Each item holds the distances \[length] of entry and exit, and the majorant.
     pub(super) fn blocks_along_ray(&self) -> impl Iterator<Item = (f64, f64, f64)> {
         let SharedGridData { blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK_SIDE);

@@ -81,7 +81,8 @@ impl Iterator for MajorantIterator {
             let forward = self.step[axis] > 0.0;
             let edge = if forward { self.count[axis] - 1 } else { 0 };
             if self.cell[axis] == edge {
-                // The last block extends to the far side of the box in spite of rounding.
+                // Rounding may place the last block face before the end of the ray. The last block
+                // ends where the ray leaves the grid.
                 self.t = self.end;
                 return Some((start, self.end, index));
             }

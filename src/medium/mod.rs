@@ -18,10 +18,10 @@ use glam::{DAffine3, DVec3, Vec3};
 use rand::Rng;
 use std::sync::Arc;
 
-/// A participating medium: coefficients at density 1, and an optional grid of densities. A
-/// coefficient at a point is its value at density 1 times the density there.
+/// A participating medium: coefficients at density 1, and an optional grid of densities.
 ///
-/// Coefficients are finite and at least 0; scene import checks this.
+/// The coefficient at a point is its value at density 1 times the density there. Coefficients are
+/// finite and at least 0; scene import checks this.
 #[derive(Clone, Debug)]
 pub struct Medium {
     /// Absorption coefficient σa at density 1 \[1/length].
@@ -36,8 +36,8 @@ pub struct Medium {
     density: Option<Arc<GridDensity>>,
 }
 
-/// Result of distance sampling: the place where a ray scatters in a medium, if it does, and a
-/// weight.
+/// Result of distance sampling: the distance at which a ray scatters in a medium, if it scatters,
+/// and a weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DistanceSample {
     /// Distance of the scattering point; `None` if the ray passes through.

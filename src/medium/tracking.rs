@@ -11,10 +11,11 @@ use crate::math::Ray;
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-/// Path weight below which Russian roulette may end tracking.
+/// Path weight below which Russian roulette may end the tracking of collisions.
 const ROULETTE_THRESHOLD: f64 = 0.1;
 
 /// Interval, in tentative collisions, at which Russian roulette ends tracking with probability ½.
+///
 /// It bounds the mean time of tracking at high majorants.
 const COLLISIONS_PER_ROULETTE: u32 = 1 << 14;
 
@@ -26,7 +27,7 @@ const MIN_CURVE_COLLISIONS: f64 = 16.0;
 
 /// A tentative collision, which may be real or null.
 struct TentativeCollision {
-    /// Distance along the ray.
+    /// Distance along the ray \[length].
     t: f64,
     /// Density of the medium divided by the mean number of tentative collisions per length
     /// \[length]. Its product with a coefficient, such as σs, is the probability of that event.
@@ -38,18 +39,18 @@ enum TrackingDecision {
     Stop,
 }
 
-/// Samples tentative collisions along `line` and calls `visit` for each. Returns false if `visit`
-/// stopped the tracking.
+/// Samples tentative collisions along `line` and calls `visit` for each.
 ///
-/// The mean number of tentative collisions per length is `rate` times the majorant of the block.
+/// Returns false if `visit` stopped the tracking. The mean number of tentative collisions per
+/// length is `rate` times the majorant of the block.
 fn track_collisions<R: Rng>(
     line: &GridRay,
     rate: f64,
     rng: &mut R,
     mut visit: impl FnMut(TentativeCollision, &mut R) -> TrackingDecision,
 ) -> bool {
-    // `depth` is the optical depth to the next collision. What a block does not use up carries over
-    // to the next block.
+    // `depth` is the optical depth to the next collision. The part that remains after a block is
+    // used in the next block.
     let mut depth = sample_exponential(rng);
     for (start, stop, majorant) in line.blocks_along_ray() {
         let mut t = start;
@@ -60,7 +61,7 @@ fn track_collisions<R: Rng>(
                 break;
             }
             t += step;
-            // Interpolation may round above the majorant.
+            // Interpolated densities may exceed the majorant by rounding.
             let density_over_rate = line.density(t).min(majorant) / (rate * majorant);
             if matches!(visit(TentativeCollision { t, density_over_rate }, rng), TrackingDecision::Stop) {
                 return false;
@@ -76,8 +77,9 @@ fn sample_exponential(rng: &mut impl Rng) -> f64 {
     -libm::log(1.0 - rng.random::<f64>())
 }
 
-/// Plays Russian roulette on a path of weight `left` after `steps` tentative collisions. Returns
-/// the factor by which the weight changes, or `None` if tracking ends.
+/// Plays Russian roulette on a path of weight `left` after `steps` tentative collisions.
+///
+/// Returns the factor by which the weight changes, or `None` if tracking ends.
 fn russian_roulette(left: f64, steps: u32, rng: &mut impl Rng) -> Option<f64> {
     let faint = if left < ROULETTE_THRESHOLD { left / ROULETTE_THRESHOLD } else { 1.0 };
     let stay = if steps.is_multiple_of(COLLISIONS_PER_ROULETTE) { 0.5 * faint } else { faint };
@@ -115,7 +117,7 @@ pub(super) fn transmittance_curve(
     if sigma == DVec3::ZERO || depth <= 0.0 {
         return;
     }
-    // More collisions give a smoother curve.
+    // A higher rate than needed gives more steps and so a smoother curve.
     let rate = sigma.max_element().max(MIN_CURVE_COLLISIONS / depth);
     let (mut left, mut steps) = (DVec3::ONE, 0u32);
     let through = track_collisions(&line, rate, rng, |collision, rng| {

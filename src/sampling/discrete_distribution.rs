@@ -65,7 +65,7 @@ impl DiscreteDistribution {
         (i, self.probability(i))
     }
 
-    /// Returns a new uniform number in \[0, 1) from the number `u` that sampled item `i`.
+    /// Returns a new uniform number in \[0, 1) from the number `u` with which item `i` was sampled.
     ///
     /// The new number is the position of `u` within the item's interval of cumulative probability.
     #[inline]
@@ -76,8 +76,11 @@ impl DiscreteDistribution {
         (x as f32).clamp(0.0, 1.0 - f32::EPSILON / 2.0)
     }
 
-    /// Returns the number in \[0, 1) that samples item `i`, and that
-    /// [`DiscreteDistribution::remapped_sample`] maps to `within`: the inverse of both functions.
+    /// Returns the number in \[0, 1) at the position `within` of item `i`'s interval of cumulative
+    /// probability.
+    ///
+    /// This inverts [`DiscreteDistribution::sample`] together with
+    /// [`DiscreteDistribution::remapped_sample`].
     #[inline]
     #[must_use]
     pub fn inverse_sample(&self, i: usize, within: f32) -> f32 {

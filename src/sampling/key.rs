@@ -174,8 +174,8 @@ impl Key {
         self.child_key(0)
     }
 
-    /// Key of camera paths that only pass `pass` traces, for integrators whose passes share all
-    /// other camera paths.
+    /// Key of camera paths that only pass `pass` traces. It serves integrators whose passes share
+    /// all other camera paths.
     #[must_use]
     pub fn fresh_paths_key(self, pass: u32) -> Self {
         self.child_key(u64::from(pass) + 1)
@@ -215,8 +215,9 @@ impl Key {
         self.child_key(u64::from(y) << 32 | u64::from(x))
     }
 
-    /// Key of the random numbers that sample distances in media along the path segment to this
-    /// vertex, in pass `pass`.
+    /// Key of the random numbers that sample distances in media, in pass `pass`.
+    ///
+    /// This key is that of a path vertex; the distances are along the path segment to this vertex.
     #[inline]
     #[must_use]
     pub fn medium_tracking_key(self, pass: u32) -> Self {

@@ -48,8 +48,10 @@ impl PiecewiseConstant2d {
         (cell, Vec2::new(columns.remapped_sample(u.x, column), within), self.pdf(cell))
     }
 
-    /// Returns the point in \[0, 1)² from which [`PiecewiseConstant2d::sample`] makes the position
-    /// `within` in \[0, 1)² of `cell` (column, row): the inverse of that function.
+    /// Returns the point in \[0, 1)² that [`PiecewiseConstant2d::sample`] maps to the position
+    /// `within` of `cell`.
+    ///
+    /// `cell` is (column, row), and `within` is in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn inverse_sample(&self, cell: UVec2, within: Vec2) -> Vec2 {
@@ -92,7 +94,8 @@ mod tests {
         }
         for ((count, sum), weight) in counts.iter().zip(sums).zip(weights) {
             let mean = n as f64 * weight / 16.0;
-            // Five sigma of a binomial count, and of means of uniform numbers.
+            // The tolerance is five standard deviations, for counts and for means of uniform
+            // numbers.
             assert!((f64::from(*count) - mean).abs() <= 5.0 * mean.sqrt(), "{count} {mean}");
             let sigma = (1.0 / (12.0 * *count as f32)).sqrt();
             assert!(*count == 0 || (sum / *count as f32 - 0.5).abs().max_element() < 5.0 * sigma, "{sum}");

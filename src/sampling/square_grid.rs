@@ -6,7 +6,7 @@ use glam::Vec2;
 ///
 /// It samples the row by inversion, then the column in the row. Stratified points stay stratified,
 /// since inversion is monotonic. Probabilities of rows, and of columns in a row, are multiples of
-/// 2⁻²⁴, the spacing of uniform numbers, so even the smallest ones are exact.
+/// 2⁻²⁴. Uniform numbers have the same spacing, so even the smallest probabilities are exact.
 #[derive(Clone, Debug)]
 pub struct SquareGridDistribution {
     side: usize,
@@ -19,10 +19,10 @@ pub struct SquareGridDistribution {
 /// Number of steps between 0 and 1: probabilities are multiples of 1/`STEPS` = 2⁻²⁴.
 const STEPS: f64 = 16_777_216.0;
 
-/// Minimum probability, in steps of 2⁻²⁴, of a row or of a column in its row, unless its weight is
-/// 0.
+/// Minimum probability of a row, or of a column in its row, in steps of 2⁻²⁴.
 ///
-/// With fewer steps, samples would hit only a few distinct positions of the cell.
+/// A weight of 0 keeps the probability 0. With fewer steps, samples would hit only a few distinct
+/// positions of the cell.
 const MIN_CELL_STEPS: f64 = 64.0;
 
 impl SquareGridDistribution {
@@ -54,7 +54,7 @@ impl SquareGridDistribution {
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
         let (row, y, height) = find_interval(&self.rows, u.y);
         let (column, x, width) = find_interval(self.cumulative_column_probabilities(row), u.x);
-        // Rounding must not carry a point into the next cell, which has another density.
+        // Rounding must not move a point into the next cell, which has another pdf.
         let within = |cell: usize, x: f32| (cell as f32 + x).min((cell as f32 + 1.0).next_down());
         (Vec2::new(within(column, x), within(row, y)) / self.side as f32, self.cell_pdf(width, height))
     }

@@ -24,7 +24,7 @@ impl Checkerboard {
         even.lerp(odd, (0.5 - 0.5 * product) as f32)
     }
 
-    /// Mean colour of the whole checkerboard: the mean of both colours.
+    /// Mean colour of an infinite checkerboard: the mean of both colours.
     pub(super) fn mean(&self) -> Rgb {
         (self.colors[0] + self.colors[1]) * 0.5
     }
@@ -79,7 +79,7 @@ mod tests {
             let odd: f64 = cells(u, w)
                 .flat_map(|(i, a)| cells(v, h).map(move |(j, b)| if (i + j) & 1 == 1 { a * b } else { 0.0 }))
                 .sum();
-            // Colours are f32.
+            // The colour is rounded to f32.
             assert!((checkerboard_mean(u, v, w, h) - odd / (w * h)).abs() < 1e-6, "{u} {v} {w} {h}");
         }
         for x in [0.0, 0.3, 17.9] {

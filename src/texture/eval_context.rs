@@ -72,7 +72,8 @@ impl UvTransform {
     /// 1989, section 3.5; Greene and Heckbert 1986).
     pub(super) fn filter_anisotropic(&self, context: &TextureEvalContext, lookup: impl Fn(DVec2, DVec2) -> Rgb) -> Rgb {
         let uv = self.matrix * context.uv + self.offset;
-        // Where coordinates are singular, as at a pole, the axes are unbounded.
+        // Axes are very long or not finite where texture coordinates are singular, for example at a
+        // pole.
         let [a, b] = context.axes.map(|axis| {
             let axis = self.matrix * axis;
             if axis.is_finite() { axis.clamp_length_max(MAX_PERIODS) } else { DVec2::ZERO }

@@ -55,8 +55,9 @@ impl Texture {
         color::channel_mean(self.evaluate_color(context))
     }
 
-    /// Mean colour of the whole texture: of all pixels of a picture, or of the two colours of a
-    /// pattern.
+    /// Mean colour of the whole texture.
+    ///
+    /// This is the mean of all pixels of a picture, or of the two colours of a pattern.
     #[must_use]
     pub fn mean(&self) -> Rgb {
         match self {

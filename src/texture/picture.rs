@@ -119,10 +119,9 @@ impl Picture {
 }
 
 impl WrapMode {
-    /// Returns a coordinate in \[0, 2] at which the picture has the same value as at `x`; 0 if `x`
-    /// is not finite.
+    /// Returns a coordinate in \[0, 2] at which the picture has the same value as at `x`.
     ///
-    /// There, f64 has enough digits to tell pixels apart.
+    /// Near 0, f64 has enough digits to tell pixels apart. The result is 0 if `x` is not finite.
     fn wrap_coordinate_near_zero(self, x: f64) -> f64 {
         let folded = match self {
             Self::Repeat => x - x.floor(),
@@ -185,8 +184,8 @@ impl MipLevel {
 ///
 /// The fine row has `n` pixels, and the coarser row has `m` pixels over the same length.
 fn covered_pixels(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {
-    // In units of 1/m of a fine pixel: coarse pixel j covers [j n, (j + 1) n], fine pixel i covers
-    // [i m, (i + 1) m].
+    // The unit is 1/m of a fine pixel. Coarse pixel j covers the interval \[j n, (j + 1) n], and
+    // fine pixel i covers \[i m, (i + 1) m].
     let (start, end) = (j * n, (j + 1) * n);
     (start / m..end.div_ceil(m)).map(|i| (i, (end.min((i + 1) * m) - start.max(i * m)) as f32 / n as f32)).collect()
 }

@@ -53,8 +53,9 @@ fn index_range_bounds_all_refractive_indices() {
             assert!((least - 1e-15..=most + 1e-15).contains(&n) && n > 1.0, "{glass:?} {n}");
             (low, high) = (low.min(n), high.max(n));
         }
-        // A term moves by less than 0.001 in a nanometre, and twice where terms move against each
-        // other.
+        // Bounds are computed per interval of one nanometre and per term. Each term changes by less
+        // than 0.001 in an interval. Terms with opposite changes make the bounds wider by up to
+        // twice that.
         assert!(low - least < 2e-3 && most - high < 2e-3, "{glass:?}");
     }
 }
@@ -62,7 +63,7 @@ fn index_range_bounds_all_refractive_indices() {
 #[test]
 fn resonances_and_invalid_refractive_indices_have_no_range() {
     let resonance = |c: f64| three_term_sellmeier([0.01, 1.2, 0.0], [c, 0.01, 0.0]);
-    // At 600.0005 nm: so narrow that whole nanometres miss it.
+    // The resonance at 600.0005 nm is so narrow that samples at whole nanometres miss it.
     assert_eq!(resonance(wavelength_squared(600.0005)).refractive_index_range(), None);
     assert!(resonance(wavelength_squared(900.0)).refractive_index_range().is_some());
     assert_eq!(three_term_sellmeier([-3.0, 0.0, 0.0], [0.01, 0.0, 0.0]).refractive_index_range(), None);
@@ -75,7 +76,7 @@ fn resonances_and_invalid_refractive_indices_have_no_range() {
 fn abbe_number_round_trips() {
     for (nd, vd) in [(1.5, 64.2), (1.9, 12.0), (1.333, 55.7), (0.7, 30.0)] {
         let glass = DispersionFormula::from_abbe_number(nd, vd);
-        // Rounding of the result to f32.
+        // The tolerance is the rounding of the result to f32.
         assert!(
             (f64::from(glass.refractive_index_at_d_line()) - nd).abs() < 1e-7 * nd
                 && (glass.abbe_number() / vd as f32 - 1.0).abs() < 1e-6

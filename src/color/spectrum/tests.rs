@@ -39,7 +39,8 @@ fn blackbodies_obey_stefan_and_boltzmann() {
         let step = peak / 500.0;
         let sum: f64 = (0..200_000).map(|i| step * planck(kelvin, (f64::from(i) + 0.5) * step)).sum();
         let expected = 5.670_374_419e-8 * libm::pow(kelvin, 4.0) / std::f64::consts::PI;
-        // The tail beyond 400 peaks is below 10⁻⁶ of the whole.
+        // The spectrum beyond 400 times the wavelength of its peak has less than 10⁻⁶ of the
+        // integral.
         assert!((sum / expected - 1.0).abs() < 2e-6, "{kelvin}: {sum} {expected}");
         let normalized = Spectrum::normalized_blackbody(kelvin);
         let ratio = Spectrum::blackbody(kelvin).value(600.0) / normalized.value(600.0);

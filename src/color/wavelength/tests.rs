@@ -38,7 +38,7 @@ fn wavelength_weights_and_pdf_are_normalized() {
         assert!(w.pdf() > 0.0 && w == wavelength_of_nanometres(w.nanometres()));
         integral += f64::from(w.pdf()) * f64::from(STEP);
     }
-    // Each of 255 pdfs is rounded to f32.
+    // Each of the 255 pdfs has a rounding error of f32.
     assert!((integral - 1.0).abs() < 6e-8 && (RESPONSE_TABLE.sums[CELLS] - 1.0).abs() < 1e-12, "{integral}");
 }
 
@@ -54,8 +54,8 @@ fn wavelength_hues_follow_the_spectrum() {
     assert!(yellow.weight().x.min(yellow.weight().y) > 2.0 * yellow.weight().z, "{}", yellow.weight());
     assert!(green.weight().y > 1.8, "{}", green.weight());
     assert!(blue.weight().z > 2.2, "{}", blue.weight());
-    // Outside 440 to 640 nm, spectral colours hardly change, and the fitted hue varies by a few
-    // degrees.
+    // Hues must decrease from 440 to 640 nm. Beyond these limits, spectral colors hardly change,
+    // and the fitted hue varies by a few degrees.
     let cells = wavelength_of_nanometres(440.0).response_interval_index()
         ..=wavelength_of_nanometres(640.0).response_interval_index();
     let hues: Vec<f32> = cells.map(|cell| hue_degrees(RESPONSE_TABLE.weights[cell])).collect();
@@ -111,7 +111,7 @@ fn wavelength_byte_codes_round_trip() {
     for i in 0..=3400 {
         let w = wavelength_of_nanometres(Wavelength::SHORTEST + i as f32 * 0.1);
         let back = Wavelength::from_byte_code(w.byte_code()).unwrap();
-        // Half a cell of 340/255 nm, and f32.
+        // The largest error is half an interval of 340/255 nm, plus rounding to f32.
         assert!((back.nanometres() - w.nanometres()).abs() < 0.667, "{w:?} {back:?}");
         assert_eq!((back.weight(), back.pdf()), (w.weight(), w.pdf()));
     }

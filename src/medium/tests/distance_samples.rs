@@ -1,7 +1,7 @@
 //! Distance samples, transmittance and emission against closed forms of the optical depth.
 //!
-//! For any density ρ with τ = ∫ρ along the ray: T = exp(−σt τ), the total scattering weight is σs(1
-//! − T)/σt, and the emitted radiance is ε(1 − T)/σt.
+//! τ = ∫ρ along the ray is the integral of the density ρ. Then the transmittance is T = exp(−σt τ).
+//! The total scattering weight is σs(1 − T)/σt, and the emitted radiance is ε(1 − T)/σt.
 
 use super::*;
 use glam::DAffine3;
@@ -32,7 +32,7 @@ fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, d
     let tau = depth(f64::from(distance));
     let left = (-sigma * tau).to_array().map(libm::exp);
     let left = DVec3::from_array(left);
-    // At σ = 0, the limits of the integral and of the first moment are τ and τ²/2.
+    // `gathered` is ∫ exp(−στ) dτ and `moment` is ∫ τ exp(−στ) dτ. At σ = 0, they are τ and τ²/2.
     let limit = |whole: DVec3, at_zero: f64| DVec3::select(sigma.cmpgt(DVec3::ZERO), whole, DVec3::splat(at_zero));
     let gathered = limit((1.0 - left) / sigma, tau);
     let moment = limit((1.0 - left * (1.0 + sigma * tau)) / (sigma * sigma), 0.5 * tau * tau);
@@ -53,7 +53,8 @@ fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, d
         for _ in 0..n {
             let distance_sample = medium.distance_sample(ray, distance, throughput, &mut random);
             let w = distance_sample.weight.as_dvec3();
-            // Roulette may raise a small throughput, but never above the initial one.
+            // Roulette may raise a throughput that was small, but never above the throughput at the
+            // start.
             assert!(
                 (throughput * distance_sample.weight).element_sum() <= whole * (1.0 + 1e-6),
                 "{name}: {distance_sample:?}"
@@ -66,7 +67,8 @@ fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, d
             means[2].add_sample(w * (1.0 - through) * depth(t));
         }
         let scattering = medium.scattering.as_dvec3();
-        // The mean of throughput times weight does not grow.
+        // The channel mean of throughput · weight is at most that of the throughput. This bounds
+        // each weight.
         let most = f64::from(whole) / throughput.as_dvec3();
         means[0].assert_near_with_value_bound(left, most, &format!("{name}: through of {throughput}"));
         means[1].assert_near_with_value_bound(
@@ -109,7 +111,7 @@ fn distance_weights_match_their_pdf() {
         let t = distance_sample.scattered.expect("every channel has extinction");
         let left = medium.transmittance(&ray, t, &mut random);
         let expected = medium.scattering * left / medium.distance_pdf(t, throughput).unwrap();
-        // A rounding error of 1 ulp in t becomes σt·t ulps in the transmittance: at most 2.1 · 30.
+        // A rounding error of 1 ulp in t changes the transmittance by σt·t ulps, at most 2.1 · 30.
         assert!(
             (distance_sample.weight - expected).abs().max_element() <= 1e-5 * expected.max_element(),
             "{distance_sample:?} {expected}"

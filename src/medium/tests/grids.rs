@@ -20,7 +20,7 @@ fn invalid_grids_are_errors() {
     assert_eq!(refused([1; 3], vec![1.0], flat), GridDensityError::Placement(SingularTransformError));
     for bad in [-1.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
         let mut values = vec![1.0; 24];
-        // (1, 2, 3) of 2 × 3 × 4.
+        // The value is that of cell (1, 2, 3) in a grid of 2 × 3 × 4 cells.
         values[1 + 2 * (2 + 3 * 3)] = bad;
         let error = refused([2, 3, 4], values, HERE);
         assert!(matches!(error, GridDensityError::Cell { x: 1, y: 2, z: 3, .. }), "{error}");
@@ -33,7 +33,7 @@ fn grid_values_are_at_cell_centers() {
     let field = GridDensity::from_fn(size, HERE, |p| (p.x * 3.0 + p.y * 400.0 + p.z * 50_000.0) as f32).unwrap();
     let middle = |x: f32, y: f32, z: f32| Vec3::new((x + 0.5) / 3.0, (y + 0.5) / 4.0, (z + 0.5) / 5.0);
     let value = |x: f32, y: f32, z: f32| x + 0.5 + 100.0 * (y + 0.5) + 10_000.0 * (z + 0.5);
-    // Rounding a point to f32 changes the value of the steepest ramp by up to 0.003.
+    // Points are rounded to f32, which changes the steepest density by up to 0.003.
     for (x, y, z) in [(0.0, 0.0, 0.0), (2.0, 3.0, 4.0), (1.0, 2.0, 0.0), (0.5, 1.25, 3.75)] {
         let found = field.density(middle(x, y, z));
         assert!((found - value(x, y, z)).abs() < 0.02, "{x} {y} {z}: {found}");
@@ -65,7 +65,7 @@ fn majorants_bound_the_density_along_rays() {
     let mut crossed = 0;
     for i in 0..20_000 {
         let mut unit = || DVec3::new(random.random(), random.random(), random.random());
-        // Every third ray runs along an axis of the grid, every other starts in the box.
+        // Every third ray runs along an axis of the grid. Every second ray starts in the box.
         let (mut a, b) = (unit() * 3.0 - 1.0, unit());
         if i % 3 == 0 {
             let axis = i % 9 / 3;

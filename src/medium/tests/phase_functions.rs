@@ -106,7 +106,8 @@ fn phase_samples_follow_their_pdf() {
                 .enumerate()
                 .map(|(i, c)| (f64::from(n) * expected[i / SECTORS] / SECTORS as f64, f64::from(*c)));
             let p = chi_square_p_value(cells);
-            // Šidák: one false alarm in 400 runs of the 30 cases.
+            // 30 cases at this limit, about 0.0025/30, give one false alarm in 400 runs (Šidák's
+            // correction).
             assert!(p > 8e-5, "{phase:?} along {travel}: p = {p:e}");
         }
     }

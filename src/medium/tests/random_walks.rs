@@ -46,7 +46,7 @@ fn homogeneous_random_walks_match_diffusion() {
     }
 }
 
-/// Simulates walks in a grid so large that a walk leaves it only with probability e⁻⁵⁰⁰.
+/// Simulates walks in a grid so large that a walk leaves it with a probability of only e⁻⁵⁰⁰.
 #[test]
 fn grid_random_walks_match_diffusion() {
     let place = DAffine3::from_scale(DVec3::splat(400.0)) * DAffine3::from_translation(DVec3::splat(-0.5));

@@ -92,8 +92,8 @@ fn grid_distribution_keeps_points_stratified() {
         let (at, _) = histogram.sample(sobol_2d(i, key, Dimension::LightDirection));
         rows[(at.y * 4.0) as usize] += 1.0 / 256.0;
     }
-    // Rows have the probabilities 4/24, 12/24, 4/24, 4/24; stratification is off by less than
-    // one point per bound.
+    // Rows have the probabilities 4/24, 12/24, 4/24 and 4/24. Stratification places at most one
+    // point wrongly at each end of a row.
     for (row, expected) in rows.iter().zip([4.0, 12.0, 4.0, 4.0]) {
         assert!((row - expected / 24.0f64).abs() < 2.0 / 256.0, "{rows:?}");
     }

@@ -10,7 +10,7 @@ fn solid_texture_of_pattern(kind: SolidPattern, amplitude: f64, to_pattern: DAff
 fn marble_and_wood_have_their_frequency_and_phase() {
     let marble = solid_texture_of_pattern(SolidPattern::Marble, 0.0, DAffine3::IDENTITY);
     let wood = solid_texture_of_pattern(SolidPattern::Wood, 0.0, DAffine3::IDENTITY);
-    // Two waves a length: the maximum is at an eighth.
+    // At two waves per length, the first maximum is at distance ⅛.
     for (solid, p) in [(marble, DVec3::new(0.125, 9.0, 3.0)), (wood, DVec3::new(0.075, 9.0, 0.1))] {
         assert!((solid.color_at(p, 0.0).x - 1.0).abs() < 1e-6);
     }
