@@ -17,24 +17,27 @@ use std::sync::Arc;
 /// Time for which a scene is built: the middle of the shutter interval, which runs from 0 to 1.
 pub(super) const MID_SHUTTER: f64 = 0.5;
 
-/// The moving shapes, planes, lights, camera, texture mappings and media of a scene. Each part is
-/// stored as it is before its motion, except media. Each motion maps to coordinates relative to
-/// [`Scene::origin`].
+/// The moving shapes, planes, lights, camera, texture mappings and media of a scene, each with its
+/// motion.
+///
+/// Each part is stored before its motion is applied, except media. The motion gives the transform
+/// from there to coordinates relative to [`Scene::origin`], for each time.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Animation {
     /// Moving shapes, which the scene lists after the shapes at rest.
     pub shapes: Vec<(Shape, Motion)>,
     /// Moving planes, which the scene lists after the planes at rest.
     pub planes: Vec<(Plane, Motion)>,
-    /// Moving delta lights: index in [`Scene::lights`], light before its motion, strength and
-    /// motion.
+    /// Moving delta lights: index in [`Scene::lights`], light before its motion is applied,
+    /// strength and motion.
     pub lights: Vec<(usize, DeltaLightKind, LightStrength, Motion)>,
-    /// The camera before its motion, and the motion about the camera's position.
+    /// The camera before its motion is applied, and this motion, which acts about the camera's
+    /// position.
     pub camera: Option<(Camera, Motion)>,
     /// Moving texture mappings: index in the mappings of [`Scene`], kind and motion.
     pub mappings: Vec<(usize, TextureMappingKind, Motion)>,
-    /// Media whose density grid moves: index in [`Scene::media`], medium when the shutter opens,
-    /// and motion of its body.
+    /// Media with a moving density grid: index in [`Scene::media`], the medium at time 0 (shutter
+    /// opens), and the motion of the body that it fills.
     pub media: Vec<(usize, Medium, Motion)>,
 }
 
@@ -69,24 +72,27 @@ pub(super) fn camera_at_time(camera: &Camera, motion: &Motion, time: f64) -> Opt
     Some(camera.transformed(&motion_transform_at_time(motion, time)?))
 }
 
-/// The texture mapping of `kind`, with the transform of `motion` at `time`; `None` if the transform
-/// is singular.
+/// The texture mapping of `kind` at `time`, for an object that moves by `motion`; `None` if the
+/// transform is singular.
 pub(super) fn texture_mapping_at_time(kind: TextureMappingKind, motion: &Motion, time: f64) -> Option<TextureMapping> {
     Some(TextureMapping::new(kind, motion_transform_at_time(motion, time)?))
 }
 
-/// Copy of `medium` whose density grid moves with a body by `motion`, at `time`. The argument
-/// `medium` has its grid where it is when the shutter opens. `None` if a transform is singular.
+/// Copy of `medium` with its density grid moved to its place at `time`; `None` if a transform is
+/// singular.
+///
+/// `medium` has its grid at the place of time 0, when the shutter opens. `motion` moves the body
+/// that the medium fills.
 pub(super) fn medium_at_time(medium: &Medium, motion: &Motion, time: f64) -> Option<Medium> {
     let opening = motion_transform_at_time(motion, 0.0)?;
     medium.transformed(motion.at_time(time) * *opening.inverse())
 }
 
-/// Strength of a moving delta light in physical units: [`LightStrength::Course`] is converted at
-/// mid-shutter.
+/// Strength of a moving delta light in physical units.
 ///
-/// The conversion depends on the distance of the light from the origin. The light keeps the
-/// converted strength while it moves. Other strengths are returned unchanged.
+/// [`LightStrength::Course`] depends on the distance of the light from the origin, so it is
+/// converted for the light's position at mid-shutter. The light keeps this strength while it moves.
+/// Other strengths are returned unchanged.
 pub(super) fn physical_light_strength_at_mid_shutter(
     kind: &DeltaLightKind,
     strength: LightStrength,

@@ -93,7 +93,7 @@ fn one_minus_cos(x: f64) -> f64 {
 /// The strength [`LightStrength::Course`] with colour c becomes irradiance π·c, on a surface at
 /// `origin` that faces the light. A white diffuse surface there reflects radiance c.
 pub(super) fn resolve_light(kind: &DeltaLightKind, strength: LightStrength, origin: DVec3) -> (Light, LegacyLight) {
-    // A light at the origin counts as one unit away.
+    // A light at the origin is treated as one unit away.
     let distance2 = |p: &DVec3| {
         let d2 = (*p - origin).length_squared() as f32;
         if d2 > 0.0 { d2 } else { 1.0 }

@@ -26,7 +26,8 @@ pub enum Effect {
     Gathering,
     /// Shadows: shadow rays test whether surfaces block the light.
     Shadows,
-    /// Size of area lights: soft shadows, and light that paths receive when they hit an emitter.
+    /// Area lights of their true size: they cast soft shadows, and paths that hit an emitter
+    /// receive its light.
     SoftShadows,
     /// Environment light.
     Environment,

@@ -30,7 +30,7 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// Hit of a triangle or of a shape at rest.
+    /// Converts an intersection with a triangle or with a shape at rest.
     #[inline]
     pub(super) fn of_resting(hit: PrimitiveHit) -> Self {
         let uv = Vec2::new(hit.u, hit.v);
@@ -41,14 +41,15 @@ impl Hit {
         Self { t: hit.t, primitive }
     }
 
-    /// Hit of a moving shape. `first_moving` is the index of the first of them among all shapes.
+    /// Converts an intersection with a moving shape. `first_moving` is the index of the first
+    /// moving shape in the list of all shapes.
     #[inline]
     pub(super) fn of_moving(hit: PrimitiveHit, first_moving: u32) -> Self {
         let (PrimitiveIndex::Triangle(i) | PrimitiveIndex::Other(i)) = hit.primitive;
         Self { t: hit.t, primitive: HitPrimitive::Shape(first_moving + i, Vec2::new(hit.u, hit.v)) }
     }
 
-    /// The part of `ray` that is nearer than `hit`; all of it if `hit` is `None`.
+    /// Returns `ray` shortened to end at `hit`; unchanged if `hit` is `None`.
     #[inline]
     pub(super) fn limit_ray(hit: Option<Self>, ray: &Ray) -> Ray {
         Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray }

@@ -57,7 +57,8 @@ pub enum MaterialKind {
     Thin {
         /// Refractive index of the sheet relative to its surroundings.
         eta: f32,
-        /// Colour that one perpendicular crossing transmits, in (0, 1].
+        /// Internal transmittance of the sheet along its normal, per channel, in (0, 1]; Fresnel
+        /// reflection is not included.
         transmittance: MaterialParameter<Rgb>,
     },
     /// The dielectric boundary of a body.
@@ -78,7 +79,7 @@ pub enum MaterialKind {
         index: f32,
         /// Roughness α of the coat in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
-        /// True if interreflection between coat and base makes colours deeper.
+        /// True to include interreflection between coat and base, which makes colours deeper.
         nonlinear: bool,
     },
     /// A stochastic mix: each hit resolves to one of two materials.
@@ -188,9 +189,9 @@ impl Material {
         Self { kind, normals: NormalPerturbation::None, mean_bsdf, textured, may_store_photons }
     }
 
-    /// This material, with what it takes over from its components if it is a mix.
+    /// This material; if it is a mix, with the properties that depend on its components.
     ///
-    /// `materials` are those to which the indices of components refer.
+    /// `materials` is the list that the component indices of the mix refer to.
     pub(super) fn with_mix_components(self, materials: &[Self]) -> Self {
         let Some(parts) = self.mix_component_indices() else { return self };
         // A missing component is an error that the builder reports later.
@@ -261,8 +262,8 @@ impl Material {
         Self::new(MaterialKind::Conductor { eta, k, roughness: roughness.into() })
     }
 
-    /// A thin sheet of refractive index `eta`. `transmittance` in (0, 1] is the colour that one
-    /// perpendicular crossing transmits.
+    /// A thin sheet of refractive index `eta`. `transmittance` in (0, 1] is its internal
+    /// transmittance along the normal, without Fresnel reflection.
     #[must_use]
     pub fn thin_dielectric(eta: f32, transmittance: impl Into<MaterialParameter<Rgb>>) -> Self {
         Self::new(MaterialKind::Thin { eta, transmittance: transmittance.into() })
@@ -379,10 +380,10 @@ impl Material {
 
     /// Calls `visit` with at least one BSDF of each kind that the material can have at a hit.
     ///
-    /// BSDFs differ in kind if only one of them is specular, stores photons, or transmits. The
-    /// method visits the BSDF with mean parameters. For a conductor or coat with a roughness
-    /// texture, it also visits those with the least and the greatest roughness. A smooth coat is
-    /// visited apart from its base.
+    /// Two BSDFs are of different kinds if they differ in being specular, in storing photons, or in
+    /// transmitting. The method visits the BSDF with mean parameters. For a conductor or coat with
+    /// a roughness texture, it also visits the BSDFs with the least and the greatest roughness. A
+    /// smooth coat is also visited alone, without its base.
     pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         let mut visit = |bsdf: Bsdf| {
             visit(bsdf);

@@ -7,7 +7,8 @@ use crate::camera::Camera;
 use crate::math::Motion;
 use glam::{DVec3, Vec2};
 
-/// Number of steps of the shutter interval between which paths of points count as straight.
+/// Number of equal steps of the shutter interval. Points count as moving along a straight line in
+/// each step.
 const STEPS: u32 = 16;
 
 /// Largest number of moving shapes that are measured. If there are more, every n-th shape is
@@ -17,9 +18,9 @@ const MAX_SHAPES: usize = 4096;
 /// Number of film points along each side of the film at which camera motion is measured.
 const FILM_POINTS: u32 = 5;
 
-/// Measures the length of the path of a point in pixels, by the cameras and the film of a scene.
+/// Measures how far a point moves while the shutter is open, in pixels.
 struct FilmMeasure {
-    /// The camera when the shutter opens and at the end of each step.
+    /// The camera at times 0, 1/[`STEPS`], …, 1 of the shutter interval.
     cameras: Vec<Camera>,
     /// Width and height of the film \[pixels].
     size: Vec2,
@@ -45,9 +46,10 @@ impl FilmMeasure {
         }
     }
 
-    /// Returns the length of the path of a point on the film \[pixels]. `position` returns the
-    /// point, in scene coordinates, after a number of steps. Beyond the edge of the film, the
-    /// nearest point of the edge counts.
+    /// Returns how far the image of a point moves on the film \[pixels].
+    ///
+    /// `position(i)` is the point, in scene coordinates, after `i` steps of the shutter interval.
+    /// Film points outside the picture are clamped to its edge.
     fn length_on_film(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
         let film = |(step, camera): (u32, &Camera)| {
             let at = camera.connect_to_point(position(step).as_vec3(), None)?.film;
@@ -61,11 +63,11 @@ impl FilmMeasure {
         places.windows(2).map(step).sum()
     }
 
-    /// Returns the length of the path of a point through the scene, in pixels at the center of the
-    /// photon domain. `position` is as in [`Self::length_on_film`].
+    /// Returns how far a point moves through the scene, divided by the width of a pixel at the
+    /// center of the photon domain. `position` is as in [`Self::length_on_film`].
     ///
-    /// An object outside the picture may cast shadows and caustics into it. They move about as far
-    /// as the object.
+    /// This measure serves objects outside the picture. Their shadows and caustics may fall into
+    /// the picture, and move about as far as the objects.
     fn length_in_scene(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
         (0..STEPS).map(|step| position(step).distance(position(step + 1))).sum::<f64>() / self.pixel
     }
@@ -84,8 +86,8 @@ fn box_corners((min, max): (DVec3, DVec3)) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Returns a function from the number of steps to the position of a moving point. At mid-shutter,
-/// `motion` moves this point to `point`.
+/// Returns a function that gives the position of a moving point after a number of steps. `point` is
+/// its position at mid-shutter.
 fn moved_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec3 + use<'_> {
     let before = motion.at_time(MID_SHUTTER).inverse().transform_point3(point);
     move |step| motion.at_time(step_time(step)).transform_point3(before)
@@ -98,7 +100,8 @@ fn moved_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec
 /// - A light is measured by points around it, through the scene.
 /// - A plane or the camera is measured by points that the camera sees, on the film.
 ///
-/// Distances through the scene are in pixels at the center of the photon domain.
+/// A distance through the scene is divided by the width of a pixel at the center of the photon
+/// domain.
 #[must_use]
 pub fn motion_on_film(scene: &Scene) -> f32 {
     let Some(animation) = &scene.animation else { return 0.0 };

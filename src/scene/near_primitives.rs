@@ -11,10 +11,11 @@ use crate::math::{Bounds, Ray};
 /// bit for bit.
 pub struct NearPrimitives<'a> {
     geometry: &'a Geometry,
-    /// Leaves that hold triangles and shapes at rest; `None` if they are many.
+    /// Leaves of the box that hold triangles and shapes at rest. `None` if there are too many for a
+    /// list; rays then search the whole hierarchies.
     resting: Option<LeafList>,
-    /// Leaves that hold moving shapes; `None` if they are many, or if the scene has no moving
-    /// shapes.
+    /// Leaves of the box that hold moving shapes. `None` if there are too many for a list, or if
+    /// the scene has no moving shapes.
     moving: Option<LeafList>,
 }
 
@@ -29,7 +30,7 @@ impl<'a> NearPrimitives<'a> {
 
     /// The nearest intersection of `ray`, for 0 < t < `ray.t_max`; `None` if the ray hits nothing.
     ///
-    /// The ray must stay in the box.
+    /// The ray must stay in the box `bounds` of [`NearPrimitives::new`].
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {

@@ -35,8 +35,8 @@ pub struct MediumSegment<'a, I> {
     /// Transmittance due to absorption in dielectric bodies, from the last path vertex to the start
     /// of this part.
     pub transmittance_before: Rgb,
-    /// True if the path segment crosses a hidden boundary before this part. A shadow ray would be
-    /// blocked there: see [`BoundaryEvent::Hidden`](super::BoundaryEvent::Hidden).
+    /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden) before
+    /// this part. The boundary would block a shadow ray.
     pub crossed: bool,
 }
 
@@ -51,12 +51,14 @@ pub enum PathEvent<'a> {
         /// Transmittance of the path segment due to absorption in dielectric bodies; media are not
         /// included.
         transmittance: Rgb,
-        /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden).
+        /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden),
+        /// which would block a shadow ray.
         crossed: bool,
     },
     /// The ray leaves the scene without a hit.
     Escaped {
-        /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden).
+        /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden),
+        /// which would block a shadow ray.
         crossed: bool,
     },
 }
@@ -71,7 +73,8 @@ pub struct SurfaceVertex<'a> {
     pub transmittance: Rgb,
     /// Length of the path segment \[length].
     pub distance: f32,
-    /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden).
+    /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden), which
+    /// would block a shadow ray.
     pub crossed: bool,
 }
 
@@ -106,7 +109,7 @@ impl<I: Interior> PathRay<I> {
                 surface = Some((found, hit.t));
             }
 
-            // Scatter in the medium before it.
+            // Scatter in the medium before this surface.
             if I::HAS_MEDIA_OR_WAVELENGTH
                 && let Some((index, ray, from)) =
                     medium_segment(scene, &self.ray, hit.map_or(f32::INFINITY, |hit| hit.t), &self.interior)
@@ -122,7 +125,7 @@ impl<I: Interior> PathRay<I> {
                 }
             }
 
-            // Escape, or absorb along the segment.
+            // Escape if there is no surface, else absorb along the segment.
             let Some((surface, t)) = &mut surface else { return PathEvent::Escaped { crossed } };
             distance += *t;
             let more = self.interior.optical_depth(scene, *t);

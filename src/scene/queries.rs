@@ -113,11 +113,11 @@ impl Scene {
         self.ambient_medium.is_some() || self.bodies().next().is_some()
     }
 
-    /// Calls `visit` with every leaf material to which `material` can resolve.
+    /// Calls `visit` with every leaf material (not a mix) to which `material` can resolve.
     ///
     /// A conductor or coat with a roughness texture is visited with its mean, least and greatest
-    /// roughness, because their BSDFs may differ in kind. A smooth coat is visited apart from its
-    /// base.
+    /// roughness, because their BSDFs may differ in kind. A smooth coat is also visited alone,
+    /// without its base.
     pub fn for_each_leaf_material(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
         match material.mix_component_indices() {

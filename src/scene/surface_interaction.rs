@@ -22,7 +22,8 @@ pub struct SurfaceInteraction<'a> {
     pub(super) material_index: u32,
     /// The BSDF of the material at this point; for a coated surface, the selected layer.
     pub bsdf: Bsdf,
-    /// True if another choice at this point might have given a BSDF that stores photons.
+    /// True if another mix component or coated layer, chosen at random here, could have given a
+    /// BSDF that stores photons.
     pub(super) other_stores_photons: bool,
     /// Roughness α of a dielectric body's boundary; 0 for other materials.
     pub(super) roughness: f32,
@@ -46,12 +47,12 @@ impl SurfaceInteraction<'_> {
         if self.wo.dot(self.point.ng) < 0.0 { -self.point.ng } else { self.point.ng }
     }
 
-    /// True if photons are stored here: if the BSDF stores photons, or another choice of the BSDF
-    /// might have done so.
+    /// True if photons are stored here: if the BSDF stores photons, or another random choice of the
+    /// BSDF could have done so.
     ///
-    /// Photon paths and camera paths choose independently. If only the photons counted that chose
-    /// a BSDF of probability p, an estimate at the camera paths that choose it too would be dark by
-    /// the factor p.
+    /// Photon paths and camera paths choose their BSDFs independently. Suppose that a BSDF is
+    /// chosen with probability p, and that only photons which chose it were counted. Camera paths
+    /// that choose it too would then receive p times the true estimate.
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {

@@ -6,9 +6,9 @@ use crate::scene::Material;
 /// Removes objects that bound a [`Body`](crate::scene::Body) of refractive index 1 without
 /// absorption or medium.
 ///
-/// Such a body has an effect only where it displaces another body or the ambient medium. All
-/// objects are therefore kept in a scene with an ambient medium. An object is also kept if it
-/// moves, if it emits light, or if its box overlaps the box of a body other than air.
+/// Such a body changes light only where it overlaps another body or the ambient medium. All objects
+/// are therefore kept in a scene with an ambient medium. An object is also kept if it moves, if it
+/// emits light, or if its box overlaps the box of a body other than air.
 pub(super) fn cull_index_matched(
     mut objects: Vec<SceneObject>,
     mut mesh: MeshData,
@@ -25,7 +25,7 @@ pub(super) fn cull_index_matched(
         let extent = object.extent(&mesh);
         let overlaps = |other: &Option<Extent>| match (extent, other) {
             (Some((min, max)), Some((lo, hi))) => min.cmple(*hi).all() && lo.cmple(max).all(),
-            // Planes and moving objects may be anywhere.
+            // Planes and moving objects have no box here, so they count as overlapping.
             _ => true,
         };
         object.motion.is_none() && is_air(object.material) && !object.emits() && !substances.iter().any(overlaps)
@@ -45,8 +45,8 @@ pub(super) fn cull_index_matched(
     (objects, mesh)
 }
 
-/// True if `material` bounds a [`Body`](crate::scene::Body) other than air, or if it is a mix and a
-/// component bounds any body.
+/// True if `material` bounds a dielectric body other than air. For a mix: true if a component
+/// bounds any dielectric body.
 fn may_bound_visible_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
     match material.mix_component_indices() {

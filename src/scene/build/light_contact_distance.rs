@@ -6,8 +6,8 @@ use crate::math::{BoundingSphere, Ray, rounding_error_bound};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Contact distance of a light, as a multiple of the sum of the position errors of light and
-/// surface.
+/// Contact distance of a light, as a multiple of its own position error plus that of the surface.
+/// An upper bound may reduce it.
 const CONTACT_POSITION_ERRORS: f32 = 40.0;
 
 /// Bound on the number of f64 rounding errors in the difference of two positions, with a safety
@@ -25,8 +25,9 @@ pub(super) fn light_contact_distance(scene: &Scene, domain: BoundingSphere, ligh
     let Some(position) = light.position() else { return 0.0 };
     let own = position.length() * rounding_error_bound(1)
         + (scene.origin.length() * POSITION_ROUNDINGS * 0.5 * f64::EPSILON) as f32;
-    // `reach` bounds every position error: a triangle across the domain has √3·18 roundings. If a
-    // surface is at distance d, a ray along some axis hits it within √3·d.
+    // The position error of a triangle as large as the domain is √3·18 roundings. A ray along one
+    // of the axes meets a surface at distance d within √3·d. So `reach` must exceed √3·√3·18 = 54
+    // roundings.
     let reach =
         rounding_error_bound(64) * (domain.radius + domain.center.abs().max_element() + position.length()) + own;
     let mut error = own;

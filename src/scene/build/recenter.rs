@@ -7,9 +7,9 @@ use crate::scene::animation::{MID_SHUTTER, shape_at_time};
 use crate::shape::Shape;
 use glam::{DVec3, Vec2};
 
-/// Largest accepted ratio of an object's distance from the origin to the object's size.
+/// Largest accepted ratio of an object's distance from the origin to the object's size: 2¹².
 ///
-/// Single precision then rounds coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of the size.
+/// Single precision then rounds the object's coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of its size.
 const MAX_DISTANCE_IN_SIZES: f64 = 4096.0;
 
 /// Number of bisection steps of [`minimax_coordinate`], enough for the digits of double precision.
@@ -100,7 +100,8 @@ fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<Cam
 
 /// Coordinate along `axis` that minimizes the greatest ratio of a target's distance to its size.
 ///
-/// Distances are measured along `axis`. `most` is an upper bound of the result's ratio.
+/// Distances are measured along `axis`. `most` is an upper bound of the minimum, where the
+/// bisection starts.
 fn minimax_coordinate(targets: &[FineDetailRegion], axis: usize, most: f64) -> f64 {
     let within = |t: f64| {
         let ends =
@@ -142,7 +143,8 @@ mod tests {
             bounding_box_of_ball(DVec3::new(-2.0, 0.5, 0.0), 0.25),
         ];
         let found = origin_for_extents(&boxes, None).unwrap();
-        // The origin divides the distance 4 between the balls in the ratio of their sizes, 1 : 0.5.
+        // The origin lies between the balls at x = 2 and x = −2. Its distances from them are in the
+        // ratio of their radii, 0.5 : 0.25.
         assert!((found.x - (2.0 - 4.0 / 1.5)).abs() < 1e-9 && (found.y - 0.5).abs() < 1.0, "{found}");
         assert!((origin_for_extents(&[floor], Some((DVec3::Y, 1.0))).unwrap().y).abs() < 2.0);
         assert_eq!(origin_for_extents(&[floor], None), Some(DVec3::Y * -1e5));

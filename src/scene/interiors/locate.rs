@@ -20,8 +20,8 @@ pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorSta
             let own = CoincidentFace::from_surface(&surface, surface.is_entering());
             let coincident = coincident_faces_at(scene, &surface);
             let count = |material| entered.iter().filter(|m| **m == material).count();
-            // Follows `InteriorStack::stack_after_crossing`, except that a body left without having
-            // been entered contains the start.
+            // As in `InteriorStack::stack_after_crossing`, entries and exits are paired. An exit
+            // without an entry differs: it means that the body contains the start of the ray.
             let spare = usize::from(!own.entering && count(own.material) > 0);
             let pending_entry =
                 |face: &CoincidentFace| count(face.material) <= if face.material == own.material { spare } else { 0 };

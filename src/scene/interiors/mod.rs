@@ -41,8 +41,8 @@ pub enum InteriorKind {
 pub enum BoundaryEvent {
     /// The path scatters at the surface.
     Surface,
-    /// The path passes unchanged, but a shadow ray is blocked. A dielectric body of higher priority
-    /// fills both sides of the boundary.
+    /// The path passes unchanged, because one dielectric body of higher priority fills both sides.
+    /// A shadow ray counts as blocked.
     Hidden,
     /// Paths and shadow rays pass unchanged: a null interface.
     NullInterface,
@@ -84,7 +84,7 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
         None
     }
 
-    /// The wavelength of the path; `None` before the first dispersive surface.
+    /// The wavelength that the path has sampled; `None` if it carries all wavelengths.
     #[inline]
     fn wavelength(&self) -> Option<Wavelength> {
         None
@@ -104,7 +104,7 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// Adds the dielectric body that `surface` bounds, if the path leaves this body without having
     /// entered it.
     ///
-    /// The path must then have started inside the body.
+    /// Such a path must have started inside the body.
     fn infer_starting_body(&mut self, surface: &SurfaceInteraction<'_>);
 
     /// Returns the event for a path that meets `surface`.
@@ -233,8 +233,9 @@ impl Interior for InteriorStack {
 /// Returns three results for a path that meets `surface`: the event, the dielectric body on the
 /// inner side, and the interface between both sides.
 ///
-/// Argument `body` is the body that `surface` bounds. Boundaries that coincide with `surface` take
-/// part: they may change the bodies on both sides, and `surface` gets their greatest roughness.
+/// Argument `body` is the body that `surface` bounds. Other boundaries that coincide with `surface`
+/// may change the bodies on both sides. `surface` gets the greatest roughness of all these
+/// boundaries.
 #[inline]
 fn resolve_interface(
     stack: &InteriorStack,

@@ -8,26 +8,26 @@ use crate::sampling::{Dimension, Key};
 use crate::scene::{Effect, Effects, Scene, SurfaceInteraction};
 use glam::Vec3;
 
-/// Range of Fresnel reflectances in which a reflection at a dispersive surface keeps all
+/// Range of Fresnel reflectances at which a path reflected by a dispersive surface keeps all
 /// wavelengths.
 ///
-/// In this range, the reflectance varies by less than a third over the wavelengths. Outside, it may
-/// vary more: near total reflection, and where both refractive indices are nearly equal.
+/// In this range, the reflectance varies by less than a third over the wavelengths. Outside the
+/// range, it may vary more: near total reflection, and where both refractive indices are nearly
+/// equal.
 const UNDISPERSED_REFLECTANCES: std::ops::Range<f32> = 0.004..0.2;
 
 /// An [`InteriorStack`] for paths that pass through media, carry a wavelength, or both.
 ///
-/// A path samples its wavelength at the first dispersive surface and then keeps it. A path that is
-/// reflected faintly at this surface keeps all wavelengths instead, and samples another wavelength
-/// at its next dispersive surface.
+/// A path samples its wavelength at the first dispersive surface, and usually keeps it. The
+/// exception is a reflection of low reflectance: the path then keeps all wavelengths, and samples
+/// another wavelength at its next dispersive surface.
 #[derive(Clone, Copy, Debug)]
 pub struct SpectralInterior {
     stack: InteriorStack,
     wavelength: Option<Wavelength>,
-    /// Primary sample in \[0, 1) that determines the path's first wavelength.
+    /// Uniform number in \[0, 1) that determines the path's first wavelength.
     ///
-    /// `None` if it has been used, or if the first wavelength is independent of those of other
-    /// paths.
+    /// `None` after its use. Also `None` if each path samples its first wavelength independently.
     wavelength_sample: Option<f32>,
     /// BSDF of the surface at which the path sampled its wavelength, with the refractive index at
     /// the d line.
@@ -101,7 +101,7 @@ impl Interior for SpectralInterior {
         }
         let disperses = body.glass.is_some() || interface.outside.is_some_and(|body| body.glass.is_some());
         if disperses && interface.real && self.wavelength.is_none() {
-            // `take`: a second wavelength must not depend on the first.
+            // `take`: a second wavelength of this path needs a new random number.
             let u = self.wavelength_sample.take().unwrap_or_else(|| key.uniform_1d(Dimension::Wavelength));
             self.wavelength = Some(Wavelength::sample(u));
             self.sampled_at = Some(Dielectric { eta: interface.relative_ior(&body, |body| body.index) });
@@ -121,8 +121,8 @@ impl Interior for SpectralInterior {
 
     #[inline]
     fn wavelength_weight_before_scattering(&mut self, surface: &SurfaceInteraction<'_>) -> Rgb {
-        // At a surface that is not specular, next-event estimation needs the weight too. So it is
-        // applied before scattering.
+        // At a surface that is not specular, next-event estimation needs the weight too, so this
+        // function applies it.
         if surface.bsdf.is_specular() || self.sampled_at.take().is_none() {
             return Rgb::ONE;
         }
@@ -138,8 +138,10 @@ impl Interior for SpectralInterior {
             let plain = plain.reflect_and_refract(wo, ns, ng, TransportMode::Importance);
             let (plain, own) = (plain.reflected.1, own.reflected.1);
             if UNDISPERSED_REFLECTANCES.contains(&plain) && own > 0.0 {
-                // The mean over wavelengths of R(λ)·w(λ), with R of the d line as a control variate
-                // for the white part.
+                // The path was reflected with probability `own`, the reflectance R at the sampled
+                // wavelength. The mean of the weight over all wavelengths is white (1). So `plain`,
+                // the R of the d line, is a control variate: its part is exact, and only R −
+                // `plain` needs the weight.
                 self.wavelength = None;
                 return (weight * (own - plain) + plain) / own;
             }

@@ -4,7 +4,8 @@ use super::{Body, BoundaryEvent};
 use crate::scene::Material;
 use glam::Vec3;
 
-/// Capacity of the stack. If a body is pushed on a full stack, the body entered first is dropped.
+/// Capacity of the stack. When a body is pushed onto a full stack, the body at the bottom is
+/// dropped.
 const MAX_BODIES: usize = 12;
 
 /// The bodies around a point, by material index and in the order of entry (Schmidt and Budge 2002,
@@ -137,7 +138,8 @@ impl InteriorStack {
         let real = if entering {
             self.top_refracting_body(materials).is_none_or(|(_, top)| body.priority >= top.priority)
         } else {
-            // Among bodies of equal priority, the path leaves the one entered last.
+            // Among bodies of equal priority, the one entered last fills the space before the
+            // boundary.
             let top = self.top_refracting_body(materials).is_none_or(|(index, _)| index == material);
             around.remove_body(material);
             top

@@ -21,7 +21,7 @@ pub enum MaterialParameter<T> {
     Texture {
         /// Index of the texture.
         texture: u32,
-        /// Factor of the texture's values.
+        /// Factor by which the texture's values are multiplied.
         factor: T,
         /// Mean of texture times factor. It replaces the texture if
         /// [`Effect::Textures`](crate::scene::Effect::Textures) is off.
@@ -67,9 +67,9 @@ pub trait ParameterEvaluator {
     /// Evaluates the roughness α of a BSDF that stores photons only if α exceeds
     /// [`PHOTON_STORAGE_ALPHA`].
     ///
-    /// Camera paths and photon paths divide light transport at this threshold, so both must find
-    /// the same side of it. The result is therefore on the same side for every size of the filter
-    /// footprint.
+    /// Camera paths and photon paths have different filter footprints, but must agree on whether α
+    /// exceeds this threshold. The filtered result is therefore kept on the side of the unfiltered
+    /// value.
     fn evaluate_photon_storage_roughness(&self, parameter: &MaterialParameter<f32>) -> f32;
 }
 

@@ -68,10 +68,11 @@ impl CoincidentFaces {
 
 /// The dielectric bodies on both sides of a boundary and of all boundaries that coincide with it.
 pub(super) struct BoundarySides<'a> {
-    /// The refracting dielectric body on the side of the arriving path, with its material index;
-    /// `None` is air.
+    /// The body that gives the refractive index on the side where the path arrives, with its
+    /// material index; `None` is air.
     pub near: Option<(u32, &'a Body)>,
-    /// The refracting dielectric body on the other side, with its material index; `None` is air.
+    /// The body that gives the refractive index on the other side, with its material index; `None`
+    /// is air.
     pub far: Option<(u32, &'a Body)>,
     /// True if all boundaries are null interfaces.
     pub is_null_interface: bool,

@@ -11,18 +11,18 @@ use std::sync::Arc;
 /// Maximum number of faces in a leaf of the search tree.
 const LEAF_FACES: usize = 8;
 
-/// Maximum number of pairs of faces that the search tests, divided by the number of faces. If it is
-/// exceeded, all faces count as possibly coincident.
+/// Greatest number of pair tests, as a multiple of the number of faces. If the search needs more,
+/// all faces count as possibly coincident.
 const PAIRS_PER_FACE: usize = 1000;
 
 /// Margin by which bounding boxes are expanded, relative to coordinates and size. It exceeds the
 /// position errors of two surface points (see `SurfacePoint::error`).
 const MARGIN: f32 = 16.0 * f32::EPSILON;
 
-/// Flags of the primitives of a scene: true if a boundary of another object may coincide with the
-/// primitive.
+/// One flag for each primitive of a scene: true if a boundary of another object may coincide with
+/// the primitive.
 ///
-/// An empty list of flags means that no triangle, or no shape, is flagged.
+/// `triangles` is empty if no triangle is flagged, and `shapes` if no shape is.
 #[derive(Clone, Debug, Default)]
 pub(in crate::scene) struct CoincidentFlags {
     triangles: Arc<[bool]>,
