@@ -129,8 +129,8 @@ pub struct MethodArguments {
     #[arg(long)]
     pub no_prefix_rays: bool,
 
-    /// Send shadow rays to an environment light by its brightness alone, and not also towards the
-    /// directions from which a pilot finds that it reaches each part of the scene
+    /// Choose shadow rays to an environment light by its brightness alone. By default, a pilot also
+    /// finds the directions from which its light reaches each part of the scene
     #[arg(long)]
     pub no_environment_guiding: bool,
 
@@ -359,11 +359,11 @@ pub struct EstimateArguments {
     #[command(flatten)]
     pub effects: EffectsArguments,
 
-    /// Relative errors to estimate the cost of
+    /// Relative errors, such as 2%, whose cost is estimated
     #[arg(long, value_parser = parse_relative_error, value_delimiter = ',', default_value = "10%,5%,3%,2%,1%", value_name = "ERROR,…")]
     pub errors: Vec<f64>,
 
-    /// Further algorithms to estimate the cost of; a table tells which of all is the fastest
+    /// Further algorithms to estimate the cost of; a table shows which is the fastest
     #[arg(long, value_enum, value_delimiter = ',', value_name = "METHOD,…")]
     pub compare: Vec<Algorithm>,
 

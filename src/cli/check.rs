@@ -33,8 +33,8 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, CommandFailure> {
 
 /// Returns the scene warnings that `caustica render` prints before it renders, one line each.
 ///
-/// Leaves out warnings that need meshes to be read again. Leaves out the warning of a scene without
-/// objects too, because `caustica render` prints that warning itself.
+/// Two kinds of warnings of `caustica check` are left out. Some need meshes to be read again. The
+/// warning of a scene without objects is printed by `caustica render` itself.
 pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let mut lines = import_warnings(file);
     lines.extend(file.unused_item_warnings());

@@ -16,8 +16,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Smallest time between two saves, relative to the time that a save takes. So saves take at most
-/// 1 % of a render.
+/// Smallest time between two saves, as a multiple of the time that a save takes. So saves take at
+/// most 1 % of a render.
 const MIN_INTERVAL_FACTOR: u32 = 100;
 
 /// Arguments of `film`.

@@ -26,11 +26,11 @@ pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
     )
 }
 
-/// Returns a text about the time until a render would end by `target`, such as `; 1.0 % in about
-/// 42 s (35 s to 50 s)`.
+/// Returns a text about the time until a render reaches `target`, such as `; 1.0 % in about 42 s
+/// (35 s to 50 s)`.
 ///
-/// `forecast` is the forecast for `target`. `pass_seconds` is the time of one pass \[s]. The text
-/// is empty if the estimated error is 0 already.
+/// `estimate` is the estimated error so far, and `forecast` predicts the passes until `target`.
+/// `pass_seconds` is the time of one pass \[s]. The text is empty if the estimated error is 0.
 pub(super) fn time_to_target_text(
     estimate: &ErrorEstimate,
     target: ErrorTarget,

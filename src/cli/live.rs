@@ -64,7 +64,8 @@ impl LiveOutput {
     }
 }
 
-/// Takes a request of the page. Stopping is what the first Ctrl-C does.
+/// Takes a request of the page; returns false if it has no effect. A request to stop acts like the
+/// first Ctrl-C.
 fn take_request(request: Request) -> bool {
     match request {
         Request::Stop => {

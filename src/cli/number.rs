@@ -47,7 +47,8 @@ pub(super) fn parse_positive_count(text: &str) -> Result<u32, String> {
 
 /// Parses the largest number of photons in a density estimate; 1 is refused.
 ///
-/// The farthest photon only sets the disc's radius, so an estimate with one photon would be 0.
+/// The farthest photon only sets the radius of the gather disc. Its flux is not counted, so an
+/// estimate with one photon would be 0.
 pub(super) fn parse_gather_count(text: &str) -> Result<u32, String> {
     match parse_count(text)? {
         1 => Err(

@@ -61,7 +61,8 @@ pub(super) fn finds_caustics_only_by_chance(integrator: &dyn Integrator) -> bool
     integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none()
 }
 
-/// Returns lines about the rays and photons of a pass, and about what guides them.
+/// Returns lines about the work of a pass: its rays and photons, the indirect light that photons
+/// carry, and guided shadow rays.
 pub(super) fn pass_work_lines(integrator: &dyn Integrator) -> Vec<String> {
     let counts = integrator.ray_photon_balance().map(|balance| pass_counts_line(&balance));
     let prefix_rays = prefix_rays_line(integrator.prefix_rays_per_pixel());
@@ -103,7 +104,8 @@ fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
     (integrator.indirect_photon_share(0) > 0.0).then_some(text)
 }
 
-/// Returns a line about guided shadow rays to the environment; `None` without them.
+/// Returns a line about the guiding of shadow rays to the environment; `None` if they are not
+/// guided.
 fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     let report = integrator.environment_guiding_report().filter(|report| report.used)?;
     let percent = percent_text(report.unoccluded);
@@ -171,7 +173,8 @@ struct PlanReport {
     prefix_rays_per_pixel: f64,
     /// Share in \[0, 1] of the indirect light that photon estimates carry in the first pass.
     indirect_photon_share: f64,
-    /// Pilot that guides shadow rays to the environment; `None` without it.
+    /// Findings of the pilot that guides shadow rays to the environment; `None` if there was no
+    /// such pilot.
     environment_guiding: Option<EnvironmentGuidingReport>,
     effects: Vec<EffectCostReport>,
 }

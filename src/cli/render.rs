@@ -164,10 +164,10 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     written
 }
 
-/// Returns the numbers of the passes to render, and `stop` with the number of these passes as
+/// Returns the indices of the passes to render, and `stop` with the number of these passes as its
 /// limit.
 ///
-/// Without `--shard`, the numbers have no limit and `stop` stays unchanged.
+/// Without `--shard`, the indices have no limit and `stop` stays unchanged.
 fn passes_of_shard<'a>(
     arguments: &RenderArguments,
     stop: StopCriteria<'a>,
@@ -211,8 +211,9 @@ fn print_scene_summary(setup: &RenderSetup, scene: &Scene, progress: &ProgressDi
     }
 }
 
-/// Adds the passes of `numbers` to `before` until a criterion of `stop` holds, and shows progress.
-/// Calls `after_pass` after each pass.
+/// Adds passes to the result `before`, until a criterion of `stop` holds, and shows progress.
+///
+/// `numbers` are the indices of the passes to add. `after_pass` is called after each pass.
 fn render_passes(
     before: RenderResult,
     numbers: Range<u32>,
@@ -250,7 +251,7 @@ fn render_passes(
             progress.print_line(&format!("pass {}{of} after {elapsed:.1} s{error}", standing.passes));
         }
         progress.set_pass_number(standing.passes + 1, passes);
-        // Most passes estimate no error. The previous forecast stays after them.
+        // Most passes do not estimate the error. After them, the previous time left stays on show.
         let forecast = forecast.map(|(_, _, forecast)| forecast);
         if let Some(left) = time_until_stop(stop, standing.passes, forecast, began.elapsed(), pass_seconds) {
             progress.set_time_left(Some(left));
@@ -263,7 +264,8 @@ fn render_passes(
 /// Returns the expected time until the first stop criterion holds; `None` if the time is unknown,
 /// as with a target after a pass without an error estimate.
 ///
-/// `forecast` is the forecast for the target of `stop`, if there is one.
+/// `passes` is the number of passes so far. `forecast` predicts the passes until the target of
+/// `stop`; it is ignored if `stop` has no target.
 fn time_until_stop(
     stop: &StopCriteria<'_>,
     passes: u32,

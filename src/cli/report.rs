@@ -35,7 +35,7 @@ pub(super) struct RenderReport {
     pub effects: Vec<EffectDecisionReport>,
     pub balance: Option<RayPhotonBalance>,
     pub photons: PhotonReports,
-    /// Estimated error; `None` after too few passes, or if the error is not estimated.
+    /// Estimated error; `None` after too few passes, or with `--no-error-estimate`.
     pub error: Option<EstimatedErrorReport>,
     pub counters: Counters,
     pub seconds: RenderTimes,
@@ -78,10 +78,10 @@ pub(super) struct EstimatedErrorReport {
     pub estimate: ErrorEstimate,
     /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
     pub confidence: Confidence,
-    /// Total number of passes after which half of the error would be reached as a target, median of
-    /// the forecast; `None` if no number is enough or known.
+    /// Total number of passes after which the error is expected to be half (median of the
+    /// forecast); `None` if it is unknown, or if no number of passes halves the error.
     halving_passes: Option<u32>,
-    /// Further time until then \[s].
+    /// Further time until `halving_passes` is reached \[s].
     halving_seconds: Option<f64>,
 }
 

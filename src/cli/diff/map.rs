@@ -58,7 +58,7 @@ fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> V
 /// Returns the error at the end of a PNG map's colour scale: the quantile [`SCALE_QUANTILE`] of the
 /// absolute `values`.
 ///
-/// If the quantile is 0, returns their maximum; if all values are 0, returns 1.
+/// If the quantile is 0, returns the greatest absolute value; if this is 0 too, returns 1.
 fn color_scale_end(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
     let index = ((sizes.len() - 1) as f64 * SCALE_QUANTILE) as usize;
@@ -82,7 +82,8 @@ mod tests {
         assert_eq!(exr(ErrorMapKind::Signed), Vec3::new(0.0, 0.5, -1.0));
         assert_eq!(exr(ErrorMapKind::Absolute), Vec3::new(0.0, 0.5, 1.0));
         assert_eq!(exr(ErrorMapKind::Flip), Vec3::splat(0.25));
-        // The reference is 2 everywhere: √((¼ + 1) / (3 · (4 + 4))).
+        // The squared differences sum to ¼ + 1. The reference has local radiance L = 2 and mean m = 2,
+        // so the error is √((¼ + 1) / (3 · (L² + m²))).
         assert!((exr(ErrorMapKind::Relative) - f32::sqrt(1.25 / 24.0)).abs().max_element() < 1e-6);
     }
 
@@ -103,7 +104,7 @@ mod tests {
         assert_eq!((colors[0], colors[8]), (diverging_color(-1.0), diverging_color(-0.5)));
         let same = error_map(ErrorMapKind::Absolute, &a, &a, &[], OutputFormat::Png);
         assert_eq!((same.0[0], same.1), (sequential_color(0.0), Some(ColorScale { from: 0.0, to: 1.0 })));
-        // A single differing pixel is visible.
+        // One differing pixel sets the scale, because the quantile of all errors is 0.
         let mut one = vec![[0.0_f32; 3]; 200];
         one[3] = [4.0; 3];
         let single = error_map(ErrorMapKind::Absolute, &image_of_one_row(&one), &b, &[], OutputFormat::Png).1;

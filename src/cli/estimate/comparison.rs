@@ -7,8 +7,8 @@ use crate::study::text::percent_text;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Usage error: an algorithm leaves light out by design, so its estimated error is not its true
-/// error.
+/// Usage error: an algorithm leaves out some light by design, so its estimated error does not tell
+/// its true error.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("--compare cannot compare {name}, which leaves light out by design")]
 #[diagnostic(help("choose among hybrid, path, sppm, ppm and pm"))]
@@ -16,7 +16,7 @@ pub(super) struct IncompleteAlgorithmError {
     name: &'static str,
 }
 
-/// Returns an error if one of `algorithms` leaves light out by design.
+/// Returns an error if one of `algorithms` leaves out some light by design.
 pub(super) fn check_comparable(algorithms: &[Algorithm]) -> Result<(), IncompleteAlgorithmError> {
     let is_complete = |algorithm: Algorithm| match algorithm {
         Algorithm::Hybrid | Algorithm::Path | Algorithm::Sppm | Algorithm::Ppm | Algorithm::Pm => true,
@@ -28,7 +28,7 @@ pub(super) fn check_comparable(algorithms: &[Algorithm]) -> Result<(), Incomplet
     }
 }
 
-/// Costs of errors by one algorithm, and by others for comparison.
+/// Estimated costs by the algorithm of the command line, and by the algorithms of `--compare`.
 #[derive(Debug, Serialize)]
 pub(super) struct Comparison {
     #[serde(flatten)]
@@ -71,7 +71,8 @@ impl Comparison {
         for row in 0..self.report.estimates.len() {
             let prices: Vec<(&CostEstimate, bool)> =
                 self.reports().map(|report| (&report.estimates[row], report.misses_caustics)).collect();
-            // An algorithm that misses caustics does not know its error: it is never the fastest.
+            // The estimated error of an algorithm leaves out caustics that it misses. Its time
+            // never counts as the least.
             let known = prices.iter().filter(|(_, misses_caustics)| !misses_caustics);
             let least = known.filter_map(|(price, _)| price.seconds).fold(f64::INFINITY, f64::min);
             let _ = write!(text, "  {:>7}", percent_text(prices[0].0.error));

@@ -40,13 +40,13 @@ pub(super) struct CostEstimateReport {
     pass_photons: f64,
     peak_memory_bytes: Option<u64>,
     /// Probability that the time of a render lies between `seconds_low` and `seconds_high` of its
-    /// price.
+    /// [`CostEstimate`].
     range_probability: f64,
     #[serde(rename = "prices")]
     pub(super) estimates: Vec<CostEstimate>,
-    /// Expected end of a render without limits.
+    /// Expected end of a render for which the command line sets no limit.
     default: Option<ExpectedEndReport>,
-    /// Expected end of a render with `--preview` and without limits.
+    /// Expected end of a render for which the command line sets no limit but `--preview`.
     preview: Option<ExpectedEndReport>,
 }
 
@@ -61,11 +61,12 @@ struct ExpectedEndReport {
     error: f64,
 }
 
-/// Estimated cost of a render that ends by one error target.
+/// Estimated cost of a render that stops at one target error.
 #[derive(Debug, Serialize)]
 pub(super) struct CostEstimate {
     pub(super) error: f64,
-    /// Expected number of passes: the median; `None` if it is unknown or no number is enough.
+    /// Median of the expected number of passes; `None` if it is unknown, or if no number of passes
+    /// reaches the error.
     passes: Option<u32>,
     /// Expected time of the render, with preparation \[s]; `None` if `passes` is.
     pub(super) seconds: Option<f64>,
@@ -74,7 +75,8 @@ pub(super) struct CostEstimate {
     /// Upper end of the range of likely times \[s]; `None` if it is unknown.
     seconds_high: Option<f64>,
     photons: Option<f64>,
-    /// Relative bias that no number of passes removes; `None` if bias does not prevent the error.
+    /// Relative error that bias keeps in the picture after any number of passes; `None` if the
+    /// target error can be reached.
     pub(super) floor: Option<f64>,
     /// Flags of `caustica render` that reach this error; `None` if the error cannot be reached.
     flags: Option<String>,
@@ -84,8 +86,9 @@ impl CostEstimateReport {
     /// Creates the report of a pilot by the algorithm of `method`.
     ///
     /// `misses_caustics` is true if that algorithm finds caustics of the scene only by chance.
-    /// `setup` is the time of preparation and `pass_seconds` that of a later pass \[s]. The render
-    /// ends by `default` without limits, and by `preview` with `--preview`.
+    /// `setup` is the time of preparation, and `pass_seconds` the time of each pass after the first
+    /// \[s]. `default` and `preview` are the stop criteria of a render without limits, and with
+    /// `--preview` alone.
     pub(super) fn new(
         arguments: &EstimateArguments,
         (method, misses_caustics): (&MethodArguments, bool),
@@ -193,7 +196,9 @@ impl CostEstimateReport {
 }
 
 impl ExpectedEndReport {
-    /// Returns the end of a render whose default error is `target`, as the end of a sentence.
+    /// Returns a phrase that says how and when the render ends. `target` is its target error.
+    ///
+    /// The phrase completes the sentence "a render ends …".
     fn text(&self, target: f64) -> String {
         let passes = count_with_noun(self.passes as usize, "pass", "passes");
         let (time, target, error) = (duration_text(self.seconds), percent_text(target), percent_text(self.error));

@@ -29,7 +29,7 @@ use miette::IntoDiagnostic;
 /// Default processor time of a reference, as a multiple of `--budget`.
 const REFERENCE_BUDGET_FACTOR: f64 = 4.0;
 
-/// Smallest ratio of processor time to wall time × threads at which no warning is printed.
+/// Ratio of processor time to wall time × threads, below which a warning is printed.
 ///
 /// A smaller ratio means that other programs ran, or that threads waited.
 const MIN_THREAD_SHARE: f64 = 0.9;

@@ -75,7 +75,8 @@ impl ProgressMonitor for JobMonitor<'_> {
 
 /// Scene of a job.
 pub(super) enum JobScene {
-    /// The scene file, to be read. If only its camera differs from the given scene, it is reused.
+    /// The scene file is to be read. The given scene is reused if the file differs from it in the
+    /// camera only.
     File(Option<Arc<LoadedScene>>),
     /// A scene that was read before.
     Loaded(Arc<LoadedScene>),
@@ -87,8 +88,8 @@ pub(super) struct JobContext<'a> {
     pub arguments: &'a ViewArguments,
     pub pool: &'a ThreadPool,
     pub events: &'a EventQueue,
-    /// Held by the one job that runs pilots and passes. So the memory of two renders is never in
-    /// use at a time.
+    /// Lock that a job holds while it runs pilots and passes. So the memory of two renders is never
+    /// in use at a time.
     pub turn: &'a Mutex<()>,
 }
 
@@ -196,8 +197,8 @@ impl<'a> Job<'a> {
         self.render_passes(integrator.as_ref(), algorithm, size);
     }
 
-    /// Renders passes until the job is cancelled. A render that reaches its limits pauses. Once it
-    /// is resumed, it has no limits.
+    /// Renders passes until the job is cancelled. The render pauses when it reaches its limits.
+    /// Once it is resumed, it has no limits.
     fn render_passes(&mut self, integrator: &dyn Integrator, algorithm: Algorithm, size: (u32, u32)) {
         let control = self.control.clone();
         let JobContext { arguments, pool, .. } = self.context;
@@ -220,7 +221,7 @@ impl<'a> Job<'a> {
             if self.is_cancelled() {
                 return;
             }
-            // Requests from before the pause are not for it.
+            // Drop resume requests from before the pause, so that they do not end it.
             while self.resumed.try_recv().is_ok() {}
             let is_stopped = rendered.ended == EndReason::Interrupted;
             self.live.end(&rendered, if is_stopped { Phase::Stopped } else { Phase::Ended });

@@ -5,10 +5,11 @@ use crate::scene::Scene;
 use crate::view::Orbit;
 use glam::{DVec3, Vec2};
 
-/// Smallest angle between the view and the up vector \[radians]. The camera turns no further.
+/// Smallest angle between the view direction and the up axis or its opposite \[radians]. Pitch
+/// stops there.
 const MIN_POLE_ANGLE: f64 = 0.05;
 
-/// Largest absolute logarithm of a change of distance.
+/// Largest absolute natural logarithm of the factor by which zoom changes the camera's distance.
 const MAX_ZOOM: f64 = 8.0;
 
 /// Returns the camera of `scene`, moved by `orbit` around the point in the center of the picture;
@@ -22,7 +23,8 @@ pub(super) fn orbited_camera(scene: &Scene, up: DVec3, orbit: Orbit) -> Option<C
     }
     let camera = scene.camera_in_description();
     let axis = up.try_normalize()?;
-    // Angle between view and axis; a positive pitch raises the view, which lowers this angle.
+    // Angle between view direction and up axis. A positive pitch raises the view, so it lowers this
+    // angle.
     let angle = libm::acos(camera.forward().dot(axis).clamp(-1.0, 1.0));
     let (least, most) = (MIN_POLE_ANGLE.min(angle), (std::f64::consts::PI - MIN_POLE_ANGLE).max(angle));
     let pitch = angle - (angle - pitch).clamp(least, most);
@@ -30,8 +32,9 @@ pub(super) fn orbited_camera(scene: &Scene, up: DVec3, orbit: Orbit) -> Option<C
     Some(camera.orbited(pivot(scene), axis, yaw, pitch, distance))
 }
 
-/// Returns the point that the center of the picture shows. If it shows no surface, the point lies
-/// before the camera, as far away as the middle of the scene.
+/// Returns the point about which the camera orbits: the surface point in the center of the picture.
+///
+/// If there is no surface, the point lies on the same ray, as far away as the middle of the scene.
 fn pivot(scene: &Scene) -> DVec3 {
     let camera = scene.camera();
     let (width, height) = camera.size();

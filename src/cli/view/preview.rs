@@ -15,7 +15,7 @@ fn preview_size((width, height): (u32, u32)) -> (u32, u32) {
     let pixels = f64::from(width) * f64::from(height);
     let factor = (MAX_PIXELS / pixels).sqrt().min(1.0);
     let shrunk = |side: u32| ((f64::from(side) * factor).round() as u32).max(1);
-    // A long picture has at least one pixel across, and then fewer along.
+    // A very long picture has at least one pixel across. Its length is then limited too.
     let (width, height) = (shrunk(width), shrunk(height));
     (width.min(MAX_PIXELS as u32), height.min(MAX_PIXELS as u32))
 }

@@ -27,7 +27,7 @@ pub(super) struct Session<'a> {
     turn: Mutex<()>,
 }
 
-/// The current job, and what later jobs need from earlier ones.
+/// The current job, and the state that later jobs take over from it.
 struct SessionState {
     job: JobHandle,
     /// Number of the current render.
@@ -35,9 +35,10 @@ struct SessionState {
     /// The scene that was read last without an error.
     loaded: Option<Arc<LoadedScene>>,
     watch: FileWatch,
-    /// Position of the camera.
+    /// Movement of the camera that the page has asked for, relative to the camera of the scene
+    /// file.
     orbit: Orbit,
-    /// True if the current job renders another position of the camera.
+    /// True if the camera has moved since the current job was started.
     orbit_changed: bool,
 }
 
@@ -114,7 +115,8 @@ impl SessionState {
         }
     }
 
-    /// Returns the scene to render if the camera has moved; `None` while there is no scene.
+    /// Returns the scene to render again because the camera has moved; `None` if the camera has not
+    /// moved, or no scene has been read.
     fn moved_scene(&self) -> Option<JobScene> {
         self.loaded.clone().filter(|_| self.orbit_changed).map(JobScene::Loaded)
     }

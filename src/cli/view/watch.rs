@@ -46,7 +46,8 @@ impl WatchedFiles {
         Self(self.0.iter().map(|(path, _)| (path.clone(), file_stamp(path))).collect())
     }
 
-    /// True if the files other than the first are as they were.
+    /// True if all files except the first, the scene file, are unchanged since their stamps were
+    /// taken.
     pub fn has_same_inputs(&self) -> bool {
         self.0.iter().skip(1).all(|(path, stamp)| file_stamp(path) == *stamp)
     }
@@ -77,10 +78,10 @@ impl MeshReadMonitor for WatchingMonitor {
     fn on_read_end(&self, _: &Path, _: &TriangleMesh) {}
 }
 
-/// Watch over files, which is asked at intervals.
+/// Detects changes of files; it looks at them when the session asks.
 ///
-/// A change is reported once two looks in turn find the same state. So a file that is being written
-/// is not read half.
+/// A change is reported once two looks in a row find the same new state. So a half-written file is
+/// not read.
 #[derive(Debug, Default)]
 pub(super) struct FileWatch {
     files: WatchedFiles,
@@ -89,12 +90,13 @@ pub(super) struct FileWatch {
 }
 
 impl FileWatch {
-    /// Watches other files from now on, which were read in the state of `files`.
+    /// Watches `files` from now on. A change is a difference from the state that their stamps
+    /// record.
     pub fn set_files(&mut self, files: WatchedFiles) {
         (self.files, self.changed) = (files, None);
     }
 
-    /// Looks at the files. Returns true once after a change.
+    /// Looks at the files. Returns true once after each settled change.
     pub fn look(&mut self) -> bool {
         let now = self.files.refreshed();
         if now == self.files {
