@@ -141,15 +141,16 @@ pub struct EffectStudyResult {
     pub interrupted: bool,
 }
 
-/// Study of effects that is ready to run: a picture with all effects, and one without each effect.
+/// Study of effects that is ready to run: one picture with all effects, and one without each of
+/// them.
 ///
-/// All pictures share the seed and the numbers of rays and photons. Each random decision has its
-/// own random number, so omitting an effect does not change the others. Each picture has its own
-/// pilots, so photon aim and gather radii may differ.
+/// All pictures share the seed and the numbers of rays and photons. Each random decision has a
+/// random number of its own, so leaving out an effect does not change the other decisions. Each
+/// picture has its own pilots, so photon aim and gather radii may differ.
 pub struct EffectStudy<'a> {
     size: (u32, u32),
     clock: ClockKind,
-    /// The picture with all effects, then the pictures without one of the simulated effects each.
+    /// First the picture with all effects, then one picture without each simulated effect.
     runs: Vec<PictureInProgress<'a>>,
 }
 
@@ -224,8 +225,8 @@ impl<'a> EffectStudy<'a> {
     ) -> Result<EffectStudyResult, StudyError> {
         let mut made = 0;
         while made == 0 || (made < passes && !interrupted.load(Ordering::Relaxed)) {
-            // Pictures take turns, and each round starts with another one. So a slow phase of the
-            // machine or a cold cache affects all pictures equally.
+            // Pictures take turns, and each round starts with another picture. So a temporary
+            // slowdown of the machine or a cold cache affects all pictures equally.
             let first = made as usize % self.runs.len();
             let (late, early) = self.runs.split_at_mut(first);
             for run in early.iter_mut().chain(late) {
@@ -260,9 +261,10 @@ impl<'a> EffectStudy<'a> {
     }
 }
 
-/// Returns `settings` with the numbers of rays and photons that a pilot chooses for all effects.
+/// Returns `settings` with the numbers of rays and photons that a pilot chooses for the picture
+/// with all effects.
 ///
-/// Pictures without an effect then use the same numbers as the picture with all effects.
+/// Pictures without an effect then use the same numbers.
 fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {
     let mut fixed = Settings { balance: false, ..settings.clone() };
     if settings.balance

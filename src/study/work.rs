@@ -1,4 +1,5 @@
-//! Expected work of a plan in numbers of rays and photons, which do not depend on the machine.
+//! Expected work of a plan: numbers of rays and photons. Unlike time, they do not depend on the
+//! machine.
 
 use crate::integrate::Integrator;
 use crate::plan::{Effect, Effects};

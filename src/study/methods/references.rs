@@ -13,7 +13,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Differences between the seeds of the two references and the first seed of the study.
+/// Numbers that are added to the study's first seed, to get the seeds of the two references.
 const SEED_OFFSETS: [u64; 2] = [1 << 62, 1 << 63];
 
 /// First bytes of a PNG file.
@@ -105,15 +105,14 @@ impl ReferencePictures {
         }
     }
 
-    /// Renders two references with the settings `like`, but with other seeds and another number of
-    /// camera rays.
+    /// Renders two references of `scene` with different seeds.
     ///
-    /// Makes passes until each reference has taken at least `seconds` of processor time. After each
-    /// pass, calls `after` with the number of passes and the elapsed fraction of `seconds`. Returns
-    /// `None` if `interrupted` becomes true.
+    /// They have the camera path settings `like`, but neither its numbers of camera rays nor
+    /// adaptive sampling. Passes are made until the references have taken `seconds` of processor
+    /// time each, on average. After each pass, `after` is called with the number of passes and the
+    /// elapsed fraction of this time. Returns `None` if `interrupted` becomes true.
     ///
-    /// # Errors
-    /// [`ReferenceError`] if a pixel is not finite.
+    /// # Errors [`ReferenceError`] if a pixel is not finite.
     pub fn render(
         scene: &Scene,
         like: &CameraPathSettings,
@@ -164,8 +163,8 @@ impl ReferencePictures {
 
     /// Returns the mean of both references A and B, with its origin and error.
     ///
-    /// The error is the noise of the mean, ½√(mean of (A − B)²). It does not contain a bias that
-    /// both references share.
+    /// The error is the relative noise of this mean, which is half of the relative difference
+    /// √(mean of (A − B)²). It does not contain a bias that both references share.
     #[must_use]
     pub fn ground_truth(&self) -> GroundTruth {
         GroundTruth { source: self.source.clone(), error: self.error, picture: self.mean.clone() }

@@ -26,7 +26,8 @@ pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: 
     let mut plain = 0.0;
     let scale = references.relative_error_weights();
     let count = scale.pixel_weights().len();
-    // The mean over seeds contains each picture, which reduces the variance by this factor.
+    // The mean over seeds contains each picture. Squared differences from the mean are therefore
+    // too small by this factor.
     let whole = seeds / (seeds - 1.0);
     for i in 0..count {
         let mean = mean_pixel_over_pictures(pictures, i);

@@ -63,8 +63,8 @@ fn noise_and_bias_are_separated() {
     for square in &found.squares {
         assert_near(*square, 0.5 * (bias2 + noise2), of_mean(bias2 + noise2 + truth2));
     }
-    // The variance of n values with three degrees of freedom each has a relative deviation of
-    // √(2/(3n)).
+    // A variance that is estimated from n channels, with three degrees of freedom each, has the
+    // relative standard deviation √(2/(3n)).
     assert_near(found.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / (3.0 * CHANNELS)).sqrt());
     assert_near(found.bias2, 0.5 * bias2, of_mean(bias2 + 0.25 * noise2 + truth2));
     let mean: f64 = found.squares.iter().sum::<f64>() / 4.0;
@@ -84,8 +84,8 @@ fn error_map_has_the_mean_error() {
     let truth = ReferencePictures::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
     let pictures = [noisy_picture(0.1, 0.0, 0), noisy_picture(-0.3, 0.0, 0)];
     let map = pixel_errors(&truth, &pictures);
-    // The error is √(½ · ½(0.01 + 0.09)). f32 pixels near 1 have an error of 6e-8, so errors of 0.1
-    // have one of 6e-7.
+    // The squared errors are 0.01 and 0.09, and their mean is halved to make it relative. Pixels
+    // near 1 are rounded by 6e-8, so errors near 0.1 are rounded by 6e-7 of their value.
     assert!(map.iter().all(|e| (f64::from(*e) - 0.025f64.sqrt()).abs() < 1e-6), "{}", map[0]);
 }
 
@@ -272,7 +272,8 @@ fn measured_errors_match_synthetic_methods() {
         }
         let error = method.error.iter().map(|e| f64::from(e * e)).sum::<f64>() / f64::from(SIZE.0 * SIZE.1);
         assert!((error - method.checkpoints.last().unwrap().mean_squared_error()).abs() < 1e-6, "{error}");
-        // The mean of n values, each with deviation σ/√(16 passes · 2 seeds).
+        // `mean` is taken over all channels. Each channel has the standard deviation σ/√(16 passes
+        // · 2 seeds).
         let mean = method.difference.pixels().iter().map(|d| d.as_dvec3().element_sum()).sum::<f64>() / CHANNELS;
         assert_near(mean, bias, sigma / (32.0 * CHANNELS).sqrt());
     }

@@ -44,8 +44,8 @@ pub(super) fn check_method_variants(variants: &[MethodVariant], seeds: u32) -> R
 
 /// Returns the global illumination algorithms that give different results for `scene`.
 ///
-/// Photon methods need a light, and a surface or medium that stores photons. `hybrid` is left out
-/// in scenes without caustics, where it equals `path`.
+/// Photon algorithms are left out if the scene has no light, or no surface or medium that stores
+/// photons. `hybrid` is left out in scenes without caustics, where it equals `path`.
 #[must_use]
 pub fn applicable_methods(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
     let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);

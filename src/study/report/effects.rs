@@ -11,10 +11,10 @@ use crate::image::Image;
 use crate::study::{ClockKind, EffectResult, EffectStudyResult, StudyError};
 use std::fmt::Write;
 
-/// Smallest ratio of removed to added light, or of added to removed light, at which a report shows
-/// both.
+/// Smallest ratio at which a report shows both the light that an effect adds and the light that it
+/// removes: of the smaller amount to the larger one.
 ///
-/// A smaller amount is mostly noise.
+/// Below this ratio, the smaller amount is mostly noise.
 const MIN_SHOWN_PART: f64 = 0.1;
 
 const STYLE: &str = "\

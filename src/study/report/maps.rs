@@ -37,7 +37,7 @@ fn oklch_to_linear_rgb(lightness: f64, chroma: f64, hue: f64) -> Vec3 {
 /// Lightness is linear in `t`. The result is linear RGB.
 pub(super) fn error_color_ramp(t: f64) -> Vec3 {
     let t = t.clamp(0.0, 1.0);
-    // Few chromas are displayable near black and white.
+    // Near black and white, only small chromas lie inside the sRGB gamut.
     let chroma = 0.2 * (1.0 - (2.0 * t - 1.0) * (2.0 * t - 1.0) * (2.0 * t - 1.0) * (2.0 * t - 1.0));
     oklch_to_linear_rgb(0.06 + 0.9 * t, chroma.max(0.0), 300.0 + 160.0 * t)
 }

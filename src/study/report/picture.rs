@@ -64,7 +64,7 @@ mod tests {
 
     #[test]
     fn auto_exposure_ignores_fireflies() {
-        // 0.1 · 2³ = 0.8 is below 1, twice that is not.
+        // At three stops, 0.1 · 2³ = 0.8 is still below 1. At four stops it is not.
         let mut faint = vec![0.1; 200];
         faint[7] = 1e6;
         assert_eq!(auto_exposure_stops(&gray_image(&faint)), Some(3.0));

@@ -244,7 +244,7 @@ fn draw_slope_guide(svg: &mut String, guide: &SlopeGuideLine, x: &LogAxis, y: &L
         return;
     }
     let height = |at: f64| y0 * libm::pow(at / x0, guide.slope);
-    // Time at which the guide has a given value. A horizontal guide reaches no other value.
+    // Time at which the guide has the error `value`; unused for a horizontal guide.
     let leaves = |value: f64| x0 * libm::pow(value / y0, 1.0 / guide.slope);
     let (mut from, mut to) = (x.least, x.most);
     if guide.slope < 0.0 {
@@ -329,9 +329,11 @@ fn shortened_label(label: &str) -> String {
     label.chars().take(MAX_LABEL_LETTERS - 1).chain(['…']).collect()
 }
 
-/// Moves sorted label positions down until no labels overlap, then up until none is below `bottom`.
+/// Returns label positions that do not overlap, from the sorted positions `heights` \[px,
+/// downwards].
 ///
-/// The positions start at `top` or below, unless there is too little room. All are in pixels.
+/// Labels are first moved down, to `top` or below and apart from each other. Then they are moved
+/// up, until none is below `bottom`. If there is too little room, some labels end above `top`.
 fn spread_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
     let mut placed: Vec<f64> = Vec::with_capacity(heights.len());
     for &height in heights {

@@ -58,7 +58,8 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     let seeds = tail.iter().map(|c| c.squares.len()).min().unwrap_or(0);
     let has_noises = tail.iter().all(|c| c.noises.len() >= seeds);
     let mean = |values: &[f64], weights: &[f64]| values.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>();
-    // Noise and bias can be resampled only if the contribution of each seed is known.
+    // Noise and bias have confidence intervals only if the noise of each seed is known, so that
+    // seeds can be resampled.
     let apart = if has_noises { seeds } else { 0 };
     let error = fit_convergence_slopes(tail, seeds, |c, weights| {
         weights.map_or_else(|| c.mean_squared_error(), |w| mean(&c.squares, w))
@@ -100,8 +101,8 @@ fn fit_convergence_slopes(
     let [by_time, by_passes] = of(None)?;
     let replicates: Vec<[f64; 2]> =
         (0..BOOTSTRAP_REPLICATES).filter_map(|replicate| of(Some(&bootstrap_seed_weights(replicate, seeds)))).collect();
-    // An interval needs at least 97.5 % of the replicates. The others were dropped, because
-    // `square` was not positive.
+    // An interval needs at least 97.5 % of the replicates. The missing ones have a value of
+    // `square` that is not positive.
     let has_interval = seeds >= 2 && replicates.len() as u64 * 40 >= BOOTSTRAP_REPLICATES * 39;
     let slope = |value: f64, which: usize| {
         let interval = has_interval.then(|| {
@@ -143,9 +144,9 @@ fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
 /// Half-width of a 95 % confidence interval, divided by the standard deviation of the bootstrap
 /// replicates.
 ///
-/// The factor is the quantile of Student's t times √(S/(S − 1)) for S seeds. The root corrects the
-/// variance of the bootstrap, which has the divisor S instead of S − 1 (Hesterberg 2015, section
-/// 3.1).
+/// For S seeds, the factor is the 97.5 % quantile of Student's t distribution times √(S/(S − 1)).
+/// The root corrects the variance of the bootstrap, which has the divisor S instead of S − 1
+/// (Hesterberg 2015, section 3.1).
 fn bootstrap_interval_factor(seeds: usize) -> f64 {
     let degrees = seeds as f64 - 1.0;
     student_t_quantile(seeds - 1) * (seeds as f64 / degrees).sqrt()
@@ -156,8 +157,8 @@ pub(super) fn student_t_quantile(degrees: usize) -> f64 {
     const FEW_DEGREES: [f64; 10] = [12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060, 2.2622, 2.2281];
     let (z, n) = (1.959_964_f64, degrees as f64);
     let (z3, z5) = (z * z * z, z * z * z * z * z);
-    // Abramowitz and Stegun 1964, equation 26.7.5. From 11 degrees on, the next term is below
-    // 10⁻³.
+    // Series of Abramowitz and Stegun 1964, equation 26.7.5. From 11 degrees of freedom on, its
+    // next term is below 10⁻³.
     let many = z
         + (z3 + z) / (4.0 * n)
         + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n)

@@ -12,13 +12,14 @@ use rand::RngExt;
 const SEEDS: usize = 8;
 const PIXELS: usize = 64;
 
-/// Makes results of a synthetic method: pass i has variance 1/s(i) and bias `bias` · s(i).
+/// Makes results of a synthetic method. The error of pass i has mean 0.1 · `bias` · s(i) and
+/// variance 0.01/s(i).
 ///
-/// s(i) is the squared gather radius of pass i over that of the first pass, by the exponent
-/// `alpha`. `name` selects the random numbers.
+/// s(i) is the squared gather radius of pass i, divided by that of the first pass. It shrinks with
+/// the exponent `alpha`. `name` selects the random numbers.
 fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodResult {
     let mut rng = Key::new(77).child_key(name).rng();
-    // Irwin–Hall: twelve uniform numbers less six have variance 1.
+    // Irwin–Hall: the sum of twelve uniform numbers, minus six, has mean 0 and variance 1.
     let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
     let shrinks = |i: u32| squared_radius_ratio(alpha, i);
     let (mut made, mut drift) = (0, 0.0);
@@ -95,7 +96,7 @@ fn slope_intervals_cover_theory() {
             {
                 let law = predicted_convergence_slopes(algorithm, quantity, &fit.passes, alpha).unwrap();
                 let [low, high] = slopes.unwrap().by_passes.interval.unwrap();
-                // Without bias, the error's law is that of noise.
+                // Without bias, the slope of the error is that of noise, the steepest of the range.
                 let law = if bias == 0.0 { SlopeRange { flattest: law.steepest, ..law } } else { law };
                 *covered += usize::from(low <= law.flattest && high >= law.steepest);
             }
@@ -110,8 +111,9 @@ fn fitted_slopes_match_theory() {
     let path = fit_convergence(&synthetic_method(Algorithm::Path, 0.0, 1.0, &passes, 1)).unwrap();
     let sppm = fit_convergence(&synthetic_method(Algorithm::Sppm, 4.0, ALPHA, &passes, 2)).unwrap();
     let pm = fit_convergence(&synthetic_method(Algorithm::Pm, 4.0, 1.0, &passes, 3)).unwrap();
-    // The logarithm of a root deviates by 1/√(2 · SEEDS · PIXELS) = 0.031. A slope deviates by this
-    // over √(10 log²2) = 2.19. Allow four deviations.
+    // The logarithm of an estimated error has the standard deviation σ = 1/√(2 · SEEDS · PIXELS) =
+    // 0.031. For five checkpoints at distances of log 2, a fitted slope then has σ/√(10 log²2) =
+    // σ/2.19. The tolerance is four times this.
     let close = |slopes: Option<ConvergenceSlopes>, slope: f64| {
         let ConvergenceSlopes { by_time, by_passes } = slopes.unwrap();
         assert!(
@@ -137,7 +139,7 @@ fn verdicts_name_the_cause_of_bias() {
         |algorithm, bias, alpha, passes: &[u32]| fitted_verdict(&synthetic_method(algorithm, bias, alpha, passes, 5));
     assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), ConvergenceVerdict::Expected { ahead: None, .. }));
     assert!(matches!(is(Algorithm::Sppm, 3.0, ALPHA, &passes), ConvergenceVerdict::Expected { ahead: None, .. }));
-    // The bias is 0.1 · 3.
+    // The bias of `synthetic_method` is 0.1 · 3.
     let plateau = is(Algorithm::Pm, 3.0, 1.0, &passes);
     assert!(
         matches!(plateau, ConvergenceVerdict::Plateau { floor, cause: BiasCause::Radii(_) } if (floor - 0.3).abs() < 0.01),
@@ -231,8 +233,11 @@ fn plateaus_never_reach_smaller_errors() {
     assert!(matches!(time_to_tenth_of_error(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
 }
 
-/// A bias of 0.1 and a noise of 0.1 after 256 passes: an error of 0.12 leaves 0.0044 for the
-/// squared noise, which 256 · 0.01/0.0044 passes reach.
+/// Predicts the time to the error 0.12, at a constant bias of 0.1 and a noise of 0.1 after 256
+/// passes.
+///
+/// The squared noise must fall from 0.01 to 0.12² − 0.1² = 0.0044. It does so after 256 ·
+/// 0.01/0.0044 passes.
 #[test]
 fn only_noise_falls_above_a_plateau() {
     let mut method = method_without_noise();
@@ -248,8 +253,11 @@ fn only_noise_falls_above_a_plateau() {
     assert_eq!(time_to_error(&method, fit.as_ref(), &verdict, 0.1), TimeToError::Never { floor: 0.1 });
 }
 
-/// A slope of −0.5 takes 10⁶ times as long to a thousandth of the error, which is not predicted.
-/// An interval that contains 0 has an upper end of a thousand times the prediction.
+/// At a slope of −0.5, a thousandth of the error would take 10⁶ times as long. No time is predicted
+/// then.
+///
+/// If the slope's confidence interval contains 0, the upper end of the time is a thousand times the
+/// prediction.
 #[test]
 fn predictions_end_at_a_thousand_times_the_measured_time() {
     let method = method_without_noise();
@@ -265,7 +273,8 @@ fn predictions_end_at_a_thousand_times_the_measured_time() {
     assert!((high / (1000.0 * effort.seconds) - 1.0).abs() < 1e-9 && low < effort.seconds, "{low} {high}");
 }
 
-/// Errors of seeds that scatter up to 18-fold before the last checkpoint agree with many slopes.
+/// Gives seeds squared errors that scatter by factors from 1/18 to 18 before the last checkpoint.
+/// Many slopes then agree with them.
 #[test]
 fn wide_intervals_give_no_verdict() {
     let mut method = method_without_noise();
@@ -282,7 +291,7 @@ fn wide_intervals_give_no_verdict() {
     assert!(verdict.to_string().starts_with("cannot tell: slope "), "{verdict}");
 }
 
-/// A pass of the second method takes twice as long. The error of the second method begins at a
+/// Compares two methods. A pass of the second method takes twice as long. Its error begins at a
 /// third of the first method's error, and does not fall.
 #[test]
 fn pareto_front_and_recommendation_have_least_error() {

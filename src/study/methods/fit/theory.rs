@@ -66,7 +66,8 @@ pub fn predicted_convergence_slopes(
     let bias = match algorithm {
         Path => None,
         Sppm | Ppm => Some(SlopeRange::single_slope_range(bias)),
-        // The weight of photon estimates of indirect light falls with their bias.
+        // For indirect light, the weight of photon estimates falls as fast as their bias. So this
+        // part of the bias falls twice as steeply.
         Hybrid => Some(SlopeRange { steepest: 2.0 * bias, flattest: bias }),
         Pm | Distributed | Whitted | Raycast => Some(SlopeRange::single_slope_range(0.0)),
     };

@@ -4,11 +4,13 @@ use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
-/// Largest factor between the measured time and a predicted time, and between a predicted time and
-/// the ends of its confidence interval.
+/// Limit of extrapolation: the largest ratio of a predicted time to the measured time.
+///
+/// It also limits the ratio of a predicted time to the ends of its confidence interval, and its
+/// inverse.
 pub const MAX_EXTRAPOLATION: f64 = 1000.0;
 
-/// Slope of noise over time without a fit.
+/// Slope of noise over time that is assumed if there is no fitted slope.
 const NOISE_SLOPE: f64 = -0.5;
 
 /// Time and work that a method takes to reach an error.
@@ -51,9 +53,10 @@ pub enum TimeToError {
     Predicted {
         /// Time and work by the fitted slope.
         effort: RenderEffort,
-        /// Processor times \[s] for the slopes at both ends of the confidence interval, at most
-        /// [`MAX_EXTRAPOLATION`] times away from that of `effort`. `None` if the slope has no
-        /// interval.
+        /// Processor times \[s] for both ends of the slope's confidence interval; `None` if the
+        /// slope has no interval.
+        ///
+        /// Their ratio to the time of `effort` is limited by [`MAX_EXTRAPOLATION`].
         seconds: Option<[f64; 2]>,
     },
     /// The error is never reached, because the bias stays above it.
@@ -86,7 +89,8 @@ pub fn time_to_error(
         return extrapolate_time_to_error(before, fit, verdict, error);
     };
     let [log_before, log_after] = [before, after].map(|c| 0.5 * libm::log(c.mean_squared_error()));
-    // An estimate of zero or less has no logarithm. The later checkpoint itself is then used.
+    // If the later squared error is not positive, it has no logarithm. The later checkpoint itself
+    // is then used.
     let t = if log_after.is_finite() { (log_before - libm::log(error)) / (log_before - log_after) } else { 1.0 };
     TimeToError::Measured(RenderEffort::interpolate_effort(
         RenderEffort::effort_at_checkpoint(before),

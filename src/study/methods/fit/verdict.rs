@@ -12,8 +12,10 @@ use std::fmt;
 /// The error then exceeds the bias by at most 12 %.
 pub const BIAS_DOMINATED_SHARE: f64 = 0.8;
 
-/// Width of a slope's confidence interval from which no verdict is given: half of the range between
-/// a constant error and an error that falls like that of `path`.
+/// Width of a slope's confidence interval from which no verdict is given.
+///
+/// It is half of the distance between slope 0 (a constant error) and slope −½ (the error of
+/// `path`).
 const UNDECIDED_WIDTH: f64 = 0.25;
 
 /// Verdict on how the error of a method falls with the number of passes.
@@ -81,7 +83,8 @@ pub enum ConvergenceVerdict {
 /// Cause of a bias that more passes do not reduce.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BiasCause {
-    /// Blur of density estimates. Holds the gather radii of the indirect map and the caustic map.
+    /// Blur of density estimates. Holds the gather radii \[length] of the indirect map and of the
+    /// caustic map.
     Radii([f32; 2]),
     /// The algorithm leaves out some light by design.
     LeavesOut,

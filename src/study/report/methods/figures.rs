@@ -63,7 +63,7 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
     let all = || series.iter().flat_map(|s| s.points.iter()).filter(|p| p.0 > 0.0 && p.1 > 0.0);
     let first = all().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let most = all().map(|p| p.1).fold(0.0, f64::max);
-    // Guides start above all measured points.
+    // The slope guides start above all measured points.
     let guide = |slope: f64, label: &str| SlopeGuideLine {
         label: label.into(),
         slope,
@@ -112,7 +112,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
     let last = method.checkpoints.last()?;
     let guide = |quantity: ErrorComponent, name: &str, square: f64| {
         let law = judged.predicted_convergence_slopes(method, quantity)?;
-        // The guide lies below the measured line, which would hide it.
+        // The guide lies below the measured line. On the line it would be hidden.
         let through = (last.seconds, 0.8 * square.max(0.0).sqrt());
         Some(SlopeGuideLine {
             label: format!("{name} {}", slope_text(law.flattest)),
@@ -122,7 +122,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
         })
     };
     let noise = guide(ErrorComponent::Noise, "noise", last.noise2);
-    // If noise hides the bias, there is no guide.
+    // If noise hides the bias, there is no guide for the bias.
     let bias = guide(ErrorComponent::Bias, "bias", last.bias2).filter(|_| last.bias2 > 0.1 * last.mean_squared_error());
     let title = format!("Error, noise and bias of {}", method.label);
     let words = format!(
