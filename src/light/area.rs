@@ -238,7 +238,8 @@ impl LightSource for AreaLight {
 
     #[inline]
     fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
-        // Shapes with solid-angle sampling map textures by position, without coordinates.
+        // Shapes with solid-angle sampling need no parametric coordinates: they get texture
+        // coordinates from the position.
         const NO_COORD: SurfaceCoord = SurfaceCoord::Shape(Vec2::ZERO);
         let by_solid_angle = match &self.surface {
             LightSurface::Shape(shape) => shape.sample_solid_angle(p, u),

@@ -11,8 +11,7 @@ use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// Environment light: light at infinity, whose radiance in each direction is the value of an
-/// equirectangular map.
+/// Environment light: light from infinity, with the radiance of an equirectangular map.
 #[derive(Clone, Debug)]
 pub struct EnvironmentLight {
     map: EquirectangularMap,
@@ -64,8 +63,8 @@ impl EnvironmentLight {
     /// Samples a unit direction from which light arrives, by `u` in \[0, 1)². Returns it with its
     /// pdf \[1/sr].
     ///
-    /// The pdf of a pixel's directions is proportional to the pixel's mean radiance. Returns `None`
-    /// if the map is black.
+    /// The pdf is constant in each pixel, and proportional to the mean radiance over the pixel.
+    /// Returns `None` if the map is black, or if rounding gives a direction of pdf 0.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {

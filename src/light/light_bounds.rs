@@ -91,10 +91,10 @@ impl LightBounds {
         }
     }
 
-    /// Solid angle of the emitted directions \[sr].
+    /// Solid angle of the emitted directions \[sr], with weights.
     ///
-    /// Directions inside the cone of normals have weight 1. A direction outside has the cosine of
-    /// its angle to the cone as weight.
+    /// Directions inside the cone of normals have weight 1. A direction outside, within `spread` of
+    /// the cone, has the cosine of its angle to the cone as weight.
     fn solid_angle(&self) -> f64 {
         let o = self.normals.angle;
         let w = (o + self.spread).min(PI);
@@ -111,11 +111,10 @@ impl LightBounds {
 }
 
 /// Lower bound of the squared distance by which [`LightImportance::importance_at`] divides, as a
-/// multiple of the squared radius of the bounding sphere.
+/// multiple of the squared radius r² of the bounding sphere.
 ///
-/// The mean of 1/d² over a ball of radius R is 3/R². A cube has the volume of a ball whose radius
-/// is 0.7 of the half diagonal, so R² is about half of the squared bounding radius: R²/3 is ⅙ of
-/// it.
+/// The mean of 1/d² over a ball of radius R is 3/R², as if d² were R²/3. The ball of equal volume
+/// as a cube inside the bounding sphere has R² of about r²/2. So d² is at least r²/6.
 const MIN_SQUARED_DISTANCE: f64 = 1.0 / 6.0;
 
 /// Bounds of lights in a form from which their importance at a point is computed fast.
@@ -157,8 +156,8 @@ impl CosSin {
 impl From<LightBounds> for LightImportance {
     fn from(bounds: LightBounds) -> Self {
         let sphere = bounds.space.bounding_sphere();
-        // The radius includes the rounding errors of the sphere. It is positive because it bounds a
-        // divisor.
+        // The radius includes the rounding errors of the sphere. It must be positive, because it
+        // limits a divisor from below.
         let radius = (f64::from(sphere.radius) * (1.0 + 1e-6)).max(f64::from(f32::MIN_POSITIVE));
         let (sin, cos) = libm::sincos(bounds.normals.angle);
         Self {

@@ -72,7 +72,8 @@ impl LightBvhSampler {
     pub fn new(lights: &[Light], domain: BoundingSphere) -> Option<Self> {
         let mut locations = vec![LightBvhLocation::Absent; lights.len()];
         let (mut infinite, mut bounded) = (Vec::new(), Vec::new());
-        // Positions are rounded, so a light in the plane of a surface may count as above it.
+        // The margin allows for the rounding of positions. A light in the plane of a surface may
+        // then count as above the surface.
         let margin = 1e-6 * (domain.center.abs().max_element() + domain.radius);
         for (i, light) in lights.iter().enumerate().filter(|(_, l)| color::channel_mean(l.power(domain)) > 0.0) {
             match light.bounds(margin) {
@@ -118,8 +119,8 @@ impl LightBvhSampler {
     /// Samples a light for the point `p` by `u` in \[0, 1).
     ///
     /// Returns the index of the light, its probability, and a remapped `u` that is uniform again.
-    /// If a unit normal `n` is given, lights that cannot illuminate its side do not count. Returns
-    /// `None` if the descent reaches a node whose lights cannot illuminate `p`.
+    /// If a unit normal `n` is given, lights that cannot illuminate the side of `n` do not count.
+    /// Returns `None` if the descent reaches a node whose lights cannot illuminate `p`.
     #[inline]
     #[must_use]
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {

@@ -210,7 +210,8 @@ impl Light {
         dispatch!(self, light => light.peak_strength())
     }
 
-    /// False only if no ray from the light can enter `sphere`, even without occlusion.
+    /// True if light may enter `sphere`, ignoring occlusion. The test is conservative: only false
+    /// is certain.
     ///
     /// If `sphere` is `None`, the result is true. `domain` is the bounding sphere of the scene.
     #[must_use]
@@ -308,6 +309,6 @@ impl Light {
     }
 }
 
-/// Upper bound of the relative rounding error of a position in f32, with respect to its distance
+/// Upper bound of the rounding error of an f32 position, divided by the distance of the position
 /// from the origin or from another position.
 const RELATIVE_POSITION_ERROR: f32 = 1e-5;

@@ -45,7 +45,7 @@ pub(super) trait PositionalLight {
         (DirectionCone::ALL, FRAC_PI_2)
     }
 
-    /// False only if no ray from the light can enter `sphere`, even without occlusion. The default
+    /// True if light may enter `sphere`, ignoring occlusion. Only false is certain, so the default
     /// `true` is correct for every light.
     fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
@@ -129,7 +129,8 @@ impl<L: PositionalLight> LightSource for L {
     }
 }
 
-/// False only if no ray from `position` inside the cone around unit `axis` can enter `sphere`.
+/// True if a ray from `position` inside the cone around unit `axis` may enter `sphere`; only false
+/// is certain.
 ///
 /// `one_minus_cos` is 1 − cosine of the cone's half angle.
 pub(super) fn cone_may_illuminate(position: Vec3, axis: Vec3, one_minus_cos: f32, sphere: BoundingSphere) -> bool {

@@ -48,8 +48,10 @@ pub(super) fn scale_emission_picture(mut picture: Image, scale: Rgb) -> Result<I
 #[derive(Clone, Debug)]
 pub struct EquirectangularMap {
     map: Image,
-    /// Distribution over the pixels, proportional to mean pixel value times solid angle; `None` if
-    /// the map is black.
+    /// Distribution over the pixels; `None` if the map is black.
+    ///
+    /// The weight of a pixel is the mean of the interpolated value over the pixel, averaged over
+    /// channels, times the pixel's solid angle.
     distribution: Option<PiecewiseConstant2d>,
     /// Cosine of the angle from +y to the upper edge of each row. The last element belongs to the
     /// lower edge of the last row.
@@ -68,7 +70,8 @@ impl EquirectangularMap {
         let (w, h) = (map.width() as usize, map.height() as usize);
         let row_edge_cosines: Vec<f64> = (0..=h).map(|row| cos(PI * row as f64 / h as f64)).collect();
         let brightness = |x: usize, y: usize| f64::from(color::channel_mean(map.pixels()[y * w + x]));
-        // The mean of the interpolated value over a pixel is positive if any value in the pixel is.
+        // Mean of the interpolated value over a pixel, first horizontally, then vertically. It is
+        // positive if the value is positive anywhere in the pixel, so no such direction has pdf 0.
         let across = |x: usize, y: usize| {
             0.125 * (brightness((x + w - 1) % w, y) + brightness((x + 1) % w, y)) + 0.75 * brightness(x, y)
         };
@@ -122,7 +125,8 @@ impl EquirectangularMap {
         distribution.pdf(pixel) / (TAU * f64::from(self.map.height()) * height) as f32
     }
 
-    /// Returns the pixel (column, row) in unit `direction`, and the horizontal position in it.
+    /// Returns the pixel (column, row) in unit `direction`, and the horizontal position inside the
+    /// pixel, in \[0, 1).
     #[inline]
     fn pixel_in_direction(&self, direction: Vec3) -> (UVec2, f32) {
         let at = self.pixel_coordinates(direction);
@@ -170,8 +174,8 @@ fn row_interpolation_integral(row: usize, rows: usize) -> f64 {
         return 2.0;
     }
     if row == 0 || row == rows - 1 {
-        // The constant part contributes 1 − cos(step/2); the rest is the falling flank. The last
-        // row mirrors the first.
+        // The weight is 1 up to the row's center at θ = step/2, which contributes 1 − cos(step/2).
+        // Then it falls to 0 at θ = 1.5 step. The last row mirrors the first.
         return 1.0 - (sin(1.5 * step) - sin(0.5 * step)) / step;
     }
     sin(center) * 2.0 * (1.0 - cos(step)) / step

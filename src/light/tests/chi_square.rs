@@ -54,11 +54,12 @@ const STEPS: usize = 32;
 /// Number of finer steps along each side of a step of the midpoint rule, if the pdf changes within
 /// the step.
 ///
-/// The edge of a light may run parallel to the grid. The error is then at most 1/(2 · 32 · 16) =
-/// 0.1 % of a cell: 5 of 5000 samples, 1/14 of their standard deviation.
+/// The edge of a light may run parallel to the grid. The integral over a cell then has an error of
+/// at most 1/(2 · 32 · 16) = 0.1 %. In a cell of 5000 samples this is 5 samples, 1/14 of the
+/// standard deviation.
 const FINER: usize = 16;
-/// Upper bound of the error of an integrated pdf. An edge of the light may pass through half of the
-/// cells, each with an error of 0.1 %.
+/// Upper bound of the error of a pdf's integral over the cone. An edge of the light may pass
+/// through half of the cells, each with an error of 0.1 %.
 pub const INTEGRAL_ERROR: f64 = 5e-4;
 const DRAWS: u64 = 300_000;
 

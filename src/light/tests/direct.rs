@@ -123,12 +123,13 @@ fn rectangle_sampling_is_exact_near_its_plane() {
     let (a, b) = (2.0f64, 1.5);
     for h in [1e-1f64, 1e-3, 1e-6, 1e-12, 1e-30] {
         let light = area_light(Shape::Rectangle(Rectangle::new(point_on_y_axis(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
-        // Below a corner. In the limit h → 0, the light covers a quarter of the hemisphere.
+        // A point below a corner of the light. In the limit h → 0, the light covers a quarter of
+        // the hemisphere.
         let term = |p: f64, q: f64| p / (h * h + p * p).sqrt() * libm::atan(q / (h * h + p * p).sqrt());
         let truth = 2.5 * (term(a, b) + term(b, a));
         assert_within_five_sigma(estimate_irradiance(&light, Vec3::new(0.0, -h as f32, 0.0), Vec3::Y), truth);
-        // On a wall at distance 1 beside the light, facing it: a perpendicular rectangle minus the
-        // part between the wall and the light.
+        // A point on a wall that faces the light, at distance 1 beside it. The closed form is that
+        // of a rectangle from the wall to the light's far edge, minus one to its near edge.
         let part = |x: f64| h / libm::hypot(x, h) * libm::atan(b / libm::hypot(x, h));
         assert_within_five_sigma(
             estimate_irradiance(&light, Vec3::new(-1.0, -h as f32, 0.0), Vec3::X),

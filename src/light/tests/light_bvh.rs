@@ -128,8 +128,8 @@ fn contributing_lights_have_positive_probability() {
             }
         }
     }
-    // The points see half of the flat lights from behind, and half of all lights are below a
-    // horizon.
+    // At least a quarter of all pairs of point and light are excluded. Half of the flat lights face
+    // away from a point, and half of all lights are below a surface's horizon.
     assert!(shut_out > 2000 * 100 / 4, "{shut_out}");
 }
 
