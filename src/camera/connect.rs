@@ -45,7 +45,8 @@ impl Camera {
                 }
                 let in_focus = offset + to_point * (focus / depth);
                 let distance = to_point.length();
-                // A pixel spans the solid angle pixel²·cos³θ, where cosθ is depth over distance.
+                // A pixel spans the solid angle pixel_size²·cos³θ, where cos θ is depth over
+                // distance.
                 let importance = distance / (self.pixel_size * self.pixel_size * depth * depth * depth);
                 self.camera_connection_to_point(
                     self.film_offset_from_center(in_focus / focus),

@@ -78,17 +78,17 @@ impl FilterKind {
     }
 }
 
-/// Number of intervals of the quantile table.
+/// Number of intervals of the table [`Filter::quantiles`].
 const CELLS: usize = 1024;
 
-/// Number of intervals of the table of normalized filter values, from the center to the radius.
+/// Number of intervals of the table [`Filter::normalized_values`], from the center to the radius.
 const VALUE_CELLS: usize = 256;
 
 /// A separable reconstruction filter, with tables for importance sampling and for evaluation.
 #[derive(Clone, Debug)]
 pub struct Filter {
-    /// Sample offsets along one axis \[pixels], at equal steps of the integral of the absolute
-    /// filter value.
+    /// Inverse CDF of sample offsets along one axis \[pixels], at equal steps of u in \[0, 1]. The
+    /// pdf is proportional to the absolute filter value.
     quantiles: [f32; CELLS + 1],
     /// Offset \[pixels] beyond which the filter is negative; infinite for a non-negative filter.
     negative_beyond: f32,

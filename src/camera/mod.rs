@@ -214,11 +214,11 @@ impl Camera {
         self.forward
     }
 
-    /// Copy of the camera at another point of a sphere around `pivot`, turned with it.
+    /// Copy of the camera, rotated about the point `pivot` together with its viewing direction.
     ///
-    /// `yaw` turns it around the unit vector `axis`, then `pitch` around its own horizontal axis
-    /// \[radians]. The radius is multiplied by `distance` > 0. So is the focus distance of a lens,
-    /// and the size of an orthographic image.
+    /// `yaw` rotates about the unit vector `axis`, then `pitch` about the camera's right vector
+    /// \[radians]. The distance from `pivot` is multiplied by `distance` > 0, and so are the focus
+    /// distance of a lens and the size of an orthographic image.
     #[must_use]
     pub fn orbited(self, pivot: DVec3, axis: DVec3, yaw: f64, pitch: f64, distance: f64) -> Self {
         let right = rotated(self.right.normalize(), axis, yaw);

@@ -79,9 +79,11 @@ pub(super) fn layer_attributes(metadata: &[(String, String)]) -> LayerAttributes
     attributes
 }
 
-/// Number of pixels up to which the display window of an OpenEXR file may be mostly empty.
+/// Number of pixels up to which a display window of an OpenEXR file is accepted without a check of
+/// the file's length.
 ///
-/// It exceeds 3840 × 2160. A file with a larger window is refused if it is too short to fill it.
+/// It exceeds 3840 × 2160. If the display window is larger, the file must be long enough to hold
+/// data for all its pixels.
 const ACCEPTED_WINDOW: u64 = 1 << 23;
 
 impl From<exr::error::Error> for DecodeFailure {

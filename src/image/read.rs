@@ -138,7 +138,8 @@ fn read_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     // Strict decoding accepts only one of the two signatures.
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(file)).map_err(reason)?;
     let header = decoder.metadata();
-    // Run-length coding stores at most 127 bytes in two, so the bound of DEFLATE holds.
+    // Run-length coding stores at most 127 bytes in two, so the limit for DEFLATE is never
+    // exceeded.
     let pixels = pixel_count(header.width, header.height)?;
     check_compression_ratio(4 * pixels as u64, file.len())?;
     check_memory(pixels, free)?;

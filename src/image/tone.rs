@@ -145,7 +145,7 @@ impl Quantizer {
         match self.curve {
             ToneCurve::Srgb => nearest(f64::from(c)),
             ToneCurve::Filmic => nearest(filmic_curve(f64::from(c))),
-            // The course's ray caster multiplies in f32.
+            // The course's ray caster multiplies in f32. Other arithmetic could give other levels.
             ToneCurve::Course => (f32::from(self.white) * c.clamp(0.0, 1.0)) as u16,
         }
     }

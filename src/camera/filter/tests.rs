@@ -4,9 +4,9 @@ use super::*;
 
 /// Compares second moments of samples with 1/12 (box), 1/6 (tent) and quadrature.
 ///
-/// The error is greatest in the first and last interval of the quantile table. Each holds 1/1024 of
-/// the samples and reaches at most from 1 to 1.5 pixels. Interpolation errs there by at most (1.5²
-/// − 1)/2 in x², so the moment errs by at most 1.2·10⁻³.
+/// The tolerance is the error of the first and last interval of the quantile table, where it is
+/// greatest. Each holds 1/1024 of the samples, at offsets x from at least 1 to at most 1.5 pixels.
+/// Interpolation changes x² by at most (1.5² − 1)/2 there, and so the moment by at most 1.2·10⁻³.
 #[test]
 fn filter_second_moments_match_quadrature() {
     let n = 100_000;
