@@ -14,13 +14,13 @@ use std::time::Instant;
 /// Reason why a study of effects or of methods failed.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// A pixel is not finite, or two pictures differ in size.
+    /// A pixel is not finite, or two pictures to be compared differ in size.
     #[error("the pictures cannot be compared: {0}")]
     Metric(#[from] MetricError),
-    /// The size of the picture is not allowed.
+    /// The width or height of the picture is not allowed.
     #[error(transparent)]
     Size(#[from] PictureSizeError),
-    /// Encoding a picture failed.
+    /// A picture of the report cannot be encoded as PNG.
     #[error(transparent)]
     Encode(#[from] WriteError),
 }
@@ -59,9 +59,9 @@ impl ClockKind {
 pub struct PictureCost {
     /// Time to prepare the integrator, with its pilot passes \[s].
     pub setup: f64,
-    /// Time of each pass \[s].
+    /// Time of each pass, in order \[s].
     pub passes: Vec<f64>,
-    /// Sum of the work counters of all passes.
+    /// Work counters, such as numbers of rays, summed over all passes.
     pub counters: Counters,
 }
 
@@ -125,7 +125,7 @@ pub struct EffectResult {
 /// Measured cost and contribution of each effect of light in a scene.
 #[derive(Clone, Debug)]
 pub struct EffectStudyResult {
-    /// Decisions about the effects of the scene.
+    /// Decisions about which effects the full picture simulates, with reasons.
     pub plan: Plan,
     /// Clock that measured all times.
     pub clock: ClockKind,
@@ -133,7 +133,7 @@ pub struct EffectStudyResult {
     pub picture: Image,
     /// Mean of `picture` over pixels and channels \[W/(m² sr)].
     pub mean: f64,
-    /// Time and work of `picture`.
+    /// Time and work of rendering `picture`.
     pub whole: PictureCost,
     /// Results, one for each effect that the plan simulates.
     pub effects: Vec<EffectResult>,

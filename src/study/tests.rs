@@ -53,7 +53,7 @@ fn unneeded_caustics_cost_rays_and_change_no_bit() {
         run_effect_study(&diffuse_sphere_on_floor(24, 18), Algorithm::Hybrid, &settings_with_few_photons(overrides), 2);
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
     assert_eq!((caustics.gain.rmse, caustics.gain.adds, caustics.gain.takes), (0.0, 0.0, 0.0));
-    // Each of 4,000 paths has at least one ray.
+    // Each of the 4,000 photon paths of the caustic map has at least one ray.
     assert!(caustics.cost.rays >= 4000.0, "{:?}", caustics.cost);
     let scene = diffuse_sphere_on_floor(24, 18);
     let work = expected_work(Algorithm::Hybrid.prepare(&scene, settings_with_few_photons(overrides)).as_ref());
@@ -73,7 +73,7 @@ fn shadows_only_remove_light() {
     assert_eq!(shadows.gain.adds, 0.0);
     assert!(shadows.gain.takes > 0.0 && shadows.gain.rmse > shadows.gain.takes);
     assert!(shadows.difference.pixels().iter().all(|d| d.max_element() <= 0.0));
-    // Only the whole picture has shadow rays.
+    // Only the picture with all effects has shadow rays.
     assert!(shadows.cost.rays > 0.0);
     assert_eq!((shadows.cost.seconds_error, found.whole.passes.len()), (None, 1));
 }
@@ -90,7 +90,7 @@ fn contributions_equal_differences_of_means() {
     let images = (0..3).map(|i| integrator.render_pass(i, &SilentMonitor).image);
     let sum: f64 = images.flatten().map(|p| p.as_dvec3().element_sum()).sum();
     let mean_without = sum / (3.0 * 3.0 * 24.0 * 18.0);
-    // Pixels are f32, which rounds at 2⁻²⁴.
+    // Pixels are stored in f32, which rounds them at 2⁻²⁴ of their value.
     let expected = found.mean - caustics.gain.adds + caustics.gain.takes;
     assert!((expected / mean_without - 1.0).abs() < 1e-6, "{expected} {mean_without}");
     assert!(caustics.gain.adds > caustics.gain.takes && caustics.cost.gathered_photons > 0.0);

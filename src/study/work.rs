@@ -7,16 +7,16 @@ use crate::plan::{Effect, Effects};
 /// Counts of rays and photons of a pass, or differences between the counts of two passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkCounts {
-    /// Number of rays of all kinds.
+    /// Number of rays of all kinds, such as camera rays and shadow rays.
     pub rays: i64,
-    /// Number of photons that density estimates sum.
+    /// Number of photons that all density estimates sum.
     pub gathered_photons: i64,
 }
 
 /// Expected work of the first pass: in total, and as added by each effect.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExpectedWork {
-    /// Work with all effects of the plan.
+    /// Work of the first pass with all effects of the plan.
     pub whole: WorkCounts,
     /// Work that each simulated effect adds; effects are in the order of [`Effect::ALL`].
     pub effects: Vec<(Effect, WorkCounts)>,

@@ -9,7 +9,7 @@ use std::time::Instant;
 pub struct CpuWallTime {
     /// Processor time of all threads \[s]; wall time if the system does not report it.
     pub processor: f64,
-    /// Wall time \[s].
+    /// Wall-clock time \[s].
     pub wall: f64,
 }
 

@@ -5,9 +5,10 @@ use super::MethodVariant;
 /// Scene of a study, and the command that repeats the study.
 #[derive(Clone, Debug, Default)]
 pub struct StudiedScene {
-    /// Path of the scene file.
+    /// Path of the studied scene file.
     pub scene: String,
-    /// Width and height of the picture \[pixels]; `None` for the size that the scene defines.
+    /// Width and height of the study's pictures \[pixels]; `None` for the size that the scene
+    /// defines.
     pub size: Option<(u32, u32)>,
     /// Shell command that repeats the study.
     pub command: String,

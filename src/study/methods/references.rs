@@ -16,25 +16,25 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Numbers that are added to the study's first seed, to get the seeds of the two references.
 const SEED_OFFSETS: [u64; 2] = [1 << 62, 1 << 63];
 
-/// First bytes of a PNG file.
+/// First bytes of every PNG file.
 const PNG_SIGNATURE: [u8; 4] = *b"\x89PNG";
 
 /// Reason why reference pictures cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ReferenceError {
-    /// The file cannot be read.
+    /// A reference file cannot be read.
     #[error(transparent)]
     Read(#[from] crate::image::ReadError),
-    /// Both references are the same picture.
+    /// The two reference files hold the same picture.
     #[error("`{}` equals the other reference, so its noise would count as bias: render it with another seed", path.display())]
     Same {
-        /// Path of the file.
+        /// Path of the second reference file.
         path: PathBuf,
     },
     /// The file is a PNG, whose pixels are clipped and rounded.
     #[error("`{}` is a PNG, which is clipped and rounded: use OpenEXR or Radiance HDR", path.display())]
     NotLinear {
-        /// Path of the file.
+        /// Path of the reference file.
         path: PathBuf,
     },
     /// The size of the reference differs from the size of the study.
@@ -43,11 +43,11 @@ pub enum ReferenceError {
         path.display(), found.0, found.1, wanted.0, wanted.1, found.0, found.1
     )]
     Size {
-        /// Path of the file.
+        /// Path of the reference file.
         path: PathBuf,
         /// Width and height of the reference \[pixels].
         found: (u32, u32),
-        /// Width and height of the study \[pixels].
+        /// Width and height of the study's pictures \[pixels].
         wanted: (u32, u32),
     },
     /// A pixel is not finite, or the references differ in size.
@@ -170,7 +170,7 @@ impl ReferencePictures {
         GroundTruth { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
     }
 
-    /// Mean of both references.
+    /// Mean of both reference pictures.
     pub(super) fn mean(&self) -> &Image {
         &self.mean
     }

@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Error, noise, bias and cost of a rendering method after a number of passes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct ConvergenceCheckpoint {
-    /// Number of passes of each seed.
+    /// Number of passes that each seed has made.
     pub passes: u32,
     /// Processor time of all passes so far, without setup, mean over seeds \[s].
     pub seconds: f64,
@@ -94,7 +94,7 @@ pub struct GroundTruth {
     /// Relative error of `picture` due to the noise of both references; `None` for a single
     /// reference, which is taken as exact.
     pub error: Option<f64>,
-    /// Mean of both references.
+    /// Mean of both reference pictures, against which errors are shown.
     pub picture: Image,
 }
 
@@ -105,21 +105,21 @@ pub struct MethodStudyResult {
     pub scene: String,
     /// Shell command that repeats the study.
     pub command: String,
-    /// Program name and version.
+    /// Name and version of this program.
     pub program: String,
-    /// Processor and number of threads.
+    /// Description of the processor, and number of threads.
     pub machine: String,
     /// Number of seeds of each method.
     pub seeds: u32,
-    /// Limit of processor time per seed \[s].
+    /// Limit of processor time for each seed of a method \[s].
     pub budget: f64,
     /// Processor time divided by the product of wall time and threads; the minimum over methods.
     ///
     /// Below 0.9, other programs disturbed the measurement. It is 1 if processor time is unknown.
     pub share: f64,
-    /// Reference that errors are measured against.
+    /// Reference picture that errors are measured against.
     pub truth: GroundTruth,
-    /// Results of each method.
+    /// Results of each method that the study compares.
     pub methods: Vec<MethodResult>,
     /// True if the study was interrupted before it reached its limits.
     pub interrupted: bool,

@@ -25,7 +25,7 @@ const MIN_CHECKPOINT_RATIO: f64 = 1.3;
 /// Memory of a film (50) and its error estimator (284) \[bytes per pixel].
 const BYTES_PER_FILM_PIXEL: u64 = 50 + 284;
 
-/// Memory of a picture \[bytes per pixel].
+/// Memory of a picture in single precision \[bytes per pixel].
 const BYTES_PER_PICTURE_PIXEL: u64 = 12;
 
 /// Limits at which the methods of a study stop. Each method makes at least one pass.
@@ -34,7 +34,7 @@ pub struct StudyLimits {
     /// Processor time per seed \[s]. A method stops after the pass in which its processor time,
     /// averaged over seeds, reaches this limit.
     pub budget: f64,
-    /// Largest number of passes; `None` without a limit.
+    /// Largest number of passes that a method makes; `None` without a limit.
     pub passes: Option<u32>,
 }
 

@@ -244,7 +244,7 @@ fn interrupted_method_studies_finish_their_round() {
     );
     assert!(found.interrupted);
     assert_eq!((checkpoint_pass_counts(&found, 0), checkpoint_pass_counts(&found, 1)), (vec![1, 2, 3], vec![1, 2, 3]));
-    // An interruption in the last round cuts no pass.
+    // An interruption during the last round of passes cuts no pass.
     let whole = run_synthetic_study(
         &SyntheticStudyState::default(),
         &[SyntheticMethod { interrupts: true, ..SLOW_METHOD }],
@@ -263,8 +263,8 @@ fn measured_errors_match_synthetic_methods() {
     for (method, SyntheticMethod { bias, sigma, .. }) in found.methods.iter().zip([SLOW_METHOD, FAST_METHOD]) {
         for checkpoint in &method.checkpoints {
             let noise2 = sigma * sigma / f64::from(checkpoint.passes);
-            // With one degree of freedom per channel, the relative deviation is √(2/n). Means near
-            // 1 are rounded at 6e-8.
+            // A variance that is estimated from n channels, with one degree of freedom each, has
+            // the relative standard deviation √(2/n). Means near 1 are rounded at 6e-8.
             assert_near(checkpoint.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / CHANNELS).sqrt() + 1e-9);
             let v = bias * bias + noise2;
             assert_near(checkpoint.mean_squared_error(), 0.5 * v, v / CHANNELS.sqrt());

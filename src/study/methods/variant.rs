@@ -9,9 +9,9 @@ use crate::scene::Scene;
 pub struct MethodVariant {
     /// Unique label, such as `sppm` or `sppm --gather-k 20`.
     pub label: String,
-    /// Rendering algorithm.
+    /// Rendering algorithm of the variant.
     pub algorithm: Algorithm,
-    /// Settings. Their seed is the first seed of the method.
+    /// Settings of the variant. Their seed is its first seed.
     pub settings: Settings,
     /// Flags of `caustica render` that select this method, without `--seed` and `--passes`.
     pub flags: Vec<String>,
@@ -20,7 +20,7 @@ pub struct MethodVariant {
 /// Reason why a study cannot compare the given rendering methods.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MethodVariantError {
-    /// The list of methods is empty.
+    /// No method is given.
     #[error("there is no method to study")]
     None,
     /// Two methods have the same label.

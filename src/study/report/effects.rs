@@ -35,9 +35,9 @@ p { max-width: 48rem; } dl { display: grid; grid-template-columns: max-content 1
 /// Scene and settings that the report of a study of effects shows at its top.
 #[derive(Clone, Debug)]
 pub struct ReportContext {
-    /// Name of the scene.
+    /// Name of the scene, shown in the report.
     pub scene: String,
-    /// Name of the algorithm.
+    /// Name of the rendering algorithm.
     pub integrator: &'static str,
     /// Seed of all pictures.
     pub seed: u64,
@@ -45,10 +45,9 @@ pub struct ReportContext {
     pub exposure: f32,
 }
 
-/// Report as an HTML page, which is also well-formed XML.
+/// Report of a study of effects as an HTML page, which is also well-formed XML.
 ///
-/// # Errors
-/// [`StudyError`] if a picture cannot be encoded.
+/// # Errors [`StudyError`] if a picture cannot be encoded.
 pub fn effects_html_page(about: &ReportContext, findings: &EffectStudyResult) -> Result<String, StudyError> {
     let scene = escape_html(&about.scene);
     let mut page = format!(

@@ -46,7 +46,7 @@ pub(super) fn error_color_ramp(t: f64) -> Vec3 {
 pub(super) fn signed_color_ramp(t: f64) -> Vec3 {
     let t = t.clamp(-1.0, 1.0);
     let hue = if t < 0.0 { 250.0 } else { 65.0 };
-    // Both sides have equal lightness.
+    // Both signs have equal lightness.
     oklch_to_linear_rgb(0.9 * t.abs(), 0.13 * t.abs().sqrt(), hue)
 }
 

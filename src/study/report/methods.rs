@@ -19,13 +19,12 @@ use warnings::study_warnings;
 const STYLE: &str = include_str!("methods/page.css");
 const SCRIPT: &str = include_str!("methods/flip.js");
 
-/// Report as an HTML page, which is also well-formed XML.
+/// Report of a study of methods as an HTML page, which is also well-formed XML.
 ///
 /// The page contains its pictures, styles and a short script, and needs no other file. If scripts
 /// are disabled, the pictures stand below each other.
 ///
-/// # Errors
-/// [`StudyError`] if a picture cannot be encoded, or differs in size from the reference.
+/// # Errors [`StudyError`] if a picture cannot be encoded, or differs in size from the reference.
 pub fn methods_html_page(found: &MethodStudyResult) -> Result<String, StudyError> {
     let analysis = MethodStudyAnalysis::new(found);
     let scene = escape_html(&found.scene);

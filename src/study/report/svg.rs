@@ -20,7 +20,7 @@ const MAX_LABEL_LETTERS: usize = 30;
 /// Line style of a series in a plot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LineStyle {
-    /// Solid, with markers.
+    /// A solid line with markers at the points.
     Solid,
     Dashed,
     Dotted,
@@ -56,7 +56,7 @@ pub(super) struct LogLogPlot<'a> {
     /// HTML identifier, unique on the page.
     pub(super) id: &'a str,
     pub(super) title: &'a str,
-    /// Alternative text.
+    /// Alternative text of the plot, for readers who do not see it.
     pub(super) words: &'a str,
     pub(super) size: (f64, f64),
     pub(super) series: Vec<PlotSeries>,
@@ -340,7 +340,7 @@ fn spread_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> 
         let least = placed.last().map_or(top, |last| last + LABEL_HEIGHT);
         placed.push(height.max(least));
     }
-    // Labels below the range move up again.
+    // Labels below `bottom` move up again.
     let mut most = bottom;
     for at in placed.iter_mut().rev() {
         *at = at.min(most);
@@ -378,7 +378,7 @@ mod tests {
         let expected = [0.01, 0.1, 1.0, 10.0];
         assert!(labelled.len() == 4 && labelled.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12));
         assert_eq!([0.05, 0.5, 2.0, 100.0, 0.01].map(tick_text), ["0.05", "0.5", "2", "100", "0.01"]);
-        // One point has ticks around it.
+        // A single point has ticks around it.
         assert!(LogAxis::axis_around_values([3.0].into_iter(), (0.0, 1.0)).unwrap().tick_values().len() >= 2);
     }
 

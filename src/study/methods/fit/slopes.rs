@@ -15,7 +15,7 @@ const BOOTSTRAP_REPLICATES: u64 = 1000;
 /// Slope of a quantity in a log-log plot: the exponent of its power law.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct SlopeEstimate {
-    /// Least-squares slope.
+    /// Slope of the least-squares line.
     pub value: f64,
     /// 95 % confidence interval of `value`; `None` if there are too few seeds, or if their errors
     /// scatter too much.
@@ -25,9 +25,9 @@ pub struct SlopeEstimate {
 /// Slopes of error, noise or bias in a log-log plot.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ConvergenceSlopes {
-    /// Slope over processor time.
+    /// Slope over processor time, in a log-log plot.
     pub by_time: SlopeEstimate,
-    /// Slope over passes.
+    /// Slope over the number of passes, in a log-log plot.
     pub by_passes: SlopeEstimate,
 }
 

@@ -139,7 +139,7 @@ fn verdicts_name_the_cause_of_bias() {
         |algorithm, bias, alpha, passes: &[u32]| fitted_verdict(&synthetic_method(algorithm, bias, alpha, passes, 5));
     assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), ConvergenceVerdict::Expected { ahead: None, .. }));
     assert!(matches!(is(Algorithm::Sppm, 3.0, ALPHA, &passes), ConvergenceVerdict::Expected { ahead: None, .. }));
-    // The bias of `synthetic_method` is 0.1 · 3.
+    // The bias of `synthetic_method` is then 0.1 · 3.
     let plateau = is(Algorithm::Pm, 3.0, 1.0, &passes);
     assert!(
         matches!(plateau, ConvergenceVerdict::Plateau { floor, cause: BiasCause::Radii(_) } if (floor - 0.3).abs() < 0.01),
@@ -171,7 +171,7 @@ fn verdicts_name_the_cause_of_bias() {
 fn errors_below_the_truth_are_not_judged() {
     let method = synthetic_method(Algorithm::Path, 0.0, 1.0, &powers_of_two(9), 6);
     let fit = fit_convergence(&method);
-    // The last error is 0.1/16.
+    // The error at the last checkpoint, after 256 passes, is 0.1/√256.
     assert!(matches!(
         judge_convergence(&method, fit.as_ref(), Some(0.01)),
         ConvergenceVerdict::TooSmall { truth: Some(_) }

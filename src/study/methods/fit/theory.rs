@@ -8,9 +8,9 @@ use crate::integrate::Algorithm;
 pub enum ErrorComponent {
     /// Root mean square error, with noise and bias.
     Error,
-    /// Standard deviation between seeds.
+    /// Noise: standard deviation of the picture between seeds.
     Noise,
-    /// Error of the mean over infinitely many seeds.
+    /// Bias: error of the mean picture over infinitely many seeds.
     Bias,
 }
 
@@ -19,7 +19,7 @@ pub enum ErrorComponent {
 pub struct SlopeRange {
     /// Steepest (most negative) slope.
     pub steepest: f64,
-    /// Flattest slope.
+    /// Flattest (largest) slope.
     pub flattest: f64,
 }
 
@@ -59,7 +59,8 @@ pub fn predicted_convergence_slopes(
     let [variance, bias] = variance_and_bias_slopes(passes, alpha);
     let noise = match algorithm {
         Sppm | Hybrid => SlopeRange::single_slope_range(0.5 * variance).enclosing_slope_range(even),
-        // All passes share the camera paths, which differ between seeds.
+        // All passes of `ppm` share the camera paths, so their noise does not fall. It does differ
+        // between seeds.
         Ppm => SlopeRange::single_slope_range(0.0).enclosing_slope_range(even),
         Path | Pm | Distributed | Whitted | Raycast => even,
     };

@@ -6,8 +6,7 @@ use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResu
 
 /// Limit of extrapolation: the largest ratio of a predicted time to the measured time.
 ///
-/// It also limits the ratio of a predicted time to the ends of its confidence interval, and its
-/// inverse.
+/// The ends of a predicted time's confidence interval are limited by the same ratio to that time.
 pub const MAX_EXTRAPOLATION: f64 = 1000.0;
 
 /// Slope of noise over time that is assumed if there is no fitted slope.
@@ -16,9 +15,9 @@ const NOISE_SLOPE: f64 = -0.5;
 /// Time and work that a method takes to reach an error.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct RenderEffort {
-    /// Processor time without setup \[s].
+    /// Processor time of the passes, without preparation \[s].
     pub seconds: f64,
-    /// Number of passes.
+    /// Number of passes; not a whole number if it is interpolated.
     pub passes: f64,
     /// Number of emitted photon paths.
     pub photons: f64,
@@ -61,7 +60,7 @@ pub enum TimeToError {
     },
     /// The error is never reached, because the bias stays above it.
     Never {
-        /// Relative error that remains.
+        /// Relative bias that remains after any number of passes.
         floor: f64,
     },
     /// Time and work are unknown: there is no fit, the error does not fall, or it would take more
@@ -113,7 +112,7 @@ fn extrapolate_time_to_error(
     if let Some(floor) = floor.filter(|floor| *floor >= error) {
         return TimeToError::Never { floor };
     }
-    // Above a constant bias, only noise falls.
+    // Above a constant bias, only the noise falls: fit and extrapolate it alone.
     let (slopes, square, target) = match floor {
         Some(floor) => {
             (fit.and_then(|fit| fit.noise), last.mean_squared_error() - floor * floor, error * error - floor * floor)
@@ -182,7 +181,7 @@ pub fn error_after_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, 
 pub struct ParetoPoint {
     /// Index of the method in the list of the study's methods.
     pub method: usize,
-    /// Index of the checkpoint among those of the method.
+    /// Index of the checkpoint in [`MethodResult::checkpoints`].
     pub checkpoint: usize,
 }
 
@@ -213,7 +212,7 @@ pub fn pareto_front(methods: &[MethodResult]) -> Vec<ParetoPoint> {
 pub struct MethodRecommendation {
     /// Index of the method in the list of the study's methods.
     pub method: usize,
-    /// Expected relative error after the time budget.
+    /// Relative error that the method is expected to have after the time budget.
     pub error: f64,
     /// Indices of the other methods whose expected error is at most 10 % larger than `error`.
     pub alike: Vec<usize>,

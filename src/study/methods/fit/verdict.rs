@@ -21,44 +21,44 @@ const UNDECIDED_WIDTH: f64 = 0.25;
 /// Verdict on how the error of a method falls with the number of passes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ConvergenceVerdict {
-    /// Too few checkpoints for a fit.
+    /// The method has too few checkpoints for a fit.
     TooFew,
     /// The error is too small to be measured: the reference or the scatter between seeds hides it.
     TooSmall {
-        /// Relative error of the reference; `None` if it is taken as exact.
+        /// Relative error of the reference; `None` if the reference is taken as exact.
         truth: Option<f64>,
     },
     /// The slope has no confidence interval: there are too few seeds, or their errors scatter too
     /// much.
     Wide {
-        /// Slope over passes.
+        /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
     },
     /// The slope agrees with theory, but its confidence interval is so wide that other slopes agree
     /// too.
     Undecided {
-        /// Slope over passes.
+        /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
         /// 95 % confidence interval of `slope`.
         interval: [f64; 2],
     },
     /// The error does not fall any more, because bias dominates it.
     Plateau {
-        /// Relative bias that remains.
+        /// Relative bias at the last checkpoint, below which the error does not fall.
         floor: f64,
         /// Cause of the bias.
         cause: BiasCause,
     },
     /// The error falls as theory predicts. Theory also predicts a bias, but noise still hides it.
     Hidden {
-        /// Slope over passes.
+        /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
-        /// Upper bound of the relative bias at 97.5 % confidence.
+        /// Upper bound of the relative bias, with 97.5 % confidence.
         most: f64,
     },
     /// The error falls as theory predicts.
     Expected {
-        /// Slope over passes.
+        /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
         /// Relative bias that the error approaches; `None` if the bias falls too or is not
         /// significant.
@@ -66,16 +66,16 @@ pub enum ConvergenceVerdict {
     },
     /// The error falls more slowly than theory predicts.
     Slower {
-        /// Slope over passes.
+        /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
-        /// Slopes that theory predicts.
+        /// Slopes of the error that theory predicts.
         law: SlopeRange,
     },
     /// The error falls faster than theory predicts.
     Faster {
-        /// Slope over passes.
+        /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
-        /// Slopes that theory predicts.
+        /// Slopes of the error that theory predicts.
         law: SlopeRange,
     },
 }
@@ -88,7 +88,7 @@ pub enum BiasCause {
     Radii([f32; 2]),
     /// The algorithm leaves out some light by design.
     LeavesOut,
-    /// No known cause.
+    /// No known cause: the algorithm should not be biased.
     Unknown,
 }
 

@@ -7,7 +7,8 @@ use crate::study::report::text::{
 };
 use crate::study::{EffectResult, EffectStudyResult};
 
-/// Report as CSV with one row per effect; effects that are not simulated have empty cells.
+/// Report of a study of effects as CSV, with one row per effect. Effects that are not simulated
+/// have empty cells.
 ///
 /// Times are in seconds, radiance in W/(m² sr).
 #[must_use]
@@ -54,7 +55,7 @@ pub fn csv_report(findings: &EffectStudyResult) -> String {
     table
 }
 
-/// Report as Markdown.
+/// Report of a study of effects as Markdown.
 #[must_use]
 pub fn markdown_report(about: &ReportContext, findings: &EffectStudyResult) -> String {
     let passes = findings.whole.passes.len();

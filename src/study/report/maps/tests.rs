@@ -14,7 +14,7 @@ fn ramps_rise_in_lightness() {
         assert!(lights.windows(2).all(|pair| pair[1] > pair[0]), "{lights:?}");
         assert!(lights[0] < 0.01 && lights[64] > 0.6);
     }
-    // Coordinates of white and red in OKLab.
+    // OKLab coordinates of white and red, converted to linear RGB.
     assert!((oklch_to_linear_rgb(1.0, 0.0, 0.0) - Vec3::ONE).length() < 1e-6);
     assert!((oklch_to_linear_rgb(0.627_955, 0.257_683, 29.233_9) - Vec3::X).length() < 1e-3);
 }

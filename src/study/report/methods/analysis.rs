@@ -22,7 +22,7 @@ pub(super) struct MethodStudyAnalysis {
 pub(super) struct MethodAnalysis {
     pub(super) fit: Option<ConvergenceFit>,
     pub(super) verdict: ConvergenceVerdict,
-    /// Time and work to reach each of [`TARGET_ERRORS`].
+    /// Time and work until the method reaches each of [`TARGET_ERRORS`].
     pub(super) reaches: [TimeToError; 4],
     pub(super) tenth: TimeToError,
 }

@@ -16,7 +16,7 @@ use serde::Serialize;
 /// meaning.
 const SCHEMA: u32 = 1;
 
-/// Report as CSV with one row per method and checkpoint.
+/// Report of a study of methods as CSV, with one row per method and checkpoint.
 ///
 /// Column `seconds` is processor time. Columns whose name ends in 2 are estimates of squares, which
 /// noise can make negative. Column `squares` lists all seeds, separated by semicolons.
@@ -129,10 +129,9 @@ struct TimeToErrorJson {
     reach: TimeToError,
 }
 
-/// Report as JSON with everything but pixels. Infinite values are `null`.
+/// Report of a study of methods as JSON: everything but pixels. Infinite values are `null`.
 ///
-/// # Errors
-/// [`serde_json::Error`] if encoding fails, which is not known to happen.
+/// # Errors [`serde_json::Error`] if encoding fails, which is not known to happen.
 pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
     let analysis = MethodStudyAnalysis::new(found);
     let methods = found.methods.iter().zip(&analysis.methods).map(|(method, judged)| {
@@ -178,7 +177,7 @@ pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json
     Ok(serde_json::to_string_pretty(&report)? + "\n")
 }
 
-/// Report as Markdown: tables, verdicts and commands.
+/// Report of a study of methods as Markdown: tables, verdicts and commands.
 #[must_use]
 pub fn markdown_report(found: &MethodStudyResult) -> String {
     let analysis = MethodStudyAnalysis::new(found);

@@ -1,4 +1,5 @@
-//! Figures of the HTML page: plots, pictures and error maps, each with a shell command.
+//! Figures of the HTML page about a study of methods: plots, pictures and error maps. Each figure
+//! has a shell command that repeats it.
 
 use super::analysis::{MethodAnalysis, MethodStudyAnalysis};
 use super::tables::{method_marker_svg, slopes_table_html, square_root_percent_text};

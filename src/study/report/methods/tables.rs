@@ -1,4 +1,4 @@
-//! Tables of the HTML page.
+//! Tables of the HTML page about a study of methods.
 
 use super::analysis::{MethodStudyAnalysis, TARGET_ERRORS, slope_interval_text, slope_range_text, time_to_error_text};
 use crate::study::methods::fit::{ConvergenceSlopes, ErrorComponent, TimeToError};

@@ -13,7 +13,7 @@ const MIN_THREAD_TIME_SHARE: f64 = 0.9;
 /// This changes the error of the method by about 6 %.
 const MIN_ERROR_OVER_TRUTH: f64 = 3.0;
 
-/// Reasons to doubt the results of a study.
+/// Texts of reasons to doubt the results of a study; empty if there are none.
 pub(super) fn study_warnings(found: &MethodStudyResult) -> Vec<String> {
     let mut warnings = Vec::new();
     if found.interrupted {
