@@ -24,9 +24,9 @@ pub enum LightSurface {
     Shape(Shape),
     /// Consecutive triangles of a mesh.
     Triangles {
-        /// Mesh that contains the triangles.
+        /// Mesh that contains the triangles of the light.
         mesh: Arc<Mesh>,
-        /// Index of the first triangle.
+        /// Index in `mesh` of the light's first triangle.
         first: u32,
         /// Discrete distribution over the triangles by area. Its index 0 stands for the triangle
         /// `first`.
@@ -37,7 +37,7 @@ pub enum LightSurface {
 /// An area light: a surface that emits on its outer side.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
-    /// The emitting surface.
+    /// The surface that emits light.
     pub surface: LightSurface,
     /// Emitted radiance \[W/(m² sr)]. With a texture, it is the mean radiance of the surface.
     pub radiance: Rgb,
@@ -52,7 +52,7 @@ pub struct EmissionTexture {
     pub texture: Arc<Texture>,
     /// Mapping from surface points to texture coordinates.
     pub mapping: TextureMapping,
-    /// Factor from texture value to radiance \[W/(m² sr)].
+    /// Factor by which texture values are multiplied to give radiance \[W/(m² sr)].
     pub scale: Rgb,
 }
 
@@ -66,7 +66,7 @@ enum SurfaceCoord {
 }
 
 impl LightSurface {
-    /// Area of the surface \[length²].
+    /// Area of the light's surface \[length²].
     #[must_use]
     pub fn area(&self) -> f64 {
         match self {
@@ -158,7 +158,8 @@ impl LightSurface {
             }
             Self::Triangles { mesh, first, choice } => {
                 let triangles = || *first as usize..*first as usize + choice.len();
-                // Shading normals choose the outer side. If they disagree, both sides may emit.
+                // The shading normals at a triangle's corners choose its outer side. If they
+                // disagree, both sides may emit.
                 let normal = |i| {
                     let [a, b, c] = [Vec2::ZERO, Vec2::X, Vec2::Y].map(|b| mesh.surface_point(i, b).ng);
                     (a == b && b == c).then(|| a.as_dvec3())
@@ -184,13 +185,13 @@ impl EmissionTexture {
 }
 
 impl AreaLight {
-    /// Creates a light with uniform radiance \[W/(m² sr)].
+    /// Creates an area light whose radiance \[W/(m² sr)] is equal at all points of `surface`.
     #[must_use]
     pub fn with_uniform_radiance(surface: LightSurface, radiance: Rgb) -> Self {
         Self { surface, radiance, texture: None }
     }
 
-    /// Emitted flux \[W].
+    /// Emitted flux of the area light \[W].
     fn flux(&self) -> Rgb {
         self.radiance * (PI * self.surface.area() as f32)
     }

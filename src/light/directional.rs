@@ -14,7 +14,7 @@ use std::f32::consts::PI;
 pub struct DirectionalLight {
     /// Unit direction in which the light travels.
     pub direction: Vec3,
-    /// Irradiance at normal incidence \[W/m²].
+    /// Irradiance on a surface that faces the light \[W/m²].
     pub irradiance: Rgb,
 }
 

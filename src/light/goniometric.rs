@@ -15,7 +15,7 @@ const PROFILE_ROWS: u32 = 720;
 /// A point light whose intensity in each direction is the value of an equirectangular map.
 #[derive(Clone, Debug)]
 pub struct GoniometricLight {
-    /// Position in world space.
+    /// Position of the light in world space.
     pub position: Vec3,
     /// Axes x, y and z of the map's frame, as unit vectors in world space.
     axes: [Vec3; 3],

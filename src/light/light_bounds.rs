@@ -11,7 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Bounds of the positions and emitted directions of one or more lights.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightBounds {
-    /// Bounding box in world space.
+    /// Box around the positions of the lights, in world space.
     pub space: Bounds,
     /// Cone that contains all surface normals. For a light at a point, it is a cone of emission
     /// axes: each emitted direction lies within `spread` of one of them.
@@ -26,9 +26,9 @@ pub(super) struct LightBounds {
 /// A cone: the set of all directions within a half angle around an axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DirectionCone {
-    /// Unit axis.
+    /// Unit axis of the cone.
     pub axis: DVec3,
-    /// Half angle \[radians].
+    /// Half angle of the cone \[radians].
     pub angle: f64,
 }
 
@@ -111,10 +111,11 @@ impl LightBounds {
 }
 
 /// Lower bound of the squared distance by which [`LightImportance::importance_at`] divides, as a
-/// multiple of the squared radius r² of the bounding sphere.
+/// multiple of the squared radius r² of the lights' bounding sphere.
 ///
-/// The mean of 1/d² over a ball of radius R is 3/R², as if d² were R²/3. The ball of equal volume
-/// as a cube inside the bounding sphere has R² of about r²/2. So d² is at least r²/6.
+/// The bound gives a point among the lights about the mean of 1/d² over their box. Over a ball of
+/// radius R, this mean is 3/R², as if d² were R²/3. A cube in the bounding sphere has the volume of
+/// a ball with R² of about r²/2, which gives r²/6.
 const MIN_SQUARED_DISTANCE: f64 = 1.0 / 6.0;
 
 /// Bounds of lights in a form from which their importance at a point is computed fast.
@@ -122,7 +123,7 @@ const MIN_SQUARED_DISTANCE: f64 = 1.0 / 6.0;
 /// A bounding sphere replaces the box, and cosines replace angles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightImportance {
-    /// Center of the bounding sphere.
+    /// Center of the lights' bounding sphere.
     center: Vec3,
     radius_squared: f64,
     /// Axis of the cone that contains all surface normals.

@@ -16,7 +16,7 @@ use glam::Vec3;
 pub struct LightBvhSampler {
     /// Nodes in depth-first order: the first child comes directly after its parent.
     nodes: Vec<LightBvhNode>,
-    /// Indices of the infinite lights.
+    /// Indices of the lights at infinity.
     infinite: Vec<u32>,
     /// Place of each light in the sampler, by the light's index.
     locations: Vec<LightBvhLocation>,
@@ -34,11 +34,11 @@ struct LightBvhNode {
 enum LightBvhNodeKind {
     /// An inner node; the number is the index of its second child.
     Inner(u32),
-    /// A leaf; the number is the index of its light.
+    /// A leaf with one light; the number is the index of this light.
     Leaf(u32),
 }
 
-/// The index of a light, and its bounds.
+/// A light with a position: its index, and the bounds of its positions and directions.
 type BoundedLight = (u32, LightBounds);
 
 /// Place of a light in a [`LightBvhSampler`].
@@ -46,7 +46,7 @@ type BoundedLight = (u32, LightBounds);
 enum LightBvhLocation {
     /// The sampler does not contain the light, because it has no power.
     Absent,
-    /// The light is in the list of infinite lights.
+    /// The light is at infinity, so it is outside of the tree.
     Infinite,
     /// The light is in the tree, and the bits lead from the root to its leaf, lowest bit first.
     ///
@@ -58,7 +58,7 @@ enum LightBvhLocation {
 /// stays below 64, even for 2³² lights.
 const HALVING_DEPTH: u32 = 31;
 
-/// Number of buckets along each axis in the search for a split plane.
+/// Number of buckets along each axis, in the search for the split plane of a node.
 const BUCKETS: usize = 12;
 
 /// Largest f32 below 1.

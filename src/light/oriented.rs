@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub enum IntensityPattern {
     /// The picture of a projector, which emits into a pyramid.
     ProjectedPicture(Arc<ProjectedPicture>),
-    /// An equirectangular map over all directions.
+    /// An equirectangular map over all directions, for a goniometric light.
     Map(Arc<EquirectangularMap>),
 }
 
@@ -20,7 +20,7 @@ pub enum IntensityPattern {
 /// description.
 #[derive(Clone, Debug)]
 pub struct OrientedPointLight {
-    /// Position of the light.
+    /// Position of the light in the scene description.
     pub position: DVec3,
     /// Direction in which the center of the pattern is projected, of any length above zero.
     pub direction: DVec3,

@@ -22,7 +22,7 @@ const MAX_SPHERES: usize = 32;
 /// The cone of directions that a sphere subtends from a point.
 #[derive(Clone, Copy)]
 struct SubtendedCone {
-    /// Unit axis of the cone.
+    /// Unit axis of the cone, from the point to the center of the sphere.
     axis: Vec3,
     /// 1 − cosine of the cone's half angle.
     one_minus_cos: f32,
@@ -57,7 +57,7 @@ fn directions_to_sphere(sphere: &BoundingSphere, p: Vec3, horizon: Option<Vec3>)
 }
 
 impl PhotonAim {
-    /// Creates an aim at `spheres`. If there are more than 32, neighbours are merged.
+    /// Creates an aim of photons at `spheres`. If there are more than 32, neighbours are merged.
     ///
     /// Each sphere is expanded by the rounding errors of the positions inside.
     #[must_use]
@@ -98,7 +98,7 @@ impl PhotonAim {
         let cone = &cones[chosen];
         let direction = Frame::from_normal(cone.axis)
             .to_world(warp::square_to_uniform_cone(Vec2::new(within, u.y), cone.one_minus_cos));
-        // |w − a|² = 2(1 − cos) keeps its digits in narrow cones.
+        // For unit vectors, |w − a|² = 2(1 − cos), which keeps its digits in narrow cones.
         let around = cones.iter().filter(|c| (direction - c.axis).length_squared() <= 2.0 * c.one_minus_cos);
         // The chosen cone contains the direction, even if rounding at its rim says otherwise.
         let count = around.count().max(1);

@@ -15,7 +15,7 @@ use std::f64::consts::FRAC_PI_2;
 pub struct PointLight {
     /// Position of the light in world space.
     pub position: Vec3,
-    /// Radiant intensity \[W/sr].
+    /// Radiant intensity, equal in all directions \[W/sr].
     pub intensity: Rgb,
 }
 
@@ -24,13 +24,13 @@ pub(super) trait PositionalLight {
     /// Position of the light in world space.
     fn position(&self) -> Vec3;
 
-    /// Radiant intensity in unit direction `w` \[W/sr].
+    /// Radiant intensity of the light in unit direction `w` \[W/sr].
     fn intensity(&self, w: Vec3) -> Rgb;
 
     /// Samples a ray that leaves the light, by `u` in \[0, 1)²; `None` if the ray carries no light.
     fn sample_emission(&self, u: Vec2) -> Option<EmissionSample>;
 
-    /// Radiant flux \[W].
+    /// Radiant flux of the light \[W].
     fn flux(&self) -> Rgb;
 
     /// Largest radiant intensity \[W/sr]. For a light with a picture or map, it is the intensity
@@ -140,7 +140,8 @@ pub(super) fn cone_may_illuminate(position: Vec3, axis: Vec3, one_minus_cos: f32
     if distance <= sphere.radius || one_minus_cos > 1.0 {
         return true;
     }
-    // 2 asin(chord/2) is accurate in narrow cones, acos is not. The sphere subtends asin(r/d).
+    // The angle between unit vectors, 2 asin(chord/2), is accurate in narrow cones; acos is not.
+    // The sphere subtends asin(r/d).
     let angle = 2.0 * libm::asinf((0.5 * (to / distance - axis).length()).min(1.0));
     angle
         <= 2.0 * libm::asinf((0.5 * one_minus_cos).sqrt())

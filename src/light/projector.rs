@@ -71,7 +71,7 @@ impl ProjectedPicture {
         Ok(Some(Self { picture, half_size, distribution, integral }))
     }
 
-    /// Value of the pixel in column x and row y.
+    /// Value of the picture at a pixel, given as column and row.
     fn pixel_value(&self, pixel: UVec2) -> Rgb {
         self.picture.pixels()[(pixel.y * self.picture.width() + pixel.x) as usize]
     }

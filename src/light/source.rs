@@ -7,7 +7,7 @@ use crate::math::{BoundingSphere, Ray};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 
-/// The end of a shadow ray towards a light.
+/// The end of a shadow ray from a surface or medium towards a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShadowTarget {
     /// A point of the light, offset from the light's surface so that this surface does not occlude
@@ -20,9 +20,9 @@ pub enum ShadowTarget {
 /// A sampled direction from which direct light arrives at a point; occlusion is not tested yet.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectLightSample {
-    /// Unit direction towards the light.
+    /// Unit direction from the lit point towards the light.
     pub wi: Vec3,
-    /// End of the shadow ray.
+    /// End of the shadow ray from the lit point.
     pub target: ShadowTarget,
     /// Arriving radiance divided by `pdf`, without the cosine at the lit surface \[W/m²]. For a
     /// delta light, it is the irradiance at normal incidence.
@@ -34,7 +34,7 @@ pub struct DirectLightSample {
 /// A sampled ray that leaves a light, with its flux.
 #[derive(Clone, Copy, Debug)]
 pub struct EmissionSample {
-    /// The ray, with a unit direction.
+    /// The emitted ray, with a unit direction.
     pub ray: Ray,
     /// Flux of the sampled ray, already divided by the pdf of the ray \[W].
     ///

@@ -13,11 +13,11 @@ pub enum EmissionPictureError {
     /// A pixel is negative or not finite after scaling.
     #[error("the value in column {x}, row {y} is {value}: repair the picture so that all are finite and none below 0")]
     Value {
-        /// Column of the pixel, counted from the left.
+        /// Column of the invalid pixel, counted from the left.
         x: u32,
-        /// Row of the pixel, counted from the top.
+        /// Row of the invalid pixel, counted from the top.
         y: u32,
-        /// The scaled value of the pixel.
+        /// Value of the invalid pixel after scaling.
         value: Rgb,
     },
     /// The picture has no pixels.

@@ -13,7 +13,7 @@ use std::f64::consts::FRAC_PI_2;
 /// cone.
 #[derive(Clone, Copy, Debug)]
 pub struct SpotLight {
-    /// Position in world space.
+    /// Position of the light in world space.
     pub position: Vec3,
     /// Unit axis of both cones.
     pub axis: Vec3,
@@ -41,7 +41,7 @@ impl SpotLight {
         if x > 0.0 { self.peak * (x * x * (3.0 - 2.0 * x)) } else { Rgb::ZERO }
     }
 
-    /// Radiant flux \[W].
+    /// Radiant flux of the light \[W].
     #[must_use]
     pub fn flux(&self) -> Rgb {
         let (inner, outer) = (self.inner_one_minus_cos, self.outer_one_minus_cos);
@@ -58,7 +58,7 @@ impl PositionalLight for SpotLight {
 
     #[inline]
     fn intensity(&self, w: Vec3) -> Rgb {
-        // |w − axis|² = 2(1 − cos) keeps its digits in narrow beams.
+        // For unit vectors, |w − axis|² = 2(1 − cos), which keeps its digits in narrow beams.
         self.intensity_at_one_minus_cos(0.5 * (w - self.axis).length_squared())
     }
 

@@ -41,7 +41,7 @@ pub fn sidak_significance_level(tests: usize) -> f64 {
     1.0 - libm::pow(0.99, 1.0 / tests as f64)
 }
 
-/// Grid of cells of equal solid angle over a cone of directions.
+/// Grid of cells of equal solid angle that divide a cone of directions.
 pub struct DirectionCells {
     frame: Frame,
     one_minus_cos: f64,

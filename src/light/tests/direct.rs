@@ -1,4 +1,4 @@
-//! Direct light samples and their pdf.
+//! Tests that direct light samples follow their pdf.
 
 use super::chi_square::{DirectionCells, INTEGRAL_ERROR, sidak_significance_level};
 use super::*;
@@ -61,10 +61,10 @@ fn surfaces_and_viewpoints() -> Vec<(LightSurface, Vec3, bool)> {
         (Shape::Rectangle(slanted), Vec3::new(0.3, 0.1, 0.2), true),
         (Shape::Rectangle(rectangle), Vec3::new(0.3, 0.1, 0.2), true),
         (Shape::Rectangle(rectangle), Vec3::new(-2.0, 0.2, -1.0), true),
-        // Near the plane of the rectangle: beside the rectangle and below its middle.
+        // Viewpoints near the plane of the rectangle: beside the rectangle, and below its middle.
         (Shape::Rectangle(rectangle), Vec3::new(-0.4, 0.9, 0.0), true),
         (Shape::Rectangle(rectangle), Vec3::new(0.9, 0.99, 0.6), true),
-        // Far away, where the rectangle is sampled by area.
+        // A distant viewpoint, from which the rectangle is sampled by area.
         (Shape::Rectangle(rectangle), Vec3::new(90.0, -90.0, 3.0), true),
     ];
     let shapes = shapes.into_iter().map(|(shape, p, all)| (LightSurface::Shape(shape), p, all));

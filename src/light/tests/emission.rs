@@ -1,4 +1,4 @@
-//! Photon emission in all directions and aimed at spheres.
+//! Tests of photon emission, in all directions and aimed at spheres.
 
 use super::chi_square::{DirectionCells, INTEGRAL_ERROR, sidak_significance_level};
 use super::environment::random_sky_light;

@@ -1,4 +1,4 @@
-//! Environment lights.
+//! Tests of environment lights.
 
 use super::chi_square::{DirectionCells, INTEGRAL_ERROR, sidak_significance_level};
 use super::*;

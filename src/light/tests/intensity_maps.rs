@@ -1,4 +1,4 @@
-//! Projectors and goniometric lights, whose intensity is a picture or a map.
+//! Tests of projectors and goniometric lights, whose intensity is a picture or a map.
 
 use super::environment::random_sky_picture;
 use super::*;
@@ -47,7 +47,7 @@ fn projected_picture_is_upright() {
     let half = libm::tanf(0.6);
     for i in 0..12 {
         let (x, y) = (i % 4, i / 4);
-        // Seen along −y with −z up, the right side is +x.
+        // Seen along −y with −z up, the right side of the picture is +x.
         let right = (2.0 * (x as f32 + 0.5) / 4.0 - 1.0) * half * 4.0 / 3.0;
         let up = (1.0 - 2.0 * (y as f32 + 0.5) / 3.0) * half;
         let w = Vec3::new(right, -1.0, -up).normalize();

@@ -1,4 +1,4 @@
-//! Light sampling with a hierarchy.
+//! Tests of light sampling with a bounding volume hierarchy.
 
 use super::chi_square::{chi_square_p_value, sidak_significance_level};
 use super::direct::{mesh_light_surface, three_triangle_mesh};
@@ -24,7 +24,7 @@ fn random_finite_lights(n: u64) -> Vec<Light> {
         match i % 6 {
             0 => Light::Point(PointLight { position: place, intensity: Rgb::splat(strength) }),
             1 => {
-                // Half of the spotlights have no falloff.
+                // Half of the spotlights have no falloff: both cones are equal.
                 let outer = if i % 12 == 1 { 0.4 } else { 0.1 };
                 Light::Spot(SpotLight {
                     position: place,
