@@ -10,9 +10,9 @@ use std::f64::consts::{PI, TAU};
 pub struct CameraConnection {
     /// Film position \[pixels from the top left]; may lie outside the film.
     pub film: Vec2,
-    /// Origin of the camera ray.
+    /// Origin of the camera ray through the scene point.
     pub origin: Vec3,
-    /// Unit direction from the point to `origin`.
+    /// Unit direction from the scene point to `origin`.
     pub direction: Vec3,
     /// Film area per scene area at the point, measured perpendicular to `direction`
     /// \[pixels²/length²].

@@ -43,7 +43,7 @@ impl FromStr for FilterKind {
 }
 
 impl FilterKind {
-    /// Radius \[pixels].
+    /// Distance from the pixel center beyond which the filter vanishes, along each axis \[pixels].
     fn radius(self) -> f64 {
         match self {
             Self::Box => 0.5,
@@ -95,17 +95,17 @@ pub struct Filter {
     /// Integral of the absolute filter value along one axis, divided by the integral of the filter
     /// value.
     absolute_over_signed: f32,
-    /// Radius \[pixels].
+    /// Distance from the pixel center beyond which the filter vanishes, along each axis \[pixels].
     radius: f32,
     /// Results of [`Filter::normalized_value`] at equal steps from the center to the radius
     /// \[1/pixel].
     normalized_values: [f32; VALUE_CELLS + 1],
 }
 
-/// A sampled offset from the pixel center.
+/// A sampled offset from the pixel center, with its weight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSample {
-    /// Offset from the pixel center \[pixels].
+    /// Sampled offset from the pixel center, right and down \[pixels].
     pub offset: Vec2,
     /// Weight of the sample: 1 for non-negative filters, else 1 on average.
     pub weight: f32,
@@ -151,7 +151,7 @@ impl Filter {
         }
     }
 
-    /// Radius beyond which the filter vanishes \[pixels].
+    /// Distance from the pixel center beyond which the filter vanishes, along each axis \[pixels].
     #[inline]
     #[must_use]
     pub fn radius(&self) -> f32 {

@@ -33,7 +33,7 @@ pub struct Camera {
 enum CameraProjection {
     /// Rays that start at a pinhole (`None`) or on a lens.
     Perspective(Option<Lens>),
-    /// Parallel rays.
+    /// Parallel rays that start in a plane.
     Orthographic,
     /// Rays in all directions: longitude across the image, latitude down.
     Panorama,

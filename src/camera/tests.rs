@@ -1,4 +1,4 @@
-//! Cameras.
+//! Tests of cameras.
 
 use super::*;
 use glam::{DAffine3, Vec3};

@@ -13,25 +13,25 @@ pub enum PictureSizeError {
     /// Width or height is zero.
     #[error("a picture of {width} × {height} pixels is empty: both sides must be at least 1")]
     Empty {
-        /// Width in pixels.
+        /// Requested width \[pixels].
         width: u32,
-        /// Height in pixels.
+        /// Requested height \[pixels].
         height: u32,
     },
     /// The picture has more than [`MAX_PIXELS`] pixels.
     #[error("a picture of {width} × {height} pixels is too large: at most {MAX_PIXELS} pixels are allowed")]
     TooLarge {
-        /// Width in pixels.
+        /// Requested width \[pixels].
         width: u32,
-        /// Height in pixels.
+        /// Requested height \[pixels].
         height: u32,
     },
     /// The number of given pixels is not width × height.
     #[error("a picture of {width} × {height} pixels cannot be made of {found} pixels")]
     Count {
-        /// Width in pixels.
+        /// Requested width \[pixels].
         width: u32,
-        /// Height in pixels.
+        /// Requested height \[pixels].
         height: u32,
         /// Number of given pixels.
         found: usize,
@@ -87,25 +87,25 @@ impl<T: Copy> Raster<T> {
         Ok(Self { width, height, pixels })
     }
 
-    /// Width in pixels.
+    /// Width of the picture \[pixels].
     #[must_use]
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Height in pixels.
+    /// Height of the picture \[pixels].
     #[must_use]
     pub fn height(&self) -> u32 {
         self.height
     }
 
-    /// All pixels in rows from the top left.
+    /// All pixels of the picture, in rows from the top left.
     #[must_use]
     pub fn pixels(&self) -> &[T] {
         &self.pixels
     }
 
-    /// Mutable pixels in rows from the top left.
+    /// All pixels of the picture, mutable, in rows from the top left.
     #[must_use]
     pub fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels

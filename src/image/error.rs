@@ -9,7 +9,7 @@ use crate::stats::format_bytes;
 /// Error: a picture was not written. An existing file at the path is unchanged.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The extension is neither `.png` nor `.exr`.
+    /// The extension of the output file is neither `.png` nor `.exr`.
     #[error("`{}` names no known picture format: give it the extension .png or .exr", path.display())]
     Extension {
         /// Path of the output file, as given by the caller.
@@ -34,16 +34,16 @@ pub enum WriteError {
     NoFolder {
         /// Path of the output file, as given by the caller.
         path: PathBuf,
-        /// The missing folder.
+        /// The folder that does not exist.
         folder: PathBuf,
     },
-    /// The path is a folder or a device.
+    /// The output path is a folder or a device.
     #[error("cannot write `{}`: a folder or device of this name exists: choose another path", path.display())]
     NotAFile {
         /// Path of the output file, as given by the caller.
         path: PathBuf,
     },
-    /// The existing file is read-only.
+    /// The existing output file is read-only.
     #[error("cannot replace `{}`: the file is read-only: make it writable or choose another path", path.display())]
     ReadOnly {
         /// Path of the output file, as given by the caller.
@@ -56,13 +56,13 @@ pub enum WriteError {
         action: &'static str,
         /// Path of the file or folder on which the operation failed.
         path: PathBuf,
-        /// Error of the operating system.
+        /// Error that the operating system reported.
         source: io::Error,
     },
     /// The file format cannot store a pair of metadata, which is a key and a text.
     #[error("metadata `{key}` cannot be stored: {reason}")]
     Metadata {
-        /// Key of the metadata pair.
+        /// Key of the pair of metadata.
         key: String,
         /// The rule of the file format that the key or text violates.
         reason: &'static str,
@@ -88,7 +88,7 @@ pub enum ReadError {
     Io {
         /// Path of the picture file.
         path: PathBuf,
-        /// Error of the operating system.
+        /// Error that the operating system reported.
         source: io::Error,
     },
     /// The first bytes are not a signature of PNG, OpenEXR or Radiance HDR.
@@ -102,7 +102,7 @@ pub enum ReadError {
     Decode {
         /// Path of the picture file.
         path: PathBuf,
-        /// Cause and, if known, remedy.
+        /// Cause of the failure and, if known, its remedy.
         reason: String,
     },
     /// The header of the file contains an invalid picture size.
@@ -110,7 +110,7 @@ pub enum ReadError {
     Size {
         /// Path of the picture file.
         path: PathBuf,
-        /// The invalid size.
+        /// Reason why the size is invalid.
         source: PictureSizeError,
     },
     /// The picture does not fit into memory.
@@ -123,7 +123,7 @@ pub enum ReadError {
         path: PathBuf,
         /// Peak memory while the picture is read \[bytes].
         needed: u64,
-        /// Memory that may be used \[bytes].
+        /// Memory that reading may use \[bytes].
         free: u64,
     },
 }

@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Error: two pictures cannot be compared.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MetricError {
-    /// The sizes of the two pictures differ.
+    /// The two pictures differ in size.
     #[error("a picture of {} × {} pixels cannot be compared with one of {} × {}", a.0, a.1, b.0, b.1)]
     Size {
         /// Width and height of the first picture.
@@ -20,12 +20,12 @@ pub enum MetricError {
     NonFinite {
         /// The picture that contains the pixel: `first` or `second`.
         which: &'static str,
-        /// Column of the pixel from the left, from 0.
+        /// Column of the pixel that is not finite, from the left, from 0.
         x: u32,
-        /// Row of the pixel from the top, from 0.
+        /// Row of the pixel that is not finite, from the top, from 0.
         y: u32,
     },
-    /// An option is out of range.
+    /// An option of the metric is out of range.
     #[error("{name} is {value}, which is out of range")]
     Parameter {
         /// Name of the option: `epsilon`, `clip`, `exposure` or `pixels per degree`.
@@ -79,9 +79,9 @@ pub fn relative_mse(a: &Image, reference: &Image, epsilon: f64, clip: Option<f64
 pub struct LargestDifference {
     /// Absolute difference \[W/(m² sr)].
     pub difference: f64,
-    /// Column of the pixel from the left, from 0.
+    /// Column of the pixel with this difference, from the left, from 0.
     pub x: u32,
-    /// Row of the pixel from the top, from 0.
+    /// Row of the pixel with this difference, from the top, from 0.
     pub y: u32,
 }
 
@@ -137,7 +137,7 @@ pub fn relative_error(a: &Image, reference: &Image) -> Result<f64, MetricError> 
 pub struct ByteDifference {
     /// Number of channel values that differ.
     pub count: usize,
-    /// Largest difference \[levels].
+    /// Largest difference of a channel value \[levels].
     pub largest: u8,
 }
 

@@ -28,7 +28,7 @@ pub enum ExrPrecision {
 pub struct WriteOptions {
     /// Exposure and tone curve of PNG files. OpenEXR files hold linear radiance.
     pub tone: ToneMap,
-    /// Bits per channel of PNG files.
+    /// Bits per channel of PNG files, 8 or 16.
     pub depth: BitDepth,
     /// Floating-point precision of OpenEXR files.
     pub floats: ExrPrecision,

@@ -77,9 +77,10 @@ pub fn read_data(path: &Path) -> Result<Image, ReadError> {
 /// It determines how PNG samples are decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelMeaning {
-    /// Colours. PNG samples are linearised.
+    /// The pixels are colours. PNG samples are linearised.
     Radiance,
-    /// Data such as roughness. PNG samples become numbers from 0 to 1 without a transfer function.
+    /// The pixels are data such as roughness. PNG samples become numbers from 0 to 1 without a
+    /// transfer function.
     Data,
 }
 

@@ -16,7 +16,7 @@ pub(crate) struct RgbaLevels {
     pub height: u32,
     /// Levels of red, green, blue and alpha from 0 to `greatest`, in rows from the top.
     pub pixels: Vec<[u16; 4]>,
-    /// Level of full intensity: 255 or 65,535.
+    /// Level that stands for full intensity: 255 or 65,535.
     pub greatest: u16,
 }
 

@@ -68,7 +68,7 @@ impl FromStr for ToneCurve {
 /// A tone map: an exposure followed by a tone curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ToneMap {
-    /// Tone curve after the exposure.
+    /// Tone curve that is applied after the exposure.
     pub curve: ToneCurve,
     /// Exposure \[stops], within ±[`MAX_EXPOSURE_STOPS`].
     ///
@@ -90,7 +90,7 @@ pub struct ClippedPixelReport {
 }
 
 impl ClippedPixelReport {
-    /// Returns the sums of the counts of two reports.
+    /// Returns a report with the sums of the counts of both reports.
     pub(super) fn merge(self, other: Self) -> Self {
         Self {
             non_finite: self.non_finite + other.non_finite,

@@ -1,4 +1,4 @@
-//! Reconstruction filters.
+//! Tests of reconstruction filters.
 
 use super::*;
 

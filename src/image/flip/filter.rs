@@ -57,7 +57,7 @@ impl FlipMetricFilters {
         }
     }
 
-    /// Largest radius of the filters \[pixels].
+    /// Greatest radius of the filters \[pixels].
     fn max_radius(&self) -> usize {
         self.luminance.len().max(self.detector[0].len()) / 2
     }

@@ -44,7 +44,7 @@ pub enum FlipMetricMode {
 pub struct FlipMetricOptions {
     /// Pixels per degree of visual angle, within [`PIXELS_PER_DEGREE_RANGE`].
     pub pixels_per_degree: f64,
-    /// Variant of the metric.
+    /// Variant of ꟻLIP: LDR at one exposure, or HDR.
     pub mode: FlipMetricMode,
 }
 
@@ -59,7 +59,7 @@ impl Default for FlipMetricOptions {
 pub struct FlipMetricResult {
     /// Error of each pixel in \[0, 1], in rows from the top; 0 is equal.
     pub map: Vec<f32>,
-    /// Mean error over pixels.
+    /// Mean of `map` over all pixels.
     pub mean: f64,
 }
 
@@ -116,7 +116,7 @@ pub fn flip_metric(
 /// A picture in the opponent colour space YCxCz: luminance, red-green, blue-yellow.
 struct OpponentColorImage {
     width: usize,
-    /// Planes Y, Cx and Cz, each in rows.
+    /// Planes of the channels Y, Cx and Cz, each in rows from the top.
     planes: [Vec<f32>; 3],
 }
 

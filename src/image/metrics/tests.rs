@@ -9,7 +9,7 @@ fn image_of_one_row(pixels: &[[f32; 3]]) -> Image {
 fn metrics_follow_their_formulas() {
     let a = image_of_one_row(&[[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]]);
     let b = image_of_one_row(&[[1.0, 0.0, 3.0], [0.0, 1.0, 0.0]]);
-    // The squares 4 and 1 over six channel values.
+    // The squared differences are 4 and 1, over six channel values.
     assert!((rmse(&a, &b).unwrap() - f64::sqrt(5.0 / 6.0)).abs() < 1e-15);
     // First pixel 4 / (0 + ½) / 3 = 8/3, second 1 / (1 + ½) / 3 = 2/9.
     assert!((relative_mse(&a, &b, 0.5, None).unwrap() - (8.0 / 3.0 + 2.0 / 9.0) / 2.0).abs() < 1e-15);

@@ -21,7 +21,8 @@ fn bright_pixels_change_only_their_neighbourhood() {
     values[255] = 0.0;
     let error_weights = RelativeErrorWeights::from_image(&gray_image(16, &values));
     assert!((error_weights.pixel_weights()[8 * 16 + 8] * 3.0 - 0.5).abs() < 1e-12);
-    // The neighbourhood of a corner has nine pixels.
+    // The neighbourhood of a corner pixel has nine pixels: one of radiance 1000 and eight of
+    // radiance 1.
     let corner = 1008.0 / 9.0;
     assert!((error_weights.pixel_weights()[0] * 3.0 * (corner * corner + 1.0) - 1.0).abs() < 1e-12);
     assert!(error_weights.pixel_weights()[255] * 3.0 <= 1.0);

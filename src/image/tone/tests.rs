@@ -9,7 +9,7 @@ fn quantized_level(curve: ToneCurve, stops: f32, c: f32) -> u16 {
 fn srgb_levels_are_the_nearest() {
     // 255 · (1.055 · 0.5^(1/2.4) − 0.055) = 187.516, which truncation would make 187.
     assert_eq!(quantized_level(ToneCurve::Srgb, 0.0, 0.5), 188);
-    // The linear part: 0.002 · 12.92 · 255 = 6.589.
+    // The sRGB curve is linear near black: 0.002 · 12.92 · 255 = 6.589.
     assert_eq!(quantized_level(ToneCurve::Srgb, 0.0, 0.002), 7);
     assert_eq!([-1.0, 0.0, 1.0, 9.0].map(|c| quantized_level(ToneCurve::Srgb, 0.0, c)), [0, 0, 255, 255]);
 }
@@ -41,12 +41,12 @@ fn course_truncates_without_gamma() {
 
 #[test]
 fn filmic_follows_the_published_fit() {
-    // x = 1: 2.54 / 3.16 = .803797.
+    // The curve at x = 1 is 2.54 / 3.16 = .803797.
     assert!((filmic_curve(1.0) - 2.54 / 3.16).abs() < 1e-15);
-    // White is the larger root of .08x² − .56x − .14.
+    // The curve reaches 1 at the larger root of .08x² − .56x − .14.
     let white = (0.56 + f64::sqrt(0.56 * 0.56 + 4.0 * 0.08 * 0.14)) / 0.16;
     assert!((filmic_curve(white) - 1.0).abs() < 1e-12);
-    // sRGB of .803797 is .908046, times 255 is 231.55.
+    // The sRGB signal of .803797 is .908046, which is level 231.55 of 255.
     assert_eq!(quantized_level(ToneCurve::Filmic, 0.0, 1.0), 232);
     assert_eq!(
         [f32::INFINITY, f32::MAX, -2.0, 0.0].map(|c| quantized_level(ToneCurve::Filmic, 9.0, c)),
