@@ -10,9 +10,9 @@ use std::f32::consts::PI;
 /// Light in the shading model of MIT course 6.837. Its colour does not fall off with distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LegacyLight {
-    /// Position and colour.
+    /// Point light: its position and colour.
     Point(Vec3, Rgb),
-    /// Unit direction in which the light travels, and colour.
+    /// Directional light: the unit direction in which the light travels, and its colour.
     Directional(Vec3, Rgb),
 }
 
@@ -31,27 +31,27 @@ pub enum LightStrength {
 /// A light at one point or from one direction, in world coordinates.
 #[derive(Clone, Debug)]
 pub enum DeltaLightKind {
-    /// Emits equally in all directions.
+    /// A point light, which emits equally in all directions.
     Point {
-        /// Position of the light.
+        /// Position of the point light.
         position: DVec3,
     },
-    /// Emits into a cone.
+    /// A spotlight, which emits into a cone.
     Spot {
-        /// Position of the light.
+        /// Position of the spotlight.
         position: DVec3,
-        /// Axis of the cone, of any length above zero.
+        /// Axis of the spotlight's cone, of any length above zero.
         axis: DVec3,
-        /// Angle from the axis up to which the light has full intensity \[radians].
+        /// Angle from the axis up to which the spotlight has full intensity \[radians].
         inner: f64,
-        /// Angle from the axis beyond which the intensity is zero \[radians].
+        /// Angle from the axis beyond which the spotlight's intensity is zero \[radians].
         outer: f64,
     },
     /// A point light with an orientation: a projector or a goniometric light.
     Oriented(OrientedPointLight),
     /// Parallel light from infinity.
     Directional {
-        /// Direction of travel, of any length above zero.
+        /// Direction in which the light travels, of any length above zero.
         direction: DVec3,
     },
 }
@@ -67,7 +67,7 @@ impl DeltaLightKind {
         }
     }
 
-    /// This light, transformed by `map`.
+    /// Returns a copy of this light, transformed by `map`.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
         match *self {

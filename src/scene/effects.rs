@@ -21,29 +21,29 @@ pub enum Effect {
     CausticBounces,
     /// Interreflection between diffuse or glossy surfaces.
     Interreflection,
-    /// Final gathering: rays from diffuse or glossy surfaces look up indirect light in a photon
-    /// map.
+    /// Final gathering: rays sampled at diffuse or glossy surfaces look up indirect light in a
+    /// photon map where they hit.
     Gathering,
     /// Shadows: shadow rays test whether surfaces block the light.
     Shadows,
     /// Area lights of their true size: they cast soft shadows, and paths that hit an emitter
     /// receive its light.
     SoftShadows,
-    /// Environment light.
+    /// Light from an environment light.
     Environment,
     /// Nested dielectrics: absorption inside bodies, and refraction where bodies overlap.
     Interiors,
-    /// Camera rays from the whole lens: depth of field.
+    /// Depth of field: camera rays from the whole lens instead of its center.
     Lens,
     /// Motion blur of objects, lights, textures and the camera.
     Motion,
-    /// Textures of materials and emission.
+    /// Textures of material parameters and of emission.
     Textures,
-    /// Bump and normal maps.
+    /// Shading normals perturbed by bump maps and normal maps.
     Bump,
-    /// Participating media.
+    /// Absorption, scattering and emission in participating media.
     Media,
-    /// Dispersion in glass.
+    /// Dispersion: the refractive index of glass depends on the wavelength.
     Dispersion,
 }
 
@@ -67,7 +67,7 @@ impl Effect {
         Self::Dispersion,
     ];
 
-    /// Name on the command line and in reports.
+    /// Name of the effect on the command line and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -172,12 +172,12 @@ impl std::fmt::Display for Effect {
 pub struct Effects(u16);
 
 impl Effects {
-    /// No effect.
+    /// The empty set of effects.
     pub const NONE: Self = Self(0);
-    /// All effects.
+    /// The set of all effects.
     pub const ALL: Self = Self::from_list(&Effect::ALL);
 
-    /// Set of the given effects.
+    /// Makes a set of the given effects.
     #[must_use]
     pub const fn from_list(effects: &[Effect]) -> Self {
         let mut set = Self(0);

@@ -17,10 +17,10 @@ pub enum BuildError {
     /// The power of the light with this index does not fit single precision.
     #[error("light {0} (counted from 0) is stronger than single precision can hold")]
     TooBright(usize),
-    /// A motion scales an object to zero extent.
+    /// A motion flattens an object: its transform is singular.
     #[error("a motion flattens what it moves: choose scales that are not so small")]
     Flattened,
-    /// The number of triangles exceeds 31 bits.
+    /// The scene has this number of triangles, which does not fit 31 bits.
     #[error("{0} triangles are more than the 2³¹ that can be indexed")]
     TooManyTriangles(usize),
 }

@@ -11,11 +11,11 @@ use std::sync::Arc;
 /// The material, light and texture mapping of one object.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ObjectAttributes {
-    /// Index of the material.
+    /// Index of the object's material.
     pub material: u32,
     /// Index of the object's area light; `None` if the object does not emit light.
     pub light: Option<u32>,
-    /// Index of the texture mapping.
+    /// Index of the object's texture mapping.
     pub mapping: u32,
 }
 
@@ -79,7 +79,7 @@ pub(super) struct CoincidenceGroup(u32);
 impl CoincidenceGroup {
     /// Coincidence group of all shapes for which [`Shape::may_share_edges`] is true.
     pub const SHARED_EDGES: Self = Self(u32::MAX);
-    /// Placeholder for a boundary without coincident boundaries; never compared.
+    /// Placeholder group for a boundary with which no other boundary coincides; never compared.
     pub const UNUSED: Self = Self(0);
 
     /// Coincidence group that contains only the object with this index.
@@ -98,7 +98,7 @@ impl CoincidenceGroup {
 /// moving planes.
 #[derive(Clone)]
 pub(super) struct Geometry {
-    /// Attributes of each object, by object index.
+    /// Material, light and texture mapping of each object, by object index.
     pub objects: Arc<[ObjectAttributes]>,
     pub shapes: ShapeList,
     /// Planes at rest, then moving planes.
@@ -108,7 +108,7 @@ pub(super) struct Geometry {
     pub mesh_ranges: Arc<[Range<u32>]>,
     /// Object index of each triangle.
     pub triangle_object: Arc<[u32]>,
-    /// Bounds of all bounded objects at rest.
+    /// Bounds of all objects at rest except unbounded planes.
     pub static_bounds: Bounds,
     /// Hierarchy over triangles and shapes at rest.
     pub hierarchy: Arc<Hierarchy>,
@@ -158,7 +158,7 @@ impl Geometry {
         self.moving = (!boxes.is_empty()).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
     }
 
-    /// Bounds of all bounded objects.
+    /// Bounds of all objects except unbounded planes.
     pub fn bounds(&self) -> Bounds {
         self.shapes.moving().iter().map(Shape::bounds).fold(self.static_bounds, Bounds::union)
     }
@@ -202,7 +202,7 @@ impl Geometry {
         // Find the nearest triangle or shape at rest.
         let mut hit = hierarchy.closest_hit(ray, |i, ray| resting[i as usize].intersect(ray)).map(Hit::of_resting);
 
-        // Find a nearer moving shape.
+        // Find a moving shape that is nearer.
         if let Some(moving) = moving {
             let nearer = moving.closest_hit(&Hit::limit_ray(hit, ray), |i, ray| in_motion[i as usize].intersect(ray));
             hit = nearer.map(|h| Hit::of_moving(h, shapes.first_moving())).or(hit);

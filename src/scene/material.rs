@@ -27,30 +27,30 @@ pub enum MaterialKind {
     Black,
     /// Lambertian reflection on both sides.
     Diffuse {
-        /// Reflectance in \[0, 1].
+        /// Diffuse reflectance in \[0, 1], per channel.
         reflectance: MaterialParameter<Rgb>,
     },
     /// Lambertian reflection plus a Phong lobe.
     Phong {
-        /// Diffuse coefficient kd.
+        /// Diffuse coefficient kd of Phong's model.
         diffuse: MaterialParameter<Rgb>,
-        /// Specular coefficient ks.
+        /// Specular coefficient ks of Phong's model.
         specular: MaterialParameter<Rgb>,
-        /// Exponent of the lobe.
+        /// Exponent of the specular lobe of Phong's model.
         shininess: f32,
     },
     /// Perfect specular reflection.
     Mirror {
-        /// Reflectance in \[0, 1].
+        /// Reflectance of the mirror in \[0, 1], per channel.
         reflectance: MaterialParameter<Rgb>,
     },
     /// A metal, smooth or rough.
     Conductor {
-        /// Real part of the refractive index.
+        /// Real part of the metal's refractive index, per channel.
         eta: Rgb,
-        /// Imaginary part of the refractive index.
+        /// Imaginary part of the metal's refractive index, per channel.
         k: Rgb,
-        /// Roughness α in \[0, 1].
+        /// Roughness α of the metal in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
     },
     /// A thin dielectric sheet. Transmitted light continues without deflection or displacement.
@@ -65,7 +65,7 @@ pub enum MaterialKind {
     ///
     /// The refractive index on the outer side depends on the bodies around the path that arrives.
     Dielectric {
-        /// The dielectric body inside.
+        /// The dielectric body on the inner side.
         body: Body,
         /// Roughness α of the boundary in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
@@ -84,9 +84,9 @@ pub enum MaterialKind {
     },
     /// A stochastic mix: each hit resolves to one of two materials.
     Mix {
-        /// Index of the first material.
+        /// Index of the mix's first material.
         first: u32,
-        /// Index of the second material.
+        /// Index of the mix's second material.
         second: u32,
         /// Probability with which a hit resolves to the second material.
         amount: MaterialParameter<f32>,
@@ -228,20 +228,20 @@ impl Material {
         Self::new(MaterialKind::Mirror { reflectance: reflectance.into() })
     }
 
-    /// The smooth boundary of a dielectric body with refractive `index` and `absorption`
-    /// \[1/length].
+    /// A material that is the smooth boundary of a dielectric body with refractive `index` and
+    /// `absorption` \[1/length].
     #[must_use]
     pub fn dielectric(index: f32, absorption: Rgb) -> Self {
         Self::smooth_boundary(Body { absorption, ..Body::new(index) })
     }
 
-    /// The smooth boundary of `body`.
+    /// A material that is the smooth boundary of `body`.
     #[must_use]
     pub fn smooth_boundary(body: Body) -> Self {
         Self::rough_boundary(body, 0.0)
     }
 
-    /// The boundary of `body` with roughness α in \[0, 1].
+    /// A material that is the boundary of `body`, with roughness α in \[0, 1].
     #[must_use]
     pub fn rough_boundary(body: Body, roughness: impl Into<MaterialParameter<f32>>) -> Self {
         Self::new(MaterialKind::Dielectric { body, roughness: roughness.into() })
@@ -292,7 +292,7 @@ impl Material {
         Self::new(MaterialKind::Black)
     }
 
-    /// The scattering model with its parameters.
+    /// The scattering model of this material, with its parameters.
     #[must_use]
     pub fn kind(&self) -> &MaterialKind {
         &self.kind
@@ -327,7 +327,7 @@ impl Material {
         self.kind.as_mix().map(|(parts, _)| parts)
     }
 
-    /// The BSDF with textures replaced by their means.
+    /// The BSDF of this material with textures replaced by their means.
     #[inline]
     #[must_use]
     pub fn mean_bsdf(&self) -> Bsdf {
@@ -408,7 +408,8 @@ impl Material {
                     visit(Bsdf::Conductor(Conductor::new(eta, k, alpha)));
                 }
             }
-            // Textures do not change the kind of these BSDFs.
+            // For these materials, textures do not change whether the BSDF is specular, stores
+            // photons or transmits.
             MaterialKind::Conductor { roughness: MaterialParameter::Constant(_), .. }
             | MaterialKind::CoatedDiffuse { roughness: MaterialParameter::Constant(_), .. }
             | MaterialKind::Black

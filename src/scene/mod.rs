@@ -72,7 +72,7 @@ pub struct Scene {
     /// Texture mappings, by index. Objects that define none use the first one.
     mappings: Vec<TextureMapping>,
     lights: Vec<Light>,
-    /// Index of the environment light in `lights`.
+    /// Index of the environment light in `lights`; `None` if there is none.
     environment_light_index: Option<usize>,
     /// Copies of the lights in which mean radiances replace emission textures; empty if no light
     /// has a texture.
@@ -96,7 +96,7 @@ impl std::fmt::Debug for Scene {
 }
 
 impl Scene {
-    /// The camera.
+    /// The camera, in coordinates relative to [`Scene::origin`].
     #[must_use]
     pub fn camera(&self) -> &Camera {
         &self.camera
@@ -150,7 +150,7 @@ impl Scene {
         self.environment_light_index
     }
 
-    /// All lights. An environment light is the last.
+    /// All lights of the scene. An environment light is the last.
     #[must_use]
     pub fn lights(&self) -> &[Light] {
         &self.lights
@@ -181,7 +181,7 @@ impl Scene {
         self.derived.light_contact_distance[light]
     }
 
-    /// The materials.
+    /// All materials, by material index.
     #[must_use]
     pub fn materials(&self) -> &[Material] {
         &self.materials
@@ -193,7 +193,7 @@ impl Scene {
         &self.glasses
     }
 
-    /// The participating media.
+    /// All participating media, by medium index.
     #[must_use]
     pub fn media(&self) -> &[Medium] {
         &self.media
@@ -283,7 +283,7 @@ impl Scene {
         };
         let mut material_index = object.material;
         let mut material = &self.materials[material_index as usize];
-        // Only materials of several BSDFs need a random number.
+        // Only a material that can have several BSDFs needs a random number.
         let is_chosen_by_chance = material.is_chosen_by_chance();
         let mut chance = if is_chosen_by_chance { u_mix() } else { 0.0 };
         let other_stores_photons = is_chosen_by_chance && material.may_store_photons();

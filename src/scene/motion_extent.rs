@@ -108,7 +108,7 @@ pub fn motion_on_film(scene: &Scene) -> f32 {
     let film = FilmMeasure::new(scene);
     let mut longest = 0.0f64;
 
-    // Shapes: the corners of their boxes.
+    // Measure moving shapes by the corners of their boxes.
     let every = animation.shapes.len().div_ceil(MAX_SHAPES).max(1);
     for (shape, motion) in animation.shapes.iter().step_by(every) {
         let maps: Vec<_> = (0..=STEPS).map(|step| motion.at_time(step_time(step))).collect();
@@ -118,7 +118,7 @@ pub fn motion_on_film(scene: &Scene) -> f32 {
         }
     }
 
-    // Lights: their position, and points around it that turn with the light.
+    // Measure moving lights by their position, or by points around it that turn with the light.
     let domain = scene.photon_domain();
     for (i, kind, _, motion) in &animation.lights {
         let center = scene.lights[*i].emission_point().unwrap_or(domain.center).as_dvec3();
@@ -128,7 +128,7 @@ pub fn motion_on_film(scene: &Scene) -> f32 {
         }
     }
 
-    // Camera and planes: points that the camera sees at mid-shutter.
+    // Measure the camera and moving planes by points that the camera sees at mid-shutter.
     if animation.camera.is_some() || !animation.planes.is_empty() {
         let first_plane = scene.geometry.planes.len() - animation.planes.len();
         for (x, y) in (0..FILM_POINTS * FILM_POINTS).map(|i| (i % FILM_POINTS, i / FILM_POINTS)) {

@@ -20,7 +20,7 @@ pub struct NearPrimitives<'a> {
 }
 
 impl<'a> NearPrimitives<'a> {
-    /// Primitives of `scene` near `bounds`.
+    /// Finds the primitives of `scene` near the box `bounds`.
     #[must_use]
     pub fn new(scene: &'a Scene, bounds: &Bounds) -> Self {
         let geometry = &scene.geometry;

@@ -12,7 +12,7 @@ use rand::RngExt;
 /// The ray that continues a path from its last vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct PathRay<I> {
-    /// The ray, of unit direction.
+    /// The current ray of the path, with a unit direction.
     pub ray: Ray,
     /// The dielectric bodies and media around the origin of the ray.
     pub interior: I,
@@ -28,9 +28,9 @@ pub struct MediumSegment<'a, I> {
     pub ray: Ray,
     /// Index of the medium in [`Scene::media`].
     pub index: u32,
-    /// The medium.
+    /// The medium of this part of the segment.
     pub medium: &'a Medium,
-    /// The dielectric bodies and media around this part.
+    /// The dielectric bodies and media around this part of the segment.
     pub interior: I,
     /// Transmittance due to absorption in dielectric bodies, from the last path vertex to the start
     /// of this part.
@@ -66,7 +66,7 @@ pub enum PathEvent<'a> {
 /// The surface at which a path segment ends.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceVertex<'a> {
-    /// The surface, with its BSDF and emission.
+    /// The surface at the vertex, with its BSDF and emission.
     pub surface: SurfaceInteraction<'a>,
     /// Transmittance of the path segment due to absorption in dielectric bodies, times the weight
     /// of a wavelength sampled at the surface. Media are not included.
@@ -98,7 +98,7 @@ impl<I: Interior> PathRay<I> {
         let mut distance = 0.0;
         let mut crossed = false;
         loop {
-            // Find the nearest surface.
+            // Find the nearest surface along the ray.
             let hit = scene.geometry.intersect(&self.ray);
             let cone = self.cone;
             let mut surface = None;
@@ -134,7 +134,7 @@ impl<I: Interior> PathRay<I> {
                 transmittance = exp_neg(depth.as_vec3());
             }
 
-            // Stop at a surface vertex.
+            // Stop if the surface scatters or absorbs.
             match self.interior.resolve_boundary(scene, surface, key) {
                 BoundaryEvent::Surface => {
                     transmittance *= self.interior.wavelength_weight_before_scattering(surface);

@@ -20,9 +20,9 @@ pub struct ObjectSummary {
     /// Point and unit normal of the plane that contains the object; `None` if the object may not be
     /// flat.
     pub plane: Option<(Vec3, Vec3)>,
-    /// Index of the material.
+    /// Index of the object's material.
     pub material: u32,
-    /// True if a texture determines the emission.
+    /// True if a texture determines the object's emission.
     pub has_emission_texture: bool,
 }
 

@@ -14,15 +14,15 @@ const CAMERA_CONE_PIXELS: f32 = 0.5;
 /// scattering. Light paths have no width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCone {
-    /// Diameter at the current end of the ray \[length].
+    /// Diameter of the cone at the current end of the ray \[length].
     width: f32,
-    /// Growth of the diameter per unit of distance along the ray.
+    /// Growth of the cone's diameter per unit of distance along the ray.
     spread: f32,
     /// True for camera paths. False for light paths, whose cones have zero width.
     widens: bool,
-    /// True after a non-specular scattering event.
+    /// True after a non-specular scattering event of the path.
     scattered: bool,
-    /// The effects that are simulated.
+    /// The effects that the path simulates.
     pub effects: Effects,
 }
 
@@ -71,7 +71,7 @@ impl RayCone {
         self.scattered = true;
     }
 
-    /// Diameter at the current end of the ray \[length].
+    /// Diameter of the cone at the current end of the ray \[length].
     #[inline]
     #[must_use]
     pub fn width(&self) -> f32 {

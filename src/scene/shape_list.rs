@@ -20,19 +20,19 @@ impl ShapeList {
         Self { resting: shapes.into(), moving }
     }
 
-    /// Shapes at rest.
+    /// All shapes at rest, by index.
     #[inline]
     pub fn resting(&self) -> &[Shape] {
         &self.resting
     }
 
-    /// Moving shapes.
+    /// All moving shapes, in the order of their indices.
     #[inline]
     pub fn moving(&self) -> &[Shape] {
         &self.moving
     }
 
-    /// Index of the first moving shape.
+    /// Index of the first moving shape in the list of all shapes.
     #[inline]
     pub fn first_moving(&self) -> u32 {
         self.resting.len() as u32

@@ -12,17 +12,17 @@ use glam::{Vec2, Vec3};
 /// The surface at a hit, with its BSDF and emission.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceInteraction<'a> {
-    /// Position and normals.
+    /// Position and normals of the surface at the hit.
     pub point: SurfacePoint,
     /// Unit direction from the surface towards the origin of the ray that hit it.
     pub wo: Vec3,
     /// The material; for a mix, the leaf material that was selected.
     pub material: &'a Material,
-    /// Index of `material` in the scene.
+    /// Index of the material `material` in the scene.
     pub(super) material_index: u32,
     /// The BSDF of the material at this point; for a coated surface, the selected layer.
     pub bsdf: Bsdf,
-    /// True if another mix component or coated layer, chosen at random here, could have given a
+    /// True if another random choice here, of mix component or of coat and base, could have given a
     /// BSDF that stores photons.
     pub(super) other_stores_photons: bool,
     /// Roughness α of a dielectric body's boundary; 0 for other materials.
@@ -35,7 +35,7 @@ pub struct SurfaceInteraction<'a> {
     pub(super) coincident: CoincidentFaces,
     /// Index of the object's area light; `None` if the object does not emit light.
     pub light: Option<u32>,
-    /// Radiance emitted towards `wo` \[W/(m² sr)].
+    /// Radiance that the surface emits towards `wo` \[W/(m² sr)].
     pub emission: Rgb,
 }
 

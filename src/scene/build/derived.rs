@@ -11,10 +11,10 @@ use glam::Vec3;
 /// to the bounding sphere of all bounded shapes.
 const OPEN_DOMAIN_FACTOR: f32 = 4.0;
 
-/// Radius of the ball that the ambient medium fills, relative to the greatest distance of a light,
-/// the camera or the photon domain's edge from the domain's center.
+/// Factor from a distance d to the radius of the ball that the ambient medium fills.
 ///
-/// An unbounded medium would scatter most photons far away from the objects.
+/// From the center of the photon domain, d is the greatest distance of a light, of the camera, and
+/// of the domain's edge. An unbounded medium would scatter most photons far away from the objects.
 const AMBIENT_EXTENT_FACTOR: f32 = 2.0;
 
 /// Scene data that is computed from the placement of objects, lights and camera at one time.

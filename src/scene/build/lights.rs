@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub(super) struct DeltaLight {
     pub kind: DeltaLightKind,
     pub strength: LightStrength,
-    /// Motion in the world; `None` if the light rests.
+    /// Motion of the light in world coordinates; `None` if it rests.
     pub motion: Option<Motion>,
 }
 
@@ -25,7 +25,7 @@ pub(super) struct DeltaLight {
 /// order is: delta lights at rest, moving delta lights, area lights, environment light.
 pub(super) struct CollectedLights {
     pub lights: Vec<Light>,
-    /// Index of the environment light in `lights`.
+    /// Index of the environment light in `lights`; `None` if there is none.
     pub environment_light_index: Option<usize>,
     pub legacy_lights: Vec<LegacyLight>,
     /// Moving delta lights: index in `lights`, light before its motion, strength and motion.

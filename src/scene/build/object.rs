@@ -14,11 +14,11 @@ pub(super) type Extent = (DVec3, DVec3);
 #[derive(Debug)]
 pub(super) struct SceneObject {
     pub geometry: ObjectGeometry,
-    /// Motion that maps to world coordinates; `None` if the object rests.
+    /// Motion of the object, which maps it to world coordinates; `None` if it rests.
     pub motion: Option<Motion>,
-    /// Index of the material.
+    /// Index of the object's material.
     pub material: u32,
-    /// Mean emitted radiance \[W/(m² sr)].
+    /// Mean radiance that the object emits \[W/(m² sr)].
     pub emission: Rgb,
     /// Index of the emission texture, and the factor from texture values to radiance \[W/(m² sr)].
     pub emission_texture: Option<(u32, Rgb)>,

@@ -27,7 +27,7 @@ pub(super) struct PlacedObjects {
 /// Geometry in coordinates relative to [`Scene::origin`](crate::scene::Scene::origin), before
 /// hierarchies are built.
 pub(super) struct PlacedGeometry {
-    /// Shapes at rest, then moving shapes.
+    /// All analytic shapes: shapes at rest, then moving shapes.
     pub shapes: Vec<Shape>,
     pub first_moving: u32,
     pub planes: Vec<Plane>,
@@ -40,7 +40,7 @@ pub(super) struct PlacedGeometry {
 pub(super) struct PlacedTextureMappings {
     /// All texture mappings. Objects that define none use the first one.
     pub list: Vec<TextureMapping>,
-    /// Index of the mapping of each object in `list`.
+    /// Index in `list` of each object's texture mapping.
     pub of_object: Vec<u32>,
 }
 

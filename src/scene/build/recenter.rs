@@ -100,8 +100,8 @@ fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<Cam
 
 /// Coordinate along `axis` that minimizes the greatest ratio of a target's distance to its size.
 ///
-/// Distances are measured along `axis`. `most` is an upper bound of the minimum, where the
-/// bisection starts.
+/// Distances are measured along `axis`. The least ratio is found by bisection between 0 and its
+/// upper bound `most`.
 fn minimax_coordinate(targets: &[FineDetailRegion], axis: usize, most: f64) -> f64 {
     let within = |t: f64| {
         let ends =

@@ -11,9 +11,10 @@ use crate::shape::Shape;
 /// Largest accepted coordinate. The product of three coordinates stays finite in single precision.
 const MAX_COORDINATE: f32 = 1e12;
 
-/// Smallest accepted value of the greatest coordinate, 2⁻³⁹ \[length].
+/// Smallest accepted value of a scene's greatest coordinate, 2⁻³⁹ \[length].
 ///
-/// Its rounding error is 2⁻⁶³, and the square of this error, 2⁻¹²⁶, is the least normal f32.
+/// The rounding error of this coordinate is 2⁻⁶³, and the square of the error, 2⁻¹²⁶, is the least
+/// normal f32.
 const MIN_EXTENT: f32 = 1.0 / 549_755_813_888.0;
 
 /// Checks that no unbounded plane emits, and that triangle indices fit 31 bits.
@@ -37,7 +38,7 @@ pub(super) fn validate_coordinate_range(geometry: &PlacedGeometry, animation: &A
     let farthest = corners
         .chain(boxes.flat_map(|Bounds { min, max }| [min, max]))
         .flat_map(|p| p.abs().to_array())
-        // NaN counts as the farthest of all.
+        // A coordinate that is NaN counts as the farthest.
         .max_by(f32::total_cmp);
     match farthest {
         Some(far) if !far.is_finite() => Err(BuildError::TooLarge(f64::INFINITY)),

@@ -10,7 +10,8 @@ use glam::Vec3;
 ///
 /// A body contains the point if the ray leaves the body without having entered it.
 pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorStack {
-    // Neither an axis nor a diagonal: the ray seldom hits flat boundaries edge-on.
+    // This direction is neither an axis nor a diagonal, so the ray seldom hits flat boundaries
+    // edge-on.
     let mut ray = Ray::new(p, Vec3::new(0.267_261_24, 0.801_783_74, 0.534_522_5).normalize());
     let mut entered: Vec<u32> = Vec::new();
     let (mut left, mut crossed): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
@@ -20,8 +21,9 @@ pub(in crate::scene) fn interior_stack_at(scene: &Scene, p: Vec3) -> InteriorSta
             let own = CoincidentFace::from_surface(&surface, surface.is_entering());
             let coincident = coincident_faces_at(scene, &surface);
             let count = |material| entered.iter().filter(|m| **m == material).count();
-            // As in `InteriorStack::stack_after_crossing`, entries and exits are paired. An exit
-            // without an entry differs: it means that the body contains the start of the ray.
+            // Entries and exits are handled as in `InteriorStack::stack_after_crossing`, with one
+            // difference. An exit without an entry means that the body contains the start of the
+            // ray.
             let spare = usize::from(!own.entering && count(own.material) > 0);
             let pending_entry =
                 |face: &CoincidentFace| count(face.material) <= if face.material == own.material { spare } else { 0 };

@@ -28,7 +28,7 @@ use glam::Vec3;
 /// Selects the type that implements [`Interior`] for the paths of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InteriorKind {
-    /// [`NoInterior`]: paths track nothing.
+    /// [`NoInterior`]: paths track neither bodies nor media.
     Nothing,
     /// [`InteriorStack`]: paths track dielectric bodies, without media or a wavelength.
     Bodies,
@@ -48,7 +48,7 @@ pub enum BoundaryEvent {
     NullInterface,
 }
 
-/// The medium around a point of a path.
+/// The medium around a point of a path, and whether it is the ambient medium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CurrentMedium {
     /// Index of the medium in [`Scene::media`].

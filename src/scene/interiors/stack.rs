@@ -12,7 +12,7 @@ const MAX_BODIES: usize = 12;
 /// "Simple Nested Dielectrics in Ray Traced Images").
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InteriorStack {
-    /// Indices of materials.
+    /// Material indices of the bodies; only the first `count` are valid.
     bodies: [u32; MAX_BODIES],
     count: u8,
 }
@@ -23,7 +23,7 @@ pub(in crate::scene) struct BodyInterface {
     /// True if light interacts with the boundary. False if a dielectric body of higher priority
     /// fills both sides.
     pub real: bool,
-    /// The dielectric body outside; `None` is air.
+    /// The dielectric body on the outer side of the boundary; `None` is air.
     pub outside: Option<Body>,
 }
 

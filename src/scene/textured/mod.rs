@@ -15,11 +15,11 @@ use std::sync::Arc;
 /// A material parameter: a constant, or a texture times a factor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialParameter<T> {
-    /// One value everywhere.
+    /// The parameter has one value everywhere.
     Constant(T),
-    /// A texture times a factor.
+    /// The parameter is a texture times a factor.
     Texture {
-        /// Index of the texture.
+        /// Index of the texture in the scene.
         texture: u32,
         /// Factor by which the texture's values are multiplied.
         factor: T,
@@ -45,7 +45,7 @@ impl<T: Copy> MaterialParameter<T> {
         }
     }
 
-    /// True if a texture determines the value.
+    /// True if a texture determines the parameter's value.
     #[inline]
     #[must_use]
     pub fn is_textured(&self) -> bool {

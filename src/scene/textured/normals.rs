@@ -13,13 +13,13 @@ const MIN_COS: f32 = 0.05;
 /// The way in which a material perturbs shading normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NormalPerturbation {
-    /// No perturbation.
+    /// Shading normals are not perturbed.
     None,
     /// A bump map: a texture of heights (Blinn 1978, "Simulation of Wrinkled Surfaces").
     BumpMap {
-        /// Index of the texture.
+        /// Index of the height texture.
         texture: u32,
-        /// Height of texture value 1 \[length].
+        /// Height that the texture value 1 stands for \[length].
         height: f32,
     },
     /// A normal map in tangent space, by the index of its texture.
@@ -54,7 +54,8 @@ pub(in crate::scene) fn perturbed_normal(
                 let slope = f64::from(height) * (value(step) - value(-step)) / (2.0 * step.length());
                 if slope.is_finite() { direction * slope } else { DVec3::ZERO }
             };
-            // The normal of p + h(p)·n, by the gradient of h along the surface.
+            // Normal (not normalized) of the displaced surface p + h(p)·n, by the gradient of the
+            // height h along the surface.
             n - slope(frame.s) - slope(frame.t)
         }
         NormalPerturbation::NormalMap(texture) => {
@@ -71,7 +72,7 @@ pub(in crate::scene) fn perturbed_normal(
     if cos >= MIN_COS {
         return ns;
     }
-    // Keep the azimuth of the tilt, and limit its angle.
+    // Keep the direction in which `ns` is tilted, and limit the tilt.
     let along = (ns - ng * cos).normalize_or_zero();
     (along * (1.0 - MIN_COS * MIN_COS).sqrt() + ng * MIN_COS).normalize()
 }

@@ -20,7 +20,7 @@ const MAX_COINCIDENT_FACES: usize = 3;
 /// A boundary of a dielectric body at a hit, and the direction in which the path crosses it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(in crate::scene) struct CoincidentFace {
-    /// Index of the material.
+    /// Index of the boundary's material.
     pub material: u32,
     /// True if the path enters the dielectric body.
     pub entering: bool,
@@ -47,7 +47,7 @@ impl CoincidentFace {
 pub(in crate::scene) struct CoincidentFaces([Option<CoincidentFace>; MAX_COINCIDENT_FACES]);
 
 impl CoincidentFaces {
-    /// No boundary coincides with the one at the hit.
+    /// The empty set: no boundary coincides with the one at the hit.
     pub const NONE: Self = Self([None; MAX_COINCIDENT_FACES]);
 
     #[inline]
@@ -74,9 +74,9 @@ pub(super) struct BoundarySides<'a> {
     /// The body that gives the refractive index on the other side, with its material index; `None`
     /// is air.
     pub far: Option<(u32, &'a Body)>,
-    /// True if all boundaries are null interfaces.
+    /// True if all these boundaries are null interfaces.
     pub is_null_interface: bool,
-    /// Greatest roughness α of the boundaries that are not null interfaces.
+    /// Greatest roughness α of those boundaries that are not null interfaces.
     pub roughness: f32,
 }
 

@@ -49,14 +49,14 @@ impl CoincidentFlags {
 struct BoundaryFace {
     primitive: PrimitiveIndex,
     bounds: Bounds,
-    /// Index of the mesh or shape in the list of extents.
+    /// Index of the mesh or shape that the face belongs to, in the list of extents.
     object: u32,
 }
 
 /// The box around a mesh or shape that bounds a dielectric body.
 struct BoundaryExtent {
     bounds: Bounds,
-    /// Distance within which another face counts as coincident \[length].
+    /// Distance within which a face of another object counts as coincident \[length].
     margin: f32,
 }
 

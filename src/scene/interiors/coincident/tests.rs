@@ -92,7 +92,7 @@ fn a_boundary_just_crossed_is_not_crossed_again() {
             .bodies(),
         &[1]
     );
-    // A small gap: the path left the glass just before it enters the liquid.
+    // A small gap between both bodies: the path left the glass just before it enters the liquid.
     assert_eq!(
         InteriorStack::EMPTY
             .stack_after_crossing(coincident_face(1, true), &coincident_faces_from_list(&[coincident_face(0, false)]))

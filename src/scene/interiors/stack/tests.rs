@@ -4,7 +4,7 @@ use super::*;
 
 fn water_ice_glass_materials() -> Vec<Material> {
     let body = |index, priority| Material::smooth_boundary(Body { priority, ..Body::new(index) });
-    // Water, ice, glass.
+    // Three materials: water, ice and glass.
     vec![body(1.33, 0), body(1.31, 1), body(1.5, 2)]
 }
 

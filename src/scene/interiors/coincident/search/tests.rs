@@ -29,7 +29,8 @@ fn flagged_triangles_of_cubes(scale: f64, shift: DVec3) -> [usize; 2] {
 #[test]
 fn only_faces_that_may_coincide_are_flagged() {
     let beside = |x: f64| flagged_triangles_of_cubes(0.5, DVec3::new(x, 0.25, 0.25));
-    // The shared wall, and the four walls of the small cube that end at it.
+    // Of the unit cube, the two triangles of the shared wall are flagged. Of the small cube, this
+    // wall and the four walls that end at it are flagged.
     assert_eq!(beside(1.0), [2, 10]);
     assert_eq!(beside(1.0 + 1e-7), [2, 10], "within the position error");
     assert_eq!(beside(0.75), [2, 8], "walls that cross");
