@@ -58,7 +58,8 @@ fn scene_warnings(scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     warnings.into_iter().map(|warning| format!("{name}: warning: {warning}")).collect()
 }
 
-/// True if any camera ray of a regular grid hits an object, or a medium fills the scene.
+/// True if any camera ray of a regular grid over the picture hits an object, or if a medium fills
+/// the scene.
 fn camera_sees_objects(scene: &Scene) -> bool {
     let (width, height) = scene.camera().size();
     let position = |i: u32, pixels: u32| (i as f32 + 0.5) / RAYS_PER_SIDE as f32 * pixels as f32;

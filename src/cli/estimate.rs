@@ -23,7 +23,8 @@ use report::CostEstimateReport;
 use std::io::Write as _;
 use std::time::Instant;
 
-/// Smallest number of passes of the pilot. Fewer would miss rare paths.
+/// Smallest number of passes of the pilot. With fewer, the error estimate would miss rare bright
+/// paths.
 const MIN_PILOT_PASSES: u32 = 8;
 
 pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure> {
@@ -117,7 +118,7 @@ fn render_pilot(
         progress.set_pass_number(standing.passes + 1, None);
     });
     progress.remove_progress_bar();
-    // The first pass takes longer, because caches are cold.
+    // The first pass takes longer than later ones, because caches are cold.
     let (passes, wall) = (rendered.film.passes(), rendered.wall.as_secs_f64());
     let pass_seconds = if passes > 2 { (wall - first) / f64::from(passes - 1) } else { wall / f64::from(passes) };
     (rendered, pass_seconds)

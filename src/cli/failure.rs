@@ -33,9 +33,9 @@ impl From<Exit> for ExitCode {
 /// Failure of a command: error reports and the exit code.
 #[derive(Debug)]
 pub struct CommandFailure {
-    /// Error reports to print, at least one.
+    /// Reports of the errors to print, at least one.
     pub reports: Vec<Report>,
-    /// The exit code.
+    /// The exit code that the program returns.
     pub exit: Exit,
 }
 

@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &FilmArguments) -> Result<Exit, CommandFailure> {
     Ok(Exit::Success)
 }
 
-/// Reads a film file.
+/// Reads the film file at `path`.
 pub(super) fn read_film(path: &Path) -> Result<FilmFile, CommandFailure> {
     let read = || FilmFile::read(BufReader::new(File::open(path)?));
     read().map_err(|source| CommandFailure::new(Exit::Input, FilmReadError { path: path.to_owned(), source }))
@@ -97,7 +97,7 @@ pub(super) fn write_film(path: &Path, header: &FilmHeader, rendered: &RenderResu
     })
 }
 
-/// Returns the description of a film.
+/// Returns a text that describes a film: its scene, settings, passes and error.
 fn film_text(FilmFile { header, rendered }: &FilmFile) -> String {
     let mut text = format!("scene     {}\n", header.scene);
     for InputDigest { name, digest } in &header.inputs {
@@ -226,7 +226,7 @@ impl<'a> SavedFilm<'a> {
         self.next = now + self.interval.max((now - start) * MIN_INTERVAL_FACTOR);
     }
 
-    /// Saves `rendered`.
+    /// Saves `rendered` to the film file.
     pub fn save(&self, rendered: &RenderResult) -> Result<(), WriteError> {
         write_film(self.path, &self.header, rendered)
     }
@@ -263,7 +263,7 @@ impl FileLock {
 
 impl Drop for FileLock {
     fn drop(&mut self) {
-        // If the lock file stays, the next render locks it again.
+        // If this fails and the lock file stays, the next render locks it again.
         let _ = fs::remove_file(&self.path);
     }
 }

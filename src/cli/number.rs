@@ -37,7 +37,7 @@ pub(super) fn parse_bytes(text: &str) -> Result<u64, String> {
     value.map(|x| x as u64).ok_or_else(|| format!("`{text}` is not an amount of memory: write it as 4G or 512M"))
 }
 
-/// Parses a count of at least one.
+/// Parses a count of at least one, such as a number of passes.
 pub(super) fn parse_positive_count(text: &str) -> Result<u32, String> {
     match parse_count(text)? {
         0 => Err("it must be at least 1".to_owned()),
@@ -63,7 +63,7 @@ pub(super) fn parse_gather_count(text: &str) -> Result<u32, String> {
 /// Largest accepted number of threads.
 const MAX_THREADS: u32 = 1024;
 
-/// Parses a seed of random numbers.
+/// Parses the seed of all random numbers.
 pub(super) fn parse_seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("`{text}` is not a seed: write a whole number from 0 to {}", u64::MAX))
 }
@@ -80,7 +80,7 @@ pub(super) fn parse_seed_count(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Parses a number of threads.
+/// Parses a number of threads, from 1 to [`MAX_THREADS`].
 pub(super) fn parse_threads(text: &str) -> Result<u32, String> {
     match parse_positive_count(text)? {
         n @ ..=MAX_THREADS => Ok(n),
@@ -93,7 +93,7 @@ pub(super) fn count_with_noun(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
-/// Parses an exposure in stops.
+/// Parses an exposure in stops, such as `+1` or `-0.5`.
 pub(super) fn parse_exposure_stops(text: &str) -> Result<f32, String> {
     let value = text.parse::<f32>().ok().filter(|x| x.abs() <= MAX_EXPOSURE_STOPS);
     value.ok_or_else(|| {
@@ -135,7 +135,7 @@ pub(super) fn parse_distance(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("`{text}` is not a length: write a number of at least 0"))
 }
 
-/// Parses a factor above zero.
+/// Parses a scale factor above zero.
 pub(super) fn parse_positive_factor(text: &str) -> Result<f64, String> {
     parse_number_where(text, |x| x > 0.0).ok_or_else(|| format!("`{text}` is not a factor: write a number above 0"))
 }

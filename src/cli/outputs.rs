@@ -12,7 +12,7 @@ pub(super) struct FileWithRole {
     role: &'static str,
     /// Path as given on the command line or in the scene.
     path: PathBuf,
-    /// Path after all links are resolved.
+    /// Path of the file after all links are resolved.
     resolved: PathBuf,
 }
 

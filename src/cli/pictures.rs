@@ -31,8 +31,8 @@ pub struct PictureArguments {
 }
 
 impl PictureArguments {
-    /// Returns the tone curve, the bits and the metadata of the files. `curve` is the tone curve if
-    /// `--tone` is not given.
+    /// Returns the options of writing picture files. `curve` is the tone curve if `--tone` is not
+    /// given.
     pub(super) fn write_options(&self, curve: ToneCurve) -> WriteOptions {
         WriteOptions {
             tone: ToneMap { curve: self.tone.unwrap_or(curve), exposure_stops: self.exposure },

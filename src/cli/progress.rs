@@ -47,16 +47,16 @@ pub(super) fn warn_of_rejected_samples(counters: &Counters) {
 pub(super) enum ProgressDisplay {
     /// Shows nothing.
     Quiet,
-    /// Prints lines.
+    /// Prints plain lines, for a standard error that is not a terminal.
     Lines(Mutex<ProgressBarLabels>),
-    /// Draws a bar.
+    /// Draws a progress bar on a terminal.
     Bar(ProgressBar, Mutex<ProgressBarLabels>),
 }
 
 /// Texts and times that the labels of the progress bar show.
 #[derive(Debug, Default)]
 pub(super) struct ProgressBarLabels {
-    /// Text such as `pass 3/20`.
+    /// Text about the current pass, such as `pass 3/20`.
     pass: String,
     /// Expected end of the whole render; `None` if unknown.
     end: Option<Instant>,
@@ -108,7 +108,7 @@ impl ProgressDisplay {
         self.lock_progress_labels().into_iter().for_each(|mut labels| labels.end = end);
     }
 
-    /// Sets the text to the right of the bar.
+    /// Sets the note that is shown to the right of the bar.
     pub fn set_progress_note(&self, note: String) {
         if let Self::Bar(bar, _) = self {
             bar.set_message(note);

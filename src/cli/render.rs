@@ -32,7 +32,7 @@ use glam::Vec3;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-/// Error: a shard has no passes.
+/// Error: the requested shard, one of N parts of a render, has no passes.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("part {} of {} parts has none of {passes} passes", shard.number, shard.count)]
 #[diagnostic(help("divide the passes into at most {passes} parts"))]
@@ -63,7 +63,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
     with_thread_pool(&arguments.scene, || load_scene_and_render(arguments, &progress))
 }
 
-/// Returns all output files that the command line names.
+/// Returns all output files of `caustica render` that the command line names.
 fn output_files(arguments: &RenderArguments) -> Vec<FileWithRole> {
     let pictures = arguments.output.iter().map(|path| FileWithRole::new("-o", path));
     let layers = arguments.aov.iter().map(|path| FileWithRole::new("--aov", path));
@@ -181,7 +181,7 @@ fn passes_of_shard<'a>(
     Ok((numbers, StopCriteria { passes: Some(count), ..stop }))
 }
 
-/// Returns the limits that the command line sets.
+/// Returns the limits of the render that the command line sets.
 fn render_limits(arguments: &RenderArguments) -> RenderLimits {
     RenderLimits {
         passes: arguments.passes,

@@ -49,13 +49,13 @@ pub(super) struct RenderReport {
 pub(super) struct LimitsReport {
     /// True if the command line sets no limit.
     default: bool,
-    /// Largest number of passes.
+    /// Largest number of passes; `None` without this limit.
     passes: Option<u32>,
-    /// Time \[s] after which the render ends.
+    /// Time \[s] after which the render ends; `None` without this limit.
     seconds: Option<f64>,
-    /// Relative error at which the render ends.
+    /// Relative error at which the render ends; `None` without this limit.
     error: Option<f64>,
-    /// Confidence that the true error is at most `error`.
+    /// Confidence with which the true error must be at most `error`; `None` without that limit.
     confidence: Option<Confidence>,
 }
 
@@ -103,9 +103,9 @@ impl EstimatedErrorReport {
 
 #[derive(Debug, Serialize)]
 pub(super) struct GatherRadiiReport {
-    /// Radius of the indirect map, which Jensen 2001 calls the global map \[length].
+    /// Gather radius of the indirect map, which Jensen 2001 calls the global map \[length].
     pub global: f32,
-    /// Radius of the caustic map \[length].
+    /// Gather radius of the caustic map \[length].
     pub caustic: f32,
 }
 

@@ -6,9 +6,9 @@ use std::str::FromStr;
 /// One of several parts of the passes of a render, such as `3/16`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Number of the part, counted from 1.
+    /// Number of this part, counted from 1.
     pub number: u32,
-    /// Number of parts.
+    /// Number of parts into which the passes are divided.
     pub count: u32,
 }
 

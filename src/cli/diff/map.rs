@@ -12,9 +12,9 @@ const SCALE_QUANTILE: f64 = 0.99;
 /// Colour scale of a PNG error map: the errors that its first and last colours show.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub(super) struct ColorScale {
-    /// Error that the first colour shows.
+    /// Error that the first colour of the scale shows.
     pub from: f64,
-    /// Error that the last colour shows. Larger errors have the same colour.
+    /// Error that the last colour of the scale shows. Larger errors have the same colour.
     pub to: f64,
 }
 

@@ -118,7 +118,7 @@ fn compare_pictures(
     Ok((report, flip))
 }
 
-/// Returns the mean over all pixels and channels.
+/// Returns the mean of a picture's values over all pixels and channels.
 fn mean_channel_value(image: &Image) -> f64 {
     let sum: f64 = image.pixels().iter().map(|p| p.as_dvec3().element_sum()).sum();
     sum / (3.0 * image.pixels().len() as f64)
@@ -161,7 +161,7 @@ fn exceeded_limits(arguments: &DiffArguments, report: &DiffReport) -> Vec<(&'sta
     exceeded
 }
 
-/// Writes the error map of `--output`.
+/// Writes the error map to the file of `--output`.
 fn write_error_map(
     path: &Path,
     kind: ErrorMapKind,

@@ -8,7 +8,8 @@ use crate::study::text::three_digit_text;
 use serde::Serialize;
 use std::fmt::Write;
 
-/// Constant ε in the denominator of the relative MSE.
+/// Constant ε in the denominator of the relative MSE: see
+/// [`relative_mse`](crate::image::metrics::relative_mse).
 pub(super) const EPSILON: f64 = 0.01;
 
 #[derive(Debug, Serialize)]

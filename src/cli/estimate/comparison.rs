@@ -38,7 +38,7 @@ pub(super) struct Comparison {
 }
 
 impl Comparison {
-    /// Creates a comparison without other algorithms.
+    /// Creates a comparison without reports of other algorithms.
     pub(super) fn new(report: CostEstimateReport) -> Self {
         Self { report, compared: Vec::new() }
     }
@@ -71,7 +71,7 @@ impl Comparison {
         for row in 0..self.report.estimates.len() {
             let prices: Vec<(&CostEstimate, bool)> =
                 self.reports().map(|report| (&report.estimates[row], report.misses_caustics)).collect();
-            // The estimated error of an algorithm leaves out caustics that it misses. Its time
+            // The estimated error of an algorithm leaves out caustics that it misses, so its time
             // never counts as the least.
             let known = prices.iter().filter(|(_, misses_caustics)| !misses_caustics);
             let least = known.filter_map(|(price, _)| price.seconds).fold(f64::INFINITY, f64::min);

@@ -1,4 +1,4 @@
-//! Report of the costs of errors by one algorithm.
+//! Report of the estimated costs of errors, by one algorithm.
 
 use crate::cli::EstimateArguments;
 use crate::cli::args::MethodArguments;
@@ -57,7 +57,7 @@ struct ExpectedEndReport {
     passes: u32,
     /// Expected time of the render, with preparation \[s].
     seconds: f64,
-    /// Expected relative error of the picture.
+    /// Expected relative error of the picture at the end.
     error: f64,
 }
 
@@ -70,9 +70,9 @@ pub(super) struct CostEstimate {
     passes: Option<u32>,
     /// Expected time of the render, with preparation \[s]; `None` if `passes` is.
     pub(super) seconds: Option<f64>,
-    /// Lower end of the range of likely times \[s].
+    /// Lower end of the range of likely times of the render \[s].
     seconds_low: Option<f64>,
-    /// Upper end of the range of likely times \[s]; `None` if it is unknown.
+    /// Upper end of the range of likely times of the render \[s]; `None` if it is unknown.
     seconds_high: Option<f64>,
     photons: Option<f64>,
     /// Relative error that bias keeps in the picture after any number of passes; `None` if the

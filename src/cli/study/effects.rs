@@ -50,7 +50,7 @@ fn run_effect_study(
     let start = Instant::now();
     let scene = load_study_scene(arguments, progress)?;
     let algorithm = arguments.method.integrator;
-    // The study renders the full picture, and at most one further picture for each effect.
+    // Check the memory for the full picture, and at most one further picture for each effect.
     let memory = arguments.scene.memory_limit();
     let pictures = check_picture_memory(Effect::ALL.len() + 1, scene.camera().size(), memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;

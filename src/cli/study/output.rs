@@ -75,7 +75,7 @@ impl<'a, F> StudyOutputs<'a, F> {
     }
 }
 
-/// Returns all files that a study writes.
+/// Returns all files that a study writes, with their roles.
 pub(super) fn study_output_files(arguments: &StudyArguments) -> Vec<FileWithRole> {
     let reports = arguments.output.iter().map(|path| FileWithRole::new("-o", path));
     let references = arguments.kind.save_truth.iter().flat_map(|(a, b)| [a, b]);

@@ -89,7 +89,7 @@ impl VariantArguments {
     }
 }
 
-/// Returns the default arguments of all methods.
+/// Returns the method arguments with default values.
 #[cfg(test)]
 pub(super) fn default_method_arguments() -> MethodArguments {
     VariantFlags::try_parse_from([""; 0]).unwrap().method

@@ -13,13 +13,13 @@ const MAX_EVENTS: usize = 64;
 pub(super) enum Event {
     /// Request of a page.
     Request(Request),
-    /// A job has read the scene.
+    /// A job has read the scene file, with or without errors.
     Read {
-        /// Number of the job's render.
+        /// Number of the render to which the job belongs.
         render: u32,
-        /// The scene file and the files that it names.
+        /// The scene file and all files that it names.
         files: WatchedFiles,
-        /// The scene; `None` if it has errors.
+        /// The scene that was read; `None` if it has errors.
         loaded: Option<Arc<LoadedScene>>,
     },
 }
@@ -29,7 +29,7 @@ pub(super) enum Event {
 pub(super) struct EventQueue(SyncSender<Event>);
 
 impl EventQueue {
-    /// Makes an empty queue. Returns both ends.
+    /// Makes an empty queue. Returns its sending and its receiving end.
     pub fn new() -> (Self, Receiver<Event>) {
         let (sender, receiver) = sync_channel(MAX_EVENTS);
         (Self(sender), receiver)

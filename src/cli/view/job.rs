@@ -27,13 +27,13 @@ const SETTLING_TIME: Duration = Duration::from_millis(300);
 /// Flags by which the session controls a job.
 #[derive(Debug, Default)]
 struct JobControl {
-    /// True to pause after the current pass.
+    /// True if the render must pause after the current pass.
     interrupted: AtomicBool,
-    /// True to end the job.
+    /// True if the job must end.
     cancelled: AtomicBool,
 }
 
-/// Session's end of a job.
+/// Handle by which the session controls a job.
 #[derive(Debug)]
 pub(super) struct JobHandle {
     control: Arc<JobControl>,
@@ -73,12 +73,12 @@ impl ProgressMonitor for JobMonitor<'_> {
     }
 }
 
-/// Scene of a job.
+/// The scene that a job renders.
 pub(super) enum JobScene {
     /// The scene file is to be read. The given scene is reused if the file differs from it in the
     /// camera only.
     File(Option<Arc<LoadedScene>>),
-    /// A scene that was read before.
+    /// A scene that an earlier job has read.
     Loaded(Arc<LoadedScene>),
 }
 

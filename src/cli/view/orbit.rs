@@ -1,4 +1,4 @@
-//! The moved camera of `caustica view`.
+//! The camera of `caustica view`, moved around a point by the page.
 
 use crate::camera::Camera;
 use crate::scene::Scene;

@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// Longest text of a scene file that the page shows \[bytes].
 const MAX_SOURCE_BYTES: u64 = 1 << 20;
 
-/// A scene that was read.
+/// A scene that was read without an error, with its files.
 pub(super) struct LoadedScene {
     pub scene: Arc<Scene>,
     pub description: SceneDescription,
@@ -112,7 +112,7 @@ fn problems_of_report(report: &Report) -> Vec<SceneProblem> {
     std::iter::once(first).chain(first.further_errors()).map(problem).collect()
 }
 
-/// Returns an error without a position.
+/// Returns an error of a report as a problem of the scene without a position in the file.
 pub(super) fn problem_of_report(report: &Report) -> SceneProblem {
     let causes: Vec<String> = report.chain().map(ToString::to_string).collect();
     let remedy = report.help().map_or(String::new(), |help| help.to_string());

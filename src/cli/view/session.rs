@@ -30,7 +30,7 @@ pub(super) struct Session<'a> {
 /// The current job, and the state that later jobs take over from it.
 struct SessionState {
     job: JobHandle,
-    /// Number of the current render.
+    /// Number of the current job's render.
     render: u32,
     /// The scene that was read last without an error.
     loaded: Option<Arc<LoadedScene>>,
@@ -60,7 +60,7 @@ impl<'a> Session<'a> {
             let mut next_look = Instant::now() + POLL_INTERVAL;
             while !INTERRUPTED.load(Ordering::Relaxed) {
                 let first = events.recv_timeout(next_look.saturating_duration_since(Instant::now()));
-                // Only the last of several movements matters.
+                // Of several camera movements, only the last one matters.
                 first.into_iter().chain(events.try_iter()).for_each(|event| state.apply(event));
                 let mut next_scene = state.moved_scene();
                 if Instant::now() >= next_look {

@@ -9,7 +9,7 @@ use std::time::SystemTime;
 /// Time of the last change and length of a file \[bytes]; `None` if there is no such file.
 type FileStamp = Option<(SystemTime, u64)>;
 
-/// Returns the stamp of the file at `path`.
+/// Returns the time of the last change and the length of the file at `path`.
 fn file_stamp(path: &Path) -> FileStamp {
     let data = fs::metadata(path).ok()?;
     Some((data.modified().ok()?, data.len()))
@@ -34,7 +34,7 @@ impl WatchedFiles {
         }
     }
 
-    /// Adds a file in its present state.
+    /// Adds the file at `path` in its present state, unless the list has it.
     fn add(&mut self, path: &Path) {
         if self.0.iter().all(|(known, _)| known != path) {
             self.0.push((path.to_owned(), file_stamp(path)));
@@ -85,7 +85,7 @@ impl MeshReadMonitor for WatchingMonitor {
 #[derive(Debug, Default)]
 pub(super) struct FileWatch {
     files: WatchedFiles,
-    /// State at the last look, if it differs from `files`.
+    /// State of the files at the last look, if it differs from `files`.
     changed: Option<WatchedFiles>,
 }
 
@@ -130,13 +130,13 @@ mod tests {
         let mut watch = FileWatch::default();
         watch.set_files(files.clone());
         assert!(!watch.look());
-        // A file that grows is not settled.
+        // A file that is still growing is not reported yet.
         fs::write(&scene, "ab").unwrap();
         assert!(!watch.look());
         fs::write(&scene, "abc").unwrap();
         assert!(!watch.look());
         assert!(watch.look() && !watch.look() && files.has_same_inputs());
-        // A file appears, and goes away before it is settled.
+        // A file appears, and is removed again before two looks have found it.
         fs::write(&mesh, "v").unwrap();
         assert!(!watch.look() && !files.has_same_inputs());
         fs::remove_file(&mesh).unwrap();

@@ -6,7 +6,7 @@ fn knob_variant_labels(algorithm: Algorithm, change: impl FnOnce(&mut MethodArgu
     change(&mut shared);
     let pilot = PilotChosenSettings { samples: 1, photons: 1000, caustic_photons: 0, radius: Some(0.25) };
     let all = one_setting_variants(VariantArguments::from_algorithm(algorithm, &shared), &pilot);
-    // A label parses to the variant that it names.
+    // Each label, parsed as text, gives the variant that it names.
     for named in &all {
         let again = VariantArguments::parse(&named.label, &all[0].method).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(format!("{:?}", again.method), format!("{:?}", named.method));
