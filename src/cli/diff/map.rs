@@ -82,8 +82,8 @@ mod tests {
         assert_eq!(exr(ErrorMapKind::Signed), Vec3::new(0.0, 0.5, -1.0));
         assert_eq!(exr(ErrorMapKind::Absolute), Vec3::new(0.0, 0.5, 1.0));
         assert_eq!(exr(ErrorMapKind::Flip), Vec3::splat(0.25));
-        // The squared differences sum to ¼ + 1. The reference has local radiance L = 2 and mean m = 2,
-        // so the error is √((¼ + 1) / (3 · (L² + m²))).
+        // The squared differences sum to ¼ + 1. The reference has local radiance L = 2 and mean
+        // m = 2, so the error is √((¼ + 1) / (3 · (L² + m²))).
         assert!((exr(ErrorMapKind::Relative) - f32::sqrt(1.25 / 24.0)).abs().max_element() < 1e-6);
     }
 
