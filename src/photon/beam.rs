@@ -71,9 +71,8 @@ pub struct BeamIntersection {
     pub x2: f32,
 }
 
-/// Largest sine of the angle between two unit directions at which they count as parallel.
-///
-/// It is twice the rounding error of a normalised direction.
+/// Sine of the angle up to which a ray and a photon beam count as parallel: twice the rounding
+/// error of a normalised direction.
 const MIN_SINE: f64 = 2.0 * rounding_error_bound(4) as f64;
 
 impl BeamIntersection {
@@ -116,7 +115,7 @@ pub struct PhotonBeamMap {
     radius: f32,
 }
 
-/// Upper bound of the mean number of pieces of a beam.
+/// Upper bound of the mean number of pieces into which [`PhotonBeamMap`] splits a beam.
 const MAX_PIECES: f64 = 4.0;
 
 impl PhotonBeamMap {
@@ -203,8 +202,9 @@ impl BeamPiece {
 
 /// Splits each beam into pieces of equal length, because short pieces have small bounding boxes.
 ///
-/// A beam is split into ⌈beam length · g/`length`⌉ pieces, where g is [`sqrt_half_box_area`]. So
-/// `length` is the largest length of a piece along a diagonal of the axes, where g is 1.
+/// A beam of length L is split into ⌈L·g/`length`⌉ pieces, with g = [`sqrt_half_box_area`]. A beam
+/// along a coordinate axis has g = 0 and stays whole, because its box is thin. A beam along a space
+/// diagonal has g = 1, so its pieces are at most `length` long.
 fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
     let pieces_of = |(index, beam): (usize, &PhotonBeam)| {
         let (index, whole) = (index as u32, beam.length);
@@ -215,12 +215,11 @@ fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
     beams.par_iter().enumerate().flat_map_iter(pieces_of).collect()
 }
 
-/// Square root of half the surface area of the bounding box of a segment that has length 1 and the
-/// beam's direction.
+/// √(A/2), where A is the surface area of the bounding box of a segment of length 1 along the beam.
 ///
-/// The value g is 0 along a coordinate axis, and 1 along a diagonal. If a beam of length L is split
-/// into n pieces and their boxes are expanded by r, half the area of all boxes is L²g²/n + 12nr² +
-/// constant. It is least for n = Lg/(√12 r).
+/// The value g ranges from 0 along a coordinate axis to 1 along a space diagonal. Let a beam of
+/// length L be split into n pieces, whose boxes are expanded by r. Half the area of all boxes is
+/// then L²g²/n + 12nr² + constant, which is least for n = Lg/(√12 r).
 fn sqrt_half_box_area(beam: &PhotonBeam) -> f64 {
     let b = beam.direction.abs();
     f64::from(b.x * b.y + b.y * b.z + b.z * b.x).sqrt()

@@ -8,10 +8,13 @@ use crate::sampling::{Dimension, Key, sobol_2d};
 use crate::scene::{NearPrimitives, Scene};
 use glam::Vec3;
 
-/// Number of probe rays that measure the coverage of one disc.
+/// Number of probe rays that measure which fraction of a gather disc is surface.
 const PROBES: u32 = 16;
 
-/// Lower bound of the coverage, so that the division by it brightens an estimate at most 20 times.
+/// Lower bound of the coverage: the fraction of a gather disc that is surface.
+///
+/// Density estimates are divided by the coverage, so the correction brightens them at most 20
+/// times.
 pub(super) const MIN_COVERAGE: f32 = 0.05;
 
 /// Returns the kernel's integral over the surface around `p`, divided by its integral over a flat
@@ -28,7 +31,8 @@ pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: 
     coverage_by_probes(scene, &primitives, p, normal, radius, kernel, key)
 }
 
-/// Box around all probe rays of the disc of `radius` \[length] around `p`.
+/// Box around all probe rays that measure the coverage of the disc of `radius` \[length] around
+/// `p`.
 fn probe_bounds(p: Vec3, normal: Vec3, radius: f32) -> Bounds {
     let height = normal.abs() * (radius * MAX_RELATIVE_HEIGHT);
     let around = (Vec3::ONE - normal * normal).max(Vec3::ZERO).map(f32::sqrt) * radius;
@@ -73,12 +77,11 @@ fn coverage_by_probes(
     if whole > 0.0 { (covered / whole).max(MIN_COVERAGE) } else { 1.0 }
 }
 
-/// Returns the coverage of each disc of a
-/// [`NestedRadianceEstimate`](super::NestedRadianceEstimate), largest disc first. [`disc_coverage`]
-/// defines it.
+/// Returns the coverage, as [`disc_coverage`] defines it, of each disc of a
+/// [`NestedRadianceEstimate`](super::NestedRadianceEstimate), largest disc first.
 ///
-/// `radius` is the radius of the largest disc \[length]. Each disc has its own 16 probe rays: a
-/// division by a coverage from fewer rays would be biased.
+/// `radius` is the radius of the largest disc \[length]. Each disc has its own 16 probe rays: with
+/// fewer rays, the coverage would be noisier, which would bias the division by it.
 #[must_use]
 pub fn nested_disc_coverage(
     scene: &Scene,

@@ -15,7 +15,8 @@ const MAX_OPTICAL_DEPTH: f32 = 20.0;
 pub struct VolumePhotons {
     /// Photon beams, in homogeneous media.
     pub beams: Vec<PhotonBeam>,
-    /// Photons at scattering points.
+    /// Photons at scattering points, in heterogeneous media. If the pass stores no beams, the list
+    /// holds the photons of homogeneous media too.
     pub points: Vec<VolumePhoton>,
 }
 
@@ -43,15 +44,19 @@ impl VolumePhotons {
 pub struct Deposits {
     /// Photons on surfaces, except the photons in `after_caustic`.
     pub photons: Vec<Photon>,
-    /// Surface photons of [`PhotonKind::AfterCaustic`], if
-    /// [`StoreMask::separates_after_caustic`](super::StoreMask) is set.
+    /// Surface photons that a receiver has scattered after a caustic
+    /// ([`PhotonKind::AfterCaustic`]).
     ///
-    /// Otherwise this list is empty, and `photons` holds these photons.
+    /// If [`StoreMask::separates_after_caustic`](super::StoreMask) is not set, `photons` holds
+    /// these photons instead, and this list is empty.
     pub after_caustic: Vec<Photon>,
     /// Photons in media, except the photons in `after_caustic_volume`.
     pub volume: VolumePhotons,
-    /// Photons in media of [`PhotonKind::AfterCaustic`], if
-    /// [`StoreMask::separates_after_caustic`](super::StoreMask) is set; else empty.
+    /// Photons in media that a receiver has scattered after a caustic
+    /// ([`PhotonKind::AfterCaustic`]).
+    ///
+    /// If [`StoreMask::separates_after_caustic`](super::StoreMask) is not set, `volume` holds these
+    /// photons instead, and this list is empty.
     pub after_caustic_volume: VolumePhotons,
     /// Number of photons that were not stored because their flux or position was not finite, or
     /// their flux was negative.
@@ -151,10 +156,11 @@ pub(super) struct Deposit<'a> {
 
 /// Place where a photon path deposits flux: on a surface, in a medium or on the film.
 pub(super) enum DepositPlace<'a> {
-    /// A point on a surface, and the share of the photon's flux that density estimates use: an
-    /// integer from 0 to [`SHARE_STEPS`](super::record::SHARE_STEPS).
+    /// A point on a surface, and the share of the photon's flux that density estimates use, in
+    /// steps of 1/[`SHARE_STEPS`](super::record::SHARE_STEPS).
     ///
-    /// The integer is `None` without light tracing.
+    /// Light tracing adds the remaining flux to the film. The share is `None` without light
+    /// tracing, and for photons that are not caustic.
     Surface(&'a SurfaceInteraction<'a>, Option<u8>),
     /// A film position \[pixels from the top left], where a splat is recorded.
     Film(Vec2),

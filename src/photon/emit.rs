@@ -15,11 +15,11 @@ use glam::Vec2;
 /// or mirrors.
 const POWER_SAMPLES: u32 = 256;
 
-/// Fraction of a light's probability that is proportional to its total power, in a source aimed at
-/// casters such as glass or mirrors (defensive sampling).
+/// Weight of a light's total power in the probability of sampling the light, for photon paths that
+/// are aimed at casters such as glass or mirrors (defensive sampling).
 ///
-/// The other 90 % are proportional to the estimated power towards the casters. A light for which
-/// this estimate is zero keeps a probability above zero.
+/// The other 90 % of the weight is on the light's estimated power towards the casters. So a light
+/// keeps a probability above zero even if this estimate is zero.
 const DEFENSIVE_FRACTION: f64 = 0.1;
 
 /// Source of photon paths: samples a light of the scene, and the ray that leaves it.
@@ -91,7 +91,8 @@ impl<'a> PhotonSource<'a> {
         let (total, total_aimed) = (light_powers.iter().sum::<f64>(), aimed.iter().sum::<f64>());
         let weight = |(power, aimed): (&f64, &f64)| {
             let plain = power / total;
-            // An estimate of zero does not prove that no light reaches a caster.
+            // An estimate of zero does not prove that no light reaches a caster. The total powers
+            // then decide.
             if total_aimed > 0.0 {
                 DEFENSIVE_FRACTION * plain + (1.0 - DEFENSIVE_FRACTION) * aimed / total_aimed
             } else {
@@ -134,7 +135,7 @@ impl<'a> PhotonSource<'a> {
         PhotonSource { scene, light_distribution, aim, guiding, ..*self }
     }
 
-    /// Returns the source with the set of [`Effects`] that its photon paths simulate.
+    /// Returns the source with `effects` as the effects of light that its photon paths simulate.
     #[must_use]
     pub fn with_effects(self, effects: Effects) -> Self {
         Self { effects, ..self }
@@ -181,14 +182,14 @@ impl<'a> PhotonSource<'a> {
         PrimaryEmissionSample { light, probability, position, direction, pdf }
     }
 
-    /// Returns the primary sample in \[0, 1) of the wavelength of photon path `index`, which starts
-    /// at light number `light`, in a pass of `paths` paths.
+    /// Returns the primary sample in \[0, 1) that selects the wavelength of photon path `index`.
+    /// The path starts at light number `light`, in a pass of `paths` paths.
     ///
-    /// The sample is the relative position of `index` among the consecutive path indices of the
-    /// light, rotated by one random number per pass (Cranley and Patterson 1976). Aligned runs of
-    /// Sobol' points fill the unit square evenly. Each range of wavelengths therefore has its share
-    /// of paths in each part of the square, as in a Hammersley set. The rotation makes the
-    /// wavelength of each path uniform.
+    /// Path indices of one light are consecutive, and the sample grows in equal steps along them.
+    /// One random number per pass is added modulo 1 (Cranley and Patterson 1976), which makes the
+    /// wavelength of each path uniform. Runs of Sobol' points fill the unit square evenly. So
+    /// positions and directions are spread evenly in each range of wavelengths, as in a Hammersley
+    /// set.
     fn wavelength_sample(&self, pass_key: Key, index: u32, paths: u32, light: usize) -> f32 {
         let u = systematic_light_sample(pass_key, index, paths);
         (self.light_distribution.remapped_sample(u, light) + pass_key.uniform_1d(Dimension::Wavelength)).fract()
@@ -208,7 +209,7 @@ impl<'a> PhotonSource<'a> {
         }?;
         let ray = match (light.is_infinite(), light.is_delta()) {
             (true, _) => self.scene.move_origin_beyond_planes(emission.ray),
-            // A delta light at a position.
+            // A delta light at a position: the ray starts beyond surfaces that the light may touch.
             (false, true) => {
                 Ray { origin: emission.ray.at(self.scene.light_contact_distance(point.light)), ..emission.ray }
             }
@@ -227,7 +228,7 @@ fn systematic_light_sample(pass_key: Key, index: u32, paths: u32) -> f32 {
     (u as f32).min(1.0 - f32::EPSILON / 2.0)
 }
 
-/// All effects, but without [`Effect::Interiors`] if no object of `scene` has an interior.
+/// All effects of light, except [`Effect::Interiors`] if no object of `scene` has an interior.
 fn effects_of_scene(scene: &Scene) -> Effects {
     if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without_effect(Effect::Interiors) }
 }

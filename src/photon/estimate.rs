@@ -47,8 +47,10 @@ pub struct NestedRadianceEstimate {
 pub struct PhotonSearchBuffers {
     /// Photons found by the last search, with their squared distances from the query point.
     found: Vec<(f32, PhotonData)>,
-    /// Distance of the k-th neighbour in the last search \[length]. The next search begins with
-    /// 1.25 times this radius.
+    /// Distance of the k-th neighbour in the last search \[length]. It is the search radius if
+    /// fewer than k photons were found.
+    ///
+    /// The next search begins with 1.25 times this radius.
     last_radius: f32,
 }
 
@@ -81,11 +83,13 @@ pub(super) const MIN_NORMAL_COSINE: f32 = 0.5;
 pub(super) const MAX_RELATIVE_HEIGHT: f32 = 0.25;
 
 impl PhotonMap {
-    /// Estimates the reflected radiance at `p`: Σ f·ΔΦ·K over photons (Jensen 2001, section 7.2).
+    /// Estimates the reflected radiance at `p`: Σ f·ΔΦ·K over the photons in a disc, with BRDF f,
+    /// photon flux ΔΦ and kernel K (Jensen 2001, section 7.2).
     ///
-    /// `brdf` returns the BRDF f \[1/sr] for the incident direction of a photon. `normal` is the
-    /// unit geometric normal on the viewer's side. Photons on other surfaces are left out: their
-    /// normal differs from `normal` by more than 60°, or their tangent plane is far from `p`.
+    /// `brdf` returns f \[1/sr] for the incident direction of a photon. `normal` is the unit
+    /// geometric normal on the viewer's side. A photon is left out if it lies on another surface:
+    /// if its normal differs from `normal` by more than 60°, or if its tangent plane is far from
+    /// `p`.
     pub fn estimate_radiance(
         &self,
         p: Vec3,
@@ -131,7 +135,8 @@ impl PhotonMap {
         let resolved = p.length() * MIN_RELATIVE_RADIUS;
         let bandwidth = Bandwidth { radius: bandwidth.radius.max(resolved), ..bandwidth };
         let mut radius = bandwidth.radius;
-        // A smaller disc has a smaller limit of the height over the tangent plane.
+        // Height of `p` over a photon's tangent plane, relative to the limit for the largest disc.
+        // Smaller discs have lower limits.
         let height = |data: &PhotonData| {
             if N > 1 {
                 data.normal_cosine_and_height(&plane).1.abs() / (bandwidth.radius * MAX_RELATIVE_HEIGHT)
@@ -160,7 +165,8 @@ impl PhotonMap {
                 let radius = if count < bandwidth.k { bandwidth.radius } else { r2.sqrt() };
                 return sums.into_radiance(radius, count);
             }
-            // The k-th photon is nearer than the least radius.
+            // The k-th photon is nearer than the least radius: use all photons within the least
+            // radius.
             radius = least;
         }
         let mut sums = KernelSums::<N>::new(kernel, radius * radius);

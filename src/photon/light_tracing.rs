@@ -20,10 +20,10 @@ use crate::scene::{Interior, PathRay, Scene, SurfaceInteraction};
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 
-/// Number of photons per pixel and pass at which a density estimate and a splat each get half of a
-/// photon's flux.
+/// Number of caustic photons per pixel and pass at which a density estimate and a splat each get
+/// half of a photon's flux.
 ///
-/// With fewer photons, splats are noisier than density estimates and get less.
+/// With fewer photons, splats are noisier than density estimates, so they get less than half.
 const EQUAL_SHARE_COUNT: f64 = 10.0;
 
 /// For each pixel, the fraction of a caustic photon's flux that density estimates use. A splat by
@@ -38,12 +38,13 @@ pub struct DensityEstimateShares {
 }
 
 impl DensityEstimateShares {
-    /// Computes the shares of density estimates from the number of photons per pixel in `splats`.
+    /// Computes the share of density estimates at each pixel from the splats of a pilot.
     ///
-    /// `ratio` is the number of photon paths of a pass, divided by the number of paths that made
-    /// `splats`. A density estimate gets the share 1/(1 + n²/10²). n is the effective number of
-    /// photons per pixel and pass, measured over 3 × 3 pixels. The square reduces the share quickly
-    /// at foci, where density estimates have rare large errors.
+    /// The share is 1/(1 + n²/10²), where n estimates the number of photons per pixel and pass. n
+    /// is the effective number of `splats` per pixel, measured over 3 × 3 pixels, times `ratio`.
+    /// `ratio` is the number of photon paths of a pass, divided by the number of paths of the
+    /// pilot. The square reduces the share quickly at foci, where density estimates have rare large
+    /// errors.
     #[must_use]
     pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64) -> Self {
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
@@ -143,7 +144,8 @@ impl<'a> LightTracer<'a> {
             None => 1.0,
             Some(_) => 1.0 - f32::from(share) / f32::from(SHARE_STEPS),
         };
-        // A path that leaves the surface over a caster is found from the camera.
+        // On a mix of materials, the photon may have met a caster. Camera paths find the light that
+        // casters reflect to the camera.
         if splat_share == 0.0 || !surface.bsdf.stores_photons() {
             return share;
         }

@@ -30,7 +30,8 @@ impl std::fmt::Debug for PhotonMap {
     }
 }
 
-/// A rotation about (1, 2, 3)/√14 by 0.7 rad, rounded to f32.
+/// Fixed oblique rotation of positions, so that no axis-aligned wall is parallel to a split of the
+/// kd-tree: about (1, 2, 3)/√14 by 0.7 rad, rounded to f32.
 const ROTATION: Mat3 = Mat3::from_cols(
     Vec3::new(0.781_639_2, 0.550_117_2, -0.293_957_9),
     Vec3::new(-0.482_929_3, 0.832_030_1, 0.272_956_3),
@@ -100,8 +101,8 @@ impl PhotonMap {
 /// A merged photon has the sum of the fluxes and the mean direction, weighted by flux.
 fn merge_coincident_photons(photons: &mut Vec<Photon>) {
     let crowded = photons.chunk_by(|a, b| a.position == b.position).any(|run| run.len() > MAX_COINCIDENT);
-    // Photons are in Morton order. Equal positions share a Morton cell, but need not be adjacent in
-    // it unless they fill the cell.
+    // Morton order makes photons at one position adjacent, unless other photons share their Morton
+    // cell.
     if !crowded {
         return;
     }

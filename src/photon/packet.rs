@@ -85,8 +85,9 @@ impl PointPacket {
 
     /// Bit mask of the points in the packet that may lie within the search radius of the line.
     ///
-    /// The bound γ(24) covers the rounding errors of the difference (γ(1)), the projection (γ(4))
-    /// and the perpendicular part (γ(3)), times √3 for three axes.
+    /// The error bound γ(24) covers the rounding errors of the difference (γ(1)), the projection
+    /// (γ(4)) and the perpendicular part (γ(3)), times √3 for three axes. γ(n) bounds the relative
+    /// error of n roundings.
     #[inline]
     pub fn points_near_line(&self, query: &LineQuery) -> u32 {
         let to = subtract(self.0, query.origin);
@@ -157,10 +158,10 @@ impl BeamPiecePacket {
 
     /// Bit mask of the beam pieces in the packet that may lie within the search radius of the line.
     ///
-    /// The bound γ(16) covers all rounding errors. The vector normal to line and beam has error √3
-    /// γ(2) ≤ γ(4). Distances along this normal have error γ(8), relative to the distance of the
-    /// origins. Positions along the beam have error γ(14), relative to that distance plus the
-    /// position.
+    /// The error bound γ(16) covers all rounding errors, where γ(n) bounds the relative error of n
+    /// roundings. The vector normal to line and beam has error √3 γ(2) ≤ γ(4). Distances along this
+    /// normal have error γ(8), relative to the distance of the origins. Positions along the beam
+    /// have error γ(14), relative to that distance plus the position.
     #[inline]
     pub fn beam_pieces_near_line(&self, query: &LineQuery) -> u32 {
         let error = f32x8::splat(rounding_error_bound(16));

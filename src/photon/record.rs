@@ -27,11 +27,10 @@ impl PackedFlux {
         Some(Self { sum, red: fraction(flux.x), green: fraction(flux.y) })
     }
 
-    /// Returns the flux with the integer `steps` < 16 in the lowest four bits of its stored channel
-    /// sum.
+    /// Returns the flux with a share stored in the lowest four bits of its channel sum.
     ///
-    /// The integer is a share in steps of 1/[`SHARE_STEPS`]. The relative change of the flux is
-    /// below 2⁻¹⁹.
+    /// The share is the fraction of the flux that density estimates use: `steps`/[`SHARE_STEPS`],
+    /// with `steps` < 16. It changes the flux by less than the factor 1 ± 2⁻¹⁹.
     #[inline]
     fn with_packed_share(self, steps: u8) -> Self {
         Self { sum: f32::from_bits(self.sum.to_bits() & !15 | u32::from(steps)), ..self }
@@ -108,7 +107,8 @@ impl Photon {
     }
 }
 
-/// Number of steps between 0 and 1 in which a photon stores [`PhotonData::density_estimate_share`].
+/// Integer that stands for a share of 1: a photon stores [`PhotonData::density_estimate_share`] in
+/// steps of 1/15.
 pub(super) const SHARE_STEPS: u8 = 15;
 
 /// Factor from a unit normal to its stored components, which are 8-bit integers.
@@ -182,8 +182,7 @@ impl PhotonData {
         Vec3::from(self.normal.map(f32::from)) / NORMAL_SCALE
     }
 
-    /// Returns this data with the distance of `other`'s tangent plane from the origin. `other` must
-    /// have an equal normal.
+    /// Returns this data with the `plane_offset` of `other`, whose quantized normal must be equal.
     pub(super) fn with_plane_offset_of(self, other: &Self) -> Self {
         Self { plane_offset: other.plane_offset, ..self }
     }

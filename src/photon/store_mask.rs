@@ -9,8 +9,8 @@
 pub enum PhotonKind {
     /// Direct light: the path has no vertex between the light and the photon.
     Direct,
-    /// Caustic: all path vertices between the light and the photon are on casters, such as glass or
-    /// mirrors.
+    /// Caustic: the path has one or more vertices between the light and the photon, all on casters
+    /// such as glass or mirrors.
     Caustic,
     /// Indirect light of a caustic: the path has reached a receiver (diffuse surface or medium)
     /// over one or more casters, and has scattered there.
@@ -52,7 +52,7 @@ impl StoreMask {
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
     /// Stores only indirect light: photons of paths that have scattered at one or more receivers.
     pub const INDIRECT: Self = Self { after_caustic: true, after_direct: true, ..Self::NONE };
-    /// Stores no photons. Media that photons reach would store beams, the default of all masks.
+    /// Stores no photons. The flag `beams` is true, as in all constants of this type.
     pub const NONE: Self = Self {
         direct: false,
         caustic: false,
@@ -81,8 +81,8 @@ impl StoreMask {
         kind != PhotonKind::Direct && self.stores_on_surfaces(kind)
     }
 
-    /// True if a path whose next photon has kind `kind` may still deposit a photon that the mask
-    /// stores.
+    /// True if the mask stores the path's next photon, which has the given `kind`, or may store a
+    /// later photon of the path.
     pub(super) fn can_reach_stored_kind(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => true,
@@ -93,21 +93,21 @@ impl StoreMask {
     }
 }
 
-/// Number of photon paths with a caustic photon for each path that continues after it, if
-/// [`StoreMask::separates_after_caustic`] is set.
+/// Thinning factor: one in 8 photon paths continues after its caustic photon, with 8 times the
+/// flux, if [`StoreMask::separates_after_caustic`] is set.
 pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 
 impl PhotonKind {
-    /// Kind of the path's next photon, after the path has passed without scattering through the
-    /// boundary of a caster, such as glass.
+    /// Kind of the path's next photon, if the path has crossed the boundary of a caster, such as
+    /// glass, without scattering. `self` is the kind before the crossing.
     pub(super) fn kind_after_crossed_caster(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }
     }
 
-    /// Kind of the path's next photon after scattering.
+    /// Kind of the path's next photon, if a photon of kind `self` scatters.
     ///
-    /// If `is_receiver`, the path has scattered at a receiver (surface that stores photons, or
-    /// medium); else at a caster, such as glass or a mirror.
+    /// `is_receiver` is true if it scatters at a receiver (a surface that stores photons, or a
+    /// medium), and false at a caster, such as glass or a mirror.
     pub(super) fn kind_after_scattering(self, is_receiver: bool) -> Self {
         match (is_receiver, self) {
             (false, Self::Direct) => Self::Caustic,

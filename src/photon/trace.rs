@@ -71,7 +71,8 @@ impl PhotonPass<'_> {
     /// Traces photon paths like [`PhotonPass::trace`]. If there is a `light_tracer`, it connects
     /// caustic photons to the camera, which adds splats to the result.
     ///
-    /// Once `done` breaks, chunks that have not begun are skipped.
+    /// If `done` returns [`ControlFlow::Break`], all chunks of paths that have not begun are
+    /// skipped.
     pub fn trace_and_connect(
         &self,
         pass_key: Key,
@@ -82,7 +83,8 @@ impl PhotonPass<'_> {
         for_interior!(self.source, <I> self.trace_with_interior::<I>(pass_key, paths, light_tracer, done))
     }
 
-    /// [`PhotonPass::trace_and_connect`] for paths that track the bodies around them by `I`.
+    /// Implements [`PhotonPass::trace_and_connect`] for paths whose nested bodies, medium and
+    /// wavelength are tracked by a value of type `I`.
     fn trace_with_interior<I: Interior>(
         &self,
         pass_key: Key,
@@ -172,7 +174,7 @@ impl PhotonPass<'_> {
                 PathEvent::Scattered { transmittance, crossed } => (None, transmittance, crossed),
             };
 
-            // Attenuate the flux by interiors.
+            // Attenuate the flux by the bodies through which the ray went.
             let transmitted = flux * transmittance;
             add_flux(&mut audit.absorbed, flux - transmitted);
             flux = transmitted;
@@ -193,7 +195,7 @@ impl PhotonPass<'_> {
                 deposit(Deposit { kind, place: DepositPlace::Surface(surface, share), flux: stored_flux, wavelength });
             }
 
-            // Stop if no stored kind can follow.
+            // Stop if the mask stores no later photon of this path.
             let receives = surface.as_ref().is_none_or(|surface| surface.bsdf.stores_photons());
             let next_kind = kind.kind_after_scattering(receives);
             if bounce == self.max_bounces || !self.mask.can_reach_stored_kind(next_kind) {

@@ -57,8 +57,10 @@ impl KernelProbes {
         self.distances[0] > distance
     }
 
-    /// Returns the part of a kernel of radius `radius` \[length] that lies in front of the nearest
-    /// surfaces; at least 1/20. It is exactly 1 if no probe ray hits a surface.
+    /// Returns the fraction of the integral of a kernel of radius `radius` \[length] that no
+    /// surface hides from its center; at least 1/20.
+    ///
+    /// It is a mean over the probe rays, and exactly 1 if none of them hits a surface.
     #[must_use]
     pub fn coverage(&self, radius: f32) -> f32 {
         let parts = self.distances[..self.count].iter().map(|d| part_within(d / radius, self.dimensions));
@@ -66,8 +68,8 @@ impl KernelProbes {
     }
 }
 
-/// Part of a kernel's integral within the fraction `x` ≥ 0 of its radius, by the kernel's number of
-/// dimensions.
+/// Fraction of a kernel's integral that lies within `x` ≥ 0 times its radius, for a kernel in
+/// `dimensions` dimensions.
 ///
 /// The kernels are proportional to 1 − x² in one and three dimensions, and to (1 − x²)² in two.
 fn part_within(x: f32, dimensions: u32) -> f32 {

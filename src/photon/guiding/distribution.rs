@@ -23,15 +23,16 @@ pub(super) struct EmissionGuidingSample {
     pub squared_contribution: f64,
 }
 
-/// Smallest mean number of samples per cell. A grid is refined only if the finer grid reaches it.
+/// Smallest mean number of pilot samples per cell of a guiding grid. The grid is refined only if
+/// the finer grid still has as many.
 const MIN_SAMPLES_PER_CELL: usize = 4;
 
-/// Largest number of subdivisions of a grid. A subdivision splits each cell into four, so a grid
-/// has at most 4096 cells.
+/// Largest number of subdivisions of the grid over primary samples of one light. A subdivision
+/// splits each cell into four, so the grid has at most 4096 cells.
 const MAX_SUBDIVISIONS: u32 = 6;
 
-/// Weight of the parent cell's mean in the mean of a cell, expressed as a number of samples
-/// (shrinkage estimator).
+/// Number of samples with as much weight, in the mean of a cell, as the mean of the coarser cell
+/// around it (shrinkage estimator).
 const PARENT_WEIGHT: f64 = 8.0;
 
 /// Numbers of subdivisions of a grid over \[0, 1)⁴: of the unit square of positions, and of the
@@ -83,9 +84,10 @@ impl EmissionGuidingCells {
         Self { resolution, squares }
     }
 
-    /// Mean over all cells of the root mean squared contribution to the picture.
+    /// Mean over all cells of √(mean squared contribution of a photon path to the picture).
     ///
-    /// The square of the result is the second moment of a path whose pdf is ideally guided.
+    /// The square of the result is the second moment of a path's contribution if the pdf is ideally
+    /// guided.
     fn guided_root_mean_square(&self) -> f64 {
         self.squares.iter().map(|s| s.sqrt()).sum::<f64>() / self.squares.len() as f64
     }
@@ -98,8 +100,8 @@ impl EmissionGuidingCells {
         self.squares.iter().map(pdf).collect()
     }
 
-    /// Estimates the sum of squared contributions of `samples` as if their emission had been guided
-    /// by these cells.
+    /// Estimates the sum of the squared contributions of `samples` to the picture, as if these
+    /// cells had guided the emission of the samples.
     ///
     /// `uniform` is the fraction of the uniform pdf in the guided pdf. The estimate is unbiased
     /// only if the cells were fitted to other samples.

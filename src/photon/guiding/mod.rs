@@ -29,7 +29,8 @@ const CHUNK: u32 = 4096;
 /// A guided path has at most 5 times the flux of the same path without guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
-/// Settings of the pilot, the photon pass that measures which paths emission guiding prefers.
+/// Settings of the pilot of emission guiding: a small photon pass that measures which emitted
+/// photons contribute to the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct EmissionGuidingPilot<'a> {
     /// Kinds of photons that the render stores. Other photons do not contribute to the picture.
