@@ -196,13 +196,14 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
             Ok(EffectReason::Objects(scattering, "may reflect caustics"))
         }
         Effect::Interreflection => {
-            // The background is visible behind a scattering medium only along scattered paths.
+            // With this effect, camera paths pass a scattering medium by sampled distances; without
+            // it, by transmittance. So the pixels of a background behind the medium differ in
+            // noise.
             let hazy = features.background && features.scattering_media > 0;
             need(features.lights + features.emitting_media > 0 || hazy, EffectReason::NoLight)?;
             any(receivers, EffectReason::NoReceiver)?;
             any(scattering, EffectReason::BlackReceivers)?;
-            // This holds for soft lights too, which scattered paths find by MIS: with a soft light,
-            // `one_flat_object` is always false.
+            // A soft light makes `one_flat_object` false, because continued paths may hit it (MIS).
             need(!features.one_flat_object, EffectReason::OneFlatObject)?;
             Ok(EffectReason::Objects(scattering, "may light other objects"))
         }

@@ -1,4 +1,4 @@
-//! Effects that the user forces on or off, against the plan.
+//! Effects of light that the user forces on or off, whatever the plan decides.
 
 use super::{Effect, Effects};
 use std::str::FromStr;

@@ -1,6 +1,6 @@
 //! Counters of rays and photons, memory limits, and processor time.
 //!
-//! Each worker has its own counters, which are summed at the end.
+//! Each parallel task has its own counters, which are summed at the end.
 
 mod memory;
 
@@ -9,7 +9,7 @@ pub use memory::{AllocationCounter, MemoryLimit, format_bytes, peak_memory, set_
 use serde::Serialize;
 use std::ops::AddAssign;
 
-/// Counts of rays, density estimates and rejected samples.
+/// Counts of rays, photon density estimates, and samples or photons that were rejected.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, serde::Deserialize)]
 pub struct Counters {
     /// Camera rays through pixels.

@@ -1,4 +1,4 @@
-//! Pixels that the live page shows: the picture, and maps of its estimated error.
+//! Pixels that the live page shows: layers with the picture and with maps of its estimated error.
 
 use crate::image::Image;
 use crate::integrate::MeanGatherDisc;
@@ -10,17 +10,18 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 use std::sync::OnceLock;
 
-/// Number of bytes before the values of an encoded layer.
+/// Number of bytes before the pixel values in the encoding of a [`Layer`].
 pub(super) const HEADER_BYTES: usize = 20;
 
-/// Exponent of the power of two that bounds the values of an encoded layer. A half float holds
-/// values below 2¹⁶; those below 2⁻¹⁴ lose digits.
+/// Binary exponent that bounds the scaled values of an encoded layer: they are below 2¹⁵.
+///
+/// Half floats hold values below 2¹⁶. Values below 2⁻¹⁴ lose digits.
 const MAX_EXPONENT: i32 = 15;
 
-/// Number of values that are converted at once.
+/// Number of pixel values that are converted to half floats at once.
 const CHUNK: usize = 1024;
 
-/// Kind of a layer.
+/// Kind of layer that the live page can show: the picture, or a map of its estimated error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayerKind {
     /// Radiance \[W/(m² sr)].
@@ -51,8 +52,8 @@ impl LayerKind {
         Self::GlobalPhotons,
     ];
 
-    /// Returns the name of the layer in the URL of its pixels; that of `--aov` without the channel
-    /// of the picture.
+    /// Returns the name of the layer in the URL of its pixels. Error maps have the names of `--aov`
+    /// in EXR files, such as `radius.caustic`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -66,26 +67,27 @@ impl LayerKind {
         }
     }
 
-    /// Returns the kind with this name.
+    /// Returns the kind that has the given [`name`](Self::name); `None` if there is none.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name)
     }
 }
 
-/// One layer of a frame. Its encoding is made when a client first asks for it, and then shared.
+/// Pixels of one layer of a frame. They are encoded when a client first asks for them, and the
+/// encoding is kept.
 #[derive(Debug)]
 pub struct Layer {
     /// Kind of the layer.
     pub kind: LayerKind,
     /// Number of channels: 3 or 1.
     channels: u32,
-    /// Values of all channels of the first pixel, then of the second, in rows from the top.
+    /// Channel values of all pixels, in rows from the top. The channels of a pixel are adjacent.
     values: Vec<f32>,
     encoded: OnceLock<Bytes>,
 }
 
-/// Layers of one moment of a render, all of one size.
+/// Picture of a render at one moment, or maps of its estimated error. All layers have one size.
 #[derive(Debug)]
 pub struct Frame {
     /// Number of the frame. A later frame has a larger number.
@@ -101,20 +103,20 @@ pub struct Frame {
 }
 
 impl Layer {
-    /// Makes a layer of colours.
+    /// Makes a layer with three channels from RGB colours.
     #[must_use]
     pub fn from_colors(kind: LayerKind, pixels: &[Vec3]) -> Self {
         let values = pixels.iter().flat_map(|pixel| pixel.to_array()).collect();
         Self { kind, channels: 3, values, encoded: OnceLock::new() }
     }
 
-    /// Makes a layer of numbers.
+    /// Makes a layer with one channel from numbers.
     #[must_use]
     pub fn from_numbers(kind: LayerKind, values: Vec<f32>) -> Self {
         Self { kind, channels: 1, values, encoded: OnceLock::new() }
     }
 
-    /// Returns the colours of a layer with three channels.
+    /// Returns the RGB colours of a layer with three channels.
     #[must_use]
     pub fn colors(&self) -> Vec<Vec3> {
         self.values.as_chunks().0.iter().map(|channels| Vec3::from_array(*channels)).collect()
@@ -129,7 +131,7 @@ impl Frame {
         Self { sequence, size, passes, is_preview: false, layers }
     }
 
-    /// Makes a frame of an image.
+    /// Makes a frame of an image that no render made, such as the reference picture.
     #[must_use]
     pub fn from_image(image: &Image) -> Self {
         Self::from_picture(0, (image.width(), image.height()), 0, image.pixels())
@@ -155,17 +157,17 @@ impl Frame {
         Some(Self { sequence, size, passes, is_preview: false, layers })
     }
 
-    /// Returns the layer of a kind.
+    /// Returns the layer of the given kind; `None` if the frame lacks it.
     #[must_use]
     pub fn layer(&self, kind: LayerKind) -> Option<&Layer> {
         self.layers.iter().find(|layer| layer.kind == kind)
     }
 
-    /// Returns the encoding of a layer of this frame.
+    /// Returns the encoding of a layer; `None` if the frame lacks it.
     ///
-    /// Four 32-bit numbers come first: sequence number, width, height and number of channels. A
-    /// 32-bit float follows, the scale. The values follow as half floats, divided by the scale.
-    /// All numbers are little-endian.
+    /// Four 32-bit integers come first: sequence number, width, height and number of channels. A
+    /// 32-bit float follows, the scale. The pixel values follow as half floats, divided by the
+    /// scale. All numbers are little-endian.
     #[must_use]
     pub fn encoded_layer(&self, kind: LayerKind) -> Option<Bytes> {
         let layer = self.layer(kind)?;
@@ -191,8 +193,8 @@ impl Frame {
 
 /// Returns the power of two by which values are divided, so that half floats hold all of them.
 ///
-/// The largest finite value divided by it is in \[2¹⁴, 2¹⁵). So values down to 2⁻²⁹ of the
-/// largest one keep all 11 bits of a half float.
+/// The largest finite value divided by it is in \[2¹⁴, 2¹⁵). So values down to 2⁻²⁸ of the largest
+/// one keep all 11 bits of a half float.
 fn layer_scale(values: &[f32]) -> f32 {
     let largest = values.iter().filter(|value| value.is_finite()).fold(0.0_f32, |largest, v| largest.max(v.abs()));
     if largest < f32::MIN_POSITIVE {

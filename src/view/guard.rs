@@ -19,7 +19,7 @@ pub(super) enum Refusal {
 }
 
 impl Refusal {
-    /// Returns the text of the response.
+    /// Returns the text of the response to the refused request.
     pub fn text(self) -> &'static str {
         match self {
             Self::Token => "the address lacks the token: open the address that caustica printed\n",
@@ -32,7 +32,7 @@ impl Refusal {
 /// Returns a token of 128 random bits from the operating system, in hexadecimal digits.
 ///
 /// # Errors
-/// Those of the operating system.
+/// An error of the operating system.
 pub(super) fn random_token() -> std::io::Result<String> {
     let mut bytes = [0; TOKEN_BYTES];
     getrandom::fill(&mut bytes).map_err(std::io::Error::other)?;
@@ -59,7 +59,7 @@ pub(super) fn check_request(path: &str, headers: &HeaderMap, token: &str, port: 
     if equal_in_constant_time(first.as_bytes(), token.as_bytes()) { Ok(()) } else { Err(Refusal::Token) }
 }
 
-/// Returns the text of a header that a request has exactly once.
+/// Returns the text of a header; `None` unless the request has it exactly once, in ASCII.
 fn single_header<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
     let mut values = headers.get_all(name).iter();
     let value: &HeaderValue = values.next()?;
@@ -73,7 +73,7 @@ fn is_own_host(host: &str, port: u16) -> bool {
     number.parse() == Ok(port) && (name.eq_ignore_ascii_case("localhost") || name.parse::<IpAddr>().is_ok())
 }
 
-/// True if both texts are equal. The time does not tell where they differ.
+/// True if both texts are equal. The time of the comparison does not reveal where they differ.
 fn equal_in_constant_time(a: &[u8], b: &[u8]) -> bool {
     a.len() == b.len() && a.iter().zip(b).fold(0, |difference, (a, b)| difference | (a ^ b)) == 0
 }

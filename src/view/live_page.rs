@@ -1,4 +1,4 @@
-//! The newest state of a render, which its threads publish and the server reads.
+//! Newest state of a render: the render publishes it, and the web server reads it.
 
 use super::frame::Frame;
 use super::status::{FrameReport, LiveStatus, SceneSource};
@@ -19,7 +19,7 @@ pub struct LiveState {
     pub source: Arc<SceneSource>,
 }
 
-/// A published state, with its text for browsers.
+/// A published state of the render, with its JSON for browsers.
 #[derive(Debug, Default)]
 pub(super) struct PublishedState {
     pub state: LiveState,
@@ -27,7 +27,7 @@ pub(super) struct PublishedState {
 }
 
 impl PublishedState {
-    /// Returns the facts as JSON, which all clients share.
+    /// Returns the status as JSON. It is encoded once for all browsers.
     pub fn json(&self) -> Arc<str> {
         let encode = || serde_json::to_string(&self.state.status).unwrap_or_default().into();
         self.json.get_or_init(encode).clone()
@@ -40,10 +40,10 @@ impl PublishedState {
 /// neither a slow reader nor many readers delay the render: publishing replaces one pointer.
 #[derive(Debug)]
 pub struct LivePage {
-    /// The state that the next publication changes.
+    /// Newest state. A publication changes it, and gives readers a copy.
     newest: Mutex<LiveState>,
     sender: watch::Sender<Arc<PublishedState>>,
-    /// True if a reader has asked for maps since the last ones were made.
+    /// True if a browser has asked for error maps since the render last made them.
     wants_maps: AtomicBool,
     /// Reference picture for comparisons.
     reference: Option<Arc<Frame>>,
@@ -68,7 +68,9 @@ impl LivePage {
     }
 
     /// Begins a new render and returns its number. Publications of earlier renders are ignored from
-    /// now on. The old picture stays until a new one is there.
+    /// now on.
+    ///
+    /// The page keeps the old picture until the new render publishes one.
     pub fn begin_render(&self) -> u32 {
         let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
         let old = &newest.status;
@@ -92,10 +94,10 @@ impl LivePage {
         render
     }
 
-    /// Changes the state of render `render` and publishes it. Does nothing if a later render has
-    /// begun.
+    /// Applies `change` to the newest state and publishes it. Does nothing if a render with a
+    /// number above `render` has begun.
     ///
-    /// `change` receives the number of a frame that it may add.
+    /// `change` also gets a sequence number, for a frame that it may add.
     pub fn publish(&self, render: u32, change: impl FnOnce(&mut LiveState, u32)) {
         let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
         if newest.status.render == render {
@@ -113,17 +115,17 @@ impl LivePage {
         self.sender.send_replace(Arc::new(PublishedState { state: newest.clone(), json: OnceLock::new() }));
     }
 
-    /// Returns true if a reader has asked for maps since the last call.
+    /// Returns true if a browser has asked for error maps since the last call of this function.
     pub fn take_wish_for_maps(&self) -> bool {
         self.wants_maps.swap(false, Ordering::Relaxed)
     }
 
-    /// Asks the render for maps of the estimated error.
+    /// Asks the render to publish maps of the estimated error.
     pub(super) fn wish_for_maps(&self) {
         self.wants_maps.store(true, Ordering::Relaxed);
     }
 
-    /// Returns a receiver of the newest state.
+    /// Returns a channel that delivers the newest state after each publication.
     pub(super) fn subscribe(&self) -> watch::Receiver<Arc<PublishedState>> {
         self.sender.subscribe()
     }

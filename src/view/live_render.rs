@@ -9,17 +9,17 @@ use glam::Vec3;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Largest number of points of the curve of the error. Estimates become rarer as passes go on, so
-/// a render has fewer.
+/// Largest number of points in the error curve of a render. Few renders reach it, because estimates
+/// become rarer as passes go on.
 const MAX_CURVE_POINTS: usize = 400;
 
-/// Publisher of one render, which its thread calls after each pass.
+/// Publisher of one render on a live page. The thread of the render calls it after each pass.
 #[derive(Debug)]
 pub struct LiveRender<'a> {
     page: &'a LivePage,
-    /// Number of the render.
+    /// Number of the render on its page, see [`LivePage::begin_render`].
     number: u32,
-    /// Start of loading the scene.
+    /// Time at which loading of the scene began.
     start: Instant,
     picture_pace: Pace,
     map_pace: Pace,
@@ -46,7 +46,7 @@ impl<'a> LiveRender<'a> {
         self.page.publish(self.number, change);
     }
 
-    /// Publishes the part of the work that goes on.
+    /// Publishes the phase that the render has entered.
     pub fn set_phase(&self, phase: Phase) {
         self.publish(|state, _| state.status.phase = phase);
     }
@@ -61,7 +61,7 @@ impl<'a> LiveRender<'a> {
         });
     }
 
-    /// Publishes the plan and the limits, before the first pass.
+    /// Publishes the plan and the limits of the render, before its first pass.
     pub fn begin_passes(&self, plan: PlanReport, stop: &StopCriteria<'_>, size: (u32, u32)) {
         self.publish(|state, _| {
             let status = &mut state.status;
@@ -76,7 +76,10 @@ impl<'a> LiveRender<'a> {
         });
     }
 
-    /// Publishes a pass, unless the last publication was too short a time ago.
+    /// Adds the error estimate of a pass, if there is one, to the error curve. Publishes the
+    /// picture, unless the last publication was too recent.
+    ///
+    /// The last pass is not published here, but by [`LiveRender::end`].
     pub fn after_pass(&mut self, progress: &PassProgress<'_>, stop: &StopCriteria<'_>) {
         if let Some((estimate, forecast)) = &progress.error
             && estimate.error.is_finite()
@@ -99,7 +102,7 @@ impl<'a> LiveRender<'a> {
         }
     }
 
-    /// Publishes the result of a render whose phase becomes `phase`: stopped or ended.
+    /// Publishes the final result of a render. `phase` is [`Phase::Stopped`] or [`Phase::Ended`].
     pub fn end(&mut self, rendered: &RenderResult, phase: Phase) {
         self.publish_result(rendered);
         self.publish_maps(rendered);
@@ -109,7 +112,7 @@ impl<'a> LiveRender<'a> {
         });
     }
 
-    /// Publishes the picture and the facts of `rendered`.
+    /// Publishes the picture, the counts and the error curve of `rendered`.
     fn publish_result(&self, rendered: &RenderResult) {
         let seconds = self.start.elapsed().as_secs_f64();
         let pixels = rendered.film.mean();

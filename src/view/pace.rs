@@ -1,15 +1,15 @@
-//! Limit of the time that publishing takes from a render.
+//! Limit of the time that a render spends on publications to the live page.
 
 use std::time::{Duration, Instant};
 
-/// Least time between two publications, relative to the time that a publication takes. So
+/// Least pause after a publication, as a multiple of the time that the publication took. So
 /// publications take at most 1 % of a render.
 const MIN_INTERVAL_FACTOR: u32 = 100;
 
-/// Least time between two publications.
+/// Least pause after a publication, even if it took almost no time.
 const MIN_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Pace of publications: tells when the next one is due.
+/// Schedule of publications: tells when the next one is due.
 #[derive(Debug, Default)]
 pub(super) struct Pace {
     /// Earliest time of the next publication; `None` before the first one.

@@ -1,21 +1,21 @@
-//! Requests of the page to the render.
+//! Requests of a browser to the render on the live page.
 
 use serde::{Deserialize, Serialize};
 
-/// Position of the camera relative to that of the scene file, on a sphere around the point that
+/// Camera position relative to that of the scene file, on a sphere around a pivot: the point that
 /// the center of the picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Orbit {
-    /// Angle of the camera to the right around the up vector \[radians].
+    /// Angle by which the camera moves to the right around the up vector \[radians].
     pub yaw: f64,
-    /// Angle by which the view rises \[radians].
+    /// Angle by which the viewing direction turns upwards \[radians]; the camera itself moves down.
     pub pitch: f64,
-    /// Logarithm of the factor by which the distance grows.
+    /// Natural logarithm of the camera's distance from the pivot, relative to the scene file.
     pub zoom: f64,
 }
 
-/// Request of a page to the render.
+/// Request of a browser to the render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Request {
     /// End the render after the current pass.
@@ -27,7 +27,8 @@ pub enum Request {
 }
 
 impl Request {
-    /// Parses a request: its name, and the text of its body; `None` if it is unknown.
+    /// Parses a request from its name and its body; `None` if the request is unknown or the body is
+    /// invalid.
     pub(super) fn parse(name: &str, body: &[u8]) -> Option<Self> {
         match name {
             "stop" => Some(Self::Stop),

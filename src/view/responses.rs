@@ -21,7 +21,7 @@ use tokio_stream::wrappers::WatchStream;
 
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
-/// Scripts of the page, in the order in which they use each other.
+/// Scripts of the page. Each script uses only itself and earlier ones.
 const SCRIPTS: [&str; 8] = [
     include_str!("page/text.js"),
     include_str!("page/pixels.js"),
@@ -33,14 +33,14 @@ const SCRIPTS: [&str; 8] = [
     include_str!("page/main.js"),
 ];
 
-/// Returns the page with its style and scripts. They carry `nonce`, without which the browser
-/// would refuse them.
+/// Returns the HTML page with its style and scripts. Both carry `nonce`, because the browser
+/// refuses styles and scripts without it.
 pub(super) fn page_html(nonce: &str) -> String {
     let script = format!("(() => {{\n\"use strict\";\n{}\n}})();", SCRIPTS.join("\n"));
     PAGE.replace("{nonce}", nonce).replace("{style}", STYLE).replace("{script}", &script)
 }
 
-/// Stream of the newest states for one browser. It ends when the server ends.
+/// Stream of the newest states of a render for one browser. It ends when the server ends.
 struct StateEvents {
     states: WatchStream<Arc<PublishedState>>,
     end: Pin<Box<dyn Future<Output = ()> + Send>>,
@@ -51,7 +51,7 @@ impl Stream for StateEvents {
     type Item = Result<Event, Infallible>;
 
     fn poll_next(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Self::Item>> {
-        // The last state goes out before the end.
+        // Send the last state before the stream ends.
         match Pin::new(&mut self.states).poll_next(context) {
             Poll::Ready(Some(state)) => return Poll::Ready(Some(Ok(Event::default().data(state.json())))),
             Poll::Ready(None) => return Poll::Ready(None),
@@ -83,7 +83,8 @@ pub(super) fn busy() -> Response {
     response
 }
 
-/// Bytes of a layer on their way to a browser. They count as one response in progress until sent.
+/// Encoded pixels that are being sent to a browser. Until sent, they count towards the limit of
+/// simultaneous responses.
 struct BytesInProgress {
     bytes: Bytes,
     _permit: OwnedSemaphorePermit,
@@ -95,18 +96,19 @@ impl AsRef<[u8]> for BytesInProgress {
     }
 }
 
-/// Frame that a browser already shows.
+/// Query of a pixel request: the frame that the browser already shows.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct KnownFrame {
-    /// Sequence number of the frame.
+    /// Sequence number of that frame; 0 if the browser shows none.
     #[serde(default)]
     after: u32,
 }
 
-/// Returns the response with the pixels of the newest layer `name`, or of the reference picture.
+/// Returns the response with the encoded pixels of the newest layer `name`. The name `reference`
+/// stands for the reference picture.
 ///
-/// The response is empty if the browser already shows this frame. Asking for a map lets the render
-/// make new ones.
+/// The response has no content if the browser already shows the frame. A request for an error map
+/// also asks the render to make new maps.
 pub(super) async fn layer_pixels(
     page: Arc<LivePage>,
     name: String,
@@ -154,7 +156,7 @@ pub(super) fn scene_source(page: &LivePage) -> Response {
     }
 }
 
-/// Exposure and tone curve of a saved PNG.
+/// Query of a request to save the picture: exposure and tone curve of a PNG file.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct SaveOptions {
     #[serde(default)]
@@ -192,7 +194,8 @@ pub(super) async fn saved_picture(page: Arc<LivePage>, file: String, options: Sa
     }
 }
 
-/// Returns the name of a saved file: that of the scene, with the number of passes.
+/// Returns the name of a saved file: the name of the scene, the number of passes, and the extension
+/// of the format.
 fn saved_file_name(scene: &str, frame: &Frame, format: OutputFormat) -> String {
     let stem = Path::new(scene).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let stem: String =
@@ -204,7 +207,7 @@ fn saved_file_name(scene: &str, frame: &Frame, format: OutputFormat) -> String {
     format!("{stem}-{}.{extension}", frame.passes)
 }
 
-/// Returns the bytes of a picture file; `None` if the tone map is not valid.
+/// Returns the content of a picture file; `None` if encoding fails, as with an invalid exposure.
 fn encoded_picture(frame: &Frame, format: OutputFormat, tone: ToneMap) -> Option<Vec<u8>> {
     let pixels = frame.layer(LayerKind::Picture)?.colors();
     let image = Image::from_pixels(frame.size.0, frame.size.1, pixels).ok()?;

@@ -22,25 +22,27 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use tokio::sync::{Semaphore, watch};
 
-/// Largest number of browsers that receive states at a time.
+/// Largest number of browsers that receive the render's state at one time.
 const MAX_READERS: usize = 64;
 
-/// Largest number of responses with pixels at a time. Each may hold the memory of one frame.
+/// Largest number of simultaneous responses with pixels. Each may hold the memory of one frame.
 const MAX_PIXEL_RESPONSES: usize = 32;
 
-/// Largest body of a request \[bytes].
+/// Largest size of the body of an HTTP request \[bytes].
 const MAX_BODY_BYTES: usize = 4096;
 
-/// Time in which open pages may fetch the last picture before the server ends.
+/// Time for which the server stays open after a render, so that browsers can fetch the last
+/// picture.
 const FAREWELL: Duration = Duration::from_millis(500);
 
-/// Time after which connections are cut at the end of the server.
+/// Time after the end of the server at which open connections are cut.
 const CUT: Duration = Duration::from_millis(500);
 
-/// Receiver of the requests of pages. It returns false if it refuses a request, and never waits.
+/// Function that handles the requests of browsers. It returns false if it refuses a request. It
+/// must not block.
 pub type RequestHandler = Box<dyn Fn(Request) -> bool + Send + Sync>;
 
-/// Server of the live page.
+/// Web server of the live page. Dropping it ends the server.
 #[derive(Debug)]
 pub struct PageServer {
     url: String,
@@ -49,7 +51,7 @@ pub struct PageServer {
     thread: Option<JoinHandle<()>>,
 }
 
-/// Data that all responses share.
+/// Data that the handlers of all HTTP routes share.
 struct Shared {
     page: Arc<LivePage>,
     handler: RequestHandler,
@@ -102,7 +104,8 @@ impl PageServer {
         &self.url
     }
 
-    /// Ends the server. Open pages have half a second to fetch the last picture.
+    /// Ends the server. If a browser shows the page, it first has half a second to fetch the last
+    /// picture.
     pub fn finish(self) {
         if self.page.reader_count() > 0 {
             std::thread::sleep(FAREWELL);
@@ -114,13 +117,14 @@ impl Drop for PageServer {
     fn drop(&mut self) {
         self.end.send_replace(true);
         if let Some(thread) = self.thread.take() {
-            // A panic of the server must not spoil the render.
+            // If the server panicked, the render must go on.
             let _ = thread.join();
         }
     }
 }
 
-/// Returns an address by which this machine reaches a server that listens at `ip`.
+/// Returns an address at which this machine reaches a server that listens at `ip`: the loopback
+/// address if `ip` stands for all addresses, else `ip`.
 fn reachable_address(ip: IpAddr) -> IpAddr {
     match ip {
         IpAddr::V4(Ipv4Addr::UNSPECIFIED) => Ipv4Addr::LOCALHOST.into(),
@@ -129,7 +133,7 @@ fn reachable_address(ip: IpAddr) -> IpAddr {
     }
 }
 
-/// Answers requests until the end of the server.
+/// Serves HTTP requests until the server ends.
 async fn serve(listener: TcpListener, shared: Arc<Shared>) {
     let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
     let end = shared.end.clone();
@@ -154,9 +158,9 @@ async fn serve(listener: TcpListener, shared: Arc<Shared>) {
     }
 }
 
-/// Waits for the end of the server.
+/// Waits until `end` becomes true, or until the server is dropped.
 async fn until_end(mut end: watch::Receiver<bool>) {
-    // An error means that the server was dropped.
+    // An error means that the sender was dropped with the server.
     let _ = end.wait_for(|end| *end).await;
 }
 

@@ -12,21 +12,21 @@ use crate::stats::Counters;
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Largest number of points of the predicted curve of the error.
+/// Largest number of points of the forecast error curve.
 const FORECAST_POINTS: u32 = 24;
 
-/// Part of the work that goes on.
+/// Phase of a render, as the live page shows it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Phase {
-    /// The scene is read, and its hierarchy is built.
+    /// The scene is read, and its bounding volume hierarchy is built.
     #[default]
     Loading,
     /// The scene has errors, so nothing is rendered.
     Failed,
     /// A preview of reduced size is rendered.
     Preview,
-    /// Pilots (small simulations) prepare the render.
+    /// Pilots (small simulations before the first pass) find gather radii and the division of work.
     Pilots,
     /// Passes are rendered.
     Passes,
@@ -36,7 +36,7 @@ pub enum Phase {
     Ended,
 }
 
-/// Point of the curve of the estimated error.
+/// Point of the curve that shows how the estimated error falls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CurvePoint {
     /// Wall time of all passes so far \[s].
@@ -45,31 +45,33 @@ pub struct CurvePoint {
     pub passes: u32,
     /// Estimated relative error.
     pub error: f64,
-    /// Lower end of its interval.
+    /// Lower end of the confidence interval of `error`.
     pub low: f64,
-    /// Upper end of its interval.
+    /// Upper end of the confidence interval of `error`.
     pub high: f64,
-    /// Part of the error that is noise.
+    /// Relative noise: `error` is √(noise² + bias²).
     pub noise: f64,
-    /// Part of the error that is bias.
+    /// Relative bias: `error` is √(noise² + bias²).
     pub bias: f64,
 }
 
-/// Forecast of the error.
+/// Forecast of the relative error after more passes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ForecastReport {
-    /// Relative error that is forecast: the target of the render, or else half of its error.
+    /// Relative error whose pass is forecast: the target of the render, or half of the current
+    /// error if the render has no target.
     pub target: f64,
-    /// True if `target` ends the render.
+    /// True if `target` is the error target that ends the render.
     pub ends_render: bool,
-    /// 10 % quantile, median and 90 % quantile of the number of passes at the target; `None` where
-    /// too far to tell.
+    /// Predicted number of passes at which the error is `target`: 10 % quantile, median and 90 %
+    /// quantile. `None` where it is too far to predict, or never reached.
     pub passes: [Option<u32>; 3],
-    /// Bias that keeps the error above the target for any number of passes; `None` if none does.
+    /// Relative bias that keeps the error above `target` after any number of passes; `None` if the
+    /// target can be reached.
     pub floor: Option<f64>,
-    /// Probability that the number of passes is between the two quantiles.
+    /// Probability that the number of passes lies between the first and last value of `passes`.
     pub probability: f64,
-    /// Predicted curve: numbers of passes and relative errors.
+    /// Predicted error curve: pairs of a number of passes and a relative error.
     pub curve: Vec<(u32, f64)>,
 }
 
@@ -78,7 +80,7 @@ pub struct ForecastReport {
 pub struct PlanReport {
     /// Decisions about effects of light.
     pub effects: Vec<EffectReport>,
-    /// Remarks about the work of a pass.
+    /// Remarks on the work of a pass, one line each.
     pub notes: Vec<String>,
 }
 
@@ -87,13 +89,14 @@ pub struct PlanReport {
 pub struct EffectReport {
     /// Name of the effect.
     pub name: &'static str,
-    /// True if it is simulated.
+    /// True if the render simulates the effect.
     pub on: bool,
-    /// True if the user forced the decision.
+    /// True if the user forced the effect on or off, against the plan.
     pub forced: bool,
-    /// Reason of the decision.
+    /// Why the scene needs the effect, or does not need it.
     pub reason: String,
-    /// Flaw that the missing effect causes; `None` unless the scene needs it.
+    /// Visible flaw of a picture without the effect; `None` unless the scene needs the effect and
+    /// the render leaves it out.
     pub flaw: Option<&'static str>,
 }
 
@@ -117,16 +120,16 @@ pub struct SceneProblem {
     pub line: usize,
     /// Column in characters, from 1; 0 without a position.
     pub column: usize,
-    /// The defect.
+    /// Message that describes the error.
     pub message: String,
     /// Advice on how to correct it.
     pub remedy: String,
 }
 
-/// Number, size and passes of a frame.
+/// Sequence number, size and passes of a published frame.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FrameReport {
-    /// Number of the frame.
+    /// Sequence number of the frame; later frames have larger numbers.
     pub sequence: u32,
     /// Width \[pixels].
     pub width: u32,
@@ -134,13 +137,13 @@ pub struct FrameReport {
     pub height: u32,
     /// Number of passes in the layers.
     pub passes: u32,
-    /// True for a preview of reduced size.
+    /// True if the frame is a preview of reduced size.
     pub preview: bool,
     /// Names of the layers.
     pub layers: Vec<&'static str>,
 }
 
-/// Facts about a render. Each publication holds all of them, so a reader may skip any.
+/// Status of a render. Each publication holds all of it, so a browser may miss publications.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct LiveStatus {
     /// Version of the program.
@@ -153,19 +156,20 @@ pub struct LiveStatus {
     pub interactive: bool,
     /// Number of the render, counted from 1. It rises when the scene or the camera changes.
     pub render: u32,
-    /// Number of the publication.
+    /// Sequence number of the publication.
     pub sequence: u32,
-    /// Part of the work that goes on.
+    /// Phase that the render has reached.
     pub phase: Phase,
-    /// Why the render ended.
+    /// Why the render ended; `None` while it goes on.
     pub ended: Option<EndReason>,
     /// Width and height of the full picture \[pixels]; 0 before the scene is read.
     pub size: (u32, u32),
-    /// Position of the camera.
+    /// Camera position that the user has chosen on the page, relative to the scene file.
     pub orbit: Orbit,
-    /// The newest picture.
+    /// Size and passes of the newest picture; `None` before the first one.
     pub picture: Option<FrameReport>,
-    /// The newest maps of the estimated error. They may be older than the picture.
+    /// Size and passes of the newest maps of the estimated error, which may be older than the
+    /// picture.
     pub maps: Option<FrameReport>,
     /// Size of the reference picture \[pixels]; `None` without one.
     pub reference: Option<(u32, u32)>,
@@ -175,34 +179,34 @@ pub struct LiveStatus {
     pub seconds: f64,
     /// Time from the start of loading to the first pixels \[s].
     pub first_pixels_seconds: Option<f64>,
-    /// Largest number of passes.
+    /// Largest number of passes; `None` for no limit.
     pub pass_limit: Option<u32>,
-    /// Wall time after which the render ends \[s].
+    /// Wall time after which the render ends \[s]; `None` for no limit.
     pub time_limit: Option<f64>,
-    /// Relative error at which the render ends.
+    /// Relative error at which the render ends; `None` for no error target.
     pub error_limit: Option<f64>,
-    /// Confidence of the interval of the error.
+    /// Confidence of the error intervals in `curve`; `None` for no error target.
     pub confidence: Option<Confidence>,
-    /// Curve of the estimated error.
+    /// Curve of the estimated error over the passes.
     pub curve: Arc<Vec<CurvePoint>>,
-    /// Forecast that belongs to the last point of the curve.
+    /// Forecast of the error from the last point of `curve`; `None` before the first estimate.
     pub forecast: Option<Arc<ForecastReport>>,
     /// Plan of the render; `None` before pilots have ended.
     pub plan: Option<Arc<PlanReport>>,
     /// Counts of rays and density estimates.
     pub counters: Counters,
-    /// Counts and flux of photon paths that start in all directions.
+    /// Counts and flux of the photon paths that start in all directions.
     pub unaimed: PhotonReport,
-    /// Counts and flux of photon paths that are aimed at casters.
+    /// Counts and flux of the photon paths that are aimed at casters, such as glass or mirrors.
     pub aimed: PhotonReport,
-    /// Number of versions of the scene file that were read.
+    /// Number that rises whenever the text or the errors of the scene file change.
     pub source_revision: u32,
     /// Number of errors in the scene file.
     pub problems: usize,
 }
 
 impl CurvePoint {
-    /// Makes the point of an error estimate after `seconds` of wall time.
+    /// Makes a point of the error curve from an estimate after `seconds` of wall time.
     #[must_use]
     pub fn new(estimate: &ErrorEstimate, seconds: f64) -> Self {
         let ErrorEstimate { passes, error, low, high, noise, bias, .. } = *estimate;
@@ -211,7 +215,7 @@ impl CurvePoint {
 }
 
 impl ForecastReport {
-    /// Makes the report of a forecast that starts from `estimate`.
+    /// Forecasts the error that `estimate` gives, up to the target of `stop` or to half the error.
     #[must_use]
     pub fn new(estimate: &ErrorEstimate, forecast: &ErrorForecast, stop: &StopCriteria<'_>) -> Self {
         let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
@@ -241,7 +245,7 @@ impl ForecastReport {
 }
 
 impl PlanReport {
-    /// Makes the report of a plan with remarks about the work of a pass.
+    /// Makes the report of `plan`. `notes` are remarks on the work of a pass.
     #[must_use]
     pub fn new(plan: &Plan, notes: Vec<String>) -> Self {
         let effects = plan.decisions.iter().map(|decision| EffectReport {

@@ -12,17 +12,17 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// Server of a page whose requests are collected.
+/// Live page with its server, which collects the requests of browsers.
 struct Served {
     page: Arc<LivePage>,
     server: PageServer,
     address: SocketAddr,
-    /// Path of the page, which is the token between slashes.
+    /// URL path of the page: the token between slashes.
     root: String,
     requests: Arc<Mutex<Vec<Request>>>,
 }
 
-/// Status code, headers and body of a response.
+/// HTTP status code, headers and body of a response.
 struct Answer {
     code: u16,
     head: String,
@@ -89,7 +89,8 @@ impl Served {
         BufReader::new(stream)
     }
 
-    /// Publishes a picture of equal pixels.
+    /// Publishes a picture whose pixels all have the given radiance. `number` is the number of the
+    /// render.
     fn show(&self, number: u32, size: (u32, u32), radiance: f32) {
         self.page.publish(number, |state, sequence| {
             let pixels = vec![Vec3::new(radiance, 0.5 * radiance, -radiance); (size.0 * size.1) as usize];
@@ -119,7 +120,7 @@ fn decode(bytes: &[u8]) -> ([u32; 4], Vec<f32>) {
     ([0, 1, 2, 3].map(number), values)
 }
 
-/// Returns a sphere that shines, seen in a picture of 24 × 16 pixels.
+/// Returns a scene with an emitting sphere, and a camera of 24 × 16 pixels.
 fn shining_scene() -> Scene {
     let mut builder = SceneBuilder::new();
     let white = builder.add_material(Material::diffuse(Vec3::splat(0.5)));
