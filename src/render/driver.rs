@@ -24,7 +24,8 @@ pub struct StopCriteria<'a> {
     /// Error at which the render ends; `None` for no target.
     pub target: Option<ErrorTarget>,
     /// True to give up `target` once the noise is below its error, if bias keeps the total error
-    /// above it after any number of passes.
+    /// above it after any number of passes. A render without limits of passes and time gives up in
+    /// any case, even before its noise is that low.
     pub ends_at_bias: bool,
     /// Flag that another thread sets to true to end the render after the current pass.
     pub interrupted: &'a AtomicBool,
@@ -58,7 +59,7 @@ pub enum EndReason {
     Time,
     /// The error target was reached.
     Target,
-    /// More passes would not reach the error target, because of bias.
+    /// The error target is out of reach, because more passes do not remove bias.
     Floor,
     /// The user interrupted the render.
     Interrupted,
@@ -104,16 +105,16 @@ pub struct PassProgress<'a> {
 /// Smallest number of passes after which a render may give up its error target.
 pub(super) const GIVE_UP_PASSES: u32 = 16;
 
-/// A render gives up its error target if this fraction of the bias that more passes cannot remove
-/// exceeds the target.
+/// A render gives up its error target if this fraction of its permanent bias exceeds the target.
+/// The permanent bias is the bias that more passes do not remove.
 pub(super) const GIVE_UP_MARGIN: f64 = 0.8;
 
 /// Renders a picture of `size` (width, height) pixels, pass by pass, until a criterion of `stop`
 /// holds.
 ///
 /// Calls `after_pass` after each pass. Estimates the error if
-/// [`Integrator::returns_nested_estimates`] is true. Ends without the current pass if
-/// [`ProgressMonitor::is_cancelled`].
+/// [`Integrator::returns_nested_estimates`] is true. If [`ProgressMonitor::is_cancelled`] becomes
+/// true, the render ends without the current pass.
 pub fn render(
     integrator: &dyn Integrator,
     size: (u32, u32),
@@ -184,7 +185,7 @@ pub fn continue_render(
 }
 
 impl RenderResult {
-    /// Returns the result of a render of `size` (width, height) pixels before its first pass.
+    /// Returns the empty result with which a render of `size` (width, height) pixels begins.
     #[must_use]
     pub fn without_passes(integrator: &dyn Integrator, size: (u32, u32)) -> Self {
         Self {
@@ -228,7 +229,7 @@ impl RenderResult {
         Ok(())
     }
 
-    /// True if all sums belong to the same passes and pixels.
+    /// True if the film, the error estimator and `numbers` agree on the passes and the pixels.
     ///
     /// False for some results that were read from damaged files.
     pub(super) fn is_consistent(&self) -> bool {

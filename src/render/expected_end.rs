@@ -16,10 +16,10 @@ pub struct ExpectedEnd {
 }
 
 impl StopCriteria<'_> {
-    /// Returns the expected end of a render whose passes take `pass_seconds` \[s] each; `None`
-    /// without a criterion that will hold.
+    /// Returns the expected end of a render whose passes take `pass_seconds` \[s] each; `None` if
+    /// no criterion is expected to hold.
     ///
-    /// `forecast` extrapolates the error of a pilot of this render.
+    /// `forecast` extrapolates the error of a short pilot of this render.
     #[must_use]
     pub fn expected_end(&self, forecast: &ErrorForecast, pass_seconds: f64) -> Option<ExpectedEnd> {
         let passes_in = |seconds: f64| (seconds / pass_seconds).ceil().clamp(1.0, f64::from(u32::MAX)) as u32;

@@ -18,10 +18,11 @@ const MAGIC: &[u8; 16] = b"CAUSTICA FILM 1\n";
 /// Largest uncompressed content of a block \[bytes].
 const BLOCK: usize = 1 << 20;
 
-/// Largest number of bytes of the sums of a picture without pixels.
+/// Largest size of the sums in a film file, apart from the part that grows with the pixels
+/// \[bytes].
 const MAX_FIXED_BYTES: u64 = 1 << 20;
 
-/// Largest number of bytes per pixel of the sums of a picture.
+/// Largest size of the sums in a film file for each pixel \[bytes].
 ///
 /// The format of the crate `postcard` stores a 64-bit integer in at most 10 bytes.
 const MAX_BYTES_PER_PIXEL: u64 = 1024;
@@ -117,8 +118,8 @@ impl FilmHeader {
         lines
     }
 
-    /// Returns the passes that `done` lacks, among the planned passes of the whole render and those
-    /// below the last pass of `done`.
+    /// Returns the passes that the whole render still needs if `done` are done: the missing ones of
+    /// the planned passes, and of the passes before the last one of `done`.
     #[must_use]
     pub fn missing_passes(&self, done: &PassSet) -> PassSet {
         done.missing_below(self.planned_passes.unwrap_or(0).max(done.end()))

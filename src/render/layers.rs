@@ -6,8 +6,8 @@ use crate::image::ExrLayer;
 use crate::integrate::MeanGatherDisc;
 use glam::Vec3;
 
-/// Returns the picture, which is the layer without a name, and maps of its estimated error if the
-/// error is estimated.
+/// Returns the layers of a picture file: the picture, whose layer has no name, and maps of its
+/// estimated error if the error is estimated.
 ///
 /// Layers `bias`, `radius` and `photons` exist only for algorithms with density estimates.
 #[must_use]

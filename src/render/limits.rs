@@ -43,7 +43,8 @@ impl RenderLimits {
         self.passes.is_none() && self.time.is_none() && self.target_error.is_none()
     }
 
-    /// Returns the criteria that end a render by `integrator`, which `algorithm` prepared.
+    /// Returns the criteria that end a render with these limits by `integrator`, which `algorithm`
+    /// prepared.
     ///
     /// Errors are estimated if [`Integrator::returns_nested_estimates`] is true.
     #[must_use]

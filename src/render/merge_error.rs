@@ -8,17 +8,17 @@ pub enum MergeError {
     /// The pictures have different sizes (width, height).
     #[error("a film of {} × {} pixels cannot be added to one of {} × {}", other.0, other.1, own.0, own.1)]
     Size {
-        /// Width and height of the film that grows \[pixels].
+        /// Size of the picture to which passes are added: width and height \[pixels].
         own: (u32, u32),
-        /// Width and height of the film that is added \[pixels].
+        /// Size of the picture whose passes are added: width and height \[pixels].
         other: (u32, u32),
     },
     /// The two films together have more than 2³² − 1 passes.
     #[error("two films of {own} and {other} passes have too many: at most {} are allowed", u32::MAX)]
     Passes {
-        /// Number of passes of the film that grows.
+        /// Number of passes of the film to which passes are added.
         own: u32,
-        /// Number of passes of the film that is added.
+        /// Number of passes of the film whose passes are added.
         other: u32,
     },
     /// The renders have common passes.

@@ -49,7 +49,7 @@ impl PassSet {
         range.contains(&next).then_some(next)
     }
 
-    /// Returns the passes below `end` that are not in the set.
+    /// Returns the passes with numbers below `end` that are not in the set.
     #[must_use]
     pub fn missing_below(&self, end: u32) -> Self {
         let mut missing = Self::default();

@@ -54,18 +54,21 @@ pub(super) struct NestedDifferenceMoments {
 }
 
 impl NestedDifferenceMoments {
-    /// Returns the variance of the estimate of ‖D₀‖² from `passes` passes.
+    /// Returns the variance of the estimate of ‖D₀‖² from `passes` passes. D₀ = L(r) − L(r/√2),
+    /// where L(r) is the density estimate with disc radius r.
     ///
     /// `d0` is ‖D₀‖² and `variance` the variance of D₀ in one pass. `scatter` is the relative
-    /// variance of the squared noise. The terms are noise of pairs of passes, and products of noise
-    /// and expected difference.
+    /// variance of the squared noise. The first term is the noise of products of two passes. The
+    /// second term is the noise of products of noise and the expected D₀.
     pub fn d0_estimate_variance(d0: f64, variance: f64, scatter: f64, passes: f64) -> f64 {
         variance * variance * scatter / (passes * (passes - 1.0)) + 2.0 * d0.max(0.0) * variance * scatter / passes
     }
 
-    /// Weight in \[0, 1] of the measured ratios of D₁ to D₀, against the ratios in smooth light.
+    /// Weight in \[0, 1] of the measured ratios ‖D₁‖² / ‖D₀‖² and D₀·D₁ / ‖D₀‖². The rest of the
+    /// weight is on their values in smooth light.
     ///
-    /// It is 1 if the measured ‖D₀‖² has no noise, and 0 if that is not above 0.
+    /// The weight is 1 if the measured ‖D₀‖² is positive without noise, and 0 if it is not
+    /// positive.
     pub fn trust(&self) -> f64 {
         let d0 = self.d0.max(0.0);
         if d0 > 0.0 { d0 * d0 / (d0 * d0 + 4.0 * self.d0_variance) } else { 0.0 }
@@ -89,8 +92,8 @@ pub(super) struct BlurEstimate {
     pub variance: f64,
     /// Ratio of the blur with discs of half the area to the blur with full discs.
     pub ratio: f64,
-    /// Blur divided by its measured part: the difference between density estimates with full and
-    /// quarter disc area.
+    /// Ratio of the extrapolated blur to the measured difference between density estimates with
+    /// full and quarter disc area.
     pub extrapolation: f64,
 }
 

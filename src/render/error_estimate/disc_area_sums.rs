@@ -23,7 +23,8 @@ pub(super) struct DiscAreaSums {
     area: f64,
     /// Sum over passes of the inverse gather disc area, relative to the first pass.
     pub inverse_area: f64,
-    /// Sum over passes of area^`power`. The blur of the picture is proportional to its mean.
+    /// Sum over passes of area^`power`. Divided by `passes`, it is proportional to the picture's
+    /// blur.
     pub blur: f64,
 }
 
@@ -67,7 +68,8 @@ impl DiscAreaSums {
 
     /// Adds the next `count` passes at once by the midpoint rule.
     ///
-    /// The rule uses area ∝ n^(α − 1), which holds for large n.
+    /// The rule uses area ∝ n^(α − 1), which holds for large pass numbers n. α is the exponent of
+    /// the radius law.
     fn add_passes_by_midpoint(&mut self, count: u32) {
         let n = f64::from(self.passes);
         let at = |i: f64| self.area * libm::pow(i / n, self.alpha - 1.0);

@@ -31,8 +31,8 @@ pub struct ErrorEstimate {
     /// light, larger at edges.
     #[serde(skip)]
     pub(super) blur_ratio: f64,
-    /// Extrapolated blur divided by its measured part: the difference between density estimates
-    /// with full and quarter disc area.
+    /// Ratio of the extrapolated blur to the measured difference between density estimates with
+    /// full and quarter disc area.
     #[serde(skip)]
     pub(super) extrapolation: f64,
     /// Parts of the squared error, with their variances.

@@ -19,12 +19,18 @@ use glam::{DVec3, Vec3};
 /// Smallest number of passes for which the error is estimated.
 pub const MIN_PASSES: u32 = 4;
 
-/// Number of passes, those with the lowest numbers, from which the effective sample count of the
-/// noise is measured.
+/// Number of passes from which the effective sample count of the noise is measured: those with the
+/// lowest pass numbers.
+///
+/// The effective sample count is the number of independent values that scatter as much as the
+/// noise.
 const LEADING_PASSES: usize = 8;
 
-/// Number of passes, those with the lowest numbers, from which the effective sample count of a
-/// difference is measured: between density estimates with full and half disc area.
+/// Number of passes from which the effective sample count of D₀ is measured: those with the lowest
+/// pass numbers.
+///
+/// D₀ is the difference between density estimates with full and half disc area. The effective
+/// sample count is the number of independent values that scatter as much as the noise of D₀.
 const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
 
 /// Accumulates the passes of a render, and estimates the error of their mean.
@@ -58,7 +64,7 @@ struct NestedEstimateSums {
     /// Sums over passes of gather radius and photon count of each pixel: from the caustic map, and
     /// from the indirect map.
     discs: Vec<[GatherDiscTotals; 2]>,
-    /// Pictures, for the passes with the lowest numbers, of the difference between density
+    /// D₀ of each pixel in the passes with the lowest numbers. D₀ is the difference between density
     /// estimates with full and half disc area.
     leading: LeadingPasses,
 }
@@ -71,16 +77,17 @@ struct GatherDiscTotals {
     passes: u32,
 }
 
-/// Estimated error of each pixel, in rows from the top.
+/// Estimated error of each pixel, in rows from the top. All maps but `noise` are empty without
+/// photon density estimates.
 #[derive(Clone, Debug, Default)]
 pub struct ErrorMaps {
     /// Standard error of the mean of the passes, by channel \[W/(m² sr)].
     pub noise: Vec<Vec3>,
     /// Signed estimate of the blur of the mean of the passes, by channel \[W/(m² sr)]. It is noisy.
     pub bias: Vec<Vec3>,
-    /// Mean radius and photon count of estimates from the caustic map.
+    /// Mean radius and photon count of each pixel's density estimates from the caustic map.
     pub caustic: Vec<MeanGatherDisc>,
-    /// Mean radius and photon count of estimates from the indirect map.
+    /// Mean radius and photon count of each pixel's density estimates from the indirect map.
     pub indirect: Vec<MeanGatherDisc>,
 }
 
@@ -210,7 +217,8 @@ impl ErrorEstimator {
             self.photon_estimates.as_ref().map(|estimates| estimates.nested_difference_moments(&error_weights, n));
         let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&error_weights, film.size().0, n);
-        // The true error of this picture scatters about its expectation, which is estimated too.
+        // The squared error of this picture scatters about its expectation, which is an estimate
+        // too.
         let scatter = self.leading.squared_error_variance(error_weights.pixel_weights(), n);
         // A variance estimate scatters by (kurtosis − 1) / 2 times that of Gaussian noise.
         let tail_factor = if fourth > 0.0 { 0.5 * tails / fourth } else { 1.0 };

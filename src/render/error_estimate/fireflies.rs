@@ -30,8 +30,8 @@ impl FireflyHistogram {
         self.fractions.iter().sum()
     }
 
-    /// Returns the contribution of fireflies to the mean squared error after `factor` times as many
-    /// passes; at most 1.
+    /// Predicts the contribution of fireflies to the mean squared error after `factor` times as
+    /// many passes; at most 1.
     pub(super) fn firefly_squared_error_after(&self, factor: f64) -> f64 {
         let one = |(octave, part): (usize, &f64)| part * (libm::exp2(octave as f64 + 0.5) / (factor * factor)).min(1.0);
         (factor * self.fractions.iter().enumerate().map(one).sum::<f64>()).min(1.0)

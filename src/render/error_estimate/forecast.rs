@@ -23,7 +23,7 @@ pub struct ErrorForecast {
     photon_variance: f64,
     /// Relative blur (bias of photon density estimates) of the first pass.
     blur: f64,
-    /// Exponent p: the blur of a pass is proportional to its gather disc area to the power p.
+    /// Exponent p: the blur of a pass is proportional to the p-th power of its gather disc area.
     power: f64,
 }
 
@@ -62,7 +62,10 @@ impl ErrorForecast {
         noise.hypot(bias)
     }
 
-    /// Returns the relative bias that no number of passes removes; `None` if passes remove blur.
+    /// Returns the relative bias that remains after any number of passes; `None` if it is 0.
+    ///
+    /// Gather radii that shrink from pass to pass remove blur, but not the error of camera paths
+    /// that all passes share.
     #[must_use]
     pub fn bias_floor(&self) -> Option<f64> {
         let floor =

@@ -70,8 +70,8 @@ impl LeadingPasses {
     }
 
     /// Returns three values for the differences between two leading passes: their mean square, the
-    /// mean squared product of two differences without a common pass, and the number of independent
-    /// products.
+    /// mean squared scalar product of two differences without a common pass, and the number of
+    /// independent scalar products.
     fn variance_and_squared_product(&self, weights: &[f64], max: f64) -> (f64, f64, f64) {
         let n = self.pictures.len();
         let products = self.deviation_products(weights, max);

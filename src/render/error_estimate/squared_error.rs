@@ -7,8 +7,8 @@
 pub(super) struct SquaredErrorParts {
     /// Squared noise: the variance of the mean of the passes.
     pub noise: f64,
-    /// Relative variance of the squared noise of one picture about its expectation: 2 / effective
-    /// sample count.
+    /// Relative variance of one picture's squared noise about its expectation: 2 / effective sample
+    /// count. The count is the number of independent values that scatter as much as the noise.
     pub noise_scatter: f64,
     /// Relative variance of the estimate `noise` about the expectation of the squared noise.
     pub noise_uncertainty: f64,

@@ -18,27 +18,29 @@ use std::sync::LazyLock;
 /// Probability that a render ends within a [`PassRange`].
 pub const RANGE_PROBABILITY: f64 = 0.8;
 
-/// Largest ratio of a forecast number of passes to the number of passes made.
+/// Largest number of passes that is forecast, relative to the number of passes made.
 const MAX_EXTRAPOLATION: u32 = 1000;
 
 /// Number of draws of the unknown quantities in a forecast.
 const DRAWS: usize = 64;
 
-/// Relative standard deviation of the predicted noise variance of distant passes, due to the model.
+/// Relative standard deviation of the predicted noise variance after many more passes, because the
+/// forecast's model of noise is inexact.
 const MODEL_DEVIATION: f64 = 0.2;
 
-/// Exponent of the prior density of ‖D₀‖², with D₀ = L(r) − L(r/√2) for the density estimate L(r)
-/// with disc radius r.
+/// Exponent e of the prior density (‖D₀‖²)^−e, with D₀ = L(r) − L(r/√2) for the density estimate
+/// L(r) with disc radius r.
 ///
-/// An exponent of 0 would make large blur likely wherever it is not measured yet, an exponent of 1
-/// would exclude it.
+/// An exponent of 0 would make large blur likely wherever it is not measured yet. An exponent of 1
+/// would exclude such blur.
 const PRIOR_EXPONENT: f64 = 0.5;
 
 /// Possible exponents p of the decay of blur, which is proportional to disc area to the power p: ¼
 /// at edges, 1 in smooth light. All are equally likely before measurement.
 const POWERS: [f64; 5] = [0.25, 0.4375, 0.625, 0.8125, 1.0];
 
-/// Least weight of an exponent of [`POWERS`], relative to the most likely one.
+/// Least probability of an exponent of [`POWERS`] after measurement, relative to the most likely
+/// one.
 const LEAST_POWER_WEIGHT: f64 = 1e-3;
 
 /// Forecast of the number of passes after which a render reaches its error target.
@@ -46,7 +48,7 @@ const LEAST_POWER_WEIGHT: f64 = 1e-3;
 pub enum StopForecast {
     /// After a number of passes in this range.
     Passes(PassRange),
-    /// Never: more passes do not remove this relative bias.
+    /// Never: this relative bias remains after any number of passes.
     Never {
         /// Relative bias that no number of passes removes.
         floor: f64,
@@ -58,7 +60,8 @@ pub enum StopForecast {
     },
 }
 
-/// Range that contains a total number of passes with the probability [`RANGE_PROBABILITY`].
+/// Range that contains the number of passes of the whole render with the probability
+/// [`RANGE_PROBABILITY`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PassRange {
     /// Lower end of the range: the 10 % quantile.
@@ -129,8 +132,12 @@ impl ErrorForecast {
         self.estimate.passes.saturating_mul(MAX_EXTRAPOLATION).min(MAX_PASSES)
     }
 
-    /// Returns the number of passes after which each draw ends, in ascending order; `None` for a
-    /// draw that ends beyond [`horizon`](Self::horizon).
+    /// Simulates the render for each draw of the unknown quantities. Returns the numbers of passes
+    /// after which the simulated renders end, in ascending order.
+    ///
+    /// A render ends once the upper end of its error interval is at most `target`. `half_width` is
+    /// the half width of the interval, in standard deviations of the squared error. The number is
+    /// `None`, and comes last, for a render that ends beyond [`horizon`](Self::horizon).
     fn ends_of_draws(&self, target: f64, half_width: f64) -> Vec<Option<u32>> {
         let made = self.estimate.passes;
         let ended = self.estimate.parts.error_interval(half_width).1 <= target;
@@ -165,8 +172,9 @@ impl ErrorForecast {
     /// Returns the parts of the squared error that a simulated render estimates after the passes
     /// that `sums` holds.
     ///
-    /// `power` is an index of [`POWERS`]. `d0` is the expectation of ‖D₀‖² after the passes made,
-    /// whose sums are `at_pilot`.
+    /// `power` is an index of [`POWERS`]. `at_pilot` holds the passes made so far, and `d0` is the
+    /// drawn expectation of ‖D₀‖² after them. D₀ = L(r) − L(r/√2), where L(r) is the density
+    /// estimate with disc radius r.
     fn simulated_parts(
         &self,
         draw: &Draw,
@@ -225,15 +233,17 @@ impl ErrorForecast {
         })
     }
 
-    /// Returns the cumulative probabilities of [`POWERS`] after measurement.
+    /// Returns the cumulative probabilities of [`POWERS`] after measurement. They are not
+    /// normalized.
     ///
-    /// An exponent p predicts ‖D₁‖² = 2^(−2p) ‖D₀‖². The difference between this prediction and the
-    /// measured ‖D₁‖² gives its likelihood. The estimate of ‖D₁‖² has about the variance of the
-    /// estimate of ‖D₀‖².
+    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
+    /// radius r. An exponent p predicts ‖D₁‖² = 2^(−2p) ‖D₀‖². The difference between this
+    /// prediction and the measured ‖D₁‖² gives the likelihood of p. The estimates of ‖D₁‖² and
+    /// ‖D₀‖² have about the same variance.
     fn power_weights(&self) -> [f64; POWERS.len()] {
         let measured = &self.estimate.differences;
-        // Floor of the variance. With it, a ratio between the ratios of two neighbouring exponents
-        // fits both exponents, even if it is measured exactly.
+        // Least variance. A measured ratio between those of two neighbouring exponents then fits
+        // both exponents, even if it has no noise.
         let rounding = 1e-4 * measured.d0 * measured.d0;
         let square = |power: f64| {
             let ratio = squared_ratio(power);
@@ -253,8 +263,8 @@ impl ErrorForecast {
     /// Returns pairs of a value of ‖D₀‖² and its cumulative probability after measurement, both in
     /// ascending order. The probability is not normalized.
     ///
-    /// The measured ‖D₀‖² has Gaussian noise. The prior density is a power law
-    /// ([`PRIOR_EXPONENT`]).
+    /// D₀ = L(r) − L(r/√2), where L(r) is the density estimate with disc radius r. The measured
+    /// ‖D₀‖² has Gaussian noise. Its prior density is a power law ([`PRIOR_EXPONENT`]).
     fn blur_quantiles(&self) -> Vec<(f64, f64)> {
         const VALUES: i32 = 80;
         const LEAST: f64 = 1e-3;
@@ -279,6 +289,9 @@ impl ErrorForecast {
 }
 
 /// Returns ‖D₁‖² / ‖D₀‖² where blur is proportional to disc area to the power `power`.
+///
+/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
+/// radius r.
 fn squared_ratio(power: f64) -> f64 {
     libm::exp2(-2.0 * power)
 }

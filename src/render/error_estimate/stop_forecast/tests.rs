@@ -27,7 +27,7 @@ fn range(forecast: StopForecast) -> PassRange {
     range
 }
 
-/// Smooth light of blur 2·√d0, known exactly.
+/// Moments of smooth light with the blur 2·√d0, known without noise.
 fn smooth(d0: f64) -> NestedDifferenceMoments {
     NestedDifferenceMoments { d0, d0_d1: 0.5 * d0, d1: 0.25 * d0, ..Default::default() }
 }
@@ -91,7 +91,8 @@ fn fixed_radii_never_reach_targets_below_their_blur() {
     assert!((155..=175).contains(&median), "{median}");
 }
 
-/// Light at edges blurs as n^(−1/12), smooth light as n^(−1/3): the same blur takes longer to fall.
+/// Light with sharp edges blurs as n^(−1/12), smooth light as n^(−1/3). So the same blur takes more
+/// passes to fall at edges.
 #[test]
 fn blur_at_edges_decays_slowly() {
     let edge = |d0: f64| NestedDifferenceMoments { d0, d0_d1: 0.7275 * d0, d1: 0.707 * d0, ..Default::default() };
