@@ -36,7 +36,7 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let options = MapBuildOptions::for_pilot(key, PILOT_DIVISOR);
     let maps = renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut Pass::default());
-    // Moving objects rest at one time, as in a pass.
+    // Moving objects rest at one time, without slices of the shutter interval.
     let pilot = renderer.with_one_sample();
     let pictures: Vec<Vec<f64>> = (0..PILOT_PICTURES)
         .map(|i| {
@@ -56,10 +56,11 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
     relative_ray_counts(&pictures, width as usize, height as usize, renderer.samples)
 }
 
-/// Returns how many camera rays each pixel needs, relative to the mean over all pixels.
+/// Returns how many camera rays each pixel needs, relative to the mean over all pixels; `None` if
+/// the `pictures` have no noise.
 ///
-/// The counts follow from the noise between independent `pictures`. `samples` is the mean number of
-/// rays per pixel. Returns `None` if the pictures have no noise.
+/// The counts follow from the differences between the independent `pictures`, which show the noise.
+/// `samples` is the mean number of rays per pixel.
 fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32) -> Option<Arc<[f32]>> {
     let n = pictures.len() as f64;
     let mean: Vec<f64> =
@@ -90,11 +91,11 @@ fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, sampl
     let share = |scale: f64, w: f64| (scale * w).clamp(least, MAX_RELATIVE_COUNT);
     let total = |scale: f64| wanted.iter().map(|w| share(scale, *w)).sum::<f64>() / wanted.len() as f64;
     let (mut low, mut high) = (0.0, 1.0 / largest);
-    // If few pixels need rays, the upper bound leaves some rays unused.
+    // If few pixels need rays, this bound of the scale would leave rays unused: raise it.
     while total(high) < 1.0 && high * largest < MAX_RELATIVE_COUNT * 1e6 {
         high *= 2.0;
     }
-    // The mean grows with the scale; sixty bisections exhaust double precision.
+    // The mean number of rays grows with the scale; sixty bisections exhaust double precision.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if total(middle) > 1.0 { high = middle } else { low = middle }

@@ -19,8 +19,8 @@ pub struct RayPhotonBalance {
     pub caustic_photons: Option<u32>,
 }
 
-/// Largest factor by which a pilot may change a number of samples. It limits the harm of a noisy
-/// pilot.
+/// Largest factor by which a pilot may change the number of camera rays or photon paths. It limits
+/// the harm of a noisy pilot.
 const MAX_CHANGE: f64 = 4.0;
 
 // The unit of work is the time of one photon ray, about 0.1 µs. The ratios come from
@@ -55,11 +55,12 @@ impl NoiseSource {
     }
 }
 
-/// Returns the number of samples of each source for which the pass has least noise. The total work
+/// Returns the numbers of samples of all sources for which the pass has least noise. The total work
 /// is the same as with the default numbers.
 ///
-/// No number changes by more than a factor of [`MAX_CHANGE`]. A source without noise keeps its
-/// number of samples, and its work is not counted.
+/// A sample is one camera ray per pixel, or one photon path. No number changes by more than a
+/// factor of [`MAX_CHANGE`]. A source without noise keeps its number of samples, and its work is
+/// not counted.
 pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
     let work = |numbers: &[f64; 3]| -> f64 {
         let active = sources.iter().zip(numbers).filter(|(p, _)| p.has_noise());

@@ -41,7 +41,8 @@ const ROULETTE_BOUNCE: u32 = 8;
 /// Largest number of branches of one camera path that wait on the stack to be traced.
 const MAX_BRANCHES: usize = 16;
 
-/// Gather radius \[length] that replaces the radius of the indirect map if a pass has no maps.
+/// Gather radius \[length] that sets the least length of final-gathering rays if a pass has no
+/// photon maps.
 const NO_MAP_RADIUS: f32 = 1.0;
 
 /// Smallest length of a final-gathering ray that reads the indirect map at its end, relative to the
@@ -75,12 +76,14 @@ pub(super) struct PathState<I> {
     throughput: Rgb,
     bounce: u32,
     history: PathHistory,
-    /// Weight of indirect light that camera paths share with photon estimates; 1 if they do not.
+    /// Weight of indirect light that this path finds, if photon estimates find it too; 1 if they do
+    /// not.
     ///
-    /// The throughput is multiplied by this weight after the emission at the next vertex is added.
+    /// The throughput is multiplied by this weight after the emission at the next vertex is added:
+    /// that emission is direct light of the last vertex.
     indirect_weight: f32,
-    /// True once the path has left its first receiver, if photon estimates there find indirect
-    /// light too.
+    /// True once the path has left its first receiver (surface that stores photons, or medium), if
+    /// a photon estimate there finds indirect light too.
     shares_indirect: bool,
     /// Previous vertex if next-event estimation there could have sampled the light that the path
     /// hits now. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
@@ -366,12 +369,11 @@ fn is_path_continued(indirect: IndirectWeights, sampler: Sampler) -> bool {
     indirect.is_sample_continued(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ReceiverChoice))
 }
 
-/// Returns `light`, multiplied by a weight if `path` found it before its first receiver (surface
-/// that stores photons). Prefix rays find such light too; see
-/// [`PrefixLight`](super::prefix_rays::PrefixLight).
+/// Returns `light` times its weight, for `light` that `path` found: emission that it hit, or direct
+/// light at a caster. Also adds the weighted light to sums of `worker`.
 ///
-/// `light` is emission that the path hit, or direct light at a caster. The function also adds it to
-/// sums of `worker`.
+/// Up to the first receiver (surface that stores photons), extra prefix rays find the same light,
+/// so it has the weight of [`PrefixLight`](super::prefix_rays::PrefixLight). Later the weight is 1.
 #[inline]
 fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, worker: &mut PathWorker) -> Rgb {
     if path.history.receivers > 0 {
@@ -385,9 +387,8 @@ fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, worker: &mut PathWorker
     weighted
 }
 
-/// Records the position of `vertex` in `worker` as a point visible to the camera.
-///
-/// The point is weighted by throughput and BRDF.
+/// Records the position of `vertex` in `worker` as a point visible to the camera. Its weight is the
+/// throughput times the BRDF, which is the importance of photons there.
 fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut PathWorker) {
     let surface = vertex.surface;
     let normal = surface.facing_normal();
@@ -471,7 +472,7 @@ impl<'a> PathContext<'a> {
 }
 
 impl<I: Interior> PathState<I> {
-    /// Sets the weight of the indirect light that this path finds after its first receiver. Photon
+    /// Begins to weight the indirect light that this path finds after its first receiver. Photon
     /// estimates carry the rest of that light.
     ///
     /// `sampler` is the sampler of the path's vertex at the receiver.

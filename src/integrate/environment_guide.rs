@@ -45,8 +45,8 @@ pub(super) struct EnvironmentGuide {
     cells: Vec<SquareGridDistribution>,
 }
 
-/// Numbers of pilot rays, and sums of their squared contributions to the picture, in each bin of
-/// each cell.
+/// Data from which the guide is fitted: number of pilot rays, and sum of their squared
+/// contributions to the picture, in each bin of each cell.
 pub(super) struct EnvironmentGuideFit {
     grid: CellGrid,
     counts: Vec<f64>,
@@ -102,8 +102,8 @@ impl EnvironmentGuideFit {
 
     /// Returns the guide that follows from the added rays; `None` if no ray contributed.
     ///
-    /// The mean of a bin is drawn towards the mean of the bin that contains it in the next coarser
-    /// level, and so on up to the whole scene.
+    /// The squared contributions are averaged in each bin. The mean is drawn towards the mean of
+    /// the larger bin around it in the next coarser level, and so on up to the whole scene.
     pub fn guide(&self) -> Option<EnvironmentGuide> {
         let mean = self.squares.iter().sum::<f64>() / self.counts.iter().sum::<f64>().max(1.0);
         let mut means = vec![mean; Level(0).bin_count()];

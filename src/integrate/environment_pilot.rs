@@ -30,14 +30,15 @@ const ROUNDS: u32 = 4;
 /// Number of shadow rays from each point in each round.
 const RAYS_PER_POINT: u32 = 6;
 
-/// Factor of variance reduction above which passes use guided shadow rays.
+/// Least ratio of unguided to guided variance at which passes use guided shadow rays.
 ///
-/// It exceeds 1, because guided rays take longer to sample, and because camera paths that sample
-/// the BSDF find a widely visible environment too.
+/// It exceeds 1, because guided rays take longer to sample. Also, camera paths that sample the BSDF
+/// find a widely visible environment without shadow rays.
 const MIN_GAIN: f64 = 1.5;
 
-/// Largest fraction of unguided shadow rays that reach the environment. Above it, the pilot ends
-/// after the first round: camera paths that sample the BSDF find such a widely visible sky too.
+/// Largest fraction of unguided shadow rays that reach the environment, for which the pilot goes
+/// on. Above it, the pilot ends after the first round, without a guide: camera paths that sample
+/// the BSDF find such a widely visible sky too.
 const MAX_UNOCCLUDED: f64 = 0.25;
 
 /// Work of the pilot of environment guiding, and its estimated benefit.
@@ -154,8 +155,8 @@ fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key:
     })
 }
 
-/// Returns the ratio of the second moments of unguided and guided contributions, from guided
-/// `rays`; 1 if no ray contributes.
+/// Returns the ratio of the second moments of unguided and guided contributions to the picture.
+/// Both are estimated from guided `rays`. It is 1 if no ray contributes.
 fn gain(rays: &[PilotRay]) -> f64 {
     let (mut unguided, mut guided) = (0.0, 0.0);
     for ray in rays {

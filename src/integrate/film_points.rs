@@ -28,10 +28,10 @@ pub(super) fn trace_paths_through_film_points(
 }
 
 /// Traces a camera path through each of `points`, and calls `result` with its radiance \[W/(m² sr)]
-/// and its worker.
+/// and the worker that traced it.
 ///
-/// Returns the result of each point, and the ray counts of all paths. If `nested`, photon estimates
-/// are also made with smaller nested discs.
+/// Returns the values that `result` returned, and the ray counts of all paths. If `nested`, photon
+/// estimates are also made with smaller nested discs.
 pub(super) fn map_paths_through_film_points<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],

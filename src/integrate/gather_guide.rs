@@ -12,8 +12,8 @@ pub(super) const GUIDE_PHOTONS: u32 = 32;
 /// Without overlap, the cones of 32 photons cover 64 % of a hemisphere.
 const ONE_MINUS_COS: f32 = 0.02;
 
-/// Distribution of final-gathering directions: an equal mixture of uniform cones around the
-/// directions from which photons arrived.
+/// Distribution of final-gathering directions: an equal mixture of uniform cones, one around each
+/// direction from which a nearby photon arrived.
 ///
 /// Hey and Purgathofer 2002, "Importance Sampling with Hemispherical Particle Footprints".
 #[derive(Debug, Default)]

@@ -19,8 +19,8 @@ use glam::Vec2;
 /// Weights of camera paths and of photon estimates for the indirect light of one pixel in one pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct IndirectWeights {
-    /// Weight of the photon estimate. If it is 0, all camera paths continue at their first
-    /// receiver.
+    /// Weight of the photon estimate in \[0, 1]; camera paths have the rest. If it is 0, all camera
+    /// paths continue at their first receiver.
     pub photons: f32,
     /// Number of the pixel's camera paths that continue at their first receiver: those with the
     /// lowest sample indices.
@@ -68,8 +68,8 @@ pub(super) struct IndirectDivision {
     pub samples: u32,
     /// Number of photon paths per pass that fill the interreflection map.
     pub photons: u32,
-    /// Relative reduction of variance that one more continued camera path must bring to pay for its
-    /// work.
+    /// Price of a camera path: it continues after its first receiver only if that reduces the
+    /// relative variance of indirect light by at least this value.
     pub path_price: f32,
     /// Number of passes with photon estimates of indirect light. Later passes use camera paths
     /// alone.
@@ -128,8 +128,8 @@ impl IndirectWeights {
     /// True if camera path `index` of a pixel's `count` paths continues at its first receiver
     /// (surface that stores photons, or medium).
     ///
-    /// A pilot traces a single path per pixel (`count` is 1). Then `u` in \[0, 1) decides at
-    /// random.
+    /// A pilot traces a single path per pixel (`count` is 1). It continues with the probability
+    /// `continued`/`samples`, by the random number `u` in \[0, 1).
     #[inline]
     pub fn is_sample_continued(&self, (index, count): (u32, u32), u: f32) -> bool {
         if count == 1 { u * (self.samples as f32) < self.continued as f32 } else { index < self.continued }
@@ -162,6 +162,7 @@ impl IndirectErrors {
             // The pilot found no light by one of the techniques.
             return IndirectWeights::default();
         }
+        // Let `photons` be the error of the photon estimate and `paths` that of one continued path.
         // With n continued paths, the combined error is 1/(1/photons + n/paths). Its derivative by
         // n is −error²/paths.
         let wanted = (paths / division.path_price).sqrt() - paths / photons;

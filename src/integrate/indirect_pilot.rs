@@ -37,7 +37,7 @@ const MIN_DIVISOR: u32 = 8;
 /// Largest number of photon paths of a trial.
 const MAX_PATHS: u32 = 1 << 17;
 
-/// Number of the pass, counted from 1, whose error and work determine the price of a camera path.
+/// Number of the pass, counted from 1, for which the pilot minimizes error times work.
 const TYPICAL_PASS: u32 = 4;
 
 /// Largest number of passes with photon estimates of indirect light.
@@ -54,7 +54,7 @@ const PHOTON_PARTS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
 /// Stride over the film points: the pilot measures work at every eighth point.
 const WORK_STEP: usize = 8;
 
-/// Number of iterations of the search for the price of a camera path.
+/// Number of iterations of the search for [`IndirectDivision::path_price`].
 const SEARCH_STEPS: u32 = 12;
 
 /// Work of one photon in a density estimate, including its search, relative to tracing a photon
@@ -62,11 +62,11 @@ const SEARCH_STEPS: u32 = 12;
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
 /// Largest fraction of a cell's indirect light that photon estimates of the pilot may miss. If they
-/// miss more, photons are too rare there for the pilot to measure their variance.
+/// miss more, the pilot has too few photons there to measure their variance, and assumes one.
 const MOST_MISSED: f64 = 0.9;
 
-/// Variance assumed for photon estimates that miss more than [`MOST_MISSED`] in a scene with
-/// scattering media, relative to the squared indirect light.
+/// Variance, relative to the squared indirect light, that is assumed for photon estimates in a cell
+/// where they miss more than [`MOST_MISSED`]. It holds for scenes with scattering media.
 ///
 /// In thick media, photons near the camera may be rare, but then each carries great flux.
 const RARE_IN_MEDIA: f64 = 1e4;
@@ -80,8 +80,8 @@ const BIAS_FACTOR: f64 = 2.0;
 struct LightParts {
     /// Direct light at the first receiver (surface that stores photons).
     direct: f64,
-    /// Emission that the path finds up to its first receiver, and the caustics there. Other pilots
-    /// reduce their noise.
+    /// Emission that the path finds up to its first receiver, and the caustics there. The pilot
+    /// ignores their noise, because other pilots reduce it.
     emission_and_caustics: f64,
     /// Indirect light found by the continued camera path.
     paths: f64,
@@ -300,7 +300,7 @@ fn cell_errors(
     let smoothed = |i: usize, value: usize| box_mean(|i| raw[i][value], i, 1, grid);
     let errors = |i: usize| {
         let (by_paths, by_photons) = (smoothed(i, 4), smoothed(i, 5));
-        // If photons are too rare for the pilot, assume a variance.
+        // If the pilot has too few photons to measure their variance, assume a variance.
         let missed = (by_paths - by_photons).max(0.0);
         let relative_variance = if missed > MOST_MISSED * by_paths {
             rare
@@ -317,15 +317,17 @@ fn cell_errors(
         }
     };
     let mut direct: Vec<f64> = raw.iter().map(|sums| sums[0]).collect();
-    // Leave out the noisiest 5 % of the cells: rare bright light says nothing about other cells.
+    // Leave out the noisiest 5 % of the cells, because rare bright light in one cell says nothing
+    // about the others.
     direct.sort_by(f64::total_cmp);
     let kept = direct.len() - direct.len() / 20;
     let direct = direct[..kept].iter().sum::<f64>() / kept as f64;
     Some(((0..cells.len()).map(errors).collect(), direct))
 }
 
-/// Returns `division` with the number of photon paths, the number of passes and the price of camera
-/// paths for which error times work is least. Returns `None` if camera paths alone are as good.
+/// Chooses the number of photon paths, the number of passes with photon estimates, and
+/// [`IndirectDivision::path_price`] for which error times work is least. Returns them in a copy of
+/// `division`; `None` if camera paths alone are as good.
 ///
 /// `parts` are the numbers of photon paths to choose from, relative to the number of `division`.
 /// `area` returns the relative disc area of a pass, counted from 0.

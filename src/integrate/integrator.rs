@@ -71,8 +71,8 @@ pub trait Integrator: Send + Sync {
         None
     }
 
-    /// Returns, for each photon map, the work and benefit of guiding photon emission towards points
-    /// that the camera sees.
+    /// Returns the work and benefit of guiding photon emission towards points that the camera sees,
+    /// for each set of photon paths.
     fn emission_guiding_reports(&self) -> EmissionGuidingReportPerMap {
         EmissionGuidingReportPerMap::default()
     }

@@ -30,14 +30,14 @@ use std::time::Instant;
 /// Default limit on the number of photons of a density estimate in the caustic map.
 pub const CAUSTIC_K: u32 = 50;
 
-/// Ratio of the number of unaimed photon paths of a pass to the number of paths that guide
+/// Divisor of the number of unaimed photon paths of a pass: 1/16 as many paths guide
 /// final-gathering rays.
 const GUIDE_PHOTON_DIVISOR: u32 = 16;
 
 /// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
 const WAVELENGTH_BAND: f32 = 20.0;
 
-/// Smallest value to which the limit on the photons of a density estimate shrinks over the passes.
+/// Lower bound of the photon limit k of density estimates, which shrinks over the passes.
 const MIN_K: f64 = 8.0;
 
 /// Photon paths to trace for one map.
@@ -500,7 +500,7 @@ impl<'a> PhotonMapBuilder<'a> {
             radii.volume.points * kernel_radius_ratio(point_dimensions, alpha, pass),
         );
         let band = WAVELENGTH_BAND * area.sqrt() as f32;
-        // All maps use the same random number: their beams belong to different paths.
+        // One random number serves all maps, because their beams belong to different paths.
         let start = options.photon_path_key(Purpose::BeamThinning).uniform_1d(Dimension::Roulette);
         let beams = thin_beams(photons.volume.beams, radii.volume.kept_beams, start);
         let volume_photons = VolumePhotons { beams, ..photons.volume };

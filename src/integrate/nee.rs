@@ -57,7 +57,7 @@ impl<'a> NextEventEstimator<'a> {
     /// to the environment light, if any.
     pub fn new(scene: &'a Scene, policy: &PathPolicy, guide: Option<Arc<EnvironmentGuide>>) -> Self {
         let PathPolicy { effects, light_sampling, directions, .. } = *policy;
-        // A light sampled at its center emits its mean radiance there.
+        // A light that is sampled only at its center needs its mean radiance there.
         let centers = light_sampling == LightSampling::Centers || !effects.has(Effect::SoftShadows);
         let all = if centers || !effects.has(Effect::Textures) { scene.mean_emission_lights() } else { scene.lights() };
         let skipped = scene.environment_light_index().filter(|_| !effects.has(Effect::Environment));
@@ -150,7 +150,7 @@ impl<'a> NextEventEstimator<'a> {
             let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
             let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i);
             for ray in 0..rays {
-                // Splitting the sample stratifies the rays over the light.
+                // Stratify the rays over the light.
                 let u = if self.centers {
                     CENTER
                 } else {
@@ -172,8 +172,8 @@ impl<'a> NextEventEstimator<'a> {
     ) -> Rgb {
         let point = &vertex.surface.point;
         let mut sum = Rgb::ZERO;
-        // One uniform number shifts equal strata: no light gets more rays than its expected count,
-        // rounded up.
+        // One uniform number shifts equal strata. So no light gets more rays than its expected
+        // number of rays, rounded up.
         let start = vertex.shadow_sampler.get_1d(Dimension::Light);
         for i in 0..rays {
             let u = stratified_sample(i, start, rays);

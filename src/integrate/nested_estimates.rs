@@ -57,8 +57,9 @@ impl GatherDiscSum {
 /// Sums of estimates with nested gather discs, over one camera ray and over all rays of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NestedEstimateSum {
-    /// Estimate with the full disc minus that with half its area, and so on for smaller discs, each
-    /// times its throughput, summed over the estimates of the current camera ray \[W/(m² sr)].
+    /// Sums over the photon estimates of the current camera ray of throughput times difference
+    /// \[W/(m² sr)]. The differences are: full minus half disc area, and half minus quarter disc
+    /// area.
     ray: [Rgb; LEVELS - 1],
     /// Sum of `ray` over the rays of the pixel, with the weights of the pixel filter.
     pixel: [DVec3; LEVELS - 1],

@@ -122,14 +122,15 @@ impl<'a> PassRenderer<'a> {
         }
         let scene = self.scene;
         let wanted = (scene::motion_on_film(scene) / SLICE_PIXELS).ceil();
-        // Placing a moving part must not cost more than tracing a camera ray.
+        // Placing the moving parts for all slices must not cost more than tracing the camera rays.
         let (width, height) = scene.camera().size();
         let rays = u64::from(width) * u64::from(height) * u64::from(self.samples);
         let affordable = rays / (scene.unshared_part_count() as u64).max(1);
         let most = if !self.map_builder.traces_photons() {
             MAX_SLICES
         } else if self.policy.reads_photons_each_sample() {
-            // Photons carry all indirect light, and a camera ray reads only photons of its slice.
+            // A camera ray reads only photons of its slice, and they carry all indirect light. So
+            // use no more slices than a pixel has rays.
             self.samples.min(MAX_PHOTON_SLICES)
         } else {
             self.samples.saturating_mul(2).min(MAX_PHOTON_SLICES)

@@ -65,7 +65,7 @@ impl Integrator for PathIntegrator<'_> {
                 map_builder.traces_photons().then(|| map_builder.build(pass, slice, monitor, &mut out));
             if let Some(maps) = &mut slice_maps {
                 // Each slice estimates the light of the whole interval, so the picture needs the
-                // mean of the slices.
+                // mean over the slices.
                 let share = 1.0 / slice.count as f32;
                 maps.splats.iter_mut().for_each(|splat| splat.radiance *= share);
                 splats.append(&mut maps.splats);

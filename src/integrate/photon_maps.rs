@@ -159,8 +159,8 @@ impl PhotonEstimator<'_> {
     /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the photons
     /// of this map \[W/(m² sr)].
     ///
-    /// `scratch` returns the worker's buffers for this map. Only the nested estimates in `worker`
-    /// are multiplied by `samples`; the result is not.
+    /// `scratch` returns the worker's search buffers and sums for this map. Only the nested
+    /// estimates in `worker` are multiplied by `samples`; the result is not.
     #[inline]
     fn radiance<I: Interior>(
         &self,

@@ -35,13 +35,15 @@ use crate::stats::Counters;
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Number of pictures of whole camera paths, with one path per pixel each.
+/// Number of pictures that the pilot traces with whole camera paths, one path per pixel each.
 const WHOLE_PICTURES: u32 = 2;
 
-/// Number of pictures of prefix rays, with one ray per pixel each.
+/// Number of pictures that the pilot traces with prefix rays, one ray per pixel each. Prefix rays
+/// are camera paths that end at their first receiver.
 const PREFIX_PICTURES: u32 = 4;
 
-/// Number of pictures of prefix rays in which some pixels read photon maps.
+/// Number of the pilot's prefix-ray pictures in which rays read photon maps, in the pixels that may
+/// need it.
 const LOOKUP_PICTURES: u32 = 2;
 
 /// Smallest divisor of the number of photon paths: the pilot traces at most a quarter of the paths
@@ -102,7 +104,8 @@ struct PixelLight {
     found: RunningVariance,
     /// Photon estimate at the first receiver (surface that stores photons).
     photons: RunningVariance,
-    /// Sum of products of the differences of `rest` and `found` from their means.
+    /// Sum over whole camera paths of (`rest` − its mean) times (`found` − its mean), from which
+    /// their covariance follows.
     products: f64,
 }
 
@@ -112,8 +115,11 @@ struct PixelLight {
 struct PixelVariance {
     /// Variance of the light after the first receiver (surface that stores photons).
     rest: f64,
-    /// Variance of emission and direct light that the prefix found. A negative covariance with
-    /// `rest` is added twice, because a ray past an edge finds one of the two.
+    /// Variance of emission and direct light that the prefix found: the path up to its first
+    /// receiver.
+    ///
+    /// If the covariance with `rest` is negative, twice the covariance is added: a ray near an edge
+    /// finds either one light or the other.
     found: f64,
     /// Variance of the photon estimate at the first receiver (surface that stores photons).
     photons: f64,
@@ -309,13 +315,13 @@ struct PassWork {
 /// Returns the numbers of prefix rays for which variance times work of a pass is least, within
 /// [`MAX_WORK`]; `None` if almost no pixel needs prefix rays.
 ///
-/// The variance that photons cause is not measured. Because a pilot balances rays and photons,
-/// variance and work are assumed to have the same ratio for photons as for camera paths.
+/// The noise of photons is not measured here. Another pilot has balanced rays and photons. So
+/// photons are assumed to have the same ratio of variance to work as camera paths.
 fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWork) -> Option<Vec<PrefixRayCount>> {
     let n = f64::from(samples);
     let (ray_scale, lookup_scale) = (1.0 / work.prefix_ray.sqrt(), 1.0 / (work.prefix_ray + work.lookup).sqrt());
-    // Number of rays and of lookups of a pixel. The derivative of variance by work is the same for
-    // all pixels: −1/scale².
+    // Numbers of prefix rays and of photon lookups in a pixel. They give all pixels the same
+    // derivative of variance by work: −1/scale².
     let count = |v: &PixelVariance, scale: f64| {
         // `max` ignores NaN, so a NaN variance gives no ray.
         let whole = |n: f64| n.max(0.0).floor().min(f64::from(u8::MAX));

@@ -21,21 +21,23 @@ pub(super) const MAX_INDIRECT_PATHS: u32 = 1 << 14;
 /// Number of photon paths of a pilot relative to a pass, within the limits on a pilot.
 const PILOT_PASSES: u32 = 4;
 
-/// Smallest number of photon paths of a pilot, even if a pass traces far fewer.
+/// Smallest number of photon paths of a pilot, even if a pass traces far fewer paths.
 const MIN_PATHS: u32 = 1 << 14;
 
 /// Number of stored photons at which the pilot measures the distance to the k-th nearest photon.
 const PROBES: usize = 512;
 
-/// Quantile of the distances to the k-th nearest photon that becomes the gather radius.
+/// Quantile that becomes the gather radius, among the distances from photons to their k-th nearest
+/// photon.
 const RADIUS_QUANTILE: f64 = 0.75;
 
 /// Largest gather radius relative to the scene's radius. A larger radius would blur the whole
 /// scene.
 const MAX_RADIUS: f32 = 0.1;
 
-/// Smallest gather radius relative to the radius of the scene, or to the distance of most photons
-/// from the origin if that is smaller: single precision cannot resolve smaller radii.
+/// Smallest gather radius relative to the radius of the scene, because single precision cannot
+/// resolve smaller radii. If most photons are closer to the origin than that radius, it is relative
+/// to their distance from the origin.
 const MIN_RADIUS: f32 = 1e-6;
 
 /// Smallest gather radius, relative to the width of a pixel's footprint on the closest visible
@@ -51,12 +53,14 @@ const MEDIA_RAYS: u32 = 512;
 /// Largest number of casters (such as glass or mirrors) on a camera path of the pilot for media.
 const MAX_CASTERS: u32 = 8;
 
-/// Target for the median number of beams or photons within the kernel radius of a camera ray. Rays
-/// that find none do not count in the median.
+/// Target for the number of beams or photons within the kernel radius of a camera ray, as a median.
+/// Rays without beams or photons do not count.
 const MEDIAN_COUNT: f64 = 64.0;
 
 /// Smallest kernel radius of photon beams, relative to the width of a pixel's footprint in the
-/// medium. If a smaller radius would hold enough beams, passes keep fewer beams instead.
+/// medium.
+///
+/// If a smaller radius would hold enough beams, passes drop beams at random instead.
 const BEAM_PIXEL_PART: f32 = 0.25;
 
 /// Kernel radius with which a pilot counts photons in media, relative to the scene's radius.
@@ -71,14 +75,16 @@ pub struct GatherRadii {
     pub caustic: f32,
 }
 
-/// Work and benefit of guiding photon emission, for each photon map; `None` if no pilot tried to
-/// guide the emission for that map.
+/// Work and benefit of guiding photon emission, for each set of photon paths; `None` if no pilot
+/// tried to guide them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EmissionGuidingReportPerMap {
-    /// Report for the indirect map.
+    /// Report for the paths that start in all directions. They fill the indirect map, and in
+    /// `hybrid` the interreflection map.
     #[serde(rename = "global")]
     pub indirect: Option<EmissionGuidingReport>,
-    /// Report for the caustic map.
+    /// Report for the paths aimed at casters, such as glass or mirrors. They fill the caustic map,
+    /// and in `hybrid` the indirect map too.
     pub caustic: Option<EmissionGuidingReport>,
 }
 
@@ -89,10 +95,10 @@ pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
 }
 
 /// Returns the gather radius \[length] within which three of four stored photons have `k`
-/// neighbours.
+/// neighbours; `None` if the pilot stores no photon.
 ///
 /// The radius is for a pass of `paths` photon paths, and at least `min_radius`. The pilot traces at
-/// most `max_pilot_paths` paths. Returns `None` if it stores no photon.
+/// most `max_pilot_paths` paths.
 pub(super) fn find_gather_radius(
     pass: &PhotonPass<'_>,
     (paths, max_pilot_paths): (u32, u32),
@@ -157,15 +163,13 @@ impl Default for VolumeKernelRadii {
     }
 }
 
-/// Returns the kernel radii within which the median camera ray finds 64 beams or photons in media
-/// \[length], and the fraction of beams that passes keep.
+/// Returns the kernel radii \[length] within which the median camera ray finds 64 beams or photons
+/// in media, and the fraction of beams that passes keep.
 ///
-/// If the radius for beams is below [`BEAM_PIXEL_PART`] of a pixel's footprint, it is raised to
-/// this size, and passes keep only as many beams as give 64. This costs little sharpness and saves
-/// time: the bounding boxes of dense beams are far larger than such a small radius.
-///
-/// The radii are for a pass of `paths` photon paths. Returns `None` if the pilot stores no photon
-/// in media.
+/// The result is for a pass of `paths` photon paths; `None` if the pilot stores no photon in media.
+/// The kernel radius of beams is at least [`BEAM_PIXEL_PART`] of a pixel's footprint. If it then
+/// holds more than 64 beams, passes keep only a fraction of the beams. This costs little sharpness
+/// and saves time: the bounding boxes of dense beams are far larger than a smaller radius.
 pub(super) fn find_volume_kernel_radii(
     pass: &PhotonPass<'_>,
     effects: Effects,
@@ -221,8 +225,8 @@ pub(super) fn find_volume_kernel_radii(
 /// Returns the width of a pixel's footprint in the medium \[length]; 0 if none of `camera_paths`
 /// crosses a medium.
 ///
-/// The footprint is measured at a median distance: from the camera to the middle of a path's way
-/// through media.
+/// A path's distance is measured to the middle of its way through media. The footprint is that at
+/// the median distance of all paths.
 fn median_footprint(scene: &Scene, camera_paths: &[Vec<Ray>]) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint();
     let size = scene.photon_domain().radius;

@@ -8,9 +8,11 @@ use crate::camera::Camera;
 use crate::math::gcd;
 use crate::sampling::{Dimension, Key, Purpose};
 
-/// Distance on the film that the fastest part of the scene moves in one slice \[pixels].
+/// Distance on the film that the fastest part of the scene moves in one slice of the shutter
+/// interval \[pixels].
 ///
-/// The times of passes interleave, so in four passes the fastest part takes one position per pixel.
+/// The times of passes interleave. So in four passes, the fastest part is seen at one position per
+/// pixel.
 pub(super) const SLICE_PIXELS: f32 = 4.0;
 
 /// Largest number of slices of a pass.
@@ -59,10 +61,10 @@ pub(super) struct SlicedCameras<'a> {
     pub pass: u32,
 }
 
-/// Division of the camera rays of one pixel among the slices of a pass.
+/// Division of the camera rays of one pixel among the slices of the shutter interval.
 ///
-/// Ray i of n takes stratum i·s mod n of the shutter interval, where s is coprime to n. So the
-/// first rays spread over the interval. A random offset for each pixel shifts the strata. So each
+/// Ray i of n takes stratum i·s mod n of the interval, where s is coprime to n. So the first few
+/// rays already spread over the interval. A random offset for each pixel shifts the strata. So each
 /// ray takes each slice with the same probability. If there are more slices than rays, neighbouring
 /// pixels take different slices.
 #[derive(Clone, Copy, Debug)]

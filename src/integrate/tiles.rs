@@ -131,8 +131,8 @@ impl FilmSampling<'_> {
     #[inline]
     fn film_position(&self, corner: Vec2, sampler: Sampler) -> (Vec2, f32) {
         let Some(filter) = self.filter else { return (corner + Vec2::Y, 1.0) };
-        // Filters with negative lobes need independent samples: else [`PixelSum::weighted_sum`] is
-        // biased.
+        // [`PixelSum::weighted_sum`] is unbiased only for independent samples. It is used for
+        // filters with negative values.
         let film = if filter.has_negative_values() {
             sampler.sample_key().uniform_2d(Dimension::Film)
         } else {
@@ -298,7 +298,8 @@ impl PixelSum {
         if others < 1.0 {
             return weighted;
         }
-        // Add Σ (1 − wᵢ)(S − Lᵢ)/(n − 1), where S is the sum of all values.
+        // Add Σ (1 − wᵢ)(S − Lᵢ)/(n − 1) for n values Lᵢ with weights wᵢ, where S is the sum of all
+        // values.
         let lacks = (weighted - values) - values * self.excess;
         weighted + lacks / others
     }

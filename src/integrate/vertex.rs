@@ -31,7 +31,8 @@ pub(super) struct PathVertex<'a, I> {
     pub surface: &'a SurfaceInteraction<'a>,
     /// Nested bodies and medium on the side of the surface from which the path arrived.
     pub interior: &'a I,
-    /// Numbers of receivers and casters before this vertex. A caster at this vertex is counted too.
+    /// Numbers of receivers and casters before this vertex. If the vertex is a caster, it is
+    /// counted too.
     pub history: PathHistory,
     /// Factor from radiance that leaves the vertex to radiance of the pixel.
     pub throughput: Rgb,

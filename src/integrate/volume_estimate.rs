@@ -48,8 +48,9 @@ pub(super) struct BeamAndPointMaps {
 
 /// Sums of the radiance from photons, for a kernel of the full radius and of smaller nested radii.
 ///
-/// One photon is chosen with a probability proportional to its radiance. Probe rays at this photon
-/// measure which part of the kernel no surface hides.
+/// One photon is chosen with a probability proportional to its radiance. Probe rays from the
+/// kernel's center, the first of them towards this photon, measure which part of the kernel no
+/// surface hides.
 struct NestedKernelSums {
     sums: [Rgb; LEVELS],
     /// Number of dimensions of the kernel.
@@ -59,7 +60,7 @@ struct NestedKernelSums {
     chosen: Option<ChosenPhoton>,
 }
 
-/// The photon at which an estimate in a medium measures the coverage of its kernel.
+/// Photon whose kernel is probed for hidden parts, with its contribution to the sums.
 struct ChosenPhoton {
     /// Radiance of the photon times the kernel value for the full radius.
     radiance: Rgb,
@@ -116,7 +117,8 @@ impl NestedKernelSums {
     }
 }
 
-/// Values of the kernels of all nested radii, relative to the kernel of the full radius.
+/// Values of the kernels of all nested radii at one photon, relative to the kernel of the full
+/// radius.
 ///
 /// At the fraction x of its radius, a kernel is proportional to 1 − x² in one and three dimensions,
 /// and to (1 − x²)² in two. `x2` is x² for the full radius.
@@ -270,8 +272,8 @@ impl BeamAndPointMaps {
             let radiance = photon.flux() * wavelength_kernel_weight(own, photon.wavelength, self.band);
             sums.add(radiance, phase * weight, x2, rng, || ray_along(p, photon.position - p, ray.direction));
         });
-        // The weight is σs·T over the pdf, but photons already carry scattered light, so divide by
-        // σs.
+        // The weight is σs·T over the pdf of the distance. Photons already carry scattered light,
+        // so divide by σs.
         let factor = divide_by_scattering(distance_sample.weight, medium, p);
         sums.corrected(scene, ray.direction, self.points.radius(), factor)
     }

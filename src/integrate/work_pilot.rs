@@ -51,7 +51,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let reference = estimate_at_points(renderer, Some(&maps), &points);
     let other_camera = estimate_at_points(renderer, Some(&maps), &other_points);
     std::mem::swap(&mut maps.caustic, &mut other_maps.caustic);
-    // If aimed paths fill both maps, replace both.
+    // In `hybrid`, aimed paths fill the caustic map and the indirect map: replace both.
     let one_source = renderer.map_builder.request.aimed.separates_after_caustic;
     if one_source {
         std::mem::swap(&mut maps.indirect, &mut other_maps.indirect);

@@ -30,8 +30,8 @@ pub(super) struct PathWorker {
     pub nests_estimates: bool,
     /// Sum of the nested photon estimates of the current pixel.
     pub nested: NestedEstimateSum,
-    /// Difference between the last photon estimate and the estimate with half its disc area \[W/(m²
-    /// sr)].
+    /// Difference between the last photon estimate and the same estimate with half its disc area
+    /// \[W/(m² sr)].
     pub photon_step: Rgb,
     /// Transmittance along the current segment of a medium.
     pub transmittance: TransmittanceCurve,
@@ -43,7 +43,7 @@ pub(super) struct PathWorker {
     /// Film position of the current camera ray, or of the center of its pixel \[pixels from the top
     /// left].
     pub film_position: Vec2,
-    /// Slice of the shutter interval of the current camera ray.
+    /// Index of the slice of the shutter interval in which the current camera ray is traced.
     pub slice: usize,
     /// Weights that divide the indirect light of the current camera path between camera paths and
     /// photon estimates.

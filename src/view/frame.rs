@@ -32,11 +32,11 @@ pub enum LayerKind {
     Bias,
     /// Mean gather radius of estimates from the caustic map \[length].
     CausticRadius,
-    /// Mean gather radius of estimates from the global map \[length].
+    /// Mean gather radius of estimates from the maps of other indirect light \[length].
     GlobalRadius,
     /// Mean number of photons of estimates from the caustic map.
     CausticPhotons,
-    /// Mean number of photons of estimates from the global map.
+    /// Mean number of photons of estimates from the maps of other indirect light.
     GlobalPhotons,
 }
 

@@ -61,8 +61,8 @@ struct NestedEstimateSums {
     /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
     /// radius r.
     products: BinnedSums<3>,
-    /// Sums over passes of gather radius and photon count of each pixel: from the caustic map, and
-    /// from the indirect map.
+    /// Sums over passes of gather radius and photon count of each pixel. The first is for the
+    /// caustic map, the second for the indirect map and the interreflection map of `hybrid`.
     discs: Vec<[GatherDiscTotals; 2]>,
     /// D₀ of each pixel in the passes with the lowest numbers. D₀ is the difference between density
     /// estimates with full and half disc area.
@@ -87,7 +87,8 @@ pub struct ErrorMaps {
     pub bias: Vec<Vec3>,
     /// Mean radius and photon count of each pixel's density estimates from the caustic map.
     pub caustic: Vec<MeanGatherDisc>,
-    /// Mean radius and photon count of each pixel's density estimates from the indirect map.
+    /// Mean radius and photon count of each pixel's density estimates from the indirect map, and
+    /// from the interreflection map of `hybrid`.
     pub indirect: Vec<MeanGatherDisc>,
 }
 
