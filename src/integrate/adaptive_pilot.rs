@@ -16,10 +16,11 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::for_interior;
 use std::sync::Arc;
 
-/// Number of pictures that the pilot renders, with one camera ray per pixel each.
+/// Number of pictures from which the pilot measures the noise of each pixel, with one camera ray
+/// per pixel each.
 const PILOT_PICTURES: u32 = 4;
 
-/// Divisor of the number of photon paths of a pass: the pilot traces 1/16 of them.
+/// Divisor of the number of photon paths: this pilot traces 1/16 of the paths of a pass.
 const PILOT_DIVISOR: u32 = 16;
 
 /// Smallest number of camera rays of a pixel, relative to the mean over all pixels.

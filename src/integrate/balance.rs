@@ -38,14 +38,16 @@ pub(super) const GATHERED_PHOTON_WORK: f64 = 0.2;
 /// Work of one density estimate apart from its photons, relative to tracing a photon ray.
 pub(super) const LOOKUP_WORK: f64 = 20.0;
 
-/// One source of noise in a pass: the camera rays, or one of the two sets of photon paths.
+/// One source of noise in a pass: the camera rays, the photon paths in all directions, or the
+/// photon paths aimed at casters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NoiseSource {
-    /// Variance if there is one sample: one camera ray per pixel, or one photon path.
+    /// Variance of the picture if there is one sample: one camera ray per pixel, or one photon
+    /// path.
     pub variance: f64,
     /// Work of one sample, relative to tracing a photon ray.
     pub cost: f64,
-    /// Default number of samples.
+    /// Number of samples before balancing.
     pub count: f64,
 }
 

@@ -61,8 +61,8 @@ pub(super) struct PathContext<'a> {
     pub pass: u32,
     /// Number of bounces after which a camera path ends.
     pub max_bounces: u32,
-    /// Technique that finds indirect light at the first receiver: camera paths, photon estimates,
-    /// or both.
+    /// Technique that finds indirect light at the first receiver of a path: camera paths, photon
+    /// estimates, or both.
     indirect: IndirectTechnique<'a>,
     /// Length above which a final-gathering ray reads the indirect map at its end \[length].
     min_gather_distance: f32,
@@ -450,7 +450,7 @@ fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -
 }
 
 impl<'a> PathContext<'a> {
-    /// Returns the context of the camera paths of pass `pass`.
+    /// Returns the data that all camera paths of pass `pass` share.
     pub fn new(
         scene: &'a Scene,
         policy: &'a PathPolicy,

@@ -12,27 +12,28 @@ use crate::light::{DirectLightSample, EnvironmentLight, ShadowTarget};
 use crate::sampling::SquareGridDistribution;
 use glam::{Vec2, Vec3};
 
-/// Number of bins along each side of the unit square over which each cell of the grid has a
-/// distribution.
+/// Number of bins of shadow-ray directions along each side of a cell's unit square. A light turns
+/// points of the square into directions.
 const SIDE: usize = 32;
 
-/// Number of bins of a cell's distribution.
+/// Number of bins of shadow-ray directions in each cell of the grid over the scene.
 const BINS: usize = SIDE * SIDE;
 
-/// Number of times that the grid over the scene is refined. Each refinement splits each cell into
-/// eight.
+/// Number of times that the grid over the scene is refined to fit the guide. Each refinement splits
+/// each cell into eight.
 const REFINEMENTS: u32 = 3;
 
 /// Number of cells of the finest grid along each axis of the scene.
 const CELLS: u32 = 1 << REFINEMENTS;
 
-/// Fraction of each distribution that is uniform (defensive sampling).
+/// Fraction of each distribution of shadow-ray directions that is uniform over the unit square
+/// (defensive sampling).
 ///
 /// A guided ray has at most 5 times the weight of the same ray without guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
-/// Weight of the parent bin's mean in the estimated mean of a bin (shrinkage estimator), expressed
-/// as a number of rays.
+/// Weight of the mean of the coarser bin around a bin in the estimated mean of the bin, in units of
+/// one ray (shrinkage estimator).
 const PARENT_WEIGHT: f64 = 2.0;
 
 /// Distributions of the directions from which the environment light reaches each cell of a grid
@@ -40,8 +41,8 @@ const PARENT_WEIGHT: f64 = 2.0;
 #[derive(Debug)]
 pub(super) struct EnvironmentGuide {
     grid: CellGrid,
-    /// Distribution over the unit square for each cell. [`EnvironmentLight::sample`] turns points
-    /// of the square into directions.
+    /// Distribution of shadow-ray directions in each cell, over the unit square.
+    /// [`EnvironmentLight::sample`] turns points of the square into directions.
     cells: Vec<SquareGridDistribution>,
 }
 
@@ -85,15 +86,16 @@ impl EnvironmentGuide {
 }
 
 impl EnvironmentGuideFit {
-    /// Makes an empty fit. The planes between cells divide the positions `points` evenly along each
-    /// axis.
+    /// Makes a fit without rays. The boundaries of its cells divide the positions `points` evenly
+    /// along each axis.
     pub fn new(points: &[Vec3]) -> Self {
         let bins = (CELLS * CELLS * CELLS) as usize * BINS;
         Self { grid: CellGrid::new(points), counts: vec![0.0; bins], squares: vec![0.0; bins] }
     }
 
-    /// Adds a ray from `p` whose direction the light has sampled from the point `u` in \[0, 1)².
-    /// `square` is its squared contribution to the picture without guiding.
+    /// Adds a pilot ray from `p`, whose direction the light has sampled from the point `u` in
+    /// \[0, 1)². `square` is the squared contribution to the picture that the ray would have
+    /// without guiding.
     pub fn add(&mut self, p: Vec3, u: Vec2, square: f64) {
         let bin = self.grid.cell_index(p) * BINS + SquareGridDistribution::cell_index(SIDE, u);
         self.counts[bin] += 1.0;
@@ -120,8 +122,8 @@ impl EnvironmentGuideFit {
     }
 }
 
-/// Level of the hierarchy of cells and bins: 0 is the coarsest, and each refinement halves the
-/// edges of cells and bins.
+/// Level of refinement of the cells over the scene, and of the bins of directions in each cell.
+/// Level 0 is the coarsest; each next level halves the edges of cells and bins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Level(u32);
 
@@ -131,12 +133,12 @@ impl Level {
         1 << self.0
     }
 
-    /// Returns the number of bins of this level along each side of a cell's unit square.
+    /// Returns the number of bins of this level along each side of the unit square of a cell.
     fn bin_side(self) -> usize {
         SIDE >> (REFINEMENTS - self.0)
     }
 
-    /// Returns the number of bins of all cells of this level.
+    /// Returns the total number of bins of all cells of this level.
     fn bin_count(self) -> usize {
         self.cell_side() * self.cell_side() * self.cell_side() * self.bin_side() * self.bin_side()
     }
@@ -165,8 +167,9 @@ impl Level {
     }
 }
 
-/// Returns the distribution of a cell whose bins have the given mean squared contributions; `None`
-/// if all are 0.
+/// Returns the distribution of shadow-ray directions of a cell; `None` if all `means` are 0.
+///
+/// `means` are the mean squared contributions of rays to the picture, by bins.
 fn distribution(means: &[f64]) -> Option<SquareGridDistribution> {
     let roots: Vec<f64> = means.iter().map(|mean| mean.sqrt()).collect();
     let total: f64 = roots.iter().sum();
@@ -180,7 +183,7 @@ fn distribution(means: &[f64]) -> Option<SquareGridDistribution> {
 /// Division of space into cells by planes at right angles to the axes.
 #[derive(Clone, Debug)]
 struct CellGrid {
-    /// Coordinates of the planes on each axis, in ascending order \[length].
+    /// Coordinates of the cell boundaries on each axis, in ascending order \[length].
     planes: [[f32; CELLS as usize - 1]; 3],
 }
 

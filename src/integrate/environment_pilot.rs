@@ -17,17 +17,18 @@ use crate::scene::{Scene, for_interior};
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Smallest and largest number of camera paths of the pilot. Between these limits, it traces one
-/// path per pixel.
+/// Smallest and largest number of camera paths that find points for shadow rays of the pilot.
+/// Between these limits, there is one path per pixel.
 const PATHS: (u32, u32) = (4000, 8000);
 
-/// Largest number of bounces of the pilot's camera paths.
+/// Largest number of bounces of the camera paths that find points for shadow rays of the pilot.
 const MAX_BOUNCES: u32 = 2;
 
-/// Number of rounds of the pilot. Each round is guided by the rays of all earlier rounds.
+/// Number of rounds of shadow rays of the pilot. Each round is guided by the rays of all earlier
+/// rounds.
 const ROUNDS: u32 = 4;
 
-/// Number of shadow rays from each point in each round.
+/// Number of shadow rays of the pilot from each point in each round.
 const RAYS_PER_POINT: u32 = 6;
 
 /// Least ratio of unguided to guided variance at which passes use guided shadow rays.
@@ -41,7 +42,7 @@ const MIN_GAIN: f64 = 1.5;
 /// the BSDF find such a widely visible sky too.
 const MAX_UNOCCLUDED: f64 = 0.25;
 
-/// Work of the pilot of environment guiding, and its estimated benefit.
+/// Work and estimated benefit of the pilot that guides shadow rays to the environment light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EnvironmentGuidingReport {
     /// Number of shadow rays that the pilot traced.
@@ -55,9 +56,9 @@ pub struct EnvironmentGuidingReport {
     pub used: bool,
 }
 
-/// Shadow ray of the pilot.
+/// Shadow ray towards the environment, traced by the pilot that guides such rays.
 struct PilotRay {
-    /// Index of the recorded point from which the ray starts.
+    /// Index of the recorded surface point from which the ray starts.
     point: usize,
     /// Point in \[0, 1)² from which the light samples the ray's direction.
     u: Vec2,
@@ -67,8 +68,8 @@ struct PilotRay {
     contribution: f64,
 }
 
-/// Returns a guide of the environment `light` of `scene`, and a report. The guide is `None` if it
-/// would not reduce the noise enough.
+/// Returns a guide of shadow rays to the environment `light` of `scene`, and a report. The guide is
+/// `None` if it would not reduce the noise enough.
 ///
 /// The result depends only on the scene, `effects` and `seed`.
 pub(super) fn guide_environment_light(
@@ -107,7 +108,8 @@ pub(super) fn guide_environment_light(
     (guide.filter(|_| report.used), report)
 }
 
-/// Traces the shadow rays of a round. Returns them in the order of their points.
+/// Traces the shadow rays of one round of the pilot. Returns them in the order of the points from
+/// which they start.
 fn trace_round(
     scene: &Scene,
     light: &EnvironmentLight,

@@ -46,7 +46,7 @@ pub(super) fn map_paths_through_film_points<T: Send>(
 
 /// Traces camera paths through `points`, in parallel by chunks of 64.
 ///
-/// Returns the `result` of each path, and the worker of each chunk.
+/// Returns the value that `result` returned for each path, and the worker of each chunk.
 fn trace_paths_by_chunks<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],

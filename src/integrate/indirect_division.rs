@@ -29,8 +29,8 @@ pub(super) struct IndirectWeights {
     pub samples: u32,
 }
 
-/// Indirect light that each technique finds along one camera path of a pilot, as its contribution
-/// to the pixel.
+/// Indirect light along one camera path of a pilot (small simulation before the render), found by
+/// each of two techniques. It is counted as its contribution to the pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct IndirectLight {
     /// Light found by the camera path after its first receiver \[W/(m² sr)].
@@ -42,31 +42,34 @@ pub(super) struct IndirectLight {
     pub photon_step: Rgb,
 }
 
-/// Noise and bias of indirect light by camera paths and by photon estimates, in one cell of the
-/// film grid. All values are relative to the light in the cell.
+/// Relative noise and bias of indirect light in one cell of the film grid, by camera paths and by
+/// photon estimates. Values are relative to the squared light in the cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct IndirectErrors {
-    /// Variance of one camera path that continues at its first receiver.
+    /// Relative variance of the indirect light found by one camera path that continues at its first
+    /// receiver.
     pub path_variance: f32,
-    /// Variance of the photon estimate in the first pass, times the number of photon paths.
+    /// Relative variance of the photon estimate in the first pass, times the number of photon
+    /// paths.
     pub photon_variance: f32,
-    /// Mean squared bias of the photon estimate in the first pass.
+    /// Relative mean squared bias of the photon estimate in the first pass.
     pub squared_bias: f32,
 }
 
-/// Division of indirect light between camera paths and photon estimates: the errors of both
-/// techniques over the film, and the sample counts from which their weights follow.
+/// Division of indirect light between camera paths and photon estimates: errors of both techniques
+/// over the film, and numbers of samples. The weights of the techniques follow from them.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct IndirectDivision {
-    /// Number of columns of the grid of cells over the film.
+    /// Number of columns of the film grid: square cells in which errors are known.
     pub columns: u32,
-    /// Errors of each cell of the grid, by rows from the top.
+    /// Errors of both techniques in each cell of the film grid, by rows from the top.
     pub cells: Vec<IndirectErrors>,
-    /// Edge length of a square cell \[pixels].
+    /// Edge length of a cell of the film grid \[pixels].
     pub cell_size: f32,
     /// Number of camera paths per pixel.
     pub samples: u32,
-    /// Number of photon paths per pass that fill the interreflection map.
+    /// Number of photon paths per pass that fill the interreflection map, which photon estimates of
+    /// indirect light read.
     pub photons: u32,
     /// Price of a camera path: it continues after its first receiver only if that reduces the
     /// relative variance of indirect light by at least this value.
@@ -83,7 +86,7 @@ pub(super) enum IndirectTechnique<'a> {
     /// Camera paths that continue at their first receiver.
     #[default]
     Paths,
-    /// Density estimates in the interreflection map.
+    /// Density estimates in the interreflection map, at the first receiver.
     Photons,
     /// Camera paths and photon estimates, both with weight 1, for a pilot that compares the two
     /// techniques.
@@ -122,7 +125,8 @@ impl IndirectTechnique<'_> {
 }
 
 impl IndirectWeights {
-    /// Weight 1 for camera paths and for photon estimates, so that indirect light counts twice.
+    /// Weight 1 for camera paths and for photon estimates, for a pilot that compares them. Indirect
+    /// light then counts twice.
     const COMPARISON: Self = Self { photons: 1.0, continued: u32::MAX, samples: u32::MAX };
 
     /// True if camera path `index` of a pixel's `count` paths continues at its first receiver
@@ -135,9 +139,10 @@ impl IndirectWeights {
         if count == 1 { u * (self.samples as f32) < self.continued as f32 } else { index < self.continued }
     }
 
-    /// Returns the weight of each continued camera path, if `count` paths of the pixel are traced.
+    /// Returns the weight of each camera path that continues at its first receiver, if `count`
+    /// paths of the pixel are traced.
     ///
-    /// A pilot's single path (`count` is 1) stands for all paths of the pixel.
+    /// In a pilot, `count` is 1, and the single path stands for all paths of the pixel.
     #[inline]
     pub fn path_weight(&self, count: u32) -> f32 {
         if *self == Self::COMPARISON {
@@ -149,10 +154,11 @@ impl IndirectWeights {
 }
 
 impl IndirectErrors {
-    /// Returns the weights and the number of continued paths that give least error for their work.
+    /// Returns the weights of camera paths and of photon estimates, and the number of continued
+    /// camera paths, that give least error for their work.
     ///
-    /// `number` is the number of the pass, counted from 1; `area` is the relative area of gather
-    /// discs.
+    /// `number` is the number of the pass, counted from 1; `area` is the area of gather discs,
+    /// relative to the first pass.
     #[inline]
     fn least_error_weights(&self, division: &IndirectDivision, number: f32, area: f32) -> IndirectWeights {
         let samples = division.samples;
@@ -172,10 +178,11 @@ impl IndirectErrors {
         IndirectWeights { photons: weight, continued: continued as u32, samples }
     }
 
-    /// Returns the mean squared error of the photon estimate in pass `number`, counted from 1.
+    /// Returns the relative mean squared error of the photon estimate in pass `number`, counted
+    /// from 1.
     ///
-    /// `photons` is the number of photon paths, and `area` the relative area of gather discs. The
-    /// squared bias counts `number` times, because all passes share it.
+    /// `photons` is the number of photon paths, and `area` the area of gather discs, relative to
+    /// the first pass. The squared bias counts `number` times, because all passes share it.
     #[inline]
     fn photon_error(&self, photons: u32, number: f32, area: f32) -> f32 {
         self.photon_variance / (photons as f32 * area) + number * self.squared_bias * area * area
@@ -210,18 +217,18 @@ impl IndirectDivision {
         }
     }
 
-    /// Returns the weight of photon estimates, as a mean over all cells, in pass `number` (counted
-    /// from 1) with gather discs of relative area `area`.
+    /// Returns the weight of photon estimates in pass `number`, counted from 1, as a mean over all
+    /// cells of the film grid. `area` is the area of gather discs, relative to the first pass.
     fn mean_photon_weight(&self, number: f32, area: f32) -> f64 {
         let weights = self.cells.iter().map(|cell| f64::from(cell.least_error_weights(self, number, area).photons));
         weights.sum::<f64>() / self.cells.len().max(1) as f64
     }
 
-    /// Returns two means over all cells: the error of indirect light in a pass, and the number of
-    /// continued camera paths per pixel.
+    /// Returns two means over all cells of the film grid: the relative error of indirect light in a
+    /// pass, and the number of continued camera paths per pixel.
     ///
-    /// `number` is the number of the pass, counted from 1; `area` is the relative area of gather
-    /// discs.
+    /// `number` is the number of the pass, counted from 1; `area` is the area of gather discs,
+    /// relative to the first pass.
     pub fn mean_error_and_paths(&self, number: f32, area: f32) -> (f64, f64) {
         let mut sums = (0.0, 0.0);
         for cell in &self.cells {

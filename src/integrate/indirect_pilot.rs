@@ -24,34 +24,35 @@ use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::stats::Counters;
 use glam::Vec2;
 
-/// Number of cells along the longer side of the film.
+/// Number of cells of the film grid along the longer side of the film. The pilot measures noise and
+/// bias in each cell.
 const CELLS: u32 = 24;
 
-/// Number of camera paths through each cell of the film grid in one trial.
+/// Number of camera paths through each cell of the film grid, in each of the pilot's two trials.
 const CELL_POINTS: u32 = 16;
 
-/// Smallest divisor of the number of photon paths: a trial traces at most 1/8 of the paths of a
-/// pass.
+/// Least divisor of the number of photon paths of a pass: each of the pilot's two trials traces at
+/// most 1/8 of them.
 const MIN_DIVISOR: u32 = 8;
 
-/// Largest number of photon paths of a trial.
+/// Largest number of photon paths in each of the pilot's two trials.
 const MAX_PATHS: u32 = 1 << 17;
 
 /// Number of the pass, counted from 1, for which the pilot minimizes error times work.
 const TYPICAL_PASS: u32 = 4;
 
-/// Largest number of passes with photon estimates of indirect light.
+/// Largest number of passes in which photon estimates carry a part of the indirect light.
 const MAX_PASSES: u32 = 1 << 16;
 
-/// Largest product of error and work, relative to camera paths alone, for which photon estimates
-/// are used.
+/// Limit of error times work, relative to camera paths alone: photon estimates are used only below
+/// it.
 const MAX_COST: f64 = 0.8;
 
 /// Candidate numbers of photon paths per pass, relative to the number in the settings. The pilot
-/// chooses one.
+/// chooses the best one.
 const PHOTON_PARTS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
 
-/// Stride over the film points: the pilot measures work at every eighth point.
+/// Stride over the film points at which the pilot measures work: every eighth point is used.
 const WORK_STEP: usize = 8;
 
 /// Number of iterations of the search for [`IndirectDivision::path_price`].
@@ -83,26 +84,29 @@ struct LightParts {
     /// Emission that the path finds up to its first receiver, and the caustics there. The pilot
     /// ignores their noise, because other pilots reduce it.
     emission_and_caustics: f64,
-    /// Indirect light found by the continued camera path.
+    /// Indirect light found by the camera path after its first receiver.
     paths: f64,
-    /// Indirect light found by the photon estimate.
+    /// Indirect light found by the photon estimate at the first receiver.
     photons: f64,
-    /// Noisy estimate of the bias of the photon estimate.
+    /// Estimated bias of the photon estimate; it is noisy.
     bias: f64,
 }
 
 /// Work of a pass per pixel, relative to tracing one photon ray, and the noise of its direct light.
 #[derive(Clone, Copy, Debug, Default)]
 struct PassCost {
-    /// Relative variance of the direct light of one camera path.
+    /// Relative variance of the direct light that one camera path finds.
     direct_variance: f64,
-    /// Work of one camera path up to its first receiver (surface that stores photons).
+    /// Work of one camera path up to its first receiver (surface that stores photons), relative to
+    /// tracing one photon ray.
     prefix: f64,
-    /// Work of one camera path after its first receiver.
+    /// Work of one camera path after its first receiver (surface that stores photons), relative to
+    /// tracing one photon ray.
     continuation: f64,
-    /// Work of tracing, storing and gathering photons.
+    /// Work per pixel of tracing, storing and gathering photons, relative to tracing one photon
+    /// ray.
     photons: f64,
-    /// Work of one photon estimate apart from its photons.
+    /// Work of one photon estimate apart from its photons, relative to tracing one photon ray.
     lookup: f64,
 }
 
@@ -173,27 +177,31 @@ fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
     (size, (cells(width), cells(height)))
 }
 
-/// Work of the parts of a trial, relative to tracing one photon ray.
+/// Work of the parts of one trial of the pilot, relative to tracing one photon ray.
 struct TrialWork {
-    /// Work of all camera paths of the trial.
+    /// Work of all camera paths of the trial, relative to tracing one photon ray.
     paths: f64,
-    /// Work of the same camera paths up to their first receiver.
+    /// Work of all camera paths of the trial up to their first receiver (surface that stores
+    /// photons), relative to tracing one photon ray.
     prefixes: f64,
-    /// Work of tracing and storing the photons of the interreflection map.
+    /// Work of tracing and storing the photons of the interreflection map, relative to tracing one
+    /// photon ray.
     photons: f64,
-    /// Work of gathering the photons of the interreflection map.
+    /// Work of gathering the photons of the interreflection map, relative to tracing one photon
+    /// ray.
     gathering: f64,
 }
 
-/// Photon maps of one trial, and the report on their photons.
+/// Photon maps of one trial of the pilot, and the report on their photons. The pilot makes two
+/// independent trials.
 struct Trial<'a> {
     maps: PhotonMaps<'a>,
     report: Pass,
 }
 
 impl<'a> Trial<'a> {
-    /// Builds the photon maps of trial number `trial` from 1/`divisor` of the photon paths of a
-    /// pass.
+    /// Builds the photon maps of trial number `trial`, 0 or 1, from 1/`divisor` of the photon paths
+    /// of a pass.
     fn new(pilot: &PassRenderer<'a>, trial: u32, divisor: u32) -> Self {
         let key = pilot_key(pilot).pilot_trial_key(trial);
         let options = MapBuildOptions::for_pilot(key, divisor);

@@ -28,8 +28,8 @@ pub trait Integrator: Send + Sync {
         ExpectedPhotons::default()
     }
 
-    /// Returns the numbers of camera rays and photon paths that a pilot chose; `None` without a
-    /// pilot.
+    /// Returns the numbers of camera rays and photon paths that a pilot (small simulation before
+    /// the render) chose; `None` if no pilot chose them.
     fn ray_photon_balance(&self) -> Option<RayPhotonBalance> {
         None
     }
@@ -44,13 +44,14 @@ pub trait Integrator: Send + Sync {
     /// Returns the share in \[0, 1] of indirect light that photon estimates carry in pass `pass`,
     /// as a mean over the picture. Camera paths carry the rest.
     ///
-    /// Only indirect light at the first surface that stores photons on each camera path counts.
+    /// Only indirect light at the first receiver (surface that stores photons, or medium) of each
+    /// camera path counts.
     fn indirect_photon_share(&self, _pass: u32) -> f64 {
         0.0
     }
 
     /// Returns the largest gather radius of each photon map in the first pass; `None` without
-    /// photons.
+    /// photons. In later passes, radii may be smaller.
     fn gather_radii(&self) -> Option<GatherRadii> {
         None
     }
@@ -60,13 +61,14 @@ pub trait Integrator: Send + Sync {
         None
     }
 
-    /// True if passes return [`NestedEstimates`](super::NestedEstimates) for error estimation.
+    /// True if passes return what error estimation needs:
+    /// [`NestedEstimates`](super::NestedEstimates), if the algorithm uses photons.
     fn returns_nested_estimates(&self) -> bool {
         false
     }
 
     /// Returns the work and benefit of guiding shadow rays to the environment light; `None` if no
-    /// pilot tried to guide them.
+    /// pilot (small simulation before the render) tried to guide them.
     fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {
         None
     }

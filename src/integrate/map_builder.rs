@@ -52,7 +52,7 @@ struct PhotonTracingTask<'a> {
     light_tracer: Option<&'a LightTracer<'a>>,
 }
 
-/// Photons of one map before its search structure is built.
+/// Photons of one map, before its search structure is built.
 struct MapPhotons {
     surface: Vec<Photon>,
     volume: VolumePhotons,
@@ -61,9 +61,9 @@ struct MapPhotons {
 /// Gather radii of one map in the first pass \[length].
 #[derive(Clone, Copy)]
 struct MapRadii {
-    /// Largest gather radius on surfaces \[length].
+    /// Largest radius of gather discs on surfaces \[length].
     surface: f32,
-    /// Kernel radii in media \[length].
+    /// Radii of the density-estimation kernels in media \[length].
     volume: VolumeKernelRadii,
 }
 
@@ -77,13 +77,13 @@ struct DensityEstimateLimits {
 
 /// Results of the photon paths aimed at casters (such as glass or mirrors), except the caustic map.
 struct AimedPathResults {
-    /// Photons for the indirect map of `hybrid`: light that a caustic has reflected. Empty for
-    /// other algorithms.
+    /// Photons that a receiver has scattered after a caustic, for the indirect map of `hybrid`.
+    /// Empty for other algorithms.
     after_caustic: MapPhotons,
     splats: Vec<Splat>,
 }
 
-/// Kernel radii in media for each photon map.
+/// Radii of the density-estimation kernels in media, for each photon map.
 #[derive(Clone, Copy, Debug, Default)]
 struct VolumeKernelRadiiPerMap {
     caustic: VolumeKernelRadii,
@@ -111,8 +111,8 @@ pub(super) struct PhotonMapBuilder<'a> {
     pub counts: PhotonPathCounts,
     /// Largest gather radii of the first pass; `None` without maps.
     pub radii: Option<GatherRadii>,
-    /// Gather radius in the first pass of the map of interreflected light, which only `hybrid`
-    /// builds \[length].
+    /// Gather radius of the interreflection map in the first pass \[length]. Only `hybrid` builds
+    /// this map.
     interreflection_radius: f32,
     /// Division of indirect light between camera paths and photon estimates; `None` if no pilot
     /// divided it.
@@ -120,13 +120,13 @@ pub(super) struct PhotonMapBuilder<'a> {
     /// True for a pilot that finds the same indirect light by photon estimates and by camera paths,
     /// to compare them.
     pub compares_indirect_techniques: bool,
-    /// Kernel radii in media in the first pass \[length].
+    /// Radii of the density-estimation kernels in media in the first pass, for each map \[length].
     volume_radii: VolumeKernelRadiiPerMap,
     /// Lower bound on gather radii in the first pass \[length].
     min_radius: f32,
     pub emission_guiding_reports: EmissionGuidingReportPerMap,
-    /// Share of caustic flux that photon estimates carry at each pixel; light tracing carries the
-    /// rest. `None` without light tracing.
+    /// Share of a caustic photon's flux that density estimates use, at each pixel; light tracing
+    /// carries the rest. `None` without light tracing.
     density_estimate_shares: Option<Arc<DensityEstimateShares>>,
 }
 
@@ -185,8 +185,8 @@ impl<'a> PhotonMapBuilder<'a> {
         builder
     }
 
-    /// Returns a builder for `policy`, the same policy with fewer effects of light. The new builder
-    /// keeps the results of pilots.
+    /// Returns a builder for `policy`, which must be the policy of this builder with fewer effects
+    /// of light. The new builder keeps the results of pilots.
     pub fn with_policy(&self, policy: &PathPolicy) -> Self {
         let request = policy.photon_map_request();
         let keep = |source: &Option<PhotonSource<'a>>, mask: StoreMask| {
@@ -205,8 +205,8 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// Returns a builder for `scene`, the same scene at another shutter time. The new builder keeps
-    /// the results of pilots.
+    /// Returns a builder for `scene`, which must be the same scene at another shutter time. The new
+    /// builder keeps the results of pilots.
     pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PhotonMapBuilder<'b> {
         let placed = |source: &Option<PhotonSource<'a>>| source.as_ref().map(|source| source.for_scene_at_time(scene));
         PhotonMapBuilder {
@@ -262,8 +262,8 @@ impl<'a> PhotonMapBuilder<'a> {
         self.indirect_division = division.map(Arc::new);
     }
 
-    /// Returns the technique that finds indirect light at first receivers (surfaces that store
-    /// photons) in pass `pass`.
+    /// Returns the technique that finds indirect light in pass `pass`, at the first receiver
+    /// (surface that stores photons) of a camera path.
     pub fn indirect_technique(&self, pass: u32) -> IndirectTechnique<'_> {
         if !self.may_build_interreflection_map() {
             return IndirectTechnique::Paths;
@@ -444,8 +444,8 @@ impl<'a> PhotonMapBuilder<'a> {
         MapPhotons { surface: traced.deposits.photons, volume: traced.deposits.volume }
     }
 
-    /// Traces photons that guide final-gathering rays. Returns none if the policy does not guide
-    /// them.
+    /// Traces the photons that guide final-gathering rays, and returns them; empty if the policy
+    /// does not guide these rays.
     fn trace_guide_photons(
         &self,
         options: &MapBuildOptions,

@@ -6,12 +6,13 @@ use crate::photon::LEVELS;
 use glam::DVec3;
 use serde::Serialize;
 
-/// Mean gather radius and photon count of a pixel's density estimates from one photon map.
+/// Mean gather radius and photon count of a pixel's density estimates from one photon map, in one
+/// pass or in several.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MeanGatherDisc {
-    /// Mean gather radius of the estimates \[length].
+    /// Mean gather radius of the density estimates \[length].
     pub radius: f32,
-    /// Mean number of photons in an estimate.
+    /// Mean number of photons in a density estimate.
     pub photons: f32,
 }
 
@@ -54,14 +55,15 @@ impl GatherDiscSum {
     }
 }
 
-/// Sums of estimates with nested gather discs, over one camera ray and over all rays of one pixel.
+/// Sums of differences between photon estimates with nested gather discs, over one camera ray and
+/// over all rays of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NestedEstimateSum {
     /// Sums over the photon estimates of the current camera ray of throughput times difference
     /// \[W/(m² sr)]. The differences are: full minus half disc area, and half minus quarter disc
     /// area.
     ray: [Rgb; LEVELS - 1],
-    /// Sum of `ray` over the rays of the pixel, with the weights of the pixel filter.
+    /// Sum of `ray` over the camera rays of the pixel, weighted by the pixel filter \[W/(m² sr)].
     pixel: [DVec3; LEVELS - 1],
     /// Sums of radius and photon count over the pixel's estimates from the caustic map.
     pub caustic: GatherDiscSum,

@@ -7,7 +7,7 @@ use crate::stats::Counters;
 use serde::Serialize;
 use std::ops::AddAssign;
 
-/// Stage of a pass, for progress reports.
+/// Stage of the work of a pass, for progress reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PassStage {
     /// Photon tracing. Progress counts photon paths.
@@ -51,14 +51,15 @@ pub struct StageTimes {
     pub camera: f64,
 }
 
-/// Counts and energy balance of one set of photon paths.
+/// Counts and energy balance of one set of photon paths: those aimed at casters, or those in all
+/// directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
 pub struct PhotonReport {
-    /// Number of emitted photon paths.
+    /// Number of photon paths that lights emitted.
     pub emitted: u64,
     /// Number of stored photons.
     pub stored: u64,
-    /// Emitted flux, and how much of it was absorbed, escaped or was stopped \[W].
+    /// Flux that the paths emitted, and how much of it was absorbed, escaped or was stopped \[W].
     pub audit: EnergyAudit,
 }
 

@@ -59,8 +59,8 @@ impl<'a> PassRenderer<'a> {
         }
     }
 
-    /// Returns a renderer for `scene`, the same scene at another shutter time. The new renderer
-    /// keeps the results of pilots.
+    /// Returns a renderer for `scene`, which must be the same scene at another shutter time. The
+    /// new renderer keeps the results of pilots.
     pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PassRenderer<'b> {
         PassRenderer {
             scene,
@@ -75,8 +75,8 @@ impl<'a> PassRenderer<'a> {
         }
     }
 
-    /// Returns a renderer for `policy`, the same policy with fewer effects of light. The new
-    /// renderer keeps the results of pilots.
+    /// Returns a renderer for `policy`, which must be the policy of this renderer with fewer
+    /// effects of light. The new renderer keeps the results of pilots.
     pub fn with_policy(&self, policy: PathPolicy) -> Self {
         let nee = NextEventEstimator::new(self.scene, &policy, self.environment_guide.clone());
         let map_builder = self.map_builder.with_policy(&policy);
@@ -114,8 +114,8 @@ impl<'a> PassRenderer<'a> {
 
     /// Returns the number of slices of the shutter interval in each pass; 1 if nothing moves.
     ///
-    /// There is one slice for each [`SLICE_PIXELS`] pixels of motion on the film, or fewer if that
-    /// costs too much.
+    /// Each slice covers [`SLICE_PIXELS`] pixels of motion on the film. There are fewer slices if
+    /// they would cost too much.
     pub fn find_slice_count(&self) -> u32 {
         if !self.has_motion() {
             return 1;
@@ -138,7 +138,7 @@ impl<'a> PassRenderer<'a> {
         (wanted as u32).min(most).min(u32::try_from(affordable).unwrap_or(u32::MAX)).max(1)
     }
 
-    /// Returns the inputs that all camera paths of pass `pass` share.
+    /// Returns the data that all camera paths of pass `pass` share.
     pub fn path_context<'b>(&'b self, maps: Option<&'b PhotonMaps<'b>>, pass: u32) -> PathContext<'b> {
         let max_bounces = self.settings.camera_paths.max_bounces;
         PathContext::new(

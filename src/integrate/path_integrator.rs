@@ -37,7 +37,8 @@ pub(super) struct PathIntegrator<'a> {
     /// Report of the pilot that guides shadow rays to the environment light; `None` without pilot.
     environment_guiding: Option<EnvironmentGuidingReport>,
     balance: Option<RayPhotonBalance>,
-    /// Number of slices of the shutter interval of each pass.
+    /// Number of slices of the shutter interval in each pass. Each slice has its own photons and
+    /// camera rays.
     slices: u32,
 }
 
@@ -226,8 +227,8 @@ impl<'a> PathIntegrator<'a> {
     }
 }
 
-/// Runs `pilot` with `renderer`, or with the renderer of `policy` if there is one: the same policy
-/// with fewer effects.
+/// Runs `pilot` with `renderer`, or, if there is a `policy`, with a renderer for that policy. It
+/// must be the same policy with fewer effects.
 fn run_pilot<'a, T>(
     renderer: &PassRenderer<'a>,
     policy: Option<PathPolicy>,
@@ -239,7 +240,8 @@ fn run_pilot<'a, T>(
     }
 }
 
-/// Returns the cameras of the slices of pass `pass`, which `renderers` render.
+/// Returns the cameras of the slices of the shutter interval of pass `pass`. `renderers` render the
+/// slices.
 fn sliced_cameras<'b>(renderers: &'b [PassRenderer<'_>], pass: u32) -> SlicedCameras<'b> {
     let seed = renderers[0].settings.camera_paths.seed;
     SlicedCameras {

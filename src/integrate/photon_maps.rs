@@ -21,12 +21,12 @@ pub(super) struct PhotonEstimator<'a> {
     pub kernel: Kernel,
     /// Photon beams and photon points in media.
     pub volume: BeamAndPointMaps,
-    /// True if each photon stores the share of its flux that density estimates carry at directly
-    /// visible surfaces. Light tracing carries the rest there.
+    /// True if photons store the share of their flux that density estimates use at directly visible
+    /// surfaces. Light tracing carries the rest of the flux there.
     pub has_density_estimate_shares: bool,
 }
 
-/// Photon maps that one estimate reads.
+/// Choice of the photon maps that one estimate reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PhotonMapChoice {
     /// The caustic map.

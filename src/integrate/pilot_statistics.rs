@@ -8,7 +8,8 @@ pub(super) fn positive_median(values: impl Iterator<Item = f64>) -> Option<f64> 
     sorted.get(sorted.len() / 2).copied()
 }
 
-/// Returns the mean of `value` over the pixels within `reach` columns and rows of pixel `center`.
+/// Returns the mean of `value` over a box of pixels: those at most `reach` columns and rows from
+/// pixel `center`.
 ///
 /// Pixels are indexed by rows from the top, in a picture of `size` (width, height).
 pub(super) fn box_mean(

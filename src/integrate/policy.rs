@@ -16,7 +16,7 @@ pub(super) type PolicyFn = fn(Effects, &Settings) -> PathPolicy;
 pub(super) struct PathPolicy {
     /// Effects of light to simulate.
     pub effects: Effects,
-    /// Default number of camera rays per pixel and pass.
+    /// Default number of camera rays per pixel in each pass.
     pub samples: u32,
     /// True if every pass traces the same camera paths.
     pub shares_paths: bool,
@@ -24,16 +24,16 @@ pub(super) struct PathPolicy {
     pub direct_light: bool,
     /// Number and targets of the shadow rays of next-event estimation.
     pub light_sampling: LightSampling,
-    /// Receivers (surfaces that store photons, or media) from which a camera path continues.
+    /// Set of receivers (surfaces that store photons, or media) from which a camera path continues.
     pub continuation: PathContinuation,
-    /// Strategy by which the path samples its next direction at surfaces that store photons.
+    /// Strategy by which a camera path samples its next direction at surfaces that store photons.
     pub directions: DirectionSampling,
     /// True if camera paths also find caustics; false leaves caustics to photons.
     pub counts_caustics: bool,
     /// Throughput, as the mean of its channels, below which a path ends; 0 uses Russian roulette
     /// instead.
     pub min_throughput: f32,
-    /// Vertices at which a path reads photon maps.
+    /// Vertices at which camera paths read photon maps.
     pub photons: PhotonLookups,
     /// True if gather radii shrink from pass to pass.
     pub shrinking_radii: bool,
@@ -59,14 +59,16 @@ pub(super) enum LightSampling {
 /// Receivers (surfaces that store photons, or scattering media) from which a camera path continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathContinuation {
-    /// No receiver: a camera path ends at the first receiver.
+    /// The path ends at its first receiver.
     Never,
-    /// Receivers whose sampled BSDF lobe is not diffuse.
+    /// The path continues from receivers (surfaces that store photons) whose sampled BSDF lobe is
+    /// not diffuse.
     Glossy,
-    /// The first receiver, and receivers at the end of a final-gathering ray that is too short to
-    /// read photon maps.
+    /// The path continues from its first receiver, by a final-gathering ray. It also continues from
+    /// the end of a gather ray that is too short to read photon maps there.
     GatherRays,
-    /// All receivers: surfaces that store photons, and scattering events in media.
+    /// The path continues from all receivers: surfaces that store photons, and scattering events in
+    /// media.
     Always,
 }
 
@@ -75,7 +77,7 @@ pub(super) enum PathContinuation {
 pub(super) enum DirectionSampling {
     /// Sampling from the BSDF.
     Bsdf,
-    /// Sampling from one randomly chosen lobe of the BSDF, which replaces the whole BSDF.
+    /// Sampling from one randomly chosen lobe, which replaces the whole BSDF at this vertex.
     OneLobe,
     /// Sampling from the BSDF or from the directions of nearby photons, with equal probability.
     Guided,
@@ -84,21 +86,22 @@ pub(super) enum DirectionSampling {
 /// Vertices at which a camera path reads photon maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PhotonLookups {
-    /// No lookup.
+    /// Camera paths read no photon maps.
     Never,
-    /// The photon maps at the first receiver, read by only a few camera paths of each pixel and
-    /// pass: on surfaces one path for each slice of the shutter interval, in media one. Prefix rays
-    /// may read the maps too.
+    /// Only a few camera paths of each pixel and pass read the photon maps, at their first
+    /// receiver: on surfaces one path for each slice of the shutter interval, in media one.
     ///
-    /// The pixel's other paths would read almost the same photons.
+    /// The pixel's other paths would read almost the same photons. Prefix rays may read the maps
+    /// too.
     FewPerPixel,
-    /// The caustic map and the indirect map, at the first surface of each path that stores photons.
+    /// Each path reads the caustic map and the indirect map at the first surface that stores
+    /// photons.
     FirstReceiver,
-    /// The caustic map at the start of a final-gathering ray; the caustic map and the indirect map
-    /// at its end.
+    /// Each path reads the caustic map at the start of a final-gathering ray, and the caustic map
+    /// and the indirect map at its end.
     GatherRays,
-    /// No lookup. The first surface of each path that stores photons is recorded as a visible point
-    /// for a pilot.
+    /// Camera paths read no photon maps. They record the first surface that stores photons as a
+    /// visible point, for a pilot.
     RecordVisible,
 }
 

@@ -46,29 +46,31 @@ const PREFIX_PICTURES: u32 = 4;
 /// need it.
 const LOOKUP_PICTURES: u32 = 2;
 
-/// Smallest divisor of the number of photon paths: the pilot traces at most a quarter of the paths
-/// of a pass.
+/// Least divisor of the number of photon paths of a pass: the pilot traces at most a quarter of
+/// them.
 const MIN_DIVISOR: u32 = 4;
 
-/// Largest number of photon paths of the pilot for one map.
+/// Largest number of photon paths that the pilot traces for one photon map.
 const MAX_PATHS: u32 = 1 << 20;
 
-/// Number of iterations of each search for the most efficient numbers of rays.
+/// Number of iterations of each search for the numbers of prefix rays with the least variance times
+/// work.
 const SEARCH_STEPS: u32 = 20;
 
 /// Largest work of prefix rays, relative to the work of the rest of a pass.
 ///
-/// It limits the work wasted on a pixel in which the pilot met a rare bright ray by chance.
+/// It limits the waste of work on a pixel where the pilot found a rare bright ray by chance.
 const MAX_WORK: f64 = 0.3;
 
-/// Mean number of prefix rays per pixel below which none are traced.
+/// Mean number of prefix rays per pixel below which a pass traces no prefix rays at all.
 const MIN_MEAN_COUNT: f64 = 1e-3;
 
-/// Threshold above which the pilot's prefix rays read photon maps in a pixel.
+/// Least noise of a pixel's photon estimate for which the pilot's prefix rays read photon maps
+/// there.
 ///
-/// It is compared with the variance of the pixel's photon estimate times n² for n camera paths per
-/// pixel, relative to the mean variance of whole camera paths. Lookups of a pass pay only from
-/// about eight times this variance on.
+/// Let v be the variance of the estimate, n the number of camera paths per pixel, and V the mean
+/// variance of one camera path over all pixels. The pilot compares v·n²/V with this threshold. In
+/// passes, more estimates pay only if v·n²/V is about eight times larger.
 const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
 
 /// Running mean and sum of squared differences from it (Welford 1962).
@@ -88,7 +90,7 @@ impl RunningVariance {
         self.squares += f64::from(before) * f64::from(value - self.mean);
     }
 
-    /// Returns the unbiased variance of at least two values.
+    /// Returns the unbiased sample variance; there must be at least two values.
     fn variance(&self) -> f64 {
         self.squares / f64::from(self.count - 1)
     }
@@ -97,20 +99,20 @@ impl RunningVariance {
 /// Light of one pixel in the pilot's pictures, averaged over RGB \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
 struct PixelLight {
-    /// Light that camera paths find after their first receiver (surface that stores photons).
+    /// Light that camera paths find after their first receiver (surface that stores photons), as
+    /// mean and variance.
     rest: RunningVariance,
     /// Emission and direct light that camera paths find up to their first receiver (surface that
-    /// stores photons).
+    /// stores photons), as mean and variance.
     found: RunningVariance,
-    /// Photon estimate at the first receiver (surface that stores photons).
+    /// Photon estimate at the first receiver (surface that stores photons), as mean and variance.
     photons: RunningVariance,
     /// Sum over whole camera paths of (`rest` − its mean) times (`found` − its mean), from which
     /// their covariance follows.
     products: f64,
 }
 
-/// Variances of one ray of a pixel, relative to the light of the pixel and of the picture; see
-/// [`pixel_variances`].
+/// Relative variances of the light that one ray of a pixel finds; see [`pixel_variances`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct PixelVariance {
     /// Variance of the light after the first receiver (surface that stores photons).
@@ -216,22 +218,23 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     Some(PrefixRayCounts { counts: counts.into(), expected_work })
 }
 
-/// Parts of camera paths that a picture of the pilot traces.
+/// Parts of a camera path that the pilot traces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PathParts {
-    /// Whole paths.
+    /// The whole path.
     Whole,
-    /// The prefix, with the photon estimate at its receiver.
+    /// The path up to its first receiver (surface that stores photons), with the photon estimate
+    /// there.
     PrefixWithLookup,
-    /// The prefix without photon estimate.
+    /// The path up to its first receiver (surface that stores photons), without photon estimate.
     Prefix,
 }
 
 /// Returns for each pixel true if the pilot's prefix rays should read photon maps there.
 ///
-/// `variances` are those of single whole camera paths. A pass traces n = `samples` paths in each
-/// pixel, and only one of them reads photon maps. A further estimate pays if its variance is above
-/// about 1/n² of the variance of a camera path.
+/// `variances` are those of single whole camera paths. A pass traces n = `samples` camera paths in
+/// each pixel, and only one of them reads photon maps. A second photon estimate pays if the
+/// variance of the estimate is above about 1/n² of that of a camera path.
 fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
     let total: f64 = variances.iter().map(|v| v.rest + v.found).sum();
@@ -240,10 +243,10 @@ fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool
 }
 
 /// Renders picture `i` of the pilot, with one ray per pixel. `parts` returns which parts of a
-/// camera path are traced in the pixel with the given center \[pixels].
+/// camera path are traced in a pixel, given the center of the pixel.
 ///
-/// The channels of a pixel are the light after the first receiver, emission found by the prefix,
-/// and the photon estimate, each averaged over RGB.
+/// The three channels of a pixel hold three parts of its light, averaged over RGB: the light after
+/// the first receiver, emission and direct light up to it, and the photon estimate.
 fn render_light_parts(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,
@@ -299,16 +302,17 @@ fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<
     Some((0..light.len()).into_par_iter().map(variance).collect())
 }
 
-/// Work of a pass per pixel, relative to tracing one photon ray.
+/// Work of the parts of a pass, relative to tracing one photon ray.
 #[derive(Clone, Copy, Debug)]
 struct PassWork {
-    /// Work of the camera paths of a pixel.
+    /// Work of all camera paths of a pixel, relative to tracing one photon ray.
     camera: f64,
-    /// Work of tracing, indexing and gathering photons, divided by the number of pixels.
+    /// Work of tracing, indexing and gathering photons, divided by the number of pixels, relative
+    /// to tracing one photon ray.
     photons: f64,
-    /// Work of one prefix ray without photon estimate.
+    /// Work of one prefix ray without photon estimate, relative to tracing one photon ray.
     prefix_ray: f64,
-    /// Work of the photon estimates of one prefix ray.
+    /// Work of the photon estimates of one prefix ray, relative to tracing one photon ray.
     lookup: f64,
 }
 

@@ -13,23 +13,27 @@ use std::sync::Arc;
 /// the pass has slices of the shutter interval, one camera path of each slice reads photon maps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrefixLight {
-    /// Weight n/(n + m) for n camera paths and m prefix rays. It applies to emission, environment
-    /// light and direct light at casters, such as glass or mirrors.
+    /// Weight n/(n + m) of light that camera paths and prefix rays both find: emission, environment
+    /// light, and direct light at casters such as glass or mirrors.
+    ///
+    /// n is the number of the pixel's camera paths. m is the number of its prefix rays: extra
+    /// camera paths that end at their first receiver.
     pub found_weight: f32,
-    /// Number of camera paths of the pixel, or of prefix rays, that read photon maps: those with
-    /// the lowest sample indices.
+    /// Number of camera paths of the pixel, or of its prefix rays, that read photon maps: those
+    /// with the lowest sample indices.
     pub lookups: u32,
     /// Factor on the photon estimate, in addition to the number of samples.
     ///
-    /// Let k of n camera paths and l of m prefix rays read maps. The factor is 1/(k + l) for camera
+    /// Of the pixel's n camera paths, k read photon maps. Of its m prefix rays (extra camera paths
+    /// that end at their first receiver), l read photon maps. The factor is 1/(k + l) for camera
     /// paths and n/(m·(k + l)) for prefix rays.
     pub lookup_weight: f32,
-    /// True for prefix rays, which end at the first surface that stores photons.
+    /// True for prefix rays: extra camera paths that end at the first surface that stores photons.
     pub ends_at_receiver: bool,
     /// Weighted sum of the light found up to the first receiver: emission, environment light and
     /// direct light at casters \[W/(m² sr)].
     pub found: Rgb,
-    /// Weighted sum of the photon estimates \[W/(m² sr)].
+    /// Weighted sum of the photon estimates at the first receiver \[W/(m² sr)].
     pub photons: Rgb,
 }
 
@@ -43,7 +47,8 @@ pub(super) struct PrefixRayCount {
 }
 
 impl Default for PrefixLight {
-    /// Returns the weights of camera paths in a pixel without prefix rays.
+    /// Returns the weights of camera paths in a pixel without prefix rays (extra camera paths that
+    /// end at their first receiver).
     fn default() -> Self {
         Self {
             found_weight: 1.0,
@@ -57,8 +62,8 @@ impl Default for PrefixLight {
 }
 
 impl PrefixLight {
-    /// Returns the weights of a pixel's `samples` camera paths. `prefix` counts the pixel's prefix
-    /// rays.
+    /// Returns the weights of light that a pixel's `samples` camera paths find. `prefix` counts the
+    /// prefix rays of the pixel: extra camera paths that end at their first receiver.
     ///
     /// The first `lookups` camera paths read photon maps.
     pub fn camera_path_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
@@ -67,7 +72,8 @@ impl PrefixLight {
         Self { found_weight: n / (n + m), lookups, lookup_weight, ..Self::default() }
     }
 
-    /// Returns the weights of a pixel's prefix rays. `prefix` counts these rays, at least one.
+    /// Returns the weights of light that a pixel's prefix rays find: extra camera paths that end at
+    /// their first receiver. `prefix` counts these rays, at least one.
     ///
     /// The pixel has `samples` camera paths; the first `lookups` of them read photon maps.
     pub fn prefix_ray_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
@@ -83,14 +89,15 @@ impl PrefixLight {
 /// Prefix rays are extra camera paths that end at the first surface that stores photons.
 #[derive(Clone, Debug)]
 pub(super) struct PrefixRayCounts {
-    /// Numbers of prefix rays of each pixel, by rows from the top.
+    /// Number of prefix rays of each pixel, and how many of them read photon maps, by rows from the
+    /// top.
     pub counts: Arc<[PrefixRayCount]>,
     /// Rays and gathered photons of all prefix rays of a pass.
     pub expected_work: Counters,
 }
 
 impl PrefixRayCounts {
-    /// Returns the mean number of prefix rays over all pixels.
+    /// Returns the number of prefix rays per pixel, as a mean over the picture.
     pub fn mean_rays_per_pixel(&self) -> f64 {
         self.counts.iter().map(|n| f64::from(n.rays)).sum::<f64>() / self.counts.len().max(1) as f64
     }

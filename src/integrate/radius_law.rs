@@ -2,16 +2,17 @@
 
 use crate::photon::Kernel;
 
-/// Default exponent α by which gather radii shrink over the passes.
+/// Default exponent α of shrinking gather radii.
 ///
-/// After N passes variance falls as N^−α and squared bias as N^2(α−1). The value ⅔ balances both
-/// (Kaplanyan and Dachsbacher 2013).
+/// After N passes, the variance falls as N^−α and the squared bias as N^2(α−1). The value ⅔
+/// balances both (Kaplanyan and Dachsbacher 2013).
 pub const ALPHA: f64 = 2.0 / 3.0;
 
 /// Law by which gather radii shrink from pass to pass, and the kernel of density estimates.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RadiusLaw {
-    /// Exponent α: the variance of photon estimates falls as n^−α over n passes; 1 for fixed radii.
+    /// Exponent α of shrinking gather radii: the variance of photon estimates falls as n^−α over n
+    /// passes; 1 for fixed radii.
     pub alpha: f64,
     /// Kernel of photon density estimates.
     pub kernel: Kernel,

@@ -10,21 +10,24 @@ use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{PathEvent, Scene, SpectralInterior, SurfaceVertex};
 use glam::Vec2;
 
-/// Largest number of photon paths of a pilot. The radii that it finds are scaled to the paths of a
-/// pass.
+/// Largest number of photon paths of a pilot that finds gather radii. The radii are then scaled to
+/// the larger number of paths of a pass.
 pub(super) const MAX_PATHS: u32 = 1 << 16;
 
-/// Largest number of photon paths of a pilot for a map of indirect light. Few suffice, because the
-/// density of indirect photons varies slowly.
+/// Largest number of photon paths of a pilot that finds the gather radius of a map of indirect
+/// light. Few paths suffice, because the density of indirect photons varies slowly.
 pub(super) const MAX_INDIRECT_PATHS: u32 = 1 << 14;
 
-/// Number of photon paths of a pilot relative to a pass, within the limits on a pilot.
+/// Number of photon paths of a pilot, as a multiple of the paths of a pass. [`MIN_PATHS`] and
+/// [`MAX_PATHS`] limit it.
 const PILOT_PASSES: u32 = 4;
 
-/// Smallest number of photon paths of a pilot, even if a pass traces far fewer paths.
+/// Smallest number of photon paths of a pilot that finds gather radii, even if a pass traces fewer
+/// paths.
 const MIN_PATHS: u32 = 1 << 14;
 
-/// Number of stored photons at which the pilot measures the distance to the k-th nearest photon.
+/// Number of stored photons at which a pilot measures the distance to the k-th nearest photon, to
+/// find the gather radius.
 const PROBES: usize = 512;
 
 /// Quantile that becomes the gather radius, among the distances from photons to their k-th nearest
@@ -44,13 +47,14 @@ const MIN_RADIUS: f32 = 1e-6;
 /// surface.
 const PIXEL_PART: f32 = 0.125;
 
-/// Side length of the grid of camera rays that find the closest visible surface.
+/// Number of camera rays, along each side of the picture, that find the closest visible surface.
 const DISTANCE_RAYS: u32 = 8;
 
 /// Number of camera rays with which a pilot measures the density of photons in media.
 const MEDIA_RAYS: u32 = 512;
 
-/// Largest number of casters (such as glass or mirrors) on a camera path of the pilot for media.
+/// Largest number of casters (such as glass or mirrors) on a camera path that measures the density
+/// of photons in media.
 const MAX_CASTERS: u32 = 8;
 
 /// Target for the number of beams or photons within the kernel radius of a camera ray, as a median.
@@ -63,7 +67,8 @@ const MEDIAN_COUNT: f64 = 64.0;
 /// If a smaller radius would hold enough beams, passes drop beams at random instead.
 const BEAM_PIXEL_PART: f32 = 0.25;
 
-/// Kernel radius with which a pilot counts photons in media, relative to the scene's radius.
+/// Kernel radius with which a pilot counts photons in media, relative to the scene's radius. The
+/// radius for passes follows from the count.
 const TRIAL_RADIUS: f32 = 0.02;
 
 /// Largest gather radii on surfaces in the first pass \[length].
@@ -133,9 +138,8 @@ pub(super) fn find_gather_radius(
     Some(scaled.max(min_radius).clamp(size.min(far) * MIN_RADIUS, size * MAX_RADIUS))
 }
 
-/// Returns the smallest gather radius of the first pass \[length].
-///
-/// It is 1/8 of the width of a pixel's footprint on the closest visible surface.
+/// Returns the smallest gather radius of the first pass \[length]: 1/8 of the width of a pixel's
+/// footprint on the closest visible surface.
 pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint();
     let (columns, rows) = scene.camera().size();
@@ -153,7 +157,7 @@ pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
 pub(super) struct VolumeKernelRadii {
     pub beams: f32,
     pub points: f32,
-    /// Fraction of the photon beams that a pass keeps, in \[0, 1].
+    /// Fraction of the photon beams that a pass keeps, in \[0, 1]. Kept beams get more flux.
     pub kept_beams: f32,
 }
 

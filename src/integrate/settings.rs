@@ -92,7 +92,8 @@ pub struct Settings {
 /// surface, or the end of a final-gathering ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FinalGathering {
-    /// At the visible surface, without final gathering (direct visualization of the map).
+    /// At the surface that the camera sees, without final gathering (direct visualization of the
+    /// map).
     None,
     /// At the end of a gather ray whose direction is sampled from the BSDF.
     #[default]

@@ -15,19 +15,19 @@ use crate::sampling::{Dimension, Key, Purpose};
 /// pixel.
 pub(super) const SLICE_PIXELS: f32 = 4.0;
 
-/// Largest number of slices of a pass.
+/// Largest number of slices of the shutter interval in a pass.
 pub(super) const MAX_SLICES: u32 = 64;
 
-/// Largest number of slices of a pass that traces photons. The maps of more slices would take
-/// longer to search, and hold too few photons for an estimate.
+/// Largest number of slices of the shutter interval in a pass that traces photons. With more
+/// slices, the maps would take longer to search, and hold too few photons for an estimate.
 pub(super) const MAX_PHOTON_SLICES: u32 = 8;
 
 /// One slice of the shutter interval of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ShutterSlice {
-    /// Index of the slice.
+    /// Index of this slice of the shutter interval, in order of time.
     pub index: u32,
-    /// Number of slices of the pass.
+    /// Number of slices of the shutter interval in each pass.
     pub count: u32,
 }
 
@@ -46,15 +46,17 @@ impl ShutterSlice {
         (f64::from(self.index) + within - within.floor()) / f64::from(self.count)
     }
 
-    /// Returns the random key of the photon paths of this slice. `pass_key` is the key of the pass.
+    /// Returns the random key of the photon paths of this slice of the shutter interval. `pass_key`
+    /// is the key of the whole pass.
     pub fn photon_key(self, pass_key: Key) -> Key {
         if self.count == 1 { pass_key } else { pass_key.shutter_slice_key(self.index) }
     }
 }
 
-/// Cameras of the slices of a pass, and the key by which camera rays are divided among them.
+/// Cameras of all slices of the shutter interval, and the key by which camera rays are divided
+/// among the slices.
 pub(super) struct SlicedCameras<'a> {
-    /// The camera of each slice.
+    /// Camera at the time of each slice of the shutter interval.
     pub cameras: Vec<&'a Camera>,
     /// Random key of purpose [`Purpose::Shutter`].
     pub key: Key,
@@ -72,20 +74,21 @@ pub(super) struct RaySlices {
     slices: u32,
     rays: u32,
     stride: u32,
-    /// Offset of the strata in time, in units of a stratum.
+    /// Offset of the strata of the shutter interval, in units of a stratum.
     offset: f64,
 }
 
 impl RaySlices {
-    /// Division of the rays of a pass with one slice.
+    /// Division of the camera rays of a pass with a single slice of the shutter interval.
     pub const WHOLE: Self = Self { slices: 1, rays: 1, stride: 1, offset: 0.0 };
 
-    /// Returns the number of slices that get at least one ray of the pixel.
+    /// Returns the number of slices of the shutter interval that get at least one camera ray of the
+    /// pixel.
     pub fn used_slice_count(self) -> u32 {
         self.slices.min(self.rays)
     }
 
-    /// Returns the slice of ray `ray`.
+    /// Returns the index of the slice of the shutter interval in which camera ray `ray` is traced.
     #[inline]
     pub fn slice(self, ray: u32) -> usize {
         if self.slices == 1 {
@@ -98,7 +101,8 @@ impl RaySlices {
 }
 
 impl SlicedCameras<'_> {
-    /// Returns the division of the `rays` rays of the pixel in column `x`, row `y`.
+    /// Returns how the `rays` camera rays of the pixel in column `x`, row `y` are divided among the
+    /// slices of the shutter interval.
     pub fn divide_rays(&self, x: u32, y: u32, rays: u32) -> RaySlices {
         let (key, rays) = (self.key.pixel_key(x, y), rays.max(1));
         // Multiples of the golden ratio shift the strata evenly from pass to pass.

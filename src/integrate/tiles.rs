@@ -45,7 +45,8 @@ pub(super) struct FilmSampling<'a> {
 /// Prefix rays are extra camera paths that end at the first surface that stores photons.
 #[derive(Clone, Copy)]
 pub(super) struct PrefixRays<'a> {
-    /// Numbers of prefix rays of each pixel, by rows from the top.
+    /// Number of prefix rays of each pixel, and how many of them read photon maps, by rows from the
+    /// top.
     pub counts: &'a [PrefixRayCount],
     pub key: Key,
 }
@@ -56,12 +57,12 @@ pub(super) struct FilmImage {
     pub image: Vec<Rgb>,
     /// Nested photon estimates of each pixel; empty unless [`FilmSampling::nested`] is true.
     pub nested: Vec<NestedEstimates>,
-    /// Indices of the rendered pixels if the stride skips tiles; else empty.
+    /// Indices of the rendered pixels, if only one of several tiles is rendered; else empty.
     pub pixels: Vec<u32>,
     pub counters: Counters,
 }
 
-/// One tile of a picture, as mutable parts of the picture's rows.
+/// One tile of a picture: mutable slices of the rows of the picture.
 struct Tile<'a> {
     /// Index of the tile, by rows from the top.
     index: u32,
@@ -100,8 +101,8 @@ impl FilmSampling<'_> {
         self.relative_ray_counts.map_or(self.samples, exact)
     }
 
-    /// Returns the numbers of prefix rays of a pixel, which end at the first surface that stores
-    /// photons. `pixel` is an index by rows from the top.
+    /// Returns how many prefix rays a pixel has: extra camera paths that end at the first surface
+    /// that stores photons. `pixel` is an index by rows from the top.
     fn prefix_ray_count(&self, pixel: usize) -> PrefixRayCount {
         self.prefix_rays.map_or(PrefixRayCount::default(), |rays| rays.counts[pixel])
     }
@@ -240,12 +241,12 @@ pub(super) fn render_tiles<T: Default>(
     FilmImage { image, nested, pixels: rendered_pixels, counters }
 }
 
-/// Returns the stride n ≥ 2 for which rendering one of n tiles renders about `wanted` tiles.
+/// Returns the stride n ≥ 2 for which rendering one of every n tiles renders about `wanted` tiles.
 pub(super) fn rendered_tile_stride((width, height): (u32, u32), wanted: u32) -> u32 {
     (width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE) / wanted).max(2)
 }
 
-/// True if the tile with index `tile` is rendered when one of `stride` tiles is.
+/// True if the tile with index `tile` is rendered, when only one of `stride` tiles is rendered.
 ///
 /// Rendered tiles lie on diagonal lines, so they are spread over all rows and columns.
 fn is_tile_rendered(tile: u32, columns: u32, stride: u32) -> bool {
@@ -267,7 +268,7 @@ struct PixelSum {
     values: CompensatedSum,
     /// Sum of radiance values, each times its filter weight.
     weighted: CompensatedSum,
-    /// Sum of (filter weight − 1).
+    /// Sum of (filter weight − 1) over the samples.
     excess: f64,
     count: u32,
 }

@@ -6,11 +6,12 @@ use crate::sampling::Sampler;
 use crate::scene::{Effects, Interior, MediumSegment, PathRay, RayCone, Scene, SurfaceInteraction};
 use glam::Vec3;
 
-/// Numbers of receivers and casters on a camera path up to a vertex, see
-/// [`PhotonKind`](crate::photon::PhotonKind).
+/// Numbers of receivers and casters on a camera path up to a vertex.
+/// [`PhotonKind`](crate::photon::PhotonKind) defines receivers and casters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PathHistory {
-    /// Number of receivers since the camera: surfaces, and scattering events in media.
+    /// Number of receivers since the camera: surfaces that store photons, and scattering events in
+    /// media.
     pub receivers: u32,
     /// Number of casters (such as glass or mirrors) since the last receiver, or since the camera.
     pub casters: u32,
@@ -52,7 +53,8 @@ impl<I: Interior> PathVertex<'_, I> {
         (!self.surface.bsdf.transmits()).then(|| self.surface.facing_normal())
     }
 
-    /// Returns the path ray that leaves the surface in unit direction `wi`.
+    /// Returns the path ray that leaves the surface in unit direction `wi`: a ray with the nested
+    /// bodies and the medium around it.
     #[inline]
     pub fn outgoing_path_ray(&self, wi: Vec3) -> PathRay<I> {
         let cone = RayCone::zero_width_cone(Effects::NONE);
@@ -79,7 +81,7 @@ impl<I: Interior> PathVertex<'_, I> {
 pub(super) struct MediumPathSegment<'a, I> {
     /// Ray and medium of the segment.
     pub segment: &'a MediumSegment<'a, I>,
-    /// Receivers and casters before the segment.
+    /// Numbers of receivers and casters on the camera path before the segment.
     pub history: PathHistory,
     /// Factor from radiance at the start of the segment to radiance of the pixel.
     pub throughput: Rgb,
@@ -92,12 +94,12 @@ pub(super) struct MediumPathSegment<'a, I> {
 /// Previous vertex of a camera path, for multiple importance sampling of emission.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrevVertex {
-    /// Position of the vertex.
+    /// Position of the previous vertex.
     pub p: Vec3,
-    /// Unit normal of the hemisphere from which the vertex scatters light; `None` for the whole
-    /// sphere.
+    /// Unit normal of the hemisphere from which the previous vertex scatters light; `None` for the
+    /// whole sphere.
     pub hemisphere: Option<Vec3>,
-    /// Receivers and casters before the vertex.
+    /// Numbers of receivers and casters on the camera path before the vertex.
     pub history: PathHistory,
     /// Pdf of the direction in which the path left the vertex \[1/sr].
     pub pdf: f32,

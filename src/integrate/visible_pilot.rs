@@ -13,8 +13,8 @@ use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::Scene;
 use glam::Vec2;
 
-/// Smallest and largest number of camera rays of the pilot. Between these limits, it uses four rays
-/// per pixel.
+/// Smallest and largest number of camera rays that find visible points. Between these limits, there
+/// are four rays per pixel.
 const RAYS: (u32, u32) = (2000, 20_000);
 
 /// Largest radius around a visible point within which photons count as visible, relative to the

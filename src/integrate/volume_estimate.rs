@@ -46,21 +46,23 @@ pub(super) struct BeamAndPointMaps {
     pub band: f32,
 }
 
-/// Sums of the radiance from photons, for a kernel of the full radius and of smaller nested radii.
+/// Sums of the radiance from photons in a medium, for a kernel of the full radius and for kernels
+/// of smaller nested radii.
 ///
 /// One photon is chosen with a probability proportional to its radiance. Probe rays from the
 /// kernel's center, the first of them towards this photon, measure which part of the kernel no
 /// surface hides.
 struct NestedKernelSums {
     sums: [Rgb; LEVELS],
-    /// Number of dimensions of the kernel.
+    /// Number of dimensions in which the kernel spreads: 1 to 3.
     dimensions: u32,
-    /// True if the smaller radii are summed too.
+    /// True if the kernels of smaller radii are summed too, to estimate the bias.
     nested: bool,
     chosen: Option<ChosenPhoton>,
 }
 
-/// Photon whose kernel is probed for hidden parts, with its contribution to the sums.
+/// Photon chosen to measure which part of the kernel surfaces hide, with its contribution to the
+/// sums.
 struct ChosenPhoton {
     /// Radiance of the photon times the kernel value for the full radius.
     radiance: Rgb,
@@ -72,7 +74,8 @@ struct ChosenPhoton {
 }
 
 impl NestedKernelSums {
-    /// Makes empty sums for a kernel in `dimensions` dimensions.
+    /// Makes empty sums for a kernel in `dimensions` dimensions. If `nested`, the kernels of
+    /// smaller radii are summed too.
     fn new(dimensions: u32, nested: bool) -> Self {
         Self { sums: [Rgb::ZERO; LEVELS], dimensions, nested, chosen: None }
     }

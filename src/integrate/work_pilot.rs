@@ -13,13 +13,13 @@ use crate::scene::Scene;
 use crate::stats::Counters;
 use glam::Vec2;
 
-/// Number of film points through which the pilot traces camera paths.
+/// Number of film points through which this pilot traces camera paths to measure noise and work.
 const POINTS: u32 = 1024;
 
-/// Divisor of the number of photon paths of a pass: the pilot traces 1/16 of them.
+/// Divisor of the number of photon paths: this pilot traces 1/16 of the paths of a pass.
 const PILOT_DIVISOR: u32 = 16;
 
-/// Radiance and ray counts of camera paths through the pilot's film points.
+/// Radiance at the pilot's film points, and counts of the rays of their camera paths.
 struct FilmPointEstimates {
     radiance: Vec<Rgb>,
     counters: Counters,

@@ -26,16 +26,16 @@ pub(super) struct PathWorker {
     pub guide_lookup: PhotonSearchBuffers,
     /// Distribution of final-gathering directions at the last surface that stores photons.
     pub gather_guide: GatherGuide,
-    /// True if photon estimates are also made with nested smaller discs.
+    /// True if photon estimates are also made with smaller nested discs, to measure their bias.
     pub nests_estimates: bool,
-    /// Sum of the nested photon estimates of the current pixel.
+    /// Sums of nested photon estimates over the rays of the current pixel.
     pub nested: NestedEstimateSum,
     /// Difference between the last photon estimate and the same estimate with half its disc area
     /// \[W/(m² sr)].
     pub photon_step: Rgb,
     /// Transmittance along the current segment of a medium.
     pub transmittance: TransmittanceCurve,
-    /// Visible points that a pilot records.
+    /// Points visible to the camera that a pilot records.
     pub visible: Vec<VisiblePoint>,
     /// Weights and sums of the light that paths find up to their first receiver (surface that
     /// stores photons).
@@ -48,7 +48,7 @@ pub(super) struct PathWorker {
     /// Weights that divide the indirect light of the current camera path between camera paths and
     /// photon estimates.
     pub indirect_weights: IndirectWeights,
-    /// Indirect light that each technique finds along the current camera path of a pilot, as its
-    /// contribution to the pixel.
+    /// Indirect light along the current camera path of a pilot, found by each of two techniques. It
+    /// is counted as its contribution to the pixel.
     pub indirect_light: IndirectLight,
 }

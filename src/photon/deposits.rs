@@ -58,8 +58,8 @@ pub struct Deposits {
     /// If [`StoreMask::separates_after_caustic`](super::StoreMask) is not set, `volume` holds these
     /// photons instead, and this list is empty.
     pub after_caustic_volume: VolumePhotons,
-    /// Number of photons that were not stored because their flux or position was not finite, or
-    /// their flux was negative.
+    /// Number of photons and splats that were not stored, because their flux or position was not
+    /// finite, or their flux was negative.
     pub rejected: u64,
     /// Splats of caustic photons on the film; empty without light tracing.
     pub splats: Vec<Splat>,
@@ -144,7 +144,7 @@ pub struct Splat {
 
 /// Flux that a photon path deposits on a surface, in a medium or on the film.
 pub(super) struct Deposit<'a> {
-    /// Kind of the photon; it follows from the earlier vertices of the path.
+    /// Kind of the photon, which the earlier vertices of its path determine.
     pub kind: PhotonKind,
     /// Surface, medium or film position that receives the flux.
     pub place: DepositPlace<'a>,
@@ -164,20 +164,20 @@ pub(super) enum DepositPlace<'a> {
     Surface(&'a SurfaceInteraction<'a>, Option<u8>),
     /// A film position \[pixels from the top left], where a splat is recorded.
     Film(Vec2),
-    /// A photon beam along a ray segment in a homogeneous medium.
+    /// A photon beam: a ray segment in a homogeneous medium.
     Beam {
         /// The ray segment, with unit direction.
         ray: &'a Ray,
-        /// Index of the medium.
+        /// Index of the medium in the scene.
         medium: u32,
     },
     /// A scattering point in a medium.
     Point {
-        /// Position of the point.
+        /// Position of the scattering point.
         position: Vec3,
         /// Unit direction of travel before scattering.
         direction: Vec3,
-        /// Index of the medium.
+        /// Index of the medium in the scene.
         medium: u32,
     },
 }

@@ -22,21 +22,21 @@ pub struct Bandwidth {
 pub struct RadianceEstimate {
     /// Radiance \[W/(m² sr)].
     pub radiance: Rgb,
-    /// Radius of the disc \[length].
+    /// Radius of the disc that was used \[length].
     pub radius: f32,
     /// Number of photons in the disc.
     pub count: u32,
 }
 
-/// Number of concentric discs of a [`NestedRadianceEstimate`]. Each disc has half the area of the
-/// next larger one.
+/// Number of nested discs of a [`NestedRadianceEstimate`]. The discs are concentric, and each has
+/// half the area of the next larger one.
 pub const LEVELS: usize = 3;
 
 /// Radiance estimates from concentric discs of decreasing size. Photons in a small disc also count
 /// in the larger ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NestedRadianceEstimate {
-    /// Estimate with the largest disc.
+    /// Estimate with the largest of the nested discs.
     pub whole: RadianceEstimate,
     /// Radiance \[W/(m² sr)] from discs with 1, 1/√2 and ½ of the radius of `whole`.
     pub radiance: [Rgb; LEVELS],
@@ -45,7 +45,7 @@ pub struct NestedRadianceEstimate {
 /// Buffers of nearest-neighbour searches, reused to avoid allocations.
 #[derive(Debug, Default)]
 pub struct PhotonSearchBuffers {
-    /// Photons found by the last search, with their squared distances from the query point.
+    /// Photons that the last search found, each with its squared distance from the query point.
     found: Vec<(f32, PhotonData)>,
     /// Distance of the k-th neighbour in the last search \[length]. It is the search radius if
     /// fewer than k photons were found.

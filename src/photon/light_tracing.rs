@@ -32,8 +32,8 @@ const EQUAL_SHARE_COUNT: f64 = 10.0;
 pub struct DensityEstimateShares {
     width: u32,
     height: u32,
-    /// Share of density estimates at each pixel, as a number of steps of 1/[`SHARE_STEPS`], by rows
-    /// from the top.
+    /// Share of caustic flux that density estimates use at each pixel, in steps of
+    /// 1/[`SHARE_STEPS`], by rows from the top.
     steps: Vec<u8>,
 }
 
@@ -71,14 +71,15 @@ impl DensityEstimateShares {
         Self { width, height, steps }
     }
 
-    /// Gives all pixels the same share of density estimates, `steps`/[`SHARE_STEPS`].
+    /// Gives all pixels the same share of caustic flux for density estimates:
+    /// `steps`/[`SHARE_STEPS`].
     #[must_use]
     pub fn with_uniform_share(steps: u8, (width, height): (u32, u32)) -> Self {
         Self { width, height, steps: vec![steps.min(SHARE_STEPS); width as usize * height as usize] }
     }
 
-    /// Share of density estimates at film position `film` \[pixels from the top left], in steps of
-    /// 1/[`SHARE_STEPS`]. Outside the film, the share is 1.
+    /// Share of caustic flux that density estimates use at film position `film` \[pixels from the
+    /// top left], in steps of 1/[`SHARE_STEPS`]. Outside the film, the share is 1.
     #[inline]
     fn share_steps_at_film_position(&self, film: Vec2) -> u8 {
         pixel_at_film_position(film, self.width, self.height)

@@ -46,7 +46,8 @@ pub(super) struct LineQuery {
 }
 
 impl LineQuery {
-    /// Query for the infinite line through `ray`, with a search `radius` \[length].
+    /// Query for points or beams near the infinite line through `ray`, at most `radius` \[length]
+    /// away.
     pub fn new(ray: &Ray, radius: f32) -> Self {
         Self {
             origin: broadcast_to_lanes(ray.origin),
@@ -115,7 +116,7 @@ impl PointPacket {
 /// A piece of a photon beam: the half-open interval \[`from`, `to`) of distances along the beam.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BeamPiece {
-    /// Index of the beam in its map.
+    /// Index of the beam in the photon beam map.
     pub beam: u32,
     /// Distance from the beam's start to the start of the piece \[length].
     pub from: f32,

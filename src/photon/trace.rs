@@ -33,7 +33,7 @@ pub struct PhotonPassResult {
 pub(super) struct PhotonTracingTotals {
     /// Sums of emitted, absorbed, escaped and otherwise lost flux \[W].
     pub audit: EnergyAudit,
-    /// Number of traced rays.
+    /// Number of traced rays of these paths.
     pub rays: u64,
 }
 

@@ -37,7 +37,8 @@ pub struct VisiblePointMap {
 /// Number of nearest visible points from which the importance of a photon is estimated.
 const NEIGHBOURS: u32 = 16;
 
-/// Largest number of visible points for which the distance to the 16th neighbour is measured.
+/// Largest number of visible points at which the distance to the 16th neighbour is measured, to
+/// find a search radius.
 const PROBES: usize = 256;
 
 impl VisiblePointMap {

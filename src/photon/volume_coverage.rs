@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_SQRT_2;
 
-/// Largest number of probe rays around one point.
+/// Largest number of probe rays that measure which part of a kernel surfaces hide.
 const MAX_PROBES: usize = 12;
 
 /// Distances to the nearest surfaces around a point in a medium, in the directions over which a
@@ -51,7 +51,8 @@ impl KernelProbes {
         probes
     }
 
-    /// True if no surface lies within `distance` on the first probe ray.
+    /// True if no surface lies within `distance` \[length] of the kernel's center along the first
+    /// probe ray.
     #[must_use]
     pub fn first_probe_is_clear(&self, distance: f32) -> bool {
         self.distances[0] > distance

@@ -36,7 +36,7 @@ pub enum EffectReason {
     NoEnvironmentLight,
     /// The scene has no objects with an interior that light enters.
     NoBody,
-    /// The camera has a lens.
+    /// The camera has a lens, so objects out of focus are blurred.
     Lens,
     /// The camera has no lens.
     NoLens,
@@ -99,7 +99,7 @@ impl fmt::Display for EffectReason {
 /// Decision whether a render simulates one effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EffectDecision {
-    /// The effect.
+    /// Effect of light to which the decision applies.
     pub effect: Effect,
     /// True if the scene needs the effect.
     pub is_needed: bool,
@@ -118,12 +118,12 @@ impl EffectDecision {
     }
 }
 
-/// The plan of a render: a decision for each effect.
+/// Plan of a render: which effects of light it simulates, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// Features of the scene.
     pub features: SceneFeatures,
-    /// One decision per effect, in the order of [`Effect::ALL`].
+    /// One decision per effect of light, in the order of [`Effect::ALL`].
     pub decisions: Vec<EffectDecision>,
 }
 
@@ -152,8 +152,8 @@ impl Plan {
         Self { features, decisions }
     }
 
-    /// Returns the simulated effects that the scene needs. Leaves out effects that the user only
-    /// forced on.
+    /// Returns the effects that the scene needs and that the render simulates. They exclude effects
+    /// that the user only forced on.
     #[must_use]
     pub fn needed_and_simulated_effects(&self) -> Effects {
         self.decisions

@@ -51,7 +51,7 @@ impl EffectOverrides {
     effect_names()
 )]
 pub struct UnknownOverrideError {
-    /// The unknown word.
+    /// The word that is not an override.
     pub word: String,
 }
 

@@ -72,7 +72,8 @@ pub struct RenderResult {
     pub numbers: PassSet,
     /// Film with all passes; its mean is the picture.
     pub film: Film,
-    /// Error estimator of the passes; `None` if [`Integrator::returns_nested_estimates`] is false.
+    /// Error estimator to which the passes were added; `None` if
+    /// [`Integrator::returns_nested_estimates`] is false.
     pub estimator: Option<ErrorEstimator>,
     /// Reason why the render ended.
     pub ended: EndReason,
@@ -84,7 +85,8 @@ pub struct RenderResult {
     pub unaimed: PhotonReport,
     /// Counts and flux of the photon paths that are aimed at casters, such as glass or mirrors.
     pub aimed: PhotonReport,
-    /// Wall time from the first pass to the end.
+    /// Wall time of all passes, from the start of the first one. Times of continued and of merged
+    /// renders are added.
     pub wall: Duration,
 }
 

@@ -16,7 +16,7 @@ pub(super) struct NoisyIntegrator {
     pub sigma: f32,
     /// Bias of each channel. It behaves like the blur of fixed gather radii in smooth light.
     pub bias: f32,
-    /// True if passes return nested estimates, from which the error is estimated.
+    /// True if the error of the passes is estimated.
     pub estimates_error: bool,
 }
 

@@ -24,19 +24,19 @@ const CHUNK: usize = 1024;
 /// Kind of layer that the live page can show: the picture, or a map of its estimated error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayerKind {
-    /// Radiance \[W/(m² sr)].
+    /// The picture: radiance \[W/(m² sr)].
     Picture,
     /// Standard error of the radiance \[W/(m² sr)].
     Noise,
     /// Estimated bias of the radiance \[W/(m² sr)], signed.
     Bias,
-    /// Mean gather radius of estimates from the caustic map \[length].
+    /// Mean gather radius of density estimates from the caustic map \[length].
     CausticRadius,
-    /// Mean gather radius of estimates from the maps of other indirect light \[length].
+    /// Mean gather radius of density estimates from the maps of other indirect light \[length].
     GlobalRadius,
-    /// Mean number of photons of estimates from the caustic map.
+    /// Mean number of photons in density estimates from the caustic map.
     CausticPhotons,
-    /// Mean number of photons of estimates from the maps of other indirect light.
+    /// Mean number of photons in density estimates from the maps of other indirect light.
     GlobalPhotons,
 }
 
@@ -78,7 +78,7 @@ impl LayerKind {
 /// encoding is kept.
 #[derive(Debug)]
 pub struct Layer {
-    /// Kind of the layer.
+    /// Kind of layer: the picture, or one of the error maps.
     pub kind: LayerKind,
     /// Number of channels: 3 or 1.
     channels: u32,
@@ -94,7 +94,7 @@ pub struct Frame {
     pub sequence: u32,
     /// Width and height \[pixels].
     pub size: (u32, u32),
-    /// Number of passes in the layers.
+    /// Number of passes from which the layers were computed; 0 for a preview.
     pub passes: u32,
     /// True if the frame shows a preview of reduced size.
     pub is_preview: bool,

@@ -15,7 +15,7 @@ pub struct LiveState {
     pub picture: Option<Arc<Frame>>,
     /// The newest maps of the estimated error.
     pub maps: Option<Arc<Frame>>,
-    /// Text of the scene file.
+    /// Text of the scene file, with its errors.
     pub source: Arc<SceneSource>,
 }
 
@@ -130,12 +130,12 @@ impl LivePage {
         self.sender.subscribe()
     }
 
-    /// Returns the newest state.
+    /// Returns the newest published state.
     pub(super) fn newest(&self) -> Arc<PublishedState> {
         self.sender.borrow().clone()
     }
 
-    /// Returns the reference picture.
+    /// Returns the reference picture for comparisons; `None` without one.
     pub(super) fn reference(&self) -> Option<&Frame> {
         self.reference.as_deref()
     }

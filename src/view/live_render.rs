@@ -41,7 +41,7 @@ impl<'a> LiveRender<'a> {
         self.number
     }
 
-    /// Changes and publishes the state of this render.
+    /// Applies `change` to the state of this render, and publishes it.
     pub fn publish(&self, change: impl FnOnce(&mut LiveState, u32)) {
         self.page.publish(self.number, change);
     }

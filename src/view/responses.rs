@@ -76,7 +76,8 @@ pub(super) fn state_events(
         .into_response()
 }
 
-/// Returns a response that tells the browser to ask again later.
+/// Returns a response that tells the browser to ask again later, because there are too many
+/// requests.
 pub(super) fn busy() -> Response {
     let mut response = (StatusCode::SERVICE_UNAVAILABLE, "too many requests at a time\n").into_response();
     response.headers_mut().insert(RETRY_AFTER, HeaderValue::from_static("1"));

@@ -41,7 +41,7 @@ pub enum Phase {
 pub struct CurvePoint {
     /// Wall time of all passes so far \[s].
     pub seconds: f64,
-    /// Number of passes.
+    /// Number of passes at this point of the curve.
     pub passes: u32,
     /// Estimated relative error.
     pub error: f64,
@@ -107,18 +107,18 @@ pub struct SceneSource {
     pub name: String,
     /// Text of the file; empty for a binary format.
     pub text: Arc<str>,
-    /// Errors of the file.
+    /// Errors in the scene file.
     pub problems: Vec<SceneProblem>,
     /// Warnings about the scene, one line each.
     pub warnings: Vec<String>,
 }
 
-/// Error of the scene file.
+/// Error in the scene file, with its place.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SceneProblem {
-    /// Line, from 1; 0 without a position.
+    /// Number of the line, from 1; 0 if the error has no position.
     pub line: usize,
-    /// Column in characters, from 1; 0 without a position.
+    /// Column in characters, from 1; 0 if the error has no position.
     pub column: usize,
     /// Message that describes the error.
     pub message: String,
@@ -135,11 +135,11 @@ pub struct FrameReport {
     pub width: u32,
     /// Height \[pixels].
     pub height: u32,
-    /// Number of passes in the layers.
+    /// Number of passes from which the layers were computed; 0 for a preview.
     pub passes: u32,
     /// True if the frame is a preview of reduced size.
     pub preview: bool,
-    /// Names of the layers.
+    /// Names of the frame's layers, such as `noise`.
     pub layers: Vec<&'static str>,
 }
 
@@ -201,7 +201,7 @@ pub struct LiveStatus {
     pub aimed: PhotonReport,
     /// Number that rises whenever the text or the errors of the scene file change.
     pub source_revision: u32,
-    /// Number of errors in the scene file.
+    /// Number of errors in the scene file. The page fetches their text separately.
     pub problems: usize,
 }
 

@@ -19,41 +19,43 @@ pub(in crate::integrate) struct PhotonPathCounts {
 }
 
 impl PhotonPathCounts {
-    /// Returns these counts divided by `divisor`, rounded up.
+    /// Returns the numbers of photon paths divided by `divisor`, rounded up.
     pub fn divided_by(self, divisor: u32) -> Self {
         Self { unaimed: self.unaimed.div_ceil(divisor), aimed: self.aimed.div_ceil(divisor) }
     }
 }
 
-/// Returns the limit on the photons of a density estimate, if 1/`divisor` of a pass's photon paths
-/// are traced.
+/// Returns the limit on the photons of a density estimate if only 1/`divisor` of a pass's photon
+/// paths are traced; 0 for no limit.
 ///
-/// `k` is the limit for all paths of a pass. 0 means no limit.
+/// `k` is the limit for all photon paths of a pass.
 pub(super) fn photon_limit(k: u32, divisor: u32) -> u32 {
     if k == 0 { 0 } else { k.div_ceil(divisor).max(MIN_PHOTON_LIMIT) }
 }
 
-/// Random key, pass number and number of photons for building the maps of a pass or of a pilot.
+/// Options for building photon maps, for a pass or for a pilot (small simulation before the
+/// render): random key, pass number and number of photon paths.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::integrate) struct MapBuildOptions {
     /// Random key from which the keys of all photon paths derive.
     pub key: Key,
     /// Number of the pass, counted from 0.
     pub pass: u32,
-    /// Divisor of the number of photon paths: 1 for a pass, larger for a pilot or for a slice of
-    /// the shutter interval.
+    /// Divisor of the number of photon paths: 1 for a pass. It is larger for a pilot (small
+    /// simulation before the render), and for a slice of the shutter interval.
     pub divisor: u32,
-    /// Slice of the shutter interval whose photons are traced.
+    /// Slice of the shutter interval in which photons are traced.
     pub slice: ShutterSlice,
-    /// True if density estimates use at most the k nearest photons; false if all within the radius.
+    /// True if density estimates use at most the k nearest photons; false if they use all photons
+    /// within the gather radius.
     pub has_photon_limit: bool,
     /// True if light tracing connects caustic photons to the camera.
     pub connects_to_camera: bool,
 }
 
 impl MapBuildOptions {
-    /// Options of a pilot that traces 1/`divisor` of the photon paths of the first pass, for the
-    /// whole shutter interval, without light tracing.
+    /// Returns the options of a pilot (small simulation before the render). It traces 1/`divisor`
+    /// of the photon paths of the first pass, without light tracing.
     pub fn for_pilot(key: Key, divisor: u32) -> Self {
         Self { key, pass: 0, divisor, slice: ShutterSlice::WHOLE, has_photon_limit: true, connects_to_camera: false }
     }

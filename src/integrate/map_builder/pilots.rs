@@ -21,7 +21,8 @@ const MAX_SHARE_PILOT_PATHS: u32 = 1 << 20;
 /// applies to the interreflection map instead.
 const INDIRECT_COUNT: u32 = 100;
 
-/// Number of photons that most gather discs of the indirect map of `hybrid` should hold.
+/// Number of photons that most gather discs of the indirect map of `hybrid` should hold. That map
+/// holds light that receivers scatter after a caustic.
 const AFTER_CAUSTIC_COUNT: u32 = 50;
 
 /// Largest distance from a point that the camera sees at which a photon counts as visible, relative
@@ -36,7 +37,8 @@ const DEFAULT_RADIUS: f32 = 0.01;
 /// Many photons of that map are visible, so few paths suffice.
 const MAX_INTERREFLECTION_GUIDING_PATHS: u32 = 1 << 15;
 
-/// Efficiency gain above which passes use guided photon emission.
+/// Ratio of unguided to guided photon paths of equal noise, above which passes use guided photon
+/// emission.
 ///
 /// It exceeds 1, because guided paths take longer to sample.
 const MIN_GUIDING_GAIN: f64 = 1.5;
@@ -44,11 +46,13 @@ const MIN_GUIDING_GAIN: f64 = 1.5;
 /// Memory of a photon beam with its bounding boxes, as a multiple of the memory of a photon.
 const BEAM_SIZE: usize = 4;
 
-/// Largest number of paths traced per photon map to predict how many photons a pass stores.
+/// Largest number of photon paths that are traced per map to predict how many photons a pass
+/// stores.
 const PROBE_PATHS: u32 = 4096;
 
 impl<'a> PhotonMapBuilder<'a> {
-    /// Guides photon emission towards visible points if a pilot finds that more efficient.
+    /// Guides photon emission towards points that the camera sees, if a pilot finds that more
+    /// efficient.
     pub(super) fn guide_emission(&mut self) {
         // Visible points lie on surfaces, so they cannot guide photons that are stored in media.
         if !self.traces_photons() || self.stores_volume_photons() {

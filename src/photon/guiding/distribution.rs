@@ -8,13 +8,13 @@ use glam::Vec2;
 /// Primary sample of one pilot path, with the squared contributions of its photons to the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EmissionGuidingSample {
-    /// Index of the light.
+    /// Index of the light that emits the path.
     pub light: usize,
     /// Primary sample in \[0, 1)² that determines the position on the light.
     pub position: Vec2,
     /// Primary sample in \[0, 1)² that determines the emitted direction.
     pub direction: Vec2,
-    /// Inverse of the joint pdf of `position` and `direction`.
+    /// Inverse of the joint pdf of the primary samples `position` and `direction`.
     pub weight: f64,
     /// Sum of the squared contributions of the path's photons to the picture.
     ///
@@ -31,8 +31,8 @@ const MIN_SAMPLES_PER_CELL: usize = 4;
 /// splits each cell into four, so the grid has at most 4096 cells.
 const MAX_SUBDIVISIONS: u32 = 6;
 
-/// Number of samples with as much weight, in the mean of a cell, as the mean of the coarser cell
-/// around it (shrinkage estimator).
+/// Weight of the mean of the coarser cell around a cell in the estimated mean of the cell, in units
+/// of one sample (shrinkage estimator).
 const PARENT_WEIGHT: f64 = 8.0;
 
 /// Numbers of subdivisions of a grid over \[0, 1)⁴: of the unit square of positions, and of the
@@ -46,8 +46,8 @@ type CellResolution = (u32, u32);
 #[derive(Clone, Debug)]
 struct EmissionGuidingCells {
     resolution: CellResolution,
-    /// Mean squared contribution of each cell. The cell of the position is the outer index, the
-    /// cell of the direction the inner one.
+    /// Mean squared contribution of a photon path to the picture, in each cell. The cell of the
+    /// position is the outer index, the cell of the direction the inner one.
     squares: Vec<f64>,
 }
 
@@ -92,8 +92,8 @@ impl EmissionGuidingCells {
         self.squares.iter().map(|s| s.sqrt()).sum::<f64>() / self.squares.len() as f64
     }
 
-    /// Guided pdf in each cell: a constant `uniform` in \[0, 1], plus a part proportional to the
-    /// cell's root mean squared contribution.
+    /// Guided pdf in each cell: the constant `uniform` in \[0, 1], plus (1 − `uniform`) times a pdf
+    /// proportional to √(mean squared contribution).
     fn cell_pdfs(&self, uniform: f64) -> Vec<f64> {
         let mean = self.guided_root_mean_square();
         let pdf = |s: &f64| if mean > 0.0 { uniform + (1.0 - uniform) * s.sqrt() / mean } else { 1.0 };
@@ -124,7 +124,8 @@ fn cell_index(resolution: CellResolution, position: Vec2, direction: Vec2) -> us
         + SquareGridDistribution::cell_index(directions, direction)
 }
 
-/// Grid of cells fitted to the pilot samples of one light.
+/// Guiding grid fitted to the pilot samples of one light: cells with the mean squared contribution
+/// of a photon path.
 #[derive(Clone, Debug)]
 pub(super) struct EmissionGuidingFit {
     cells: EmissionGuidingCells,
@@ -170,8 +171,8 @@ impl EmissionGuidingFit {
         Self { cells: best.1 }
     }
 
-    /// Square root of the second moment of the contributions of ideally guided paths of this light.
-    /// Guiding makes the light's probability proportional to this root.
+    /// Returns √(second moment) of the contributions of ideally guided paths of this light. Guiding
+    /// makes the probability of the light proportional to this root.
     pub fn guided_root_mean_square(&self) -> f64 {
         self.cells.guided_root_mean_square()
     }
@@ -199,11 +200,11 @@ impl EmissionGuidingFit {
 /// Piecewise constant pdf over primary samples of position and direction, in \[0, 1)⁴.
 #[derive(Clone, Debug)]
 pub(in crate::photon) struct EmissionGuidingDistribution {
-    /// Number of cells along each side of the unit square of positions.
+    /// Number of cells of the marginal pdf along each side of the unit square of positions.
     side: usize,
     /// Marginal pdf of the position's primary sample.
     positions: SquareGridDistribution,
-    /// Conditional pdf of the direction's primary sample, for each cell of positions.
+    /// Conditional pdf of the direction's primary sample, for each cell of the marginal pdf.
     directions: Vec<SquareGridDistribution>,
 }
 

@@ -33,11 +33,11 @@ const DEFENSIVE_FRACTION: f64 = 0.2;
 /// photons contribute to the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct EmissionGuidingPilot<'a> {
-    /// Kinds of photons that the render stores. Other photons do not contribute to the picture.
+    /// Kinds of photons that the render stores. Only these photons contribute to the picture.
     pub mask: StoreMask,
     /// Largest number of scattering events per path.
     pub max_bounces: u32,
-    /// Surface points seen by the camera. Their density gives the importance of a photon.
+    /// Surface points that the camera sees. Their density gives the importance of a photon.
     pub visible: &'a VisiblePointMap,
     /// Number of photon paths of the pilot. [`EmissionGuidingPilot::PATHS`] suffices for most
     /// scenes.
@@ -53,12 +53,12 @@ impl EmissionGuidingPilot<'_> {
     pub const PATHS: u32 = 1 << 17;
 }
 
-/// Cost and estimated benefit of a pilot for emission guiding.
+/// Work and estimated benefit of the pilot that guides photon emission towards visible points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EmissionGuidingReport {
-    /// Number of photon paths that the pilot traced.
+    /// Number of photon paths that the pilot of emission guiding traced.
     pub paths: u64,
-    /// Number of rays that the pilot traced.
+    /// Number of rays that the pilot of emission guiding traced.
     pub rays: u64,
     /// Fraction of the unguided pilot paths that stored a photon near a visible point.
     pub useful: f64,
@@ -198,7 +198,7 @@ impl PhotonSource<'_> {
     }
 }
 
-/// Samples of one round of the pilot.
+/// Samples of one round of the pilot: what its photon paths contribute to the picture.
 #[derive(Debug, Default)]
 struct PilotRoundSamples {
     samples: Vec<EmissionGuidingSample>,

@@ -4,20 +4,25 @@
 //! the first terms of a series that sums to the bias. Norms and products of both are means over the
 //! pixels of the picture.
 
-/// Smallest ratio D₀·D₁ / ‖D₀‖² that is used, see the module documentation. Smaller ratios come
-/// from noise.
+/// Smallest ratio D₀·D₁ / ‖D₀‖² that is used, because smaller ratios come from noise.
+///
+/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
+/// radius r.
 const MIN_CORRELATION: f64 = -0.5;
 
-/// Largest ratio D₀·D₁ / ‖D₀‖² that is used, see the module documentation.
+/// Largest ratio D₀·D₁ / ‖D₀‖² that is used: the ratio at a straight edge of light, for the
+/// Epanechnikov kernel.
 ///
-/// It is the ratio at a straight edge of light, for the Epanechnikov kernel.
+/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
+/// radius r.
 pub(super) const EDGE_CORRELATION: f64 = 0.7275;
 
 /// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) for light that is not smooth, with the Epanechnikov
 /// kernel.
 ///
-/// The module documentation defines D₀ and D₁. The pairs belong to a straight edge of light, and to
-/// bands of light as wide as a half and a fifth of the disc's diameter.
+/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
+/// radius r. The pairs belong to a straight edge of light, and to bands of light as wide as a half
+/// and a fifth of the disc's diameter.
 const ROUGH: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
 /// Largest ratio of the blur with discs of half the area to the blur with full discs: the ratio at
@@ -47,9 +52,10 @@ pub(super) struct NestedDifferenceMoments {
     /// Relative variance, in one pass, of the difference between density estimates with full and
     /// half disc area.
     pub variance: f64,
-    /// Variance of the estimate of ‖D₀‖² in `d0`.
+    /// Variance of the estimate `d0`, due to the noise of the passes.
     pub d0_variance: f64,
-    /// Relative variance of the squared noise of D₀: 2 / effective sample count.
+    /// Relative variance of the squared noise of D₀ = L(r) − L(r/√2): 2 / effective sample count.
+    /// The count is the number of independent values that scatter as much as the noise.
     pub scatter: f64,
 }
 
@@ -67,8 +73,9 @@ impl NestedDifferenceMoments {
     /// Weight in \[0, 1] of the measured ratios ‖D₁‖² / ‖D₀‖² and D₀·D₁ / ‖D₀‖². The rest of the
     /// weight is on their values in smooth light.
     ///
-    /// The weight is 1 if the measured ‖D₀‖² is positive without noise, and 0 if it is not
-    /// positive.
+    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
+    /// radius r. The weight is 1 if the measured ‖D₀‖² is positive without noise, and 0 if it is
+    /// not positive.
     pub fn trust(&self) -> f64 {
         let d0 = self.d0.max(0.0);
         if d0 > 0.0 { d0 * d0 / (d0 * d0 + 4.0 * self.d0_variance) } else { 0.0 }
@@ -76,6 +83,9 @@ impl NestedDifferenceMoments {
 
     /// Returns the measured ratio D₀·D₁ / ‖D₀‖², limited to values that light can cause. ‖D₀‖² must
     /// be positive.
+    ///
+    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
+    /// radius r.
     pub fn correlation(&self) -> f64 {
         let limit = (self.d1 / self.d0).clamp(0.0, ROUGH[2].0).sqrt();
         (self.d0_d1 / self.d0).clamp(MIN_CORRELATION, EDGE_CORRELATION).clamp(-limit, limit)
@@ -90,7 +100,7 @@ pub(super) struct BlurEstimate {
     pub square: f64,
     /// Variance of the estimate `square`.
     pub variance: f64,
-    /// Ratio of the blur with discs of half the area to the blur with full discs.
+    /// Ratio of the blur of estimates with discs of half the area to the blur with full discs.
     pub ratio: f64,
     /// Ratio of the extrapolated blur to the measured difference between density estimates with
     /// full and quarter disc area.
@@ -129,10 +139,10 @@ impl BlurEstimate {
     }
 }
 
-/// Returns ‖Σ Dᵢ‖² / ‖D₀‖² by the model of [`BlurEstimate::from_differences`], limited by
-/// [`ROUGH`].
+/// Returns ‖Σ Dᵢ‖² / ‖D₀‖², the ratio of the squared bias to the squared first difference. The
+/// model is that of [`BlurEstimate::from_differences`]; [`ROUGH`] limits the result.
 ///
-/// `correlation` is qc and `squared` is q².
+/// `correlation` is D₀·D₁ / ‖D₀‖² = qc and `squared` is ‖D₁‖² / ‖D₀‖² = q².
 fn squared_bias_ratio(correlation: f64, squared: f64) -> f64 {
     let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared.min(ROUGH[0].0)));
     let rough = ROUGH.windows(2).find(|pair| squared <= pair[1].0).map_or(ROUGH[2].1, |pair| {

@@ -13,13 +13,13 @@ pub(super) const GROUP_DIVISOR: u32 = 128;
 /// relative to the first pass.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DiscAreaSums {
-    /// Exponent α of the radius law; 1 for fixed radii.
+    /// Exponent α by which gather radii shrink from pass to pass (radius law); 1 for fixed radii.
     alpha: f64,
-    /// Exponent p: the blur of a pass is proportional to its gather disc area to the power p.
+    /// Exponent p: the blur of a pass is proportional to the p-th power of its gather disc area.
     power: f64,
     /// Number of summed passes.
     pub passes: u32,
-    /// Disc area of the next pass, relative to the first pass.
+    /// Gather disc area of the pass after the summed ones, relative to the first pass.
     area: f64,
     /// Sum over passes of the inverse gather disc area, relative to the first pass.
     pub inverse_area: f64,
@@ -33,7 +33,7 @@ impl DiscAreaSums {
         Self { alpha, power, passes: 0, area: squared_radius_ratio(alpha, 0), inverse_area: 0.0, blur: 0.0 }
     }
 
-    /// Returns the sums over `passes` passes, to a relative error below 10⁻³.
+    /// Returns the sums over the first `passes` passes, to a relative error below 10⁻³.
     pub fn of_passes(alpha: f64, power: f64, passes: u32) -> Self {
         let mut sums = Self::new(alpha, power);
         sums.advance_to(passes);

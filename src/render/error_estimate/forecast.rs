@@ -15,7 +15,7 @@ pub(super) const MAX_PASSES: u32 = 10_000_000;
 pub struct ErrorForecast {
     /// Error estimate from which the forecast starts.
     pub(super) estimate: ErrorEstimate,
-    /// Exponent α of the radius law; 1 for fixed radii.
+    /// Exponent α by which gather radii shrink from pass to pass (radius law); 1 for fixed radii.
     pub(super) alpha: f64,
     /// Relative variance of one pass, without the variance of photon estimates and fireflies.
     path_variance: f64,
@@ -30,8 +30,8 @@ pub struct ErrorForecast {
 impl ErrorForecast {
     /// Creates the forecast from an error estimate.
     ///
-    /// `law` holds the exponent α of the radius law and
-    /// [`Kernel::nested_difference_variance`](crate::photon::Kernel::nested_difference_variance);
+    /// `law` holds two numbers: the exponent α by which gather radii shrink, and the kernel's
+    /// [`nested_difference_variance`](crate::photon::Kernel::nested_difference_variance). It is
     /// `None` without photon estimates.
     pub(super) fn new(estimate: ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(estimate.passes);

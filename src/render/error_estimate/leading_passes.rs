@@ -18,17 +18,20 @@ pub(super) struct LeadingPasses {
     pictures: Vec<(u32, Vec<f32>)>,
 }
 
-/// Largest number of leading passes.
+/// Largest number of leading passes: the passes with the lowest numbers.
 const MAX_PASSES: usize = 8;
 
-/// Effective sample count that is assumed before measurement.
+/// Effective sample count of the noise that is assumed before measurement: the number of
+/// independent values that scatter as much as the noise.
 const PRIOR_SAMPLES: f64 = 100.0;
 
-/// Weight of [`PRIOR_SAMPLES`], as an equivalent number of measured products of pass differences.
+/// Weight of [`PRIOR_SAMPLES`] against measured scalar products of pass differences: it counts as
+/// much as this number of products.
 const PRIOR_PRODUCTS: f64 = 2.0;
 
 impl LeadingPasses {
-    /// Adds the picture of pass `number`, if the pass is one of the `most` leading ones.
+    /// Adds the picture of pass `number`, if the pass is one of the `most` passes with the lowest
+    /// numbers.
     pub fn add(&mut self, number: u32, most: usize, picture: impl Iterator<Item = Rgb>) {
         let at = self.pictures.partition_point(|(other, _)| *other < number);
         if at < most.min(MAX_PASSES) {
@@ -38,7 +41,7 @@ impl LeadingPasses {
         }
     }
 
-    /// Adds the passes of `other`, and keeps the `most` leading ones.
+    /// Adds the passes of `other`, and keeps the `most` passes with the lowest numbers.
     pub fn merge(&mut self, other: &Self, most: usize) {
         self.pictures.extend(other.pictures.iter().cloned());
         self.pictures.sort_by_key(|(number, _)| *number);
@@ -53,6 +56,7 @@ impl LeadingPasses {
     }
 
     /// Returns the relative variance of the squared error of a picture: 2 / effective sample count.
+    /// The count is the number of independent values that scatter as much as the noise.
     ///
     /// The formula holds for Gaussian noise. `weights` holds a factor on the square of each pixel's
     /// deviation from the mean of the leading passes. The weighted square is clamped to `max`.
@@ -99,8 +103,11 @@ impl LeadingPasses {
         (variance, if count > 0.0 { sum / count } else { 0.0 }, independent)
     }
 
-    /// Returns the scalar product of each two passes' deviations from the mean of all passes,
-    /// divided by the number of pixels.
+    /// Returns the scalar product of two leading passes' deviations from the mean of these passes,
+    /// divided by the number of pixels, for each pair of passes.
+    ///
+    /// `weights` holds a factor on the square of each pixel's deviation. The weighted square is
+    /// clamped to `max`.
     fn deviation_products(&self, weights: &[f64], max: f64) -> [[f64; MAX_PASSES]; MAX_PASSES] {
         let mut products = [[0.0; MAX_PASSES]; MAX_PASSES];
         let share = 1.0 / self.pictures.len() as f64;

@@ -19,7 +19,7 @@ pub(super) struct PixelVarianceSums {
 
 /// Squared deviations of a pixel's passes from their mean, and a bound of their kurtosis.
 pub(super) struct PixelDeviations {
-    /// Σ (x − mean)² over passes, by channel; 0 if it is below rounding errors.
+    /// Σ (x − mean)² over the values x of the passes, by channel; 0 if it is below rounding errors.
     pub squares: DVec3,
     /// Upper bound of the kurtosis: the largest squared deviation divided by the variance, at least
     /// [`GAUSSIAN_KURTOSIS`]. A pixel with one outlier in n passes has about n.
@@ -47,7 +47,7 @@ impl PixelVarianceSums {
         }
     }
 
-    /// True if there are sums of `pixels` pixels.
+    /// True if there are sums for each of `pixels` pixels.
     pub fn has_pixels(&self, pixels: usize) -> bool {
         self.squares.len() == pixels && self.peaks.len() == pixels
     }
@@ -57,9 +57,9 @@ impl PixelVarianceSums {
         self.peaks.len()
     }
 
-    /// Returns the deviations of each pixel, in rows from the top; none without passes.
+    /// Returns the deviations of each pixel's passes, in rows from the top; none without passes.
     ///
-    /// `film` must hold the same passes.
+    /// `film` must hold the same passes as these sums.
     pub fn deviations(&self, film: &Film) -> impl Iterator<Item = PixelDeviations> {
         let n = f64::from(film.passes());
         let pixels = self.peaks.iter().enumerate();

@@ -8,7 +8,7 @@ const INTERVAL_FACTOR: f64 = 1.05;
 /// passes has grown by a twentieth.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EstimateSchedule {
-    /// Number of passes from which the next estimate is due.
+    /// Number of passes from which the next error estimate is due.
     next: f64,
 }
 
@@ -23,7 +23,7 @@ impl EstimateSchedule {
         due
     }
 
-    /// Returns the numbers of passes after which estimates are due, in ascending order.
+    /// Returns all numbers of passes after which error estimates are due, in ascending order.
     pub fn due_passes() -> impl Iterator<Item = u32> {
         let next = |passes: &u32| Some(((INTERVAL_FACTOR * f64::from(*passes)).ceil() as u32).max(passes + 1));
         std::iter::successors(Some(1), next)

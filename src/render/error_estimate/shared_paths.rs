@@ -47,7 +47,8 @@ impl SharedPathErrorSums {
         self.squares.merge(&other.squares);
     }
 
-    /// True if each sum belongs to one of `pixels` pixels.
+    /// True if there is a sum for each recorded pixel, and if each recorded index is below
+    /// `pixels`.
     pub(super) fn is_consistent(&self, pixels: usize) -> bool {
         let count = self.pixels.len();
         let are_pixels = self.pixels.iter().all(|pixel| (*pixel as usize) < pixels);

@@ -5,14 +5,14 @@
 /// Errors are relative, see [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SquaredErrorParts {
-    /// Squared noise: the variance of the mean of the passes.
+    /// Squared noise of the picture: the variance of the mean of the passes.
     pub noise: f64,
     /// Relative variance of one picture's squared noise about its expectation: 2 / effective sample
     /// count. The count is the number of independent values that scatter as much as the noise.
     pub noise_scatter: f64,
-    /// Relative variance of the estimate `noise` about the expectation of the squared noise.
+    /// Relative variance of the estimate `noise` about the expected squared noise.
     pub noise_uncertainty: f64,
-    /// Squared blur: the bias of photon density estimates.
+    /// Squared blur of the picture: the squared bias of photon density estimates.
     pub blur: f64,
     /// Variance of the estimate `blur`.
     pub blur_variance: f64,
@@ -28,7 +28,8 @@ impl SquaredErrorParts {
         self.noise + self.blur + self.shared_paths
     }
 
-    /// Variance of [`total`](Self::total) about the squared error of the picture.
+    /// Variance of the estimated [`total`](Self::total) about the true squared error of the
+    /// picture.
     fn variance(&self) -> f64 {
         let bias = self.blur + self.shared_paths;
         let realised = self.noise * (self.noise + 2.0 * bias) * self.noise_scatter;
@@ -36,8 +37,8 @@ impl SquaredErrorParts {
         realised + estimated + self.blur_variance + self.shared_paths_variance
     }
 
-    /// Returns the ends of the interval of the error, `half_width` standard deviations of the
-    /// squared error on either side of its estimate.
+    /// Returns the lower and upper end of an interval of the error, not squared. The interval
+    /// extends `half_width` standard deviations of the squared error to both sides of the estimate.
     pub fn error_interval(&self, half_width: f64) -> (f64, f64) {
         let deviation = half_width * self.variance().sqrt();
         ((self.total() - deviation).max(0.0).sqrt(), (self.total() + deviation).sqrt())

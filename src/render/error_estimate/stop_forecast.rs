@@ -21,7 +21,7 @@ pub const RANGE_PROBABILITY: f64 = 0.8;
 /// Largest number of passes that is forecast, relative to the number of passes made.
 const MAX_EXTRAPOLATION: u32 = 1000;
 
-/// Number of draws of the unknown quantities in a forecast.
+/// Number of draws of the unknown quantities, for each of which a forecast simulates the render.
 const DRAWS: usize = 64;
 
 /// Relative standard deviation of the predicted noise variance after many more passes, because the
@@ -50,12 +50,12 @@ pub enum StopForecast {
     Passes(PassRange),
     /// Never: this relative bias remains after any number of passes.
     Never {
-        /// Relative bias that no number of passes removes.
+        /// Relative bias that remains after any number of passes.
         floor: f64,
     },
     /// After more passes than can be predicted from the passes made.
     TooFar {
-        /// Number of passes after which the render ends with a probability of 10 % at most.
+        /// Number of passes before which the render ends with a probability of at most 10 %.
         at_least: u32,
     },
 }
@@ -72,16 +72,16 @@ pub struct PassRange {
     pub high: Option<u32>,
 }
 
-/// One draw of the quantities that a forecast does not know, as standard normal or uniform
-/// variates.
+/// One draw of the quantities that are unknown in a forecast: each is determined by a standard
+/// normal or a uniform variate.
 struct Draw {
-    /// Standard normal variate that determines the expected noise.
+    /// Standard normal variate that determines the expected noise of the picture.
     noise: f64,
-    /// Uniform variate that determines the exponent of the decay of blur.
+    /// Uniform variate that determines the exponent of [`POWERS`] by which blur decays.
     power: f64,
-    /// Uniform variate that determines the expected blur.
+    /// Uniform variate that determines the expected blur of the picture.
     blur: f64,
-    /// Standard normal variate that determines the noise of later blur estimates.
+    /// Standard normal variate that determines the noise of blur estimates after later passes.
     later_blur: f64,
 }
 
@@ -109,8 +109,8 @@ fn normal_quantile(probability: f64) -> f64 {
 impl ErrorForecast {
     /// Predicts after how many passes the upper end of the error interval is at most `target`.
     ///
-    /// `confidence` is the confidence of the interval. The render estimates its error after the
-    /// passes of [`EstimateSchedule`].
+    /// `confidence` is the confidence of the interval. The render is assumed to estimate its error
+    /// after the passes of [`EstimateSchedule`].
     #[must_use]
     pub fn stop(&self, target: f64, confidence: Confidence) -> StopForecast {
         if let Some(floor) = self.bias_floor().filter(|floor| *floor >= target) {
@@ -127,7 +127,7 @@ impl ErrorForecast {
         }
     }
 
-    /// Largest number of passes of a simulated render.
+    /// Largest number of passes for which a render is simulated.
     fn horizon(&self) -> u32 {
         self.estimate.passes.saturating_mul(MAX_EXTRAPOLATION).min(MAX_PASSES)
     }
@@ -296,14 +296,15 @@ fn squared_ratio(power: f64) -> f64 {
     libm::exp2(-2.0 * power)
 }
 
-/// Returns the first index whose cumulative weight exceeds the fraction `uniform` of the last one.
+/// Returns the first index whose cumulative weight exceeds `uniform` times the last cumulative
+/// weight.
 fn index_at(cumulative: &[f64], uniform: f64) -> usize {
     let total = cumulative.last().copied().unwrap_or(0.0);
     cumulative.partition_point(|weight| *weight <= uniform * total).min(cumulative.len() - 1)
 }
 
-/// Returns the value at the fraction `uniform` of the last cumulative weight, by linear
-/// interpolation. The pairs are values and cumulative weights.
+/// Returns the value whose cumulative weight is `uniform` times the last cumulative weight, by
+/// linear interpolation. `quantiles` are pairs of a value and a cumulative weight.
 fn quantile_at(quantiles: &[(f64, f64)], uniform: f64) -> f64 {
     let total = quantiles.last().map_or(0.0, |last| last.1);
     let above = quantiles.partition_point(|(_, weight)| *weight <= uniform * total).min(quantiles.len() - 1);
