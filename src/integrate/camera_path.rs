@@ -423,8 +423,10 @@ fn may_add_hit_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
     (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && may_add_found_light(policy, path.history)
 }
 
-/// Returns the MIS weight of emission at `hit` against next-event estimation at `prev`, by the
-/// balance heuristic (Veach 1997, section 9.2.2); 1 if `hit` is not on a light.
+/// Returns the MIS weight of emission at `hit` against next-event estimation at `prev`; 1 if `hit`
+/// is not on a light.
+///
+/// It is the balance heuristic (Veach 1997, section 9.2.2).
 #[inline]
 fn emission_mis_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &SurfaceInteraction<'_>) -> f32 {
     let Some(light) = hit.light else { return 1.0 };

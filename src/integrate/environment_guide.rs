@@ -46,8 +46,8 @@ pub(super) struct EnvironmentGuide {
     cells: Vec<SquareGridDistribution>,
 }
 
-/// Data from which the guide is fitted: number of pilot rays, and sum of their squared
-/// contributions to the picture, in each bin of each cell.
+/// Data from which the guide is fitted, for each bin of each cell: the number of pilot rays, and
+/// the sum of their squared contributions to the picture.
 pub(super) struct EnvironmentGuideFit {
     grid: CellGrid,
     counts: Vec<f64>,
@@ -104,8 +104,8 @@ impl EnvironmentGuideFit {
 
     /// Returns the guide that follows from the added rays; `None` if no ray contributed.
     ///
-    /// The squared contributions are averaged in each bin. The mean is drawn towards the mean of
-    /// the larger bin around it in the next coarser level, and so on up to the whole scene.
+    /// The squared contributions are averaged in each bin. The average is drawn towards that of the
+    /// larger bin of the next coarser level, and so on up to the whole scene.
     pub fn guide(&self) -> Option<EnvironmentGuide> {
         let mean = self.squares.iter().sum::<f64>() / self.counts.iter().sum::<f64>().max(1.0);
         let mut means = vec![mean; Level(0).bin_count()];

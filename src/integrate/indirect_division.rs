@@ -1,14 +1,14 @@
 //! Division of indirect light between camera paths and photon estimates.
 //!
-//! At the first receiver (surface that stores photons) of a camera path, two techniques find the
-//! light that other receivers reflect to it: camera paths that continue there, and a density
+//! The light that receivers (surfaces that store photons) reflect to the first receiver of a camera
+//! path is found by two techniques. Camera paths that continue there find it, and so does a density
 //! estimate in the interreflection map. Their weights sum to 1.
 //!
-//! In pass number i, let v be the variance of the mean of the continued paths, u the variance of
-//! the photon estimate, and b its bias. The photon estimate gets the weight v/(v + u + i·b²). The
-//! bias counts i times because all passes share it, while noise averages out. If gather discs
-//! shrink to the relative area A, u grows as 1/A and b falls as A. So camera paths take over after
-//! many passes, and the mean of the passes converges as fast as camera paths alone.
+//! Consider pass number i. Let v be the variance of the mean of the continued paths. Let u be the
+//! variance of the photon estimate, and b its bias. The photon estimate gets the weight v/(v + u +
+//! i·b²). The bias counts i times because all passes share it, while noise averages out. If gather
+//! discs shrink to the relative area A, u grows as 1/A and b falls as A. So camera paths take over
+//! after many passes, and the mean of the passes converges as fast as camera paths alone.
 //!
 //! A pilot measures variances and bias in the cells of a grid over the film. Values between the
 //! centers of cells are interpolated.
@@ -71,7 +71,7 @@ pub(super) struct IndirectDivision {
     /// Number of photon paths per pass that fill the interreflection map, which photon estimates of
     /// indirect light read.
     pub photons: u32,
-    /// Price of a camera path: it continues after its first receiver only if that reduces the
+    /// Price of a camera path. A path continues after its first receiver only if that reduces the
     /// relative variance of indirect light by at least this value.
     pub path_price: f32,
     /// Number of passes with photon estimates of indirect light. Later passes use camera paths
@@ -224,8 +224,8 @@ impl IndirectDivision {
         weights.sum::<f64>() / self.cells.len().max(1) as f64
     }
 
-    /// Returns two means over all cells of the film grid: the relative error of indirect light in a
-    /// pass, and the number of continued camera paths per pixel.
+    /// Returns two means over all cells of the film grid: relative error of indirect light in a
+    /// pass, and number of continued camera paths per pixel.
     ///
     /// `number` is the number of the pass, counted from 1; `area` is the area of gather discs,
     /// relative to the first pass.

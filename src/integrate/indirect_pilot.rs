@@ -283,8 +283,9 @@ fn cell_errors(
     let cell_light: Vec<f64> =
         cells.iter().map(|(a, b)| a.iter().chain(*b).map(light).sum::<f64>() / (2 * size) as f64).collect();
     let median = positive_median(cell_light.iter().copied())?;
-    // Six values for each cell, relative to the light of the cell: the variances of direct light,
-    // of paths and of photons, the squared bias, and the mean light that each technique finds.
+    // Six values for each cell, relative to the light of the cell. They are the variances of direct
+    // light, of paths and of photons, the squared bias, and the mean light that each technique
+    // finds.
     let raw: Vec<[f64; 6]> = cells
         .iter()
         .zip(&cell_light)

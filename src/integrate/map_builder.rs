@@ -220,8 +220,8 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// Returns the inputs of the indirect map: its photon source, the kinds of photons that it
-    /// stores, and the number of photon paths per pass that fill it.
+    /// Returns how the indirect map is filled: its photon source, the kinds of photons that it
+    /// stores, and the number of photon paths per pass.
     fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
         if self.aimed_paths_fill_indirect_map() {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };

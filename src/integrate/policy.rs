@@ -88,8 +88,8 @@ pub(super) enum DirectionSampling {
 pub(super) enum PhotonLookups {
     /// Camera paths read no photon maps.
     Never,
-    /// Only a few camera paths of each pixel and pass read the photon maps, at their first
-    /// receiver: on surfaces one path for each slice of the shutter interval, in media one.
+    /// A few camera paths of each pixel read the photon maps at their first receiver: on surfaces
+    /// one path per slice of the shutter interval, in media one path.
     ///
     /// The pixel's other paths would read almost the same photons. Prefix rays may read the maps
     /// too.

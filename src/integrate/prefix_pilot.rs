@@ -68,9 +68,9 @@ const MIN_MEAN_COUNT: f64 = 1e-3;
 /// Least noise of a pixel's photon estimate for which the pilot's prefix rays read photon maps
 /// there.
 ///
-/// Let v be the variance of the estimate, n the number of camera paths per pixel, and V the mean
-/// variance of one camera path over all pixels. The pilot compares v·n²/V with this threshold. In
-/// passes, more estimates pay only if v·n²/V is about eight times larger.
+/// Let v be the variance of the estimate, and n the number of camera paths per pixel. Let V be the
+/// mean variance of one camera path over all pixels. The pilot compares v·n²/V with this threshold.
+/// In passes, more estimates pay only if v·n²/V is about eight times larger.
 const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
 
 /// Running mean and sum of squared differences from it (Welford 1962).
@@ -245,8 +245,9 @@ fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool
 /// Renders picture `i` of the pilot, with one ray per pixel. `parts` returns which parts of a
 /// camera path are traced in a pixel, given the center of the pixel.
 ///
-/// The three channels of a pixel hold three parts of its light, averaged over RGB: the light after
-/// the first receiver, emission and direct light up to it, and the photon estimate.
+/// The channels of a pixel hold three parts of its light. First comes the light after the first
+/// receiver, then emission and direct light up to it, then the photon estimate. Each is averaged
+/// over RGB.
 fn render_light_parts(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,

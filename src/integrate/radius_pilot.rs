@@ -167,13 +167,14 @@ impl Default for VolumeKernelRadii {
     }
 }
 
-/// Returns the kernel radii \[length] within which the median camera ray finds 64 beams or photons
-/// in media, and the fraction of beams that passes keep.
+/// Returns the kernel radii of photon estimates in media \[length], and the fraction of beams that
+/// passes keep; `None` if the pilot stores no photon in media.
 ///
-/// The result is for a pass of `paths` photon paths; `None` if the pilot stores no photon in media.
-/// The kernel radius of beams is at least [`BEAM_PIXEL_PART`] of a pixel's footprint. If it then
-/// holds more than 64 beams, passes keep only a fraction of the beams. This costs little sharpness
-/// and saves time: the bounding boxes of dense beams are far larger than a smaller radius.
+/// Within a kernel radius, the median camera ray finds 64 beams or photons, in a pass of `paths`
+/// photon paths. The radius for beams is at least [`BEAM_PIXEL_PART`] of a pixel's footprint. If it
+/// then holds more than 64 beams, passes keep only a fraction of the beams. This costs little
+/// sharpness and saves time: the bounding boxes of dense beams are far larger than a smaller
+/// radius.
 pub(super) fn find_volume_kernel_radii(
     pass: &PhotonPass<'_>,
     effects: Effects,

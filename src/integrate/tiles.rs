@@ -147,7 +147,8 @@ impl FilmSampling<'_> {
 /// Renders the pixels of a picture by tiles, in parallel.
 ///
 /// `radiance` returns the radiance along a camera ray \[W/(m² sr)]. It gets the sampler of the ray,
-/// the counters and buffers of the tile, and a value of type `T` that the rays of a tile share.
+/// and the counters and buffers of the tile. It also gets a value of type `T` that all rays of a
+/// tile share.
 pub(super) fn render_tiles<T: Default>(
     sampling: &FilmSampling<'_>,
     key: Key,

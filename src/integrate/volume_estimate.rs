@@ -290,8 +290,8 @@ fn ray_towards_beam(ray: &Ray, beam: &PhotonBeam, crossing: &BeamIntersection) -
     Ray::new(ray.at(crossing.t), if side < 0.0 { -normal } else { normal }.as_vec3())
 }
 
-/// Returns the ray from `origin` in the direction of `offset`, or perpendicular to the unit vector
-/// `axis` if the offset is too small to have one.
+/// Returns the ray from `origin` in the direction of `offset`. If `offset` is too small to have a
+/// direction, the ray is perpendicular to the unit vector `axis`.
 fn ray_along(origin: Vec3, offset: Vec3, axis: Vec3) -> Ray {
     Ray::new(origin, offset.try_normalize().unwrap_or_else(|| Frame::from_normal(axis).s))
 }

@@ -15,8 +15,8 @@ use glam::Vec2;
 /// or mirrors.
 const POWER_SAMPLES: u32 = 256;
 
-/// Weight of a light's total power in the probability of sampling the light, for photon paths that
-/// are aimed at casters such as glass or mirrors (defensive sampling).
+/// Weight of a light's total power in the probability of sampling it, for photon paths aimed at
+/// casters such as glass or mirrors (defensive sampling).
 ///
 /// The other 90 % of the weight is on the light's estimated power towards the casters. So a light
 /// keeps a probability above zero even if this estimate is zero.
@@ -38,8 +38,8 @@ pub struct PhotonSource<'a> {
     effects: Effects,
 }
 
-/// A sampled light, and the primary sample: the random numbers in \[0, 1)⁴ that determine the
-/// position and direction of the emitted ray (Kelemen et al. 2002).
+/// A sampled light, and the primary sample: random numbers in \[0, 1)⁴ that determine position and
+/// direction of the emitted ray (Kelemen et al. 2002).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimaryEmissionSample {
     /// Index of the light.

@@ -73,13 +73,15 @@ const MIN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 /// Number of photons that are summed in f32 before their sum is added to a total in f64.
 const BLOCK: u32 = 64;
 
-/// Lower bound of the cosine between the normals of a photon and of the query point. A photon below
-/// this bound does not count in an estimate.
+/// Lower bound of the cosine between the normals of a photon and of the query point.
+///
+/// A photon below this bound does not count in an estimate, because it lies on another surface.
 pub(super) const MIN_NORMAL_COSINE: f32 = 0.5;
 
-/// Upper bound of the distance between the query point and the tangent plane of a photon, as a
-/// fraction of the radius of the largest disc. A photon above this bound does not count in an
-/// estimate.
+/// Upper bound of the distance between the query point and a photon's tangent plane, as a fraction
+/// of the radius of the largest disc.
+///
+/// A photon above this bound does not count in an estimate, because it lies on another surface.
 pub(super) const MAX_RELATIVE_HEIGHT: f32 = 0.25;
 
 impl PhotonMap {
@@ -87,9 +89,8 @@ impl PhotonMap {
     /// photon flux ΔΦ and kernel K (Jensen 2001, section 7.2).
     ///
     /// `brdf` returns f \[1/sr] for the incident direction of a photon. `normal` is the unit
-    /// geometric normal on the viewer's side. A photon is left out if it lies on another surface:
-    /// if its normal differs from `normal` by more than 60°, or if its tangent plane is far from
-    /// `p`.
+    /// geometric normal on the viewer's side. Photons on other surfaces are left out: their normal
+    /// differs from `normal` by more than 60°, or their tangent plane is far from `p`.
     pub fn estimate_radiance(
         &self,
         p: Vec3,

@@ -40,7 +40,7 @@ pub struct DensityEstimateShares {
 impl DensityEstimateShares {
     /// Computes the share of density estimates at each pixel from the splats of a pilot.
     ///
-    /// The share is 1/(1 + n²/10²), where n estimates the number of photons per pixel and pass. n
+    /// The share is 1/(1 + n²/10²), where n estimates the number of photons per pixel and pass. It
     /// is the effective number of `splats` per pixel, measured over 3 × 3 pixels, times `ratio`.
     /// `ratio` is the number of photon paths of a pass, divided by the number of paths of the
     /// pilot. The square reduces the share quickly at foci, where density estimates have rare large

@@ -31,7 +31,9 @@ impl std::fmt::Debug for PhotonMap {
 }
 
 /// Fixed oblique rotation of positions, so that no axis-aligned wall is parallel to a split of the
-/// kd-tree: about (1, 2, 3)/√14 by 0.7 rad, rounded to f32.
+/// kd-tree.
+///
+/// It is the rotation about (1, 2, 3)/√14 by 0.7 rad, rounded to f32.
 const ROTATION: Mat3 = Mat3::from_cols(
     Vec3::new(0.781_639_2, 0.550_117_2, -0.293_957_9),
     Vec3::new(-0.482_929_3, 0.832_030_1, 0.272_956_3),

@@ -86,9 +86,8 @@ impl PointPacket {
 
     /// Bit mask of the points in the packet that may lie within the search radius of the line.
     ///
-    /// The error bound γ(24) covers the rounding errors of the difference (γ(1)), the projection
-    /// (γ(4)) and the perpendicular part (γ(3)), times √3 for three axes. γ(n) bounds the relative
-    /// error of n roundings.
+    /// γ(n) bounds the relative error of n roundings. The error bound γ(24) covers the difference
+    /// (γ(1)), the projection (γ(4)) and the perpendicular part (γ(3)), times √3 for three axes.
     #[inline]
     pub fn points_near_line(&self, query: &LineQuery) -> u32 {
         let to = subtract(self.0, query.origin);

@@ -104,11 +104,11 @@ impl VolumePhotonMap {
     /// Calls `visitor` for each photon within the kernel radius of `ray`, whose direction must be a
     /// unit vector.
     ///
-    /// `visitor` receives the photon, the distance t along the ray, the cosine of the angle between
-    /// ray and photon direction, the 2D kernel K₂ \[1/length²], and the squared distance over the
+    /// `visitor` receives the photon and four numbers: the distance t along the ray, the cosine
+    /// between ray and photon direction, the 2D kernel K₂ \[1/length²], and squared distance over
     /// squared radius. The radiance that arrives at the ray's origin is Σ flux · p(cos) · T(t) ·
-    /// K₂, with phase function p and transmittance T (beam radiance estimate, Jarosz, Zwicker and
-    /// Jensen 2008, section 5).
+    /// K₂, with phase function p and transmittance T. This is the beam radiance estimate (Jarosz,
+    /// Zwicker and Jensen 2008, section 5).
     #[inline]
     pub fn visit_near_ray(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32, f32)) {
         let query = LineQuery::new(ray, self.radius);

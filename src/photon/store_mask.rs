@@ -106,8 +106,8 @@ impl PhotonKind {
 
     /// Kind of the path's next photon, if a photon of kind `self` scatters.
     ///
-    /// `is_receiver` is true if it scatters at a receiver (a surface that stores photons, or a
-    /// medium), and false at a caster, such as glass or a mirror.
+    /// `is_receiver` is true if it scatters at a receiver: a surface that stores photons, or a
+    /// medium. Otherwise it scatters at a caster, such as glass or a mirror.
     pub(super) fn kind_after_scattering(self, is_receiver: bool) -> Self {
         match (is_receiver, self) {
             (false, Self::Direct) => Self::Caustic,

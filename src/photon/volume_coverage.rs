@@ -23,7 +23,7 @@ impl KernelProbes {
     /// Traces probe rays of length `radius` from the center of a kernel. The first one is
     /// `towards`, cut to this length.
     ///
-    /// The number of `dimensions` of the kernel determines all probe rays:
+    /// A kernel in `dimensions` dimensions has these probe rays:
     /// - One: two rays in opposite directions.
     /// - Two: eight rays at equal angles about the unit vector `axis`, which is perpendicular to
     ///   `towards`.

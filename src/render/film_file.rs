@@ -118,8 +118,10 @@ impl FilmHeader {
         lines
     }
 
-    /// Returns the passes that the whole render still needs if `done` are done: the missing ones of
-    /// the planned passes, and of the passes before the last one of `done`.
+    /// Returns the passes that the whole render still needs if `done` are done.
+    ///
+    /// They are the missing ones of the planned passes, and of the passes before the last one of
+    /// `done`.
     #[must_use]
     pub fn missing_passes(&self, done: &PassSet) -> PassSet {
         done.missing_below(self.planned_passes.unwrap_or(0).max(done.end()))

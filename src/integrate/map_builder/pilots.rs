@@ -1,5 +1,7 @@
-//! Pilots of the map builder: small photon simulations that guide emission, find gather radii,
-//! divide caustics between estimates and light tracing, and predict how many photons a pass stores.
+//! Pilots of the map builder: small photon simulations before the render.
+//!
+//! They guide emission, find gather radii, divide caustics between estimates and light tracing, and
+//! predict how many photons a pass stores.
 
 use super::{CAUSTIC_K, GUIDE_PHOTON_DIVISOR, PhotonMapBuilder, VolumeKernelRadiiPerMap};
 use crate::integrate::pass::ExpectedPhotons;

@@ -142,9 +142,9 @@ impl NextEventEstimator<'_> {
 /// Samples a scattering point on a segment in a homogeneous medium, for light that leaves the point
 /// `pivot`.
 ///
-/// Half of the samples follow the transmittance, the other half the angle seen from `pivot`:
-/// equiangular sampling (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing
-/// in Participating Media").
+/// Half of the samples follow the transmittance. The other half are equiangular: uniform in the
+/// angle seen from `pivot` (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path
+/// Tracing in Participating Media").
 fn sample_scatter_point_near<I: Interior>(
     path_segment: &MediumPathSegment<'_, I>,
     pivot: Vec3,

@@ -73,9 +73,9 @@ pub struct EmissionGuidingReport {
 impl PhotonSource<'_> {
     /// Returns the source with emission guided to the visible points of `pilot`, and a report.
     ///
-    /// Guiding makes the pdf of lights, positions and directions proportional to the root mean
-    /// squared contribution of a path to the picture, which minimises the variance. A mixture with
-    /// the unguided pdf bounds the weights. If no pilot photon reaches a visible point, the source
+    /// The pdf of lights, positions and directions becomes proportional to a path's root mean
+    /// squared contribution to the picture, which minimises the variance. A mixture with the
+    /// unguided pdf bounds the weights. If no pilot photon reaches a visible point, the source
     /// stays unguided. The result depends only on the scene, this source and `pilot`.
     #[must_use]
     pub fn with_guided_emission(mut self, pilot: &EmissionGuidingPilot<'_>) -> (Self, EmissionGuidingReport) {

@@ -74,8 +74,9 @@ impl LeadingPasses {
     }
 
     /// Returns three values for the differences between two leading passes: their mean square, the
-    /// mean squared scalar product of two differences without a common pass, and the number of
-    /// independent scalar products.
+    /// mean squared scalar product of two differences, and the number of independent products.
+    ///
+    /// Only products of differences without a common pass count.
     fn variance_and_squared_product(&self, weights: &[f64], max: f64) -> (f64, f64, f64) {
         let n = self.pictures.len();
         let products = self.deviation_products(weights, max);
@@ -103,8 +104,8 @@ impl LeadingPasses {
         (variance, if count > 0.0 { sum / count } else { 0.0 }, independent)
     }
 
-    /// Returns the scalar product of two leading passes' deviations from the mean of these passes,
-    /// divided by the number of pixels, for each pair of passes.
+    /// Returns scalar products of the leading passes' deviations from their mean, divided by the
+    /// number of pixels: one for each pair of passes.
     ///
     /// `weights` holds a factor on the square of each pixel's deviation. The weighted square is
     /// clamped to `max`.

@@ -1,7 +1,7 @@
 //! Forecast of the pass after which a render reaches an error target.
 //!
 //! A render ends once the upper end of its error interval is at most the target. The forecast
-//! simulates this rule: it draws values of the unknown quantities, computes the upper end after
+//! simulates this rule. It draws values of the unknown quantities, computes the upper end after
 //! each later pass, and counts after how many passes each draw ends. Unknown are the expected
 //! noise, the expected blur, the exponent of the decay of blur, and the noise of later blur
 //! estimates.
