@@ -59,7 +59,8 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let other_caustic = estimate_at_points(renderer, Some(&maps), &points);
     let has_unaimed = !one_source || other_maps.interreflection.is_some();
     let other_unaimed = has_unaimed.then(|| estimate_at_points(renderer, Some(&other_maps), &points));
-    // Photons of the caustic map and of the indirect map of `hybrid` come from aimed paths.
+    // Without the interreflection map, only photons of aimed paths are gathered: in `hybrid`, those
+    // of the caustic map and of the indirect map.
     maps.interreflection = None;
     let gathered_aimed = estimate_at_points(renderer, Some(&maps), &points).counters;
 

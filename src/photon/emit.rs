@@ -213,7 +213,7 @@ impl<'a> PhotonSource<'a> {
             (false, true) => {
                 Ray { origin: emission.ray.at(self.scene.light_contact_distance(point.light)), ..emission.ray }
             }
-            // An emitting surface.
+            // An emitting surface: the ray already starts off the surface, beyond rounding errors.
             (false, false) => emission.ray,
         };
         Some((self.scene.start_light_path(point.light, ray, self.effects), emission.flux))

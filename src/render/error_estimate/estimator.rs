@@ -199,7 +199,7 @@ impl ErrorEstimator {
         let error_weights = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
         let mut fireflies = FireflyHistogram::default();
         let fraction = 1.0 / error_weights.pixel_weights().len() as f64;
-        // Sums over pixels: squared noise, its square, and its square times the kurtosis − 1.
+        // Sums over pixels: squared noise, its square, and its square times (kurtosis − 1).
         let (mut noise2, mut fourth, mut tails) = (0.0, 0.0, 0.0);
         for (deviations, weight) in self.variances.deviations(film).zip(error_weights.pixel_weights()) {
             let square = weight * deviations.squares.element_sum() / (n * (n - 1.0));
