@@ -39,9 +39,9 @@ pub(super) enum PhotonMapChoice {
 ///
 /// | map | algorithm | kinds of photons | emitted |
 /// | --- | --- | --- | --- |
-/// | caustic | all with photons | `Caustic` | at casters |
+/// | caustic | all with photons | `Caustic` | towards casters |
 /// | indirect | `pm`, `ppm`, `sppm` | `AfterCaustic`, `AfterDirect` | in all directions |
-/// | indirect | `hybrid` | `AfterCaustic` | at casters |
+/// | indirect | `hybrid` | `AfterCaustic` | towards casters |
 /// | interreflection | `hybrid` | `AfterDirect` | in all directions |
 ///
 /// [`PhotonKind`](crate::photon::PhotonKind) defines the kinds. If final-gathering rays read the
@@ -159,8 +159,9 @@ impl PhotonEstimator<'_> {
     /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the photons
     /// of this map \[W/(m² sr)].
     ///
-    /// `scratch` returns the worker's search buffers and sums for this map. Only the nested
-    /// estimates in `worker` are multiplied by `samples`; the result is not.
+    /// `scratch` returns the worker's search buffers and sums for this map. `samples` is the number
+    /// of camera paths for which the estimate stands. It multiplies only the nested estimates in
+    /// `worker`, not the result.
     #[inline]
     fn radiance<I: Interior>(
         &self,

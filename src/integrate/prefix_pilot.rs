@@ -127,10 +127,11 @@ struct PixelVariance {
     photons: f64,
 }
 
-/// Returns the number of prefix rays of each pixel for the camera rays and photons of a pass.
+/// Returns the number of prefix rays of each pixel: extra camera paths that end at their first
+/// receiver. `None` if they do not pay, or if media scatter or emit.
 ///
-/// Returns `None` if prefix rays do not pay, or if media scatter or emit. In such media, prefixes
-/// also find light of the media, which this pilot does not model.
+/// In such media, prefix rays also find light of the media, which this pilot does not model. The
+/// numbers suit the camera rays and photons of a pass by `renderer`.
 pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<PrefixRayCounts> {
     let (scene, effects) = (renderer.scene, renderer.policy.effects);
     if effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.scatters() || medium.emits()) {

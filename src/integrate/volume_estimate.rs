@@ -155,7 +155,8 @@ impl BeamAndPointMaps {
 
     /// Estimates the radiance that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
-    /// Only the nested estimates in `worker` are multiplied by `samples`; the result is not.
+    /// `samples` is the number of camera paths for which the estimate stands. It multiplies only
+    /// the nested estimates in `worker`, not the result.
     pub fn radiance<I: Interior>(
         &self,
         scene: &Scene,

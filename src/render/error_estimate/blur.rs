@@ -29,7 +29,8 @@ const ROUGH: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 /// a straight edge of light.
 const MAX_RATIO: f64 = 0.841;
 
-/// Relative standard deviation of the extrapolated part of the blur.
+/// Relative standard deviation of the part of the blur (bias of density estimates) that is
+/// extrapolated instead of measured.
 ///
 /// Edges and bands of light may give similar density estimates with discs of full, half and quarter
 /// area, although their blur differs by this fraction.
