@@ -160,8 +160,8 @@ impl PhotonEstimator<'_> {
     /// of this map \[W/(m² sr)].
     ///
     /// `scratch` returns the worker's search buffers and sums for this map. `samples` is the number
-    /// of camera paths for which the estimate stands. It multiplies only the nested estimates in
-    /// `worker`, not the result.
+    /// of camera paths for which the estimate stands, times a weight. It multiplies only the nested
+    /// estimates in `worker`, not the result.
     #[inline]
     fn radiance<I: Interior>(
         &self,

@@ -155,8 +155,8 @@ impl BeamAndPointMaps {
 
     /// Estimates the radiance that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
-    /// `samples` is the number of camera paths for which the estimate stands. It multiplies only
-    /// the nested estimates in `worker`, not the result.
+    /// `samples` is the number of camera paths for which the estimate stands, times a weight. It
+    /// multiplies only the nested estimates in `worker`, not the result.
     pub fn radiance<I: Interior>(
         &self,
         scene: &Scene,
