@@ -474,8 +474,8 @@ impl<'a> PathContext<'a> {
 }
 
 impl<I: Interior> PathState<I> {
-    /// Begins to weight the indirect light that this path finds after its first receiver. Photon
-    /// estimates carry the rest of that light.
+    /// Makes this path weight the indirect light that it finds from now on, after its first
+    /// receiver. Photon estimates carry the rest of that light.
     ///
     /// `sampler` is the sampler of the path's vertex at the receiver.
     #[inline]

@@ -195,7 +195,8 @@ impl IndirectDivision {
         self.interpolated_errors(film).least_error_weights(self, number, area)
     }
 
-    /// Interpolates the errors of the cells at a film position \[pixels from the top left].
+    /// Returns the errors of both techniques at a film position \[pixels from the top left],
+    /// interpolated between cells of the film grid.
     #[inline]
     fn interpolated_errors(&self, film: Vec2) -> IndirectErrors {
         let rows = self.cells.len() as u32 / self.columns;

@@ -23,13 +23,14 @@ pub enum PhotonKind {
 /// Selects the kinds of photons that a photon pass stores.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StoreMask {
-    /// True to store [`PhotonKind::Direct`].
+    /// True to store photons of direct light ([`PhotonKind::Direct`]).
     pub direct: bool,
-    /// True to store [`PhotonKind::Caustic`].
+    /// True to store caustic photons ([`PhotonKind::Caustic`]).
     pub caustic: bool,
-    /// True to store [`PhotonKind::AfterCaustic`].
+    /// True to store photons that receivers have scattered after a caustic
+    /// ([`PhotonKind::AfterCaustic`]).
     pub after_caustic: bool,
-    /// True to store [`PhotonKind::AfterDirect`].
+    /// True to store photons of other indirect light ([`PhotonKind::AfterDirect`]).
     pub after_direct: bool,
     /// True to store photons of kind [`PhotonKind::AfterCaustic`] in separate lists, and to thin
     /// them.
