@@ -11,27 +11,30 @@ pub(super) enum ColorValue {
     Rgb(DVec3),
     /// Equal value at all wavelengths.
     Uniform(f64),
-    /// Values by wavelength.
+    /// Spectrum: values by wavelength.
     Sampled(Spectrum),
-    /// Blackbody at a temperature in kelvin, with a factor.
+    /// Blackbody radiation: temperature in kelvin, and a factor for the radiance.
     Blackbody(f64, f64),
-    /// Illuminant D65, scaled to luminance 1, with a factor.
+    /// Illuminant D65, scaled to luminance 1 and then by this factor.
     Daylight(f64),
 }
 
-/// Quantity that a color stands for. It decides how spectra become RGB.
+/// Quantity that a color stands for. It decides how a spectrum becomes RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ColorMeaning {
     /// Reflectance, transmittance or albedo.
     Reflectance,
     /// Radiance, intensity or irradiance.
     Emission,
-    /// Numbers that are no colors, such as refractive indices and coefficients of media.
+    /// Other quantities, such as refractive indices and coefficients of media.
     Coefficient,
 }
 
 impl ColorValue {
-    /// Parses the value of a `spectrum` element: one number, or pairs `400:0.3, 500:0.8`.
+    /// Parses the value of a `spectrum` element: one number, three for RGB, or pairs `400:0.3,
+    /// 500:0.8` of wavelength \[nm] and value.
+    ///
+    /// `None` if the text has another form.
     pub fn parse_spectrum(text: &str) -> Option<Self> {
         if !text.contains(':') {
             return Some(match *parse_numbers(text)? {
@@ -48,7 +51,9 @@ impl ColorValue {
         Spectrum::from_samples(words.map(pair).collect::<Option<Vec<[f64; 2]>>>()?).map(Self::Sampled)
     }
 
-    /// Parses the text of a spectrum file: a wavelength and a value per line, `#` for comments.
+    /// Parses a spectrum file: a wavelength \[nm] and a value per line, `#` for comments.
+    ///
+    /// `None` if the text has another form.
     pub fn parse_spectrum_file(text: &str) -> Option<Self> {
         let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
         let pair = |line: &str| match *parse_numbers(line)? {
@@ -61,7 +66,7 @@ impl ColorValue {
 
     /// Parses a color: three numbers, one number for gray, or `#rrggbb` in sRGB.
     ///
-    /// `is_encoded` is true if the numbers are sRGB-encoded too.
+    /// `is_encoded` is true if numbers are sRGB-encoded, too. `None` if the text has another form.
     pub fn parse_rgb(text: &str, is_encoded: bool) -> Option<Self> {
         let text = text.trim();
         if let Some(digits) = text.strip_prefix('#') {
@@ -80,7 +85,7 @@ impl ColorValue {
         Some(Self::Rgb(if is_encoded { rgb.map(|x| srgb_decode(x.max(0.0))) } else { rgb }))
     }
 
-    /// Returns the value if it is equal for all wavelengths or channels.
+    /// Returns the common value of all wavelengths or channels; `None` if they differ.
     pub fn uniform(&self) -> Option<f64> {
         match self {
             Self::Uniform(value) => Some(*value),
@@ -89,7 +94,7 @@ impl ColorValue {
         }
     }
 
-    /// Returns the linear RGB values.
+    /// Returns linear RGB values. `meaning` decides how a spectrum becomes RGB.
     pub fn rgb(&self, meaning: ColorMeaning) -> DVec3 {
         let spectrum = match self {
             Self::Rgb(rgb) => return *rgb,
@@ -106,7 +111,7 @@ impl ColorValue {
         }
     }
 
-    /// Returns the spectrum over wavelengths; `None` for RGB values.
+    /// Returns the value by wavelength; `None` for RGB values, blackbodies and daylight.
     pub fn spectrum(&self) -> Option<Spectrum> {
         match self {
             Self::Sampled(spectrum) => Some(spectrum.clone()),

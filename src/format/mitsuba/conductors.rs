@@ -1,4 +1,4 @@
-//! Conductors of a Mitsuba scene file: metals by name, or by complex refractive index.
+//! Converts conductors of Mitsuba: metals by name, or by complex refractive index.
 
 use super::color::{ColorMeaning, ColorValue};
 use super::context::ImportContext;
@@ -10,10 +10,11 @@ use crate::color::conductor_rgb;
 use crate::format::description::{MaterialKindDescription, MetalDescription, Span, Spanned, TexturedValue};
 use glam::DVec3;
 
-/// Greatest reflectance of a conductor at normal incidence: its index is infinite for 1.
+/// Greatest reflectance of a conductor at normal incidence. A reflectance of 1 would need an
+/// infinite k.
 const MAX_METAL_REFLECTANCE: f64 = 0.999_9;
 
-/// Names of metals in Mitsuba, and in the scene language.
+/// Names of metals in Mitsuba, each with the name in the scene language.
 const METAL_NAMES: [(&str, &str); 14] = [
     ("Ag", "silver"),
     ("Al", "aluminium"),
@@ -31,7 +32,7 @@ const METAL_NAMES: [(&str, &str); 14] = [
     ("W", "tungsten"),
 ];
 
-/// Returns a conductor whose reflectance is multiplied by `tint`.
+/// Converts a conductor. `tint` multiplies its reflectance.
 pub(super) fn conductor(
     context: &ImportContext<'_>,
     bsdf: &SceneObject,
@@ -40,7 +41,8 @@ pub(super) fn conductor(
 ) -> ReadResult<MaterialKindDescription> {
     let eta = context.color_value(bsdf, "eta")?;
     let k = context.color_value(bsdf, "k")?;
-    // Mitsuba's default without an index is a perfect mirror from version 2 on, and copper before.
+    // Mitsuba 2 and 3 default to a perfect mirror. Older versions default to copper, which is
+    // ignored here.
     let named = bsdf.text("material");
     let name = named.unwrap_or("none");
     let is_ideal = match (&eta, &k) {
@@ -70,7 +72,9 @@ pub(super) fn conductor(
     Ok(metal_of_reflectance(mean * normal_reflectance(&metal), roughness))
 }
 
-/// Returns the metal of a complex refractive index by RGB values or spectra.
+/// Returns the metal with the index η + ik of the BSDF, relative to the index outside.
+///
+/// `eta` and `k` are RGB values or spectra; `None` stands for 0.
 fn index_metal(bsdf: &SceneObject, eta: Option<ColorValue>, k: Option<ColorValue>) -> ReadResult<MetalDescription> {
     let (eta, k) = (eta.unwrap_or(ColorValue::Uniform(0.0)), k.unwrap_or(ColorValue::Uniform(0.0)));
     let outer = bsdf.number("ext_eta").unwrap_or(1.0);
@@ -95,7 +99,7 @@ pub(super) fn metal_of_reflectance(reflectance: DVec3, roughness: TexturedValue<
     MaterialKindDescription::Conductor { metal: MetalDescription::Index { eta: DVec3::ONE, k }, roughness }
 }
 
-/// Returns the reflectance of a metal at normal incidence.
+/// Returns the reflectance of a metal at normal incidence; 1 for an unknown name.
 fn normal_reflectance(metal: &MetalDescription) -> DVec3 {
     let (eta, k) = match metal {
         MetalDescription::Index { eta, k } => (*eta, *k),

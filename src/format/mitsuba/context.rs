@@ -1,4 +1,4 @@
-//! The scene that is being imported: its objects, files and messages.
+//! Access to the objects, files and messages of a Mitsuba scene during its import.
 
 use super::color::{ColorMeaning, ColorValue};
 use super::document::unknown_reference;
@@ -9,7 +9,9 @@ use glam::DVec3;
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// Values that have no effect on a picture of this renderer, or only on other variants of Mitsuba.
+/// Names of values that are ignored without a message.
+///
+/// They have no effect on Caustica's pictures, or only on some variants of Mitsuba.
 const SILENT_VALUES: [&str; 24] = [
     "accel",
     "banner",
@@ -37,18 +39,18 @@ const SILENT_VALUES: [&str; 24] = [
     "silhouette_sampling_weight",
 ];
 
-/// The objects, files and messages of a scene that is being imported.
+/// Objects, files and messages of a Mitsuba scene during its import.
 pub(super) struct ImportContext<'a> {
-    /// Files that the scene may name.
+    /// Access to the files that the scene names.
     pub files: &'a SceneFiles<'a>,
-    /// Objects of the scene.
+    /// All objects of the scene file.
     pub tree: &'a ObjectTree,
-    /// Messages so far.
+    /// Messages about content that is ignored, approximated or added.
     pub notes: RefCell<ImportNotes>,
 }
 
 impl ImportContext<'_> {
-    /// Notes that a part of an object is ignored or approximated.
+    /// Adds a message that a part of `object` is ignored or approximated.
     pub fn note(&self, message: &str, object: &SceneObject) {
         let place = object.place.described(&self.files.path.display().to_string());
         let place = match &object.id {
@@ -58,16 +60,20 @@ impl ImportContext<'_> {
         self.notes.borrow_mut().add_unsupported(message, place);
     }
 
-    /// Notes that all of an object is ignored or approximated.
+    /// Adds a message that all of `object` is ignored or approximated.
+    ///
+    /// The object's values then give no messages of their own.
     pub fn note_whole(&self, message: &str, object: &SceneObject) {
         object.mark_as_read();
         self.note(message, object);
     }
 
-    /// Returns the nested objects of a class, with their names. References are followed.
+    /// Returns the nested objects of a class, with the names that they have in `object`.
+    ///
+    /// References are replaced by the objects that they refer to.
     ///
     /// # Errors
-    /// If a reference names no object.
+    /// If a reference has an unknown identifier.
     pub fn children(&self, object: &SceneObject, class: ObjectClass) -> ReadResult<Vec<(String, Rc<SceneObject>)>> {
         let mut found = Vec::new();
         for (name, child) in &object.children {
@@ -84,14 +90,16 @@ impl ImportContext<'_> {
         Ok(found)
     }
 
-    /// Returns the first nested object of a class that has no name or the name `name`.
+    /// Returns the nested object of a class with the name `name`, or else the first without a name.
+    ///
+    /// `None` if there is neither.
     pub fn child(&self, object: &SceneObject, class: ObjectClass, name: &str) -> ReadResult<Option<Rc<SceneObject>>> {
         let children = self.children(object, class)?;
         let named = children.iter().find(|(own, _)| own == name).or_else(|| children.iter().find(|c| c.0.is_empty()));
         Ok(named.map(|(_, child)| Rc::clone(child)))
     }
 
-    /// Returns the nested object of a class that has the name `name`.
+    /// Returns the nested object of a class with the name `name`; `None` if there is none.
     pub fn named_child(
         &self,
         object: &SceneObject,
@@ -101,10 +109,10 @@ impl ImportContext<'_> {
         Ok(self.children(object, class)?.into_iter().find(|(own, _)| own == name).map(|(_, child)| child))
     }
 
-    /// Returns a color or spectrum of an object; `None` if it has none of this name, or a texture.
+    /// Returns the color or spectrum `name` of an object; `None` if it is missing or a texture.
     ///
     /// # Errors
-    /// If the value is not a color, or negative where it may not be.
+    /// If the value is not a color, or if the object has a wrong reference or spectrum.
     pub fn color_value(&self, object: &SceneObject, name: &str) -> ReadResult<Option<ColorValue>> {
         match object.value(name) {
             Some(Value::Color(color)) => return Ok(Some(color.clone())),
@@ -120,7 +128,7 @@ impl ImportContext<'_> {
         self.spectrum_object(&texture)
     }
 
-    /// Returns the spectrum that an object describes; `None` if it is a texture.
+    /// Returns the spectrum that a nested object describes; `None` if the object is a texture.
     pub fn spectrum_object(&self, texture: &SceneObject) -> ReadResult<Option<ColorValue>> {
         let scale = || texture.number("scale").or_else(|| texture.number("value")).unwrap_or(1.0);
         Ok(match texture.plugin.as_str() {
@@ -142,7 +150,8 @@ impl ImportContext<'_> {
         })
     }
 
-    /// Returns the spectrum of plugin `regular` or `irregular`, whose samples are texts.
+    /// Returns the spectrum of the plugin `regular` or `irregular`, which states its samples as
+    /// text.
     fn sampled_spectrum(&self, texture: &SceneObject) -> ReadResult<ColorValue> {
         let numbers = |name: &str| texture.text(name).and_then(super::color::parse_numbers);
         let values = numbers("values").unwrap_or_default();
@@ -165,7 +174,9 @@ impl ImportContext<'_> {
         })
     }
 
-    /// Returns a color as linear RGB; `default` if the object has none.
+    /// Returns the color `name` of an object as linear RGB; `default` if the object has none.
+    ///
+    /// Fails if a component is negative or above 10³⁰.
     pub fn color(&self, object: &SceneObject, name: &str, meaning: ColorMeaning, default: f64) -> ReadResult<DVec3> {
         let color = self.color_value(object, name)?.map_or(DVec3::splat(default), |color| color.rgb(meaning));
         if color.min_element() >= 0.0 && color.max_element() <= 1e30 {
@@ -175,7 +186,8 @@ impl ImportContext<'_> {
         Err(object.place.error(message, "give a color whose values are finite and at least 0"))
     }
 
-    /// Notes each value that no part of the importer has read, of objects that it has read.
+    /// Adds a message for each value that the importer has not read, in all objects that it has
+    /// used.
     pub fn note_unread_values(&self) {
         let mut pending = vec![&self.tree.root];
         while let Some(object) = pending.pop() {

@@ -1,10 +1,10 @@
-//! Refractive indices of dielectrics, by number or by the names of Mitsuba.
+//! Reads refractive indices of dielectrics: numbers, or Mitsuba's names.
 
 use super::context::ImportContext;
 use super::files::ReadResult;
 use super::tree::{SceneObject, Value};
 
-/// Refractive indices by name, in alphabetical order: values in common use at 589 nm.
+/// Refractive indices by name, in alphabetical order: common values at 589 nm.
 const INDICES: [(&str, f64); 23] = [
     ("acetone", 1.36),
     ("acrylic glass", 1.49),
@@ -31,13 +31,15 @@ const INDICES: [(&str, f64); 23] = [
     ("water ice", 1.31),
 ];
 
-/// Greatest index that counts as air or another gas.
+/// Greatest refractive index that is taken for air or another gas.
 const MAX_GAS_INDEX: f64 = 1.001;
 
-/// Returns the refractive index of the inner side over that of the outer side.
+/// Returns the refractive index of a dielectric, in general that of its inner side over the outer
+/// side.
 ///
-/// An outer side that is no gas belongs to another body if some dielectric of the scene has its
-/// index inside. Then the index is that of the inner side alone, because bodies nest.
+/// Exception: an outer index above that of gases may belong to a surrounding body. If a dielectric
+/// of the scene has this index inside, returns the inner index alone, because bodies nest in
+/// Caustica.
 pub(super) fn refractive_index(context: &ImportContext<'_>, bsdf: &SceneObject) -> ReadResult<f64> {
     let inner = named_index(bsdf, "int_ior", if bsdf.plugin.contains("plastic") { 1.49 } else { 1.5046 })?;
     let outer = named_index(bsdf, "ext_ior", 1.000_277)?;
@@ -52,7 +54,8 @@ pub(super) fn refractive_index(context: &ImportContext<'_>, bsdf: &SceneObject) 
     Ok(if is_nested { inner } else { inner / outer })
 }
 
-/// True if a relative index is so near to 1 that the interface has no effect.
+/// True if a relative refractive index is 1, apart from rounding, so that the interface has no
+/// effect.
 pub(super) fn is_air(index: f64) -> bool {
     (index - 1.0).abs() < 1e-9
 }

@@ -1,4 +1,4 @@
-//! Reads the XML of a scene file, with its includes and parameters, as a tree of objects.
+//! Reads the XML of a Mitsuba scene file as a tree of objects, with its includes and parameters.
 
 use super::color::{ColorValue, parse_numbers};
 use super::files::{Place, ReadResult, SceneFiles};
@@ -14,29 +14,30 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Greatest depth of nested elements. Deeper ones would exceed the stack.
+/// Greatest depth of nested elements. Recursion over deeper ones would overflow the stack.
 const MAX_DEPTH: u32 = 64;
 
-/// Greatest depth of included files.
+/// Greatest depth of nested includes.
 const MAX_INCLUDE_DEPTH: usize = 16;
 
-/// Greatest number of included files, counted at each include.
+/// Greatest number of includes. A file that is included twice counts twice.
 const MAX_INCLUDES: usize = 10_000;
 
-/// Greatest length of an attribute after its parameters are inserted \[bytes].
+/// Greatest length of an attribute after parameters are replaced by their values \[bytes].
 const MAX_EXPANDED_LENGTH: usize = 1 << 16;
 
-/// Greatest number of bytes and elements of all files together, so that includes end.
+/// Greatest total size of the scene file and its includes \[bytes]. Repeated includes count each
+/// time.
 const MAX_TOTAL_BYTES: u64 = 1 << 28;
 const MAX_ELEMENTS: u64 = 1 << 22;
 
-/// Memory of one element while a file is read, at most \[bytes].
+/// Greatest memory that an element takes after it is read \[bytes].
 const MEMORY_PER_ELEMENT: u64 = 600;
 
-/// Bytes of memory for each byte of a file, while its XML is parsed.
+/// Memory per byte of a file while its XML is parsed \[bytes].
 const MEMORY_PER_BYTE: u64 = 24;
 
-/// Reads the tree of objects from the text of the scene file.
+/// Returns the tree of objects of the scene file, whose content is `bytes`.
 pub(super) fn read_tree(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ObjectTree> {
     let mut reader = TreeReader {
         files,
@@ -60,18 +61,19 @@ pub(super) fn read_tree(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<Ob
     Ok(ObjectTree { root: Rc::new(root), by_id: reader.by_id })
 }
 
-/// Returns the error of a reference to an object that does not exist.
+/// Returns an error: the element at `place` refers to `id`, but no object has this identifier.
 pub(super) fn unknown_reference(place: &Place, id: &str) -> SceneReadError {
     place.error(format!("no object has the id `{id}`"), "correct the id, or define the object")
 }
 
-/// State of reading a scene file and its includes.
+/// State of the reader of a scene file and the files that it includes.
 struct TreeReader<'r, 'a> {
     files: &'r SceneFiles<'a>,
-    /// Values of `$name` parameters. The first definition counts.
+    /// Values of parameters, which attributes refer to as `$name`. The first definition counts.
     parameters: HashMap<String, String>,
     by_id: HashMap<String, Rc<SceneObject>>,
-    /// Further names of objects: name, id and place.
+    /// Further identifiers of objects: the new identifier, the original one, and the element's
+    /// position.
     aliases: Vec<(String, String, Place)>,
     /// Files that are being read, from the scene file to the innermost include.
     included: Vec<PathBuf>,
@@ -80,7 +82,7 @@ struct TreeReader<'r, 'a> {
     elements: u64,
 }
 
-/// Values and nested objects of an object that is being read.
+/// Values and nested objects that were read for one object so far.
 #[derive(Default)]
 struct Contents {
     values: BTreeMap<String, (Value, Cell<bool>)>,
@@ -94,15 +96,16 @@ impl Contents {
     }
 }
 
-/// Text of the file that is being read, with the line of the last element.
+/// Text of the file that is being read, with the position of the element that was read last.
 struct CurrentFile {
     source: SourceText,
-    /// Offset of the last element, and its line from 1.
+    /// Offset of the element that was read last \[bytes], and its line, from 1.
     last: Cell<(usize, u32)>,
 }
 
 impl CurrentFile {
-    /// Returns the place of an element. Elements come in the order of the file.
+    /// Returns the position of an element. Counts lines from the last element on, which is usually
+    /// earlier.
     fn place(&self, node: &Node<'_, '_>) -> Place {
         let range = node.range();
         let (offset, line) = self.last.get();
@@ -120,7 +123,9 @@ impl CurrentFile {
 }
 
 impl TreeReader<'_, '_> {
-    /// Adds the content of one file to `contents`. `includer` is the place of the include.
+    /// Reads a file and adds its objects and values to `contents`.
+    ///
+    /// `includer` is the position of the `include` element; `None` for the scene file.
     fn read_text(
         &mut self,
         path: &Path,
@@ -166,7 +171,7 @@ impl TreeReader<'_, '_> {
         Ok(())
     }
 
-    /// Adds an element to the object that holds it.
+    /// Reads an element and adds it to `contents`, those of the object around it.
     fn read_element(
         &mut self,
         file: &CurrentFile,
@@ -239,7 +244,7 @@ impl TreeReader<'_, '_> {
         Ok(())
     }
 
-    /// Adds the content of an included file.
+    /// Reads the file that an `include` element names, and adds it to `contents`.
     fn include(&mut self, node: &Node<'_, '_>, place: &Place, contents: &mut Contents) -> ReadResult<()> {
         let name = self.expanded(required(node, "filename", place)?, place)?;
         let path = self.files.find(&name, place)?;
@@ -259,7 +264,7 @@ impl TreeReader<'_, '_> {
         self.read_text(&path, bytes, Some(place), contents)
     }
 
-    /// Returns the value of an element that is no object.
+    /// Parses an element that holds a value, such as `float` or `transform`, and not an object.
     fn value(&self, file: &CurrentFile, tag: &str, node: &Node<'_, '_>, place: &Place) -> ReadResult<Value> {
         let text = |name: &str| self.expanded(required(node, name, place)?, place);
         let invalid = |what: &str, text: &str| {
@@ -337,13 +342,15 @@ impl TreeReader<'_, '_> {
         })
     }
 
-    /// Returns the attributes of an element with their parameters inserted.
+    /// Returns the attributes of an element, with parameters replaced by their values.
     fn attributes(&self, node: &Node<'_, '_>, place: &Place) -> ReadResult<HashMap<String, String>> {
         let expanded = |text: &str| self.expanded(text, place);
         node.attributes().map(|a| Ok((a.name().to_ascii_lowercase(), expanded(a.value())?))).collect()
     }
 
-    /// Returns `text` with the values of its parameters `$name`. The longest name that fits counts.
+    /// Returns `text` with each parameter `$name` replaced by its value.
+    ///
+    /// Of several defined names that fit, the longest counts.
     fn expanded(&self, text: &str, place: &Place) -> ReadResult<String> {
         if !text.contains('$') {
             return Ok(text.to_owned());
@@ -367,7 +374,7 @@ impl TreeReader<'_, '_> {
     }
 }
 
-/// Returns an attribute of an element; an error if there is none.
+/// Returns the attribute `name` of an element; an error if there is none.
 fn required<'n>(node: &Node<'n, '_>, name: &str, place: &Place) -> ReadResult<&'n str> {
     node.attribute(name).ok_or_else(|| {
         let message = format!("this `{}` has no attribute `{name}`", node.tag_name().name());
@@ -375,7 +382,7 @@ fn required<'n>(node: &Node<'n, '_>, name: &str, place: &Place) -> ReadResult<&'
     })
 }
 
-/// Returns the position of an error of the XML parser.
+/// Returns the span in `text` of an error that the XML parser reports.
 fn span_of_error(text: &str, error: &roxmltree::Error) -> Span {
     let position = error.pos();
     let line = text.split_inclusive('\n').take(position.row.saturating_sub(1) as usize).map(str::len).sum::<usize>();

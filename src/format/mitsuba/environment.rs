@@ -1,6 +1,7 @@
-//! Environment maps of a Mitsuba scene file.
+//! Converts environment maps of Mitsuba.
 //!
-//! Mitsuba's maps have +y at the top. Their left edge is −z, and +x is at a quarter of the width.
+//! Mitsuba's maps have +y at the top. They show −z at the left edge, and +x at a quarter of the
+//! width.
 
 use super::context::ImportContext;
 use super::files::ReadResult;
@@ -12,13 +13,13 @@ use crate::image::Image;
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// Greatest deviation of a transform from a rotation about y. Larger ones need a new map.
+/// Greatest deviation of a transform from a rotation about y. Maps with larger ones are resampled.
 const MAX_TILT: f64 = 1e-6;
 
-/// Number of samples of the old map along each side of a pixel of a new map.
+/// Number of samples of the original map along each side of a pixel of a resampled map.
 const SAMPLES: u32 = 4;
 
-/// Returns the radiance of an `envmap`. A tilted map is resampled.
+/// Returns the radiance of an `envmap` emitter. Resamples the map if its transform tilts it.
 pub(super) fn read_environment(
     context: &ImportContext<'_>,
     textures: &mut Textures,
@@ -48,7 +49,7 @@ pub(super) fn read_environment(
         && (linear.x_axis.length() - linear.z_axis.length()).abs() < MAX_TILT * linear.x_axis.length()
         && linear.x_axis.dot(linear.z_axis).abs() < MAX_TILT * linear.x_axis.length_squared();
     let rotate = if is_upright {
-        // Half a turn moves the left edge of the map from the center to −z.
+        // Caustica's maps show −z at the center, not at the left edge: half a turn about y.
         let angle = libm::atan2(linear.z_axis.x, linear.z_axis.z).to_degrees() + 180.0;
         if angle >= 360.0 { angle - 360.0 } else { angle }
     } else {
@@ -59,9 +60,9 @@ pub(super) fn read_environment(
     Ok(EnvironmentRadiance::Picture { path, scale, rotate })
 }
 
-/// Returns the map that shows `image` under the linear map `to_world`; `None` if it is singular.
+/// Returns a map that shows `image` as turned by `to_world`; `None` if this map is singular.
 ///
-/// The new map has as many pixels. Each is the mean of [`SAMPLES`]² values of the old one.
+/// The result has as many pixels. Each is the mean of [`SAMPLES`]² values of `image`.
 fn resampled(image: &Image, to_world: DMat3) -> Option<Image> {
     let inverse = to_world.inverse();
     if !inverse.is_finite() {
@@ -86,7 +87,8 @@ fn resampled(image: &Image, to_world: DMat3) -> Option<Image> {
     Image::from_pixels(width, height, pixels).ok()
 }
 
-/// Returns the value of Mitsuba's map in a unit direction, interpolated between pixels.
+/// Returns the value of Mitsuba's map in a unit direction of its own space, interpolated between
+/// pixels.
 fn value(image: &Image, direction: DVec3) -> Rgb {
     let (width, height) = (i64::from(image.width()), i64::from(image.height()));
     let x = (libm::atan2(direction.x, -direction.z) / TAU).rem_euclid(1.0) * width as f64 - 0.5;
@@ -117,10 +119,12 @@ mod tests {
         let image = Image::from_pixels(width, height, pixels).unwrap();
         let tilt = DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y);
         let tilted = resampled(&image, tilt).unwrap();
-        // Not Z, which becomes the pole: there, the nearest values are half a pixel away.
+        // Not the direction Z, which is at the pole of the map. There, the nearest pixels are half
+        // a pixel away.
         for direction in [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::new(0.6, -0.64, 0.48)] {
             let (found, expected) = (value(&tilted, tilt * direction), color(direction));
-            // The curvature of a sine over a pixel of 0.1 rad, twice interpolated and averaged.
+            // Two interpolations of a sine between pixels of 0.1 rad, and averaging, cause the
+            // error.
             assert!((found - expected).abs().max_element() < 0.01, "{direction}: {found} instead of {expected}");
         }
     }

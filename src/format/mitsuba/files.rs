@@ -1,4 +1,4 @@
-//! Files of one Mitsuba scene: search folders, permission, memory checks and errors.
+//! Access to the files of a Mitsuba scene: search folders, checks of permission and memory.
 
 use crate::format::description::Span;
 use crate::format::import::{ImportOptions, SceneReadError};
@@ -15,55 +15,56 @@ pub(super) type ReadResult<T> = Result<T, SceneReadError>;
 /// Position of an element in the scene file or in a file that it includes.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
-    /// The file with its text.
+    /// Name and text of the file.
     pub source: SourceText,
-    /// The element in the text.
+    /// Span of the element in the text.
     pub span: Span,
     /// Line of the element, from 1.
     pub line: u32,
 }
 
 impl Place {
-    /// Returns an error at this place.
+    /// Returns an error with `message` and the remedy `help`, at this position.
     pub fn error(&self, message: impl Display, help: &str) -> SceneReadError {
         SceneError::error_at_span(&self.source, self.span, message.to_string(), "here", help).into()
     }
 
-    /// Returns the line for messages, with the name of the file if it is not the file called
-    /// `main`.
+    /// Returns the position as text for messages, such as `line 3`.
+    ///
+    /// The text begins with the file's name, unless this is `main`.
     pub fn described(&self, main: &str) -> String {
         let Self { source, line, .. } = self;
         if source.name() == main { format!("line {line}") } else { format!("{} line {line}", source.name()) }
     }
 }
 
-/// The files that a scene file may name.
+/// Access to the scene file and the files that it names, within a memory limit.
 pub(super) struct SceneFiles<'a> {
     /// Path of the scene file.
     pub path: &'a Path,
-    /// Receiver of the paths of further files.
+    /// Monitor that receives the path of each further file.
     pub monitor: &'a dyn MeshReadMonitor,
-    /// Memory limit, and permission to leave the folder.
+    /// Memory limit, and permission to read files outside of the scene's folder.
     pub options: &'a ImportOptions,
-    /// Folders of `path` elements, in the order of the file. The last one is searched first.
+    /// Search folders from the `path` elements so far. The last one is searched first.
     folders: RefCell<Vec<PathBuf>>,
-    /// Free memory before the scene is read \[bytes]; `None` if no limit is known.
+    /// Free memory before the scene is read \[bytes]; `None` without a limit.
     free_at_start: Option<u64>,
 }
 
 impl<'a> SceneFiles<'a> {
-    /// Returns the files of the scene at `path`, without further search folders.
+    /// Prepares reading the scene at `path`, without search folders; reads no file.
     pub fn new(path: &'a Path, monitor: &'a dyn MeshReadMonitor, options: &'a ImportOptions) -> Self {
         let free_at_start = options.memory.available_bytes();
         Self { path, monitor, options, folders: RefCell::default(), free_at_start }
     }
 
-    /// Returns the bytes of memory that may still be allocated; `None` if no limit is known.
+    /// Returns the memory that may still be allocated \[bytes]; `None` without a limit.
     pub fn free_memory(&self) -> Option<u64> {
         self.options.memory.available_bytes()
     }
 
-    /// Returns an error if `needed` bytes do not fit into the free memory.
+    /// Fails with an error that names `path` if `needed` bytes exceed the free memory.
     pub fn check_memory(&self, path: &Path, needed: u64) -> ReadResult<()> {
         match self.free_memory() {
             Some(free) if needed > free => Err(SceneReadError::Memory { path: path.to_owned(), needed, free }),
@@ -71,10 +72,10 @@ impl<'a> SceneFiles<'a> {
         }
     }
 
-    /// Returns an error if the elements or objects of the scene take more memory than was free
-    /// before reading; `total` is their memory \[bytes].
+    /// Fails if `total`, the memory of all elements or objects so far \[bytes], exceeds the memory
+    /// that was free before reading.
     ///
-    /// Asking for the free memory at each element would take long.
+    /// This check is fast enough for each element. A query of the free memory is not.
     pub fn check_total(&self, total: u64) -> ReadResult<()> {
         match self.free_at_start {
             Some(free) if total > free => {
@@ -84,7 +85,7 @@ impl<'a> SceneFiles<'a> {
         }
     }
 
-    /// Reads a whole file.
+    /// Returns the content of a file; an error if it exceeds the free memory.
     pub fn read(&self, path: &Path) -> ReadResult<Vec<u8>> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (file, length) = open_file(path).map_err(unreadable)?;
@@ -94,15 +95,17 @@ impl<'a> SceneFiles<'a> {
         Ok(bytes)
     }
 
-    /// Adds the folder of a `path` element, relative to the folder of the scene.
+    /// Adds the search folder `name` of a `path` element, relative to the folder of the scene.
     pub fn add_folder(&self, name: &str) {
         self.folders.borrow_mut().push(self.scene_folder().join(portable(name)));
     }
 
-    /// Returns the path of a file that `place` names, and reports it to the monitor.
+    /// Returns the path of the existing file that `place` calls `name`, and reports it to the
+    /// monitor.
     ///
-    /// Searches the folders of `path` elements, the folder of the scene, and the folder of the file
-    /// of `place`. The file must lie below the scene's folder, unless the options allow others.
+    /// Searches the folders of `path` elements, then the folder of the scene, then the folder of
+    /// the file that contains `place`. The file must lie inside the scene's folder, unless the
+    /// options allow others.
     pub fn find(&self, name: &str, place: &Place) -> ReadResult<PathBuf> {
         let relative = portable(name);
         let own = Path::new(place.source.name()).parent().map(Path::to_owned);
@@ -131,7 +134,7 @@ impl<'a> SceneFiles<'a> {
     }
 }
 
-/// Returns a relative path with slashes, because scenes from Windows have backslashes.
+/// Returns the path `name` with backslashes, as in scenes from Windows, replaced by slashes.
 fn portable(name: &str) -> PathBuf {
     PathBuf::from(name.replace('\\', "/"))
 }

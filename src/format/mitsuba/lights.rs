@@ -1,4 +1,4 @@
-//! Emitters of a Mitsuba scene file that are no surfaces, as lights.
+//! Converts emitters of Mitsuba that have no surface to lights.
 
 use super::color::ColorMeaning;
 use super::context::ImportContext;
@@ -16,19 +16,22 @@ use crate::image::Image;
 use glam::{DMat4, DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// Number of rows of the intensity map of a spotlight: 8 per degree.
+/// Number of rows of a spotlight's intensity map, over 180 degrees: 8 per degree.
 const SPOT_ROWS: u32 = 1_440;
 
-/// Width and height of the picture of a spotlight with a texture \[pixels].
+/// Width and height of the projected picture of a spotlight with a texture \[pixels].
 const SPOT_PICTURE_SIZE: u32 = 512;
 
-/// Greatest half angle of a spotlight with a texture \[degrees]. Its picture is a plane.
+/// Greatest half angle of a spotlight with a texture \[degrees].
+///
+/// Its intensity becomes a projected picture on a plane, which cannot reach 90 degrees.
 const MAX_PICTURE_CUTOFF: f64 = 85.0;
 
-/// Returns the light of an emitter; `None` for an emitter that needs a surface, or is black.
+/// Converts an emitter to a light; `None` for one that needs a surface, is black or is not
+/// supported.
 ///
 /// # Errors
-/// If a value is not valid, or lights of this kind are not supported.
+/// If a value is not valid, or if the emitter is a daylight model.
 pub(super) fn read_light(
     context: &ImportContext<'_>,
     textures: &mut Textures,
@@ -59,7 +62,7 @@ pub(super) fn read_light(
             let message = format!("the daylight model `{}` is not supported", emitter.plugin);
             return Err(emitter.place.error(message, "render the sky as a picture, and use it as an `envmap`"));
         }
-        // Area lights shine by their shape.
+        // An area light is the emission of its shape.
         "area" | "directionalarea" => return Ok(None),
         other => {
             context.note_whole(&format!("emitters of kind `{other}` are left out"), emitter);
@@ -69,7 +72,7 @@ pub(super) fn read_light(
     Ok(Some(light).filter(|light| !is_black(light)))
 }
 
-/// Returns the strength times the factors of versions before 2.
+/// Returns `strength` times the parameter `scale`, which emitters have before version 2.
 fn scaled(emitter: &SceneObject, strength: DVec3) -> DVec3 {
     strength * emitter.number("scale").unwrap_or(1.0).max(0.0)
 }
@@ -78,7 +81,7 @@ fn singular(emitter: &SceneObject) -> crate::format::import::SceneReadError {
     emitter.place.error("the direction of this emitter is zero", "correct its transform")
 }
 
-/// True if a light without position pattern has no strength. Such lights are left out.
+/// True if the light has a strength of zero. Environment maps are not examined.
 fn is_black(light: &LightDescription) -> bool {
     match light {
         LightDescription::Point { strength: PointLightStrength::Intensity(strength), .. }
@@ -99,10 +102,10 @@ fn is_black(light: &LightDescription) -> bool {
     }
 }
 
-/// Returns a light with the intensity pattern of a spotlight.
+/// Converts a spotlight to an oriented point light.
 ///
-/// Mitsuba's falloff is linear in the angle. It becomes a map by the angle, or a picture if the
-/// light has a texture.
+/// Mitsuba's falloff is linear in the angle. It becomes an intensity map, or a projected picture if
+/// the light has a texture.
 fn read_spot(
     context: &ImportContext<'_>,
     textures: &mut Textures,
@@ -139,7 +142,7 @@ fn read_spot(
         for row in 0..size {
             for column in 0..size {
                 let centered = |i: u32| (f64::from(i) + 0.5) / f64::from(size) * 2.0 - 1.0;
-                // The picture's right is −x of the light, and its top is +y.
+                // The right side of the picture is −x of the emitter's frame, and its top is +y.
                 let (x, y) = (-centered(column), -centered(row));
                 let degrees = libm::atan(libm::hypot(x, y) * tangent).to_degrees();
                 let value = interpolated(&picture, 0.5 + 0.5 * x, 0.5 + 0.5 * y);
@@ -154,12 +157,13 @@ fn read_spot(
     let angle = |row: u32| (f64::from(row) + 0.5) * 180.0 / f64::from(SPOT_ROWS);
     let pixels: Vec<Rgb> = (0..SPOT_ROWS).map(|row| Vec3::splat(falloff(angle(row)) as f32)).collect();
     let path = Spanned::new(embed(textures, 1, SPOT_ROWS, pixels)?, Span::default());
-    // The map is symmetric about its top, which is the axis of the light.
+    // The intensity map is symmetric about its up direction, which is the light's axis.
     let aim = DirectionOrTarget::Direction(right);
     Ok(LightDescription::Oriented { position, aim, up: Some(axis), pattern: LightPattern::Map(path), strength })
 }
 
-/// Returns a projector. Its texture is the irradiance on a plane at distance 1, divided by π.
+/// Converts a projector. Mitsuba's texture is the irradiance of a plane at distance 1, divided by
+/// π.
 fn read_projector(
     context: &ImportContext<'_>,
     textures: &mut Textures,
@@ -185,7 +189,7 @@ fn read_projector(
         let (column, row) = (i as u32 % width, i as u32 / width);
         let x = ((f64::from(column) + 0.5) / size[0] * 2.0 - 1.0) * half * size[0] / size[1];
         let y = ((f64::from(row) + 0.5) / size[1] * 2.0 - 1.0) * half;
-        // Irradiance is intensity times the cube of the cosine.
+        // Irradiance is intensity times the cube of the cosine of the angle to the axis.
         let squared = 1.0 + x * x + y * y;
         let value = if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO };
         *pixel = value * (PI * squared * squared.sqrt()) as f32;
@@ -200,7 +204,9 @@ fn read_projector(
     Ok(LightDescription::Oriented { position, aim, up: Some(up), pattern, strength })
 }
 
-/// Returns the unit axes right, up and forward of an emitter; its own x points to the left.
+/// Returns the unit vectors right, up and forward of an emitter in world space.
+///
+/// In the emitter's own frame, they are −x, +y and +z.
 fn emitter_axes(emitter: &SceneObject, to_world: DMat4) -> ReadResult<[DVec3; 3]> {
     let axes = [-to_world.x_axis.truncate(), to_world.y_axis.truncate(), to_world.z_axis.truncate()];
     let [Some(right), Some(up), Some(forward)] = axes.map(DVec3::try_normalize) else { return Err(singular(emitter)) };
@@ -210,8 +216,9 @@ fn emitter_axes(emitter: &SceneObject, to_world: DMat4) -> ReadResult<[DVec3; 3]
     Ok([right, up, forward])
 }
 
-/// Returns the value of a picture at (u, v) in \[0, 1]², interpolated between pixels; v grows
-/// downwards.
+/// Returns the value of a picture at (u, v) in \[0, 1]², interpolated between pixels.
+///
+/// v = 0 is the top of the picture. Negative and infinite values become 0.
 fn interpolated(image: &Image, u: f64, v: f64) -> Rgb {
     let (width, height) = (f64::from(image.width()), f64::from(image.height()));
     let (x, y) = (u * width - 0.5, v * height - 0.5);

@@ -1,4 +1,4 @@
-//! BSDFs of a Mitsuba scene file as materials of the description.
+//! Converts BSDFs of Mitsuba to materials of the scene language.
 
 use super::conductors::conductor;
 use super::context::ImportContext;
@@ -16,51 +16,53 @@ use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
-/// Greatest depth of BSDFs inside BSDFs.
+/// Greatest nesting depth of BSDFs.
 const MAX_DEPTH: u32 = 24;
 
-/// Least GGX α that becomes a Phong lobe: a smaller α gives a lobe narrower than a degree.
+/// Least GGX α that is converted to a Phong lobe. A smaller α would give a lobe narrower than a
+/// degree.
 const MIN_PHONG_ALPHA: f64 = 0.01;
 
-/// Part of a material that decides which surfaces a shape needs.
+/// Kind of boundary that a material makes. It decides which surfaces a shape needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MaterialBoundary {
-    /// The surface lets no light pass, or is a mix.
+    /// A surface of any other material: opaque, or a mix.
     Opaque,
-    /// The surface bounds a dielectric body.
+    /// Surface of a dielectric body.
     Body,
-    /// The surface is a pane without thickness.
+    /// A thin pane, without volume.
     Pane,
-    /// There is no surface.
+    /// No surface: a null interface, which bounds a medium at most.
     Null,
 }
 
-/// A material of the description, and what shapes need to know of it.
+/// A converted material, with the properties that shapes depend on.
 #[derive(Clone, Debug)]
 pub(super) struct ImportedMaterial {
-    /// Name in the description.
+    /// Name of the converted material.
     pub name: String,
-    /// Surfaces that a shape of this material needs.
+    /// Kind of boundary, which decides which surfaces a shape needs.
     pub boundary: MaterialBoundary,
-    /// True if the material uses a texture.
+    /// True if the material uses a texture, or if it is a mix.
     pub is_textured: bool,
 }
 
-/// Variant of a BSDF: the medium inside, the texture of emission, and the texture coordinates.
+/// Properties of a shape that its material includes. One BSDF becomes a material for each variant.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MaterialVariant {
-    /// Name of the medium inside of the shape.
+    /// Name of the medium inside the shape; `None` for vacuum.
     pub medium: Option<String>,
-    /// Emission by a texture.
+    /// Emission texture: its name, and the factor from its values to radiance; `None` for other
+    /// emission.
     pub emission: Option<(Spanned<String>, f64)>,
-    /// Texture coordinates of the shape.
+    /// Convention for the texture coordinates of the shape.
     pub convention: TexcoordConvention,
 }
 
-/// Materials that shapes use so far.
+/// Converted materials so far, with lookup tables that avoid copies.
 #[derive(Default)]
 pub(super) struct Materials {
-    /// Materials of the description.
+    /// Converted materials. The materials of a mix are listed before it.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
     names: HashSet<String>,
     used: HashMap<(Option<*const SceneObject>, String), ImportedMaterial>,
@@ -69,7 +71,7 @@ pub(super) struct Materials {
     interfaces: HashMap<String, String>,
 }
 
-/// Reflection, transmission and normals of a BSDF.
+/// Converted BSDF: its reflection and transmission, and its bump map or normal map.
 struct Surface {
     kind: MaterialKindDescription,
     normal: Option<NormalPerturbationDescription>,
@@ -82,7 +84,7 @@ impl From<MaterialKindDescription> for Surface {
 }
 
 impl Materials {
-    /// Returns the material of a shape; gray without a BSDF.
+    /// Returns the converted material of a shape. Without a BSDF, it is a gray diffuse one.
     pub fn material(
         &mut self,
         context: &ImportContext<'_>,
@@ -126,7 +128,7 @@ impl Materials {
         self.descriptions.push(Spanned::new(description, Span::default()));
         let imported = ImportedMaterial { name, boundary, is_textured };
         if !imported.is_textured {
-            // Texture coordinates have no effect on the material.
+            // Without textures, the convention for texture coordinates makes no difference.
             for convention in [TexcoordConvention::Same, TexcoordConvention::Flipped] {
                 let variant = MaterialVariant { convention, ..variant.clone() };
                 self.used.insert((key.0, format!("{variant:?}")), imported.clone());
@@ -136,7 +138,7 @@ impl Materials {
         Ok(imported)
     }
 
-    /// Returns the name of the material of a boundary without a surface, filled by `medium`.
+    /// Returns the name of a null interface around the medium `medium`.
     pub fn interface(&mut self, medium: &str) -> String {
         if let Some(name) = self.interfaces.get(medium) {
             return name.clone();
@@ -149,7 +151,7 @@ impl Materials {
         name
     }
 
-    /// Returns the name of a material that reflects nothing.
+    /// Returns the name of a material that reflects and transmits nothing.
     pub fn black(&mut self) -> String {
         if let Some(name) = &self.black {
             return name.clone();
@@ -160,11 +162,13 @@ impl Materials {
         name
     }
 
-    /// Removes materials that neither objects nor mixes use; returns the names of all textures.
+    /// Removes materials that no object and no mix uses.
+    ///
+    /// Returns the names of the textures that the other materials use.
     pub fn keep_used(&mut self, objects: &ObjectGroup) -> HashSet<String> {
         let mut used = HashSet::new();
         collect_material_names(objects, &mut used);
-        // The parts of a mix stand before it.
+        // The materials of a mix are listed before it, so one backward pass finds all.
         for material in self.descriptions.iter().rev() {
             if material.name.as_ref().is_some_and(|name| used.contains(name)) {
                 used.extend(material.kind.mix_material_names().into_iter().flatten().map(|part| part.value.clone()));
@@ -185,7 +189,7 @@ impl Materials {
         self.descriptions.push(Spanned::new(material, Span::default()));
     }
 
-    /// Returns a name that no other material has, without control characters.
+    /// Returns `wanted`, or a similar name that no other material has, without control characters.
     fn unique_name(&mut self, wanted: &str) -> String {
         let clean: String = wanted.chars().map(|c| if c.is_control() || c == '"' { ' ' } else { c }).collect();
         let clean = clean.trim();
@@ -197,7 +201,7 @@ impl Materials {
         name
     }
 
-    /// Returns the name of a material that lets all light pass.
+    /// Returns the name of a material that transmits all light unchanged.
     fn clear_material(&mut self) -> String {
         if let Some(name) = &self.clear {
             return name.clone();
@@ -210,7 +214,7 @@ impl Materials {
     }
 }
 
-/// Adds the names of the materials of all objects.
+/// Adds the names of the materials in the group to `names`.
 fn collect_material_names(group: &ObjectGroup, names: &mut HashSet<String>) {
     for item in &group.items {
         match item {
@@ -224,13 +228,13 @@ fn diffuse(reflectance: DVec3) -> MaterialKindDescription {
     MaterialKindDescription::Diffuse { reflectance: reflectance.into() }
 }
 
-/// A BSDF that is being converted.
+/// Conversion of one BSDF.
 struct Conversion<'c, 'a> {
     materials: &'c mut Materials,
     textures: &'c mut Textures,
     context: &'c ImportContext<'a>,
     convention: TexcoordConvention,
-    /// Name of the material. Parts of mixes have names that begin with it.
+    /// Name of the converted material. The names of materials in a mix begin with it.
     name: &'c str,
 }
 
@@ -300,7 +304,7 @@ impl Conversion<'_, '_> {
                 let wanted = (TextureUse::Normal, self.convention);
                 let values = match context.children(bsdf, ObjectClass::Texture)?.first() {
                     Some((_, texture)) => Some(self.textures.texture(context, texture, wanted, 1.0, 0)?),
-                    // A fork of Mitsuba names the file directly.
+                    // A fork of Mitsuba names the picture file in the BSDF itself.
                     None if bsdf.values.contains_key("filename") => {
                         Some(self.textures.bitmap(context, bsdf, wanted, 1.0)?)
                     }
@@ -324,7 +328,7 @@ impl Conversion<'_, '_> {
         })
     }
 
-    /// Returns the surface of the first nested BSDF.
+    /// Converts the first of the nested BSDFs `sides`; an error if there is none.
     fn nested(
         &mut self,
         bsdf: &Rc<SceneObject>,
@@ -349,7 +353,7 @@ impl Conversion<'_, '_> {
         Ok(MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority: 0 }.into())
     }
 
-    /// Notes factors of reflection and transmission that differ from 1.
+    /// Adds a message for each tint of reflection or transmission other than 1, which is ignored.
     fn note_tints(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<()> {
         for name in ["specular_reflectance", "specular_transmittance"] {
             if self.values(bsdf, name, 1.0, TextureUse::Color)?.mean() != DVec3::ONE {
@@ -390,7 +394,8 @@ impl Conversion<'_, '_> {
         let index = match bsdf.number("eta") {
             Some(eta) if eta > 1.0 => eta,
             _ => {
-                // The specular strength stands for a reflectance of 0.08 at most.
+                // The parameter `specular` from 0 to 1 stands for a normal reflectance from 0 to
+                // 0.08.
                 let root = (0.08 * bsdf.number("specular").unwrap_or(0.5).clamp(0.0, 1.0)).sqrt();
                 (1.0 + root) / (1.0 - root)
             }
@@ -449,7 +454,8 @@ impl Conversion<'_, '_> {
         Ok(mix_of(names, weight).into())
     }
 
-    /// Returns a surface that lets light pass where the opacity is below 1.
+    /// Returns a mix of `solid` and a fully transparent material, with `opacity` as the share of
+    /// `solid`.
     fn masked(&mut self, solid: Surface, opacity: TexturedValue<f64>) -> Surface {
         if opacity == TexturedValue::Plain(1.0) {
             return solid;
@@ -458,8 +464,8 @@ impl Conversion<'_, '_> {
         mix_of(names, opacity).into()
     }
 
-    /// Returns a surface without perturbed normals if it is a mix. Its parts lose them with a
-    /// message.
+    /// Removes the bump map or normal map of a mix, with a message, because only its parts can have
+    /// one.
     fn perturb_parts(&mut self, bsdf: &SceneObject, surface: Surface) -> Surface {
         if surface.kind.mix_material_names().is_some() && surface.normal.is_some() {
             self.context.note("bump maps and normal maps of mixes are ignored", bsdf);
@@ -481,7 +487,9 @@ impl Conversion<'_, '_> {
         mix_of(names, amount)
     }
 
-    /// Adds a part of a mix, and returns its name. Boundaries without a surface become clear.
+    /// Adds a material of a mix, and returns its name.
+    ///
+    /// A null interface becomes a fully transparent material.
     fn add_part(&mut self, suffix: &str, surface: Surface) -> String {
         if surface.kind.is_null_interface() {
             return self.materials.clear_material();
@@ -491,8 +499,10 @@ impl Conversion<'_, '_> {
         name
     }
 
-    /// Returns GGX α. Beckmann's α is multiplied by √ln 2, so that half of all slopes stay below
-    /// the median slope.
+    /// Returns GGX α of a BSDF.
+    ///
+    /// A constant α of a Beckmann distribution is multiplied by √ln 2. Then GGX has the same median
+    /// slope.
     fn roughness(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<TexturedValue<f64>> {
         let is_ggx = bsdf.text("distribution").unwrap_or("beckmann") == "ggx";
         if !is_ggx {
@@ -538,13 +548,15 @@ fn mix_of([first, second]: [String; 2], amount: TexturedValue<f64>) -> MaterialK
     MaterialKindDescription::Mix { first, second, amount }
 }
 
-/// Returns the reflectance of a dielectric interface at normal incidence.
+/// Returns the reflectance at normal incidence of a dielectric with a given refractive index.
 fn normal_reflectance(index: f64) -> f64 {
     let root = (index - 1.0) / (index + 1.0);
     root * root
 }
 
 /// Returns a diffuse surface with a Phong lobe that reflects `specular` in total.
+///
+/// Its exponent is 2/α² − 2 for the GGX roughness α = `alpha`.
 fn glossy(diffuse: TexturedValue<DVec3>, specular: DVec3, alpha: f64) -> MaterialKindDescription {
     let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
     let shininess = 2.0 / (alpha * alpha) - 2.0;
@@ -552,7 +564,7 @@ fn glossy(diffuse: TexturedValue<DVec3>, specular: DVec3, alpha: f64) -> Materia
     MaterialKindDescription::Phong { diffuse, specular, shininess, texture: None }
 }
 
-/// Returns the coefficient of a Phong lobe that reflects all light.
+/// Returns the specular color of a Phong lobe that reflects all light at normal incidence.
 fn phong_gain(shininess: f64) -> f64 {
     0.5 * (shininess + 2.0)
 }

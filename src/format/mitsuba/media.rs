@@ -1,4 +1,4 @@
-//! Participating media of a Mitsuba scene file.
+//! Converts participating media of Mitsuba.
 
 use super::color::ColorMeaning;
 use super::context::ImportContext;
@@ -16,21 +16,21 @@ use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Greatest magnitude of a mean cosine, because a phase function may not be a delta function.
+/// Greatest magnitude of the mean cosine g. At 1, the phase function would be a delta function.
 const MAX_MEAN_COSINE: f64 = 0.999;
 
-/// Values of a medium by position: equal everywhere, or a grid in a box.
+/// Values of a Mitsuba volume: constant, or a grid in a box.
 enum VolumeValues {
-    /// Equal values everywhere, and the map from the unit cube to the world.
+    /// A constant value, and the map from the unit cube \[0, 1]³ to world space.
     Constant(DVec3, DMat4),
-    /// Values of a grid, and the map from the unit cube to the world.
+    /// A grid of values, and the map from the unit cube \[0, 1]³ that it fills to world space.
     Grid(VolumeGrid, DMat4),
 }
 
-/// Media and density grids that shapes use so far.
+/// Converted media and density grids so far.
 #[derive(Default)]
 pub(super) struct Media {
-    /// Media of the description.
+    /// Converted media.
     pub descriptions: Vec<Spanned<MediumDescription>>,
     /// Embedded density grids, by path.
     pub grids: BTreeMap<String, Arc<DensityGrid>>,
@@ -38,7 +38,7 @@ pub(super) struct Media {
 }
 
 impl Media {
-    /// Returns the name of a medium, and adds it when it is first used.
+    /// Returns the name of the converted `medium`. Converts it at its first use.
     pub fn name(&mut self, context: &ImportContext<'_>, medium: &Rc<SceneObject>) -> ReadResult<Spanned<String>> {
         let key = Rc::as_ptr(medium);
         if let Some(name) = self.names.get(&key) {
@@ -124,11 +124,11 @@ impl Media {
             }
             Ok(VolumeValues::Constant(DVec3::splat(default), DMat4::IDENTITY))
         };
-        // Versions before 2 call the extinction `density`.
+        // Before version 2, the extinction is called `density`.
         let extinction = values(["sigma_t", "density"], 1.0)?;
         let albedo = values(["albedo", "albedo"], 0.75)?;
         let (grid, to_world) = match extinction {
-            // Mitsuba bounds such a medium by the unit cube of the volume.
+            // Mitsuba limits such a medium to the unit cube of its volume.
             VolumeValues::Constant(extinction, to_world) => {
                 let values = extinction.as_vec3().to_array().to_vec();
                 (VolumeGrid { size: [1; 3], channels: 3, bounds: [[0.0; 3], [1.0; 3]], values }, to_world)
@@ -162,9 +162,9 @@ impl Media {
     }
 }
 
-/// Returns the mean color of a grid, weighted by a function of the number of the cell.
+/// Returns the mean color of a grid. `weight` gives the weight of each cell by its index.
 ///
-/// The mean is that of all cells if all weights are 0.
+/// If all weights are 0, returns the mean of all cells with equal weights.
 fn weighted_mean(grid: &VolumeGrid, weight: impl Fn(usize) -> f64) -> DVec3 {
     let (mut sum, mut total, mut plain) = (DVec3::ZERO, 0.0, DVec3::ZERO);
     for (i, cell) in grid.values.chunks(grid.channels).enumerate() {
@@ -197,7 +197,7 @@ fn read_volume(context: &ImportContext<'_>, volume: &SceneObject) -> ReadResult<
             let damaged = |defect| volume.place.error(format!("`{name}`: {defect}"), "export the volume again");
             let grid = volume::decode(&bytes).map_err(damaged)?;
             let mut to_world = volume.transform("to_world").unwrap_or(DMat4::IDENTITY);
-            // The values of versions before 2 fill the box that the file states.
+            // Before version 2, the values fill the box that the file states.
             let is_old = volume.values.contains_key("send_data") || volume.values.contains_key("min");
             if volume.boolean("use_grid_bbox", is_old) {
                 let [low, high] = grid.bounds.map(|corner| DVec3::from(corner.map(f64::from)));

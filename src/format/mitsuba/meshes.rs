@@ -1,4 +1,4 @@
-//! Meshes of a Mitsuba scene file: OBJ, PLY and `.serialized` files, and the built-in cube.
+//! Reads meshes of Mitsuba scenes: OBJ, PLY and `.serialized` files, and the built-in cube.
 
 use super::context::ImportContext;
 use super::files::ReadResult;
@@ -12,22 +12,22 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Texture coordinates of a shape, compared with those of Mitsuba.
+/// Relation between a shape's texture coordinates in Caustica and in Mitsuba.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum TexcoordConvention {
-    /// Equal to those of Mitsuba, where v = 0 is the top of a picture.
+    /// Equal coordinates. In Mitsuba, v = 0 is the top of a picture.
     Same,
-    /// v is 1 minus that of Mitsuba.
+    /// Flipped v: Caustica's v is 1 minus that of Mitsuba.
     Flipped,
 }
 
-/// Distance of the inner copy of a thin wall from the wall, as a fraction of the mesh's size.
+/// Distance between a thin wall and its inner copy, as a fraction of the mesh's diagonal.
 const INNER_DISTANCE: f64 = 1e-4;
 
-/// Embedded meshes, each read once.
+/// Embedded meshes so far. Each file is read once, unless shapes set different flags.
 #[derive(Default)]
 pub(super) struct Meshes {
-    /// Meshes by path.
+    /// Embedded meshes by path.
     pub embedded: BTreeMap<String, Arc<TriangleMesh>>,
     known: HashMap<(PathBuf, usize, [bool; 2]), String>,
     inner: HashMap<String, String>,
@@ -36,7 +36,9 @@ pub(super) struct Meshes {
 }
 
 impl Meshes {
-    /// Returns the path of the embedded mesh of a shape, and its texture coordinates.
+    /// Reads the mesh file of a shape and embeds the mesh.
+    ///
+    /// Returns the path of the embedded mesh, and the convention for its texture coordinates.
     pub fn mesh(
         &mut self,
         context: &ImportContext<'_>,
@@ -45,7 +47,7 @@ impl Meshes {
         let Some(name) = shape.text("filename") else {
             return Err(shape.place.error("this mesh has no file", "give it a `filename`"));
         };
-        // Mitsuba turns v of OBJ files over by default, because their v grows upwards.
+        // Mitsuba flips v of OBJ files by default, because it grows upwards there.
         let is_obj = shape.plugin == "obj";
         let turns = shape.boolean("flip_tex_coords", is_obj);
         let convention = if turns { TexcoordConvention::Flipped } else { TexcoordConvention::Same };
@@ -78,7 +80,8 @@ impl Meshes {
         if shape.number("max_smooth_angle").is_some() {
             context.note("`max_smooth_angle` is ignored: normals are those of the file", shape);
         }
-        // Mitsuba shares normals among faces that share the vertices of the file.
+        // For a mesh without normals, Mitsuba computes smooth ones across all faces that share a
+        // vertex.
         match triangles.normals {
             _ if flags[0] || is_flat => triangles.normals = None,
             None if !is_split => triangles.compute_smooth_normals(180.0),
@@ -95,7 +98,8 @@ impl Meshes {
         Ok((path, convention))
     }
 
-    /// Returns the path of the cube \[−1, 1]³, each side of which shows the whole picture.
+    /// Returns the path of the cube \[−1, 1]³ as a mesh. Each side shows the whole picture of a
+    /// texture.
     pub fn cube(&mut self) -> String {
         if let Some(path) = &self.cube {
             return path.clone();
@@ -120,7 +124,7 @@ impl Meshes {
         path
     }
 
-    /// Returns the path of a unit sphere of triangles whose normals point inwards.
+    /// Returns the path of a unit sphere as a mesh, whose normals point inwards.
     pub fn inward_sphere(&mut self) -> String {
         const STACKS: u32 = 128;
         const SLICES: u32 = 2 * STACKS;
@@ -141,7 +145,8 @@ impl Meshes {
                 let at = |row: u32, column: u32| row * SLICES + column % SLICES;
                 let [a, b] = [at(stack, slice), at(stack, slice + 1)];
                 let [c, d] = [at(stack + 1, slice), at(stack + 1, slice + 1)];
-                // The rings at the poles are points.
+                // The rings at both poles are single points, so one triangle of each quad there has
+                // no area.
                 if stack > 0 {
                     sphere.triangles.push([a, b, d]);
                 }
@@ -157,9 +162,9 @@ impl Meshes {
         path
     }
 
-    /// Returns the path of a copy of the mesh `path` that lies just inside of it.
+    /// Returns the path of a slightly smaller copy of the mesh `path`, which lies just inside it.
     ///
-    /// The boundary of a medium behind a thin wall needs a surface of its own.
+    /// It bounds the medium inside a thin wall, whose own surface cannot bound one.
     pub fn inner_copy(&mut self, path: &str) -> String {
         if let Some(inner) = self.inner.get(path) {
             return inner.clone();
@@ -190,7 +195,7 @@ impl Meshes {
     }
 }
 
-/// Returns the error of a mesh file at the shape that names it.
+/// Converts the error of a mesh file to an error at the shape that names the file.
 fn mesh_error(shape: &SceneObject, error: &mesh::MeshError) -> SceneReadError {
     let help = "repair the mesh or name another";
     let place = &shape.place;

@@ -1,4 +1,4 @@
-//! Scenes in the XML format of Mitsuba, versions 0.4 to 3.
+//! Imports scenes in Mitsuba's XML format, versions 0.4 to 3.
 
 mod color;
 mod conductors;
@@ -42,7 +42,7 @@ use std::rc::Rc;
 use textures::Textures;
 use tree::{ObjectClass, SceneObject};
 
-/// Importer of Mitsuba's XML format.
+/// Importer of Mitsuba scenes.
 pub(super) struct MitsubaImporter;
 
 impl SceneImporter for MitsubaImporter {
@@ -66,9 +66,9 @@ impl SceneImporter for MitsubaImporter {
     }
 }
 
-/// Imports the bytes of a scene file.
+/// Imports the bytes of a Mitsuba scene file.
 ///
-/// Errors name `path`, whose folder holds the files that the bytes name.
+/// Errors name `path`. Files that the scene names are looked up in the folder of `path`.
 ///
 /// # Errors
 /// [`SceneReadError`].
@@ -96,7 +96,7 @@ fn import_bytes(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ImportedSc
         if camera.is_none() {
             context.note_whole(&format!("sensors of kind `{}` are ignored", sensor.plugin), sensor);
         }
-        // The camera stands in the medium that fills the space between all shapes.
+        // The medium of the sensor fills the space outside all shapes.
         if let Some((_, medium)) = context.children(sensor, ObjectClass::Medium)?.first() {
             ambient_medium = Some(shapes.media.name(&context, medium)?);
         }
@@ -131,7 +131,7 @@ fn import_bytes(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ImportedSc
     Ok(ImportedScene { description, source, assets, notes: notes.into_notes() })
 }
 
-/// Returns the lights at the top of the file; a white sky if the scene would be dark.
+/// Returns the lights that are no surfaces. Adds a white sky if the scene has no emitter at all.
 fn read_lights(
     context: &ImportContext<'_>,
     textures: &mut Textures,
@@ -157,7 +157,7 @@ fn read_lights(
     Ok(lights)
 }
 
-/// Returns the path of the picture of a light; `None` if it has none.
+/// Returns the path of the light's picture; `None` if it has none.
 fn light_picture(light: &Spanned<LightDescription>) -> Option<String> {
     match &light.value {
         LightDescription::Environment(EnvironmentRadiance::Picture { path, .. }) => Some(path.value.clone()),

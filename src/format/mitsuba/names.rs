@@ -1,4 +1,4 @@
-//! Names of values: both spellings of Mitsuba, `toWorld` and `to_world`, become snake case.
+//! Names of values. Mitsuba spells them `toWorld` or `to_world`, and the importer uses snake case.
 
 /// Returns a name in snake case: `toWorld` becomes `to_world`, and `intIOR` becomes `int_ior`.
 pub(super) fn snake_case(name: &str) -> String {

@@ -1,4 +1,4 @@
-//! Sensors of a Mitsuba scene file as cameras.
+//! Converts sensors of Mitsuba to cameras.
 
 use super::context::ImportContext;
 use super::files::ReadResult;
@@ -11,21 +11,21 @@ use glam::{DMat4, DVec3};
 /// Width and height of the film if the file does not state them \[pixels].
 const DEFAULT_FILM_SIZE: [u32; 2] = [768, 576];
 
-/// Diagonal of 35 mm film \[mm], 24 × 36 mm, to which focal lengths refer.
+/// Diagonal of 35 mm film, 24 mm × 36 mm, to which Mitsuba's focal lengths refer \[mm].
 const FILM_DIAGONAL: f64 = 43.266_615_305_567_875;
 
 /// Greatest width and height of a picture \[pixels].
 const MAX_FILM_SIZE: f64 = 65_536.0;
 
-/// Picture size, and the part of the film that the picture shows.
+/// Size of the film, and size of the centered crop that the picture shows.
 struct Film {
     /// Full size of the film \[pixels].
     size: [f64; 2],
-    /// Size of the picture \[pixels].
+    /// Size of the picture, a centered part of the film \[pixels].
     crop: [f64; 2],
 }
 
-/// Returns the camera of a sensor; `None` if sensors of this kind show no picture of the scene.
+/// Converts a sensor to a camera; `None` if the kind of sensor is not supported.
 ///
 /// A sensor looks along +z of its own frame, with +y up and +x to the left.
 pub(super) fn read_camera(context: &ImportContext<'_>, sensor: &SceneObject) -> ReadResult<Option<CameraDescription>> {
@@ -73,7 +73,7 @@ pub(super) fn read_camera(context: &ImportContext<'_>, sensor: &SceneObject) -> 
     }))
 }
 
-/// Returns the perspective projection of a sensor; a centered crop narrows the field of view.
+/// Returns the perspective projection of a sensor. A crop of the film narrows the field of view.
 fn perspective(
     context: &ImportContext<'_>,
     sensor: &SceneObject,
@@ -91,9 +91,10 @@ fn perspective(
     Ok(ProjectionDescription::Perspective { angle, lens })
 }
 
-/// Returns half the height of a picture of `size` at distance 1, by field of view or focal length.
+/// Returns half the height of a picture at distance 1, from the field of view or the focal length.
 ///
-/// Projectors have the same values as sensors.
+/// `size` is the width and height of the picture, of which only the ratio counts. `sensor` may also
+/// be a projector, which has the same parameters.
 pub(super) fn half_height(sensor: &SceneObject, size: [f64; 2]) -> ReadResult<f64> {
     let [width, height] = size;
     let diagonal = libm::hypot(width, height);

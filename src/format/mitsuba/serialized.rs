@@ -1,47 +1,48 @@
-//! Meshes in Mitsuba's format `.serialized`: several compressed meshes in one file.
+//! Reads Mitsuba's format `.serialized`: several compressed meshes in one file.
 
 use crate::format::mesh::{TriangleMesh, unit_normal};
 use flate2::read::ZlibDecoder;
 use glam::{DVec2, DVec3};
 use std::io::Read;
 
-/// First two bytes of a file and of each mesh, as a little-endian number.
+/// First two bytes of the file and of each mesh in it, as a little-endian number.
 const SIGNATURE: u16 = 0x041c;
 
-// Bits of the flags of a mesh.
+// Bits of the flags at the start of a mesh.
 const HAS_NORMALS: u32 = 0x0001;
 const HAS_TEXCOORDS: u32 = 0x0002;
 const HAS_COLORS: u32 = 0x0008;
 const FACE_NORMALS: u32 = 0x0010;
 const DOUBLE_PRECISION: u32 = 0x2000;
 
-/// Greatest number of compressed bytes that one byte of the file can stand for.
+/// Greatest number of decompressed bytes per compressed byte, a limit of zlib.
 const MAX_COMPRESSION: u64 = 1_032;
 
-/// Bytes of memory for each vertex and each triangle of a mesh.
+/// Memory per vertex and per triangle of a mesh \[bytes].
 const MEMORY_PER_ITEM: u64 = 200;
 
-/// Longest name of a mesh that is skipped \[bytes].
+/// Greatest length of a mesh's name \[bytes]. Names are skipped.
 const MAX_NAME: usize = 1 << 16;
 
-/// Defect of a file, as a message.
+/// Message that describes a defect of a file.
 pub(super) type Defect = String;
 
-/// A mesh of the file.
+/// One of the meshes of a `.serialized` file.
 #[derive(Debug)]
 pub(super) struct SerializedMesh {
-    /// The mesh; normals are those of the file.
+    /// The mesh, with the normals of the file if it has any.
     pub mesh: TriangleMesh,
-    /// True if the file asks for flat faces.
+    /// True if the file requests flat faces instead of shading normals.
     pub has_face_normals: bool,
 }
 
-/// Decodes the mesh with number `index`, from 0.
+/// Decodes the mesh number `index`, from 0, of a file.
 ///
-/// `free` is the free memory in bytes; `None` if it is not known.
+/// `free` is the free memory \[bytes]; `None` without a limit.
 ///
 /// # Errors
-/// A message if the file is damaged, has no such mesh, or describes more than fits into memory.
+/// A message if the file is damaged, has no such mesh, or describes one that does not fit into
+/// memory.
 pub(super) fn decode(file: &[u8], index: usize, free: Option<u64>) -> Result<SerializedMesh, Defect> {
     let truncated = || "the file is too short".to_owned();
     let bytes = |at: usize, count: usize| at.checked_add(count).and_then(|end| file.get(at..end)).ok_or_else(truncated);
@@ -66,7 +67,7 @@ pub(super) fn decode(file: &[u8], index: usize, free: Option<u64>) -> Result<Ser
     }
     let (vertices, triangles) = (u64::from_le_bytes(reader.array()?), u64::from_le_bytes(reader.array()?));
     let needed = vertices.saturating_add(triangles).saturating_mul(MEMORY_PER_ITEM);
-    // Each vertex and triangle takes twelve bytes or more.
+    // A vertex or triangle takes at least twelve decompressed bytes.
     if needed / MEMORY_PER_ITEM * 12 > MAX_COMPRESSION * data.len() as u64 || vertices > i32::MAX as u64 {
         return Err(format!("{vertices} vertices and {triangles} triangles cannot be in this file"));
     }
@@ -106,7 +107,8 @@ fn missing(index: usize) -> Defect {
     format!("the file has no mesh with number {index}")
 }
 
-/// Returns the offset of mesh `index` by the list at the end of the file; `None` if it has none.
+/// Returns the offset of mesh `index`, from the list at the end of the file; `None` if it has no
+/// entry.
 fn mesh_offset(file: &[u8], index: usize, version: u16) -> Option<usize> {
     let end = file.len().checked_sub(4)?;
     let count = u32::from_le_bytes(file[end..].try_into().ok()?) as usize;
@@ -120,10 +122,10 @@ fn mesh_offset(file: &[u8], index: usize, version: u16) -> Option<usize> {
     }
 }
 
-/// Reader of the compressed numbers of one mesh.
+/// Decompressing reader of the numbers of one mesh.
 struct MeshReader<'f> {
     stream: ZlibDecoder<&'f [u8]>,
-    /// True for numbers in double precision.
+    /// True if the numbers are in double precision, false for single precision.
     is_double: bool,
 }
 
@@ -134,7 +136,7 @@ impl MeshReader<'_> {
         Ok(bytes)
     }
 
-    /// Skips a text that ends with a zero byte.
+    /// Skips the name of the mesh, a text that ends with a zero byte.
     fn skip_name(&mut self) -> Result<(), Defect> {
         for _ in 0..MAX_NAME {
             if self.array::<1>()? == [0] {

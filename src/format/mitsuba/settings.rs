@@ -1,11 +1,11 @@
-//! Settings of a Mitsuba scene file that flags of the command line stand for.
+//! Suggests command line flags for the rendering settings of a Mitsuba scene.
 
 use super::context::ImportContext;
 use super::files::ReadResult;
 use super::tree::{ObjectClass, SceneObject};
 use std::rc::Rc;
 
-/// Integrators of Mitsuba, with the algorithms that find the same light paths.
+/// Integrators of Mitsuba, each with the algorithm of Caustica that finds the same light paths.
 const ALGORITHMS: [(&str, &str); 13] = [
     ("path", "path"),
     ("prbvolpath", "path"),
@@ -22,19 +22,20 @@ const ALGORITHMS: [(&str, &str); 13] = [
     ("pssmlt", "path"),
 ];
 
-/// Pixel filters of Mitsuba, with the names of the command line.
+/// Pixel filters of Mitsuba, each with its name on the command line.
 const FILTERS: [(&str, &str); 5] =
     [("box", "box"), ("tent", "tent"), ("gaussian", "gaussian"), ("mitchell", "mitchell"), ("catmullrom", "mitchell")];
 
-/// Returns the flags of `render` that stand for the integrator and the pixel filter of the file;
-/// empty if the file states neither.
+/// Returns flags of `render` that correspond to the integrator and the pixel filter of the scene.
+///
+/// The text is empty if nothing corresponds.
 pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<SceneObject>>) -> ReadResult<String> {
     let mut flags = Vec::new();
     let integrators = context.children(&context.tree.root, ObjectClass::Integrator)?;
     if let Some((_, integrator)) = integrators.first() {
         integrator.mark_as_read();
         let mut inner = Rc::clone(integrator);
-        // `moment` and `aov` wrap another integrator.
+        // Integrators such as `moment` and `aov` wrap another integrator.
         while let Some((_, nested)) = context.children(&inner, ObjectClass::Integrator)?.into_iter().next() {
             nested.mark_as_read();
             if Rc::ptr_eq(&nested, &inner) {
@@ -45,8 +46,8 @@ pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<Sc
         if let Some((_, algorithm)) = ALGORITHMS.iter().find(|(theirs, _)| *theirs == inner.plugin) {
             flags.push(format!("--integrator {algorithm}"));
         }
-        // Mitsuba counts the edges of a path: two for direct light, which takes no bounce here. An
-        // unlimited path has −1.
+        // Mitsuba counts path edges. Direct light has two edges, but no bounce in Caustica's count.
+        // The depth −1 stands for no limit.
         let depth = if inner.plugin == "direct" { Some(2.0) } else { inner.number("max_depth") };
         if let Some(depth) = depth.filter(|depth| *depth >= 2.0) {
             flags.push(format!("--max-bounces {}", depth - 2.0));

@@ -1,4 +1,4 @@
-//! Shapes of a Mitsuba scene file as objects of the description.
+//! Converts shapes of Mitsuba to objects of the scene language.
 
 use super::color::ColorMeaning;
 use super::context::ImportContext;
@@ -16,52 +16,53 @@ use glam::{DAffine3, DMat4, DVec3};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Estimated bytes of memory for each object: its description and its place in the scene.
+/// Estimated memory of each object: its description and its share of the built scene \[bytes].
 const MEMORY_PER_OBJECT: u64 = 1_500;
 
-/// Greatest depth of shapes inside shapes.
+/// Greatest nesting depth of shapes.
 const MAX_DEPTH: u32 = 8;
 
-/// Objects of the scene, with what they use.
+/// Converted objects so far, with the meshes, materials and media that they use.
 #[derive(Default)]
 pub(super) struct Shapes {
-    /// Objects with their materials, in the order of the file.
+    /// Converted objects and their materials, in the order of the file.
     pub root: ObjectGroup,
-    /// Meshes of the objects.
+    /// Embedded meshes of the objects.
     pub meshes: Meshes,
-    /// Materials of the objects.
+    /// Converted materials of the objects.
     pub materials: Materials,
-    /// Media inside the objects.
+    /// Converted media inside the objects.
     pub media: Media,
-    /// Lower and upper corner of the bounds of all objects; `None` if there are none.
+    /// Lower and upper corner of the objects' bounds in world space; `None` if there are no
+    /// objects.
     pub bounds: Option<(DVec3, DVec3)>,
     /// True if a surface emits light.
     pub has_emitters: bool,
-    /// Objects of shape groups, under the identity.
+    /// Members of each shape group, by the address of the group's object.
     groups: HashMap<*const SceneObject, Rc<Vec<PlacedShape>>>,
 }
 
-/// A shape with its material and the transform to its surroundings.
+/// A converted shape with its material and transform.
 #[derive(Clone, Debug)]
 struct PlacedShape {
     material: String,
     shape: ShapeDescription,
     emission: Option<DVec3>,
     to_world: DAffine3,
-    /// Corners of a box around the shape, in its own frame.
+    /// Lower and upper corner of the shape's bounds, before the transform.
     bounds: (DVec3, DVec3),
 }
 
-/// Surface of a shape, before its transform.
+/// Converted geometry of a shape, with its transform.
 struct ShapeGeometry {
     surface: ShapeDescription,
-    /// Transform to the surroundings of the shape.
+    /// Transform from the surface's own space to the space around the shape.
     to_world: DAffine3,
-    /// Corners of a box around the surface, in its own frame.
+    /// Lower and upper corner of the surface's bounds, before the transform.
     bounds: (DVec3, DVec3),
 }
 
-/// Emission of a shape: equal everywhere, or by a texture.
+/// Emission of a shape: constant radiance, or a texture; neither if the shape emits nothing.
 #[derive(Default)]
 struct ShapeEmission {
     radiance: Option<DVec3>,
@@ -69,7 +70,8 @@ struct ShapeEmission {
 }
 
 impl Shapes {
-    /// Adds the objects of a shape at the top of the file.
+    /// Converts and adds a shape that is at the top level of the file. A shape group alone adds
+    /// nothing.
     pub fn add(
         &mut self,
         context: &ImportContext<'_>,
@@ -85,7 +87,7 @@ impl Shapes {
         Ok(())
     }
 
-    /// Returns the shapes that an object of the file stands for.
+    /// Converts a shape, an instance or a shape group to one or more shapes with transforms.
     fn placed(
         &mut self,
         context: &ImportContext<'_>,
@@ -131,8 +133,10 @@ impl Shapes {
         Ok(members)
     }
 
-    /// Returns the objects of one surface: the surface itself, and an inner boundary if a thin wall
-    /// holds a medium.
+    /// Converts one shape. A thin wall around a medium becomes two: the wall, and a null interface
+    /// inside.
+    ///
+    /// Returns an empty list if the shape is left out.
     fn single(
         &mut self,
         context: &ImportContext<'_>,
@@ -179,7 +183,7 @@ impl Shapes {
         Ok(placed)
     }
 
-    /// Returns the emission of a shape with an area light.
+    /// Returns the emission of a shape, given by the area light in it.
     fn emission(
         &mut self,
         context: &ImportContext<'_>,
@@ -209,7 +213,9 @@ impl Shapes {
         })
     }
 
-    /// Returns the surface of a shape with its place; `None` for shapes that are left out.
+    /// Returns the geometry and transform of a shape; `None` for shapes that are left out.
+    ///
+    /// `mesh` is the path of its embedded mesh, if it is read from a file.
     fn geometry(
         &mut self,
         context: &ImportContext<'_>,
@@ -245,7 +251,8 @@ impl Shapes {
                     (mesh_shape(self.meshes.inward_sphere()), unit)
                 } else {
                     if is_textured {
-                        // Longitude and latitude start at other axes than those of Mitsuba.
+                        // Longitude and latitude of texture coordinates refer to other axes than in
+                        // Mitsuba.
                         let columns = [DVec3::NEG_Z, DVec3::NEG_X, DVec3::Y];
                         let inverse = glam::DMat3::from_cols(columns[0], columns[1], columns[2]).transpose();
                         to_world *= DAffine3::from_mat3(inverse);
@@ -292,7 +299,9 @@ impl Shapes {
         Ok(Some(ShapeGeometry { surface, to_world, bounds }))
     }
 
-    /// Returns a surface that lies just inside of `shape`.
+    /// Returns a slightly smaller copy that lies just inside `shape`.
+    ///
+    /// Only meshes, spheres and boxes are made smaller.
     fn inner_shape(&mut self, shape: ShapeDescription) -> ShapeDescription {
         const SHRINK: f64 = 1.0 - 1e-4;
         match shape {
@@ -315,7 +324,7 @@ impl Shapes {
         }
     }
 
-    /// Adds an object to the scene.
+    /// Adds a converted shape to the objects of the scene. `source` is its element in the file.
     fn push(&mut self, context: &ImportContext<'_>, placed: PlacedShape, source: &SceneObject) -> ReadResult<()> {
         let PlacedShape { material, shape, emission, to_world, bounds: (low, high) } = placed;
         if Transform::new(to_world).is_err() {

@@ -12,7 +12,7 @@ use crate::stats::MemoryLimit;
 use glam::{DAffine3, DVec2, DVec3};
 use std::path::Path;
 
-/// Returns a scene with the elements `content`.
+/// Returns the text of a scene file with the elements `content`.
 fn xml(content: &str) -> String {
     format!("<scene version=\"3.0.0\">{content}</scene>")
 }
@@ -299,7 +299,7 @@ fn bitmaps_are_decoded_and_upright() {
     );
     let [texture, _] = &scene.description.textures[..] else { panic!("{:?}", scene.description.textures) };
     let TextureKindDescription::Image { path, coordinates, .. } = &texture.kind else { panic!() };
-    // Rectangles of Mitsuba show pictures upside down: v is 1 − v.
+    // Mitsuba's rectangles show pictures upside down: their v is 1 − v here.
     assert_eq!((coordinates.scale, coordinates.offset), (DVec2::new(1.0, -1.0), DVec2::Y));
     assert_eq!(scene.assets.pictures[&path.value].pixels()[0], glam::Vec3::X);
     let emission = &scene.description.materials[0].emission;
@@ -321,7 +321,7 @@ fn lights_have_the_strength_of_their_emitter() {
     assert!(matches!(lights("")[0].value, LightDescription::Environment(EnvironmentRadiance::Constant(DVec3::ONE))));
 }
 
-/// Compares the falloff with the formula of Mitsuba's documentation: linear in the angle.
+/// Compares the falloff with the formula in Mitsuba's documentation, which is linear in the angle.
 #[test]
 fn spotlights_fall_off_linearly_in_the_angle() {
     let scene = read(

@@ -1,4 +1,4 @@
-//! Textures of a Mitsuba scene file: bitmaps and checkerboards as textures of the description.
+//! Converts textures of Mitsuba: bitmaps and checkerboards.
 
 use super::color::ColorMeaning;
 use super::context::ImportContext;
@@ -19,30 +19,30 @@ use std::path::PathBuf;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Greatest depth of textures inside textures.
+/// Greatest nesting depth of textures.
 const MAX_DEPTH: u32 = 8;
 
-/// Values that a material takes from a texture.
+/// Quantity that a texture stands for. It decides how pixel values are converted and limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum TextureUse {
     /// Colors inside \[0, 1].
     Color,
-    /// Numbers inside \[0, 1]: the luminance of colors.
+    /// Numbers inside \[0, 1], the luminance of the texture's colors.
     Fraction,
-    /// Numbers at least 0, such as heights: the luminance of colors.
+    /// Numbers of at least 0, such as heights: the luminance of the texture's colors.
     Height,
-    /// Radiance at least 0.
+    /// Radiance of at least 0.
     Radiance,
-    /// Normals in tangent space: values as they are.
+    /// Tangent-space normals, encoded as raw colors inside \[0, 1].
     Normal,
 }
 
-/// Values of a texture: one value, or the name of a texture of the description.
+/// Converted texture or color parameter: a constant, or the name of a texture.
 #[derive(Clone, Debug)]
 pub(super) enum TextureValues {
     /// Equal values everywhere.
     Constant(DVec3),
-    /// Name of a texture, and its mean.
+    /// Name of a converted texture, and the mean of its values.
     Texture(Spanned<String>, DVec3),
 }
 
@@ -54,7 +54,7 @@ impl TextureValues {
         }
     }
 
-    /// Returns the values as a color.
+    /// Returns the constant or texture as a color parameter.
     pub fn into_color(self) -> TexturedValue<DVec3> {
         match self {
             Self::Constant(color) => TexturedValue::Plain(color),
@@ -62,7 +62,8 @@ impl TextureValues {
         }
     }
 
-    /// Returns the values as a number.
+    /// Returns the constant or texture as a number parameter. A constant color gives its red
+    /// channel.
     pub fn into_number(self) -> TexturedValue<f64> {
         match self {
             Self::Constant(color) => TexturedValue::Plain(color.x),
@@ -71,23 +72,26 @@ impl TextureValues {
     }
 }
 
-/// Textures and pictures that materials and lights use so far.
+/// Converted textures and embedded pictures so far.
 #[derive(Default)]
 pub(super) struct Textures {
-    /// Textures of the description.
+    /// Converted textures.
     pub descriptions: Vec<Spanned<TextureDescription>>,
     /// Embedded pictures, by path.
     pub pictures: BTreeMap<String, Arc<Image>>,
-    /// Pictures of files, linear or raw.
+    /// Decoded picture files. The key's flag is true for raw values, without sRGB decoding.
     decoded: HashMap<(PathBuf, bool), Rc<Image>>,
-    /// Embedded pictures by file, rawness, use and factor.
+    /// Paths of embedded pictures. The key is the file, true for raw values, the use, and the
+    /// factor's bits.
     embedded: HashMap<(PathBuf, bool, TextureUse, u64), TextureValues>,
-    /// Names of textures by their content.
+    /// Names of converted textures. The key is their content as text, so equal textures become one.
     names: HashMap<String, String>,
 }
 
 impl Textures {
-    /// Returns the values of the texture or color `name` of an object; `default` if it has none.
+    /// Converts the texture or color `name` of an object; `default` if it has none.
+    ///
+    /// `wanted` is the quantity that the values stand for.
     pub fn values(
         &mut self,
         context: &ImportContext<'_>,
@@ -108,7 +112,7 @@ impl Textures {
         Ok(TextureValues::Constant(limited(context.color(object, name, meaning, default)?, wanted)))
     }
 
-    /// Returns the values of a texture object times `factor`.
+    /// Converts a texture object, with its values multiplied by `factor`.
     pub fn texture(
         &mut self,
         context: &ImportContext<'_>,
@@ -142,7 +146,9 @@ impl Textures {
         }
     }
 
-    /// Returns the linear picture of a `bitmap` texture; raw values if the texture asks for them.
+    /// Reads the picture file of a `bitmap` texture or emitter. Returns its path and the picture.
+    ///
+    /// Integer values are decoded as sRGB, unless `is_raw` is true.
     pub fn picture(
         &mut self,
         context: &ImportContext<'_>,
@@ -193,9 +199,9 @@ impl Textures {
         path
     }
 
-    /// Removes all textures but those called `names`, and pictures that no texture shows.
+    /// Removes all textures but those with `names`, and pictures that are no longer used.
     ///
-    /// `others` are paths of pictures that lights use.
+    /// `others` are paths of pictures that lights use, which are kept.
     pub fn keep(&mut self, names: &HashSet<String>, others: &HashSet<String>) {
         self.descriptions.retain(|texture| names.contains(&texture.name));
         let shown: HashSet<&str> = self
@@ -209,7 +215,7 @@ impl Textures {
         self.pictures.retain(|path, _| shown.contains(path.as_str()) || others.contains(path));
     }
 
-    /// Returns the values of the picture that an object names.
+    /// Converts the picture file that an object names, with its values multiplied by `factor`.
     pub fn bitmap(
         &mut self,
         context: &ImportContext<'_>,
@@ -217,7 +223,7 @@ impl Textures {
         (wanted, convention): (TextureUse, TexcoordConvention),
         factor: f64,
     ) -> ReadResult<TextureValues> {
-        // Versions before 2 write the encoding as `gamma`.
+        // Before version 2, the encoding is called `gamma`.
         let is_raw = wanted == TextureUse::Normal
             || texture.boolean("raw", false)
             || texture.number("gamma").is_some_and(|gamma| gamma == 1.0);
@@ -256,7 +262,7 @@ impl Textures {
             }
         };
         let to_uv = mitsuba_transform(context, texture, convention);
-        // Rows of a picture count from the top in Mitsuba, and v counts from the bottom here.
+        // v = 0 is the top of a picture in Mitsuba, and the bottom in Caustica.
         let coordinates = decomposed(context, texture, turned(to_uv));
         let kind = TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates };
         Ok(TextureValues::Texture(self.name(kind), mean))
@@ -288,14 +294,14 @@ impl Textures {
             };
         }
         let mean = 0.5 * (colors[0] + colors[1]);
-        // A period of Mitsuba's checkerboard is 1, and that of the description is 2.
+        // Mitsuba's checkerboard has period 1, and Caustica's has period 2.
         let (linear, offset) = mitsuba_transform(context, texture, convention);
         let coordinates = decomposed(context, texture, (linear * 2.0, offset * 2.0));
         let name = self.name(TextureKindDescription::Checker { colors, coordinates });
         Ok(TextureValues::Texture(name, mean))
     }
 
-    /// Returns the name of the texture of this kind, and adds it when it is first used.
+    /// Returns the name of a converted texture with this content. Adds it at its first use.
     fn name(&mut self, kind: TextureKindDescription) -> Spanned<String> {
         let next = format!("texture{}", self.descriptions.len());
         let name = self.names.entry(format!("{kind:?}")).or_insert_with(|| next.clone()).clone();
@@ -307,7 +313,7 @@ impl Textures {
     }
 }
 
-/// Returns a color within the limits of its use.
+/// Returns a color clamped to the range of the quantity `wanted`.
 fn limited(color: DVec3, wanted: TextureUse) -> DVec3 {
     match wanted {
         TextureUse::Color | TextureUse::Fraction | TextureUse::Normal => color.clamp(DVec3::ZERO, DVec3::ONE),
@@ -315,7 +321,8 @@ fn limited(color: DVec3, wanted: TextureUse) -> DVec3 {
     }
 }
 
-/// Returns the value of a pixel as it is used; 0 for values that are no numbers.
+/// Converts a pixel to the quantity `wanted`, clamped to its range. Infinite values and NaN become
+/// 0.
 fn used_value(pixel: Rgb, wanted: TextureUse) -> Vec3 {
     let pixel = if pixel.is_finite() { pixel } else { Rgb::ZERO };
     let pixel = match wanted {
@@ -328,7 +335,9 @@ fn used_value(pixel: Rgb, wanted: TextureUse) -> Vec3 {
     }
 }
 
-/// Returns the affine map from the texture coordinates of a shape to those that Mitsuba looks up.
+/// Returns the linear part and the offset of an affine map.
+///
+/// It leads from the texture coordinates of the converted shape to those that Mitsuba looks up.
 fn mitsuba_transform(
     context: &ImportContext<'_>,
     texture: &SceneObject,
@@ -337,11 +346,11 @@ fn mitsuba_transform(
     let matrix = texture.transform("to_uv").unwrap_or(DMat4::IDENTITY);
     let mut linear = DMat2::from_cols(matrix.x_axis.truncate().truncate(), matrix.y_axis.truncate().truncate());
     let mut offset = matrix.w_axis.truncate().truncate();
-    // A matrix of 9 numbers has its offset in the third column.
+    // A 3 × 3 matrix has its offset in the third column.
     if offset == DVec2::ZERO {
         offset = matrix.z_axis.truncate().truncate();
     }
-    // Versions before 2 write scales and offsets of both coordinates.
+    // Before version 2, textures have scales and offsets instead of `to_uv`.
     let number = |name: &str, default: f64| texture.number(name).unwrap_or(default);
     let scale = DVec2::new(number("uscale", 1.0), number("vscale", 1.0));
     linear *= DMat2::from_diagonal(scale);
@@ -358,13 +367,15 @@ fn mitsuba_transform(
     }
 }
 
-/// Returns the affine map, followed by turning v over: v becomes 1 − v.
+/// Returns the affine map followed by the flip of v to 1 − v.
 fn turned((linear, offset): (DMat2, DVec2)) -> (DMat2, DVec2) {
     let flip = DMat2::from_diagonal(DVec2::new(1.0, -1.0));
     (flip * linear, flip * offset + DVec2::Y)
 }
 
-/// Returns the scale, rotation and offset of an affine map; a shear is ignored with a message.
+/// Decomposes an affine map of texture coordinates into scale, rotation and offset.
+///
+/// A shear is ignored with a message.
 fn decomposed(
     context: &ImportContext<'_>,
     texture: &SceneObject,
@@ -377,7 +388,7 @@ fn decomposed(
     let scale = DVec2::new(u.length(), linear.determinant() / u.length());
     let is_half_turn = u.y == 0.0 && u.x < 0.0;
     if is_half_turn {
-        // Negative scales are exact, and a rotation by 180 degrees is not.
+        // Negative scales are exact. A rotation by 180 degrees would have rounding errors.
         return TexcoordTransformDescription { scale: -scale, rotate: 0.0, offset };
     }
     TexcoordTransformDescription { scale, rotate: libm::atan2(u.y, u.x).to_degrees(), offset }

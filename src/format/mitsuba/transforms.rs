@@ -1,17 +1,17 @@
-//! Transforms of a Mitsuba scene file.
+//! Parses transforms of Mitsuba.
 
 use super::color::parse_numbers;
 use super::files::{Place, ReadResult};
 use glam::{DMat3, DMat4, DVec3};
 use std::collections::HashMap;
 
-/// Name, attributes and place of an element of a transform.
+/// Element of a transform, such as `translate`: its name, attributes and position in the file.
 pub(super) type TransformElement = (String, HashMap<String, String>, Place);
 
-/// Returns the product of all elements. The first one is applied first.
+/// Returns the product of all elements' matrices. The first element is applied first.
 ///
 /// # Errors
-/// If an element is not known, or the matrix is not affine.
+/// If an element is not known, or the product is not affine.
 pub(super) fn parse_transform(elements: &[TransformElement]) -> ReadResult<DMat4> {
     let mut product = DMat4::IDENTITY;
     for (tag, attributes, place) in elements {
@@ -25,7 +25,9 @@ pub(super) fn parse_transform(elements: &[TransformElement]) -> ReadResult<DMat4
     Ok(product)
 }
 
-/// Returns a vector from `value`, or from `x`, `y` and `z`, each of which is `default` if missing.
+/// Parses a vector from the attribute `value`, or else from `x`, `y` and `z`.
+///
+/// `default` replaces each of these three that is missing.
 pub(super) fn parse_vector(attributes: HashMap<String, String>, default: f64, place: &Place) -> ReadResult<DVec3> {
     let invalid = || place.error("this is not a vector", "write `value=\"x, y, z\"` or the attributes x, y and z");
     if let Some(text) = attributes.get("value") {
@@ -77,7 +79,9 @@ fn element_matrix(tag: &str, attributes: &HashMap<String, String>, place: &Place
     })
 }
 
-/// Returns the map from a frame that looks along +z, with +y up and +x to the left.
+/// Returns the camera-to-world matrix of a `lookat` element.
+///
+/// The camera looks along +z of its own frame, with +y up and +x to the left.
 fn look_at(attributes: &HashMap<String, String>, place: &Place) -> ReadResult<DMat4> {
     let point = |name: &str| match *attributes.get(name).and_then(|text| parse_numbers(text)).unwrap_or_default() {
         [x, y, z] => Some(DVec3::new(x, y, z)),

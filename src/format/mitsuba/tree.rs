@@ -1,4 +1,4 @@
-//! Objects of a Mitsuba scene file: elements with values and nested objects.
+//! Tree of the objects of a Mitsuba scene file. An object has values and nested objects.
 //!
 //! Names of values are in snake case, whatever the version of the file: `toWorld` is `to_world`.
 
@@ -9,7 +9,7 @@ use std::cell::Cell;
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
-/// Class of a plugin, by the element that creates it.
+/// Class of an object, given by the name of its XML element, such as `bsdf`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ObjectClass {
     /// The whole scene.
@@ -24,7 +24,7 @@ pub(super) enum ObjectClass {
     Shape,
     /// Reflection and transmission of a surface.
     Bsdf,
-    /// Function of a surface point, also a spectrum that is written as an object.
+    /// Function of a surface point, or a spectrum that the file writes as an object.
     Texture,
     /// Participating medium.
     Medium,
@@ -43,7 +43,8 @@ pub(super) enum ObjectClass {
 }
 
 impl ObjectClass {
-    /// Returns the class of an element; `None` for elements that are no objects.
+    /// Returns the class of objects with the element name `tag`; `None` if such elements are no
+    /// objects.
     pub fn from_tag(tag: &str) -> Option<Self> {
         Some(match tag {
             "scene" => Self::Scene,
@@ -65,7 +66,7 @@ impl ObjectClass {
     }
 }
 
-/// A value of an object.
+/// A value of an object, such as a number or a transform.
 #[derive(Clone, Debug)]
 pub(super) enum Value {
     /// Integer or floating-point number.
@@ -82,45 +83,45 @@ pub(super) enum Value {
     Color(ColorValue),
 }
 
-/// An object nested in another one: the object itself, or the `id` of an object elsewhere.
+/// An object nested in another one, or a reference to an object elsewhere in the file.
 #[derive(Clone, Debug)]
 pub(super) enum ChildObject {
-    /// Object that the element creates.
+    /// The nested object itself.
     Own(Rc<SceneObject>),
-    /// Identifier of an object, which may stand later in the file.
+    /// Identifier of the object, which may be defined later, and the position of the reference.
     Reference(String, Place),
 }
 
-/// An object of the scene file.
+/// An object of the scene file: an instance of a Mitsuba plugin.
 #[derive(Debug)]
 pub(super) struct SceneObject {
-    /// Class of the plugin.
+    /// Class of the object, such as BSDF or emitter.
     pub class: ObjectClass,
-    /// Name of the plugin, such as `diffuse`.
+    /// Name of its plugin, such as `diffuse`.
     pub plugin: String,
-    /// Identifier; `None` for an object without `id`.
+    /// Identifier by which references name the object; `None` without one.
     pub id: Option<String>,
     /// Position in the file.
     pub place: Place,
     /// Values by name, each with a flag that is true if the importer has read it.
     pub values: BTreeMap<String, (Value, Cell<bool>)>,
-    /// Nested objects with their names, in the order of the file.
+    /// Nested objects with the names that they have here, in the order of the file.
     pub children: Vec<(String, ChildObject)>,
-    /// True if the importer has asked for any value of the object.
+    /// True if the importer has looked up a value of the object.
     pub is_used: Cell<bool>,
 }
 
 /// All objects of a scene file and of the files that it includes.
 #[derive(Debug)]
 pub(super) struct ObjectTree {
-    /// The scene, whose children are all objects at the top.
+    /// Root object. Its children are the objects at the top level of the file.
     pub root: Rc<SceneObject>,
     /// Objects by identifier.
     pub by_id: HashMap<String, Rc<SceneObject>>,
 }
 
 impl ObjectTree {
-    /// True if a condition holds for an object of the scene.
+    /// True if `condition` holds for any object of the scene.
     pub fn any_object(&self, condition: &dyn Fn(&SceneObject) -> bool) -> bool {
         let mut pending = vec![&self.root];
         while let Some(object) = pending.pop() {
@@ -134,7 +135,7 @@ impl ObjectTree {
 }
 
 impl SceneObject {
-    /// Returns the objects that stand inside of this one in the file.
+    /// Returns the objects that are nested in this one directly, without references.
     pub fn own_children(&self) -> impl Iterator<Item = &Rc<Self>> {
         self.children.iter().filter_map(|(_, child)| match child {
             ChildObject::Own(child) => Some(child),
@@ -142,7 +143,7 @@ impl SceneObject {
         })
     }
 
-    /// Returns the value called `name`, and marks it as read.
+    /// Returns the value called `name`, and marks it as read; `None` if the object has none.
     pub fn value(&self, name: &str) -> Option<&Value> {
         self.is_used.set(true);
         let (value, is_read) = self.values.get(name)?;
@@ -150,7 +151,7 @@ impl SceneObject {
         Some(value)
     }
 
-    /// Returns a number; `None` if there is none of this name.
+    /// Returns the number called `name`; `None` if there is none, or if the value is no number.
     pub fn number(&self, name: &str) -> Option<f64> {
         match self.value(name)? {
             Value::Number(number) => Some(*number),
@@ -160,7 +161,8 @@ impl SceneObject {
         }
     }
 
-    /// Returns a truth value; `default` if there is none of this name.
+    /// Returns the truth value called `name`; `default` if there is none, or if the value has
+    /// another type.
     pub fn boolean(&self, name: &str, default: bool) -> bool {
         match self.value(name) {
             Some(Value::Boolean(value)) => *value,
@@ -169,7 +171,7 @@ impl SceneObject {
         }
     }
 
-    /// Returns a text; `None` if there is none of this name.
+    /// Returns the text called `name`; `None` if there is none, or if the value has another type.
     pub fn text(&self, name: &str) -> Option<&str> {
         match self.value(name)? {
             Value::Text(text) => Some(text),
@@ -177,7 +179,8 @@ impl SceneObject {
         }
     }
 
-    /// Returns a point or vector; `None` if there is none of this name.
+    /// Returns the point or vector called `name`; `None` if there is none, or if it has another
+    /// type.
     pub fn vector(&self, name: &str) -> Option<DVec3> {
         match self.value(name)? {
             Value::Vector(vector) => Some(*vector),
@@ -185,7 +188,8 @@ impl SceneObject {
         }
     }
 
-    /// Returns a transform; `None` if there is none of this name.
+    /// Returns the transform called `name`; `None` if there is none, or if the value has another
+    /// type.
     pub fn transform(&self, name: &str) -> Option<DMat4> {
         match self.value(name)? {
             Value::Transform(matrix) => Some(*matrix),
@@ -193,7 +197,7 @@ impl SceneObject {
         }
     }
 
-    /// Marks all values of the object as read, because a message covers the whole object.
+    /// Marks all values of the object as read. Use this if one message covers the whole object.
     pub fn mark_as_read(&self) {
         self.values.values().for_each(|(_, is_read)| is_read.set(true));
     }

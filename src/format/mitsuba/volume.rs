@@ -1,6 +1,6 @@
-//! Volumes in Mitsuba's format `.vol`: values on a regular grid.
+//! Reads Mitsuba's format `.vol` of values on a regular grid.
 
-/// Values of a volume, with x running fastest.
+/// Values of a volume on a regular grid of cells.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct VolumeGrid {
     /// Number of cells along x, y and z.
@@ -9,7 +9,9 @@ pub(super) struct VolumeGrid {
     pub channels: usize,
     /// Lower and upper corner of the box that the file states.
     pub bounds: [[f32; 3]; 2],
-    /// Values, finite and at least 0: all channels of the first cell, then those of the next one.
+    /// Values of all cells, finite and at least 0; the index x varies fastest.
+    ///
+    /// The channels of a cell are adjacent.
     pub values: Vec<f32>,
 }
 

@@ -1,4 +1,4 @@
-//! Cameras and films of pbrt.
+//! Reads cameras and films of pbrt scenes.
 
 use super::files::ReadResult;
 use super::parameters::Parameters;
@@ -36,10 +36,10 @@ pub(super) fn film_size(name: &str, parameters: &Parameters, notes: &mut ImportN
     Ok((width as u32, height as u32))
 }
 
-/// Returns the camera, and the reflection that the world needs.
+/// Returns the camera, and the reflection to apply to the whole scene.
 ///
-/// pbrt's camera space is left-handed, and ours is right-handed. So the scene is mirrored, except
-/// where its own transforms mirror it already.
+/// pbrt's camera space is left-handed, and Caustica's is right-handed. So the scene is mirrored. If
+/// the camera's own transform mirrors it already, the reflection is the identity.
 pub(super) fn read_camera(
     name: &str,
     parameters: &Parameters,
@@ -61,7 +61,8 @@ pub(super) fn read_camera(
         notes.add_unsupported("cameras that are sheared or stretched are not", place.described());
     }
     let is_spherical = matches!(name, "spherical" | "environment");
-    // A picture of all directions has no handedness of its own: its right is our right.
+    // A spherical camera shows all directions. Its picture has the same right side in pbrt and
+    // Caustica.
     let needs_mirror = (axes.determinant() > 0.0) != is_spherical;
     let mirror = if needs_mirror { DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0)) } else { DAffine3::IDENTITY };
     let placed = mirror * to_world;

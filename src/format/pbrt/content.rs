@@ -1,4 +1,4 @@
-//! Content that the shapes, materials and lights of a pbrt scene share.
+//! Meshes, textures and materials that the directives of a pbrt scene share.
 
 use super::materials::Materials;
 use super::textures::Textures;
@@ -7,16 +7,18 @@ use crate::format::mesh::TriangleMesh;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Content that objects of a scene share while directives are read.
+/// Meshes, textures, materials and messages collected while the directives of a pbrt scene are
+/// read.
 pub(super) struct SceneContent {
-    /// Meshes, by path.
+    /// Embedded meshes, by the paths that shapes name.
     pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
-    /// Textures and pictures.
+    /// Textures of the pbrt file, and converted textures and pictures.
     pub textures: Textures,
-    /// Materials of the scene and of the description.
+    /// Materials of the pbrt file, and converted materials.
     pub materials: Materials,
-    /// Messages about the scene.
+    /// Messages about content that is ignored, approximated or added.
     pub notes: ImportNotes,
-    /// True if the file has the spellings of pbrt-v3, whose spectra of light keep their unit.
+    /// True for a scene of pbrt-v3. There, spectra of lights are radiance; in pbrt-v4 they are
+    /// normalized.
     pub is_v3: bool,
 }

@@ -1,14 +1,14 @@
-//! Environment maps of pbrt as equirectangular pictures of Caustica.
+//! Converts environment maps of pbrt to the equirectangular maps of Caustica.
 
 use crate::color::Rgb;
 use crate::image::Image;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{FRAC_2_PI, PI, TAU};
 
-/// Number of samples of the old map along each side of a pixel of the new map.
+/// Number of samples of pbrt's map along each side of a pixel of the converted map.
 const SAMPLES: u32 = 3;
 
-/// Layout of the directions in an environment map of pbrt.
+/// Mapping of directions to pixels in an environment map of pbrt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MapLayout {
     /// Equal-area octahedral map of pbrt-v4.
@@ -17,8 +17,11 @@ pub(super) enum MapLayout {
     LatitudeLongitude,
 }
 
-/// Returns the equirectangular map, with +y at the top and −z at the left edge, of a map whose
-/// axes are `to_world`; `None` if the transform is singular or the size invalid.
+/// Converts an environment map of pbrt to an equirectangular one with +y at the top and −z at the
+/// left edge.
+///
+/// `to_world` maps the light's own space to world space. Returns `None` if it is singular, or if
+/// the converted map would be too large.
 pub(super) fn equirectangular(image: &Image, layout: MapLayout, to_world: DMat3) -> Option<Image> {
     let inverse = to_world.inverse();
     if !inverse.is_finite() {
@@ -46,7 +49,8 @@ pub(super) fn equirectangular(image: &Image, layout: MapLayout, to_world: DMat3)
     Image::from_pixels(width, height, pixels).ok()
 }
 
-/// Returns the value of pbrt's map in a unit direction of the light's own space.
+/// Returns the value of pbrt's map in a unit direction of the light's own space, interpolated
+/// between pixels.
 fn value(image: &Image, layout: MapLayout, direction: DVec3) -> Rgb {
     let (width, height) = (i64::from(image.width()), i64::from(image.height()));
     let place = match layout {
@@ -69,7 +73,7 @@ fn value(image: &Image, layout: MapLayout, direction: DVec3) -> Rgb {
     row(y.floor() as i64) * (1.0 - fy) + row(y.floor() as i64 + 1) * fy
 }
 
-/// Returns the coordinates in \[0, 1]² of a unit direction in the equal-area octahedral map
+/// Returns the point of the equal-area octahedral map in \[0, 1]² that shows a unit direction
 /// (Clarberg 2008).
 fn octahedral_coordinates(direction: DVec3) -> DVec2 {
     let DVec3 { x, y, z } = direction.abs();

@@ -1,4 +1,4 @@
-//! Files of one pbrt scene: permission, memory checks and errors.
+//! Access to the files of a pbrt scene, with checks of permission and memory.
 
 use crate::format::SceneError;
 use crate::format::import::{ImportOptions, SceneReadError};
@@ -12,55 +12,55 @@ use std::rc::Rc;
 
 pub(super) type ReadResult<T> = Result<T, SceneReadError>;
 
-/// Position of a directive: the name of its file, and its line.
+/// Position of a directive in a pbrt scene: file name and line.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     /// Name of the file.
     pub file: Rc<str>,
-    /// Line in the file, from 1.
+    /// Line of the directive in the file, from 1.
     pub line: u32,
 }
 
 impl Place {
-    /// Returns an error at this place.
+    /// Returns an error with `message` and the remedy `help`, at this position.
     pub fn error(&self, message: impl Display, help: &str) -> SceneReadError {
         SceneError::error_without_position(&self.file, format!("line {}: {message}", self.line), help).into()
     }
 
-    /// Returns the position for messages.
+    /// Returns the position as text for messages, such as `scene.pbrt line 3`.
     pub fn described(&self) -> String {
         let name = Path::new(&*self.file).file_name().unwrap_or_default().to_string_lossy();
         format!("{name} line {}", self.line)
     }
 }
 
-/// The files that a scene file may name.
+/// Access to the scene file and the files that it names, within a memory limit.
 pub(super) struct SceneFiles<'a> {
     /// Path of the scene file.
     pub path: &'a Path,
-    /// Receiver of the paths of further files.
+    /// Monitor that receives the path of each further file.
     pub monitor: &'a dyn MeshReadMonitor,
-    /// Memory limit, and permission to leave the folder.
+    /// Memory limit, and permission to read files outside of the scene's folder.
     pub options: &'a ImportOptions,
-    /// Free memory before the scene is read \[bytes]; `None` if no limit is known.
+    /// Free memory before the scene is read \[bytes]; `None` without a limit.
     free_at_start: Option<u64>,
-    /// Memory that the scene takes so far \[bytes].
+    /// Estimated memory of the scene so far \[bytes].
     used: Cell<u64>,
 }
 
 impl<'a> SceneFiles<'a> {
-    /// Returns the files of the scene at `path`.
+    /// Prepares reading the scene at `path`; reads no file.
     pub fn new(path: &'a Path, monitor: &'a dyn MeshReadMonitor, options: &'a ImportOptions) -> Self {
         let free_at_start = options.memory.available_bytes();
         Self { path, monitor, options, free_at_start, used: Cell::new(0) }
     }
 
-    /// Returns the bytes that the scene may still take; `None` if no limit is known.
+    /// Returns the memory that the scene may still take \[bytes]; `None` without a limit.
     pub fn free_memory(&self) -> Option<u64> {
         self.free_at_start.map(|free| free.saturating_sub(self.used.get()))
     }
 
-    /// Counts `bytes` of the scene's memory; returns an error if they exceed the free memory.
+    /// Adds `bytes` to the estimated memory of the scene. Fails if the sum exceeds the free memory.
     pub fn count_memory(&self, bytes: u64) -> ReadResult<()> {
         self.used.set(self.used.get().saturating_add(bytes));
         match self.free_at_start {
@@ -71,7 +71,7 @@ impl<'a> SceneFiles<'a> {
         }
     }
 
-    /// Reads a whole file.
+    /// Returns the content of a file, and counts its memory.
     pub fn read(&self, path: &Path) -> ReadResult<Vec<u8>> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (file, length) = open_file(path).map_err(unreadable)?;
@@ -81,9 +81,11 @@ impl<'a> SceneFiles<'a> {
         Ok(bytes)
     }
 
-    /// Returns the path of a file that the scene names, relative to the folder of the scene file.
+    /// Returns the path of the file called `name` in the scene, relative to the folder of the scene
+    /// file.
     ///
-    /// The file must lie below that folder, unless the options allow other folders.
+    /// Reports the file to the monitor. The file must lie inside that folder, unless the options
+    /// allow others.
     pub fn resolve(&self, place: &Place, name: &str) -> ReadResult<PathBuf> {
         let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let file = folder.join(name);

@@ -1,4 +1,4 @@
-//! Interpreter of the directives of a pbrt scene.
+//! Interprets the directives of a pbrt scene.
 
 use super::camera::{film_size, read_camera};
 use super::content::SceneContent;
@@ -31,16 +31,16 @@ const MAX_INCLUDES: usize = 100_000;
 /// Greatest depth of nested attribute blocks.
 const MAX_ATTRIBUTE_DEPTH: usize = 10_000;
 
-/// Greatest depth of object instances inside objects.
+/// Greatest depth of object instances inside object definitions.
 const MAX_INSTANCE_DEPTH: usize = 64;
 
-/// Estimated bytes of memory for each object: its description and its place in the scene.
+/// Estimated memory of each object: its description and its share of the built scene \[bytes].
 const MEMORY_PER_OBJECT: u64 = 2_000;
 
-/// Estimated bytes of memory for each saved graphics state.
+/// Estimated memory of each saved graphics state \[bytes].
 const MEMORY_PER_STATE: u64 = 600;
 
-/// Directives that change only how pbrt samples or stores a picture.
+/// Directives that are ignored, because they change only how pbrt samples or stores a picture.
 const IGNORED_DIRECTIVES: [&str; 9] = [
     "Accelerator",
     "ColorSpace",
@@ -53,16 +53,16 @@ const IGNORED_DIRECTIVES: [&str; 9] = [
     "VolumeIntegrator",
 ];
 
-/// Objects between `ObjectBegin` and `ObjectEnd`.
+/// Content of an object definition: the shapes between `ObjectBegin` and `ObjectEnd`.
 #[derive(Clone, Default)]
 struct ObjectDefinition {
     group: ObjectGroup,
-    /// Number of shapes, with those of instances.
+    /// Number of shapes in the definition, including those of nested instances.
     shapes: u64,
     depth: usize,
 }
 
-/// State of reading a scene.
+/// State of the interpreter while it reads a pbrt scene.
 pub(super) struct Interpreter<'a> {
     files: &'a SceneFiles<'a>,
     state: GraphicsState,
@@ -74,20 +74,24 @@ pub(super) struct Interpreter<'a> {
     film: Option<(u32, u32)>,
     camera: Option<CameraDescription>,
     ambient_medium: Rc<str>,
-    /// Reflection that makes pbrt's left-handed picture right-handed, or the identity.
+    /// Reflection that converts the scene to right-handed coordinates; the identity if none is
+    /// needed.
     mirror: DAffine3,
-    /// Directive `Camera` with its transform, until the film is known.
+    /// Parameters, kind and transform of the last `Camera` directive; `None` once the camera is
+    /// made.
+    ///
+    /// The camera is made at `WorldBegin`, because it needs the film.
     camera_directive: Option<(Rc<Parameters>, String, MovingTransform)>,
     root: ObjectGroup,
     definitions: HashMap<String, Rc<ObjectDefinition>>,
-    /// Name and content of the object that is being defined.
+    /// Name and content of the object definition that is open; `None` outside of `ObjectBegin`.
     open_object: Option<(String, ObjectDefinition)>,
     includes: usize,
     shape_count: usize,
 }
 
 impl<'a> Interpreter<'a> {
-    /// Makes the interpreter at the start of a scene.
+    /// Returns the interpreter in its state before the first directive.
     pub fn new(files: &'a SceneFiles<'a>) -> Self {
         let content = SceneContent {
             meshes: BTreeMap::new(),
@@ -117,7 +121,7 @@ impl<'a> Interpreter<'a> {
         }
     }
 
-    /// Reads the directives of the scene file.
+    /// Reads the directives of the scene file, whose content is `bytes`.
     pub fn run(&mut self, bytes: &[u8]) -> ReadResult<()> {
         let file: Rc<str> = self.files.path.display().to_string().into();
         self.run_file(bytes, file, 0)?;
@@ -127,7 +131,8 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    /// Returns the imported scene.
+    /// Returns the imported scene. Adds a white sky if it has no light, and a camera if it has
+    /// none.
     pub fn finish(mut self) -> ReadResult<ImportedScene> {
         let place = Place { file: self.files.path.display().to_string().into(), line: 1 };
         if self.open_object.is_some() {
@@ -171,6 +176,8 @@ impl<'a> Interpreter<'a> {
     }
 
     /// Reads the directives of one file, and of the files that it includes.
+    ///
+    /// `depth` is the number of files that include this one, directly or indirectly.
     fn run_file(&mut self, bytes: &[u8], file: Rc<str>, depth: usize) -> ReadResult<()> {
         let text = String::from_utf8_lossy(bytes);
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
@@ -334,7 +341,7 @@ impl<'a> Interpreter<'a> {
         }
     }
 
-    /// Runs a directive with a name and parameters.
+    /// Executes a directive that has a name and parameters, such as `Shape "sphere"`.
     fn run_parametrized(&mut self, directive: &str, name: &str, parameters: Parameters) -> ReadResult<()> {
         let place = parameters.place.clone();
         match directive {
@@ -399,7 +406,7 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    /// Makes the camera of the picture, and finds whether the scene has to be mirrored.
+    /// Makes the camera from the pending `Camera` directive, and finds the reflection of the scene.
     fn place_camera(&mut self) -> ReadResult<()> {
         let Some((parameters, name, to_world)) = self.camera_directive.take() else { return Ok(()) };
         let size = self.film.unwrap_or((1280, 720));
@@ -418,7 +425,7 @@ impl<'a> Interpreter<'a> {
         let path = self.files.resolve(place, name)?;
         let bytes = self.files.read(&path)?;
         let bytes = if name.ends_with(".gz") { self.files.unzipped(&bytes, place)? } else { bytes };
-        // The state changes of an imported file end with it.
+        // State changes that an imported file makes end with this file.
         let saved = is_import.then(|| self.state.clone());
         self.run_file(&bytes, path.display().to_string().into(), depth + 1)?;
         if let Some(saved) = saved {
@@ -514,7 +521,9 @@ impl<'a> Interpreter<'a> {
     }
 }
 
-/// Returns `object` under a transform, which may move, and then under `outer`.
+/// Returns `object` under the map `outer` · `transform`.
+///
+/// The object moves if `transform` differs between the start and the end of the shutter interval.
 fn placed(
     object: Spanned<ObjectDescription>,
     outer: DAffine3,
@@ -539,7 +548,7 @@ fn placed(
     under(outer * center, Spanned::new(moving, Span::default()))
 }
 
-/// Returns the next token, which must be a text in quotes.
+/// Returns the next token, which must be a text in quotes, without the quotes.
 fn quoted(tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<String> {
     match tokens.next()? {
         Some(Token { kind: TokenKind::Quoted(text), .. }) => Ok(text.into_owned()),
@@ -549,7 +558,7 @@ fn quoted(tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<String> {
     }
 }
 
-/// Returns `count` numbers, which may stand in brackets.
+/// Reads `count` numbers, which may stand in brackets.
 fn numbers(tokens: &mut Tokens<'_>, count: usize, place: &Place) -> ReadResult<Vec<f64>> {
     let mut numbers = Vec::with_capacity(count);
     let missing = || place.error(format!("the directive needs {count} numbers"), "add the missing numbers");

@@ -1,4 +1,4 @@
-//! Lights and media of pbrt.
+//! Converts lights and media of pbrt scenes.
 
 use super::content::SceneContent;
 use super::environment::{MapLayout, equirectangular};
@@ -14,23 +14,26 @@ use crate::image::{Image, PixelMeaning};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// Rotation about y by which a picture with −z at its left edge faces −z at its center \[degrees].
+/// Rotation about y of an environment map with −z at its left edge \[degrees].
+///
+/// Caustica's maps without rotation show −z at their center.
 const LEFT_EDGE_ROTATION: f64 = 180.0;
 
-/// Lights of a scene.
+/// Converted lights of a pbrt scene. Infinite lights are merged into one.
 #[derive(Default)]
 pub(super) struct Lights {
     /// True if a shape emits light.
     pub has_emitters: bool,
     descriptions: Vec<Spanned<LightDescription>>,
-    /// Sum of the constant radiances of infinite lights.
+    /// Sum of the radiances of all infinite lights without a picture \[W/(m² sr)].
     sky: DVec3,
-    /// Picture of an infinite light, as an equirectangular map.
+    /// Environment map of the last infinite light with a picture, as an equirectangular map.
     map: Option<Image>,
 }
 
 impl Lights {
-    /// Adds a light under the transform `to_world`.
+    /// Converts and adds a light. `kind` is its name in pbrt, and `to_world` maps its own space to
+    /// world space.
     pub fn add(
         &mut self,
         kind: &str,
@@ -52,7 +55,7 @@ impl Lights {
         let position =
             |name: &str, default: DVec3| to_world.transform_point3(parameters.point(name).unwrap_or(default));
         let degenerate = |message: &str| place.error(message, "give two different points `from` and `to`");
-        // A power replaces the strength; the color keeps its hue.
+        // A parameter `power` replaces the intensity. Only the hue of the color is kept.
         let strength = |intensity: DVec3| match parameters.number("power") {
             Some(power) if power >= 0.0 => {
                 let hue = intensity / luminance(intensity).max(f64::MIN_POSITIVE);
@@ -160,7 +163,7 @@ impl Lights {
         Ok(())
     }
 
-    /// Returns the lights of the description. All infinite lights become one.
+    /// Returns all lights. Infinite lights are merged into one environment light.
     pub fn into_descriptions(
         mut self,
         content: &mut SceneContent,
@@ -182,12 +185,12 @@ impl Lights {
     }
 }
 
-/// Luminance of a linear RGB color by the weights of Rec. 709.
+/// Returns the luminance of a linear RGB color by the weights of Rec. 709.
 fn luminance(rgb: DVec3) -> f64 {
     rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// Returns the factor of a light: a number, or a color in pbrt-v3.
+/// Returns the parameter `scale` of a light, which is a number, or a color in pbrt-v3.
 fn light_scale(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<DVec3> {
     match parameters.find("scale") {
         Some(parameter) => color(parameter, ColorUse::Unbounded, &parameters.place, files),
@@ -195,7 +198,9 @@ fn light_scale(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<DV
     }
 }
 
-/// Returns the radiance of an area light; `None` if it cannot be known.
+/// Returns the radiance of an area light in W/(m² sr); it is never `None`.
+///
+/// Parameters that are ignored give a message.
 pub(super) fn area_radiance(
     parameters: &Parameters,
     files: &SceneFiles<'_>,
@@ -220,9 +225,10 @@ pub(super) fn area_radiance(
     Ok(Some(radiance * light_scale(parameters, files)?))
 }
 
-/// Returns σa, σs, emission and the phase function's mean cosine of a homogeneous medium.
+/// Returns σa and σs \[1/length], the emission, and the mean cosine g of a homogeneous medium.
 ///
-/// Returns `None` for a medium in a grid, which is left out with a note.
+/// The emission is in W/(m² sr) per length. Returns `None` for other media, which are left out with
+/// a message.
 pub(super) fn homogeneous_medium(
     name: &str,
     parameters: &Parameters,
@@ -251,10 +257,10 @@ pub(super) fn homogeneous_medium(
     if scale < 0.0 || !(g > -1.0 && g < 1.0) {
         return Err(place.error("the scale is negative, or g is not between -1 and 1", "correct the medium"));
     }
-    // pbrt's defaults: whole milk, per millimetre.
+    // pbrt's defaults: whole milk, in 1/mm.
     let absorption = value(&["sigma_a"], DVec3::new(0.0011, 0.0024, 0.014))? * scale;
     let scattering = value(&["sigma_s"], DVec3::new(2.55, 3.21, 3.77))? * scale;
     let emission = value(&["Le"], DVec3::ZERO)? * parameters.number_or("Lescale", 1.0).max(0.0);
-    // Emission counts once per absorption in pbrt.
+    // pbrt multiplies the emission `Le` by the absorption coefficient.
     Ok(Some((absorption, scattering, emission * absorption, g)))
 }

@@ -1,4 +1,4 @@
-//! Materials of pbrt as materials of the scene language.
+//! Converts materials of pbrt to materials of the scene language.
 
 use super::files::{Place, ReadResult, SceneFiles};
 use super::parameters::{Parameter, Parameters};
@@ -16,25 +16,27 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Greatest depth of mixes of mixes.
+/// Greatest nesting depth of mix materials.
 const MAX_MIX_DEPTH: usize = 16;
 
-/// Least GGX α of a rough surface: pbrt treats a smaller one as smooth.
+/// Least GGX α of a rough surface. pbrt treats a smaller α as smooth.
 const SMOOTH_ALPHA: f64 = 1e-3;
 
-/// Least GGX α of a Phong lobe: a smaller α gives a lobe narrower than a degree.
+/// Least GGX α that is converted to a Phong lobe. A smaller α would give a lobe narrower than a
+/// degree.
 const MIN_PHONG_ALPHA: f64 = 0.01;
 
-/// Greatest reflectance of a conductor at normal incidence: its index is infinite for 1.
+/// Greatest reflectance of a conductor at normal incidence. A reflectance of 1 would need an
+/// infinite k.
 const MAX_METAL_REFLECTANCE: f64 = 0.9999;
 
-/// Index of refraction of pbrt's coats and of its glossy materials.
+/// Index of refraction of pbrt's coats and glossy materials, and default of dielectrics.
 const COAT_INDEX: f64 = 1.5;
 
-/// Estimated bytes of memory for each material.
+/// Estimated memory of each material \[bytes].
 const MEMORY_PER_MATERIAL: u64 = 2_000;
 
-/// Glasses of pbrt that have no formula here, with the index at 587.56 nm and the Abbe number.
+/// Glasses of pbrt without a dispersion formula in Caustica: name, index at 587.56 nm, Abbe number.
 const GLASSES_BY_ABBE_NUMBER: [(&str, f64, f64); 5] = [
     ("BAF10", 1.6700, 47.11),
     ("F5", 1.6034, 38.03),
@@ -43,60 +45,63 @@ const GLASSES_BY_ABBE_NUMBER: [(&str, f64, f64); 5] = [
     ("SF5", 1.6727, 32.25),
 ];
 
-/// A material of the file.
+/// A material as the pbrt file defines it.
 #[derive(Clone)]
 struct FileMaterial {
     kind: String,
     parameters: Rc<Parameters>,
 }
 
-/// Materials of the file, and those of the description.
+/// Materials that the pbrt file defines, and the converted materials that shapes use.
 pub(super) struct Materials {
     numbered: Vec<Option<FileMaterial>>,
     named: HashMap<String, FileMaterial>,
-    /// Names of materials of the description, by material, medium and alpha.
+    /// Names of converted materials. The key states pbrt's material, the inner medium and the
+    /// opacity.
     used: HashMap<String, String>,
-    /// Materials of the description.
+    /// Converted materials.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
 }
 
-/// A material that is being converted.
+/// Conversion of one pbrt material for a shape.
 struct Conversion<'m> {
     materials: &'m mut Materials,
     textures: &'m mut Textures,
     files: &'m SceneFiles<'m>,
     notes: &'m mut ImportNotes,
-    /// Medium inside the surface.
+    /// Name of the medium inside the shape; `None` for vacuum.
     medium: Option<&'m str>,
 }
 
-/// GGX α of a surface.
+/// GGX α of a surface, and its mean over the texture.
 struct Roughness {
     alpha: TexturedValue<f64>,
     mean: f64,
 }
 
 impl Materials {
-    /// Makes the materials of a file, with pbrt's default as number 0.
+    /// Returns the table of materials before the first directive. Number 0 is pbrt's default
+    /// material.
     pub fn new() -> Self {
         Self { numbered: vec![None], named: HashMap::new(), used: HashMap::new(), descriptions: Vec::new() }
     }
 
-    /// Adds a material without a name, and returns its number.
+    /// Adds a pbrt material without a name, and returns its number.
     pub fn add_numbered(&mut self, kind: &str, parameters: Parameters) -> usize {
         self.numbered.push(Some(FileMaterial { kind: kind.to_owned(), parameters: Rc::new(parameters) }));
         self.numbered.len() - 1
     }
 
-    /// Adds a named material.
+    /// Adds a pbrt material under its name.
     pub fn add_named(&mut self, name: &str, parameters: Parameters) {
         let kind = parameters.text("type").unwrap_or("diffuse").to_owned();
         self.named.insert(name.to_owned(), FileMaterial { kind, parameters: Rc::new(parameters) });
     }
 
-    /// Returns the name of the description's material for a shape.
+    /// Returns the name of the converted material for a shape. Converts it at its first use.
     ///
-    /// `medium` is the medium inside the shape. `alpha` is the opacity of the shape.
+    /// `medium` is the name of the medium inside the shape. `alpha` is the parameter for its
+    /// opacity.
     pub fn resolve(
         &mut self,
         material: &CurrentMaterial,
@@ -129,7 +134,7 @@ impl Materials {
 }
 
 impl Conversion<'_> {
-    /// Adds a material of the file to the description, and returns its name.
+    /// Converts a pbrt material, adds it to the converted materials, and returns its name there.
     fn convert(&mut self, material: &CurrentMaterial, depth: usize) -> ReadResult<String> {
         let missing = |name: &str, place: &Place| {
             place.error(format!("no material is called `{name}`"), "define it with `MakeNamedMaterial`")
@@ -174,8 +179,9 @@ impl Conversion<'_> {
         Ok(name)
     }
 
-    /// Returns the name of a mix of the material with nothing; `opacity` is the amount of the
-    /// material.
+    /// Returns the name of a mix of the material `name` with a fully transparent one.
+    ///
+    /// `opacity` is the probability of the material.
     fn masked(&mut self, name: &str, opacity: TexturedValue<f64>) -> ReadResult<String> {
         let clear = MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() };
         let clear = self.push(clear, None)?;
@@ -183,7 +189,7 @@ impl Conversion<'_> {
         self.push(MaterialKindDescription::Mix { first: part(&clear), second: part(name), amount: opacity }, None)
     }
 
-    /// Returns the name of a mix of two named materials.
+    /// Converts a mix of two named materials, and returns its name.
     fn mix(&mut self, parameters: &Parameters, depth: usize) -> ReadResult<String> {
         let place = &parameters.place;
         if depth >= MAX_MIX_DEPTH {
@@ -192,7 +198,8 @@ impl Conversion<'_> {
         let listed = parameters.find("materials").map_or(&[][..], |list| &list.texts);
         let names = match (listed, parameters.text("namedmaterial1"), parameters.text("namedmaterial2")) {
             ([first, second, ..], _, _) => [first.clone(), second.clone()],
-            // In pbrt-v3, the amount is that of the first material.
+            // In pbrt-v3, the amount is the share of the first material; here it is that of the
+            // second.
             (_, Some(first), Some(second)) => [second.to_owned(), first.to_owned()],
             _ => return Err(place.error("a mix has no two materials", "name two materials: `\"string materials\"`")),
         };
@@ -210,7 +217,8 @@ impl Conversion<'_> {
         self.push(MaterialKindDescription::Mix { first, second, amount }, None)
     }
 
-    /// Returns the reflection and transmission of a material.
+    /// Converts the reflection and transmission of a material. `kind` is its type in pbrt, `p` its
+    /// parameters.
     fn surface(&mut self, kind: &str, p: &Parameters) -> ReadResult<MaterialKindDescription> {
         let place = &p.place;
         let diffuse = |reflectance: TexturedValue<DVec3>| MaterialKindDescription::Diffuse { reflectance };
@@ -298,7 +306,10 @@ impl Conversion<'_> {
         })
     }
 
-    /// Returns a conductor by the names of its reflectance, η and k.
+    /// Returns a conductor with the given reflectance at normal incidence, or else with index η +
+    /// ik.
+    ///
+    /// The names are those of the parameters for the reflectance, η and k.
     fn conductor(
         &mut self,
         p: &Parameters,
@@ -311,7 +322,7 @@ impl Conversion<'_> {
             if value.texture_name().is_some() {
                 self.note("textures of metals are their mean", place);
             }
-            // A conductor of index 1 + ik reflects k² / (4 + k²) at normal incidence.
+            // A conductor of index 1 + ik has the reflectance k² / (4 + k²) at normal incidence.
             let r = mean.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
             (DVec3::ONE, (r / (1.0 - r)).map(f64::sqrt) * 2.0)
         } else {
@@ -337,7 +348,7 @@ impl Conversion<'_> {
         Ok(MaterialKindDescription::Conductor { metal: MetalDescription::with_nearest_index(eta, k), roughness })
     }
 
-    /// Returns the index of a dielectric.
+    /// Returns the refractive index of a dielectric: a named glass, an Abbe number, or one index.
     fn refraction(&mut self, p: &Parameters) -> ReadResult<RefractiveIndexDescription> {
         let glass = p.find("eta").filter(|eta| eta.kind == "spectrum").and_then(|eta| eta.texts.first());
         if let Some(name) = glass.and_then(|name| name.strip_prefix("glass-")) {
@@ -351,7 +362,9 @@ impl Conversion<'_> {
         self.index(p, &["eta", "index"]).map(RefractiveIndexDescription::Index)
     }
 
-    /// Returns the index of refraction of a parameter, for the middle of the spectrum.
+    /// Returns the refractive index from the first parameter with one of `names`; 1.5 without any.
+    ///
+    /// The index of a spectrum is that of its green channel.
     fn index(&mut self, p: &Parameters, names: &[&str]) -> ReadResult<f64> {
         let place = &p.place;
         let index = match p.find_any(names) {
@@ -368,12 +381,14 @@ impl Conversion<'_> {
         Ok(index)
     }
 
-    /// Returns GGX α from the usual names of roughness.
+    /// Returns GGX α from pbrt's roughness parameters with their usual names.
     fn roughness(&mut self, p: &Parameters, default: f64, is_v3: bool) -> ReadResult<Roughness> {
         self.roughness_of(p, ["uroughness", "vroughness"], default, is_v3)
     }
 
-    /// Returns GGX α from a pair of names, or from `roughness`.
+    /// Returns GGX α from the parameters `u` and `v`, or else from the common `roughness`.
+    ///
+    /// Different roughness in both directions becomes its geometric mean.
     fn roughness_of(&mut self, p: &Parameters, [u, v]: [&str; 2], default: f64, is_v3: bool) -> ReadResult<Roughness> {
         let place = &p.place;
         let prefix = u.strip_suffix("uroughness").unwrap_or_default();
@@ -384,7 +399,7 @@ impl Conversion<'_> {
         };
         let (first, second) = (value(u)?, value(v)?);
         let remaps = p.flag("remaproughness") != Some(false);
-        // A v3 glass without any roughness is smooth, whatever the remapping.
+        // A pbrt-v3 material with roughness 0 is smooth, even without remapping.
         let is_smooth = |r: f64| r <= 0.0 && (is_v3 || remaps);
         let alpha = move |r: f64| {
             let alpha = match (remaps, is_v3) {
@@ -407,7 +422,8 @@ impl Conversion<'_> {
         Ok(Roughness { alpha: first, mean })
     }
 
-    /// Returns a color parameter mapped by `map`, and its mean.
+    /// Returns a color parameter, clamped to \[0, 1] and mapped by `map`, and its mean over the
+    /// texture.
     fn color(
         &mut self,
         p: &Parameters,
@@ -423,7 +439,9 @@ impl Conversion<'_> {
         self.textures.add(&value, &unit, self.files)
     }
 
-    /// Returns the mean of the channels of a value, mapped by `map`, and its mean over the texture.
+    /// Converts a value to a number: averages its channels and applies `map`.
+    ///
+    /// Returns the number or number texture, and its mean over the texture.
     fn scalar(&mut self, value: &TextureValue, map: &dyn Fn(f64) -> f64) -> ReadResult<(TexturedValue<f64>, f64)> {
         let mean = |c: DVec3| if c.x == c.y && c.y == c.z { c.x } else { c.element_sum() / 3.0 };
         let gray = |color: DVec3| DVec3::splat(map(mean(color)));
@@ -434,7 +452,7 @@ impl Conversion<'_> {
         })
     }
 
-    /// Returns the bump map or normal map of a material.
+    /// Returns the bump map or normal map of a material; `None` if it has neither.
     fn perturbation(&mut self, p: &Parameters) -> ReadResult<Option<NormalPerturbationDescription>> {
         if let Some(name) = p.text("normalmap") {
             let meaning = crate::image::PixelMeaning::Data;
@@ -461,7 +479,9 @@ impl Conversion<'_> {
     }
 }
 
-/// Returns a diffuse surface with a Phong lobe of the reflectance `f0` at normal incidence.
+/// Returns a diffuse surface with a Phong lobe that reflects `f0` in total.
+///
+/// Its exponent is 2/α² − 2 for the GGX roughness α = `alpha`.
 fn phong(diffuse: TexturedValue<DVec3>, f0: DVec3, alpha: f64) -> MaterialKindDescription {
     let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
     let shininess = 2.0 / (alpha * alpha) - 2.0;
@@ -469,7 +489,7 @@ fn phong(diffuse: TexturedValue<DVec3>, f0: DVec3, alpha: f64) -> MaterialKindDe
     MaterialKindDescription::Phong { diffuse, specular: specular.into(), shininess, texture: None }
 }
 
-/// Fresnel reflectance at normal incidence of an index.
+/// Returns the Fresnel reflectance at normal incidence of a dielectric with a given index.
 fn normal_fresnel(index: f64) -> f64 {
     let root = (index - 1.0) / (index + 1.0);
     root * root

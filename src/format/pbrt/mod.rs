@@ -1,4 +1,4 @@
-//! Scenes in pbrt's text format: version 4, with the spellings of version 3.
+//! Imports scenes in pbrt's text format, in the spelling of version 4 or 3.
 
 mod camera;
 mod content;
@@ -23,7 +23,7 @@ use files::SceneFiles;
 use interpreter::Interpreter;
 use std::path::Path;
 
-/// Importer of pbrt.
+/// Importer of pbrt scenes.
 pub(super) struct PbrtImporter;
 
 impl SceneImporter for PbrtImporter {

@@ -1,29 +1,29 @@
-//! Parameter lists of directives: `"type name" [values]`.
+//! Parameter lists of pbrt directives: `"type name" [values]`.
 
 use super::files::{Place, ReadResult, SceneFiles};
 use super::tokens::{TokenKind, Tokens};
 use glam::DVec3;
 
-/// Estimated bytes of memory for each parameter.
+/// Estimated memory of each parameter \[bytes].
 const MEMORY_PER_PARAMETER: u64 = 200;
 
-/// Help for a parameter whose values do not fit.
+/// Remedy for a parameter whose values are missing or do not fit its type.
 const VALUE_HELP: &str = "write the values as `\"float radius\" [ 1 ]`";
 
-/// A parameter of a directive.
+/// A parameter of a pbrt directive, such as `"float radius" [ 1 ]`.
 #[derive(Clone, Debug)]
 pub(super) struct Parameter {
     /// Type as the file writes it, such as `rgb`.
     pub kind: String,
     /// Name of the parameter.
     pub name: String,
-    /// Values that are numbers.
+    /// Those values that are numbers, in order.
     pub numbers: Vec<f64>,
-    /// Values that are texts or truth values.
+    /// Those values that are texts, `true` or `false`, in order.
     pub texts: Vec<String>,
 }
 
-/// Parameters of a directive, with its place.
+/// All parameters of a pbrt directive, with the position of the directive.
 #[derive(Clone, Debug)]
 pub(super) struct Parameters {
     /// Position of the directive.
@@ -32,7 +32,7 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// Returns the parameters that follow a directive at `place`.
+    /// Reads the parameters of the directive at `place`, up to the next directive.
     pub fn read(tokens: &mut Tokens<'_>, place: Place, files: &SceneFiles<'_>) -> ReadResult<Self> {
         let mut list = Vec::new();
         while let Some(token) = tokens.peek()? {
@@ -59,37 +59,39 @@ impl Parameters {
         self.list.iter().find(|parameter| parameter.name == name)
     }
 
-    /// Returns the first parameter with one of `names`.
+    /// Returns the parameter with the first of `names` that the directive has; `None` if it has
+    /// none.
     pub fn find_any(&self, names: &[&str]) -> Option<&Parameter> {
         names.iter().find_map(|name| self.find(name))
     }
 
-    /// Returns the numbers of a parameter; empty if the directive has none.
+    /// Returns the numbers of the parameter `name`; empty if the directive has no such parameter.
     pub fn numbers(&self, name: &str) -> &[f64] {
         self.find(name).map_or(&[], |parameter| &parameter.numbers)
     }
 
-    /// Returns the single number of a parameter; `None` if it has none, or is a texture.
+    /// Returns the first number of the parameter `name`; `None` if there is no number.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.numbers(name).first().copied()
     }
 
-    /// Returns the number of a parameter, or `default`.
+    /// Returns the first number of the parameter `name`, or `default` if there is no number.
     pub fn number_or(&self, name: &str, default: f64) -> f64 {
         self.number(name).unwrap_or(default)
     }
 
-    /// Returns the text of a parameter.
+    /// Returns the first text of the parameter `name`; `None` if there is no text.
     pub fn text(&self, name: &str) -> Option<&str> {
         self.find(name)?.texts.first().map(String::as_str)
     }
 
-    /// Returns the truth value of a parameter.
+    /// Returns the truth value of the parameter `name`; `None` if there is none.
     pub fn flag(&self, name: &str) -> Option<bool> {
         self.text(name).map(|text| text == "true")
     }
 
-    /// Returns the point or vector of a parameter.
+    /// Returns the first point or vector of the parameter `name`; `None` for fewer than three
+    /// numbers.
     pub fn point(&self, name: &str) -> Option<DVec3> {
         match self.numbers(name) {
             [x, y, z, ..] => Some(DVec3::new(*x, *y, *z)),
@@ -97,7 +99,7 @@ impl Parameters {
         }
     }
 
-    /// Returns the points of a parameter.
+    /// Returns the points of the parameter `name`, three numbers each; empty if there are none.
     pub fn points(&self, name: &str) -> ReadResult<Vec<DVec3>> {
         let numbers = self.numbers(name);
         if !numbers.len().is_multiple_of(3) {
@@ -109,7 +111,7 @@ impl Parameters {
 }
 
 impl Parameter {
-    /// Reads one value without brackets, or all values in brackets.
+    /// Reads the values after a parameter's type and name: one value, or all values in brackets.
     fn read_values(&mut self, tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<()> {
         let missing = |name: &str| place.error(format!("the parameter `{name}` has no values"), VALUE_HELP);
         let first = tokens.next()?.ok_or_else(|| missing(&self.name))?;
@@ -138,7 +140,7 @@ impl Parameter {
     }
 }
 
-/// Returns the finite number that `word` writes.
+/// Parses a finite number of magnitude at most 10³⁰.
 pub(super) fn parse_number(word: &str, place: &Place) -> ReadResult<f64> {
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() && number.abs() <= 1e30 => Ok(number),

@@ -1,4 +1,4 @@
-//! Shapes of pbrt.
+//! Converts shapes of pbrt scenes.
 
 use super::content::SceneContent;
 use super::files::{ReadResult, SceneFiles};
@@ -10,18 +10,19 @@ use glam::{DVec2, DVec3};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Bytes of memory for each vertex and each triangle corner of a mesh.
+/// Estimated memory per vertex and per triangle corner of a mesh \[bytes].
 const MEMORY_PER_CORNER: u64 = 100;
 
 /// Greatest number of subdivisions of a mesh.
 const MAX_LEVELS: f64 = 10.0;
 
-/// Number of segments along each side of a bilinear patch that is not flat.
+/// Number of segments along each side of a bilinear patch that is no parallelogram.
 const PATCH_SEGMENTS: u32 = 16;
 
-/// Returns the shape of a directive in object space; `None` if it is left out.
+/// Converts a `Shape` directive to a shape in object space; `None` for a shape that is left out.
 ///
-/// A mesh is embedded under the path `name`. `is_reversed` turns the shape inside out.
+/// `kind` is its type in pbrt. A mesh is embedded under the path `name`. `is_reversed` turns the
+/// shape inside out.
 pub(super) fn read_shape(
     (kind, name): (&str, &str),
     parameters: &Parameters,
@@ -79,7 +80,7 @@ pub(super) fn read_shape(
             }
             let base = triangle_mesh(parameters, files)?;
             let corners = 3 * base.triangles.len() as u64 + base.positions.len() as u64;
-            // Four times as many triangles a level, and tables of their edges.
+            // Each level has four times as many triangles. The estimate includes tables of edges.
             files.count_memory((6 * MEMORY_PER_CORNER * corners).saturating_mul(1 << (2 * levels as u64)))?;
             subdivided(base.positions, base.triangles, levels as u32)
         }
@@ -121,7 +122,7 @@ pub(super) fn read_shape(
     Ok(Some(ShapeDescription::Mesh { path, options: MeshOptions::default() }))
 }
 
-/// Returns the vertex indices of a parameter; an error if one is no vertex.
+/// Returns the vertex indices of the parameter `indices`. Fails if one is not below `count`.
 fn indices(parameters: &Parameters, count: usize, files: &SceneFiles<'_>) -> ReadResult<Vec<u32>> {
     let numbers = parameters.numbers("indices");
     files.count_memory(MEMORY_PER_CORNER * numbers.len() as u64)?;
@@ -135,7 +136,7 @@ fn indices(parameters: &Parameters, count: usize, files: &SceneFiles<'_>) -> Rea
     numbers.iter().map(index).collect()
 }
 
-/// Returns the positions, normals and texture coordinates of a mesh, without faces.
+/// Returns a mesh with the positions, normals and texture coordinates of a shape, but no triangles.
 fn vertices(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<TriangleMesh> {
     let place = &parameters.place;
     let positions = parameters.points("P")?;
@@ -160,7 +161,7 @@ fn vertices(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<Trian
     Ok(TriangleMesh { positions, normals, texcoords, ..TriangleMesh::default() })
 }
 
-/// Returns a mesh of triangles.
+/// Returns the mesh of a `trianglemesh` or the control mesh of a `loopsubdiv` shape.
 fn triangle_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<TriangleMesh> {
     let mut mesh = vertices(parameters, files)?;
     let mut corners = indices(parameters, mesh.positions.len(), files)?;
@@ -176,7 +177,7 @@ fn triangle_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<
     Ok(mesh)
 }
 
-/// Turns triangles so that they face along their normals, as pbrt does.
+/// Flips each triangle whose winding opposes its vertex normals. pbrt also orients faces by them.
 fn face_normals(mesh: &mut TriangleMesh) {
     let TriangleMesh { positions, triangles, normals: Some(normals), .. } = mesh else { return };
     for triangle in triangles {
@@ -188,7 +189,9 @@ fn face_normals(mesh: &mut TriangleMesh) {
     }
 }
 
-/// Returns the triangles of bilinear patches. Flat ones with straight sides are two triangles.
+/// Returns the triangles of bilinear patches. A parallelogram becomes two triangles.
+///
+/// Any other patch is divided into [`PATCH_SEGMENTS`]² quads.
 fn bilinear_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<TriangleMesh> {
     let base = vertices(parameters, files)?;
     let mut corners = indices(parameters, base.positions.len(), files)?;

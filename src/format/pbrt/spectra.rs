@@ -1,4 +1,4 @@
-//! Colors of pbrt: RGB, XYZ, blackbodies, sampled and named spectra.
+//! Converts colors and spectra of pbrt: RGB, XYZ, blackbodies, sampled and named spectra.
 
 use super::files::{Place, ReadResult, SceneFiles};
 use super::parameters::{Parameter, parse_number};
@@ -6,30 +6,30 @@ use crate::bsdf::metal_refractive_index;
 use crate::color::{Spectrum, illuminant_rgb, xyz_to_rgb};
 use glam::DVec3;
 
-/// Meaning of a color.
+/// Quantity that a color stands for. It decides how a spectrum becomes RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ColorUse {
     /// Reflectance or transmittance, inside \[0, 1].
     Reflectance,
-    /// Light. Spectra of pbrt-v4 have luminance 1 before their scale.
+    /// Radiance or intensity of a light. pbrt-v4 normalizes its spectra to luminance 1.
     Light {
-        /// True for files of pbrt-v3, which keeps the unit of spectra.
+        /// True for a scene of pbrt-v3, which does not normalize spectra.
         is_v3: bool,
     },
-    /// Number by wavelength, such as an absorption coefficient.
+    /// Other quantity that depends on wavelength, such as an absorption coefficient.
     Unbounded,
 }
 
-/// A spectrum, or its values for linear red, green and blue.
+/// A quantity that depends on wavelength: a spectrum, or values for red, green and blue.
 pub(super) enum SpectralValue {
-    /// Values by wavelength.
+    /// Spectrum: values by wavelength.
     Spectrum(Spectrum),
-    /// Values by channel.
+    /// Values for linear red, green and blue.
     Channels(DVec3),
 }
 
 impl SpectralValue {
-    /// Returns the values by channel.
+    /// Returns the values for red, green and blue. Those of a spectrum are means over wavelengths.
     pub fn channels(&self) -> DVec3 {
         match self {
             Self::Spectrum(spectrum) => spectrum.channel_means(),
@@ -38,7 +38,7 @@ impl SpectralValue {
     }
 }
 
-/// Returns the linear RGB value of a parameter.
+/// Returns the linear RGB value of a color parameter, which stands for the quantity `wanted`.
 pub(super) fn color(
     parameter: &Parameter,
     wanted: ColorUse,
@@ -74,7 +74,7 @@ pub(super) fn color(
     Ok(value)
 }
 
-/// Returns the spectrum or channels of a parameter.
+/// Returns the value of a color parameter, as a spectrum if it is one.
 pub(super) fn spectral_value(
     parameter: &Parameter,
     place: &Place,
@@ -94,7 +94,7 @@ pub(super) fn spectral_value(
     }
 }
 
-/// Returns the spectrum of pairs of wavelength and value.
+/// Returns the spectrum of a list that alternates between wavelength \[nm] and value.
 fn sampled(pairs: &[f64], place: &Place) -> ReadResult<Spectrum> {
     let samples = pairs.as_chunks::<2>().0.to_vec();
     let spectrum = if pairs.len().is_multiple_of(2) { Spectrum::from_samples(samples) } else { None };
@@ -103,7 +103,7 @@ fn sampled(pairs: &[f64], place: &Place) -> ReadResult<Spectrum> {
     })
 }
 
-/// Returns the spectrum with a name of pbrt, or that of a file.
+/// Returns the spectrum that pbrt calls `name`, or that of the file `name`.
 fn named_spectrum(name: &str, place: &Place, files: &SceneFiles<'_>) -> ReadResult<SpectralValue> {
     if let Some(metal) = name.strip_prefix("metal-") {
         let (metal, is_eta) = match (metal.strip_suffix("-eta"), metal.strip_suffix("-k")) {
@@ -135,7 +135,9 @@ fn named_spectrum(name: &str, place: &Place, files: &SceneFiles<'_>) -> ReadResu
     sampled(&numbers, &Place { file, line: 1 }).map(SpectralValue::Spectrum)
 }
 
-/// Returns η or k of a metal or of an oxide that pbrt counts among the metals.
+/// Returns η or k of a metal, or of an oxide that pbrt lists among the metals; `None` if unknown.
+///
+/// `is_eta` selects η.
 fn metal_index(name: &str, is_eta: bool) -> Option<DVec3> {
     let oxide = match name {
         "MgO" => Some(1.737),

@@ -7,15 +7,15 @@ use crate::math::Transform;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use std::rc::Rc;
 
-/// Largest rotation that counts as none \[radians].
+/// Rotations of at most this angle are ignored \[radians].
 const LEAST_ROTATION: f64 = 1e-9;
 
-/// Transforms at the start and the end of the shutter interval.
+/// Transforms from object to world space at the start and the end of the shutter interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MovingTransform(pub [DAffine3; 2]);
 
 impl MovingTransform {
-    /// The transform that changes nothing.
+    /// The identity at both times.
     pub const IDENTITY: Self = Self([DAffine3::IDENTITY; 2]);
 
     /// Returns the inverse at both times; `None` if one is singular.
@@ -30,17 +30,17 @@ impl MovingTransform {
     }
 }
 
-/// Motion of an object: the steps about a center, and true if the steps are only approximate.
+/// Motion of an object over the shutter interval, as steps about a center.
 pub(super) struct ObjectMotion {
     /// Center of the rotation in world space: the origin of the object when the shutter opens.
     pub center: DVec3,
     /// Translation and rotation, the translation first.
     pub steps: Vec<TransformStep>,
-    /// True if the motion also scales or shears, which the steps omit.
+    /// True if the object also changes its scale or shear. `steps` omit this change.
     pub omits_scale: bool,
 }
 
-/// Returns the motion between the two transforms; `None` for an object at rest.
+/// Returns the motion from the start transform to the end transform; `None` if they are equal.
 pub(super) fn object_motion(transform: &MovingTransform) -> Option<ObjectMotion> {
     let [start, end] = transform.0;
     if transform.is_still() {
@@ -54,7 +54,7 @@ pub(super) fn object_motion(transform: &MovingTransform) -> Option<ObjectMotion>
     let mut steps = vec![TransformStep::Translate(end.translation - start.translation)];
     if is_rotation && unscaled.determinant() > 0.0 {
         let rotation = DQuat::from_mat3(&unscaled);
-        // The shorter way around.
+        // q and −q are one rotation. This one has the smaller angle.
         let rotation = if rotation.w < 0.0 { -rotation } else { rotation };
         let angle = 2.0 * libm::atan2(rotation.xyz().length(), rotation.w);
         if angle > LEAST_ROTATION {
@@ -64,41 +64,41 @@ pub(super) fn object_motion(transform: &MovingTransform) -> Option<ObjectMotion>
     Some(ObjectMotion { center: start.translation, steps, omits_scale })
 }
 
-/// Area light of the shapes that follow.
+/// Directive `AreaLightSource`, which applies to the shapes that follow.
 #[derive(Clone, Debug)]
 pub(super) struct AreaLight {
     /// Parameters of the directive.
     pub parameters: Rc<Parameters>,
 }
 
-/// Material of the shapes that follow.
+/// Material that applies to the shapes that follow.
 #[derive(Clone, Debug)]
 pub(super) enum CurrentMaterial {
-    /// Material without a name, by number.
+    /// Material of a `Material` directive, which has no name, by its number.
     Numbered(usize),
-    /// Named material, which may be defined later.
+    /// Name of a material, which may be defined later, with the position that names it.
     Named(Rc<str>, Place),
 }
 
-/// The graphics state.
+/// pbrt's graphics state, which applies to the directives that follow.
 #[derive(Clone, Debug)]
 pub(super) struct GraphicsState {
-    /// Transform from object to world space.
+    /// Current transform from object to world space.
     pub transform: MovingTransform,
-    /// Transforms that directives change: at the start and the end of the shutter interval.
+    /// True for each of the two transforms (shutter start, shutter end) that directives change.
     pub is_active: [bool; 2],
     /// True if shapes are turned inside out.
     pub is_reversed: bool,
-    /// Material of shapes.
+    /// Material of the shapes that follow.
     pub material: CurrentMaterial,
-    /// Emission of shapes.
+    /// Emission of the shapes that follow; `None` if they emit nothing.
     pub area_light: Option<AreaLight>,
     /// Names of the media inside and outside of shapes; empty for vacuum.
     pub media: [Rc<str>; 2],
 }
 
 impl GraphicsState {
-    /// Returns the state at the start of a file.
+    /// Returns the graphics state before the first directive.
     pub fn new() -> Self {
         Self {
             transform: MovingTransform::IDENTITY,
@@ -110,7 +110,7 @@ impl GraphicsState {
         }
     }
 
-    /// Multiplies the active transforms by `map`, which applies first.
+    /// Replaces each active transform T by T · `map`, so that `map` is applied first.
     pub fn concatenate(&mut self, map: DAffine3, place: &Place) -> ReadResult<()> {
         for i in 0..2 {
             if self.is_active[i] {
@@ -124,7 +124,7 @@ impl GraphicsState {
         Ok(())
     }
 
-    /// Replaces the active transforms.
+    /// Replaces the active transforms by those of `transform`.
     pub fn set_transform(&mut self, transform: MovingTransform) {
         for i in 0..2 {
             if self.is_active[i] {
@@ -134,7 +134,7 @@ impl GraphicsState {
     }
 }
 
-/// Returns the affine map of a directive's numbers; the directive is a transform.
+/// Returns the affine map of a transform directive, such as `Rotate`, with the numbers `n`.
 pub(super) fn transform_map(directive: &str, n: &[f64], place: &Place) -> ReadResult<DAffine3> {
     let vector = |i: usize| DVec3::new(n[i], n[i + 1], n[i + 2]);
     let invalid = |message: &str| place.error(message, "correct the numbers of the transform");
@@ -176,7 +176,7 @@ mod tests {
         Place { file: "test".into(), line: 1 }
     }
 
-    /// pbrt's camera looks along +z, and +x is to the right.
+    /// pbrt's camera looks along +z, with +x to the right.
     #[test]
     fn look_at_maps_the_view_to_z() {
         let map = transform_map("LookAt", &[1.0, 2.0, 3.0, 1.0, 2.0, 13.0, 0.0, 1.0, 0.0], &place()).unwrap();

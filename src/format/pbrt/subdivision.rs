@@ -1,26 +1,27 @@
-//! Loop subdivision of triangle meshes (Loop 1987), with vertices at their limit positions.
+//! Loop subdivision of triangle meshes (Loop 1987). Vertices move to their limit positions.
 
 use crate::format::mesh::TriangleMesh;
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Neighbors of a vertex.
+/// Sums over the neighbors of a vertex.
 #[derive(Clone, Debug, Default)]
 struct Neighborhood {
-    /// Number of edges.
+    /// Number of edges at the vertex.
     valence: u32,
     /// Sum of the positions of all neighbors.
     sum: DVec3,
-    /// Number of boundary edges.
+    /// Number of boundary edges at the vertex.
     boundary_edges: u32,
     /// Sum of the positions of neighbors along boundary edges.
     boundary_sum: DVec3,
 }
 
-/// Edges with the number of their triangles and the corners that lie opposite.
+/// Edges of a mesh: vertex indices, lower first; number of triangles; their opposite corners.
 type Edges = HashMap<[u32; 2], (u32, [u32; 2])>;
 
-/// Returns the mesh after `levels` subdivisions, with smooth normals.
+/// Returns the mesh after `levels` Loop subdivisions, at its limit positions and with smooth
+/// normals.
 pub(super) fn subdivided(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, levels: u32) -> TriangleMesh {
     let (mut positions, mut triangles) = (positions, triangles);
     for _ in 0..levels {
@@ -59,7 +60,7 @@ fn subdivided_once(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, 
     (fine, out)
 }
 
-/// Returns the edges of a mesh. The indices of each are sorted.
+/// Returns the edges of a mesh. The two vertex indices of each edge are sorted.
 fn edges(triangles: &[[u32; 3]]) -> Edges {
     let mut edges = Edges::with_capacity(2 * triangles.len());
     for &[a, b, c] in triangles {
@@ -74,10 +75,10 @@ fn edges(triangles: &[[u32; 3]]) -> Edges {
     edges
 }
 
-/// Returns the neighbors of each vertex.
+/// Returns, for each vertex, sums over its neighbors.
 fn neighborhoods(positions: &[DVec3], edges: &Edges) -> Vec<Neighborhood> {
     let mut neighbors = vec![Neighborhood::default(); positions.len()];
-    // Sums depend on the order of their terms, so the edges are sorted.
+    // A floating-point sum depends on the order of its terms, and a hash map has no order.
     let mut sorted: Vec<_> = edges.iter().collect();
     sorted.sort_unstable_by_key(|(ends, _)| **ends);
     for (&[a, b], (count, _)) in sorted {
@@ -94,12 +95,12 @@ fn neighborhoods(positions: &[DVec3], edges: &Edges) -> Vec<Neighborhood> {
     neighbors
 }
 
-/// Weight of each neighbor of an inner vertex (Warren 1995).
+/// Returns the weight of each neighbor of an inner vertex (Warren 1995).
 fn neighbor_weight(valence: u32) -> f64 {
     if valence == 3 { 3.0 / 16.0 } else { 3.0 / (8.0 * f64::from(valence)) }
 }
 
-/// Returns the position of a vertex after one subdivision.
+/// Returns the new position of an old vertex after one subdivision.
 fn even_position(position: DVec3, around: &Neighborhood) -> DVec3 {
     match around.boundary_edges {
         0 if around.valence > 0 => {
@@ -145,8 +146,8 @@ mod tests {
         for corner in &coarse.positions {
             assert!(fine.positions.iter().any(|p| p.abs_diff_eq(*corner, 1e-12)), "{corner}");
         }
-        // Loop's rules put the limits of corners at 1/2, and those of edge midpoints at 29/96, see
-        // the weights 3/8 and 1/8 of an edge, 1/2 and 1/12 of a limit of valence 6.
+        // Loop's rules put the limits of corners at 1/2 and those of edge midpoints at 29/96. The
+        // weights are 3/8 and 1/8 for an edge, and 1/2 and 1/12 for a limit position of valence 6.
         for limit in [DVec3::X * 0.5, DVec3::new(29.0, 29.0, 0.0) / 96.0] {
             assert!(fine.positions.iter().any(|p| p.abs_diff_eq(limit, 1e-12)), "{limit}");
         }

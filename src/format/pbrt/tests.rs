@@ -23,7 +23,7 @@ fn messages(scene: &ImportedScene) -> String {
     scene.notes.iter().map(|note| format!("{}\n", note.message)).collect()
 }
 
-/// Returns the material of the only shape.
+/// Returns the material of the only shape in a scene with the directives `text`.
 fn material(text: &str) -> MaterialKindDescription {
     let scene = imported(&format!("WorldBegin {text} Shape \"sphere\""));
     scene.description.materials.last().unwrap().kind.clone()
@@ -70,7 +70,7 @@ fn lights_have_the_strength_of_the_file() {
     let lights: Vec<_> = scene.description.lights.iter().map(|light| light.value.clone()).collect();
     let LightDescription::Point { strength, .. } = lights[0] else { panic!() };
     assert_eq!(strength, PointLightStrength::Intensity(DVec3::new(2.0, 4.0, 6.0)));
-    // Spectra of light have luminance 1, whatever their values.
+    // Light spectra have luminance 1, whatever their values.
     let LightDescription::Spot { strength: PointLightStrength::Intensity(intensity), .. } = lights[1] else { panic!() };
     let luminance = |c: DVec3| c.dot(DVec3::new(0.2126, 0.7152, 0.0722));
     assert!((luminance(intensity) - 1.0).abs() < 1e-9);
@@ -188,7 +188,7 @@ fn defects_are_refused_with_their_line() {
 fn deep_and_large_scenes_are_refused() {
     let deep = "AttributeBegin ".repeat(20_000);
     assert!(import(&deep).unwrap_err().to_string().contains("too deep"));
-    // Objects of objects: 2 to the power of 40 spheres.
+    // Nested objects that stand for 2⁴⁰ spheres.
     let mut text = "WorldBegin ObjectBegin \"0\" Shape \"sphere\" ObjectEnd ".to_owned();
     for i in 0..40 {
         let next = i + 1;

@@ -1,4 +1,4 @@
-//! Textures of pbrt as textures and pictures of the description.
+//! Converts textures of pbrt to textures and embedded pictures of the imported scene.
 
 use super::files::{Place, ReadResult, SceneFiles};
 use super::parameters::{Parameter, Parameters};
@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A texture of the file: its pattern, times a factor.
+/// A texture that the pbrt file defines, or a constant in place of one.
 #[derive(Clone, Debug)]
 pub(super) enum TextureValue {
     /// One value everywhere.
@@ -23,33 +23,33 @@ pub(super) enum TextureValue {
     Picture {
         /// The picture; its values are linear.
         image: Arc<Image>,
-        /// Factor of the values.
+        /// Factor that multiplies the pixel values.
         factor: DVec3,
-        /// Rule beyond the edges.
+        /// Rule for texture coordinates beyond the picture's edges.
         wrap: WrapMode,
-        /// Transform of texture coordinates.
+        /// Transform from the surface's texture coordinates to those of the picture.
         coordinates: TexcoordTransformDescription,
     },
     /// A checkerboard of two colors.
     Checker {
-        /// Both colors.
+        /// Colors of both kinds of squares.
         colors: [DVec3; 2],
-        /// Transform of texture coordinates.
+        /// Transform from the surface's texture coordinates to those of the checkerboard.
         coordinates: TexcoordTransformDescription,
     },
-    /// Noise between two colors.
+    /// A solid texture: noise that blends two colors.
     Solid {
         /// Function of the position.
         pattern: SolidPatternDescription,
-        /// Both colors.
+        /// Colors where the pattern has the values 0 and 1.
         colors: [DVec3; 2],
-        /// Number of octaves.
+        /// Number of noise octaves.
         octaves: u32,
     },
 }
 
 impl TextureValue {
-    /// Returns the texture with all values mapped; `map` acts on each value.
+    /// Returns the texture with `map` applied to all its values.
     fn mapped(&self, map: &dyn Fn(DVec3) -> DVec3) -> Self {
         match self {
             Self::Constant(value) => Self::Constant(map(*value)),
@@ -69,7 +69,7 @@ impl TextureValue {
         }
     }
 
-    /// Returns the mean over the texture.
+    /// Returns the mean value of the texture, before it is interpolated.
     fn mean(&self) -> DVec3 {
         match self {
             Self::Constant(value) => *value,
@@ -81,7 +81,7 @@ impl TextureValue {
         }
     }
 
-    /// Returns the bytes that a copy takes.
+    /// Returns the memory that a copy of the texture takes \[bytes].
     fn memory(&self) -> u64 {
         match self {
             Self::Picture { image, .. } => 12 * image.pixels().len() as u64,
@@ -90,19 +90,20 @@ impl TextureValue {
     }
 }
 
-/// Textures that a file defines, and those of the description.
+/// Textures that the pbrt file defines, and the converted textures and pictures that materials use.
 #[derive(Default)]
 pub(super) struct Textures {
-    /// Textures of the file: those of floats, and those of colors, by name.
+    /// Textures that the pbrt file defines, by name. The key's flag is true for color textures.
     defined: HashMap<(bool, String), TextureValue>,
-    /// Textures of the description.
+    /// Converted textures.
     pub descriptions: Vec<Spanned<TextureDescription>>,
-    /// Embedded pictures, by path.
+    /// Embedded pictures of the converted textures and environment map, by path.
     pub pictures: BTreeMap<String, Arc<Image>>,
 }
 
 impl Textures {
-    /// Defines a texture of a name and class; the flag is true for colors.
+    /// Defines a texture of pbrt. `class` is its type, such as `imagemap`; `is_color` is false for
+    /// numbers.
     pub fn define(
         &mut self,
         (name, class, is_color): (&str, &str, bool),
@@ -209,7 +210,7 @@ impl Textures {
         Ok(())
     }
 
-    /// Returns the value of a parameter: a number, a color, or a texture of the file.
+    /// Returns the value of a material parameter, which is a number, a color, or a texture's name.
     pub fn parameter_value(
         &self,
         parameter: &Parameter,
@@ -231,7 +232,10 @@ impl Textures {
         })
     }
 
-    /// Adds the texture of values mapped by `map`; returns a constant or its name, and its mean.
+    /// Applies `map` to all values of a texture, and adds it to the converted textures.
+    ///
+    /// Returns the texture's name, or the value if it is constant, and the mean of the mapped
+    /// values.
     pub fn add(
         &mut self,
         value: &TextureValue,
@@ -267,7 +271,7 @@ impl Textures {
         Ok((TexturedValue::Texture(Spanned::new(name, Span::default())), mean))
     }
 
-    /// Embeds a picture, and returns its path.
+    /// Embeds a picture in the imported scene, and returns its path there.
     pub fn embed(&mut self, image: Image, files: &SceneFiles<'_>) -> ReadResult<String> {
         files.count_memory(12 * image.pixels().len() as u64)?;
         let path = format!("picture{}", self.pictures.len());
@@ -276,7 +280,7 @@ impl Textures {
     }
 }
 
-/// Returns the transform of texture coordinates of a texture.
+/// Returns the transform of texture coordinates that a texture's parameters give.
 fn coordinates(parameters: &Parameters, notes: &mut ImportNotes) -> TexcoordTransformDescription {
     if parameters.text("mapping").is_some_and(|mapping| mapping != "uv") {
         let message = "textures are mapped by texture coordinates only";
@@ -285,12 +289,12 @@ fn coordinates(parameters: &Parameters, notes: &mut ImportNotes) -> TexcoordTran
     let pair =
         |u: &str, v: &str, default: f64| DVec2::new(parameters.number_or(u, default), parameters.number_or(v, default));
     let mut scale = pair("uscale", "vscale", 1.0);
-    // A scale of 0 shows one line of the texture.
+    // A scale of 0 shows a single line of the texture. A tiny scale does so too, and is invertible.
     scale = scale.map(|s| if s == 0.0 { 1e-12 } else { s });
     TexcoordTransformDescription { scale, rotate: 0.0, offset: pair("udelta", "vdelta", 0.0) }
 }
 
-/// Reads a picture that the scene names: PNG, OpenEXR, Radiance HDR or JPEG.
+/// Reads the picture file that the scene calls `name`: PNG, OpenEXR, Radiance HDR or JPEG.
 pub(super) fn read_picture(
     name: &str,
     meaning: PixelMeaning,

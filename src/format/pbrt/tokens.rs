@@ -1,10 +1,10 @@
-//! Tokens of pbrt's text format: words, numbers, quoted texts and brackets.
+//! Splits pbrt's text format into tokens: words, numbers, quoted texts and brackets.
 
 use super::files::{Place, ReadResult};
 use std::borrow::Cow;
 use std::rc::Rc;
 
-/// A token with its line.
+/// A token of a pbrt file, with its line.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Token<'t> {
     /// Content of the token.
@@ -26,7 +26,7 @@ pub(super) enum TokenKind<'t> {
     Close,
 }
 
-/// Reader of the tokens of one file.
+/// Reader of the tokens of one pbrt file.
 pub(super) struct Tokens<'t> {
     text: &'t str,
     position: usize,
@@ -36,12 +36,12 @@ pub(super) struct Tokens<'t> {
 }
 
 impl<'t> Tokens<'t> {
-    /// Makes the tokens of `text`. Errors name `file`.
+    /// Starts reading the tokens of `text`. Errors name `file`.
     pub fn new(text: &'t str, file: Rc<str>) -> Self {
         Self { text, position: 0, line: 1, file, peeked: None }
     }
 
-    /// Returns the position of a token for messages.
+    /// Returns the position of `line` in this file, for messages.
     pub fn place(&self, line: u32) -> Place {
         Place { file: Rc::clone(&self.file), line }
     }
@@ -54,7 +54,7 @@ impl<'t> Tokens<'t> {
         self.read()
     }
 
-    /// Returns the next token; `None` at the end of the file.
+    /// Returns the next token without moving past it; `None` at the end of the file.
     pub fn peek(&mut self) -> ReadResult<Option<&Token<'t>>> {
         if self.peeked.is_none() {
             self.peeked = self.read()?;
@@ -105,8 +105,9 @@ impl<'t> Tokens<'t> {
         }
     }
 
-    /// Returns the text up to the closing quote, and moves past it. `rest` follows the opening
-    /// quote.
+    /// Returns the quoted text at the start of `rest`, and moves past its closing quote.
+    ///
+    /// `rest` starts after the opening quote.
     fn quoted(&mut self, rest: &'t str) -> ReadResult<Cow<'t, str>> {
         let mut is_escaped = false;
         for (i, byte) in rest.bytes().enumerate() {
@@ -125,7 +126,7 @@ impl<'t> Tokens<'t> {
     }
 }
 
-/// Returns `text` with its escapes replaced.
+/// Returns `text` with its escape sequences replaced by the characters that they stand for.
 fn unescaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut characters = text.chars();

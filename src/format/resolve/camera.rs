@@ -1,4 +1,4 @@
-//! Builds the camera of a description.
+//! Builds the camera from its description in the scene file.
 
 use super::aim_direction;
 use crate::camera::{Camera, Lens};
@@ -9,7 +9,9 @@ use crate::format::line_error::MessageAndRemedy;
 use crate::format::{SceneError, SourceText};
 use glam::DVec3;
 
-/// Returns the camera of a description; an error if single precision cannot represent its view.
+/// Returns the camera of the scene description.
+///
+/// Fails if single precision cannot represent its view, or if `up` is parallel to the view.
 pub(in crate::format) fn resolve_camera(
     description: &SceneDescription,
     source: &SourceText,
@@ -44,13 +46,14 @@ pub(in crate::format) fn resolve_camera(
 /// Greatest rounding error of a unit vector in single precision \[rad]: about 2⁻²⁴.
 const MAX_DIRECTION_ERROR: f64 = 1.0 / 16_777_216.0;
 
-/// Greatest tangent of the angle between the picture's center and corner.
+/// Greatest tangent of the angle between the view direction and a corner of the picture.
 ///
-/// At this angle, a rounding error of a direction moves the corner by 1/256 of its distance from
-/// the picture's center.
+/// At this angle, the rounding error of a ray direction moves a corner by 1/256 of its distance
+/// from the picture's center.
 const MAX_CORNER_TANGENT: f64 = 65_536.0;
 
-/// Returns an error if single precision cannot distinguish the pixels of a perspective picture.
+/// Fails if single precision cannot distinguish the directions to the pixels of a perspective
+/// picture.
 ///
 /// `angle` is the vertical field of view in degrees. `width` and `height` are in pixels.
 fn check_field_of_view(angle: f64, (width, height): (u32, u32)) -> Result<(), MessageAndRemedy> {
@@ -70,15 +73,14 @@ fn check_field_of_view(angle: f64, (width, height): (u32, u32)) -> Result<(), Me
     Ok(())
 }
 
-/// Least focus distance. Squares of shorter lengths underflow in single precision.
+/// Least focus distance \[length]. Squares of shorter lengths underflow in single precision.
 const MIN_FOCUS_DISTANCE: f64 = 1e-12;
 
-/// Greatest lens radius and focus distance, in scene units.
-///
-/// Single precision can hold their squares and products.
+/// Greatest lens radius and focus distance \[length]. Single precision can hold their squares and
+/// products.
 const MAX_LENS_LENGTH: f64 = 1e12;
 
-/// Returns an error if single precision cannot hold the squares of lens radius and focus distance.
+/// Fails if single precision cannot hold the squares of the lens radius and the focus distance.
 fn check_lens(lens: &Lens) -> Result<(), MessageAndRemedy> {
     if !(lens.radius < MAX_LENS_LENGTH && lens.focus < MAX_LENS_LENGTH) {
         let message = "the lens is larger, or focused farther, than single precision can hold";
@@ -91,7 +93,9 @@ fn check_lens(lens: &Lens) -> Result<(), MessageAndRemedy> {
     Ok(())
 }
 
-/// Returns the lens of a camera at `center`; `angle` is the vertical field of view in degrees.
+/// Returns the lens of a camera at `center` that looks along `direction`.
+///
+/// `angle` is the vertical field of view in degrees.
 fn resolve_lens(lens: &description::LensDescription, angle: f64, center: DVec3, direction: DVec3) -> Lens {
     let radius = match lens.aperture {
         ApertureDescription::Radius(radius) => radius,

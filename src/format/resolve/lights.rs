@@ -18,7 +18,7 @@ use crate::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Adds a described light to the scene. Its own position is the origin of its `motion`.
+/// Adds a described light to the scene. Its own position is the pivot of its `motion`.
 pub(super) fn add_light(
     r: &mut Resolver<'_>,
     light: &Spanned<LightDescription>,
@@ -121,17 +121,18 @@ fn make_oriented_light(
             let profile =
                 parse_intensity_profile(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
             let map = map_from_intensity_profile(&profile).map_err(|e| refuse(&e.to_string()))?;
-            // The map of a profile is symmetric about its up direction, so `up` is the axis of the
-            // light.
+            // The intensity map of a profile is symmetric about its up direction. So `up` is the
+            // light's axis.
             (IntensityPattern::Map(Arc::new(map)), direction.any_orthogonal_vector(), direction)
         }
     };
     Ok(OrientedPointLight { position, direction, up, pattern })
 }
 
-/// Parses the pairs of angle \[degrees] and intensity of a profile; `None` if the table is invalid.
+/// Parses an intensity profile: pairs of an angle from the axis \[degrees] and an intensity.
 ///
-/// Each line holds one pair, in ascending order of angle. `#` starts a comment.
+/// Each line holds one pair, in ascending order of angle. `#` starts a comment. `None` if the text
+/// is no such table.
 fn parse_intensity_profile(text: &str) -> Option<Vec<(f64, f64)>> {
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
     let pair = |line: &str| {
@@ -147,7 +148,7 @@ fn parse_intensity_profile(text: &str) -> Option<Vec<(f64, f64)>> {
     (pairs.len() >= 2 && ascending && in_range).then_some(pairs)
 }
 
-/// Adds a point, spot, directional or oriented light, which has no area.
+/// Adds a light without area: point, spot, directional or oriented.
 fn add_delta_light(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) {
     if motion.is_constant() {
         r.builder.add_delta_light(kind, strength);
@@ -156,7 +157,7 @@ fn add_delta_light(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightSt
     }
 }
 
-/// Adds a light-emitting shape that reflects nothing. `center` is the origin of its `motion`.
+/// Adds a light-emitting shape that reflects nothing. `center` is the pivot of its `motion`.
 fn add_area_light(
     r: &mut Resolver<'_>,
     shape: Shape,

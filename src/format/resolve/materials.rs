@@ -12,7 +12,8 @@ use crate::format::description::{
 use crate::format::language::nearest_word;
 use crate::scene::{Body, Material};
 
-/// Adds all materials of the description in their order, so that their indices stay the same.
+/// Adds all materials of the description to the scene. Their indices equal those in the
+/// description.
 ///
 /// Adds a white diffuse material if the description has none.
 pub(super) fn add_materials(r: &mut Resolver<'_>) -> Result<(), SceneError> {
@@ -50,9 +51,10 @@ pub(super) fn material_index(r: &Resolver<'_>, name: &Spanned<String>) -> Result
     })
 }
 
-/// Converts a described material, except for its medium and its bump or normal map.
+/// Converts a described material to one of the renderer, without its medium and its bump or normal
+/// map.
 ///
-/// Adds to `requirements` what the material's textures need from a surface.
+/// Adds to `requirements` the surface properties that the material's textures need.
 pub(super) fn resolve_material(
     r: &mut Resolver<'_>,
     kind: &MaterialKindDescription,
@@ -98,10 +100,10 @@ pub(super) fn resolve_material(
     })
 }
 
-/// Adds the glass of a described refractive index to the scene.
+/// Returns the refractive index at the d line (587.56 nm), and the index of the glass.
 ///
-/// Returns the refractive index at the d line (587.56 nm), and the position of the glass among the
-/// glasses of the scene. The position is `None` if there is no dispersion.
+/// A material with dispersion adds a glass to the scene's list of glasses. The index in this list
+/// is `None` for a material without dispersion.
 fn add_refractive_index(
     r: &mut Resolver<'_>,
     described: &RefractiveIndexDescription,
@@ -115,7 +117,8 @@ fn add_refractive_index(
     Ok((glass.refractive_index_at_d_line(), Some(r.builder.add_glass(glass))))
 }
 
-/// Returns the glass called `name`; if there is none, an error that lists all names.
+/// Returns the dispersion formula of the glass called `name`. The error for an unknown name lists
+/// all names.
 fn find_glass(r: &Resolver<'_>, name: &Spanned<String>) -> Result<DispersionFormula, SceneError> {
     glass_by_name(name).ok_or_else(|| {
         let names = || GLASSES.iter().map(|g| g.0);
@@ -127,7 +130,7 @@ fn find_glass(r: &Resolver<'_>, name: &Spanned<String>) -> Result<DispersionForm
     })
 }
 
-/// Returns η and k of the complex refractive index η + ik.
+/// Returns η and k of a metal's complex refractive index η + ik, for red, green and blue.
 fn complex_refractive_index(r: &Resolver<'_>, described: &MetalDescription) -> Result<(Rgb, Rgb), SceneError> {
     match described {
         MetalDescription::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),

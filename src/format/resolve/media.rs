@@ -1,4 +1,4 @@
-//! Adds the media of a description to the scene, and the bodies that they fill.
+//! Adds media to the scene and fills bodies with them.
 
 use super::{Resolver, rgb};
 use crate::color::Rgb;
@@ -13,7 +13,7 @@ use crate::stats::format_bytes;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
-/// Greatest allowed density. Its products with coefficients and lengths fit single precision.
+/// Greatest allowed density. Its products with coefficients and lengths fit into single precision.
 const MAX_DENSITY: f64 = 1e12;
 
 /// Adds all media of the description.
@@ -26,7 +26,7 @@ pub(super) fn add_media(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Converts a described medium; reads its grid file or samples its cloud.
+/// Converts a described medium to one of the renderer. Reads its grid file or samples its cloud.
 fn make_medium(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Result<Medium, SceneError> {
     let (absorption, scattering) = match described.coefficients {
         MediumCoefficients::AbsorptionScattering { absorption, scattering } => (absorption, scattering),
@@ -46,7 +46,9 @@ fn make_medium(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Resu
     })
 }
 
-/// Returns the density grid of a medium; `None` for a homogeneous one.
+/// Returns the density grid of a medium, read from a file or sampled from a cloud.
+///
+/// `None` for a homogeneous medium.
 fn make_density_grid(
     r: &Resolver<'_>,
     described: &Spanned<MediumDescription>,
@@ -97,7 +99,7 @@ fn make_density_grid(
     Ok(Some(density))
 }
 
-/// Unwraps all [`LightDescription::Moving`] around `light`, and returns the light inside.
+/// Returns the light inside all [`LightDescription::Moving`] that wrap it.
 fn still_light_inside_motions(mut light: &Spanned<LightDescription>) -> &Spanned<LightDescription> {
     while let LightDescription::Moving { light: inner, .. } = &light.value {
         light = inner;
@@ -105,10 +107,11 @@ fn still_light_inside_motions(mut light: &Spanned<LightDescription>) -> &Spanned
     light
 }
 
-/// Adds the medium outside all bodies, if the description names one.
+/// Sets the medium outside all bodies, if the description names one.
 ///
 /// # Errors
-/// If the medium varies in space, emits without absorbing, or extinguishes light from infinity.
+/// If the medium varies in space, or emits in a channel in which it neither absorbs nor scatters.
+/// Also if it absorbs or scatters, and the scene has a light at infinity.
 pub(super) fn add_ambient_medium(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     let Some(name) = &r.description.ambient_medium else { return Ok(()) };
     let (index, medium) = medium_by_name(r, name)?;
@@ -136,10 +139,10 @@ pub(super) fn add_ambient_medium(r: &mut Resolver<'_>) -> Result<(), SceneError>
     Ok(())
 }
 
-/// Returns `material`, with its body filled by the medium that `described` names.
+/// Returns `material` with its body filled by the medium that `described` names.
 ///
-/// Returns it unchanged if it bounds no body or no medium is named. If the body has an absorption
-/// coefficient of its own, adds a copy of the medium to the scene that includes this absorption.
+/// Returns it unchanged if it bounds no body or no medium is named. If the body itself absorbs,
+/// adds a copy of the medium to the scene that includes this absorption.
 pub(super) fn with_body_medium(
     r: &mut Resolver<'_>,
     material: scene::Material,
@@ -161,7 +164,7 @@ pub(super) fn with_body_medium(
     Ok(material.with_body(body))
 }
 
-/// Returns an error if `radiance` is above 0 and the current material is a null interface.
+/// Fails if the current material is a null interface and `radiance` is above 0.
 pub(super) fn refuse_null_interface_emission(r: &Resolver<'_>, radiance: Rgb, span: Span) -> Result<(), SceneError> {
     let material = r.description.materials.get(r.material as usize);
     if radiance == Rgb::ZERO || !material.is_some_and(|m| m.kind.is_null_interface()) {
@@ -179,13 +182,14 @@ fn medium_by_name(r: &Resolver<'_>, name: &Spanned<String>) -> Result<(u32, Medi
     })
 }
 
-/// Returns the map from the unit cube \[0, 1]³ to world space.
+/// Returns the map from the unit cube \[0, 1]³ to the transformed box `extent` in world space.
 fn unit_cube_to_world(extent: &TransformedBoxDescription) -> DAffine3 {
     let fit = DAffine3::from_scale(extent.max - extent.min);
     TransformStep::composed_matrix(&extent.maps) * DAffine3 { translation: extent.min, ..fit }
 }
 
-/// Returns the number of cells along each axis: `resolution` along the longest side of the box.
+/// Returns the number of grid cells along each axis of a box, with `resolution` along its longest
+/// side.
 ///
 /// Cells are nearly cubic. Each axis has at least 2.
 fn grid_size(extent: &TransformedBoxDescription, resolution: u32) -> [u32; 3] {

@@ -1,4 +1,5 @@
-//! Adds meshes from files: each file is read once, smoothed if asked for, and split by material.
+//! Adds meshes from files. Each file is read once, given smooth normals if requested, and split by
+//! material.
 
 use super::materials::resolve_material;
 use super::placement::{
@@ -19,29 +20,29 @@ use crate::stats::format_bytes;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Smallest number of triangles that sharing must save before meshes without motion become
-/// instances.
+/// Smallest number of triangles that instancing must save, before meshes at rest become instances.
 const MIN_SHARED_TRIANGLES: usize = 50_000;
 
 const MESH_REMEDY: &str = "repair the mesh or name another";
 
-/// Memory per triangle while the scene's BVH is built \[bytes], including vertices.
+/// Peak memory per triangle while the scene's BVH is built \[bytes], including vertices.
 ///
-/// Measured: 436 to 482, on grids of a million triangles with normals and texture coordinates.
+/// Measured: 436 to 482, for grids of a million triangles with normals and texture coordinates.
 const MEMORY_PER_TRIANGLE: u64 = 500;
 
-/// Key of a mesh that was read: its path, the flags of [`MeshOptions`], and the bits of the
-/// smoothing angle.
+/// Key of a mesh that was read: file, the two flags of [`MeshOptions`], and the smoothing angle's
+/// bits.
 pub(super) type MeshKey = (PathBuf, bool, bool, Option<u64>);
 
-/// Triangles of a mesh file that have one material.
+/// Those triangles of a mesh file that have one material.
 pub(super) struct MeshPart {
     mesh: Rc<TriangleMesh>,
-    /// Material defined by the mesh's file; `None` for the scene's current material.
+    /// Material from the MTL file of the mesh; `None` for the current material of the scene text.
     file_material: Option<AddedMeshFileMaterial>,
 }
 
-/// Material of a mesh's MTL file after it was added to the scene: its name, index and emission.
+/// Material of an MTL file that was added to the scene: its name, its index there, and its
+/// radiance.
 #[derive(Clone, Debug)]
 pub(super) struct AddedMeshFileMaterial {
     name: Rc<str>,
@@ -49,7 +50,9 @@ pub(super) struct AddedMeshFileMaterial {
     emission: Rgb,
 }
 
-/// Adds the mesh of a file to the scene, with one object for each of its materials.
+/// Adds the mesh of a file to the scene.
+///
+/// If `options` select the file's materials, the mesh becomes one object for each of them.
 pub(super) fn add_mesh(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -76,9 +79,9 @@ pub(super) fn add_mesh(
     Ok(())
 }
 
-/// Adds triangles that have the current material and emit radiance `emission`.
+/// Adds a mesh with the current material, whose surface emits the radiance `emission`.
 ///
-/// The triangles become an instance if they move, or if copies of a large mesh can share them.
+/// The mesh becomes an instance if it moves, or if it is large, dark and used repeatedly.
 fn add_mesh_part(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -91,7 +94,7 @@ fn add_mesh_part(
     let is_shared = emission == Rgb::ZERO && further_copies * mesh.triangles.len() >= MIN_SHARED_TRIANGLES;
     let is_instance = is_shared || !placement.to_world.is_constant();
     let key = Rc::as_ptr(mesh);
-    // Instances of one mesh share its hierarchy.
+    // Instances of one mesh share one BVH, so only the first counts.
     if !(is_instance && r.shared_meshes.contains_key(&key)) {
         check_triangle_memory(r, path, mesh.triangles.len())?;
     }
@@ -107,7 +110,8 @@ fn add_mesh_part(
     Ok(())
 }
 
-/// Adds `triangles` to the number in the scene. Returns an error if their BVHs would exceed memory.
+/// Adds `triangles` to the scene's triangle count. Fails if building their BVHs would exceed the
+/// memory limit.
 fn check_triangle_memory(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
     r.triangles += triangles as u64;
     let needed = MEMORY_PER_TRIANGLE * r.triangles;
@@ -121,7 +125,8 @@ fn check_triangle_memory(r: &mut Resolver<'_>, path: &Spanned<String>, triangles
     Err(r.file_error(path, &message, help).marked_out_of_memory())
 }
 
-/// Returns the parts of the mesh at `path`, one for each material; each file is read once.
+/// Returns the triangles of the mesh at `path`, split by material. Each file is read once per
+/// options.
 fn load_mesh_parts(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
@@ -159,9 +164,9 @@ fn load_mesh_parts(
     Ok(parts)
 }
 
-/// Adds the materials that a mesh names. Each mesh file's materials are added only once.
+/// Adds the materials that a mesh file names to the scene, but only once for each mesh file.
 ///
-/// Returns the materials in the order of the mesh's material indices.
+/// Returns them in the order of the mesh's material indices.
 fn add_mesh_file_materials(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
@@ -184,8 +189,9 @@ fn add_mesh_file_materials(
     Ok(materials)
 }
 
-/// Adds a material that a mesh file defines. Errors point to the place where the scene text names
-/// the mesh file.
+/// Adds a material from the MTL file of a mesh to the scene.
+///
+/// Errors point to the place in the scene text that names the mesh file.
 fn add_mesh_file_material(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,

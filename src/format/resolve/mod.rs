@@ -1,5 +1,5 @@
-//! Builds the scene that renderers use from a description: looks up names, reads files, and
-//! applies transforms.
+//! Builds the [`Scene`] that the renderer uses from a [`SceneDescription`]: looks up names, reads
+//! files and applies transforms.
 
 mod camera;
 mod lights;
@@ -34,7 +34,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use textures::{ANY_TEXTURE_VALUE, AddedTexture, TextureRequirements};
 
-/// Returns the resolved scene of a description.
+/// Returns the scene that a description describes, ready to render.
 ///
 /// Meshes, pictures and grids are looked up in `folder`, then in its parent folder.
 ///
@@ -45,7 +45,7 @@ pub fn resolve(description: &SceneDescription, source: &SourceText, folder: &Pat
     resolve_monitored(description, source, folder, &(), MemoryLimit::Unbounded)
 }
 
-/// Returns the resolved scene of a description, within the limit `memory`.
+/// Returns the scene that a description describes, built within the memory limit `memory`.
 ///
 /// Looks up files in the same folders as [`resolve`]. `monitor` receives the progress of reading
 /// meshes. A file that would exceed the memory limit is refused before it is read.
@@ -62,10 +62,10 @@ pub fn resolve_monitored(
     resolve_with_assets(description, source, folder, &EmbeddedAssets::default(), monitor, memory)
 }
 
-/// Returns the resolved scene of a description whose file contains `assets`.
+/// Returns the scene that a description describes, with embedded `assets` in place of files.
 ///
-/// Paths listed in `assets` are not looked up in the file system. [`resolve_monitored`] explains
-/// other paths, `monitor` and `memory`.
+/// A path that is listed in `assets` is not looked up in the file system. [`resolve_monitored`]
+/// explains other paths, `monitor` and `memory`.
 ///
 /// # Errors
 /// [`SceneError`] for an invalid scene, or [for lack of memory](SceneError::is_out_of_memory).
@@ -118,45 +118,48 @@ const SINGULAR_REMEDY: &str = "no scale may be zero, and no axis of a matrix may
 
 const MEMORY_REMEDY: &str = "use a smaller file, or let the scene have more memory (--memory)";
 
-/// State of resolving a description: the scene built so far, and what names and paths refer to.
+/// State while a scene is built from its description: the scene so far, and tables of named items.
 struct Resolver<'a> {
     source: &'a SourceText,
     folder: &'a Path,
     assets: &'a EmbeddedAssets,
-    /// Errors of lights and objects. Resolving continues after them, to report several at once.
+    /// Errors of lights and objects so far. Building continues after an error, to report several at
+    /// once.
     errors: Vec<SceneError>,
     description: &'a SceneDescription,
     builder: SceneBuilder,
     /// Indices of the materials added so far, by name.
     material_indices: HashMap<&'a str, u32>,
-    /// Textures, by name.
+    /// Textures that the description defines, by name.
     textures: HashMap<&'a str, AddedTexture>,
-    /// Picture textures that materials name by path; the key's flag is true for sRGB encoding.
+    /// Picture textures that materials refer to by path. The key's flag is true for sRGB encoding.
     pictures: HashMap<(PathBuf, bool), AddedTexture>,
-    /// Media with their indices, by name.
+    /// Media of the description with their indices in the scene, by name.
     media: HashMap<&'a str, (u32, Medium)>,
-    /// Surface properties that the textures of each material need, by material index.
+    /// Surface properties that each material's textures need, by material index.
     texture_requirements: Vec<TextureRequirements>,
     monitor: &'a dyn MeshReadMonitor,
     memory: MemoryLimit,
-    /// Number of triangles so far that BVHs will hold. Triangles of a shared mesh count once.
+    /// Number of mesh triangles so far for which BVHs are built. Triangles of a shared mesh count
+    /// once.
     triangles: u64,
-    /// Parts of the meshes that were read, by file and options.
+    /// Meshes that were read, split by material; by file and options.
     meshes: HashMap<meshes::MeshKey, Rc<[meshes::MeshPart]>>,
-    /// Materials of each mesh file, in the order in which the mesh names them.
+    /// Materials from the MTL files of each mesh, by mesh file, in the order of its material names.
     file_materials: HashMap<PathBuf, Rc<[meshes::AddedMeshFileMaterial]>>,
     /// Number of objects that refer to each mesh file, by its path in the description.
     mesh_uses: HashMap<&'a str, usize>,
-    /// Geometry that instances of a mesh share.
+    /// Geometry that instances share, by the mesh in `meshes` that they show.
     shared_meshes: HashMap<*const TriangleMesh, Rc<NormalizedMesh>>,
-    /// Index of the current material, which stays current after the end of a group.
+    /// Index of the current material: that of the next object. It stays current after the end of a
+    /// group.
     material: u32,
     /// Span of the innermost transform around the current object, for errors.
     transform_span: Option<Span>,
 }
 
 impl Resolver<'_> {
-    /// Adds all parts of the description to the builder.
+    /// Adds everything in the description to the scene builder, except for the camera.
     fn add_description(&mut self) -> Result<(), SceneError> {
         let description = self.description;
         self.builder.set_background(rgb(description.background));
@@ -175,9 +178,9 @@ impl Resolver<'_> {
         self.add_group(&description.root, &Motion::default())
     }
 
-    /// Records the error of `result`, if any, so that resolving can continue.
+    /// Keeps the error of `result`, if any, and returns `Ok`, so that building can continue.
     ///
-    /// Returns the error instead if memory is exhausted or `MAX_ERRORS` is reached.
+    /// Returns the error instead if memory is exhausted, or if it is number `MAX_ERRORS`.
     fn record_error(&mut self, result: Result<(), SceneError>) -> Result<(), SceneError> {
         match result {
             Err(error) if error.is_out_of_memory() || self.errors.len() + 1 >= MAX_ERRORS => Err(error),
@@ -189,7 +192,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Adds the objects of a group under the motion `to_world`.
+    /// Adds the objects of a group. `to_world` is the motion from the group's space to world space.
     fn add_group(&mut self, group: &ObjectGroup, to_world: &Motion) -> Result<(), SceneError> {
         for item in &group.items {
             match item {
@@ -206,7 +209,7 @@ impl Resolver<'_> {
         Ok(())
     }
 
-    /// Adds an object under the motion `to_world`.
+    /// Adds an object. `to_world` is the motion from its surrounding space to world space.
     ///
     /// Changes `transform_span` if the object is a transform. The caller restores it.
     fn add_object(&mut self, object: &Spanned<ObjectDescription>, to_world: &Motion) -> Result<(), SceneError> {
@@ -248,7 +251,7 @@ impl Resolver<'_> {
         Ok(ObjectEmission { radiance, is_of_object: own.is_some(), texture })
     }
 
-    /// Returns an error at `span` if single precision cannot hold `radiance`.
+    /// Fails with an error at `span` if single precision cannot hold `radiance`.
     fn require_finite_radiance(&self, radiance: Rgb, span: Span) -> Result<(), SceneError> {
         if radiance.is_finite() {
             return Ok(());
@@ -261,7 +264,7 @@ impl Resolver<'_> {
         SceneError::error_at_span(self.source, span, message, "here", help)
     }
 
-    /// Returns the transform of a matrix; an error if the matrix is singular.
+    /// Returns the matrix `to_world` with its inverse; an error if it is singular.
     ///
     /// The error points at the innermost transform, or at `span` if there is none.
     fn invertible_transform(&self, to_world: DAffine3, span: Span) -> Result<Transform, SceneError> {
@@ -277,10 +280,10 @@ impl Resolver<'_> {
         })
     }
 
-    /// Returns the path of an existing file that a description names. `kind` names the type of file
-    /// in errors, such as "mesh".
+    /// Returns the path of the existing file that the description refers to as `path`.
     ///
-    /// An embedded asset keeps the path that the description gives it.
+    /// `kind` is the type of file for errors, such as "mesh". The path of an embedded asset is
+    /// returned unchanged.
     fn find_file(&self, kind: &str, path: &Spanned<String>) -> Result<PathBuf, SceneError> {
         let written = Path::new(&path.value);
         if self.assets.contains(path) {
@@ -302,10 +305,10 @@ impl Resolver<'_> {
         })
     }
 
-    /// Returns an error at the place in the scene text that names a file.
+    /// Returns an error with `message`, at the place in the scene text where `path` stands.
     ///
-    /// `help` is the remedy. If the file exceeds the memory limit, the error is marked as out of
-    /// memory and has another remedy.
+    /// `help` is the remedy. If the file exceeds the memory limit (`is_too_large`), the error is
+    /// marked as out of memory and has another remedy.
     fn file_or_memory_error(
         &self,
         path: &Spanned<String>,
@@ -320,22 +323,23 @@ impl Resolver<'_> {
         }
     }
 
-    /// Returns an error at the place in the scene text that names a file.
+    /// Returns an error with `message` and the remedy `help`, at the place in the text where `path`
+    /// stands.
     fn file_error(&self, path: &Spanned<String>, message: &impl ToString, help: &str) -> SceneError {
         SceneError::error_at_span(self.source, path.span, message.to_string(), "named here", help)
     }
 }
 
-/// Iterates over the paths where a relative `path` may be: in the scene's folder, then in its
-/// parent.
+/// Returns the paths at which the file `path` of a scene is looked up.
 ///
-/// An absolute path has one candidate.
+/// An absolute path is the only candidate. A relative one is looked up in the scene's `folder`,
+/// then in its parent folder.
 pub(super) fn candidate_file_paths<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf> {
     let above = if folder.as_os_str().is_empty() { Path::new("..").to_owned() } else { folder.join("..") };
     [folder.join(path), above.join(path)].into_iter().take(if path.is_absolute() { 1 } else { 2 })
 }
 
-/// Counts the objects that refer to each mesh file, by its path in the description.
+/// Returns, for each mesh path in the description, the number of objects with that mesh.
 fn count_mesh_uses(group: &ObjectGroup) -> HashMap<&str, usize> {
     fn count_mesh_uses_in_group<'a>(group: &'a ObjectGroup, uses: &mut HashMap<&'a str, usize>) {
         for item in &group.items {
@@ -361,7 +365,7 @@ fn count_mesh_uses(group: &ObjectGroup) -> HashMap<&str, usize> {
     uses
 }
 
-/// Returns the direction `aim`, or the direction from the point `from` to the target; any length.
+/// Returns the given direction, or the vector from the point `from` to the target; of any length.
 fn aim_direction(aim: DirectionOrTarget, from: DVec3) -> DVec3 {
     match aim {
         DirectionOrTarget::Direction(direction) => direction,

@@ -1,4 +1,4 @@
-//! Adds shapes and meshes to the scene at their place in the world, with texture mapping and
+//! Adds shapes and meshes to the scene, with their transform to world space, texture mapping and
 //! emission.
 
 use super::Resolver;
@@ -10,17 +10,19 @@ use crate::shape::{Instance, Mesh, MeshWithBvh, Shape, TextureMappingKind};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
-/// Emission of an object, from the object itself or from its material.
+/// Emission of an object, set on the object itself or on its material.
 pub(super) struct ObjectEmission {
     /// Radiance in W/(m² sr); the mean radiance if a texture varies it.
     pub radiance: Rgb,
     /// True if the radiance is set on the object, not on its material.
     pub is_of_object: bool,
-    /// Index of the emission texture, and the factor from its values to radiance.
+    /// Index of the emission texture, and the factor from its values to radiance; `None` for
+    /// constant emission.
     pub texture: Option<(u32, Rgb)>,
 }
 
-/// Position of an object in the world, and in the scene's text.
+/// Placement of an object: its motion and transform to world space, and its position in the scene
+/// text.
 pub(super) struct ObjectPlacement<'p> {
     /// Motion from object space to world space.
     pub to_world: &'p Motion,
@@ -30,16 +32,18 @@ pub(super) struct ObjectPlacement<'p> {
     pub span: Span,
 }
 
-/// A mesh moved to the origin and scaled to an extent in \[1, 2), so that single precision
-/// suffices.
+/// A mesh with its center moved to the origin and its extent scaled to \[1, 2), with its BVH.
+///
+/// Single precision then suffices for its coordinates.
 pub(super) struct NormalizedMesh {
     mesh: Arc<MeshWithBvh>,
-    /// Map from normalized coordinates back to those of the original mesh.
+    /// Map from normalized coordinates back to the coordinates of the original mesh.
     to_original: DAffine3,
 }
 
 impl NormalizedMesh {
-    /// Returns the normalized mesh of `positions` and `triangles`, whose extent may be 0.
+    /// Normalizes the mesh of `positions` and `triangles`, and builds its BVH. A mesh of extent 0
+    /// is not scaled.
     pub(super) fn new(
         positions: &[DVec3],
         normals: Option<&[DVec3]>,
@@ -70,7 +74,7 @@ pub(super) fn set_emission_texture(r: &mut Resolver<'_>, emission: &ObjectEmissi
     }
 }
 
-/// Adds a shape that has the current material and emits radiance `emission`.
+/// Adds a shape with the current material that emits the radiance `emission`.
 pub(super) fn add_placed_shape(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -106,7 +110,9 @@ pub(super) fn set_texcoords(r: &mut Resolver<'_>, texcoords: Option<&[DVec2]>) {
     }
 }
 
-/// Adds an instance of a mesh that moves, or that shares its triangles with other instances.
+/// Adds an instance of a mesh: one that moves, or one of several that share the triangles.
+///
+/// Fails if the mesh emits light and its motion stretches it unevenly.
 pub(super) fn add_instance(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -127,7 +133,7 @@ pub(super) fn add_instance(
     add_placed_shape(r, placement, shape, emission)
 }
 
-/// Adds the triangles of a mesh that does not move; `map` is its transform to world space.
+/// Adds the triangles of a mesh at rest. `map` is the transform from object space to world space.
 pub(super) fn add_still_mesh(
     r: &mut Resolver<'_>,
     map: &Transform,
@@ -139,7 +145,7 @@ pub(super) fn add_still_mesh(
     let positions: Vec<DVec3> = positions.iter().map(|p| map.transform_point(*p)).collect();
     let unit = |n: &DVec3| map.transform_normal(*n).normalize_or_zero().as_vec3();
     let normals: Vec<Vec3> = normals.unwrap_or_default().iter().map(unit).collect();
-    // A mirroring map reverses the winding; the outer side must stay outside.
+    // A mirroring map reverses the winding. Swapping two corners keeps the outer side outside.
     let orient = |[a, b, c]: [u32; 3]| if map.swaps_handedness() { [a, c, b] } else { [a, b, c] };
     let triangles: Vec<[u32; 3]> = triangles.iter().copied().map(orient).collect();
     r.builder.add_mesh(&positions, &normals, &triangles, r.material, emission);

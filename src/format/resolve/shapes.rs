@@ -108,7 +108,8 @@ pub(super) fn add_shape(
     Ok(())
 }
 
-/// Adds a box, cylinder or cone. `None` stands for a solid without volume and is an error.
+/// Adds a box, cylinder or cone. Fails if `solid` is `None`, which stands for a solid without
+/// volume.
 fn add_solid_shape(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -121,7 +122,7 @@ fn add_solid_shape(
     Ok(())
 }
 
-/// Adds Bézier patches, each as a shape of its own with the emission texture of the object.
+/// Adds a list of Bézier patches of equal degrees: one shape per patch.
 fn add_patches(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
@@ -144,7 +145,7 @@ fn add_patches(
     Ok(())
 }
 
-/// Returns the error of an invalid curve or surface, with a remedy.
+/// Converts the error of an invalid curve or surface to a scene error with a remedy.
 fn spline_error(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneError {
     if matches!(error, SplineError::Memory { .. }) {
         let help = "bend surfaces less, or let the scene have more memory (--memory)";
@@ -160,7 +161,7 @@ fn spline_error(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneError
     r.error_at(span, &error.to_string(), help)
 }
 
-/// Returns the surface of revolution of a profile curve; `free` bounds its memory in bytes.
+/// Returns the surface of revolution of a profile curve. Fails if it takes more than `free` bytes.
 fn make_revolution(profile: &ProfileCurve, free: Option<u64>) -> Result<Revolution, SplineError> {
     let basis = match profile.basis {
         CurveBasis::Bezier => SplineBasis::bezier_basis(profile.controls.len()),

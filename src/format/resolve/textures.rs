@@ -16,30 +16,30 @@ use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
-/// Index and properties of a texture that was added to the scene.
+/// A texture that was added to the scene: its index and properties.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AddedTexture {
     pub index: u32,
     /// Mean color of the texture.
     pub mean: Rgb,
-    /// Least and greatest value of any channel.
+    /// Least and greatest value over all positions and channels.
     range: (f32, f32),
-    /// True if the texture varies in space, not with texture coordinates.
+    /// True if the texture is a function of position, not of texture coordinates.
     is_solid_texture: bool,
-    /// True for a picture that the scene file declares as sRGB-encoded.
+    /// True for a picture that is decoded as sRGB.
     is_srgb: bool,
 }
 
-/// Properties that a surface needs so that the textures of its material can be looked up.
+/// Properties that a surface needs so that the textures of its material can be evaluated.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TextureRequirements {
     /// True if the material uses any texture.
     pub uses_textures: bool,
-    /// True if a texture is looked up by texture coordinates.
+    /// True if a texture of the material is a function of texture coordinates.
     pub needs_texcoords: bool,
 }
 
-/// Bytes of memory for each pixel while an embedded picture becomes a texture: copy and pyramid.
+/// Memory per pixel while an embedded picture becomes a texture \[bytes]: a copy and its mipmap.
 const EMBEDDED_BYTES_PER_PIXEL: u64 = 28;
 
 /// Allowed texture values of parameters without an upper bound, such as radiance.
@@ -151,9 +151,9 @@ impl<'a> Resolver<'a> {
         Err(SceneError::error_at_span(self.source, name.span, message, "out of range", help))
     }
 
-    /// Returns the texture called `name`, or else a texture of the picture with the path `name`.
+    /// Returns the texture called `name`. If there is none, `name` is the path of a picture.
     ///
-    /// Each picture is read once for each encoding.
+    /// A picture becomes a texture once for each encoding.
     fn texture_or_picture(
         &mut self,
         name: &Spanned<String>,
@@ -172,8 +172,8 @@ impl<'a> Resolver<'a> {
         Ok(texture)
     }
 
-    /// Converts a color parameter, and looks up its texture. Texture values outside `range` are
-    /// errors.
+    /// Converts a color parameter, which is constant or a texture. Texture values outside `range`
+    /// are errors.
     pub(super) fn resolve_color_parameter(
         &self,
         value: &TexturedValue<DVec3>,
@@ -190,7 +190,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Converts a number parameter, and looks up its texture. Texture values outside \[0, 1] are
+    /// Converts a parameter in \[0, 1], which is constant or a texture. Other texture values are
     /// errors.
     pub(super) fn resolve_fraction_parameter(
         &self,
@@ -211,8 +211,8 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Converts a reflectance or transmittance, and looks up its texture. Texture values outside
-    /// \[0, 1] are errors.
+    /// Converts a reflectance or transmittance, which is constant or a texture. Texture values
+    /// outside \[0, 1] are errors.
     pub(super) fn resolve_reflectance_parameter(
         &self,
         value: &TexturedValue<DVec3>,
@@ -221,8 +221,10 @@ impl<'a> Resolver<'a> {
         self.resolve_color_parameter(value, &UNIT_RANGE, requirements)
     }
 
-    /// Returns the diffuse color of a `Phong` material times the texture or picture named
+    /// Returns the diffuse color of a `Phong` material: `diffuse` times the texture or picture
     /// `texture`.
+    ///
+    /// Fails if both are textures.
     pub(super) fn resolve_phong_diffuse_parameter(
         &mut self,
         diffuse: &TexturedValue<DVec3>,
@@ -248,7 +250,7 @@ impl<'a> Resolver<'a> {
         Ok(MaterialParameter::Texture { texture: texture.index, factor, mean: factor * texture.mean })
     }
 
-    /// Looks up the texture of a material's bump map or normal map.
+    /// Returns the bump map or normal map of a material, with its texture looked up.
     pub(super) fn resolve_normal_perturbation(
         &mut self,
         material: &MaterialDescription,
@@ -278,10 +280,10 @@ impl<'a> Resolver<'a> {
         })
     }
 
-    /// Returns an error if the mesh at `path` lacks texture coordinates that its material needs.
+    /// Fails if the mesh at `path` lacks texture coordinates that its material needs.
     ///
-    /// `file_material` is the name of a material from the mesh's file; `None` for the scene's
-    /// current material.
+    /// `file_material` is the name of a material from the mesh's MTL file; `None` for the current
+    /// material of the scene text.
     pub(super) fn require_texcoords(
         &self,
         has_texcoords: bool,

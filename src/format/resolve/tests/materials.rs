@@ -107,7 +107,7 @@ fn mixes_resolve_to_material_indices() {
 
 #[test]
 fn a_mix_that_contains_itself_is_refused() {
-    // The parser finds such parts in a file; a description may be changed after it.
+    // The parser reports such names of a file. A description may be changed after parsing.
     let text = format!("{CAMERA}Materials {{ Mirror a {{ }}\nMix m {{ first a second a amount 0 }} }} {BALL}");
     let mut description = parse("a.txt", &text).unwrap();
     if let MaterialKindDescription::Mix { second, .. } = &mut description.materials[1].value.kind {

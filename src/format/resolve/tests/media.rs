@@ -45,7 +45,7 @@ fn coefficients_and_phase_functions_are_resolved() {
     assert_eq!((medium.absorption, medium.scattering), (vec3(0.0, 2.0, 8.0), vec3(8.0, 6.0, 0.0)));
     assert_eq!(medium.phase, PhaseFunction::HenyeyGreenstein(-0.25));
     assert_eq!(medium_of_first_material(&of("phase rayleigh")).phase, PhaseFunction::Rayleigh);
-    // An anisotropy next to 1 stays below 1 in single precision.
+    // An anisotropy g that is nearly 1 must stay below 1 in single precision.
     for g in [".9999999", "-.9999999"] {
         assert!(medium_of_first_material(&of(&format!("anisotropy {g}"))).phase.mean_cosine().abs() < 1.0);
     }
@@ -156,7 +156,8 @@ fn clouds_fill_the_inscribed_ellipsoid() {
     let [full, thin, other] = ["cover 1 softness 0", "cover .3 softness 0", "cover 1 softness 0 seed 1"].map(of);
     assert!(mean(&full, 0.5) > 0.2 && mean(&thin, 0.5) < mean(&full, 0.5));
     assert_ne!(mean(&full, 0.5), mean(&other, 0.5));
-    // The corner of the box lies outside of the ellipsoid, as does all outside of the box.
+    // The box's corner is outside of the ellipsoid. Points outside of the box are outside of it
+    // too.
     assert_eq!(
         [
             density_of_first_material(&full, dvec3(1.7, 0.8, 0.8)),
