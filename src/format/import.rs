@@ -46,7 +46,7 @@ pub struct ImportOptions {
     /// File extension that selects the importer, in lower case and without the dot; `None` for the
     /// extension of the file itself.
     pub format: Option<String>,
-    /// True if a file of a foreign format may name files outside its own folder.
+    /// True if a scene file of another program's format may name files outside its own folder.
     pub allows_outside_files: bool,
 }
 

@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat4, DVec3};
 /// One step of a transform or motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TransformStep {
-    /// Scale factors along the axes.
+    /// Scale factors along the x, y and z axis.
     Scale(DVec3),
     /// Scale factor along all axes.
     UniformScale(f64),

@@ -89,7 +89,7 @@ struct UsedSceneItems<'a> {
     /// Indices of the materials assigned to objects, without the two materials that a `Mix` refers
     /// to.
     materials: BTreeSet<usize>,
-    /// Names of textures that a material refers to.
+    /// Names of the textures that any material refers to.
     textures: BTreeSet<&'a str>,
     /// Paths of meshes with a dielectric material, and the span of the first use of each.
     dielectric_meshes: BTreeMap<&'a str, Span>,

@@ -132,7 +132,7 @@ impl LightDescription {
     }
 }
 
-/// Radiance of an environment light.
+/// Radiance of an environment light: constant, or given by a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EnvironmentRadiance {
     /// Constant radiance in W/(m² sr).
@@ -187,7 +187,7 @@ pub enum DirectionalLightStrength {
     Irradiance(DVec3),
 }
 
-/// Strength of an area light.
+/// Strength of an area light: its radiance or its flux.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AreaLightStrength {
     /// Radiance in W/(m² sr), equal in all directions of the emitting side.

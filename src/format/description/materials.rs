@@ -83,8 +83,8 @@ pub enum MaterialKindDescription {
         index: f64,
         /// GGX α of the coat, inside [0, 1]; 0 is smooth.
         roughness: TexturedValue<f64>,
-        /// True to account for color shifts by interreflection between coat and base, which deepens
-        /// colors.
+        /// True to account for color shifts by interreflection between coat and base, like
+        /// `nonlinear` of Mitsuba's `plastic`.
         nonlinear: bool,
     },
     /// Stochastic mix: one of two materials, chosen at random at each point.

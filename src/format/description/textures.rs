@@ -122,7 +122,7 @@ impl Default for TexcoordTransformDescription {
 pub enum EmissionDescription {
     /// Constant radiance in W/(m² sr).
     Radiance(DVec3),
-    /// Radiance that a texture varies.
+    /// Radiance given by the values of a texture.
     Texture {
         /// Name of the texture.
         name: Spanned<String>,

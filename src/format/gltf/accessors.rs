@@ -1,4 +1,4 @@
-//! Buffers of a glTF file, and the numbers that its accessors describe.
+//! Reads the buffers of a glTF file, and the numbers that its accessors describe.
 
 use super::context::{FileContext, ReadResult};
 use gltf::accessor::{Accessor, DataType, Dimensions};
@@ -13,17 +13,19 @@ pub(super) struct Buffers<'a> {
     buffers: Vec<OnceCell<Rc<[u8]>>>,
 }
 
-/// Numbers of an accessor: `count` vectors of `width` components.
+/// Numbers of an accessor: a list of elements, such as scalars or vectors.
 pub(super) struct AccessorValues {
-    /// Components of one element: 1 for scalars, 3 for three-dimensional vectors.
+    /// Number of components per element: 1 for scalars, 3 for three-dimensional vectors.
     pub width: usize,
-    /// Components of all elements. Normalized integers lie in \[−1, 1].
+    /// Components of all elements, one element after the other. Normalized integers lie in \[−1,
+    /// 1].
     pub numbers: Vec<f64>,
 }
 
 impl AccessorValues {
-    /// Returns the elements as arrays; an error at `place` if they have another width or if a
-    /// number is not finite.
+    /// Returns the elements as arrays of `N` components.
+    ///
+    /// Fails with an error at `place` if elements have another width, or if a number is not finite.
     pub fn vectors<const N: usize>(&self, context: &FileContext<'_>, place: &str) -> ReadResult<Vec<[f64; N]>> {
         if self.width != N {
             return Err(context.error(place, format!("its elements have {} components instead of {N}", self.width)));
@@ -36,12 +38,14 @@ impl AccessorValues {
 }
 
 impl<'a> Buffers<'a> {
-    /// Returns the buffers of a document with `count` buffers. `blob` is the binary chunk.
+    /// Returns the buffers of a file with `count` buffers; reads none yet.
+    ///
+    /// `blob` is the binary chunk of a `.glb` file; `None` for a `.gltf` file.
     pub fn new(context: &'a FileContext<'a>, count: usize, blob: Option<Vec<u8>>) -> Self {
         Self { context, blob: RefCell::new(blob), buffers: vec![OnceCell::new(); count] }
     }
 
-    /// Returns the bytes of a buffer view.
+    /// Returns a copy of the bytes of a buffer view.
     pub fn view_bytes(&self, view: &View<'_>) -> ReadResult<Box<[u8]>> {
         let buffer = self.buffer(view)?;
         let (start, length) = (view.offset(), view.length());
@@ -54,7 +58,7 @@ impl<'a> Buffers<'a> {
         }
     }
 
-    /// Returns the bytes of the buffer that holds `view`.
+    /// Returns all bytes of the buffer that contains `view`. Reads the buffer at its first use.
     fn buffer(&self, view: &View<'_>) -> ReadResult<Rc<[u8]>> {
         let buffer = view.buffer();
         let cell = &self.buffers[buffer.index()];
@@ -125,7 +129,7 @@ impl<'a> Buffers<'a> {
         Ok(AccessorValues { width, numbers })
     }
 
-    /// Returns the vertex indices of an accessor.
+    /// Returns the vertex indices that an accessor describes.
     pub fn read_indices(&self, accessor: &Accessor<'_>) -> ReadResult<Vec<u32>> {
         let is_unsigned = matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32);
         if !is_unsigned || accessor.normalized() || component_count(accessor.dimensions()) != 1 {
@@ -135,7 +139,7 @@ impl<'a> Buffers<'a> {
         Ok(self.read(accessor)?.numbers.iter().map(|index| *index as u32).collect())
     }
 
-    /// Reads the elements that begin `offset` bytes into a buffer view.
+    /// Reads elements that are stored in a buffer view, from the byte `offset` on.
     fn read_elements(&self, place: &str, view: &View<'_>, offset: usize, layout: Layout) -> ReadResult<Vec<f64>> {
         let Layout { count, width, kind, is_normalized } = layout;
         let (component, element) = (kind.size(), kind.size() * width);
@@ -161,7 +165,7 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// Layout of the elements of an accessor.
+/// Number and format of the elements of an accessor.
 #[derive(Clone, Copy)]
 struct Layout {
     count: usize,
@@ -170,16 +174,16 @@ struct Layout {
     is_normalized: bool,
 }
 
-/// Returns the number of components of one element. Padding of matrix columns is not counted,
-/// because the importer reads no matrices.
+/// Returns the number of components per element.
+///
+/// Padding of matrix columns is not counted, because the importer reads no matrices.
 fn component_count(dimensions: Dimensions) -> usize {
     dimensions.multiplicity()
 }
 
-/// Returns the number that the little-endian `bytes` of a component hold; NaN if their length does
-/// not fit `kind`.
+/// Decodes one component of type `kind` from its little-endian `bytes`.
 ///
-/// Normalized integers become numbers in \[−1, 1].
+/// Normalized integers become numbers in \[−1, 1]. NaN if the number of bytes does not fit `kind`.
 fn decoded_component(bytes: &[u8], kind: DataType, is_normalized: bool) -> f64 {
     let scaled = |number: f64, greatest: f64| if is_normalized { (number / greatest).max(-1.0) } else { number };
     match (kind, bytes) {

@@ -1,4 +1,4 @@
-//! Errors, memory checks and further files of one glTF file.
+//! Access to a glTF file and the files that it names, with memory checks and errors.
 
 use crate::format::import::{ImportOptions, SceneReadError};
 use crate::format::mesh::MeshReadMonitor;
@@ -15,40 +15,41 @@ pub(super) type ReadResult<T> = Result<T, SceneReadError>;
 
 const REMEDY: &str = "export the file again, or repair it: a glTF validator lists all its defects";
 
-/// The glTF file that is being read, with the options of reading it.
+/// A glTF file during its import, with the options of the import.
 pub(super) struct FileContext<'a> {
     /// Path of the glTF file.
     pub path: &'a Path,
-    /// Receiver of the paths of further files.
+    /// Monitor that receives the path of each further file.
     pub monitor: &'a dyn MeshReadMonitor,
-    /// Memory limit, and permission to leave the folder.
+    /// Memory limit, and permission to read files outside of the folder of the glTF file.
     pub options: &'a ImportOptions,
 }
 
 impl FileContext<'_> {
-    /// Returns a source with the name of the file and an empty text, because a glTF description has
-    /// no text positions.
+    /// Returns the source for messages: the file's name and an empty text.
+    ///
+    /// An imported glTF scene has no positions in a text.
     pub fn source(&self) -> SourceText {
         SourceText::new(&self.path.display().to_string(), "")
     }
 
-    /// Returns an error at `place`, such as `accessors[3]`.
+    /// Returns an error at `place`, a JSON path such as `accessors[3]`, with the usual remedy.
     pub fn error(&self, place: impl Display, message: impl Display) -> SceneReadError {
         self.error_with_help(place, message, REMEDY)
     }
 
-    /// Returns an error at `place` with its own remedy.
+    /// Returns an error at `place`, a JSON path such as `accessors[3]`, with the remedy `help`.
     pub fn error_with_help(&self, place: impl Display, message: impl Display, help: &str) -> SceneReadError {
         let name = self.path.display().to_string();
         SceneError::error_without_position(&name, format!("{place}: {message}"), help).into()
     }
 
-    /// Returns the bytes of memory that may still be allocated; `None` if no limit is known.
+    /// Returns the memory that may still be allocated \[bytes]; `None` without a limit.
     pub fn free_memory(&self) -> Option<u64> {
         self.options.memory.available_bytes()
     }
 
-    /// Returns an error if `needed` bytes do not fit into the free memory.
+    /// Fails if `needed` bytes exceed the free memory.
     pub fn check_memory(&self, needed: u64) -> ReadResult<()> {
         match self.free_memory() {
             Some(free) if needed > free => Err(SceneReadError::Memory { path: self.path.to_owned(), needed, free }),
@@ -56,7 +57,7 @@ impl FileContext<'_> {
         }
     }
 
-    /// Reads a whole file that the user or the glTF file names.
+    /// Returns the content of a file; an error if it exceeds the free memory.
     pub fn read_file(&self, path: &Path) -> ReadResult<Vec<u8>> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (file, length) = open_file(path).map_err(unreadable)?;
@@ -66,8 +67,9 @@ impl FileContext<'_> {
         Ok(bytes)
     }
 
-    /// Returns the content of a data URI or of a file. The file must lie below the folder of the
-    /// glTF file, unless the options allow other folders.
+    /// Returns the content of a data URI, or of the file that a relative URI names.
+    ///
+    /// The file must lie inside the folder of the glTF file, unless the options allow others.
     pub fn read_uri(&self, place: &str, uri: &str) -> ReadResult<Vec<u8>> {
         if let Some(data) = uri.strip_prefix("data:") {
             let Some((_, digits)) = data.split_once(";base64,") else {
@@ -99,7 +101,8 @@ impl FileContext<'_> {
     }
 }
 
-/// Decodes the `%` escapes of a URI; `None` if the result is not UTF-8 or an escape is damaged.
+/// Returns `uri` with its `%` escapes decoded; `None` if an escape is damaged or the result is not
+/// UTF-8.
 fn percent_decoded(uri: &str) -> Option<Cow<'_, str>> {
     if !uri.contains('%') {
         return Some(uri.into());

@@ -1,4 +1,4 @@
-//! The container and JSON of a glTF file.
+//! Parses and checks the container and the JSON of a glTF file.
 
 use super::context::{FileContext, ReadResult};
 use crate::format::import_notes::ImportNotes;
@@ -7,18 +7,19 @@ use gltf::json::{Image, Path as JsonPath, Root};
 use gltf::{Document, Semantic};
 use serde_json::Value;
 
-/// Estimated bytes of memory for each object of the JSON text, as a value and as a typed record.
+/// Estimated memory of each object of the JSON text \[bytes], as a generic value and a typed
+/// record.
 const MEMORY_PER_OBJECT: u64 = 1_200;
 
-/// Estimated bytes of memory for each element of a list, and for each field.
+/// Estimated memory of each list element and each field of the JSON text \[bytes].
 const MEMORY_PER_ELEMENT: u64 = 100;
 
-/// Estimated bytes of memory for each byte of the JSON text, mostly of strings.
+/// Estimated memory per byte of the JSON text \[bytes], mostly for strings.
 const MEMORY_PER_BYTE: u64 = 4;
 
-/// Required extensions that the importer reads, in addition to those of the crate `gltf`.
+/// Extensions that the importer supports, in addition to those of the crate `gltf`.
 ///
-/// Files with other required extensions are refused.
+/// Files that require other extensions are refused.
 const READ_EXTENSIONS: [&str; 7] = [
     "EXT_mesh_gpu_instancing",
     "KHR_materials_dispersion",
@@ -29,7 +30,9 @@ const READ_EXTENSIONS: [&str; 7] = [
     "KHR_texture_basisu",
 ];
 
-/// Extensions that change only the look of a material, or animate. Each is ignored with a message.
+/// Extensions that only refine materials, animate, or add metadata. A file may require them.
+///
+/// Each is ignored with a message.
 const IGNORED_EXTENSIONS: [&str; 7] = [
     "KHR_animation_pointer",
     "KHR_materials_anisotropy",
@@ -40,18 +43,18 @@ const IGNORED_EXTENSIONS: [&str; 7] = [
     "KHR_xmp_json_ld",
 ];
 
-/// Greatest number of defects of the JSON that one error names.
+/// Greatest number of defects that one error message describes.
 const NAMED_DEFECTS: usize = 3;
 
 /// A glTF document whose indices are valid, and the binary chunk of a `.glb` file.
 pub(super) struct GltfFile {
     /// The validated document.
     pub document: Document,
-    /// The binary chunk, which is the content of the first buffer without a URI.
+    /// Binary chunk of a `.glb` file, the content of its first buffer; `None` if the file has none.
     pub blob: Option<Vec<u8>>,
 }
 
-/// Parses the bytes of a glTF file. Their first bytes tell `.glb` from `.gltf`.
+/// Parses and checks the bytes of a `.gltf` or `.glb` file. The first bytes tell which it is.
 pub(super) fn parse_document(context: &FileContext<'_>, bytes: &[u8], notes: &mut ImportNotes) -> ReadResult<GltfFile> {
     let (json, blob) = if bytes.starts_with(b"glTF") { split_container(context, bytes)? } else { (bytes, None) };
     let count = |wanted: u8| json.iter().filter(|byte| **byte == wanted).count() as u64;
@@ -74,7 +77,8 @@ pub(super) fn parse_document(context: &FileContext<'_>, bytes: &[u8], notes: &mu
     Ok(GltfFile { document: Document::from_json_without_validation(root), blob })
 }
 
-/// Splits a `.glb` file into JSON text and binary chunk.
+/// Splits the bytes of a `.glb` file into JSON text and binary chunk; `None` if it has no such
+/// chunk.
 fn split_container<'b>(context: &FileContext<'_>, bytes: &'b [u8]) -> ReadResult<(&'b [u8], Option<Vec<u8>>)> {
     let number = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
     let chunk = |at: usize| -> Option<(u32, &[u8])> {
@@ -105,10 +109,10 @@ fn split_container<'b>(context: &FileContext<'_>, bytes: &'b [u8]) -> ReadResult
     Ok((json, blob))
 }
 
-/// Removes the list of required extensions, because the crate `gltf` refuses some that this
-/// importer reads.
+/// Removes the list of required extensions from the JSON, and checks them.
 ///
-/// Returns an error if the importer does not read one of them.
+/// The crate `gltf` would refuse some that this importer supports. Fails if the importer does not
+/// support one of them.
 fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: &mut ImportNotes) -> ReadResult<()> {
     let Some(Value::Array(required)) = root.as_object_mut().and_then(|root| root.remove("extensionsRequired")) else {
         return Ok(());
@@ -127,8 +131,9 @@ fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: 
     Ok(())
 }
 
-/// Removes animations, because the crate `gltf` refuses some. Gives scenes without a list of nodes
-/// an empty one.
+/// Removes animations from the JSON, because the crate `gltf` refuses some.
+///
+/// Gives scenes without a list of nodes an empty one.
 fn remove_animations_and_add_nodes(root: &mut Value, notes: &mut ImportNotes) {
     let Some(root) = root.as_object_mut() else { return };
     if let Some(animations) = root.remove("animations") {
@@ -143,7 +148,8 @@ fn remove_animations_and_add_nodes(root: &mut Value, notes: &mut ImportNotes) {
     }
 }
 
-/// Returns an error that names the first defects of the document, such as indices out of range.
+/// Fails if the document has defects, such as indices out of range. The error describes the first
+/// ones.
 fn check_defects(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
     check_positions(context, root)?;
     let mut defects = Vec::new();
@@ -166,8 +172,9 @@ fn check_defects(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
     Err(context.error(first, message))
 }
 
-/// Returns an error if a primitive refers to an accessor of positions that does not exist.
-/// Validation by the crate `gltf` would panic on it.
+/// Fails if a primitive refers to an accessor of positions that does not exist.
+///
+/// The validation by the crate `gltf` would panic on it.
 fn check_positions(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
     for (i, mesh) in root.meshes.iter().enumerate() {
         for (k, primitive) in mesh.primitives.iter().enumerate() {
@@ -181,7 +188,7 @@ fn check_positions(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
     Ok(())
 }
 
-/// True if the crate `gltf` can return the source of an image without a panic.
+/// True if an image names its bytes completely. Otherwise, the crate `gltf` would panic on it.
 fn has_source(image: &Image) -> bool {
     if image.buffer_view.is_some() { image.mime_type.is_some() } else { image.uri.is_some() }
 }

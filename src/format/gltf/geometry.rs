@@ -1,4 +1,4 @@
-//! Triangle meshes from the primitives of a glTF file.
+//! Converts primitives of a glTF file to triangle meshes.
 
 use super::accessors::Buffers;
 use super::context::{FileContext, ReadResult};
@@ -8,14 +8,15 @@ use glam::{DVec2, DVec3, DVec4};
 use gltf::mesh::Mode;
 use gltf::{Primitive, Semantic};
 
-/// Bytes of memory for each vertex and each triangle corner while a primitive is read and its equal
-/// vertices are merged.
+/// Memory per vertex and per triangle corner \[bytes].
+///
+/// It covers reading a primitive and merging its equal vertices.
 const MEMORY_PER_CORNER: u64 = 200;
 
-/// Reads a primitive as a triangle mesh; `None` if it has no triangles.
+/// Converts a primitive to a triangle mesh; `None` if it has no triangles.
 ///
-/// `set` is the index of the set of texture coordinates that the material uses; `None` if it uses
-/// none.
+/// `set` is the index of the texture coordinates that the material uses (`TEXCOORD_0`, …); `None`
+/// if it uses none.
 pub(super) fn read_primitive(
     buffers: &Buffers<'_>,
     context: &FileContext<'_>,
@@ -60,7 +61,7 @@ pub(super) fn read_primitive(
             let name = name(&format!("TEXCOORD_{set}"));
             let texcoords: Vec<[f64; 2]> = buffers.read(&accessor)?.vectors(context, &name)?;
             check_count(name, texcoords.len())?;
-            // In glTF, v grows downwards.
+            // In glTF, v grows downwards; in Caustica, it grows upwards.
             Some(texcoords.into_iter().map(|[u, v]| DVec2::new(u, 1.0 - v)).collect())
         }
         Some((_, None)) => {
@@ -80,7 +81,7 @@ pub(super) fn read_primitive(
     Ok((!mesh.triangles.is_empty()).then_some(mesh))
 }
 
-/// Returns the triangles of a list, strip or fan of vertex indices.
+/// Returns the triangles of a triangle list, strip or fan with the vertex indices `corners`.
 fn triangles(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::TriangleStrip => {
@@ -95,7 +96,7 @@ fn triangles(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
-/// Returns the mean of the vertex colors with alpha; `None` if the primitive has none.
+/// Returns the mean of all vertex colors, with alpha; `None` if the primitive has no vertex colors.
 pub(super) fn mean_vertex_color(
     buffers: &Buffers<'_>,
     context: &FileContext<'_>,

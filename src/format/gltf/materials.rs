@@ -1,4 +1,4 @@
-//! Materials of a glTF file as materials of the scene language.
+//! Converts materials of a glTF file to materials of the scene language.
 
 use super::context::{FileContext, ReadResult};
 use super::pictures::{Pictures, TextureReference, TextureUse, TextureValues};
@@ -12,7 +12,7 @@ use glam::{DVec3, DVec4};
 use gltf::material::AlphaMode;
 use std::collections::{HashMap, HashSet};
 
-/// Extensions of materials that are ignored, with the message of each.
+/// Material extensions that are ignored, each with the message about it.
 const IGNORED_EXTENSIONS: [(&str, &str); 6] = [
     ("KHR_materials_anisotropy", "anisotropy is ignored: highlights are round"),
     ("KHR_materials_clearcoat", "clear coats are ignored"),
@@ -22,31 +22,36 @@ const IGNORED_EXTENSIONS: [(&str, &str); 6] = [
     ("KHR_materials_subsurface", "subsurface scattering is ignored"),
 ];
 
-/// Least GGX α that becomes a Phong lobe: a smaller α gives a lobe narrower than a degree.
+/// Least GGX α that is converted to a Phong lobe. A smaller α would give a lobe narrower than a
+/// degree.
 const MIN_PHONG_ALPHA: f64 = 0.01;
 
-/// Greatest reflectance of a conductor at normal incidence: its index is infinite for 1.
+/// Greatest reflectance of a conductor at normal incidence. A reflectance of 1 would need an
+/// infinite k.
 const MAX_METAL_REFLECTANCE: f64 = 0.999_9;
 
-/// Least transmittance of glass, which may not be opaque.
+/// Least transmittance of glass, because 0 is not allowed.
 const MIN_TRANSMITTANCE: f64 = 1e-6;
 
-/// Least attenuation distance. Together with [`MIN_TRANSMITTANCE`], it keeps absorption
-/// coefficients below 10¹².
+/// Least attenuation distance \[length].
+///
+/// Together with [`MIN_TRANSMITTANCE`], it keeps absorption coefficients below 10¹² per length.
 const MIN_ATTENUATION_DISTANCE: f64 = 1e-10;
 
-/// Least Abbe number, and greatest index of refraction, of a body with dispersion.
+/// Least Abbe number of a body with dispersion. The next constant is its greatest index of
+/// refraction.
 ///
 /// Within both limits, the index stays above 0 from 380 to 720 nm.
 const MIN_ABBE_NUMBER: f64 = 2.0;
 const MAX_DISPERSIVE_INDEX: f64 = 3.0;
 
-/// Material of the description that was made from a material of the file.
+/// A converted material, with the properties that objects depend on.
 #[derive(Clone, Debug)]
 pub(super) struct ImportedMaterial {
-    /// Name in the description.
+    /// Name of the converted material.
     pub name: String,
-    /// Index of the set of texture coordinates that its textures use; `None` if it has no textures.
+    /// Index of the texture coordinates that its textures use (`TEXCOORD_0`, …); `None` without
+    /// textures.
     pub set: Option<u32>,
     /// True if the surface is fully transparent.
     pub is_invisible: bool,
@@ -54,50 +59,50 @@ pub(super) struct ImportedMaterial {
     pub emits: bool,
 }
 
-/// The materials that objects use so far.
+/// Converted materials so far, with their textures.
 pub(super) struct Materials<'a> {
-    /// Pictures and textures of the materials.
+    /// Converted textures of the materials, and embedded pictures.
     pub pictures: Pictures<'a>,
-    /// Materials of the description.
+    /// Converted materials. The materials of a mix are listed before it.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
     names: HashSet<String>,
     clear: Option<String>,
     used: HashMap<(Option<usize>, [u64; 4]), ImportedMaterial>,
 }
 
-/// Parameters of the metallic-roughness model that are the same for each part of a material.
+/// Parameters of the metallic-roughness model that its metal part and its dielectric part share.
 struct Surface<'a> {
-    /// Base color without its texture.
+    /// Base color in \[0, 1], which multiplies `base_texture`.
     base: DVec3,
     base_texture: Option<TextureReference<'a>>,
     /// Reflectance of the dielectric part at normal incidence.
     f0: DVec3,
-    /// GGX α, and its mean.
+    /// GGX α, and its mean over the texture.
     alpha: (TexturedValue<f64>, f64),
 }
 
-/// A material of the file that is being converted.
+/// Conversion of one material.
 struct Conversion<'m, 'a> {
     materials: &'m mut Materials<'a>,
     notes: &'m mut ImportNotes,
     context: &'m FileContext<'a>,
-    /// Name in the description, which messages give as the place.
+    /// Name of the converted material. Messages name it as the place.
     name: String,
-    /// Index of the set of texture coordinates that the first texture uses.
+    /// Index of the texture coordinates that the first texture uses; `None` before any texture.
     set: Option<u32>,
     normal: Option<NormalPerturbationDescription>,
 }
 
 impl<'a> Materials<'a> {
-    /// Makes the materials of a file. None is used yet.
+    /// Returns an empty table of materials, whose textures are collected in `pictures`.
     pub fn new(pictures: Pictures<'a>) -> Self {
         let (names, used) = (HashSet::new(), HashMap::new());
         Self { pictures, descriptions: Vec::new(), names, clear: None, used }
     }
 
-    /// Returns the scene's material for `material` of the file, and adds it when it is first used.
+    /// Returns the converted `material`. Converts it at its first use.
     ///
-    /// `vertex_color` multiplies the base color.
+    /// `vertex_color` multiplies the base color and alpha; `None` stands for white.
     pub fn convert(
         &mut self,
         context: &FileContext<'a>,
@@ -118,7 +123,7 @@ impl<'a> Materials<'a> {
         Ok(imported)
     }
 
-    /// Returns a name that no other material has, without control characters.
+    /// Returns `wanted`, or a similar name that no other material has, without control characters.
     fn unique_name(&mut self, wanted: &str) -> String {
         let clean: String = wanted.chars().map(|c| if c.is_control() || c == '"' { ' ' } else { c }).collect();
         let clean = clean.trim();
@@ -130,15 +135,14 @@ impl<'a> Materials<'a> {
         name
     }
 
-    /// Removes materials that neither objects nor mixes use, then textures and pictures that no
-    /// material uses.
+    /// Removes materials that no object and no mix uses. Then removes unused textures and pictures.
     pub fn remove_unused(&mut self, objects: &ObjectGroup) {
         let named = |item: &GroupItem| match item {
             GroupItem::MaterialName(name) => Some(name.value.clone()),
             GroupItem::MaterialIndex(_) | GroupItem::Object(_) => None,
         };
         let mut used: HashSet<String> = objects.items.iter().filter_map(named).collect();
-        // The parts of a mix stand before it.
+        // The materials of a mix are listed before it, so one backward pass finds all.
         for material in self.descriptions.iter().rev() {
             if material.name.as_ref().is_some_and(|name| used.contains(name)) {
                 used.extend(material.kind.mix_material_names().into_iter().flatten().map(|part| part.value.clone()));
@@ -161,7 +165,7 @@ impl<'a> Materials<'a> {
         self.descriptions.push(Spanned::new(material, Span::default()));
     }
 
-    /// Returns the name of a material that lets all light pass.
+    /// Returns the name of a material that transmits all light unchanged.
     fn clear_material(&mut self) -> String {
         if let Some(name) = &self.clear {
             return name.clone();
@@ -212,7 +216,9 @@ impl Conversion<'_, '_> {
         Ok(ImportedMaterial { name: self.name.clone(), set: self.set, is_invisible, emits })
     }
 
-    /// Returns the reflection and transmission of a material, without its alpha.
+    /// Converts the reflection and transmission of a material, without its alpha.
+    ///
+    /// `base` and `base_texture` give the base color.
     fn surface<'t>(
         &mut self,
         material: &gltf::Material<'t>,
@@ -251,7 +257,7 @@ impl Conversion<'_, '_> {
         Ok(mix(first, second, metallic))
     }
 
-    /// Returns the part of the surface that is no metal: opaque, glass, or a mix of both.
+    /// Converts the dielectric part of a material: opaque, glass, or a mix of both.
     fn dielectric_with_transmission(
         &mut self,
         material: &gltf::Material<'_>,
@@ -274,7 +280,7 @@ impl Conversion<'_, '_> {
         Ok(mix(first, second, amount))
     }
 
-    /// Returns a diffuse surface under a dielectric interface.
+    /// Converts the opaque dielectric part: a diffuse surface with a Phong lobe for the gloss.
     fn coated(&mut self, surface: &Surface<'_>) -> ReadResult<MaterialKindDescription> {
         let Surface { base, base_texture, f0, alpha } = surface;
         let kept = 1.0 - f0.max_element();
@@ -288,11 +294,11 @@ impl Conversion<'_, '_> {
         Ok(MaterialKindDescription::Phong { diffuse, specular: specular.into(), shininess, texture: None })
     }
 
-    /// Returns a metal whose reflectance at normal incidence is the base color.
+    /// Converts the metal part, whose reflectance at normal incidence is the base color.
     fn metal(&mut self, surface: &Surface<'_>) -> ReadResult<MaterialKindDescription> {
         let Surface { base, base_texture, alpha, .. } = surface;
         if let TexturedValue::Plain(color) = self.color(base_texture.as_ref(), *base)? {
-            // A conductor of index 1 + ik reflects k² / (4 + k²) at normal incidence.
+            // A conductor of index 1 + ik has the reflectance k² / (4 + k²) at normal incidence.
             let reflectance = color.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
             let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
             let metal = MetalDescription::Index { eta: DVec3::ONE, k };
@@ -307,7 +313,7 @@ impl Conversion<'_, '_> {
         Ok(MaterialKindDescription::Phong { diffuse: DVec3::ZERO.into(), specular, shininess, texture: None })
     }
 
-    /// Returns a body of glass if the material has a volume, else a pane.
+    /// Converts transmission: to a body of glass if the material has a volume, else to a thin pane.
     fn glass(
         &mut self,
         material: &gltf::Material<'_>,
@@ -349,7 +355,8 @@ impl Conversion<'_, '_> {
         Ok(MaterialKindDescription::Dielectric { refraction, attenuation, roughness: alpha.0.clone(), priority: 0 })
     }
 
-    /// Returns the index of refraction, which is 1.5 without the extension KHR_materials_ior.
+    /// Returns the index of refraction; 1.5 without the extension KHR_materials_ior or if it is not
+    /// valid.
     fn refractive_index(&mut self, material: &gltf::Material<'_>) -> f64 {
         let index = material.ior().map_or(1.5, f64::from);
         if (1.0..=1e3).contains(&index) {
@@ -375,7 +382,7 @@ impl Conversion<'_, '_> {
         (DVec3::from(color) * root * root).min(DVec3::ONE) * unit(specular.specular_factor())
     }
 
-    /// Returns the share of light that the surface does not let pass, by the alpha mode.
+    /// Returns the opacity in \[0, 1] that the alpha mode gives, as a constant or a texture.
     fn opacity(
         &mut self,
         material: &gltf::Material<'_>,
@@ -390,7 +397,9 @@ impl Conversion<'_, '_> {
         Ok(self.scalar(texture, wanted)?.0)
     }
 
-    /// Returns the radiance of the surface; `None` if it emits nothing.
+    /// Returns the emitted radiance, constant or by a texture; `None` if the surface emits nothing.
+    ///
+    /// An unlit material emits its base color `base` times `base_texture`.
     fn emission(
         &mut self,
         material: &gltf::Material<'_>,
@@ -420,7 +429,7 @@ impl Conversion<'_, '_> {
         })
     }
 
-    /// Returns `emission` times alpha, because only the opaque share of a surface emits.
+    /// Returns `emission` times alpha, because only the opaque part of a surface emits.
     ///
     /// A texture of alpha is ignored with a message.
     fn masked_emission(&mut self, emission: EmissionDescription, alpha: &TexturedValue<f64>) -> EmissionDescription {
@@ -449,7 +458,9 @@ impl Conversion<'_, '_> {
         })
     }
 
-    /// Returns the reference of a material to a texture; `None` if its transform is not valid.
+    /// Returns the texture that a material refers to, with its coordinates.
+    ///
+    /// `None` if there is no texture, or if its transform is not valid.
     fn reference<'t>(&mut self, info: Option<&gltf::texture::Info<'t>>) -> Option<TextureReference<'t>> {
         let reference = TextureReference::from_info(info?);
         if reference.is_valid() {
@@ -468,8 +479,9 @@ impl Conversion<'_, '_> {
         })
     }
 
-    /// Returns a parameter in \[0, 1] and its mean. The parameter is constant or varies by
-    /// `texture`; `wanted` says how it follows from the texture.
+    /// Returns a parameter in \[0, 1], constant or a texture, and its mean.
+    ///
+    /// `wanted` tells how the values of `texture` give the parameter.
     fn scalar(
         &mut self,
         texture: Option<&TextureReference<'_>>,
@@ -488,10 +500,11 @@ impl Conversion<'_, '_> {
         })
     }
 
-    /// Returns the values of a texture; `None` without a texture that can be read.
+    /// Converts a texture for the use `wanted`; `None` if there is none or its picture is not
+    /// readable.
     ///
-    /// All textures of a material use the texture coordinates of the first texture. A texture with
-    /// other coordinates becomes its mean.
+    /// All textures of a material must use the same texture coordinates as its first one. A texture
+    /// with others becomes its mean.
     fn values(
         &mut self,
         texture: Option<&TextureReference<'_>>,
@@ -509,7 +522,7 @@ impl Conversion<'_, '_> {
         Ok(values)
     }
 
-    /// Adds a part of a mix, and returns its name.
+    /// Adds a material of a mix, and returns its name.
     fn add_part(&mut self, suffix: &str, kind: MaterialKindDescription) -> String {
         let name = self.materials.unique_name(&format!("{} {suffix}", self.name));
         let normal = if kind.mix_material_names().is_none() { self.normal.clone() } else { None };
@@ -527,18 +540,18 @@ fn mix(first: String, second: String, amount: TexturedValue<f64>) -> MaterialKin
     MaterialKindDescription::Mix { first, second, amount }
 }
 
-/// Returns the exponent of the Phong lobe that is about as wide as a GGX lobe of this α.
+/// Returns the Phong exponent 2/α² − 2 for a GGX roughness α, which is limited to \[0.01, 1].
 fn phong_exponent(alpha: f64) -> f64 {
     let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
     2.0 / (alpha * alpha) - 2.0
 }
 
-/// Returns the coefficient of a Phong lobe that reflects all light.
+/// Returns the specular color of a Phong lobe that reflects all light at normal incidence.
 fn phong_gain(shininess: f64) -> f64 {
     0.5 * (shininess + 2.0)
 }
 
-/// Returns `factor` limited to \[0, 1]; 0 for NaN.
+/// Returns `factor` clamped to \[0, 1]; 0 for NaN.
 fn unit(factor: f32) -> f64 {
     if factor.is_nan() { 0.0 } else { f64::from(factor).clamp(0.0, 1.0) }
 }

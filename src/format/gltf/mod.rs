@@ -1,4 +1,4 @@
-//! Scenes in glTF 2.0: `.gltf` with its files, and `.glb`.
+//! Imports scenes in glTF 2.0: `.gltf` with its files, and `.glb`.
 
 mod accessors;
 mod context;
@@ -24,7 +24,7 @@ use pictures::Pictures;
 use scene::read_scene;
 use std::path::Path;
 
-/// Importer of glTF 2.0.
+/// Importer of glTF 2.0 scenes.
 pub(super) struct GltfImporter;
 
 impl SceneImporter for GltfImporter {
@@ -50,7 +50,7 @@ impl SceneImporter for GltfImporter {
 
 /// Imports the bytes of a `.gltf` or `.glb` file.
 ///
-/// Errors name `path`, whose folder holds the files that the bytes name.
+/// Errors name `path`. Files that the scene names are looked up in the folder of `path`.
 ///
 /// # Errors
 /// [`SceneReadError`].

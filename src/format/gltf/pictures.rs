@@ -1,4 +1,4 @@
-//! Textures of a glTF file, made from decoded pictures: from their color or from one channel.
+//! Converts textures of a glTF file: decodes pictures and takes their colors or one channel.
 
 use super::accessors::Buffers;
 use super::context::{FileContext, ReadResult};
@@ -15,43 +15,44 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// A texture that a material refers to, with its texture coordinates.
+/// A texture as a material refers to it, with its texture coordinates.
 #[derive(Clone)]
 pub(super) struct TextureReference<'a> {
     /// The texture.
     pub texture: gltf::Texture<'a>,
-    /// Index of the set of texture coordinates.
+    /// Index of the texture coordinates that it uses (`TEXCOORD_0`, …).
     pub set: u32,
-    /// Transform from the texture coordinates of the scene to those of the picture.
+    /// Transform from the texture coordinates of the converted mesh, with v upwards, to those of
+    /// the picture.
     pub transform: TexcoordTransformDescription,
 }
 
-/// Values that a material takes from a picture.
+/// Quantity that a texture stands for. It tells how pixel values are converted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum TextureUse {
-    /// Colors in sRGB, times a factor.
+    /// Colors, decoded from sRGB and multiplied by this factor.
     Color(DVec3),
-    /// One linear channel (0 for red to 3 for alpha), times a factor.
+    /// One linear channel, from 0 for red to 3 for alpha, multiplied by this factor.
     Channel(usize, f64),
-    /// GGX α from the green channel: the square of the channel times a factor.
+    /// GGX α. It is the square of the green channel times this factor.
     Roughness(f64),
-    /// 1 where alpha times the factor reaches the cutoff, else 0.
+    /// Mask with the factor and the cutoff: 1 where alpha times factor reaches the cutoff, else 0.
     AlphaMask(f64, f64),
-    /// Normals in tangent space; the factor scales x and y.
+    /// Tangent-space normals. This factor multiplies their x and y.
     Normal(f64),
 }
 
-/// Values that a material takes from a picture: one value, or the name of a texture.
+/// Converted values of a texture: a constant, or the name of a texture.
 #[derive(Clone, Debug)]
 pub(super) enum TextureValues {
-    /// All pixels have this value.
+    /// Common value of all pixels.
     Constant(DVec3),
-    /// Name of a texture with different pixels, and their mean.
+    /// Name of a converted texture, and the mean of its values.
     Texture(Spanned<String>, DVec3),
 }
 
 impl TextureValues {
-    /// Returns the mean over the picture.
+    /// Returns the mean of all pixels.
     pub fn mean(&self) -> DVec3 {
         match self {
             Self::Constant(mean) | Self::Texture(_, mean) => *mean,
@@ -59,24 +60,24 @@ impl TextureValues {
     }
 }
 
-/// Pictures and textures that the materials use so far.
+/// Converted textures and embedded pictures so far.
 pub(super) struct Pictures<'a> {
     context: &'a FileContext<'a>,
     buffers: &'a Buffers<'a>,
-    /// Decoded pictures, by image number; `None` for an image in a format that is not read.
+    /// Decoded pictures by image index; `None` for an image in an unsupported format.
     decoded: HashMap<usize, Option<Rc<RgbaLevels>>>,
-    /// Values of pictures that were embedded, by image number and use.
+    /// Constants or paths of embedded pictures, by image index and use.
     embedded: HashMap<(usize, String), TextureValues>,
-    /// Names of textures, by picture, wrap mode and transform.
+    /// Names of converted textures. The key states picture, wrap mode and transform.
     names: HashMap<String, Spanned<String>>,
-    /// Textures of the description.
+    /// Converted textures.
     pub textures: Vec<Spanned<TextureDescription>>,
     /// Embedded pictures, by path.
     pub pictures: BTreeMap<String, Arc<Image>>,
 }
 
 impl<'a> Pictures<'a> {
-    /// Makes the pictures of a file. None is decoded yet.
+    /// Returns an empty table of textures and pictures; decodes nothing yet.
     pub fn new(context: &'a FileContext<'a>, buffers: &'a Buffers<'a>) -> Self {
         Self {
             context,
@@ -89,8 +90,7 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    /// Returns the values that `wanted` takes from a texture; `None` if the texture's picture is
-    /// not read.
+    /// Converts a texture for the use `wanted`; `None` if its picture has an unsupported format.
     pub fn values(
         &mut self,
         reference: &TextureReference<'_>,
@@ -118,7 +118,7 @@ impl<'a> Pictures<'a> {
         }))
     }
 
-    /// Removes all textures but those called `names`, and pictures that no texture shows.
+    /// Removes all textures but those with `names`, and pictures that are no longer used.
     pub fn keep_textures(&mut self, names: &HashSet<String>) {
         self.textures.retain(|texture| names.contains(&texture.name));
         let shown = |path: &str| {
@@ -131,7 +131,9 @@ impl<'a> Pictures<'a> {
         unused.iter().for_each(|path| drop(self.pictures.remove(path)));
     }
 
-    /// Returns the name of the texture that shows the embedded picture `path` by `reference`.
+    /// Returns the name of the converted texture that shows the embedded picture `path`.
+    ///
+    /// `reference` gives its wrap mode and transform. Adds the texture at its first use.
     fn texture(
         &mut self,
         reference: &TextureReference<'_>,
@@ -164,8 +166,9 @@ impl<'a> Pictures<'a> {
         name
     }
 
-    /// Returns the pixels of an image as integer levels, decoded once; `None` if its format is not
-    /// read.
+    /// Returns the pixels of an image as integer levels; `None` if its format is not supported.
+    ///
+    /// Each image is decoded once.
     fn decoded_levels(
         &mut self,
         index: usize,
@@ -190,8 +193,10 @@ impl<'a> Pictures<'a> {
         Ok(levels)
     }
 
-    /// Makes a picture of the wanted values and embeds it. If its pixels differ, the returned
-    /// values hold its path in place of a texture's name.
+    /// Converts pixels for the use `wanted`, and embeds them as a picture.
+    ///
+    /// Returns the path of the picture in place of a texture's name. Equal pixels give a constant,
+    /// and no picture.
     fn embed(&mut self, levels: &RgbaLevels, wanted: TextureUse) -> ReadResult<TextureValues> {
         self.context.check_memory(12 * levels.pixels.len() as u64)?;
         let greatest = f64::from(levels.greatest);
@@ -234,7 +239,7 @@ impl<'a> Pictures<'a> {
 }
 
 impl<'a> TextureReference<'a> {
-    /// Returns the reference of a material, with the extension KHR_texture_transform applied.
+    /// Returns the texture that `info` refers to, with the extension KHR_texture_transform applied.
     pub fn from_info(info: &gltf::texture::Info<'a>) -> Self {
         let extension = info.texture_transform();
         let set = extension.as_ref().and_then(|t| t.tex_coord()).unwrap_or(info.tex_coord());
@@ -244,7 +249,9 @@ impl<'a> TextureReference<'a> {
         Self { texture: info.texture(), set, transform }
     }
 
-    /// Returns the reference of a normal texture, whose transform is raw JSON.
+    /// Returns the texture of a normal map, with the extension KHR_texture_transform applied.
+    ///
+    /// The crate `gltf` gives this extension as raw JSON.
     pub fn from_normal_texture(normal: &gltf::material::NormalTexture<'a>) -> Self {
         let extension = normal.extension_value("KHR_texture_transform");
         let numbers = |key: &str, default: f64| -> [f64; 2] {
@@ -268,8 +275,9 @@ impl<'a> TextureReference<'a> {
     }
 }
 
-/// Converts a transform of texture coordinates whose v grows downwards to one whose v grows
-/// upwards.
+/// Converts a transform of texture coordinates.
+///
+/// In glTF, v grows downwards. In the result, v of the mesh and of the picture grows upwards.
 fn scene_transform(offset: [f64; 2], rotation: f64, scale: [f64; 2]) -> TexcoordTransformDescription {
     let (sin, cos) = (libm::sin(rotation), libm::cos(rotation));
     TexcoordTransformDescription {

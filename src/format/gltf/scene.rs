@@ -1,4 +1,4 @@
-//! The nodes of a glTF scene: objects, cameras and lights in world space.
+//! Converts the nodes of a glTF scene to objects, cameras and lights in world space.
 
 use super::accessors::Buffers;
 use super::context::{FileContext, ReadResult};
@@ -19,29 +19,30 @@ use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-/// Luminous flux of one watt \[lm/W]: luminous units of the file are divided by it.
+/// Luminous flux of one watt \[lm/W]. The luminous units of the file are divided by it.
 const LUMENS_PER_WATT: f64 = 683.0;
 
-/// Estimated bytes of memory for each object: its description and its place in the scene.
+/// Estimated memory of each object: its description and its share of the built scene \[bytes].
 const MEMORY_PER_INSTANCE: u64 = 1_500;
 
-/// Content of the nodes of a scene.
+/// Objects, lights and camera that the nodes of a scene contain.
 pub(super) struct SceneContent {
-    /// Objects with their materials, in the order of the nodes.
+    /// Converted objects with their materials, in the order of the nodes.
     pub root: ObjectGroup,
-    /// Embedded meshes, by path.
+    /// Embedded meshes of the objects, by path.
     pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
     /// Point, spot and directional lights.
     pub lights: Vec<Spanned<LightDescription>>,
-    /// Camera of the first node that has one.
+    /// Camera of the first node that has one; `None` if no node has one.
     pub camera: Option<CameraDescription>,
-    /// Lower and upper corner of the bounds of all meshes; infinities if there are none.
+    /// Lower and upper corner of the objects' bounds in world space; +∞ and −∞ if there are no
+    /// objects.
     pub bounds: (DVec3, DVec3),
     /// True if a surface emits light.
     pub has_emitters: bool,
 }
 
-/// A primitive whose mesh and material were imported.
+/// A converted primitive: path of its mesh, name of its material, bounds, and true if it emits.
 #[derive(Clone)]
 struct ImportedPrimitive {
     path: String,
@@ -50,19 +51,20 @@ struct ImportedPrimitive {
     emits: bool,
 }
 
-/// State of walking the nodes of a scene.
+/// State of the traversal of a scene's nodes.
 struct NodeWalker<'w, 'a> {
     context: &'a FileContext<'a>,
     buffers: &'a Buffers<'a>,
     document: &'w gltf::Document,
     materials: &'w mut Materials<'a>,
     notes: &'w mut ImportNotes,
-    /// Imported primitives, by mesh and number; `None` for one without triangles.
+    /// Converted primitives, by mesh and index in the mesh; `None` for one that is not visible.
     primitives: HashMap<(usize, usize), Option<ImportedPrimitive>>,
     content: SceneContent,
 }
 
-/// Returns the content of the scene that the file shows by default.
+/// Converts the nodes of the default scene, of the first scene, or of the whole file without
+/// scenes.
 pub(super) fn read_scene<'a>(
     context: &'a FileContext<'a>,
     buffers: &'a Buffers<'a>,
@@ -109,7 +111,7 @@ pub(super) fn read_scene<'a>(
     Ok(walker.content)
 }
 
-/// Returns the nodes that are no child of another node.
+/// Returns the indices of the nodes that are no children of other nodes.
 fn root_nodes(nodes: &[gltf::Node<'_>]) -> Vec<usize> {
     let mut is_child = vec![false; nodes.len()];
     for child in nodes.iter().flat_map(gltf::Node::children) {
@@ -118,7 +120,7 @@ fn root_nodes(nodes: &[gltf::Node<'_>]) -> Vec<usize> {
     (0..nodes.len()).filter(|i| !is_child[*i]).collect()
 }
 
-/// Returns the transform from a node to its parent.
+/// Returns the transform from a node to its parent node.
 fn local_transform(node: &gltf::Node<'_>) -> DAffine3 {
     match node.transform() {
         gltf::scene::Transform::Matrix { matrix } => {
@@ -132,8 +134,9 @@ fn local_transform(node: &gltf::Node<'_>) -> DAffine3 {
     }
 }
 
-/// Returns the affine map of a scale, then a rotation by a quaternion of any length, then a
-/// translation.
+/// Returns the affine map that scales, then rotates, then translates.
+///
+/// `rotation` is a quaternion x, y, z, w of any length.
 fn placement(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DAffine3 {
     let rotation = DQuat::from_array(rotation);
     let length = rotation.length();
@@ -142,7 +145,7 @@ fn placement(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DAffine3 {
 }
 
 impl NodeWalker<'_, '_> {
-    /// Adds the meshes, the camera and the light of a node.
+    /// Converts the mesh, the camera and the light of a node. `to_world` is the node's transform.
     fn add_node(&mut self, node: &gltf::Node<'_>, to_world: DAffine3) -> ReadResult<()> {
         let place = node_name(node);
         if node.skin().is_some() {
@@ -174,7 +177,9 @@ impl NodeWalker<'_, '_> {
         Ok(())
     }
 
-    /// Returns the transforms of the extension EXT_mesh_gpu_instancing; one identity without it.
+    /// Returns the transforms of a node's instances, by the extension EXT_mesh_gpu_instancing.
+    ///
+    /// They apply before the transform of the node. Without the extension, returns one identity.
     fn instance_transforms(&mut self, node: &gltf::Node<'_>) -> ReadResult<Vec<DAffine3>> {
         let extension = node.extension_value("EXT_mesh_gpu_instancing");
         let Some(attributes) = extension.and_then(|value| value.get("attributes")) else {
@@ -210,7 +215,7 @@ impl NodeWalker<'_, '_> {
         Ok((0..count).map(transform).collect())
     }
 
-    /// Returns the mesh and material of a primitive; `None` if there is nothing to see.
+    /// Converts the mesh and material of a primitive; `None` if nothing of it is visible.
     fn primitive(
         &mut self,
         mesh: &gltf::Mesh<'_>,
@@ -241,7 +246,8 @@ impl NodeWalker<'_, '_> {
         Ok(imported)
     }
 
-    /// Adds a primitive as an object under the transform `to_world`.
+    /// Adds a primitive as an object under the transform `to_world`. `place` names the node for
+    /// messages.
     fn add_object(&mut self, primitive: &ImportedPrimitive, to_world: DAffine3, place: &str) {
         if Transform::new(to_world).is_err() {
             self.notes.add_unsupported("objects that are scaled to nothing are left out", place);
@@ -267,7 +273,7 @@ impl NodeWalker<'_, '_> {
         items.push(GroupItem::Object(Spanned::new(object, Span::default())));
     }
 
-    /// Returns a camera of the file, which looks along −z of its node.
+    /// Converts a camera. It looks along −z of its node, whose transform is `to_world`.
     fn camera(&self, index: usize, to_world: DAffine3) -> ReadResult<CameraDescription> {
         let place = format!("cameras[{index}]");
         let camera = &self.document.as_json().cameras[index];
@@ -297,7 +303,7 @@ impl NodeWalker<'_, '_> {
         Ok(camera_description(to_world.translation, direction.normalize(), up.normalize(), (projection, aspect)))
     }
 
-    /// Adds a light, which shines along −z of its node.
+    /// Converts and adds a light. It shines along −z of its node, whose transform is `to_world`.
     fn add_light(&mut self, light: &gltf::khr_lights_punctual::Light<'_>, to_world: DAffine3) -> ReadResult<()> {
         let place = format!("extensions.KHR_lights_punctual.lights[{}]", light.index());
         let color = DVec3::from(light.color().map(f64::from));

@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Returns a scene with one triangle, whose material is `material`, under the node `node`.
+/// Returns the JSON of a scene with one triangle, the material `material`, and the node `node`.
 fn triangle(material: Value, node: Value) -> Value {
     let corners: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
     let uv: [[u8; 4]; 3] = [[0, 0, 0, 0], [255, 0, 0, 0], [0, 51, 0, 0]];
@@ -65,7 +65,7 @@ fn expect_error(scene: &Value, part: &str) {
     assert!(error.to_string().contains(part), "{error}");
 }
 
-/// Returns the kind of the material that is called `name`.
+/// Returns the model of the material that is called `name`.
 fn kind<'a>(scene: &'a ImportedScene, name: &str) -> &'a MaterialKindDescription {
     let found = scene.description.materials.iter().find(|m| m.name.as_deref() == Some(name));
     &found.unwrap_or_else(|| panic!("{name}: {:#?}", scene.description.materials)).value.kind
@@ -99,7 +99,7 @@ fn textures_keep_factor_channel_and_place() {
         },
     });
     let scene = read(&triangle(material, json!({})));
-    // Alpha mixes with a surface that light passes; the blue channel mixes metal in.
+    // Alpha mixes the surface with a transparent one. The blue channel mixes metal in.
     let MaterialKindDescription::Mix { amount: TexturedValue::Texture(alpha), .. } = kind(&scene, "a") else {
         panic!()
     };

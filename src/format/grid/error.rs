@@ -59,7 +59,7 @@ pub enum GridError {
         cells: usize,
         /// Memory that reading the grid takes \[bytes].
         needed: u64,
-        /// Memory that is free \[bytes]; `None` if unknown, when the system refused the allocation.
+        /// Memory that is free \[bytes]; `None` if unknown. Then the system refused the allocation.
         free: Option<u64>,
     },
 }

@@ -1,5 +1,6 @@
-//! Schemas, parsing and printing of camera blocks, and of the fields `direction` and `lookAt` that
-//! cameras and lights share.
+//! Schemas, parsing and writing of camera blocks.
+//!
+//! It also has the fields `direction` and `lookAt`, which cameras and lights share.
 
 use std::fmt;
 
@@ -30,10 +31,10 @@ pub(super) static CAMERAS: &[BlockParser<ParseProjection>] = &[
 /// Function that converts the parsed fields of a camera block to the camera's projection.
 type ParseProjection = fn(&BlockFields<'_>, &CameraPose) -> Result<ProjectionDescription, SceneError>;
 
-/// Position and viewing direction of a camera.
+/// Position and view direction of a camera.
 pub(super) struct CameraPose {
     center: DVec3,
-    /// Viewing direction, of any length.
+    /// View direction, of any length.
     direction: DVec3,
     /// The field `direction` or `lookAt`, as the scene text states it.
     aim: DirectionOrTarget,
@@ -134,13 +135,13 @@ pub(super) fn parse_moving_camera<'a>(
     Ok(camera)
 }
 
-/// Parses a camera block after its keyword `word`.
+/// Parses a camera block. Its keyword `word` has been read.
 pub(super) fn parse_camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<CameraDescription, SceneError> {
     let (entry, f) = parse_block_by_keyword(parser, word, CAMERAS)?;
     let center = f.value("center")?;
     let (aim, direction) = parse_direction_or_target(&f, "center", center)?;
     let up: DVec3 = f.value("up")?;
-    // Below this sine of their angle, rounding decides which way is up.
+    // For a smaller sine of the angle between `up` and the view, rounding decides which way is up.
     if up.normalize().cross(direction.normalize()).length() < 1e-9 {
         let culprit = f.get("up").or(f.get("direction")).or(f.get("lookAt"));
         let message = "`up` is parallel to the direction of view".to_owned();
@@ -168,7 +169,7 @@ fn parse_environment_projection(_: &BlockFields<'_>, _: &CameraPose) -> Result<P
     Ok(ProjectionDescription::Environment)
 }
 
-/// Parses the lens of a camera; `None` for a pinhole.
+/// Parses the lens of a camera that looks along `view`; `None` for a pinhole.
 fn parse_lens(f: &BlockFields<'_>, view: &CameraPose) -> Result<Option<LensDescription>, SceneError> {
     if f.get("aperture").is_none() && f.get("fNumber").is_none() {
         let rule = "has no effect without `aperture` or `fNumber`";
@@ -207,10 +208,10 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraPose) -> Result<Option<LensDescr
     Ok(Some(LensDescription { aperture, focus, blades }))
 }
 
-/// Parses the field `direction` or `lookAt` of a camera or light that is at `center`.
+/// Parses the field `direction` or `lookAt` of a camera or light at the position `center`.
 ///
-/// Returns the field, and the direction from `center`, of any length. `center_name` is the keyword
-/// of the field that holds `center`, for error messages.
+/// Returns the field as written, and the direction that results, of any length. `center_name` is
+/// the keyword of the field that holds `center`, for error messages.
 pub(super) fn parse_direction_or_target(
     f: &BlockFields<'_>,
     center_name: &str,

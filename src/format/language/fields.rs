@@ -1,4 +1,4 @@
-//! Parses blocks whose named fields stand in any order, and gives access to the values.
+//! Parses blocks of named fields in any order, and gives access to the field values.
 
 use glam::{DVec2, DVec3, DVec4};
 
@@ -15,10 +15,11 @@ use super::transforms::parse_transform_steps;
 /// Parsed value of a field. The [`FieldKind`] of the field determines which members are set.
 #[derive(Default)]
 pub(super) struct ParsedFieldValue {
-    /// One, two or three parsed numbers in x, y, z; unused components are 0.
+    /// Parsed numbers, at most three, in x, y and z. Unused components are 0.
     numbers: DVec3,
-    /// Text of a name, path or word. In a field of numbers: name of the texture that replaces them,
-    /// or empty.
+    /// Text of a name, path or word.
+    ///
+    /// In a field that accepts numbers or a texture: the texture's name, or empty for numbers.
     name: String,
     steps: Vec<TransformStep>,
     /// Polynomial basis of a `profile` curve, whose control points are in `points`.
@@ -30,7 +31,7 @@ pub(super) struct ParsedFieldValue {
 
 /// A type that a parsed field value can be converted to, such as [`DVec3`].
 pub(super) trait FromFieldValue {
-    /// Returns the parsed value as this type, which must fit the field's [`FieldKind`].
+    /// Returns the parsed value as this type. The field's [`FieldKind`] must fit the type.
     fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self;
 }
 
@@ -82,10 +83,10 @@ impl FromFieldValue for Vec<TransformStep> {
 
 /// Keyword of a field that holds a color, and the function that converts the color to a `T`.
 ///
-/// A light, for example, has one of the fields `radiance` and `power`.
+/// A block has exactly one of several variants: a light, for example, has `radiance` or `power`.
 pub(super) type ColorVariant<'a, T> = (&'a str, fn(DVec3) -> T);
 
-/// Fields of a parsed block.
+/// Fields of a block that was parsed.
 pub(super) struct BlockFields<'a> {
     lexer: Lexer<'a>,
     block: &'static BlockSchema,
@@ -103,7 +104,7 @@ pub(super) struct ParsedField<'f, 'a> {
     value: &'f Spanned<ParsedFieldValue>,
 }
 
-/// Parses the block after its `keyword`, which must be in `table`.
+/// Parses a block whose `keyword` has been read. The keyword must be in `table`.
 ///
 /// Returns the block's entry in `table`, and the parsed fields.
 pub(super) fn parse_block_by_keyword<'a, P>(
@@ -117,7 +118,8 @@ pub(super) fn parse_block_by_keyword<'a, P>(
     Ok((entry, parse_block_fields(parser, keyword, entry.block)?))
 }
 
-/// Parses `{ … }` with fields of the schema `block`, each at most once and within its range.
+/// Parses `{ … }` with fields of the schema `block`. Each may occur once, with a value in its
+/// range.
 ///
 /// Continues after errors. Appends all errors but the last to `parser.errors`, and returns the
 /// last.
@@ -141,7 +143,7 @@ pub(super) fn parse_block_fields<'a>(
             Err(error) => (None, error),
         };
         parser.errors.extend(last_error.take());
-        // A word that starts another block shows that this block lacks its `}`.
+        // A word that starts another block shows that the `}` of this block is missing.
         let block_start =
             word.filter(|word| block.find_field(word.text).is_none() && looks_like_block_keyword(word.text, &words));
         if let Some(word) = block_start {
@@ -161,7 +163,7 @@ fn looks_like_block_keyword(word: &str, fields: &[&str]) -> bool {
     word.starts_with(|c: char| c.is_ascii_uppercase()) && nearest_word(word, fields.iter().copied()).is_none()
 }
 
-/// Parses the value of the field that `word` names, checks it, and appends the field to `fields`.
+/// Parses a field whose keyword `word` has been read, checks its value, and appends it to `fields`.
 ///
 /// `words` are the keywords that an error message lists as allowed.
 fn parse_field<'a>(
@@ -185,7 +187,7 @@ fn parse_field<'a>(
     ParsedField { block: fields, field, word, value }.check_field_value()
 }
 
-/// Parses the value of `field` after its keyword `word`.
+/// Parses the value of `field`. Its keyword `word` has been read.
 fn parse_field_value<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
@@ -243,7 +245,7 @@ fn parse_field_value<'a>(
         }
         FieldKind::Numbers => {
             let mut span = None;
-            // The number is read from a copy of the lexer, so that it stays unread.
+            // A copy of the lexer looks ahead, so that the number stays unread.
             while !{ parser.lexer }.number_token().is_end_of_text() {
                 let read = parser.parse_numbers::<1>(word)?;
                 value.list.push(read.value[0]);
@@ -316,12 +318,12 @@ fn parse_profile_curve(parser: &mut Parser<'_>) -> Result<Spanned<ProfileCurve>,
 }
 
 impl<'a> BlockFields<'a> {
-    /// Returns an error at `span` of the scene text.
+    /// Returns an error at `span` of the scene text. `label` is printed under the text of the span.
     pub fn error_at(&self, span: Span, message: String, label: &str, help: String) -> SceneError {
         self.lexer.error_at(span, message, label, help)
     }
 
-    /// Returns the block's field `name`; `None` if the field is absent.
+    /// Returns the field `name` of the block; `None` if it is absent.
     pub fn get(&self, name: &str) -> Option<ParsedField<'_, 'a>> {
         debug_assert!(self.block.find_field(name).is_some(), "`{}` has no field `{name}`", self.block.keyword);
         let (field, word, value) = self.list.iter().find(|(field, ..)| field.name == name)?;
@@ -360,8 +362,8 @@ impl<'a> BlockFields<'a> {
         Ok(ParsedField { block: self, field, word: *word, value })
     }
 
-    /// Finds the one field among `variants` that the block contains, and returns its converted
-    /// color.
+    /// Returns the color in the one field of `variants` that the block contains, converted to a
+    /// `T`.
     ///
     /// # Errors
     /// If no field or more than one field of `variants` is present.
@@ -372,14 +374,14 @@ impl<'a> BlockFields<'a> {
         Ok(variants[index].1(field.value()))
     }
 
-    /// Returns an error if a field of `names` is present.
+    /// Fails if a field of `names` is present.
     ///
     /// The error's help text is the name of that field, then `rule`.
     pub fn forbid_fields(&self, names: &[&str], rule: &str) -> Result<(), SceneError> {
         names.iter().find_map(|name| self.get(name)).map_or(Ok(()), |field| field.ensure_valid(false, rule))
     }
 
-    /// Returns an error if the fields `first` and `second` are both present.
+    /// Fails if the fields `first` and `second` are both present.
     pub fn forbid_both_fields(&self, first: &str, second: &str) -> Result<(), SceneError> {
         match (self.get(first), self.get(second)) {
             (Some(_), Some(_)) => self.require_one_field_of(&[first, second]).map(|_| ()),
@@ -387,8 +389,8 @@ impl<'a> BlockFields<'a> {
         }
     }
 
-    /// Returns the value of the field `name`, or the schema's default numbers if the field is
-    /// absent.
+    /// Returns the value of the field `name`. If it is absent, returns the schema's default
+    /// numbers.
     ///
     /// # Errors
     /// If the field is absent and has no default numbers.
@@ -408,7 +410,7 @@ impl<'a> BlockFields<'a> {
         self.get(name).map(|field| field.value())
     }
 
-    /// Returns the word in the field `name`, or the schema's default word if the field is absent.
+    /// Returns the word in the field `name`. If it is absent, returns the schema's default word.
     ///
     /// # Errors
     /// If the field is absent and has no default word.
@@ -442,7 +444,7 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         ProfileCurve { basis: self.value.basis, controls: self.value.points.clone() }
     }
 
-    /// Returns the curve of polynomial `basis` with this field's control points.
+    /// Returns the curve with this polynomial `basis` and the control points in this field.
     ///
     /// # Errors
     /// If a Bézier curve has fewer than 2 points, or a B-spline fewer than 4.
@@ -467,7 +469,7 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         &self.value.list
     }
 
-    /// Returns an error at this field's value if `is_valid` is false.
+    /// Fails with an error at this field's value if `is_valid` is false.
     ///
     /// `rule` says what the value must be. The error's help text is the field's name, then `rule`.
     pub fn ensure_valid(&self, is_valid: bool, rule: &str) -> Result<(), SceneError> {
@@ -480,7 +482,7 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         Err(self.block.error_at(self.value.span, message, "not allowed", format!("`{name}` {rule}")))
     }
 
-    /// Returns an error if the schema does not allow the value, by its range or list of words.
+    /// Fails if the value is outside the range or the list of words in the field's schema.
     fn check_field_value(&self) -> Result<(), SceneError> {
         let violated_rule = match self.field.kind {
             FieldKind::Word(words) if !words.contains(&self.value.name.as_str()) => {

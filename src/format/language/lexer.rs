@@ -1,9 +1,10 @@
-//! Splitting of scene text into words, numbers and strings, each with its position.
+//! Splits scene text into words, numbers and strings, each with its position.
 
 use super::super::description::{Span, Spanned};
 use super::super::error::{SceneError, SourceText};
 
-/// Piece of a scene text: a word, a number or one of `{ } [ ] "`; empty at the end of the file.
+/// Piece of a scene text: a word, a number or one of `{ } [ ] "`. It is empty at the end of the
+/// text.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Token<'a> {
     pub text: &'a str,
@@ -21,9 +22,9 @@ impl Token<'_> {
     }
 }
 
-/// Lexer whose tokens depend on the type that the parser expects.
+/// Lexer of scene text. Its tokens depend on the type that the parser asks for.
 ///
-/// For example, `20width` starts with the number 20 if a number is expected, else it is a word.
+/// For example, `20width` starts with the number 20 if a number is asked for, else it is a word.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lexer<'a> {
     name: &'a str,
@@ -62,12 +63,12 @@ impl<'a> Lexer<'a> {
         Token { text: &rest[..len], start: self.position }
     }
 
-    /// Continues reading after `token`.
+    /// Moves past `token`, which was peeked before.
     pub fn consume_token(&mut self, token: Token<'_>) {
         self.position = token.start + token.text.len();
     }
 
-    /// Continues reading at the start of `token`, which was consumed before.
+    /// Moves back to the start of `token`, which was consumed before.
     pub fn rewind_to_token(&mut self, token: Token<'_>) {
         self.position = token.start;
     }
@@ -84,7 +85,7 @@ impl<'a> Lexer<'a> {
         self.read_token_of_length(integer_prefix_length)
     }
 
-    /// Reads the token at the current position.
+    /// Reads a token at the current position and moves past it.
     ///
     /// `length` receives all unread bytes, and returns how many of them form the token.
     fn read_token_of_length(&mut self, length: fn(&[u8]) -> usize) -> Token<'a> {
@@ -96,8 +97,8 @@ impl<'a> Lexer<'a> {
 
     /// Reads a name, in quotes or bare, and returns it without quotes.
     ///
-    /// A bare name ends before white space, or before a `}` that has no matching `{` in the name.
-    /// If no name follows, the result is empty.
+    /// A bare name ends at white space, or at a `}` that has no matching `{` in the name. If no
+    /// name follows, the result is empty.
     pub fn read_name(&mut self) -> Result<Spanned<String>, SceneError> {
         self.skip_space_and_comments();
         let rest = &self.text[self.position..];
@@ -179,12 +180,12 @@ fn digit_count(bytes: &[u8]) -> usize {
     bytes.iter().take_while(|b| b.is_ascii_digit()).count()
 }
 
-/// Returns 1 if the text starts with a sign, else 0.
+/// Returns 1 if `bytes` start with a sign, else 0.
 fn sign_length(bytes: &[u8]) -> usize {
     usize::from(matches!(bytes.first(), Some(b'+' | b'-')))
 }
 
-/// Returns the length of the whole number that the text starts with; 0 if there is none.
+/// Returns the length of the whole number at the start of `bytes`; 0 if there is none.
 fn integer_prefix_length(bytes: &[u8]) -> usize {
     let sign = sign_length(bytes);
     match digit_count(&bytes[sign..]) {
@@ -193,7 +194,7 @@ fn integer_prefix_length(bytes: &[u8]) -> usize {
     }
 }
 
-/// Returns the length of the decimal number that the text starts with; 0 if there is none.
+/// Returns the length of the decimal number at the start of `bytes`; 0 if there is none.
 fn float_prefix_length(bytes: &[u8]) -> usize {
     let mut len = sign_length(bytes);
     let whole = digit_count(&bytes[len..]);

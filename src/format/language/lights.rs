@@ -1,4 +1,4 @@
-//! Schemas, parsing and printing of light blocks.
+//! Schemas, parsing and writing of light blocks.
 
 use std::fmt;
 
@@ -21,7 +21,7 @@ use super::text::is_normalizable;
 use super::transforms::{parse_moving_block, write_transform_steps};
 use super::writer::SceneWriter;
 
-/// Light blocks of the scene language, with their parsers.
+/// Light blocks of the scene language, each with the function that converts its fields.
 pub(super) static LIGHTS: &[BlockParser<ParseLight>] = &[
     BlockParser { block: &POINT, parse: parse_point_light },
     BlockParser { block: &DIRECTIONAL, parse: parse_directional_light },
@@ -34,7 +34,7 @@ pub(super) static LIGHTS: &[BlockParser<ParseLight>] = &[
     BlockParser { block: &ENVIRONMENT, parse: parse_environment_light },
 ];
 
-/// Function that converts a block's fields to a light.
+/// Function that converts the parsed fields of a light block to a light.
 type ParseLight = fn(&BlockFields<'_>) -> Result<LightDescription, SceneError>;
 
 static POINT_STRENGTH_FIELDS: &[FieldSchema] = &[
@@ -184,7 +184,7 @@ pub(super) fn parse_lights_block<'a>(
     Ok(lights)
 }
 
-/// Parses a light, or a `Moving` block that holds a light, after its keyword `word`.
+/// Parses a light, or a `Moving` block that holds a light. Its keyword `word` has been read.
 fn parse_light<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<LightDescription>, SceneError> {
     if word.text == "Moving" {
         let mut movable = block_keywords(&["Moving"], LIGHTS);
@@ -253,7 +253,7 @@ fn parse_spot_light(f: &BlockFields<'_>) -> Result<LightDescription, SceneError>
     Ok(LightDescription::Spot { position, aim, angle, penumbra, strength: parse_point_strength(f)? })
 }
 
-/// Returns a projector or goniometric light with this `pattern`, and parses its other fields.
+/// Returns a projector or goniometric light with this `pattern` and the other fields of the block.
 fn parse_oriented_light(f: &BlockFields<'_>, pattern: LightPattern) -> Result<LightDescription, SceneError> {
     let position = f.value("position")?;
     let (aim, direction) = parse_direction_or_target(f, "position", position)?;

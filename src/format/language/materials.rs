@@ -1,4 +1,4 @@
-//! Schemas, parsing and printing of material blocks, and parsing of references to materials.
+//! Schemas, parsing and writing of material blocks, and parsing of references to materials.
 
 use std::fmt;
 
@@ -21,7 +21,7 @@ use super::writer::SceneWriter;
 use crate::bsdf::MAX_COAT_INDEX;
 use glam::DVec3;
 
-/// Material blocks of the scene language, with their parsers.
+/// Material blocks of the scene language, each with the function that converts its fields.
 pub(super) static MATERIALS: &[BlockParser<ParseMaterial>] = &[
     BlockParser { block: &PHONG, parse: parse_phong_material },
     BlockParser { block: &DIFFUSE, parse: parse_diffuse_material },
@@ -34,12 +34,14 @@ pub(super) static MATERIALS: &[BlockParser<ParseMaterial>] = &[
     BlockParser { block: &MIX, parse: parse_mix_material },
 ];
 
-/// Function that converts a block's fields to a material.
+/// Function that converts the parsed fields of a material block to a material.
 ///
-/// The parser gives access to the materials before the block, which a `Mix` can name.
+/// The parser gives a `Mix` access to the materials before it.
 type ParseMaterial = for<'a> fn(&Parser<'a>, &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError>;
 
-/// Largest accepted depth of nested mixes. Each level can double the number of leaf materials.
+/// Largest accepted nesting depth of mixes.
+///
+/// A mix of depth n can lead to 2ⁿ materials that are no mixes.
 const MAX_MIX_DEPTH: u8 = 8;
 
 const UNIT_RANGE: FieldRange = FieldRange::Within(0.0, 1.0);
@@ -207,7 +209,8 @@ pub(super) fn parse_materials_block<'a>(parser: &mut Parser<'a>, block: Token<'a
         let (material, result) = match material {
             Ok(material) => (material, Ok(())),
             Err(error) => {
-                // A material with errors keeps its index and name, so that objects can refer to it.
+                // A material with errors keeps its index and name, so that references to it cause
+                // no more errors.
                 let kind = MaterialKindDescription::Mirror { reflectance: DVec3::ONE.into() };
                 (
                     MaterialDescription { name, kind, emission: None, normal_perturbation: None, medium: None },
@@ -220,7 +223,7 @@ pub(super) fn parse_materials_block<'a>(parser: &mut Parser<'a>, block: Token<'a
     })
 }
 
-/// Parses the optional name of a new material, and records the name and index of the material.
+/// Parses the optional name of a new material. Records it with the index of the material.
 fn parse_new_material_name(parser: &mut Parser<'_>) -> Result<Option<String>, SceneError> {
     let Some(name) = parse_block_name(parser, "material")? else { return Ok(None) };
     if parser.scope.material_indices.contains_key(&name.value) {
@@ -231,7 +234,7 @@ fn parse_new_material_name(parser: &mut Parser<'_>) -> Result<Option<String>, Sc
     Ok(Some(name.value))
 }
 
-/// Parses `{ … }` of a material whose keyword `word` and name have been read.
+/// Parses `{ … }` of a material. Its keyword `word` and its `name` have been read.
 fn parse_material<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
@@ -251,13 +254,13 @@ fn parse_material<'a>(
     Ok(MaterialDescription { name, kind, emission: parse_emission(f)?, normal_perturbation, medium })
 }
 
-/// Flags: whether a kind of material accepts the field `medium`, and a bump or normal map.
+/// Fields that a kind of material accepts: `medium`, and those of bump or normal maps.
 struct AcceptedMaterialFields {
     medium: bool,
     normal_perturbation: bool,
 }
 
-/// Tells whether materials of this `kind` accept the field `medium`, and bump or normal maps.
+/// Tells whether materials of this `kind` accept the field `medium`, and a bump or normal map.
 fn accepted_material_fields(kind: &MaterialKindDescription) -> AcceptedMaterialFields {
     match kind {
         MaterialKindDescription::Dielectric { .. } | MaterialKindDescription::NullInterface { .. } => {
@@ -351,13 +354,13 @@ fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
         return Ok(MetalDescription::Named(name));
     }
     if f.get("k").is_none() {
-        // If both are absent, the error names both of them.
+        // If both `metal` and `eta` are absent, this error names both.
         f.require_one_field_of(&["metal", "eta"])?;
     }
     Ok(MetalDescription::Index { eta: f.value("eta")?, k: f.value("k")? })
 }
 
-/// Parses the fields of a `Mix`. Both of its materials must precede it in the text.
+/// Parses the fields of a `Mix`. Both of its materials must stand before it in the text.
 fn parse_mix_material<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError> {
     let first = parse_mix_component(parser, f.require_field("first")?)?;
     let second = parse_mix_component(parser, f.require_field("second")?)?;
@@ -378,8 +381,8 @@ fn parse_mix_material<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<Ma
             return Err(f.error_at(component.span, message, "no surface", help));
         }
     }
-    // A path could enter through one dielectric and leave through the other. The first would then
-    // stay on the path's interior stack.
+    // Otherwise, a path could enter one dielectric and leave the other. The first would stay on the
+    // path's stack of bodies.
     if let (Some(a), Some(b)) = (
         scope.constraints_of_mixed_material(&first).dielectric,
         scope.constraints_of_mixed_material(&second).dielectric,
@@ -392,7 +395,8 @@ fn parse_mix_material<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<Ma
     Ok(MaterialKindDescription::Mix { first, second, amount })
 }
 
-/// Returns the name of a material in a field of a `Mix`; an error unless it precedes the mix.
+/// Returns the name of a material in a field of a `Mix`. Fails unless the material stands before
+/// it.
 fn parse_mix_component<'a>(parser: &Parser<'a>, field: ParsedField<'_, 'a>) -> Result<Spanned<String>, SceneError> {
     let name: Spanned<String> = field.value();
     let help = "a mix is made of materials that stand before it";
@@ -417,7 +421,7 @@ fn parse_emission(f: &BlockFields<'_>) -> Result<Option<EmissionDescription>, Sc
     Ok(radiance)
 }
 
-/// Returns the bump map with its height, or the normal map; `None` without any.
+/// Returns the bump map with its height, or the normal map; `None` if the block has neither.
 fn parse_normal_perturbation(f: &BlockFields<'_>) -> Result<Option<NormalPerturbationDescription>, SceneError> {
     f.forbid_both_fields("bump", "normalMap")?;
     let Some(texture) = f.optional_value("bump") else {
@@ -427,7 +431,7 @@ fn parse_normal_perturbation(f: &BlockFields<'_>) -> Result<Option<NormalPerturb
     Ok(Some(NormalPerturbationDescription::Bump { texture, height: f.value("bumpHeight")? }))
 }
 
-/// Parses the index of a material after the word `MaterialIndex`.
+/// Parses the index of a material. The word `MaterialIndex` has been read.
 pub(super) fn parse_material_index<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<u32>, SceneError> {
     parser.scope.group_uses_materials = true;
     let index = parser.parse_integer(word)?;
@@ -444,7 +448,7 @@ pub(super) fn parse_material_index<'a>(parser: &mut Parser<'a>, word: Token<'a>)
     Err(parser.lexer.error_at(index.span, message, "out of range", help))
 }
 
-/// Parses the name of a material after the word `MaterialName`.
+/// Parses the name of a material. The word `MaterialName` has been read.
 pub(super) fn parse_material_reference<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,

@@ -1,4 +1,4 @@
-//! Schemas, parsing and printing of medium blocks.
+//! Schemas, parsing and writing of medium blocks.
 
 use std::fmt;
 
@@ -20,13 +20,13 @@ use super::schema::{
 use super::transforms::write_transform_field;
 use super::writer::SceneWriter;
 
-/// Medium blocks of the scene language, with their parsers.
+/// Medium blocks of the scene language, each with the function that converts its density fields.
 pub(super) static MEDIA: &[BlockParser<ParseDensity>] = &[
     BlockParser { block: &MEDIUM, parse: parse_medium_density },
     BlockParser { block: &CLOUD, parse: parse_cloud_density },
 ];
 
-/// Function that converts a block's fields to the density of a medium.
+/// Function that converts the parsed fields of a medium block to the density of the medium.
 type ParseDensity = fn(&BlockFields<'_>) -> Result<DensityDescription, SceneError>;
 
 const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
@@ -103,7 +103,8 @@ pub(super) fn parse_media_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -
         let name = parse_unique_block_name(parser, word, ("medium", "media"), is_taken)?;
         let (medium, result) = match parse_medium(parser, word, &name) {
             Ok(medium) => (medium, Ok(())),
-            // A medium with errors still defines its name, so that materials can refer to it.
+            // A medium with errors still defines its name, so that references to it cause no more
+            // errors.
             Err(error) => (placeholder_medium(&name), Err(error)),
         };
         parser.scope.media.push(Spanned::new(medium, word.span()));
@@ -111,8 +112,9 @@ pub(super) fn parse_media_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -
     })
 }
 
-/// Returns a medium without any effect. It stands for a medium that has errors, so that materials
-/// can refer to its name.
+/// Returns a medium without any effect, which replaces a medium that has errors.
+///
+/// References to its name then cause no more errors.
 fn placeholder_medium(name: &str) -> MediumDescription {
     let coefficients = MediumCoefficients::AbsorptionScattering { absorption: DVec3::ZERO, scattering: DVec3::ZERO };
     let (emission, phase, density) =
@@ -120,7 +122,7 @@ fn placeholder_medium(name: &str) -> MediumDescription {
     MediumDescription { name: name.to_owned(), coefficients, emission, phase, density }
 }
 
-/// Parses `{ … }` of a medium whose keyword `word` and name have been read.
+/// Parses `{ … }` of a medium. Its keyword `word` and its `name` have been read.
 fn parse_medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Result<MediumDescription, SceneError> {
     let (entry, f) = parse_block_by_keyword(parser, word, MEDIA)?;
     let f = &f;

@@ -1,7 +1,7 @@
-//! The scene language: parses text to a [`SceneDescription`], and prints a description as text.
+//! The scene language: parses text to a [`SceneDescription`], and writes a description as text.
 //!
 //! Each part of the language has one file, with the schemas of its blocks and the functions that
-//! parse and print them. Files that the text names are opened later, by
+//! parse and write them. Files that the text names are opened later, by
 //! [`resolve`](super::resolve).
 
 mod camera;
@@ -60,7 +60,7 @@ static BACKGROUND: BlockSchema = block_schema("Background", "what lies behind al
 /// Keywords of top-level blocks of scene text, except cameras and `Background`.
 const FILE_BLOCK_KEYWORDS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];
 
-/// Returns the sections of the language reference, each with its name and block schemas.
+/// Returns the sections of the language reference, each with its name and its blocks' schemas.
 fn reference_sections() -> [(&'static str, Vec<&'static BlockSchema>); 7] {
     [
         ("cameras", block_schemas(CAMERAS)),
@@ -79,7 +79,7 @@ fn all_block_schemas() -> impl Iterator<Item = &'static BlockSchema> {
     reference_sections().into_iter().flat_map(|(_, blocks)| blocks)
 }
 
-/// Returns the Markdown `page` with its tables of the scene language replaced by current ones.
+/// Returns the Markdown `page` with its tables of the scene language replaced by up-to-date ones.
 ///
 /// A table stands between the lines `<!-- reference: NAME -->` and `<!-- end of reference -->`.
 /// NAME is one of cameras, background, lights, textures, media, materials and shapes.
@@ -122,7 +122,7 @@ pub fn parse_scene_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, S
         Ok(text) => return parse(name, text),
         Err(error) => error,
     };
-    // The lossy conversion does not move the first bad byte.
+    // Replacing invalid bytes does not move the first of them.
     let source = SourceText::new(name, &String::from_utf8_lossy(bytes));
     let at = error.valid_up_to();
     let message = format!("the byte {:#04x} at offset {at} is not UTF-8", bytes[at]);
@@ -133,9 +133,9 @@ pub fn parse_scene_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, S
     Err(SceneError::error_at_span(&source, Span { start: at, len: 3 }, message, "not text", help))
 }
 
-/// Camera, background, lights and objects parsed from a scene text.
+/// Camera, background, lights and objects of a scene text, as far as they were parsed.
 ///
-/// Textures, media and materials are in the parser's `scope`.
+/// Textures, media and materials are in [`Parser::scope`].
 #[derive(Default)]
 struct SceneFileBlocks {
     camera: Option<Spanned<CameraDescription>>,
@@ -145,7 +145,7 @@ struct SceneFileBlocks {
     root: Option<ObjectGroup>,
 }
 
-/// Parses all blocks of a scene text, and returns the scene's description.
+/// Parses all blocks of a scene text, and returns the scene description.
 fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneError> {
     let allowed = [&block_keywords(&[], CAMERAS)[..], &[BACKGROUND.keyword], &FILE_BLOCK_KEYWORDS].concat();
     let mut blocks = SceneFileBlocks::default();
@@ -167,7 +167,7 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
     if let Some(name) = &ambient_medium {
         parser.scope.check_medium_exists(parser.lexer, name, "in the file")?;
     }
-    // Errors in blocks come before missing blocks: a block may be missing because of its errors.
+    // Report errors in blocks before missing blocks, because they may be the reason.
     if let Some(error) = parser.errors.pop() {
         return Err(error);
     }
@@ -184,7 +184,7 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
     Ok(SceneDescription { camera, background, ambient_medium, lights, textures, media, materials, root })
 }
 
-/// Parses a top-level block after its keyword `word`, and stores its content.
+/// Parses a top-level block whose keyword `word` has been read, and stores its content.
 ///
 /// The content goes to `blocks` or to the parser's `scope`. It replaces that of an earlier block of
 /// the same kind.
@@ -217,7 +217,7 @@ fn parse_file_block<'a>(
 }
 
 impl Display for SceneDescription {
-    /// Prints the scene as text in a canonical form, which parses to an equal description.
+    /// Writes the scene as text in a canonical form, which parses to an equal description.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let out = &mut SceneWriter::new(f);
         write_camera(out, &self.camera)?;
@@ -233,9 +233,9 @@ impl Display for SceneDescription {
     }
 }
 
-/// Writes a block such as `Lights`: the number of entries, then the entries.
+/// Writes a list block such as `Lights`: the number of entries, then the entries.
 ///
-/// `count` is the keyword of the number. Writes nothing if `list` is empty.
+/// `count` is the keyword before the number. Writes nothing if `list` is empty.
 fn write_list_block<T>(
     out: &mut SceneWriter<'_, '_>,
     keyword: &str,

@@ -1,4 +1,4 @@
-//! Parses the names of textures, media and materials, which stand before the `{` of their block.
+//! Parses the names of textures, media and materials, which stand between keyword and `{`.
 
 use super::super::description::Spanned;
 use super::super::error::SceneError;
@@ -32,7 +32,7 @@ pub(super) fn parse_block_name(parser: &mut Parser<'_>, what: &str) -> Result<Op
     Ok(Some(name))
 }
 
-/// Parses the mandatory name of a texture or medium after its keyword `word`.
+/// Parses the mandatory name of a texture or medium. The block's keyword `word` has been read.
 ///
 /// Error messages use the nouns `one` and `many`, such as "medium" and "media".
 ///

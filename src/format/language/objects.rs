@@ -1,4 +1,4 @@
-//! Parsing and printing of groups, transformed objects and moving objects.
+//! Parsing and writing of groups, transformed objects and moving objects.
 
 use std::fmt;
 
@@ -15,14 +15,14 @@ use super::writer::SceneWriter;
 /// Keywords of objects that contain other objects.
 const NESTING_OBJECT_KEYWORDS: [&str; 3] = ["Group", "Transform", "Moving"];
 
-/// Keywords of a group's entries that are not objects.
+/// Keywords of those entries of a group that are not objects.
 const OTHER_ITEM_KEYWORDS: [&str; 3] = ["numObjects", "MaterialIndex", "MaterialName"];
 
 fn object_keywords() -> Vec<&'static str> {
     block_keywords(&NESTING_OBJECT_KEYWORDS, SHAPES)
 }
 
-/// Parses a `Group` block.
+/// Parses a `Group` block. Its `keyword` has been read.
 pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<ObjectGroup, SceneError> {
     parser.open_nested_block(keyword)?;
     let mut items = Vec::new();
@@ -57,7 +57,7 @@ pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Re
 // The functions below are not inlined into `parse_group`: it recurses, and its stack frame must
 // stay small.
 
-/// Appends the item to `items` and returns `None`; returns the error if `item` holds one.
+/// Appends the `item` to `items`. If parsing it failed, returns the error instead.
 #[inline(never)]
 fn push_item_or_return_error(item: Result<GroupItem, SceneError>, items: &mut Vec<GroupItem>) -> Option<SceneError> {
     match item {
@@ -69,9 +69,10 @@ fn push_item_or_return_error(item: Result<GroupItem, SceneError>, items: &mut Ve
     }
 }
 
-/// Records `error`, and skips to the next entry of the group whose block nesting is `mark`.
+/// Records `error`, and skips to the next entry of the group.
 ///
-/// Returns `error` instead if the text has ended or the list of errors is full.
+/// `mark` is the block nesting before the entry with the error. Returns `error` instead if the text
+/// has ended or the list of errors is full.
 #[inline(never)]
 fn skip_to_next_item(parser: &mut Parser<'_>, error: SceneError, mark: SavedBlockNesting) -> Result<(), SceneError> {
     parser.record_error(error)?;
@@ -96,7 +97,7 @@ fn parse_boxed_object<'a>(
     parse_object(parser, keyword).map(Box::new)
 }
 
-/// Parses the object after its `keyword`.
+/// Parses an object. Its `keyword` has been read.
 fn parse_object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spanned<ObjectDescription>, SceneError> {
     let object = match keyword.text {
         "Group" => ObjectDescription::Group(parse_group(parser, keyword)?),

@@ -1,4 +1,4 @@
-//! Parsing of the elements of scene text: blocks, numbers, names and counts. Recovers from errors.
+//! Parses the elements of scene text: blocks, numbers, names and counts. Recovers from errors.
 
 use super::super::MAX_NESTING_DEPTH;
 use super::super::description::{Span, Spanned};
@@ -8,7 +8,7 @@ use super::scope::ParserScope;
 use super::suggest::{keyword_synonym, nearest_word};
 use super::text::clip_for_message;
 
-/// Parser of a scene text: holds the position, and the definitions and errors found so far.
+/// Parser of a scene text: its position, and the definitions and errors so far.
 pub(super) struct Parser<'a> {
     /// Lexer, with the scene text and the current position.
     pub lexer: Lexer<'a>,
@@ -26,8 +26,9 @@ pub(super) struct Parser<'a> {
     has_unclosed_block: bool,
 }
 
-/// Numbers of open and closed blocks at the start of an entry. After an error in the entry, the
-/// parser leaves the blocks that were opened since.
+/// Numbers of open and closed blocks before an entry of a block.
+///
+/// After an error in the entry, the parser uses them to find the end of the entry.
 #[derive(Clone, Copy)]
 pub(super) struct SavedBlockNesting {
     open_blocks: usize,
@@ -51,16 +52,17 @@ impl<'a> Parser<'a> {
 
     /// Joins all errors into one [`SceneError`], in the order of the text; `None` without errors.
     ///
-    /// `last` is the error that stopped the parser, if any. It is dropped if the text ends inside a
-    /// block and there are other errors, because one of them is the likely cause.
+    /// `last` is the error that stopped the parser, if any. If the text ends inside a block, an
+    /// earlier error is the likely cause. Then `last` is dropped unless it is the only error.
     pub fn into_joined_error(mut self, last: Option<SceneError>) -> Option<SceneError> {
         self.errors.extend(last.filter(|_| !self.has_unclosed_block || self.errors.is_empty()));
         SceneError::from_errors(self.errors)
     }
 
-    /// Runs `parse_entry`. If it fails, records its error and skips to the next entry.
+    /// Calls `parse_entry`. If it fails, records its error and skips to the next entry of the
+    /// block.
     ///
-    /// Each entry starts with a word of `allowed`.
+    /// The words in `allowed` start entries.
     ///
     /// # Errors
     /// The error of `parse_entry`, if the text has ended or the list of errors is full.
@@ -87,8 +89,8 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Returns the current numbers of open and closed blocks, for
-    /// [`skip_to_next_entry`](Self::skip_to_next_entry).
+    /// Returns the numbers of open and closed blocks, which
+    /// [`skip_to_next_entry`](Self::skip_to_next_entry) compares with later ones.
     pub fn current_block_nesting(&self) -> SavedBlockNesting {
         SavedBlockNesting {
             open_blocks: self.open_blocks.len(),
@@ -97,11 +99,13 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Skips the rest of a field or object that has a syntax error.
+    /// Skips the rest of a block's entry, a field or an object, that has a syntax error.
     ///
-    /// `mark` is the block nesting at the start of the field or object. If blocks were opened since
-    /// then, skips past their ends. If a block was opened and closed, skips nothing. Otherwise
-    /// skips to a word of `allowed` or a `}`, or past one block.
+    /// `mark` is the block nesting before the entry.
+    ///
+    /// - If the entry opened blocks that are still open, skips past their ends.
+    /// - If it opened and closed a block, it has ended: skips nothing.
+    /// - Otherwise, skips to a word of `allowed` or a `}`, or past the next block.
     #[inline(never)]
     pub fn skip_to_next_entry(&mut self, mark: SavedBlockNesting, allowed: &[&str]) {
         let mut braces = self.open_blocks.len().saturating_sub(mark.open_blocks);
@@ -134,7 +138,8 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Parses a list block such as `Lights`: entries, and an optional field with their number.
+    /// Parses a list block such as `Lights`: entries, and an optional field with the number of
+    /// entries.
     ///
     /// `count` is the keyword of that field. Each entry starts with a word of `allowed`, and
     /// `parse_entry` parses the rest of it. Error messages call an entry `what`.
@@ -178,7 +183,7 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Parses the `{` of a `Group`, `Transform` or `Moving` block; an error if the nesting is too
+    /// Parses the `{` of a `Group`, `Transform` or `Moving` block. Fails if such blocks nest too
     /// deep.
     pub fn open_nested_block(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {
         if self.nesting_depth == MAX_NESTING_DEPTH {
@@ -190,8 +195,7 @@ impl<'a> Parser<'a> {
         self.open_block(keyword)
     }
 
-    /// Decrements the nesting depth, after the `}` of a block that
-    /// [`open_nested_block`](Self::open_nested_block) opened.
+    /// Decrements the nesting depth, after the `}` of a `Group`, `Transform` or `Moving` block.
     pub fn leave_nested_block(&mut self) {
         self.nesting_depth -= 1;
     }
@@ -201,7 +205,7 @@ impl<'a> Parser<'a> {
         self.has_unclosed_block
     }
 
-    /// Closes the innermost block as if a `}` stood before `word`, and moves back to `word`.
+    /// Closes the innermost block, as if `}` stood before `word`, and moves back to `word`.
     pub fn close_block_before(&mut self, word: Token<'a>) {
         self.open_blocks.pop();
         self.closed_blocks += 1;
@@ -223,7 +227,8 @@ impl<'a> Parser<'a> {
         Err(self.lexer.error_at(token.span(), message, "here", format!("put `{mark}` before it")))
     }
 
-    /// Parses the next word of the innermost block. Closes the block and returns `None` at its `}`.
+    /// Reads the next word of the innermost block. At the block's `}`, closes it and returns
+    /// `None`.
     pub fn next_word(&mut self) -> Result<Option<Token<'a>>, SceneError> {
         let token = self.lexer.peek_token();
         if token.is_end_of_text() {
@@ -247,7 +252,7 @@ impl<'a> Parser<'a> {
             if token.is_end_of_text() {
                 return Err(self.missing_number_error(owner, N, "number"));
             }
-            // The token is a number, which becomes infinite if it overflows.
+            // The token is a valid number, but its value may overflow to infinity.
             *value = token.text.parse().unwrap_or(f64::NAN);
             if !value.is_finite() {
                 let message = format!("`{}` is too large for a number", clip_for_message(token.text));
@@ -282,7 +287,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Returns the error for a number that is missing after the keyword `owner`.
+    /// Returns the error for missing numbers after the keyword `owner`.
     ///
     /// The keyword needs `wanted` numbers; `kind` is "number" or "whole number".
     fn missing_number_error(&mut self, owner: Token<'a>, wanted: usize, kind: &str) -> SceneError {
@@ -326,9 +331,9 @@ impl<'a> Parser<'a> {
         Err(self.lexer.error_at(span, format!("`{name}` wants a name"), "a name belongs here", help))
     }
 
-    /// Parses the number of entries after its keyword `word`, and stores it in `count`.
+    /// Parses a number of entries, and stores it in `count`. Its keyword `word` has been read.
     ///
-    /// Returns an error if `count` already holds a number.
+    /// Fails if `count` already holds a number.
     pub fn parse_count(&mut self, word: Token<'a>, count: &mut Option<Spanned<u32>>) -> Result<(), SceneError> {
         if count.is_some() {
             return Err(self.repeated_word_error(word));
@@ -337,8 +342,7 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Returns an error if a block states a number of entries, `count`, and contains another,
-    /// `found`.
+    /// Fails if a block states another number of entries, `count`, than it contains, `found`.
     ///
     /// `name` is the keyword of `count`. Error messages call an entry `what`.
     pub fn check_entry_count(
@@ -359,13 +363,13 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Returns the error for a field or block that occurs twice, but may occur once.
+    /// Returns the error for a field or block `word` that may occur only once, but is repeated.
     pub fn repeated_word_error(&self, word: Token<'a>) -> SceneError {
         let message = format!("`{}` is given twice in {}", word.text, self.innermost_block_name());
         self.lexer.error_at(word.span(), message, "the second", "keep one of them".to_owned())
     }
 
-    /// Returns the error for a text that ends inside a block, and remembers that it does.
+    /// Returns the error for a text that ends inside a block, and sets `has_unclosed_block`.
     pub fn unclosed_block_error(&mut self) -> SceneError {
         self.has_unclosed_block = true;
         let block = self.open_blocks.last().copied().unwrap_or(Token { text: "", start: 0 });
@@ -378,7 +382,8 @@ impl<'a> Parser<'a> {
         self.open_blocks.last().map_or("the file".to_owned(), |block| format!("`{}`", block.text))
     }
 
-    /// Returns the error for a `word` that is not in `allowed`, with a suggestion.
+    /// Returns the error for a `word` that is not in `allowed`, with a suggestion of a similar
+    /// word.
     #[inline(never)]
     pub fn unexpected_word_error(&self, word: Token<'a>, allowed: &[&str]) -> SceneError {
         let block = self.innermost_block_name();

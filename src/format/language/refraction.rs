@@ -1,4 +1,4 @@
-//! Schemas, parsing and printing of the refractive index of a `Dielectric`.
+//! Schemas, parsing and writing of the refractive index of a `Dielectric`.
 
 use std::fmt;
 
@@ -21,7 +21,7 @@ const INDEX_SOURCES: [&str; 4] = ["indexOfRefraction", "glass", "cauchy", "sellm
 /// Largest accepted number of terms of Sellmeier's equation.
 const MAX_SELLMEIER_TERMS: usize = 4;
 
-/// Parses the refractive index; 1.5 if no field states it.
+/// Parses the refractive index of a dielectric; 1.5 if no field states it.
 pub(super) fn parse_refraction(f: &BlockFields<'_>) -> Result<RefractiveIndexDescription, SceneError> {
     let is_given = INDEX_SOURCES.iter().any(|source| f.get(source).is_some());
     let source = if is_given { Some(f.require_one_field_of(&INDEX_SOURCES)?) } else { None };
@@ -74,7 +74,7 @@ fn parse_sellmeier(
     Ok(RefractiveIndexDescription::Glass(glass))
 }
 
-/// Returns an error at `field` if the refractive index of `glass` is outside 0.001 to 1000.
+/// Fails with an error at `field` if the refractive index of `glass` is outside 0.001 to 1000.
 ///
 /// The error's help text is the name of the field, then `advice` and the accepted range.
 fn check_index_range(glass: &DispersionFormula, field: &ParsedField<'_, '_>, advice: &str) -> Result<(), SceneError> {
@@ -97,7 +97,7 @@ pub(super) fn write_refraction(out: &mut SceneWriter<'_, '_>, refraction: &Refra
             out.write_field("cauchy", SpacedNumbers(&[*a, *b, *c]))
         }
         RefractiveIndexDescription::Glass(DispersionFormula::Sellmeier { b, c }) => {
-            // Terms of strength and wavelength 0 at the end of the list were absent in the text.
+            // Trailing terms with B = C = 0 are padding and were absent in the text.
             let terms = (1..b.len()).rev().find(|i| (b[*i], c[*i]) != (0.0, 0.0)).map_or(1, |last| last + 1);
             out.write_field("sellmeierB", SpacedNumbers(&b[..terms]))?;
             out.write_field("sellmeierC", SpacedNumbers(&c[..terms]))

@@ -1,7 +1,7 @@
 //! Schemas of the scene language: its blocks and fields, with units, ranges, defaults and help.
 //!
 //! The parser checks values against the schemas, and the writer takes keywords from them. The
-//! tables in `docs/guide/scene-language.md` are printed from them.
+//! tables in `docs/guide/scene-language.md` are generated from them.
 
 use std::fmt::Write;
 
@@ -12,8 +12,9 @@ use super::text::is_normalizable;
 /// Largest finite single-precision number.
 const MAX_SINGLE: f64 = f32::MAX as f64;
 
-/// Largest accepted absorption or scattering coefficient \[1/length]. Its products with densities
-/// and lengths still fit single precision.
+/// Largest accepted absorption or scattering coefficient \[1/length].
+///
+/// Its products with densities and lengths still fit into single precision.
 pub(super) const MAX_COEFFICIENT: f64 = 1e12;
 
 /// Type of the value that follows a field's keyword.
@@ -37,7 +38,7 @@ pub(super) enum FieldKind {
     Whole,
     /// A path or name, quoted or bare.
     Name,
-    /// One of the listed words.
+    /// One of these words.
     Word(&'static [&'static str]),
     /// A `BezierCurve` or `BsplineCurve` block.
     Curve,
@@ -70,16 +71,17 @@ pub(super) enum FieldRange {
     Between(f64, f64),
     /// Above the first bound, up to and including the second.
     UpTo(f64, f64),
-    /// Range described in words. The function that converts the block checks the value.
+    /// Range that this text describes. The function that converts the block checks the value.
     Special(&'static str),
 }
 
-/// Value or meaning of a field that the scene text omits.
+/// Default value of a field, or the meaning of its absence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FieldDefault {
     /// The field must be present.
     Required,
-    /// The field may be absent; the text says what absence means.
+    /// The field may be absent. This text tells readers of the language reference what absence
+    /// means.
     Absent(&'static str),
     /// The parser uses these numbers if the field is absent.
     Numbers(&'static [f64]),
@@ -104,7 +106,7 @@ pub(super) struct FieldSchema {
     pub default: FieldDefault,
     /// Meaning of the value, in one line of the language reference.
     pub help: &'static str,
-    /// True if the scene format of the course MIT 6.837 has this field.
+    /// True if the field is part of the scene format of the course MIT 6.837.
     pub is_course_syntax: bool,
 }
 
@@ -121,7 +123,7 @@ pub(super) struct BlockSchema {
     pub shared_fields: &'static [&'static [FieldSchema]],
     /// Meaning of the block, in one line of the language reference.
     pub help: &'static str,
-    /// True if the scene format of the course MIT 6.837 has this block.
+    /// True if the block is part of the scene format of the course MIT 6.837.
     pub is_course_syntax: bool,
 }
 
@@ -176,7 +178,8 @@ impl FieldSchema {
         self
     }
 
-    /// Sets the text that the language reference prints as the field's default.
+    /// Makes the field optional. `meaning` tells readers of the language reference what absence
+    /// means.
     pub const fn with_default_description(mut self, meaning: &'static str) -> Self {
         self.default = FieldDefault::Absent(meaning);
         self
@@ -205,7 +208,7 @@ impl FieldSchema {
         self.name == word || (!self.alias.is_empty() && self.alias == word)
     }
 
-    /// Returns the rule that `numbers` break, such as "must be above 0"; `None` if they are
+    /// Returns the rule that `numbers` violate, such as "must be above 0"; `None` if they are
     /// allowed.
     pub fn violated_rule(&self, numbers: &[f64]) -> Option<String> {
         if self.kind == FieldKind::Direction && !is_normalizable(DVec3::from_slice(numbers)) {
@@ -225,7 +228,7 @@ impl FieldSchema {
         (!ok).then(|| self.describe_violated_range(numbers))
     }
 
-    /// Returns the text of an error message about `numbers` outside the field's range.
+    /// Returns the rule of the field's range that `numbers` violate, for error messages.
     ///
     /// For example, a field with range [`FieldRange::NonNegative`] gives "must not be negative".
     fn describe_violated_range(&self, numbers: &[f64]) -> String {
@@ -252,7 +255,7 @@ impl FieldSchema {
         }
     }
 
-    /// Returns type, range and unit of the value in words, for the language reference.
+    /// Returns type, range and unit of the field's value in words, for the language reference.
     fn describe_value(&self) -> String {
         let noun = match self.kind {
             FieldKind::Point => "point",
@@ -374,7 +377,7 @@ pub(super) fn block_keywords<P>(before: &[&'static str], table: &'static [BlockP
 
 /// Returns the reference of `blocks` as Markdown: a list of blocks, then a table of their fields.
 ///
-/// Each group of shared fields appears once, at the end of the table.
+/// Each list of shared fields appears once, at the end of the table.
 pub(super) fn reference_markdown(blocks: &[&'static BlockSchema]) -> String {
     let mut out = String::new();
     for block in blocks {
@@ -389,7 +392,7 @@ pub(super) fn reference_markdown(blocks: &[&'static BlockSchema]) -> String {
             field.write_language_manual_row(&name, &mut out);
         }
     }
-    // The name of its first field identifies a group of shared fields.
+    // A list of shared fields is identified by the name of its first field.
     let mut seen: Vec<&str> = Vec::new();
     for group in blocks.iter().flat_map(|block| block.shared_fields) {
         if seen.contains(&group[0].name) {
@@ -411,7 +414,7 @@ fn join_in_backticks(words: &[&str]) -> String {
     words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
 }
 
-/// Displays one bound of a [`FieldRange`]; numbers from a million on have an exponent.
+/// Displays a bound of a [`FieldRange`]. Numbers from a million on have an exponent.
 struct RangeBound(f64);
 
 impl std::fmt::Display for RangeBound {

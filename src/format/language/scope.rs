@@ -1,4 +1,4 @@
-//! Textures, media and materials that a scene text has defined so far, and checks of their names.
+//! Textures, media and materials that a scene text has defined so far, and lookups of their names.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use super::lexer::{Lexer, Token};
 use super::suggest::nearest_word;
 use super::text::clip_for_message;
 
-/// Textures, media and materials of the blocks parsed so far.
+/// Textures, media and materials that the blocks parsed so far define.
 #[derive(Default)]
 pub(super) struct ParserScope<'a> {
     /// Textures of the last `Textures` block.
@@ -23,19 +23,20 @@ pub(super) struct ParserScope<'a> {
     mix_constraints: Vec<MixConstraints>,
     /// True if the last `Group` refers to a material.
     pub group_uses_materials: bool,
-    /// Keyword of a `Materials` block after a `Group` that uses earlier materials, which is an
-    /// error.
+    /// Keyword of the `Materials` block that follows a `Group` which uses materials; `None` if
+    /// there is none.
+    ///
+    /// Such a block is an error, because it replaces the materials in use.
     pub late_materials: Option<Token<'a>>,
 }
 
-/// Properties of a material that limit its use in a mix: depth of nested mixes, and its
-/// `Dielectric`.
+/// Properties of a material that limit its use in a mix.
 #[derive(Clone, Copy, Default)]
 pub(super) struct MixConstraints {
-    /// Index of the material itself if it is a `Dielectric`, else of the `Dielectric` that it
-    /// mixes. `None` if there is none.
+    /// Index of the `Dielectric` that the material is, or that it contains as a mix; `None` without
+    /// one.
     pub dielectric: Option<usize>,
-    /// Number of mixes nested in each other; 0 for a material that is no mix.
+    /// Nesting depth of mixes: 0 for a material that is no mix, 1 for a mix of such materials.
     pub mix_depth: u8,
 }
 
@@ -47,7 +48,7 @@ impl ParserScope<'_> {
         self.mix_constraints.clear();
     }
 
-    /// Appends a material and its [`MixConstraints`]. Does not register the name of the material.
+    /// Appends a material and its [`MixConstraints`]. The caller registers its name.
     pub fn add_material(&mut self, material: Spanned<MaterialDescription>) {
         let kind = &material.value.kind;
         let summary = match kind.mix_material_names() {
@@ -67,14 +68,14 @@ impl ParserScope<'_> {
         self.materials.push(material);
     }
 
-    /// Returns mix depth and dielectric of the material called `name`.
+    /// Returns the [`MixConstraints`] of the material called `name`.
     ///
-    /// Returns depth 0 and no dielectric if no such material exists.
+    /// An unknown name gives mix depth 0 and no dielectric.
     pub fn constraints_of_mixed_material(&self, name: &str) -> MixConstraints {
         self.material_indices.get(name).and_then(|&index| self.mix_constraints.get(index)).copied().unwrap_or_default()
     }
 
-    /// Returns an error if `block`, which holds textures or media, follows a `Materials` block.
+    /// Fails if `block`, which holds textures or media, follows a `Materials` block.
     pub fn check_precedes_materials(&self, lexer: Lexer<'_>, block: Token<'_>) -> Result<(), SceneError> {
         if self.materials.is_empty() {
             return Ok(());
@@ -84,14 +85,14 @@ impl ParserScope<'_> {
         Err(lexer.error_at(block.span(), message, "too late", help))
     }
 
-    /// Returns an error if no texture is called `name`.
+    /// Fails if no texture is called `name`.
     pub fn check_texture_exists(&self, lexer: Lexer<'_>, name: &Spanned<String>) -> Result<(), SceneError> {
         let names = || self.textures.iter().map(|texture| texture.value.name.as_str());
         let help = "write numbers, or define it ahead of the Materials: `Textures { Checker name { … } }`";
         check_name_exists(lexer, "texture", name, names, help.to_owned())
     }
 
-    /// Returns an error if no medium is called `name`.
+    /// Fails if no medium is called `name`.
     ///
     /// The help text says to define the medium at `position`, a phrase such as "in the file".
     pub fn check_medium_exists(
@@ -110,9 +111,9 @@ impl ParserScope<'_> {
         check_name_exists(lexer, "medium", name, names, help)
     }
 
-    /// Returns an error if no material is called `name`.
+    /// Fails if no material is called `name`.
     ///
-    /// The error suggests a similar name; its help text is `help` if no name is similar.
+    /// The error suggests a similar name. If there is none, its help text is `help`.
     pub fn check_material_exists(
         &self,
         lexer: Lexer<'_>,
@@ -127,9 +128,9 @@ impl ParserScope<'_> {
     }
 }
 
-/// Returns an error if `names` do not contain `name`.
+/// Fails if `names` do not contain `name`.
 ///
-/// The error suggests the most similar name; its help text is `help` if no name is similar.
+/// The error suggests the most similar name. If none is similar, its help text is `help`.
 fn check_name_exists<'n, I: Iterator<Item = &'n str>>(
     lexer: Lexer<'_>,
     what: &str,

@@ -1,4 +1,4 @@
-//! Schemas, parsing and printing of shape blocks.
+//! Schemas, parsing and writing of shape blocks.
 
 use std::fmt;
 
@@ -14,7 +14,7 @@ use super::schema::{BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema
 use super::writer::{SceneWriter, SpacedNumbers};
 use crate::shape::parametric::MAX_DEGREE;
 
-/// Shape blocks of the scene language, with their parsers.
+/// Shape blocks of the scene language, each with the function that converts its fields.
 pub(super) static SHAPES: &[BlockParser<ParseShape>] = &[
     BlockParser { block: &SPHERE, parse: parse_sphere },
     BlockParser { block: &PLANE, parse: parse_plane },
@@ -32,7 +32,7 @@ pub(super) static SHAPES: &[BlockParser<ParseShape>] = &[
     BlockParser { block: &NURBS, parse: parse_nurbs_surface },
 ];
 
-/// Function that converts a block's fields to a shape.
+/// Function that converts the parsed fields of a shape block to a shape.
 type ParseShape = fn(&BlockFields<'_>) -> Result<ShapeDescription, SceneError>;
 
 const DEGREE_RANGE: FieldRange = FieldRange::Within(1.0, MAX_DEGREE as f64);
@@ -274,13 +274,13 @@ fn parse_bspline_curve(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneErr
 /// Returns the corner and both edge vectors of a parallelogram; an error if its area is 0.
 pub(super) fn parse_parallelogram(f: &BlockFields<'_>) -> Result<(DVec3, DVec3, DVec3), SceneError> {
     let (corner, edge0, edge1): (_, DVec3, DVec3) = (f.value("corner")?, f.value("edge0")?, f.value("edge1")?);
-    // Rounding of parallel edges alone gives a sine of about 1e-16.
+    // Rounding alone gives parallel edges a sine of about 1e-16.
     let sine = edge0.normalize().cross(edge1.normalize()).length();
     f.require_field("edge1")?.ensure_valid(sine > 1e-12, "must not be parallel to `edge0`: the area would be 0")?;
     Ok((corner, edge0, edge1))
 }
 
-/// Returns the centers of both ends of a cylinder or cone, and true if caps close the ends.
+/// Returns the centers of both ends of a cylinder or cone, and true if discs close the ends.
 fn parse_ends_and_caps(f: &BlockFields<'_>) -> Result<([DVec3; 2], bool), SceneError> {
     let ends = [f.value("bottom")?, f.value("top")?];
     f.require_field("top")?.ensure_valid(ends[0] != ends[1], "must differ from `bottom`")?;
@@ -295,7 +295,7 @@ fn parse_triangle(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
     })
 }
 
-/// Returns the values of the three fields `names`; `None` if all of the fields are absent.
+/// Returns the values of the three fields `names`; `None` if all three are absent.
 ///
 /// # Errors
 /// If only one or two of the fields are present.
@@ -457,7 +457,7 @@ fn curve_block_schema(curve: &ProfileCurve) -> &'static BlockSchema {
     }
 }
 
-/// Writes corner and edges of a parallelogram.
+/// Writes the fields of a parallelogram: its corner and both edges.
 pub(super) fn write_parallelogram(
     out: &mut SceneWriter<'_, '_>,
     corner: DVec3,

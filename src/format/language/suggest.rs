@@ -1,9 +1,9 @@
-//! Suggestions for unknown words of a scene text.
+//! Suggests known words for unknown words of a scene text.
 
-/// Length of the longest word that can be a misspelt keyword \[characters].
+/// Greatest length of an unknown word for which a similar word is suggested \[characters].
 const MAX_WORD_LENGTH: usize = 40;
 
-/// Words of other renderers and file formats, in lower case, each with its keyword of this
+/// Words of other renderers and file formats, in lower case, each with its keyword in this
 /// language.
 const SYNONYMS: [(&str, &str); 46] = [
     ("albedo", "reflectance"),
@@ -54,7 +54,7 @@ const SYNONYMS: [(&str, &str); 46] = [
     ("trianglemesh", "TriangleMesh"),
 ];
 
-/// Returns the keyword of `allowed` that other renderers call `word`; `None` if there is none.
+/// Returns the keyword in `allowed` for which other renderers use `word`; `None` if there is none.
 pub(super) fn keyword_synonym(word: &str, allowed: &[&str]) -> Option<&'static str> {
     let word = word.to_ascii_lowercase();
     SYNONYMS.iter().find(|(other, own)| *other == word && allowed.contains(own)).map(|(_, own)| *own)
@@ -62,7 +62,7 @@ pub(super) fn keyword_synonym(word: &str, allowed: &[&str]) -> Option<&'static s
 
 /// Returns the candidate with the smallest edit distance to `word`, regardless of case.
 ///
-/// `None` if the distance exceeds a third of the longer word's length.
+/// `None` if this distance exceeds a third of the longer word's length.
 pub(in crate::format) fn nearest_word<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
     let word: Vec<char> = word.chars().take(MAX_WORD_LENGTH + 1).flat_map(char::to_lowercase).collect();
     if word.len() > MAX_WORD_LENGTH {
@@ -79,9 +79,9 @@ pub(in crate::format) fn nearest_word<'c>(word: &str, candidates: impl Iterator<
         .map(|(.., candidate)| candidate)
 }
 
-/// Returns the optimal string alignment distance of two words.
+/// Returns the edit distance (optimal string alignment) of two words.
 ///
-/// An edit inserts, deletes or replaces a letter, or swaps two neighbours.
+/// An edit inserts, deletes or replaces a letter, or swaps two neighbors.
 fn edit_distance(a: &[char], b: &[char]) -> usize {
     let mut before = vec![0; b.len() + 1];
     let mut last: Vec<usize> = (0..=b.len()).collect();

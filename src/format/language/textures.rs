@@ -1,4 +1,4 @@
-//! Schemas, parsing and printing of texture blocks.
+//! Schemas, parsing and writing of texture blocks.
 
 use std::fmt;
 
@@ -19,7 +19,7 @@ use super::schema::{
 use super::transforms::write_transform_field;
 use super::writer::SceneWriter;
 
-/// Texture blocks of the scene language, with their parsers.
+/// Texture blocks of the scene language, each with the function that converts its fields.
 pub(super) static TEXTURES: &[BlockParser<ParseTexture>] = &[
     BlockParser { block: &IMAGE, parse: parse_image_texture },
     BlockParser { block: &CHECKER, parse: parse_checker_texture },
@@ -28,7 +28,7 @@ pub(super) static TEXTURES: &[BlockParser<ParseTexture>] = &[
     BlockParser { block: &WOOD, parse: |f| parse_solid_pattern(f, SolidPatternDescription::Wood) },
 ];
 
-/// Function that converts a block's fields to a texture.
+/// Function that converts the parsed fields of a texture block to a texture.
 type ParseTexture = fn(&BlockFields<'_>) -> Result<TextureKindDescription, SceneError>;
 
 static COORDINATE_FIELDS: &[FieldSchema] = &[
@@ -99,7 +99,8 @@ pub(super) fn parse_textures_block<'a>(parser: &mut Parser<'a>, block: Token<'a>
         let name = parse_unique_block_name(parser, word, ("texture", "textures"), is_taken)?;
         let (kind, result) = match parse_texture(parser, word) {
             Ok(kind) => (kind, Ok(())),
-            // A texture with errors still defines its name, so that materials can refer to it.
+            // A texture with errors still defines its name, so that references to it cause no more
+            // errors.
             Err(error) => (placeholder_texture(), Err(error)),
         };
         parser.scope.textures.push(Spanned::new(TextureDescription { name, kind }, word.span()));
@@ -137,7 +138,8 @@ fn parse_checker_texture(f: &BlockFields<'_>) -> Result<TextureKindDescription, 
     Ok(TextureKindDescription::Checker { colors: parse_pattern_colors(f)?, coordinates: parse_texcoord_transform(f)? })
 }
 
-/// Parses a solid texture: one that depends on the position, not on texture coordinates.
+/// Converts the fields of a solid texture, which depends on position and not on texture
+/// coordinates.
 fn parse_solid_pattern(
     f: &BlockFields<'_>,
     pattern: SolidPatternDescription,

@@ -1,4 +1,4 @@
-//! Parsing and printing of transform steps, and of `Transform` and `Moving` blocks.
+//! Parsing and writing of transform steps, and of `Transform` and `Moving` blocks.
 
 use std::fmt;
 
@@ -16,12 +16,12 @@ use crate::math::Transform;
 const STEP_KEYWORDS: [&str; 9] =
     ["Scale", "UniformScale", "Translate", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f", "Matrix"];
 
-/// Function that parses an object, light or camera after its keyword.
+/// Function that parses an object, light or camera whose keyword has been read.
 type ParseObject<'a, T> = fn(&mut Parser<'a>, Token<'a>) -> Result<T, SceneError>;
 
 /// Parses a `Transform` block: transform steps, then one object. Returns the steps and the object.
 ///
-/// `parse_object` parses the object after its keyword, which is in `allowed`.
+/// `parse_object` parses the object after its keyword, which must be in `allowed`.
 pub(super) fn parse_transform_block<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -33,11 +33,10 @@ pub(super) fn parse_transform_block<'a, T>(
     Ok((steps, object))
 }
 
-/// Parses a `Moving` block: transform steps, then one object, light or camera. Returns the steps
-/// and the moving item.
+/// Parses a `Moving` block: transform steps, then one object, light or camera. Returns both.
 ///
 /// The steps are the motion while the shutter is open. `parse_object` parses the moving item after
-/// its keyword, which is in `allowed`.
+/// its keyword, which must be in `allowed`.
 pub(super) fn parse_moving_block<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -49,10 +48,9 @@ pub(super) fn parse_moving_block<'a, T>(
     Ok((steps, object))
 }
 
-/// Parses `{ … }` with transform steps and one object, light or camera. Returns the steps and the
-/// object.
+/// Parses `{ … }` with transform steps, then one object, light or camera. Returns both.
 ///
-/// The keyword of the object is in `allowed`.
+/// The keyword of the item must be in `allowed`.
 fn parse_steps_and_object<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -70,7 +68,8 @@ fn parse_steps_and_object<'a, T>(
 // The functions below are not inlined into `parse_steps_and_object`: it recurses, and its stack
 // frame must stay small.
 
-/// Appends transform steps to `steps`, up to a word of `allowed`. Returns that word.
+/// Parses transform steps and appends them to `steps`. Returns the first word of `allowed` after
+/// them.
 #[inline(never)]
 fn parse_steps_before_object<'a>(
     parser: &mut Parser<'a>,
@@ -96,7 +95,7 @@ fn parse_steps_before_object<'a>(
     }
 }
 
-/// Parses `{ … }` with transform steps and no object.
+/// Parses `{ … }` with transform steps only. Fails if their product is singular.
 pub(super) fn parse_transform_steps<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -125,7 +124,7 @@ fn close_transform<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<()
     Ok(())
 }
 
-/// Returns an error if the product of `steps` is singular.
+/// Fails if the product of `steps` is singular.
 #[inline(never)]
 fn check_not_singular<'a>(parser: &Parser<'a>, keyword: Token<'a>, steps: &[TransformStep]) -> Result<(), SceneError> {
     match Transform::new(TransformStep::composed_matrix(steps)) {
@@ -134,7 +133,7 @@ fn check_not_singular<'a>(parser: &Parser<'a>, keyword: Token<'a>, steps: &[Tran
     }
 }
 
-/// Returns an error if one of `steps` cannot be a motion: a matrix, or a scale of 0 or below.
+/// Fails if one of `steps` cannot be animated: a matrix, or a scale of 0 or below.
 #[inline(never)]
 fn check_motion_steps<'a>(parser: &Parser<'a>, keyword: Token<'a>, steps: &[TransformStep]) -> Result<(), SceneError> {
     const FLAT: (&str, &str) = ("a scale of 0 or below", "a motion cannot go through flat: scale by more than 0");
@@ -159,7 +158,7 @@ fn check_motion_steps<'a>(parser: &Parser<'a>, keyword: Token<'a>, steps: &[Tran
     Ok(())
 }
 
-/// Parses the numbers of a transform step after its keyword `word`.
+/// Parses the numbers of a transform step. Its keyword `word` has been read.
 #[inline(never)]
 fn parse_transform_step<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TransformStep, SceneError> {
     let (step, span) = match word.text {

@@ -1,4 +1,4 @@
-//! Printing of scene text, one field on each line.
+//! Writes scene text, one field on each line.
 
 use std::fmt::{Display, Formatter, Result};
 
@@ -12,8 +12,9 @@ use super::text::{is_identifier, is_nonfinite_number};
 pub(super) struct SceneWriter<'f, 'a> {
     out: &'f mut Formatter<'a>,
     depth: usize,
-    /// Schema of the last started block that has one. Debug builds look up each written field in
-    /// it.
+    /// Schema of the block that was started last, among those with a schema.
+    ///
+    /// Debug builds check that it has each field that is written.
     block: Option<&'static BlockSchema>,
 }
 
@@ -123,8 +124,9 @@ impl SceneWriter<'_, '_> {
     }
 }
 
-/// Displays a number by the shortest text that parses to it. Numbers below 1e-5 or from 1e16 on
-/// have an exponent.
+/// Displays a number as the shortest text that parses to it.
+///
+/// Numbers below 1e-5 or from 1e16 on have an exponent.
 struct ShortestNumber(f64);
 
 impl Display for ShortestNumber {
@@ -167,7 +169,7 @@ impl Display for QuotedIfNeeded<'_> {
 
 /// Displays a name, in quotes unless it is an identifier.
 ///
-/// It serves fields whose parser would take other bare words for a number or `{`.
+/// It serves fields whose parser would misread other bare words as a number or `{`.
 struct QuotedUnlessIdentifier<'a>(&'a str);
 
 impl Display for QuotedUnlessIdentifier<'_> {

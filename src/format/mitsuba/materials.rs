@@ -32,7 +32,7 @@ pub(super) enum MaterialBoundary {
     Body,
     /// A thin pane, without volume.
     Pane,
-    /// No surface: a null interface, which bounds a medium at most.
+    /// No surface: a null interface, which may bound a medium.
     Null,
 }
 

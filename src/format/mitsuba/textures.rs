@@ -47,7 +47,7 @@ pub(super) enum TextureValues {
 }
 
 impl TextureValues {
-    /// Returns the mean over the texture.
+    /// Returns the mean of the values over the texture; for a constant, the constant.
     pub fn mean(&self) -> DVec3 {
         match self {
             Self::Constant(mean) | Self::Texture(_, mean) => *mean,

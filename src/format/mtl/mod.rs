@@ -1,4 +1,5 @@
-//! Reads and writes MTL files, the material files of OBJ meshes. Converts their materials.
+//! Reads and writes MTL files, the material files of OBJ meshes. Converts their materials to those
+//! of the scene language.
 //!
 //! Submodule `check` checks each line; the crate `tobj` parses the valid lines.
 

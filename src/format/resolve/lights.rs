@@ -1,4 +1,4 @@
-//! Adds the lights of a description to the scene.
+//! Adds the lights of the scene description to the scene.
 
 use super::{Resolver, aim_direction, rgb};
 use crate::color::Rgb;

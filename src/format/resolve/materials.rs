@@ -1,4 +1,4 @@
-//! Adds the materials of a description to the scene.
+//! Adds the materials of the scene description to the scene.
 
 use super::media::with_body_medium;
 use super::textures::{ANY_TEXTURE_VALUE, TextureRequirements};

@@ -81,7 +81,8 @@ pub(super) fn add_mesh(
 
 /// Adds a mesh with the current material, whose surface emits the radiance `emission`.
 ///
-/// The mesh becomes an instance if it moves, or if it is large, dark and used repeatedly.
+/// The mesh becomes an instance if it moves. It also becomes one if it is large, emits nothing and
+/// is used repeatedly.
 fn add_mesh_part(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,

@@ -154,7 +154,8 @@ struct Resolver<'a> {
     /// Index of the current material: that of the next object. It stays current after the end of a
     /// group.
     material: u32,
-    /// Span of the innermost transform around the current object, for errors.
+    /// Position in the scene text of the innermost transform around the current object, for errors;
+    /// `None` without a transform.
     transform_span: Option<Span>,
 }
 

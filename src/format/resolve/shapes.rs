@@ -1,4 +1,4 @@
-//! Adds the shapes of a description to the scene.
+//! Adds the shapes of the scene description to the scene.
 
 use super::Resolver;
 use super::meshes::add_mesh;

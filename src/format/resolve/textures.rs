@@ -1,4 +1,5 @@
-//! Adds the textures of a description to the scene, and resolves textured material parameters.
+//! Adds the textures of the scene description to the scene, and resolves textured material
+//! parameters.
 
 use super::{Resolver, SINGULAR_REMEDY, rgb};
 use crate::color::{self, Rgb};

@@ -53,7 +53,7 @@ fn random_density() -> impl Strategy<Value = DensityDescription> {
     ]
 }
 
-/// Random media with distinct names.
+/// Returns random media with distinct names.
 pub fn random_media() -> impl Strategy<Value = Vec<Spanned<MediumDescription>>> {
     let medium =
         (random_name(), random_medium_coefficients(), random_coefficients(), random_phase_function(), random_density())
@@ -77,7 +77,7 @@ pub fn random_media() -> impl Strategy<Value = Vec<Spanned<MediumDescription>>> 
 
 /// Fills random dielectric bodies with `media`, and turns some bodies into null interfaces.
 ///
-/// Bodies whose material is part of a mix stay dielectrics.
+/// A body whose material is part of a mix stays a dielectric.
 pub fn fill_bodies_with_random_media(
     materials: &mut [Spanned<MaterialDescription>],
     media: &[Spanned<MediumDescription>],

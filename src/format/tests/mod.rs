@@ -87,7 +87,7 @@ fn parsing_takes_linear_time() {
     assert!(large < 400.0 * small, "{small} s, then {large} s");
 }
 
-/// Random text of words of the language and other characters.
+/// Returns random text made of words of the language and other characters.
 fn random_scene_like_text() -> impl Strategy<Value = String> {
     let words =
         include_str!("../../../docs/guide/scene-language.md").split_whitespace().map(str::to_owned).collect::<Vec<_>>();

@@ -163,7 +163,7 @@ fn random_texture_kind() -> impl Strategy<Value = TextureKindDescription> {
     ]
 }
 
-/// A random constant, or a texture number that [`assign_texture_name`] replaces by a name.
+/// Returns a random constant, or a texture number that [`assign_texture_name`] replaces by a name.
 fn random_textured_value<T: std::fmt::Debug + Clone>(
     plain: impl Strategy<Value = T>,
 ) -> impl Strategy<Value = TexturedValue<T>> {
@@ -395,7 +395,7 @@ pub fn random_transform_step() -> impl Strategy<Value = TransformStep> {
     ]
 }
 
-/// A random step of a motion, which is a scale only if `scales` is true.
+/// Returns a random step of a motion. If `scales` is false, it is no scale.
 fn random_motion_step(scales: bool) -> impl Strategy<Value = TransformStep> {
     random_transform_step().prop_filter("cannot grow", move |map| match *map {
         TransformStep::Matrix(_) => false,
@@ -409,7 +409,7 @@ pub fn with_empty_span<T>(value: T) -> Spanned<T> {
     Spanned::new(value, Span::default())
 }
 
-/// A random group item; [`replace_material_numbers`] replaces its material number.
+/// Returns a random group item. [`replace_material_numbers`] replaces its random material number.
 fn random_group_item() -> impl Strategy<Value = GroupItem> {
     let leaf = (random_shape(), option::of(random_color()))
         .prop_map(|(shape, emission)| ObjectDescription::Shape { shape, emission });
@@ -462,14 +462,14 @@ fn replace_material_numbers(group: &mut ObjectGroup, materials: &[Spanned<Materi
     }
 }
 
-/// Draft of a material: its name and parts, and the two components and amount of an optional mix.
+/// Draft of a material: name, parts, and for a mix both component numbers and the amount.
 type MaterialDraft =
     (Option<String>, MaterialParts, Option<(prop::sample::Index, prop::sample::Index, TexturedValue<f64>)>);
 
-/// Returns the materials of `drafts`.
+/// Builds materials from `drafts`.
 ///
-/// A draft with a mix becomes a mix of two earlier materials, unless both contain dielectrics that
-/// differ.
+/// A draft with a mix becomes a mix of two earlier materials, unless they contain two different
+/// dielectrics.
 fn build_materials(
     drafts: Vec<MaterialDraft>,
     textures: &[Spanned<TextureDescription>],

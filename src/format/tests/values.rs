@@ -8,13 +8,13 @@ pub fn random_finite_number() -> impl Strategy<Value = f64> {
     POSITIVE | NEGATIVE | NORMAL | SUBNORMAL | ZERO
 }
 
-/// A random number above 0 that single precision can hold.
+/// Returns a random number above 0 that single precision can hold.
 pub fn random_positive() -> impl Strategy<Value = f64> {
     let any = proptest::num::f64::POSITIVE | proptest::num::f64::NORMAL;
     any.prop_map(|x| if x > f64::from(f32::MAX) { 1.0 / x } else { x })
 }
 
-/// Random absorption or scattering coefficients in 1/length.
+/// Returns random absorption or scattering coefficients \[1/length].
 pub fn random_coefficients() -> impl Strategy<Value = DVec3> {
     let one = || prop_oneof![Just(0.0), 0.0..=1e12, 0.0..1.0];
     [one(), one(), one()].prop_map(DVec3::from_array)
@@ -24,7 +24,7 @@ pub fn random_point() -> impl Strategy<Value = DVec3> {
     [random_finite_number(), random_finite_number(), random_finite_number()].prop_map(DVec3::from_array)
 }
 
-/// A random vector whose squared length neither overflows nor underflows.
+/// Returns a random vector whose squared length neither overflows nor underflows.
 pub fn random_direction() -> impl Strategy<Value = DVec3> {
     let one = -1e3..1e3;
     ([one.clone(), one.clone(), one], -100..100_i32).prop_filter_map("no length", |(v, exponent)| {
@@ -42,7 +42,7 @@ pub fn random_fractions() -> impl Strategy<Value = DVec3> {
     [one.clone(), one.clone(), one].prop_map(DVec3::from_array)
 }
 
-/// A random name: bare, quoted, or easily mistaken for other syntax.
+/// Returns a random name: bare, quoted, or easily mistaken for other syntax.
 pub fn random_name() -> impl Strategy<Value = String> {
     prop_oneof!["[a-z_][a-z0-9_.-]{0,8}", "[a-z/{}\\[\\]#\" \\\\\u{e9}]{1,8}", "//x", "#x", "[^\r\n]{1,8}"]
 }

@@ -8,7 +8,7 @@ use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 use std::collections::BTreeSet;
 
-/// Names of the variants of `$type`, and a function that names the variant of a value.
+/// Defines the list of variant names of `$type`, and a function that names a value's variant.
 ///
 /// The match is exhaustive, so a new variant does not compile until it is listed.
 macro_rules! variant_names {

@@ -138,7 +138,7 @@ fn mixes_refer_to_earlier_materials() {
         let help = format!("add `{missing}` to it");
         assert_material_error(&format!("{parts} ‹Mix› {{ {fields} }}"), &format!("`Mix` has no `{missing}`"), &help);
     }
-    // Materials that are replaced are gone.
+    // References to replaced materials are errors.
     let body = "Materials { Mirror a { } Dielectric g { } } Materials { Mix { first ‹a› second g amount 0 } }";
     assert_first_error(body, "no material is called `a`", "stand before it");
 }

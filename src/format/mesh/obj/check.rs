@@ -174,7 +174,7 @@ struct ObjChunkChecker<'u> {
     libraries: Vec<String>,
     /// Number of corners of the chunk's faces.
     corners: usize,
-    /// True for each position of the file that a face uses. All chunks share this list.
+    /// True for each vertex position of the file that a face uses. All chunks share this list.
     used: &'u [AtomicBool],
 }
 

@@ -88,7 +88,7 @@ pub(super) struct PlyTextReader<'b> {
     pub bytes: &'b [u8],
     /// Offset of the next byte from the start of the file.
     pub offset: usize,
-    /// Line number of the last word, from 1.
+    /// Line number, from 1, of the word that was read last.
     pub line: usize,
 }
 

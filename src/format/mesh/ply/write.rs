@@ -8,7 +8,7 @@ struct PlyVertexProperty<'m> {
     names: &'static [&'static str],
     /// True if single precision represents all values exactly. They are then written as `float`.
     is_single_precision: bool,
-    /// Returns the values at the vertex with a given index, one for each name. Further ones are
+    /// Returns the values of the properties at a vertex, given its index. Elements beyond them are
     /// unused.
     get: Box<dyn Fn(usize) -> [f64; 3] + 'm>,
 }

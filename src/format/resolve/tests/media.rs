@@ -93,7 +93,8 @@ fn body_absorption_adds_to_a_homogeneous_medium() {
     resolve_scene_text(&scene_text_with_media(cloud, "Dielectric { medium c absorption 0 0 0 }"));
 }
 
-/// The centers of 2 × 1 × 1 cells in a box of length 8 are at 2 and 6.
+/// Compares densities with those of 2 × 1 × 1 cells in a box, with interpolation between their
+/// centers.
 #[test]
 fn density_grids_fill_their_box() {
     let folder = tempfile::tempdir().unwrap();
