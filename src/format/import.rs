@@ -21,8 +21,10 @@ pub trait SceneImporter: Sync {
     /// Returns the file extensions of the format, in lower case and without the dot.
     fn extensions(&self) -> &'static [&'static str];
 
-    /// Reads the file at `path`. Refuses it if the scene would exceed the memory of `options`, or
-    /// if it names a file outside its own folder and `options` do not allow this.
+    /// Reads the file at `path`.
+    ///
+    /// Refuses it if the scene would exceed the memory of `options`. Also refuses it if it names a
+    /// file outside its own folder and `options` do not allow this.
     ///
     /// An importer that opens further files, such as buffers or included scenes, reports each to
     /// [`MeshReadMonitor::on_input_file_found`] before it reads the file. The program then refuses

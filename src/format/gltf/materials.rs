@@ -45,10 +45,10 @@ const MIN_ATTENUATION_DISTANCE: f64 = 1e-10;
 const MIN_ABBE_NUMBER: f64 = 2.0;
 const MAX_DISPERSIVE_INDEX: f64 = 3.0;
 
-/// A converted material, with the properties that objects depend on.
+/// A material of the imported scene, with the properties that objects depend on.
 #[derive(Clone, Debug)]
 pub(super) struct ImportedMaterial {
-    /// Name of the converted material.
+    /// Name of the material in the imported scene.
     pub name: String,
     /// Index of the texture coordinates that its textures use (`TEXCOORD_0`, …); `None` without
     /// textures.
@@ -59,11 +59,11 @@ pub(super) struct ImportedMaterial {
     pub emits: bool,
 }
 
-/// Converted materials so far, with their textures.
+/// Materials of the imported scene so far, with their textures.
 pub(super) struct Materials<'a> {
-    /// Converted textures of the materials, and embedded pictures.
+    /// Textures of the materials, and embedded pictures.
     pub pictures: Pictures<'a>,
-    /// Converted materials. The materials of a mix are listed before it.
+    /// Materials of the imported scene. The materials of a mix are listed before it.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
     names: HashSet<String>,
     clear: Option<String>,
@@ -81,12 +81,12 @@ struct Surface<'a> {
     alpha: (TexturedValue<f64>, f64),
 }
 
-/// Conversion of one material.
+/// State of the conversion of one material.
 struct Conversion<'m, 'a> {
     materials: &'m mut Materials<'a>,
     notes: &'m mut ImportNotes,
     context: &'m FileContext<'a>,
-    /// Name of the converted material. Messages name it as the place.
+    /// Name of the material in the imported scene. Messages name it as the place.
     name: String,
     /// Index of the texture coordinates that the first texture uses; `None` before any texture.
     set: Option<u32>,
@@ -100,7 +100,8 @@ impl<'a> Materials<'a> {
         Self { pictures, descriptions: Vec::new(), names, clear: None, used }
     }
 
-    /// Returns the converted `material`. Converts it at its first use.
+    /// Returns the material of the imported scene for `material` of the file. Converts it at its
+    /// first use.
     ///
     /// `vertex_color` multiplies the base color and alpha; `None` stands for white.
     pub fn convert(

@@ -22,8 +22,8 @@ pub(super) struct TextureReference<'a> {
     pub texture: gltf::Texture<'a>,
     /// Index of the texture coordinates that it uses (`TEXCOORD_0`, …).
     pub set: u32,
-    /// Transform from the texture coordinates of the converted mesh, with v upwards, to those of
-    /// the picture.
+    /// Transform from the texture coordinates of the imported mesh, with v upwards, to those of the
+    /// picture.
     pub transform: TexcoordTransformDescription,
 }
 
@@ -42,12 +42,12 @@ pub(super) enum TextureUse {
     Normal(f64),
 }
 
-/// Converted values of a texture: a constant, or the name of a texture.
+/// Values of a texture for one use: a constant, or a texture of the imported scene.
 #[derive(Clone, Debug)]
 pub(super) enum TextureValues {
     /// Common value of all pixels.
     Constant(DVec3),
-    /// Name of a converted texture, and the mean of its values.
+    /// Name of a texture in the imported scene, and the mean of its values.
     Texture(Spanned<String>, DVec3),
 }
 
@@ -60,7 +60,7 @@ impl TextureValues {
     }
 }
 
-/// Converted textures and embedded pictures so far.
+/// Textures and embedded pictures of the imported scene so far.
 pub(super) struct Pictures<'a> {
     context: &'a FileContext<'a>,
     buffers: &'a Buffers<'a>,
@@ -68,9 +68,9 @@ pub(super) struct Pictures<'a> {
     decoded: HashMap<usize, Option<Rc<RgbaLevels>>>,
     /// Constants or paths of embedded pictures, by image index and use.
     embedded: HashMap<(usize, String), TextureValues>,
-    /// Names of converted textures. The key states picture, wrap mode and transform.
+    /// Names of the imported scene's textures. A key states picture, wrap mode and transform.
     names: HashMap<String, Spanned<String>>,
-    /// Converted textures.
+    /// Textures of the imported scene.
     pub textures: Vec<Spanned<TextureDescription>>,
     /// Embedded pictures, by path.
     pub pictures: BTreeMap<String, Arc<Image>>,
@@ -131,7 +131,7 @@ impl<'a> Pictures<'a> {
         unused.iter().for_each(|path| drop(self.pictures.remove(path)));
     }
 
-    /// Returns the name of the converted texture that shows the embedded picture `path`.
+    /// Returns the name of the imported scene's texture that shows the embedded picture `path`.
     ///
     /// `reference` gives its wrap mode and transform. Adds the texture at its first use.
     fn texture(

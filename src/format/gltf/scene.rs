@@ -27,7 +27,7 @@ const MEMORY_PER_INSTANCE: u64 = 1_500;
 
 /// Objects, lights and camera that the nodes of a scene contain.
 pub(super) struct SceneContent {
-    /// Converted objects with their materials, in the order of the nodes.
+    /// Objects of the imported scene with their materials, in the order of the nodes.
     pub root: ObjectGroup,
     /// Embedded meshes of the objects, by path.
     pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
@@ -42,7 +42,7 @@ pub(super) struct SceneContent {
     pub has_emitters: bool,
 }
 
-/// A converted primitive: path of its mesh, name of its material, bounds, and true if it emits.
+/// A primitive in the imported scene: mesh path, material name, bounds, and true if it emits light.
 #[derive(Clone)]
 struct ImportedPrimitive {
     path: String,
@@ -58,7 +58,8 @@ struct NodeWalker<'w, 'a> {
     document: &'w gltf::Document,
     materials: &'w mut Materials<'a>,
     notes: &'w mut ImportNotes,
-    /// Converted primitives, by mesh and index in the mesh; `None` for one that is not visible.
+    /// Primitives that were converted, by mesh and index in the mesh; `None` for one that is not
+    /// visible.
     primitives: HashMap<(usize, usize), Option<ImportedPrimitive>>,
     content: SceneContent,
 }

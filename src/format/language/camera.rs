@@ -1,6 +1,6 @@
 //! Schemas, parsing and writing of camera blocks.
 //!
-//! It also has the fields `direction` and `lookAt`, which cameras and lights share.
+//! The fields `direction` and `lookAt`, which cameras and lights share, are here, too.
 
 use std::fmt;
 
@@ -21,7 +21,7 @@ use super::text::is_normalizable;
 use super::transforms::{parse_moving_block, write_transform_steps};
 use super::writer::SceneWriter;
 
-/// Camera blocks of the scene language, with their parsers.
+/// Camera blocks of the scene language, each with the function that converts its fields.
 pub(super) static CAMERAS: &[BlockParser<ParseProjection>] = &[
     BlockParser { block: &PERSPECTIVE, parse: parse_perspective_projection },
     BlockParser { block: &ORTHOGRAPHIC, parse: parse_orthographic_projection },

@@ -39,9 +39,7 @@ pub(super) static MATERIALS: &[BlockParser<ParseMaterial>] = &[
 /// The parser gives a `Mix` access to the materials before it.
 type ParseMaterial = for<'a> fn(&Parser<'a>, &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError>;
 
-/// Largest accepted nesting depth of mixes.
-///
-/// A mix of depth n can lead to 2ⁿ materials that are no mixes.
+/// Largest accepted nesting depth of mixes. Each level can double the number of materials in a mix.
 const MAX_MIX_DEPTH: u8 = 8;
 
 const UNIT_RANGE: FieldRange = FieldRange::Within(0.0, 1.0);

@@ -139,7 +139,8 @@ pub fn parse_scene_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, S
 #[derive(Default)]
 struct SceneFileBlocks {
     camera: Option<Spanned<CameraDescription>>,
-    /// Radiance of the background \[W/(m² sr)], and the medium outside all bodies.
+    /// Radiance of the background \[W/(m² sr)], and the medium outside all bodies; `None` without a
+    /// `Background` block.
     background: Option<(DVec3, Option<Spanned<String>>)>,
     lights: Vec<Spanned<LightDescription>>,
     root: Option<ObjectGroup>,

@@ -342,9 +342,10 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Fails if a block states another number of entries, `count`, than it contains, `found`.
+    /// Fails if the number of entries that a block states (`count`) differs from the number
+    /// `found`.
     ///
-    /// `name` is the keyword of `count`. Error messages call an entry `what`.
+    /// `name` is the keyword of the stated number. Error messages call an entry `what`.
     pub fn check_entry_count(
         &self,
         name: &str,

@@ -84,7 +84,7 @@ fn check_index_range(glass: &DispersionFormula, field: &ParsedField<'_, '_>, adv
     field.ensure_valid(within, &format!("{advice}: the index must lie between 0.001 and 1000 from 380 to 720 nm"))
 }
 
-/// Writes the refractive index as the fields that state it.
+/// Writes the fields that state the refractive index of a dielectric.
 pub(super) fn write_refraction(out: &mut SceneWriter<'_, '_>, refraction: &RefractiveIndexDescription) -> fmt::Result {
     match refraction {
         RefractiveIndexDescription::Index(index) => out.write_number("indexOfRefraction", *index),

@@ -23,8 +23,8 @@ pub(super) struct ParserScope<'a> {
     mix_constraints: Vec<MixConstraints>,
     /// True if the last `Group` refers to a material.
     pub group_uses_materials: bool,
-    /// Keyword of the `Materials` block that follows a `Group` which uses materials; `None` if
-    /// there is none.
+    /// Keyword of a `Materials` block that follows a `Group` with materials; `None` if there is
+    /// none.
     ///
     /// Such a block is an error, because it replaces the materials in use.
     pub late_materials: Option<Token<'a>>,
@@ -33,7 +33,7 @@ pub(super) struct ParserScope<'a> {
 /// Properties of a material that limit its use in a mix.
 #[derive(Clone, Copy, Default)]
 pub(super) struct MixConstraints {
-    /// Index of the `Dielectric` that the material is, or that it contains as a mix; `None` without
+    /// Material index of a `Dielectric`: the material itself, or one that it mixes; `None` without
     /// one.
     pub dielectric: Option<usize>,
     /// Nesting depth of mixes: 0 for a material that is no mix, 1 for a mix of such materials.

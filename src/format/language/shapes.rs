@@ -204,7 +204,7 @@ static NURBS: BlockSchema = block_schema("NurbsSurface", "rational B-spline surf
     ])
     .with_shared_fields(&[DEGREE_FIELDS, EMISSION_FIELDS]);
 
-/// Parses the shape after its keyword `word`.
+/// Parses a shape. Its keyword `word` has been read.
 ///
 /// Returns the shape, and the emitted radiance \[W/(m² sr)] that replaces its material's, if any.
 // Not inlined: its callers recurse, and their stack frames must stay small.

@@ -1,4 +1,4 @@
-//! Colors and spectra of a Mitsuba scene file.
+//! Parses colors and spectra of a Mitsuba scene file, and converts them to RGB.
 
 use crate::color::Spectrum;
 use crate::image::srgb_decode;

@@ -112,7 +112,7 @@ impl ImportContext<'_> {
     /// Returns the color or spectrum `name` of an object; `None` if it is missing or a texture.
     ///
     /// # Errors
-    /// If the value is not a color, or if the object has a wrong reference or spectrum.
+    /// If the value is not a color, or if a nested reference or spectrum is not valid.
     pub fn color_value(&self, object: &SceneObject, name: &str) -> ReadResult<Option<ColorValue>> {
         match object.value(name) {
             Some(Value::Color(color)) => return Ok(Some(color.clone())),

@@ -104,8 +104,9 @@ struct CurrentFile {
 }
 
 impl CurrentFile {
-    /// Returns the position of an element. Counts lines from the last element on, which is usually
-    /// earlier.
+    /// Returns the position of an element in the file.
+    ///
+    /// Counts lines from the element that was read last, which usually stands before this one.
     fn place(&self, node: &Node<'_, '_>) -> Place {
         let range = node.range();
         let (offset, line) = self.last.get();
@@ -350,7 +351,7 @@ impl TreeReader<'_, '_> {
 
     /// Returns `text` with each parameter `$name` replaced by its value.
     ///
-    /// Of several defined names that fit, the longest counts.
+    /// If several defined names fit, the longest counts.
     fn expanded(&self, text: &str, place: &Place) -> ReadResult<String> {
         if !text.contains('$') {
             return Ok(text.to_owned());

@@ -60,9 +60,10 @@ pub(super) fn read_environment(
     Ok(EnvironmentRadiance::Picture { path, scale, rotate })
 }
 
-/// Returns a map that shows `image` as turned by `to_world`; `None` if this map is singular.
+/// Returns an environment map that shows `image` turned by the linear transform `to_world`.
 ///
-/// The result has as many pixels. Each is the mean of [`SAMPLES`]² values of `image`.
+/// The result has as many pixels as `image`. Each is the mean of [`SAMPLES`]² values of `image`.
+/// Returns `None` if the transform is singular.
 fn resampled(image: &Image, to_world: DMat3) -> Option<Image> {
     let inverse = to_world.inverse();
     if !inverse.is_finite() {
@@ -103,7 +104,7 @@ fn value(image: &Image, direction: DVec3) -> Rgb {
 mod tests {
     use super::*;
 
-    /// Compares a resampled map with the old one along rotated directions.
+    /// Compares a resampled map with the original one along rotated directions.
     #[test]
     fn a_tilted_map_shows_the_rotated_sky() {
         let (width, height) = (64, 32);

@@ -26,7 +26,7 @@ const MIN_PHONG_ALPHA: f64 = 0.01;
 /// Kind of boundary that a material makes. It decides which surfaces a shape needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MaterialBoundary {
-    /// A surface of any other material: opaque, or a mix.
+    /// Surface of a material of none of the following kinds: opaque, or a mix.
     Opaque,
     /// Surface of a dielectric body.
     Body,
@@ -36,10 +36,10 @@ pub(super) enum MaterialBoundary {
     Null,
 }
 
-/// A converted material, with the properties that shapes depend on.
+/// A material of the imported scene, with the properties that shapes depend on.
 #[derive(Clone, Debug)]
 pub(super) struct ImportedMaterial {
-    /// Name of the converted material.
+    /// Name of the material in the imported scene.
     pub name: String,
     /// Kind of boundary, which decides which surfaces a shape needs.
     pub boundary: MaterialBoundary,
@@ -59,10 +59,10 @@ pub(super) struct MaterialVariant {
     pub convention: TexcoordConvention,
 }
 
-/// Converted materials so far, with lookup tables that avoid copies.
+/// Materials of the imported scene so far, with tables that find those made before.
 #[derive(Default)]
 pub(super) struct Materials {
-    /// Converted materials. The materials of a mix are listed before it.
+    /// Materials of the imported scene. The materials of a mix are listed before it.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
     names: HashSet<String>,
     used: HashMap<(Option<*const SceneObject>, String), ImportedMaterial>,
@@ -71,7 +71,7 @@ pub(super) struct Materials {
     interfaces: HashMap<String, String>,
 }
 
-/// Converted BSDF: its reflection and transmission, and its bump map or normal map.
+/// Reflection and transmission that a BSDF is converted to, and its bump map or normal map.
 struct Surface {
     kind: MaterialKindDescription,
     normal: Option<NormalPerturbationDescription>,
@@ -84,7 +84,10 @@ impl From<MaterialKindDescription> for Surface {
 }
 
 impl Materials {
-    /// Returns the converted material of a shape. Without a BSDF, it is a gray diffuse one.
+    /// Converts the BSDF of a shape to a material, unless this was done before. Returns the
+    /// material.
+    ///
+    /// A shape without a BSDF has a gray diffuse material.
     pub fn material(
         &mut self,
         context: &ImportContext<'_>,
@@ -228,13 +231,13 @@ fn diffuse(reflectance: DVec3) -> MaterialKindDescription {
     MaterialKindDescription::Diffuse { reflectance: reflectance.into() }
 }
 
-/// Conversion of one BSDF.
+/// State of the conversion of one BSDF to a material.
 struct Conversion<'c, 'a> {
     materials: &'c mut Materials,
     textures: &'c mut Textures,
     context: &'c ImportContext<'a>,
     convention: TexcoordConvention,
-    /// Name of the converted material. The names of materials in a mix begin with it.
+    /// Name of the material in the imported scene. The names of materials in a mix begin with it.
     name: &'c str,
 }
 

@@ -27,10 +27,10 @@ enum VolumeValues {
     Grid(VolumeGrid, DMat4),
 }
 
-/// Converted media and density grids so far.
+/// Media and density grids of the imported scene so far.
 #[derive(Default)]
 pub(super) struct Media {
-    /// Converted media.
+    /// Media of the imported scene.
     pub descriptions: Vec<Spanned<MediumDescription>>,
     /// Embedded density grids, by path.
     pub grids: BTreeMap<String, Arc<DensityGrid>>,
@@ -38,7 +38,7 @@ pub(super) struct Media {
 }
 
 impl Media {
-    /// Returns the name of the converted `medium`. Converts it at its first use.
+    /// Returns the name of a medium in the imported scene. Converts it at its first use.
     pub fn name(&mut self, context: &ImportContext<'_>, medium: &Rc<SceneObject>) -> ReadResult<Spanned<String>> {
         let key = Rc::as_ptr(medium);
         if let Some(name) = self.names.get(&key) {

@@ -22,16 +22,16 @@ const MEMORY_PER_OBJECT: u64 = 1_500;
 /// Greatest nesting depth of shapes.
 const MAX_DEPTH: u32 = 8;
 
-/// Converted objects so far, with the meshes, materials and media that they use.
+/// Objects of the imported scene so far, with the meshes, materials and media that they use.
 #[derive(Default)]
 pub(super) struct Shapes {
-    /// Converted objects and their materials, in the order of the file.
+    /// Objects of the imported scene with their materials, in the order of the Mitsuba file.
     pub root: ObjectGroup,
     /// Embedded meshes of the objects.
     pub meshes: Meshes,
-    /// Converted materials of the objects.
+    /// Materials of the objects in the imported scene.
     pub materials: Materials,
-    /// Converted media inside the objects.
+    /// Media inside the objects in the imported scene.
     pub media: Media,
     /// Lower and upper corner of the objects' bounds in world space; `None` if there are no
     /// objects.
@@ -42,7 +42,7 @@ pub(super) struct Shapes {
     groups: HashMap<*const SceneObject, Rc<Vec<PlacedShape>>>,
 }
 
-/// A converted shape with its material and transform.
+/// A shape of the imported scene with its material and transform.
 #[derive(Clone, Debug)]
 struct PlacedShape {
     material: String,
@@ -53,7 +53,7 @@ struct PlacedShape {
     bounds: (DVec3, DVec3),
 }
 
-/// Converted geometry of a shape, with its transform.
+/// Geometry of a shape in the imported scene, with its transform.
 struct ShapeGeometry {
     surface: ShapeDescription,
     /// Transform from the surface's own space to the space around the shape.
@@ -324,7 +324,7 @@ impl Shapes {
         }
     }
 
-    /// Adds a converted shape to the objects of the scene. `source` is its element in the file.
+    /// Adds a shape to the imported scene. `source` is its object in the Mitsuba file.
     fn push(&mut self, context: &ImportContext<'_>, placed: PlacedShape, source: &SceneObject) -> ReadResult<()> {
         let PlacedShape { material, shape, emission, to_world, bounds: (low, high) } = placed;
         if Transform::new(to_world).is_err() {

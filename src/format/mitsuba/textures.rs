@@ -37,12 +37,12 @@ pub(super) enum TextureUse {
     Normal,
 }
 
-/// Converted texture or color parameter: a constant, or the name of a texture.
+/// Values of a color parameter or texture: a constant, or a texture of the imported scene.
 #[derive(Clone, Debug)]
 pub(super) enum TextureValues {
     /// Equal values everywhere.
     Constant(DVec3),
-    /// Name of a converted texture, and the mean of its values.
+    /// Name of a texture in the imported scene, and the mean of its values.
     Texture(Spanned<String>, DVec3),
 }
 
@@ -72,10 +72,10 @@ impl TextureValues {
     }
 }
 
-/// Converted textures and embedded pictures so far.
+/// Textures and embedded pictures of the imported scene so far.
 #[derive(Default)]
 pub(super) struct Textures {
-    /// Converted textures.
+    /// Textures of the imported scene.
     pub descriptions: Vec<Spanned<TextureDescription>>,
     /// Embedded pictures, by path.
     pub pictures: BTreeMap<String, Arc<Image>>,
@@ -84,7 +84,7 @@ pub(super) struct Textures {
     /// Paths of embedded pictures. The key is the file, true for raw values, the use, and the
     /// factor's bits.
     embedded: HashMap<(PathBuf, bool, TextureUse, u64), TextureValues>,
-    /// Names of converted textures. The key is their content as text, so equal textures become one.
+    /// Names of the textures. A key is a texture's content as text, so equal textures become one.
     names: HashMap<String, String>,
 }
 
@@ -301,7 +301,8 @@ impl Textures {
         Ok(TextureValues::Texture(name, mean))
     }
 
-    /// Returns the name of a converted texture with this content. Adds it at its first use.
+    /// Returns the name of the texture with this content. Adds it to the imported scene if it is
+    /// new.
     fn name(&mut self, kind: TextureKindDescription) -> Spanned<String> {
         let next = format!("texture{}", self.descriptions.len());
         let name = self.names.entry(format!("{kind:?}")).or_insert_with(|| next.clone()).clone();
@@ -335,9 +336,10 @@ fn used_value(pixel: Rgb, wanted: TextureUse) -> Vec3 {
     }
 }
 
-/// Returns the linear part and the offset of an affine map.
+/// Returns the map from the texture coordinates of a converted shape to those that Mitsuba looks
+/// up.
 ///
-/// It leads from the texture coordinates of the converted shape to those that Mitsuba looks up.
+/// The map is affine: a linear part and an offset.
 fn mitsuba_transform(
     context: &ImportContext<'_>,
     texture: &SceneObject,

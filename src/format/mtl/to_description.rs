@@ -14,8 +14,8 @@ const DEFAULT_INDEX: f64 = 1.5;
 impl MtlMaterial {
     /// Returns the closest material of the scene language.
     ///
-    /// - Dielectric with index `Ni` and tint `Tf`, if the illumination model is 4, 6, 7 or 9 (glass
-    ///   or refraction) or the opacity `d` is below 1.
+    /// - Dielectric with index `Ni` and tint `Tf`, if the opacity `d` is below 1. Also if the
+    ///   illumination model is 4, 6, 7 or 9 (glass or refraction).
     /// - Otherwise mirror with reflectance `Ks`, if the model is 3, 5 or 8 (reflection), `Kd` is
     ///   black and there is no picture.
     /// - Otherwise Phong with diffuse color `Kd` times the picture. Its highlight has the color

@@ -12,9 +12,9 @@ use std::sync::Arc;
 pub(super) struct SceneContent {
     /// Embedded meshes, by the paths that shapes name.
     pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
-    /// Textures of the pbrt file, and converted textures and pictures.
+    /// Textures that the pbrt file defines, and textures and pictures of the imported scene.
     pub textures: Textures,
-    /// Materials of the pbrt file, and converted materials.
+    /// Materials that the pbrt file defines, and materials of the imported scene.
     pub materials: Materials,
     /// Messages about content that is ignored, approximated or added.
     pub notes: ImportNotes,

@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 /// Caustica's maps without rotation show −z at their center.
 const LEFT_EDGE_ROTATION: f64 = 180.0;
 
-/// Converted lights of a pbrt scene. Infinite lights are merged into one.
+/// Lights of the imported scene so far. All infinite lights are merged into one.
 #[derive(Default)]
 pub(super) struct Lights {
     /// True if a shape emits light.

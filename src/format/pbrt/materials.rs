@@ -52,18 +52,18 @@ struct FileMaterial {
     parameters: Rc<Parameters>,
 }
 
-/// Materials that the pbrt file defines, and the converted materials that shapes use.
+/// Materials that the pbrt file defines, and the materials of the imported scene that shapes use.
 pub(super) struct Materials {
     numbered: Vec<Option<FileMaterial>>,
     named: HashMap<String, FileMaterial>,
-    /// Names of converted materials. The key states pbrt's material, the inner medium and the
+    /// Names of the imported scene's materials. The key states pbrt's material, inner medium and
     /// opacity.
     used: HashMap<String, String>,
-    /// Converted materials.
+    /// Materials of the imported scene.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
 }
 
-/// Conversion of one pbrt material for a shape.
+/// State of the conversion of one pbrt material for a shape.
 struct Conversion<'m> {
     materials: &'m mut Materials,
     textures: &'m mut Textures,
@@ -98,7 +98,7 @@ impl Materials {
         self.named.insert(name.to_owned(), FileMaterial { kind, parameters: Rc::new(parameters) });
     }
 
-    /// Returns the name of the converted material for a shape. Converts it at its first use.
+    /// Returns the name of a shape's material in the imported scene. Converts it at its first use.
     ///
     /// `medium` is the name of the medium inside the shape. `alpha` is the parameter for its
     /// opacity.
@@ -134,7 +134,7 @@ impl Materials {
 }
 
 impl Conversion<'_> {
-    /// Converts a pbrt material, adds it to the converted materials, and returns its name there.
+    /// Converts a pbrt material, adds it to the imported scene, and returns its name there.
     fn convert(&mut self, material: &CurrentMaterial, depth: usize) -> ReadResult<String> {
         let missing = |name: &str, place: &Place| {
             place.error(format!("no material is called `{name}`"), "define it with `MakeNamedMaterial`")

@@ -17,9 +17,9 @@ pub(super) struct Parameter {
     pub kind: String,
     /// Name of the parameter.
     pub name: String,
-    /// Those values that are numbers, in order.
+    /// Numbers among the values, in order.
     pub numbers: Vec<f64>,
-    /// Those values that are texts, `true` or `false`, in order.
+    /// Texts among the values, in order, including `true` and `false`.
     pub texts: Vec<String>,
 }
 

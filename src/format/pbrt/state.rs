@@ -34,7 +34,7 @@ impl MovingTransform {
 pub(super) struct ObjectMotion {
     /// Center of the rotation in world space: the origin of the object when the shutter opens.
     pub center: DVec3,
-    /// Translation and rotation, the translation first.
+    /// Translation, then rotation if there is any. The first listed step is applied last.
     pub steps: Vec<TransformStep>,
     /// True if the object also changes its scale or shear. `steps` omit this change.
     pub omits_scale: bool,

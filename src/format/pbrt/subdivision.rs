@@ -17,7 +17,9 @@ struct Neighborhood {
     boundary_sum: DVec3,
 }
 
-/// Edges of a mesh: vertex indices, lower first; number of triangles; their opposite corners.
+/// Edges of a mesh. A key holds both vertex indices, the lower one first.
+///
+/// A value holds the number of triangles at the edge, and the corners that lie opposite in them.
 type Edges = HashMap<[u32; 2], (u32, [u32; 2])>;
 
 /// Returns the mesh after `levels` Loop subdivisions, at its limit positions and with smooth

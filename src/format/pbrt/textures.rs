@@ -69,7 +69,8 @@ impl TextureValue {
         }
     }
 
-    /// Returns the mean value of the texture, before it is interpolated.
+    /// Returns the mean of the values: over all pixels of a picture, or over both colors of a
+    /// pattern.
     fn mean(&self) -> DVec3 {
         match self {
             Self::Constant(value) => *value,
@@ -90,14 +91,14 @@ impl TextureValue {
     }
 }
 
-/// Textures that the pbrt file defines, and the converted textures and pictures that materials use.
+/// Textures that the pbrt file defines, and the textures and pictures of the imported scene.
 #[derive(Default)]
 pub(super) struct Textures {
     /// Textures that the pbrt file defines, by name. The key's flag is true for color textures.
     defined: HashMap<(bool, String), TextureValue>,
-    /// Converted textures.
+    /// Textures of the imported scene.
     pub descriptions: Vec<Spanned<TextureDescription>>,
-    /// Embedded pictures of the converted textures and environment map, by path.
+    /// Embedded pictures of the imported scene, by path.
     pub pictures: BTreeMap<String, Arc<Image>>,
 }
 
@@ -232,9 +233,9 @@ impl Textures {
         })
     }
 
-    /// Applies `map` to all values of a texture, and adds it to the converted textures.
+    /// Applies `map` to all values of a texture, and adds the result to the imported scene.
     ///
-    /// Returns the texture's name, or the value if it is constant, and the mean of the mapped
+    /// Returns the new texture's name, or the value if it is constant, and the mean of the new
     /// values.
     pub fn add(
         &mut self,

@@ -34,7 +34,7 @@ const MEMORY_PER_TRIANGLE: u64 = 500;
 /// bits.
 pub(super) type MeshKey = (PathBuf, bool, bool, Option<u64>);
 
-/// Those triangles of a mesh file that have one material.
+/// Triangles of a mesh file that have the same material.
 pub(super) struct MeshPart {
     mesh: Rc<TriangleMesh>,
     /// Material from the MTL file of the mesh; `None` for the current material of the scene text.
