@@ -66,8 +66,8 @@ impl TriangleMesh {
         merge::merge_equal_vertices(self);
     }
 
-    /// Numbers the distinct vertex positions. Returns each vertex's position number, and their
-    /// count.
+    /// Numbers the distinct vertex positions. Returns the number of each vertex's position, and the
+    /// count of distinct positions.
     ///
     /// Coordinates −0 and 0 are equal here.
     #[must_use]

@@ -18,7 +18,7 @@ use crate::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::DVec3;
 use std::sync::Arc;
 
-/// Adds a described light to the scene. Its own position is the pivot of its `motion`.
+/// Adds a described light to the scene. Its `motion` rotates and scales it about its own position.
 pub(super) fn add_light(
     r: &mut Resolver<'_>,
     light: &Spanned<LightDescription>,
@@ -157,7 +157,8 @@ fn add_delta_light(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightSt
     }
 }
 
-/// Adds a light-emitting shape that reflects nothing. `center` is the pivot of its `motion`.
+/// Adds a light-emitting shape that reflects nothing. Its `motion` rotates and scales it about
+/// `center`.
 fn add_area_light(
     r: &mut Resolver<'_>,
     shape: Shape,

@@ -100,10 +100,10 @@ pub(super) fn resolve_material(
     })
 }
 
-/// Returns the refractive index at the d line (587.56 nm), and the index of the glass.
+/// Returns a dielectric's refractive index at the d line (587.56 nm), and the index of its glass.
 ///
-/// A material with dispersion adds a glass to the scene's list of glasses. The index in this list
-/// is `None` for a material without dispersion.
+/// Glasses are a list of the scene, to which this adds one. The index is `None`, and no glass is
+/// added, for a dielectric without dispersion.
 fn add_refractive_index(
     r: &mut Resolver<'_>,
     described: &RefractiveIndexDescription,

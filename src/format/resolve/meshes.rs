@@ -41,7 +41,7 @@ pub(super) struct MeshPart {
     file_material: Option<AddedMeshFileMaterial>,
 }
 
-/// Material of an MTL file that was added to the scene: its name, its index there, and its
+/// Material of an MTL file that was added to the scene: its name, its index in the scene, and its
 /// radiance.
 #[derive(Clone, Debug)]
 pub(super) struct AddedMeshFileMaterial {

@@ -143,13 +143,13 @@ struct Resolver<'a> {
     /// Number of mesh triangles so far for which BVHs are built. Triangles of a shared mesh count
     /// once.
     triangles: u64,
-    /// Meshes that were read, split by material; by file and options.
+    /// Meshes that were read so far, each split by material. The key states file and options.
     meshes: HashMap<meshes::MeshKey, Rc<[meshes::MeshPart]>>,
     /// Materials from the MTL files of each mesh, by mesh file, in the order of its material names.
     file_materials: HashMap<PathBuf, Rc<[meshes::AddedMeshFileMaterial]>>,
     /// Number of objects that refer to each mesh file, by its path in the description.
     mesh_uses: HashMap<&'a str, usize>,
-    /// Geometry that instances share, by the mesh in `meshes` that they show.
+    /// Geometry that instances share. The key is the address of the mesh in `meshes`.
     shared_meshes: HashMap<*const TriangleMesh, Rc<NormalizedMesh>>,
     /// Index of the current material: that of the next object. It stays current after the end of a
     /// group.
@@ -181,7 +181,7 @@ impl Resolver<'_> {
 
     /// Keeps the error of `result`, if any, and returns `Ok`, so that building can continue.
     ///
-    /// Returns the error instead if memory is exhausted, or if it is number `MAX_ERRORS`.
+    /// Returns the error instead if memory is exhausted, or if `MAX_ERRORS` is reached.
     fn record_error(&mut self, result: Result<(), SceneError>) -> Result<(), SceneError> {
         match result {
             Err(error) if error.is_out_of_memory() || self.errors.len() + 1 >= MAX_ERRORS => Err(error),

@@ -18,7 +18,7 @@ pub(super) struct InvalidObjLine {
     pub wrong: MessageAndRemedy,
 }
 
-/// Tells which indices a face corner has: position, texture coordinate, normal.
+/// Flags for the indices that a face corner has: position, texture coordinate, normal.
 type PresentIndices = [bool; 3];
 
 /// Names, for error messages, of the items that the three indices of a face corner refer to.
