@@ -92,7 +92,7 @@ fn caustica_arguments(words: &[String]) -> Option<Vec<String>> {
     }
 }
 
-/// Runs a documented command in a folder that stands for the repository's root, with small renders.
+/// Runs a documented command with a small render. `folder` stands for the repository's root.
 fn run_documented_command(page: &str, line: &[String], folder: &Path) {
     let command_line = format!("{page}: {}", line.join(" "));
     if let Some(arguments) = caustica_arguments(line) {
@@ -199,7 +199,7 @@ fn show_documented_view(arguments: &[String], scene: &Path) {
     assert!(line.starts_with("live page: http://127.0.0.1:"), "{line}");
 }
 
-/// Replaces size, passes and photons by those of a small render.
+/// Replaces size, passes and numbers of photons in `arguments` by those of a small render.
 fn set_small_render_flags(arguments: &mut Vec<String>, caustic: bool) {
     let mut small = vec![("--size", "32x24"), ("--passes", "1"), ("--photons", "1k")];
     if caustic {
@@ -208,7 +208,7 @@ fn set_small_render_flags(arguments: &mut Vec<String>, caustic: bool) {
     small.into_iter().for_each(|(flag, value)| set_flag(arguments, flag, value));
 }
 
-/// Sets a flag to a value, replacing an earlier one.
+/// Sets a flag to a value; an earlier value of the flag is replaced.
 fn set_flag(arguments: &mut Vec<String>, flag: &str, value: &str) {
     if let Some(at) = arguments.iter().position(|a| a == flag) {
         arguments.drain(at..at + 2);
@@ -217,8 +217,9 @@ fn set_flag(arguments: &mut Vec<String>, flag: &str, value: &str) {
     arguments.extend([flag.to_owned(), value.to_owned()]);
 }
 
-/// Returns file name and text of each scene that a page asks the reader to save: the first scene
-/// after the words "Save it as".
+/// Returns the name and text of each scene file that a page asks the reader to save.
+///
+/// The text is the first scene after the words "Save it as".
 fn scenes_to_save(page: &str) -> Vec<(String, String)> {
     page.split("Save it as")
         .skip(1)
@@ -348,7 +349,8 @@ fn links_lead_to_files_and_headings() {
     }
 }
 
-/// Folders whose files must exist if a page names them in backticks.
+/// Folders of the repository. If a page names a file in one of them in backticks, the file must
+/// exist.
 const NAMED: [&str; 7] = ["src/", "tests/", "docs/", "scenes/", "examples/", "benches/", ".ci/"];
 
 #[test]

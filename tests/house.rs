@@ -61,7 +61,7 @@ const COMMENT_WIDTH: usize = 100;
 /// Most lines of a test module inside a source file.
 const INLINE_TESTS: usize = 45;
 
-// Offences that are left in `src/`, by rule.
+// Number of offences against each rule that are still allowed in `src/`.
 const CIRCLES_LEFT: usize = 0;
 const SCATTERED_LEFT: usize = 0;
 const LONG_TESTS_LEFT: usize = 0;
@@ -237,7 +237,9 @@ fn rooms_use_only_lower_rooms() {
     assert_at_most(0, "a room uses only rooms of lower storeys", &offences);
 }
 
-/// Returns the file that holds the module `path`, or the deepest ancestor that is a file.
+/// Returns the source file of the module `path`.
+///
+/// If the module has no file, returns that of the nearest ancestor that has one.
 fn module_file<'a>(modules: &'a BTreeMap<Vec<String>, String>, path: &[String]) -> Option<&'a String> {
     (1..=path.len()).rev().find_map(|n| modules.get(&path[..n]))
 }
@@ -350,7 +352,7 @@ fn defined_type(line: &str) -> Option<&str> {
 fn types_have_impls_in_at_most_two_files() {
     let files: Vec<SourceFile> = sources().into_iter().filter(|file| !file.is_test()).collect();
     let room = |file: &SourceFile| file.name.split('/').next().unwrap().to_owned();
-    // Private types of one name may exist in several files of a room.
+    // A private type may have the same name in several files of a room.
     let mut definitions: BTreeSet<(String, String)> = BTreeSet::new();
     for file in &files {
         definitions.extend(

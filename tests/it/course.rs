@@ -37,13 +37,15 @@ fn render_course_image(scene: &Scene) -> RgbBytes {
     image::read_bytes(&path).unwrap()
 }
 
-/// Returns the number of pixels that differ by more than one level.
+/// Returns the number of pixels with a channel that differs by more than one level.
 fn count_differing_pixels(ours: &RgbBytes, theirs: &RgbBytes) -> usize {
     assert_eq!((ours.width(), ours.height()), (theirs.width(), theirs.height()));
     let pairs = ours.pixels().iter().zip(theirs.pixels());
     pairs.filter(|(a, b)| a.iter().zip(b.iter()).any(|(x, y)| x.abs_diff(*y) > 1)).count()
 }
 
+/// Ray casting gives the expected images of scenes 01 to 07.
+///
 /// An exact implementation differs by at most one level, except at four edge pixels of scene01.
 #[test]
 fn scenes_01_to_07_match_expected_images() {
@@ -65,8 +67,7 @@ fn scenes_01_to_07_match_expected_images() {
     }
 }
 
-/// Curves have no surface, so they are invisible. A surface of revolution is visible from the
-/// camera.
+/// In scenes 08 to 10, surfaces of revolution are visible and plain curves are not.
 #[test]
 fn scenes_08_to_10_show_surfaces_of_revolution() {
     let Some(course) = course_data_folder("") else { return };
@@ -87,7 +88,7 @@ fn scenes_08_to_10_show_surfaces_of_revolution() {
     }
 }
 
-/// Returns the first profile of a group.
+/// Returns the first profile curve of a surface of revolution in a group.
 fn profile(group: &ObjectGroup) -> Option<ProfileCurve> {
     group.items.iter().find_map(|item| match item {
         GroupItem::Object(object) => profile_of(&object.value),
@@ -139,8 +140,10 @@ fn scene_of(fill: impl FnOnce(&mut SceneBuilder, u32)) -> Scene {
     builder.build(camera).unwrap()
 }
 
-/// A surface of revolution equals its mesh of 1,200 by 1,024 quads: from outside, from inside, from
-/// the axis, and edge-on. Pixels may differ only next to an outline of the mesh.
+/// Surfaces of revolution agree with meshes of 1,200 by 1,024 quads.
+///
+/// Views are from outside, from inside, from the axis, and edge-on. Pixels may differ only next to
+/// an outline of the mesh.
 #[test]
 fn scenes_09_and_10_match_fine_meshes() {
     let Some(course) = course_data_folder("") else { return };
@@ -200,8 +203,8 @@ fn scenes_09_and_10_match_fine_meshes() {
             let mut hits = 0;
             for (k, (i, j)) in pixels().enumerate() {
                 hits += u32::from(smooth[k].is_some());
-                // A pixel lies between its smooth neighbours. At outlines and rims it may be on
-                // either side.
+                // A pixel of the mesh must agree with the smooth surface. Next to an outline or a
+                // rim, it may show either side of it.
                 let near = (-1..=1).flat_map(|y| (-1..=1).map(move |x| (i + x, j + y)));
                 let outline = near
                     .filter(|(x, y)| (0..n).contains(x) && (0..n).contains(y))
@@ -255,7 +258,7 @@ fn course_meshes_load() {
 #[test]
 fn course_meshes_are_repaired_without_loss() {
     let Some(folder) = course_data_folder("mesh") else { return };
-    // Closed surfaces: Euler's formula gives the vertices from the triangles.
+    // The surfaces are closed, so Euler's formula gives the number of vertices from the triangles.
     for (name, triangles) in
         [("cube.obj", 12), ("bunny_200.obj", 200), ("bunny_1k.obj", 1000), ("bunny_1k_vn.obj", 1000)]
     {

@@ -1,6 +1,6 @@
 //! Scenes in glTF: values, pictures and conversion.
 //!
-//! Scenes by other people may not be distributed, so they lie outside the repository: see
+//! Scenes by other people may not be distributed, so they are outside the repository: see
 //! [`crate::support::world_data_folder`].
 
 use crate::support::{project_path, world_data_folder};
@@ -27,7 +27,7 @@ fn small_picture(scene: &Path) -> Vec<Vec3> {
     Algorithm::Path.prepare(&scene, Settings::default()).render_pass(0, &SilentMonitor).image
 }
 
-/// Writes a scene as text with its meshes and pictures, as `caustica convert` does.
+/// Writes a scene as a text file with its meshes and pictures, as `caustica convert` does.
 fn convert(scene: &Path, output: &Path) {
     let converted = ConvertedScene::new(&SceneFile::read(scene).unwrap(), output);
     fs::write(output, converted.text).unwrap();
@@ -37,7 +37,7 @@ fn convert(scene: &Path, output: &Path) {
     }
 }
 
-/// Returns the glTF files of the folder of foreign scenes; empty if the data may be absent.
+/// Returns the glTF files of the folder of scenes by other people; empty if the data may be absent.
 fn world_scenes() -> Vec<PathBuf> {
     let Some(folder) = world_data_folder("gltf") else { return Vec::new() };
     let folders = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_dir());
@@ -49,7 +49,7 @@ fn world_scenes() -> Vec<PathBuf> {
     scenes
 }
 
-/// Returns the description and the JSON of a foreign `.gltf` file.
+/// Returns the description and the JSON of a `.gltf` file by other people.
 fn world_scene(name: &str) -> Option<(SceneDescription, Value)> {
     let path = world_data_folder("gltf")?.join(name).join(format!("{name}.gltf"));
     let json = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
@@ -103,7 +103,9 @@ fn imported_descriptions_can_be_printed_and_parsed() {
     }
 }
 
-/// Compares each body of glass with the extensions of the glTF material of the same name.
+/// Glass bodies have the index and absorption of their file.
+///
+/// Each is compared with the extensions of the glTF material of the same name.
 #[test]
 fn glass_has_index_and_absorption_of_its_file() {
     let mut bodies = 0;
@@ -124,7 +126,8 @@ fn glass_has_index_and_absorption_of_its_file() {
                 DielectricAbsorption::Tint { color, distance } => {
                     assert_all_near(*color, &numbers(&volume["attenuationColor"]));
                     assert_near(*distance, volume["attenuationDistance"].as_f64().unwrap());
-                    // Beer's law, as the specification writes it.
+                    // Beer's law gives σ from the attenuation color and distance, as the
+                    // specification states.
                     let sigma = attenuation.absorption_coefficient();
                     assert_near(sigma.x, -libm::log(color.x) / distance);
                 }
@@ -144,7 +147,8 @@ fn glass_has_index_and_absorption_of_its_file() {
 fn punctual_lights_have_the_units_of_watts() {
     let Some(folder) = world_data_folder("gltf") else { return };
     let lights = SceneFile::read(&folder.join("blender_glass/blender_glass.glb")).unwrap().description.lights;
-    // Blender wrote a spot and a point light of 100 W, and a sun of 100 W/m².
+    // Blender exported a spot and a point light of 100 W, and a sun of 100 W/m². The files hold
+    // photometric values at 683 lm/W.
     let watts = 5_435.141_306_588_225 / 683.0;
     let [spot, point, sun] = [0, 1, 2].map(|i| &lights[i].value);
     let LightDescription::Spot { position, angle, penumbra, strength, .. } = spot else { panic!("{spot:?}") };
@@ -209,7 +213,8 @@ fn factors_and_texture_transforms_match_the_file() {
         let factor = &source["pbrMetallicRoughness"]["baseColorFactor"];
         let caustica::format::description::TexturedValue::Plain(diffuse) = diffuse else { continue };
         let base = if factor.is_null() { vec![1.0; 3] } else { numbers(factor) };
-        // An index of 1.5 reflects 4 % at normal incidence.
+        // Plastic of index 1.5 reflects 4 % at normal incidence, so its diffuse base has the factor
+        // .96.
         assert_all_near(*diffuse / 0.96, &base);
         assert!(matches!(specular, caustica::format::description::TexturedValue::Plain(_)));
         compared += 1;
@@ -226,7 +231,8 @@ fn factors_and_texture_transforms_match_the_file() {
     let coordinates = coordinates.into_iter().find(|c| c.scale == DVec2::new(scale[0], scale[1])).unwrap();
     let rotation = transform["rotation"].as_f64().unwrap_or(0.0);
     assert_near(coordinates.rotate, rotation * 360.0 / TAU);
-    // The lower left corner (0, 1) of the surface, by the formula of the extension.
+    // The lower left corner has the glTF texture coordinates (0, 1). The extension's formula maps
+    // them to (u, v).
     let offset = if transform["offset"].is_null() { vec![0.0; 2] } else { numbers(&transform["offset"]) };
     let (u, v) = (offset[0] + libm::sin(rotation) * scale[1], offset[1] + libm::cos(rotation) * scale[1]);
     assert_near(coordinates.offset.x, u);

@@ -3,10 +3,10 @@
 //! `CAUSTICA_BLESS=1 cargo test --test it golden` writes new ones: look at each before you commit
 //! it.
 //!
-//! Renders are designed to have the same bits on any machine, with one exception: the width of
-//! kiddo's vector instructions may change the order of a sum over photons, hence its last bits.
-//! That moves a byte by one level, and only at the border of two levels. So a difference of 1 level
-//! is allowed in 1 of 200 bytes.
+//! Renders are designed to have the same bits on any machine, with one exception. The crate kiddo
+//! may sum over photons in another order on machines with other vector instructions, which changes
+//! the last bits. A byte then changes by one level, if the value is at the border of two levels. So
+//! a difference of 1 level is allowed in 1 of 200 bytes.
 
 use crate::support::project_path;
 use caustica::format::SceneFile;
@@ -19,7 +19,8 @@ use std::sync::atomic::AtomicBool;
 
 const SIZE: (u32, u32) = (96, 72);
 
-/// Returns the names without extension of a folder's files with this extension, sorted.
+/// Returns the names, without `extension`, of the files in a folder that have this extension,
+/// sorted.
 fn stems(folder: &Path, extension: &str) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten();
     let paths = entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == extension));

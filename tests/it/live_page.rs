@@ -1,4 +1,4 @@
-//! The live page, from outside: by HTTP, and in a headless browser.
+//! The live page, tested from outside: by HTTP, and in a headless browser.
 
 use crate::support::devtools::DevTools;
 use crate::support::project_path;
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-/// A box with a lamp and two balls.
+/// Scene of a box with a lamp and two balls.
 const SCENE: &str = "\
 PerspectiveCamera { center 0 1 3.9  lookAt 0 1 0  angle 40  width 96  height 72 }
 Background { color .1 .1 .2 }
@@ -28,7 +28,7 @@ Group {
 }
 ";
 
-/// The program with a live page, in a folder of its own.
+/// A running program that serves a live page, in a temporary folder of its own.
 struct Shown {
     child: Child,
     messages: BufReader<std::process::ChildStderr>,
@@ -37,7 +37,7 @@ struct Shown {
 }
 
 impl Shown {
-    /// Starts the program with these words; `{scene}` stands for the scene file.
+    /// Starts the program with the arguments `words`.
     fn start(words: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("scene.txt"), SCENE).unwrap();
@@ -58,7 +58,7 @@ impl Shown {
         self.folder.path().join("scene.txt")
     }
 
-    /// Sends a request below the address of the page, and returns the connection.
+    /// Sends an HTTP request for a path below the address of the page, and returns the connection.
     fn request(&self, method: &str, path: &str) -> BufReader<TcpStream> {
         let (host, root) = self.address.strip_prefix("http://").unwrap().split_once('/').unwrap();
         let mut stream = TcpStream::connect(host).unwrap();
@@ -71,7 +71,7 @@ impl Shown {
         BufReader::new(stream)
     }
 
-    /// Reads states until one fulfils a condition.
+    /// Reads states of the page until one fulfils a condition, and returns this state.
     fn wait_for(&self, mut condition: impl FnMut(&Value) -> bool) -> Value {
         let mut events = self.request("GET", "events");
         let mut line = String::new();
@@ -87,7 +87,8 @@ impl Shown {
         }
     }
 
-    /// Sends a request of the page, and waits for its status line.
+    /// Sends the request that the page's script sends for `name`, and waits for the answer's status
+    /// line.
     fn post(&self, name: &str) {
         let mut line = String::new();
         self.request("POST", &format!("request/{name}")).read_line(&mut line).unwrap();
@@ -149,7 +150,7 @@ fn wrong_addresses_and_references_are_refused() {
 
 #[test]
 fn the_first_pixels_are_a_preview() {
-    // So many photons that the first pass takes seconds.
+    // The first pass takes seconds with so many photons.
     let shown = Shown::start("view scene.txt --photons 4M --caustic-photons 4M --size 1920x1440");
     let first = shown.wait_for(|state| !state["picture"].is_null());
     assert_eq!((&first["picture"]["preview"], &first["passes"]), (&true.into(), &0.into()));
@@ -162,7 +163,7 @@ fn views_follow_edits_of_the_scene() {
     let shown = Shown::start("view scene.txt --photons 2k --passes 3");
     let ended = shown.wait_for(|state| state["phase"] == "ended");
     assert_eq!((&ended["passes"], &ended["render"], &ended["problems"]), (&3.into(), &1.into(), &0.into()));
-    // An error leaves the picture, and names the place.
+    // An error in the scene keeps the picture. The page names the place of the error.
     fs::write(shown.scene(), SCENE.replace("Sphere { center .45", "Spere { center .45")).unwrap();
     let failed = shown.wait_for(|state| state["phase"] == "failed");
     assert_eq!((&failed["problems"], failed["picture"].is_null()), (&1.into(), false));
@@ -171,11 +172,11 @@ fn views_follow_edits_of_the_scene() {
     while !source.contains("did you mean `Sphere`?") {
         assert!(answer.read_line(&mut source).unwrap() > 0, "{source}");
     }
-    // Another camera, and a smaller picture.
+    // The scene gets another camera and a smaller picture.
     fs::write(shown.scene(), SCENE.replace("width 96  height 72", "width 40  height 30")).unwrap();
     let mended = shown.wait_for(|state| state["phase"] == "ended" && state["problems"] == 0);
     assert_eq!((&mended["size"], &mended["passes"]), (&serde_json::json!([40, 30]), &3.into()));
-    // A pause at the limit ends with a request.
+    // The render pauses at its limit. A request ends the pause.
     shown.post("resume");
     shown.wait_for(|state| state["passes"].as_u64() > Some(5));
 }
@@ -191,11 +192,11 @@ fn the_page_works_in_a_browser() {
     let text = |id: &str| format!("document.getElementById('{id}').textContent");
     let click = |id: &str| format!("document.getElementById('{id}').click()");
     let passes = "Number(document.body.dataset.passes)";
-    // Sum of the bytes of the canvas, which any change of the picture changes.
+    // Expression for the sum of the bytes of the canvas, which changes with the picture.
     let painted = "(() => { const c = document.getElementById('canvas'); return c.width && \
                    c.getContext('2d').getImageData(0, 0, c.width, c.height).data.reduce((a, b) => a + b, 0); })()";
 
-    // It loads, refines, and shows error, plan and photons.
+    // The page loads, refines its picture, and shows error, plan and photons.
     browser.open(&shown.address, 1280, 800);
     browser.wait_for(&format!("{passes} >= 5"));
     browser.wait_for("document.querySelector('#curve svg path.error')");
@@ -206,7 +207,7 @@ fn the_page_works_in_a_browser() {
     let first = browser.value(painted);
     assert!(first.as_f64() > Some(1e6), "{first}");
 
-    // A pause keeps the picture, so that later changes have one cause.
+    // While the render is stopped, only the tested controls can change the picture.
     browser.press(" ");
     browser.wait_for(&format!("{}.startsWith('stopped')", text("status")));
     browser.wait_for(&format!("{} === 'Resume'", text("stop")));
@@ -222,7 +223,7 @@ fn the_page_works_in_a_browser() {
     browser.press("t");
     browser.wait_for(&format!("{painted} === {still}"));
 
-    // The page maps radiance to the bytes of the program's own PNG.
+    // Tone mapping in the page gives the bytes of the program's own PNG.
     browser.press("1");
     let block = "(async () => { const bitmap = await createImageBitmap(await (await fetch('save/picture.png')).blob()); \
                  const saved = document.createElement('canvas'); [saved.width, saved.height] = [bitmap.width, bitmap.height]; \
@@ -239,7 +240,7 @@ fn the_page_works_in_a_browser() {
     browser.press("0");
     browser.wait_for(&format!("{painted} === {still}"));
 
-    // Values under the pointer, layers, comparison.
+    // Tests values under the pointer, layers, and the comparison with a pinned picture.
     browser.drag(&[(400.0, 400.0)]);
     browser.wait_for(&format!("/^\\(\\d+, \\d+\\)  [\\d.e-]+  /.test({})", text("values")));
     browser.press("p");
@@ -255,7 +256,7 @@ fn the_page_works_in_a_browser() {
     browser.press("d");
     browser.press("[");
 
-    // Resume, edit with an error, mend.
+    // Resumes the render, edits the scene with an error, and corrects it.
     let before = browser.value(passes);
     browser.value(&click("stop"));
     browser.wait_for(&format!("{passes} > {before}"));
@@ -269,7 +270,7 @@ fn the_page_works_in_a_browser() {
     browser.wait_for(&format!("document.getElementById('problems').hidden && {passes} >= 1"));
     browser.wait_for(&format!("{}.includes('.2 .3 .75')", text("source")));
 
-    // The camera moves, which restarts the render.
+    // A movement of the camera restarts the render.
     let render = browser.value("Number(document.body.dataset.render)");
     browser.press("o");
     browser.drag(&[(400.0, 400.0), (450.0, 410.0), (520.0, 420.0)]);
@@ -279,7 +280,7 @@ fn the_page_works_in_a_browser() {
     browser.press("r");
     shown.wait_for(|state| state["orbit"]["yaw"] == 0.0 && state["passes"].as_u64() > Some(0));
 
-    // Nothing overflows on a narrow window, and nothing went wrong.
+    // Nothing overflows in a narrow window, and the console has no complaints.
     browser.resize(500, 900);
     browser.wait_for("document.documentElement.scrollWidth <= 500");
     assert!(browser.complaints().is_empty(), "{:?}", browser.complaints());

@@ -1,6 +1,6 @@
 //! Scenes in Mitsuba's format: pictures against Mitsuba's own, and conversion.
 //!
-//! Scenes by other people may not be distributed, so they lie outside the repository: see
+//! Scenes by other people may not be distributed, so they are outside the repository: see
 //! [`crate::support::world_data_folder`].
 
 use crate::support::{FALSE_ALARM_RATE, mean_and_error, student_t_tail, world_data_folder};
@@ -15,24 +15,27 @@ use glam::{DVec3, Vec3};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Files that only other scenes include, and scenes whose textures are missing.
+/// Files that are not tested: parts that other scenes include, and scenes whose textures are
+/// missing.
 const NO_SCENES: [&str; 4] = ["fragments", "include", "sphere_pt.xml", "plane_pt.xml"];
 
 /// Largest scenes, which only the long test renders.
 const LARGE: [&str; 2] = ["staircase2", "matpreview"];
 
-/// Number of samples per pixel of Mitsuba's test references by default; the number of each is not
-/// recorded.
+/// Default number of samples per pixel of Mitsuba's test references. The true number of each
+/// reference is not recorded.
 const REFERENCE_SAMPLES: f64 = 32_000.0;
 
-/// A picture by Mitsuba, and the way in which ours may deviate from it.
+/// A picture by Mitsuba, and the deviations that our picture of the scene may have.
 struct Reference {
     /// Path of the scene in the folder of Mitsuba's tests, without the extension.
     scene: &'static str,
     /// Name of the reference, in the folder `refs` beside the scene.
     reference: &'static str,
-    /// Least and greatest number of bounces that Mitsuba's number of path edges can mean: two
-    /// edges less, or more behind thin walls, which Mitsuba does not count in media.
+    /// Least and greatest number of bounces that may correspond to Mitsuba's number of path edges.
+    ///
+    /// Bounces are two edges less. There may be more bounces behind thin walls, which Mitsuba does
+    /// not count in media.
     bounces: [u32; 2],
     /// Deviation of the mean that approximations explain, relative to the mean.
     slack: f64,
@@ -51,7 +54,8 @@ const SAMPLES: u32 = 8;
 /// Greatest standard error of a mean, relative to the mean.
 const SHARPNESS: f64 = 0.01;
 
-/// Tests of Mitsuba. `docs/measurements/mitsuba.md` lists those that deviate more, with reasons.
+/// Pictures of Mitsuba's own tests. `docs/measurements/mitsuba.md` lists those that deviate more,
+/// with reasons.
 ///
 /// Rows of an environment map lie half a pixel further from the poles than in Mitsuba. That
 /// explains deviations below 1 %.
@@ -100,7 +104,7 @@ fn small_picture(mut file: SceneFile) -> Vec<Vec3> {
     Algorithm::Path.prepare(&scene, Settings::default()).render_pass(0, &SilentMonitor).image
 }
 
-/// Writes a scene as text with its files, as `caustica convert` does, and reads it again.
+/// Writes a scene as text with its files, as `caustica convert` does, and reads the text again.
 fn converted(scene: &SceneFile, output: &Path) -> SceneFile {
     let converted = ConvertedScene::new(scene, output);
     fs::write(output, converted.text).unwrap();
@@ -172,8 +176,10 @@ fn pass_means(scene: &Scene, max_bounces: u32) -> Vec<f64> {
     (0..PASSES).map(pass).collect()
 }
 
-/// Fails if the mean of a reference is below that of the fewer bounces or above that of the more
-/// bounces, at rate [`FALSE_ALARM_RATE`] each.
+/// Fails if the mean luminance of a reference is outside the range of our means.
+///
+/// The range is from our mean with the fewer bounces to that with the more bounces. The false-alarm
+/// rate is [`FALSE_ALARM_RATE`] for each.
 fn compare_mean(folder: &Path, reference: &Reference) {
     let Reference { scene: name, reference: picture, bounces, slack } = reference;
     let path = folder.join(format!("{name}.xml"));

@@ -1,6 +1,6 @@
-//! Scenes of pbrt: conversion.
+//! Scenes of pbrt: conversion to Caustica's scene language.
 //!
-//! Scenes by other people may not be distributed, so they lie outside the repository: see
+//! Scenes by other people may not be distributed, so they are outside the repository: see
 //! [`crate::support::world_data_folder`].
 
 use crate::support::{project_path, world_data_folder};
@@ -12,7 +12,7 @@ use glam::Vec3;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Returns all pbrt files of a folder and below that are scenes, not parts of scenes.
+/// Returns the pbrt files in a folder and its subfolders that are whole scenes.
 fn scenes_below(folder: &Path) -> Vec<PathBuf> {
     let mut scenes = Vec::new();
     for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
@@ -33,7 +33,8 @@ fn small_picture(mut file: SceneFile) -> Vec<Vec3> {
     Algorithm::Path.prepare(&scene, Settings::default()).render_pass(0, &SilentMonitor).image
 }
 
-/// Every scene renders the same bits after conversion, or is refused with a place and a reason.
+/// Every scene renders the same bits after conversion. Other scenes are refused with a place and a
+/// reason.
 #[test]
 fn pbrt_scenes_convert_to_the_same_bits() {
     let mut scenes = vec![project_path("tests/data/pbrt/cell.pbrt")];

@@ -35,8 +35,10 @@ fn picture(of: impl Fn(f64, f64, u32) -> Vec3) -> Image {
     Image::from_pixels(WIDTH, HEIGHT, (0..WIDTH * HEIGHT).map(at).collect()).unwrap()
 }
 
-/// Returns synthetic results of a method with this variance and bias in its first pass, and this
-/// time per pass \[s].
+/// Returns synthetic results of a method.
+///
+/// In its first pass, the method has the standard deviation `noise` and the bias `bias`. A pass
+/// takes `pass` seconds.
 fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, count: u32) -> MethodResult {
     let key = Key::new(5).child_key(label.bytes().map(u64::from).sum());
     let alpha = if algorithm == Algorithm::Pm { 1.0 } else { ALPHA };
@@ -184,7 +186,7 @@ fn report_page_is_well_formed_and_self_contained() {
     ] {
         assert!(page.contains(part), "{part}");
     }
-    // Without its command a figure could not be reproduced.
+    // A figure without its command could not be reproduced.
     assert_eq!(page.matches("<figure").count(), page.matches("<code class=\"command\">").count());
     assert_eq!(methods_html_page(&found()).unwrap(), methods_html_page(&found()).unwrap());
 }
@@ -241,20 +243,21 @@ fn browser_shows_the_page() {
     assert_eq!(dom.matches("class=\"picture shown\"").count(), 1);
     assert_eq!(dom.matches("<polyline").count(), page.matches("<polyline").count());
 
-    // High enough to show all without scrolling: a screenshot does not paint scrolled parts.
+    // The window is so high that nothing must be scrolled: a screenshot does not contain scrolled
+    // parts.
     let high = (1000, 12_000);
     let pm = browser.open("report.html", &page, "#show=pm", high);
     let long = browser.open("report.html", &page, "#show=sppm%20--gather-k%2020%20--photons%202M", high);
     assert!(words(&long.dom).contains("aria-pressed=\"true\">sppm --gather-k 20"));
     let differing = pm.pixels.iter().zip(&long.pixels).filter(|(a, b)| a != b).count();
-    // At least a tenth of the image's pixels.
+    // At least a tenth of the image's pixels must differ.
     assert!(differing > (WIDTH * HEIGHT / 10) as usize, "{differing}");
 
     let press = "<script>document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft', bubbles: true }))</script></body>";
     let turned = browser.open("report.html", &page.replace("</body>", press), "#show=hybrid", (1000, 900));
     assert!(words(&turned.dom).contains("aria-pressed=\"true\">path</button>") && turned.complaints.is_empty());
 
-    // The plot alone.
+    // A page with the plot alone.
     let style = &page[page.find("<style>").unwrap()..page.find("</style>").unwrap() + "</style>".len()];
     let svg = &page[page.find("<svg id=\"errors\"").unwrap()..];
     let svg = &svg[..svg.find("</svg>").unwrap() + "</svg>".len()];
@@ -266,7 +269,7 @@ fn browser_shows_the_page() {
     );
     for colour in [[0x00, 0x72, 0xb2], [0xd5, 0x5e, 0x00], [0x00, 0x9e, 0x73], [0xcc, 0x79, 0xa7], [0xe6, 0x9f, 0x00]] {
         let count = plot.pixels.iter().filter(|p| **p == colour).count();
-        // Seven markers of fifty pixels each.
+        // Seven markers have this colour, with about fifty pixels each.
         assert!(count > 200, "{colour:?} {count}");
     }
 }

@@ -1,9 +1,9 @@
-//! Adjoint transport: photons that land in a window of the floor carry the flux that path tracing
-//! sees there.
+//! Adjoint transport: the flux of photons that land in a window of the floor agrees with path
+//! tracing.
 //!
-//! A camera that looks straight at a plane weights each part of it equally. So the mean over the
-//! image is ρE/π for the window's mean irradiance E. Neither side estimates a density, so neither
-//! is biased.
+//! A camera that looks straight at a plane weights each part of it equally. So the mean over its
+//! image is ρE/π, where E is the window's mean irradiance and ρ its albedo. Neither side estimates
+//! a density, so neither is biased.
 
 use super::compare::{Estimate, Grid, Renders, compare, compare_renders};
 use super::methods::{Effort, Method};
@@ -19,14 +19,16 @@ const ALBEDO: f64 = 0.5;
 const PASSES: u32 = 12;
 const UNEVEN: u32 = 24;
 
-/// Half the width of the window. The camera looks down from this height with a field of view of
-/// 90°.
+/// Half the width of the window \[length].
+///
+/// The camera looks down from this height with a field of view of 90°.
 const HALF: f64 = 0.4;
 
-/// A light beside the window that faces up. The floor sees only what a ceiling reflects.
+/// Scene text of a light beside the window that faces up, so that light reaches the floor only by
+/// reflection at objects above.
 const UP: &str = "RectangleLight { corner .5 .5 -.4  edge0 0 0 1  edge1 1 0 0  radiance 6 5 4 }";
 
-/// A light above, off the center.
+/// Scene text of a light above the window, off its center, that faces down.
 const DOWN: &str = "RectangleLight { corner -.3 2.2 -.7  edge0 1 0 0  edge1 0 0 1  radiance 6 5 4 }";
 
 const CEILING: &str = "Rectangle { corner -1.5 1.3 -1.5  edge0 3 0 0  edge1 0 0 3 }";
@@ -44,7 +46,7 @@ fn furnished_room(light: &str, materials: &str, objects: &str) -> Scene {
     ))
 }
 
-/// Returns the window's mean irradiance times ρ/π, by photons.
+/// Estimates ρE/π by photons, where E is the window's mean irradiance and ρ its albedo.
 fn flux_by_photons(scene: &Scene, mask: StoreMask, passes: u32) -> Estimate {
     let traced = trace_photon_passes(scene, mask, 1000, passes, 1 << 17);
     let window = |p: DVec3| p.y.abs() < 1e-3 && p.x.abs() < HALF && p.z.abs() < HALF;
@@ -57,8 +59,10 @@ fn flux_by_photons(scene: &Scene, mask: StoreMask, passes: u32) -> Estimate {
     Estimate { mean: vec![mean], variance: vec![squares / n / (n - 1.0)], bias: vec![DVec3::ZERO], dof: n - 1.0 }
 }
 
-/// Compares the flux by photons with the flux by path tracing. At least the fraction `least` of the
-/// flux must involve the object, so that the comparison tests it.
+/// Fails unless the flux by photons agrees with that by path tracing.
+///
+/// At least the fraction `least` of the flux must involve the object, so that the comparison tests
+/// it.
 fn check_adjoint(what: &str, scene: &Scene, least: f64) {
     check_adjoint_with_settings(PASSES, what, scene, least);
 }
@@ -105,7 +109,8 @@ fn refractions_agree_from_camera_and_light() {
     }
 }
 
-/// Interpolated normals: light subpaths are corrected for them (Veach 1997, section 5.3).
+/// Tests interpolated shading normals, for which photon paths need a correction (Veach 1997,
+/// section 5.3).
 #[test]
 #[ignore = "long: t-test of adjoint transport"]
 fn shading_normals_agree_from_camera_and_light() {
@@ -126,8 +131,8 @@ fn shading_normals_agree_from_camera_and_light() {
     }
 }
 
-/// Nested dielectrics by priority: ice in water in a glass, and oil that overlaps the glass from
-/// outside.
+/// Tests nested dielectrics with priorities: ice in water in a glass, and oil that overlaps the
+/// glass.
 #[test]
 fn nested_dielectrics_agree_from_camera_and_light() {
     let materials = "Dielectric glass { indexOfRefraction 1.5  absorption .3 .3 .1 }
@@ -141,7 +146,7 @@ fn nested_dielectrics_agree_from_camera_and_light() {
     check_adjoint("nested bodies", &furnished_room(DOWN, materials, objects), 0.3);
 }
 
-/// A light inside dielectric bodies.
+/// Tests a light inside dielectric bodies.
 #[test]
 #[ignore = "long: t-test of adjoint transport"]
 fn enclosed_light_agrees_from_camera_and_light() {
@@ -163,8 +168,10 @@ fn enclosed_light_agrees_from_camera_and_light() {
     check_adjoint("lamp and matt ball under water", &furnished_room(lamp, water, objects), 0.99);
 }
 
-/// Photons land by the geometric normal; a camera sees them by the shading normal. A coarse ball
-/// fills the image, lit over a mirror, so that all its light comes by photons.
+/// Tests a diffuse ball of flat faces with smooth shading normals.
+///
+/// Photons land by the geometric normal, and a camera sees them by the shading normal. The ball
+/// fills the image. It is lit only over a mirror, so all its light comes by photons.
 #[test]
 #[ignore = "long: t-test of adjoint transport"]
 fn diffuse_shading_normals_agree_from_camera_and_light() {

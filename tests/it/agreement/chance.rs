@@ -1,4 +1,5 @@
-//! Materials that resolve by chance to a receiver or to a caster, by every integrator.
+//! Mix materials: a hit selects a receiver or a caster at random. All integrators agree on their
+//! light.
 //!
 //! Photon paths and camera paths choose independently, and each light path must count once.
 
@@ -9,7 +10,8 @@ use crate::support::scene_from_text;
 const SIZE: (u32, u32) = (12, 12);
 const EFFORT: Effort = Effort { passes: 12, samples: 4, photons: 20_000, caustic: 20_000, radius: 0.1 };
 
-/// Compares every integrator with path tracing on a floor of material `m`.
+/// Compares every integrator with path tracing, with a floor of the material `m` that the scene
+/// text `material` defines.
 ///
 /// A lamp that faces up lights a diffuse ceiling. A polished metal wall casts a caustic on the
 /// floor, and the floor reflects light to both.

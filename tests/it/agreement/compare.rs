@@ -6,7 +6,7 @@ use caustica::color::Rgb;
 use caustica::scene::Scene;
 use glam::DVec3;
 
-/// False-alarm rate of one [`compare`], over all its tiles and channels.
+/// False-alarm rate of one [`compare`], for all its tiles and channels together.
 pub const RATE: f64 = 1e-5;
 
 /// Partition of an image into square tiles.
@@ -54,7 +54,7 @@ impl Grid {
         self.window_sums(image.iter().map(|v| v.as_dvec3())).iter().map(|(sum, n)| sum / n.max(1.0)).collect()
     }
 
-    /// Returns for each tile the mean over itself and its neighbours.
+    /// Returns, for each tile, the mean of its value and those of its neighbours.
     fn around(&self, tiles: &[DVec3]) -> Vec<DVec3> {
         let (columns, rows) = (self.columns(), self.height.div_ceil(self.edge));
         let one = |i: usize| {
@@ -68,14 +68,14 @@ impl Grid {
     }
 }
 
-/// Means of tiles with their uncertainty.
+/// Means of the tiles of an image, with their uncertainty, by channel.
 pub struct Estimate {
     pub mean: Vec<DVec3>,
-    /// Variance of the mean.
+    /// Variance of each tile's mean.
     pub variance: Vec<DVec3>,
-    /// Allowed systematic error.
+    /// Allowed systematic error of each tile's mean.
     pub bias: Vec<DVec3>,
-    /// Degrees of freedom of the variance.
+    /// Degrees of freedom of `variance`.
     pub dof: f64,
 }
 
@@ -83,16 +83,17 @@ pub struct Estimate {
 pub struct Renders {
     pub name: String,
     narrow: Vec<Vec<Rgb>>,
-    /// Passes at twice the radius. Empty for an unbiased integrator.
+    /// Images of passes at twice the gather radius; empty for an unbiased integrator.
     wide: Vec<Vec<Rgb>>,
 }
 
 impl Renders {
-    /// Renders passes at the radius, and half as many at twice the radius.
+    /// Renders `effort.passes` passes at the gather radius, and half as many at twice the radius.
     ///
-    /// An integrator with photons is biased by its kernel: with r² inside smooth light, with r at
-    /// edges. The bias is between a third of the difference of the two renders and the whole
-    /// difference. The whole difference is allowed.
+    /// Photon density estimates have the bias of their kernel. It is proportional to r² inside
+    /// smooth light and to r at edges, where r is the radius. So the bias is between a third of the
+    /// difference of the two renders and the whole difference. [`Estimate::bias`] is the whole
+    /// difference.
     pub fn new(method: Method, scene: &Scene, effort: Effort) -> Self {
         let twice = Effort { passes: effort.passes.div_ceil(2), radius: 2.0 * effort.radius, ..effort };
         let wide = if method == Method::Path { Vec::new() } else { passes(method, scene, twice) };
@@ -104,7 +105,8 @@ impl Renders {
         let (mean, mut variance) = statistics(grid, &narrow);
         let mut bias = vec![DVec3::ZERO; mean.len()];
         if !self.wide.is_empty() {
-            // Passes at both radii share their random numbers, so only the radius differs.
+            // Passes at both radii share their random numbers, so their difference has little
+            // noise.
             let wider = |(w, n): (Vec<DVec3>, &Vec<DVec3>)| w.iter().zip(n).map(|(w, n)| w - n).collect();
             let differences: Vec<Vec<DVec3>> = tiles(grid, &self.wide).into_iter().zip(&narrow).map(wider).collect();
             let (difference, noise) = statistics(grid, &differences);
@@ -119,10 +121,11 @@ fn tiles(grid: &Grid, images: &[Vec<Rgb>]) -> Vec<Vec<DVec3>> {
     images.iter().map(|image| grid.window_means(image)).collect()
 }
 
-/// Returns the means of tiles and their variances, measured between passes.
+/// Returns the mean of each tile over the passes, and the variance of this mean.
 ///
-/// If paths find light only rarely, a tile without such a path would report zero variance. Noise
-/// varies smoothly over an image, so a tile gets at least the mean variance of the tiles around it.
+/// The variance is measured between passes. If paths find light only rarely, a tile without such a
+/// path would report zero variance. Noise varies smoothly over an image, so a tile gets at least
+/// the mean variance of the tiles around it.
 fn statistics(grid: &Grid, tiles: &[Vec<DVec3>]) -> (Vec<DVec3>, Vec<DVec3>) {
     let n = tiles.len() as f64;
     let count = tiles[0].len();
@@ -135,10 +138,10 @@ fn statistics(grid: &Grid, tiles: &[Vec<DVec3>]) -> (Vec<DVec3>, Vec<DVec3>) {
     (mean, variance)
 }
 
-/// Fails if two estimates of one image differ by more than their biases and noise, at rate [`RATE`]
-/// over all tiles and channels.
+/// Fails if two estimates of one image differ by more than their biases and noise explain.
 ///
-/// Also fails if noise and bias of the mean tile exceed `sharp` times its mean.
+/// The false-alarm rate is [`RATE`] over all tiles and channels. Also fails if noise and bias of
+/// the mean tile exceed `sharp` times its mean, because they could then hide an error.
 #[track_caller]
 pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, sharp: f64) {
     let dof = ours.dof.min(theirs.dof);
@@ -148,7 +151,7 @@ pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, sharp: f64) {
         for c in 0..3 {
             let (a, b) = (ours.mean[i][c], theirs.mean[i][c]);
             let sigma = (ours.variance[i][c] + theirs.variance[i][c]).sqrt();
-            // Stored hues are rounded.
+            // The hues of stored photons are rounded.
             let allowed = ours.bias[i][c] + theirs.bias[i][c] + HUE_ROUNDING * theirs.mean[i].element_sum() + 1e-12;
             let excess = ((a - b).abs() - allowed).max(0.0);
             let t = if excess == 0.0 { 0.0 } else { excess / sigma };
@@ -174,7 +177,10 @@ pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, sharp: f64) {
     assert!(blunt <= sharp * level, "too blunt: {line}");
 }
 
-/// Applies [`compare`] by tiles and to the whole image, which reveals smaller differences.
+/// Applies [`compare`] by tiles, with the limit `tiles` on noise, and to the whole image, with the
+/// limit `whole`.
+///
+/// The comparison of whole images reveals smaller differences.
 #[track_caller]
 pub fn compare_renders(what: &str, ours: &Renders, theirs: &Renders, grid: &Grid, (tiles, whole): (f64, f64)) {
     let what = format!("{what}, {} against {}", ours.name, theirs.name);

@@ -1,4 +1,5 @@
-//! Furnace tests: where all walls emit the same radiance, every lossless object is invisible.
+//! Furnace tests: if all walls emit the same radiance, every object that absorbs nothing is
+//! invisible.
 
 use super::compare::{Estimate, Grid, Renders, compare};
 use super::methods::{ALL, Effort, Method};
@@ -11,7 +12,9 @@ use std::f64::consts::PI;
 const ALBEDO: Vec3 = Vec3::new(0.7, 0.5, 0.2);
 const SIZE: (u32, u32) = (12, 12);
 
-/// Builds a closed box of diffuse walls with radiance 1 everywhere and a ball inside.
+/// Builds a closed box with a ball inside. Its diffuse walls have radiance 1 everywhere.
+///
+/// Walls of the given albedo emit the rest of the radiance. The camera looks at `at`.
 fn furnace_scene(albedo: Vec3, ball: Option<Material>, at: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
     let wall = b.add_material(if albedo == Vec3::ZERO { Material::black() } else { Material::diffuse(albedo) });
@@ -22,8 +25,8 @@ fn furnace_scene(albedo: Vec3, ball: Option<Material>, at: DVec3) -> Scene {
         let material = b.add_material(material);
         b.add_shape(Shape::Sphere(Sphere::new(dvec3(0.0, 0.0, -0.3), 0.4)), material, Vec3::ZERO);
     }
-    // From (0, 0, 0.95) the view is 1.2 wide on the wall behind the ball, or lies within the ball's
-    // outline.
+    // At the wider angle, the view is 1.2 wide on the wall behind the ball. At the narrower angle,
+    // it lies within the ball's outline.
     b.build(square_camera(dvec3(0.0, 0.0, 0.95), at, if albedo == Vec3::ZERO { 22.0 } else { 34.0 }, SIZE.0)).unwrap()
 }
 
@@ -33,7 +36,7 @@ fn lossless_materials() -> Vec<(&'static str, Material)> {
         ("glass", Material::dielectric(1.5, Vec3::ZERO)),
         ("pane", Material::thin_dielectric(1.5, Vec3::ONE)),
         ("plastic", Material::coated_diffuse(Vec3::ONE, 1.5, 0.0, true)),
-        // |r| = |1 − ik|/|1 + ik| = 1.
+        // With the index ik, the reflectance is |1 − ik|²/|1 + ik|² = 1.
         ("metal", Material::conductor(Vec3::ZERO, Vec3::splat(2.0), 0.0)),
     ]
 }
@@ -62,11 +65,14 @@ fn lossless_materials_vanish_in_furnace() {
     }
 }
 
-/// Between black walls the ball shows its directional albedo: 1 − loss for facets that scatter
-/// once. The view is 22° wide, 0.6 of the ball's radius, so normals are within 45° of it. The
-/// allowed losses are those that comments in src/bsdf state, rounded up. A metal at α = 0.1 loses
-/// 1.2 % along the normal and 11 % at 85°. Glass loses 0.1 % and 1.2 % on its way through two
-/// interfaces, and up to 14 % of the tenth that is reflected inside.
+/// Tests the energy loss of rough materials, which [`Conductor`](caustica::bsdf::Conductor) and
+/// `RoughDielectric` state.
+///
+/// Between black walls of radiance 1, the ball shows its directional albedo: 1 − loss. The view is
+/// 22° wide, 0.6 of the ball's radius, so normals are within 45° of it. The allowed losses are the
+/// stated ones, rounded up. A metal at α = 0.1 loses 1.2 % along the normal and 11 % at 85°. Glass
+/// loses 0.1 % and 1.2 % on its way through two interfaces. It also loses up to 14 % of the tenth
+/// that is reflected inside.
 #[test]
 fn rough_materials_lose_only_stated_energy() {
     let frosted = Material::rough_boundary(Body::new(1.5), 0.1);
@@ -87,8 +93,9 @@ fn rough_materials_lose_only_stated_energy() {
     }
 }
 
-/// Returns the albedo of kd + ks cosˢα at angle θ: kd + (ks/π)∫ cosˢα cosθ' over the upper
-/// hemisphere, by midpoints.
+/// Returns the albedo kd + (ks/π)∫ cosˢα cosθ' dω of the Phong BRDF at the angle θ, by midpoints.
+///
+/// The integral is over the upper hemisphere.
 fn phong_albedo(kd: f64, ks: f64, s: f64, theta: f64) -> f64 {
     let (sin, cos) = (libm::sin(theta), libm::cos(theta));
     let ring = |t: f64| {
@@ -99,8 +106,9 @@ fn phong_albedo(kd: f64, ks: f64, s: f64, theta: f64) -> f64 {
     kd + ks / PI * midpoint_integral(0.0, 0.5 * PI, 300, ring)
 }
 
-/// A square of Phong's material is seen at grazing angles at one point: a narrow view of a plane
-/// under uniform light.
+/// Under uniform light of 1, a Phong surface shows its albedo at the angle `theta`.
+///
+/// The view is narrow, so all its rays have nearly the same angle.
 #[test]
 fn glossy_material_shows_its_furnace_albedo() {
     let (kd, ks, s) = (0.4, 3.0, 12.0);
@@ -120,7 +128,8 @@ fn glossy_material_shows_its_furnace_albedo() {
         for method in ALL {
             let renders = Renders::new(method, &scene, Effort { samples: 64, ..EFFORT });
             let ours = renders.over(&Grid::new((8, 8), 8));
-            // Midpoints and the half degree of the view are accurate to a thousandth.
+            // The tolerance of 10⁻³ covers midpoint quadrature and the view's width of half a
+            // degree.
             let truth =
                 Estimate { bias: vec![DVec3::splat(1e-3 * expected)], ..constant_estimate(DVec3::splat(expected)) };
             compare(&format!("gloss at {theta}, {method:?}"), &ours, &truth, 0.04);
@@ -128,8 +137,10 @@ fn glossy_material_shows_its_furnace_albedo() {
     }
 }
 
-/// Walls of Phong's material in a closed box: integrators agree. Radiance stays below 1, that of
-/// walls with the lobes' upper bound kd + 2ks/(s + 2) = 0.75 as albedo, without loss.
+/// Integrators agree in a closed box with Phong walls, and the radiance is below 1.
+///
+/// Radiance 1 is that of walls with the albedo kd + 2ks/(s + 2) = 0.75, the upper bound of the
+/// BRDF.
 #[test]
 fn integrators_agree_on_glossy_walls() {
     let mut b = SceneBuilder::new();

@@ -1,6 +1,7 @@
-//! Scenes that need photons, with lights so large that path tracing finds the same light by chance.
+//! Scenes that need photons, with lights so large that path tracing also finds the same light by
+//! chance.
 //!
-//! One is lit only through glass, one shows a caustic through water and in a mirror, one has
+//! One scene is lit only through glass. One shows a caustic through water and in a mirror. One has
 //! caustics of rough surfaces.
 
 use super::compare::{Grid, Renders, compare_renders};

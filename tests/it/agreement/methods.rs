@@ -19,18 +19,18 @@ pub enum Method {
     /// `Sppm` with a point estimate in media.
     SppmPoints,
     Ppm,
-    /// `Pm` that shows its global map directly.
+    /// `Pm` that reads the global map at the first receiver, without gather rays.
     PmDirect,
-    /// `Pm` with final gathering by the BSDF.
+    /// `Pm` with final gathering along directions sampled from the BSDF.
     PmGathering,
-    /// `Pm` with final gathering guided by photons.
+    /// `Pm` with final gathering along directions guided by photons.
     PmGuided,
 }
 
 pub const ALL: [Method; 7] =
     [Method::Path, Method::Hybrid, Method::Sppm, Method::Ppm, Method::PmDirect, Method::PmGathering, Method::PmGuided];
 
-/// Cost of a pass.
+/// Cost of a render: its passes, camera rays and photon paths.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
     /// Number of passes.
@@ -41,11 +41,11 @@ pub struct Effort {
     pub photons: u32,
     /// Photon paths of the caustic map.
     pub caustic: u32,
-    /// Radius of both maps in the first pass \[length].
+    /// Gather radius of both maps in the first pass \[length].
     pub radius: f64,
 }
 
-/// Renders independent passes.
+/// Renders independent passes and returns their images.
 ///
 /// Passes of `ppm` share their camera paths, so each gets its own seed.
 pub fn passes(method: Method, scene: &Scene, effort: Effort) -> Vec<Vec<Rgb>> {

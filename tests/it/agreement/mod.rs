@@ -1,7 +1,8 @@
 //! Integrators against each other, against Mitsuba 3, and against the furnace.
 //!
 //! Passes are independent: integrators that repeat their camera paths get a seed for each pass.
-//! Every comparison is a t-test at a stated false-alarm rate, and states how sharp it must be.
+//! Every comparison is a t-test at a stated false-alarm rate. It also limits the noise, because
+//! noise could hide an error.
 
 mod adjoint;
 mod chance;

@@ -5,14 +5,14 @@ use super::methods::{Effort, Method};
 use crate::support::{reference_image, scene_from_file};
 use glam::{DVec3, Vec3};
 
-/// Relative rounding of a reference pixel, stored as a 16-bit float.
+/// Relative rounding error of a reference pixel, stored as a 16-bit float.
 const ROUNDING: f64 = 1.0 / 4096.0;
 
 /// A reference image with its standard error by pixel.
 struct Reference {
     size: (u32, u32),
     mean: Vec<DVec3>,
-    /// Variance of the mean.
+    /// Squared standard error of each pixel's mean.
     variance: Vec<DVec3>,
     /// False for fireflies of the reference: pixels whose standard error is above half their value.
     kept: Vec<bool>,
@@ -42,8 +42,11 @@ impl Reference {
     }
 }
 
-/// Compares by tiles of 4 × 4 pixels (16 × 16 where caustic paths are rare), over windows, and over
-/// the whole image.
+/// Compares each method with the reference `name`: by tiles, over windows, and over the whole
+/// image.
+///
+/// Tiles have 4 × 4 pixels, or 16 × 16 where caustic paths are rare. `sharp` limits the noise of
+/// these three comparisons, as in [`compare`].
 fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usize; 4])], sharp: [f64; 3]) {
     let reference = Reference::read(name);
     let scene = scene_from_file(&format!("tests/scenes/{name}.txt"), reference.size);
@@ -64,16 +67,20 @@ fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usiz
 
 const BIASED: Effort = Effort { passes: 24, samples: 1, photons: 12_000, caustic: 30_000, radius: 0.025 };
 
-/// Path tracing finds caustics of smooth glass only if a path hits the light by chance. Where
-/// caustics light other walls, one sample in thousands does. Two such hits in a tile of 4 × 4
-/// pixels give neither its mean nor its error. So tiles are 16 times as large there, with dozens of
-/// hits each. See [`super::compare`].
+/// Cost of path tracing in scenes with caustics, which it finds only if a path hits the light by
+/// chance.
+///
+/// Where caustics of smooth glass light other walls, one sample in thousands does so. Two such hits
+/// in a tile of 4 × 4 pixels give neither its mean nor its error. So tiles are 16 times as large
+/// there, with dozens of hits each.
 const CHANCE_CAUSTICS: Effort = Effort { passes: 24, samples: 8, ..BIASED };
 
-/// Camera subpaths find most of the light with these integrators.
+/// Cost of integrators whose camera paths find most of the light.
 const MOSTLY_CAMERA_PATHS: Effort = Effort { samples: 3, ..BIASED };
 
-/// `Sppm` in this room is compared by `analytic::reference`, by finer tiles.
+/// Five integrators match the reference of a room with caustics.
+///
+/// `analytic::reference` compares `Sppm` in the same room, by finer tiles.
 #[test]
 #[ignore = "long: five integrators against Mitsuba 3"]
 fn integrators_match_caustic_reference() {
@@ -106,9 +113,10 @@ fn integrators_match_rough_reference() {
     );
 }
 
-/// Only camera rays see depth of field. `Ppm` repeats its camera rays in all passes, so its image
-/// does not converge: it is left out. The windows show the ball before the plane of focus, the
-/// mirror in it, and the ball behind it.
+/// Integrators match the reference of a room with depth of field, which only camera rays see.
+///
+/// `Ppm` is left out: it repeats its camera rays in all passes, so its image does not converge. The
+/// windows show the ball before the plane of focus, the mirror in it, and the ball behind it.
 #[test]
 #[ignore = "long: five integrators against Mitsuba 3"]
 fn integrators_match_lens_reference() {
@@ -127,9 +135,11 @@ fn integrators_match_lens_reference() {
     );
 }
 
-/// A fog fills the room. The windows show the ball, the air below the light, and the back wall. The
-/// beam radiance and point estimates find few photons in the fog: they use wider discs and a
-/// blunter limit.
+/// Integrators match the reference of a room that is filled with fog.
+///
+/// The windows show the ball, the air below the light, and the back wall. The beam radiance
+/// estimate and point estimates find few photons in the fog. They use wider discs, and their noise
+/// may be larger.
 #[test]
 #[ignore = "long: seven integrators against Mitsuba 3"]
 fn integrators_match_fog_reference() {

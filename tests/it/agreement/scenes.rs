@@ -4,15 +4,16 @@ use super::compare::{Grid, Renders, compare_renders};
 use super::methods::{Effort, Method};
 use crate::support::scene_from_file;
 
-/// Compares integrators with `Sppm`. `radius` is that of the first pass, in the scene's units.
+/// Compares `methods` with `Hybrid` in the scene `name` of the gallery.
 ///
-/// `Path` is compared only where lights are large.
+/// `radius` is the gather radius of the first pass, in the scene's units. `Path` is compared only
+/// where lights are large.
 fn check_methods_agree(name: &str, radius: f64, methods: &[Method]) {
-    // Fireflies of light through a goblet need more pixels for the same sharpness.
+    // Light through a goblet makes fireflies, so more pixels are needed for the same accuracy.
     let size = if name == "goblet" { (80, 60) } else { (64, 48) };
     let scene = scene_from_file(&format!("scenes/{name}.txt"), size);
     let grid = Grid::new(size, size.0 as usize / 8);
-    // Bright streaks narrower than a pixel dominate the noise.
+    // Bright streaks narrower than a pixel dominate the noise here.
     let samples = if name == "projector" { 10 } else { 2 };
     let effort = Effort { passes: 12, samples, photons: 20_000, caustic: 20_000, radius };
     let hybrid = Renders::new(Method::Hybrid, &scene, effort);

@@ -31,10 +31,10 @@ fn scene_of_all_kinds() -> Scene {
 /// Emitted flux equals absorbed, escaped, stopped and roulette flux, up to rounding.
 ///
 /// Each vertex adds at most four differences to the audit: absorbed in the medium, absorbed at the
-/// surface, roulette, the rest. Each difference rounds by u = 2⁻²⁴ of itself. Roulette keeps the
-/// mean of the channels and nothing raises it, so no channel exceeds three times the mean of the
-/// emitted flux. So the balance holds within 4u · 3 · mean · (rays per path). Sums are in double
-/// precision.
+/// surface, roulette, and the rest. Each difference has the relative rounding error u = 2⁻²⁴.
+/// Roulette keeps the mean of the channels and nothing raises it. So no channel exceeds three times
+/// the mean of the emitted flux, and the balance holds within 4u · 3 · mean · (rays per path). Sums
+/// are in double precision.
 #[test]
 fn flux_is_conserved_up_to_rounding() {
     let scene = scene_of_all_kinds();
@@ -52,8 +52,10 @@ fn flux_is_conserved_up_to_rounding() {
     }
 }
 
-/// Roulette removes and adds the same flux on average in any scene. The measured standard error
-/// must be below 10⁻³ of the emitted flux, so that the test can find an error.
+/// Roulette removes and adds the same flux on average.
+///
+/// The measured standard error must be below 2·10⁻³ of the emitted flux, so that the test can find
+/// an error.
 #[test]
 fn roulette_is_unbiased() {
     let passes = trace_photon_passes(&scene_of_all_kinds(), StoreMask::ALL, 1000, 64, 1 << 13);
@@ -63,11 +65,12 @@ fn roulette_is_unbiased() {
     }
 }
 
-/// In a closed grey room a path survives each surface with probability ρ, so its number of surfaces
-/// is geometric. N paths hit N/(1 − ρ) surfaces with variance Nρ/(1 − ρ)². The law does not depend
-/// on geometry or on the scrambled emission. The roulette account is f·(N − (1 − ρ)·surfaces),
-/// where f is the flux of a path. Its variance is f²Nρ: Σ X²(1/p − 1) over the N/(1 − ρ) surfaces,
-/// with X = ρf and p = ρ.
+/// In a closed grey room, the number of surfaces that a path visits has a geometric distribution.
+///
+/// A path survives each surface with the probability ρ. So N paths hit N/(1 − ρ) surfaces on
+/// average, with variance Nρ/(1 − ρ)². The law depends neither on geometry nor on the scrambled
+/// emission. The roulette account is f·(N − (1 − ρ)·surfaces), where f is the flux of a path. Its
+/// variance is f²Nρ: Σ X²(1/p − 1) over the N/(1 − ρ) surfaces, with X = ρf and p = ρ.
 #[test]
 fn path_lengths_in_grey_room_are_geometric() {
     const N: f64 = 16.0;

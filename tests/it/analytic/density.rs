@@ -1,8 +1,8 @@
 //! Mean and variance of the density estimate, for uniform photons on an integrating sphere.
 //!
-//! Reflected photons on a sphere of radius R are independent and uniform. A cap of chord r is
-//! exactly the fraction (r/2R)² of the sphere. So with N photons of flux w and λ = Nw/(4πR²) all
-//! laws are exact, without a Poisson approximation.
+//! Reflected photons on a sphere of radius R are independent and uniform. A cap of chord r has
+//! exactly the fraction (r/2R)² of the sphere's area. N photons of flux w have the mean density λ =
+//! Nw/(4πR²). So all laws are exact, without a Poisson approximation.
 
 use crate::support::*;
 use caustica::photon::{Bandwidth, Kernel, PhotonMap, StoreMask};
@@ -11,19 +11,22 @@ use caustica::shape::{Shape, Sphere};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Number of probes in a pass. The disc of each probe covers less than 0.003 of the sphere, and no
-/// two discs overlap.
+/// Number of points at which each pass estimates the density.
+///
+/// The disc of each point covers less than 0.003 of the sphere, and no two discs overlap.
 const PROBES: u32 = 120;
 
 struct Moments {
     mean: Vec<f64>,
     variance: Vec<f64>,
-    /// Expected variance, by pass.
+    /// Variance that theory predicts, by pass.
     expected: Vec<f64>,
 }
 
-/// Returns two means over the probes for each pass: of estimate/λ, and of its squared deviation
-/// from 1. `variance` returns the expected variance for N photons.
+/// Returns, for each pass, the mean of estimate/λ over the points, and of its squared deviation
+/// from 1.
+///
+/// λ is the true density. `variance` returns the expected variance for N photons.
 fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) -> Moments {
     let mut b = SceneBuilder::new();
     let wall = b.add_material(Material::diffuse(grey(0.5)));
@@ -46,15 +49,18 @@ fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) 
 }
 
 fn check_density_moments(what: &str, m: &Moments) {
-    // Distances round to f32 relative to coordinates of 1, so d² of 0.01 has a relative error near
-    // 10⁻⁵.
+    // Distances round to f32 relative to coordinates of 1. So a squared distance of 0.01 has a
+    // relative error near 10⁻⁵.
     assert_mean(&format!("{what}: mean"), &m.mean, 1.0, 1e-4, 6e-3);
     let ratios: Vec<f64> = m.variance.iter().zip(&m.expected).map(|(v, e)| v / e).collect();
     assert_mean(&format!("{what}: variance over the expected"), &ratios, 1.0, 1e-3, 0.04);
 }
 
+/// The variance of estimates with a fixed radius agrees with theory.
+///
 /// A fixed disc holds a binomial number of photons. The relative variance of the estimate is c/n −
-/// 1/N, for n expected photons in the disc and the kernel's noise factor c.
+/// 1/N. n is the expected number of photons in the disc, N that of all photons, and c the kernel's
+/// noise factor.
 #[test]
 fn fixed_radius_noise_matches_kernel() {
     for kernel in KERNELS {
@@ -67,11 +73,14 @@ fn fixed_radius_noise_matches_kernel() {
     }
 }
 
-/// The fraction of the sphere within the k-th neighbour is Beta(k, N − k + 1), and the k − 1 nearer
-/// photons are uniform in it. The estimate is (k − 1)/(πr²) for the box, and the plain sum for
-/// kernels that vanish at the edge. It has mean λ and relative variance (N − 1)(k + c − 2)/(N(k −
-/// 2)) − 1. For the box and large N this is 1/(k − 2). Only moments below the k-th exist. With k ≥
-/// 15 the squares have a variance, and their means over 120 probes allow a t-test.
+/// Mean and variance of estimates from the k nearest of N photons agree with theory.
+///
+/// The fraction of the sphere within the distance of the k-th photon has the distribution Beta(k, N
+/// − k + 1). The k − 1 nearer photons are uniform in it. The estimate is (k − 1)/(πr²) for the box
+/// kernel, and the plain sum for kernels that vanish at the edge. It has the mean λ and the
+/// relative variance (N − 1)(k + c − 2)/(N(k − 2)) − 1, where c is the kernel's noise factor. For
+/// the box and large N this is 1/(k − 2). Only moments below the k-th exist. With k ≥ 15, the
+/// squares have a variance, and their means over 120 points allow a t-test.
 #[test]
 #[ignore = "long: t-tests of variances"]
 fn nearest_neighbour_mean_and_variance_match_theory() {

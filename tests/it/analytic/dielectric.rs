@@ -30,8 +30,8 @@ fn per_channel(angle: f64) -> (DVec3, DVec3) {
     (DVec3::new(red.0, green.0, blue.0), DVec3::new(red.1, green.1, blue.1))
 }
 
-/// The formula gives published transmittances without absorption: .923077 at normal incidence,
-/// .83623 at 60°.
+/// The slab formula gives published transmittances without absorption: .923077 at normal incidence
+/// and .83623 at 60°.
 #[test]
 fn slab_formula_matches_literature() {
     assert!((slab_transmittance(0.0, 0.0).0 - 12.0 / 13.0).abs() < 1e-12);
@@ -49,8 +49,8 @@ fn beam_scene(angle: f64) -> DVec3 {
     dvec3(libm::sin(angle), -libm::cos(angle), 0.0)
 }
 
-/// Collimated light hits a slab before a wall. The wall's flux, the reflected flux and the absorbed
-/// flux match the formulas.
+/// Collimated light hits a slab in front of a wall. The fluxes on the wall, reflected and absorbed
+/// match the formulas.
 #[test]
 fn photons_pass_slab_by_its_transmittance() {
     for degrees in [0f64, 30.0, 60.0, 80.0] {
@@ -60,7 +60,7 @@ fn photons_pass_slab_by_its_transmittance() {
         let white = b.add_material(Material::diffuse(grey(0.5)));
         b.add_plane(Plane::new(-DVec3::Y, DVec3::Y), white, Vec3::ZERO);
         // Two grains above the slab set the width of the beam. Photons start within four times the
-        // radius of their bounding sphere, and one in 10⁶ of them hits a grain.
+        // radius of the grains' bounding sphere, and one in 10⁶ photons hits a grain.
         for x in [-0.5, 0.5] {
             b.add_shape(Shape::Sphere(Sphere::new(dvec3(x, 5.0, 0.0), 1e-3)), white, Vec3::ZERO);
         }
@@ -86,7 +86,9 @@ fn photons_pass_slab_by_its_transmittance() {
     }
 }
 
-/// A camera sees an emissive wall through the slab, under a sky: L = T·Le + R·sky. The factors n²
+/// A camera sees an emissive wall through the slab, under a sky: L = T·Le + R·sky.
+///
+/// T and R are the slab's transmittance and reflectance. The factors n² of radiance inside the slab
 /// cancel.
 #[test]
 fn camera_sees_slab_transmittance() {
@@ -109,13 +111,15 @@ fn camera_sees_slab_transmittance() {
         };
         let samples = mean_radiance_per_pass(&scene, settings, 64);
         // Weak branches are sampled and strong ones are split, which leaves little noise. Over the
-        // field of view reflectance changes by at most 1.7·10⁻⁴ rad times its slope. That change is
-        // odd about the middle, so only its second order counts, below 10⁻⁶.
+        // field of view, reflectance changes by at most 1.7·10⁻⁴ rad times its slope. This change
+        // is odd about the middle, so only its second order counts, below 10⁻⁶.
         assert_mean_rgb(&format!("seen through a slab at {degrees}°"), &samples, through * emitted + back * sky, 2e-3);
     }
 }
 
-/// An isotropic light stands at the center of a glass cube. A ray keeps its direction cosines up to
+/// Total internal reflection traps a known fraction of light in a glass cube.
+///
+/// An isotropic light stands at the center of the cube. A ray keeps its direction cosines up to
 /// sign. So the fraction 6·(1 − √(1 − 1/n²))/2 of all light leaves after some bounces, and the rest
 /// is trapped.
 #[test]
@@ -134,10 +138,11 @@ fn total_reflection_traps_light_in_cube() {
     let critical = (1.0 - 1.0 / (N * N)).sqrt();
     let cone = 0.5 * (1.0 - critical);
     assert!((cone - 0.127_322).abs() < 5e-7);
-    // At the first face: ∫ (1 − R) over the escape cones.
+    // The fraction that leaves at the first face is ∫ (1 − R) over the escape cones.
     let first = midpoint_integral(critical, 1.0, 100_000, |c| 3.0 * (1.0 - fresnel_reflectance(c, 1.0 / N)));
     assert_mean("out of a cube at once", &escaped(1, 1 << 15), first, 1e-5, 2e-3);
-    // A ray hits its own pair of faces in at least a quarter of 300 bounces. Within δ of the
-    // critical cosine T is about 10√δ, so about 2/(75·10)² of the light is still inside.
+    // In at least a quarter of 300 bounces, a ray hits the pair of faces through which it can
+    // leave. At cosines within δ of the critical one, the transmittance is about 10√δ. So about
+    // 2/(75·10)² of the light is still inside.
     assert_mean("out of a cube at last", &escaped(300, 1 << 12), 6.0 * cone, 2e-5, 3e-3);
 }

@@ -24,7 +24,8 @@ fn bk7(nm: f64) -> f64 {
     (1.0 + terms.iter().map(|(b, c)| b * square / (square - c)).sum::<f64>()).sqrt()
 }
 
-/// Returns the deviation \[rad] of a ray that enters a prism of 60° under `angle` \[rad].
+/// Returns the deviation \[rad] of a ray by a prism of 60° and index `n`, at the angle of incidence
+/// `angle` \[rad].
 fn prism_deviation(angle: f64, n: f64) -> f64 {
     let inner = FRAC_PI_3 - libm::asin(libm::sin(angle) / n);
     angle + libm::asin(n * libm::sin(inner)) - FRAC_PI_3
@@ -34,10 +35,13 @@ fn middle_wavelength(photon: &Photon) -> Option<f64> {
     Wavelength::from_byte_code(photon.data.wavelength()).map(|w| f64::from(w.nanometres()))
 }
 
-/// Photons of narrow bands around the lines F, d and C land far behind a prism; the line d goes
-/// through at minimum deviation. The beam's half width of .5 at distance 10⁵ is 3·10⁻⁴ degrees.
-/// Positions round to 10⁻⁷ of that distance, 10⁻⁵ degrees. The prism's edges round to 10⁻⁷ rad. The
-/// mean of a band of 4/3 nm is accurate to a hundredth of its width, 6·10⁻⁵ degrees.
+/// Photons of narrow bands around the spectral lines F, d and C land far behind a prism, each at
+/// the deviation of its refractive index.
+///
+/// Light of the line d passes at minimum deviation. The beam's half width of .5 at distance 10⁵ is
+/// 3·10⁻⁴ degrees. Positions round to 10⁻⁷ of that distance, 10⁻⁵ degrees. The prism's edges round
+/// to 10⁻⁷ rad. The mean of a band of 4/3 nm is accurate to a hundredth of its width, 6·10⁻⁵
+/// degrees.
 #[test]
 fn prism_deviates_wavelengths_by_their_indices() {
     let angle = libm::asin(0.5 * bk7(587.5618));
@@ -45,7 +49,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
     assert!((least.to_degrees() - 38.6467).abs() < 1e-4);
     let spread = prism_deviation(angle, bk7(486.1327)) - prism_deviation(angle, bk7(656.2725));
     assert!((spread.to_degrees() - 0.70973).abs() < 1e-4, "{}", spread.to_degrees());
-    // Inside the prism the line d is parallel to x.
+    // Light of the line d is parallel to x inside the prism.
     let (sin, cos) = (libm::sin(0.5 * least), libm::cos(0.5 * least));
     let far = 1e5;
     let wall = |sign: f64| {
@@ -56,7 +60,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
         format!("Rectangle {{ corner {}  edge0 {}  edge1 {} }}", v(corner), v(along), v(across))
     };
     let root = 3f64.sqrt();
-    // A wall on the other side keeps the prism near the origin, where positions have full
+    // A wall on the opposite side keeps the scene's center at the prism, where positions have full
     // precision.
     let scene = scene(&format!(
         "PerspectiveCamera {{ center 0 0 9  direction 0 0 -1  angle 40  width 1  height 1 }}
@@ -91,7 +95,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
             .filter(|c| Wavelength::from_byte_code(*c).is_some_and(|w| (f64::from(w.nanometres()) - nm).abs() <= 2.0))
             .collect();
         assert!((2..=4).contains(&codes.len()));
-        // Compares each photon with the position of its own wavelength, relative to the band's
+        // Each photon is compared with the position of its own wavelength, relative to the band's
         // line.
         let samples: Vec<f64> = passes
             .iter()
@@ -122,9 +126,11 @@ fn prism_deviates_wavelengths_by_their_indices() {
     assert!((found[0] - found[2] - 0.70973).abs() < 5e-4);
 }
 
-/// A spotlight illuminates a prism inside a sphere. All of its light lands on the sphere, in equal
-/// parts of each channel, with and without sampled wavelengths. A weak first reflection stays
-/// white, and its weight accounts for that.
+/// A spotlight illuminates a prism inside a sphere. All of its light lands on the sphere, and white
+/// stays white.
+///
+/// Each channel has the same flux, with and without sampled wavelengths. A weak first reflection at
+/// the prism stays white, and its weight accounts for that.
 #[test]
 fn dispersed_beam_sums_to_white() {
     let root = 3f64.sqrt();
@@ -159,14 +165,16 @@ fn dispersed_beam_sums_to_white() {
             );
             let sums: Vec<DVec3> =
                 passes.iter().map(|t| t.deposits.photons.iter().map(|p| p.data.flux().as_dvec3()).sum()).collect();
-            // Photons of one wavelength have individually rounded hues. One ray in 10⁵ passes
-            // between two faces at an edge of the prism.
+            // Each photon of one wavelength has its own hue, which is rounded. One ray in 10⁵
+            // passes between two faces at an edge of the prism.
             assert_mean_rgb(&format!("{glass}, dispersion {dispersion}"), &sums, DVec3::splat(7.0), 5e-3);
         }
     }
 }
 
-/// Returns, for each channel, the mean over wavelengths of `part(n)`, the fraction of light of
+/// Returns the weighted mean of `part(n)` over wavelengths, for each channel.
+///
+/// `index` returns the refractive index n at a wavelength, and `part` the fraction of light of
 /// index n that is kept.
 fn mean_over_wavelengths(index: impl Fn(f64) -> f64, part: impl Fn(f64) -> f64) -> DVec3 {
     const N: u32 = 20_000;
@@ -193,13 +201,14 @@ fn mean_pictures(scene: &Scene, effects: EffectOverrides, samples: u32) -> Vec<D
     (0..PASSES).map(|pass| mean(render_pass(scene, effects, samples, pass))).collect()
 }
 
-/// Between two white lamps, each camera path through a pane of flint is worth r + (1 − r)·w(λ): w
-/// is the weight of its wavelength, and r the reflectance of the first face, which stays white.
+/// Camera paths with stratified wavelengths leave white light white, in the mean and in each pixel.
 ///
-/// The mean over many passes is white. In one pass, a pixel has n stratified wavelengths. By
-/// Koksma's inequality, the pixel is off by at most V/n, with the total variation V of w. With n
-/// independent wavelengths, one of the 256 pixels would be off by about three standard deviations
-/// √(variance of w / n), which is more.
+/// White lamps are before and behind a pane of flint glass. A camera path contributes r + (1 −
+/// r)·w(λ): w is the weight of its wavelength, and r the reflectance of the first face, which stays
+/// white. The mean over many passes is white. In one pass, a pixel has n stratified wavelengths. By
+/// Koksma's inequality, the pixel's error is at most V/n, where V is the total variation of w. With
+/// n independent wavelengths, one of the 256 pixels would have a larger error, about three standard
+/// deviations √(variance of w / n).
 #[test]
 fn stratified_wavelengths_keep_pixels_white() {
     let scene = scene(
@@ -228,13 +237,16 @@ fn stratified_wavelengths_keep_pixels_white() {
     let worst = pixels.iter().map(|v| (v - DVec3::ONE).abs()).fold(DVec3::ZERO, DVec3::max);
     let bound = variation / f64::from(PATHS);
     eprintln!("off by {worst}, bound {bound}");
-    // Roulette of light that is reflected many times inside the pane adds less than 10⁻³.
+    // Light that is reflected many times inside the pane ends by roulette, which adds less than
+    // 10⁻³.
     assert!(worst.cmple(bound + 1e-3).all(), "{worst} above {bound}");
 }
 
-/// White light is seen through a tilted pane with flat faces, and reflected in it. Each wavelength
-/// takes its own path and leaves parallel, with (1 − R)/(1 + R) and 2R/(1 + R) of its strength.
-/// Through strong flint glass the result is neutral to 1 %.
+/// White light seen through a tilted pane, or reflected in it, stays white.
+///
+/// Each wavelength takes its own path in the pane and leaves it in the common direction. The
+/// transmitted fraction is (1 − R)/(1 + R) and the reflected one 2R/(1 + R), where R is the
+/// reflectance of a face. Through strong flint glass the result is neutral to 1 %.
 #[test]
 fn white_light_through_slab_stays_white() {
     let cauchy = |nm: f64| 1.7 + 0.02e6 / (nm * nm);
@@ -276,7 +288,8 @@ fn white_light_through_slab_stays_white() {
                 let samples = mean_pictures(&scene, effects, 64);
                 for c in 0..3 {
                     let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
-                    // Weights are tabulated by nanometre in single precision.
+                    // Weights of wavelengths are tabulated by intervals of about a nanometre, in
+                    // single precision.
                     assert_mean(&format!("{what}, channel {c}"), &channel, expected[c], 2e-5 * expected[c], 0.01);
                 }
             }
@@ -288,22 +301,24 @@ fn white_light_through_slab_stays_white() {
 }
 
 /// Returns exit point, direction and transmitted fraction of a ray through a ball of radius 1 and
-/// index `n`, in the ray's plane.
+/// index `n`.
 ///
-/// The ray passes the axis at height `b` and is reflected inside `k` − 1 times. With k = 0 it is
-/// reflected outside.
+/// The vectors are in the ray's plane. The ray arrives at the distance `b` from the axis and is
+/// reflected inside `k` − 1 times. With k = 0 it is reflected at the outer side.
 fn ball_deflection(b: f64, n: f64, k: u32) -> (DVec2, DVec2, f64) {
     let (outer, inner) = (libm::asin(b), libm::asin(b / n));
     let r = fresnel_reflectance((1.0 - b * b).sqrt(), n);
     let part = if k == 0 { r } else { (1.0 - r) * (1.0 - r) * libm::pow(r, f64::from(k) - 1.0) };
-    // The ray hits the ball at the angle π − outer, seen from the center. Each inner segment turns
-    // that by π − 2·inner backwards.
+    // Seen from the center, the ray hits the ball at the angle π − `outer`. Each segment inside
+    // changes this angle by −(π − 2·`inner`).
     let at = PI - outer - f64::from(k) * (PI - 2.0 * inner);
     (DVec2::from_angle(at), DVec2::from_angle(at - outer), part)
 }
 
-/// Returns flux and flux-weighted angle of light that a ball reflects to a wall at distance `far`,
-/// for rings with the given `edges` \[degrees from the antisolar point].
+/// Returns the flux and the flux-weighted angle of light that a ball reflects to a wall, by ring.
+///
+/// `n` is the index of the ball, and `far` the distance of the wall. `edges` are the limits of the
+/// rings \[degrees from the antisolar point].
 fn ring_fluxes(n: f64, far: f64, edges: &[f64]) -> Vec<(f64, f64)> {
     const STEPS: u32 = 400_000;
     let mut rings = vec![(0.0, 0.0); edges.len() - 1];
@@ -327,7 +342,9 @@ fn ring_fluxes(n: f64, far: f64, edges: &[f64]) -> Vec<(f64, f64)> {
     rings
 }
 
-/// Builds a drop in collimated light that enters by a hole in the wall.
+/// Builds a water drop in collimated light, which enters through a hole in the wall.
+///
+/// The drop has the material properties `glass`, and the wall the distance `far`.
 fn drop_scene(glass: &str, far: f64) -> Scene {
     let (wide, long) = (2.0 * far, 4.0 * far);
     let frame = |x: f64| {
@@ -362,9 +379,11 @@ fn bow_angle(scene: &Scene, photon: &Photon) -> Option<f64> {
     (p.x < 0.0).then(|| libm::atan2(libm::hypot(p.y, p.z), FAR).to_degrees())
 }
 
-/// No ray with one inner reflection returns at more than 42.08° from the antisolar point. The
-/// bright edge, and Alexander's dark band up to the second bow at 50.9°, have the flux of rays
-/// traced in the plane, with up to eleven inner segments.
+/// The primary rainbow ends at 42.08° from the antisolar point, where rays with one inner
+/// reflection turn back.
+///
+/// The flux in the bright edge and in Alexander's dark band, up to the second bow at 50.9°, agrees
+/// with rays traced in the plane. These rays have up to eleven segments inside the drop.
 #[test]
 fn rainbow_stands_at_42_degrees() {
     let n: f64 = 1.333;
@@ -375,8 +394,8 @@ fn rainbow_stands_at_42_degrees() {
     let scene = drop_scene("indexOfRefraction 1.333", FAR);
     let source = PhotonSource::aimed_at_casters(&scene).unwrap();
     let passes = trace_passes_from_source(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
-    // An offset by the ball's radius is .06°. Within it the edge depends on the exit point, which
-    // the plane's rays include.
+    // A ray offset by the ball's radius changes the angle by .06°. Within this range, the edge
+    // depends on the exit point, which the reference rays include.
     let edges = [20.0, 35.0, 40.0, 41.0, 41.5, 41.9, edge + 0.06, 43.0, 46.0, 49.5, 51.5, 55.0];
     for (i, (flux, _)) in ring_fluxes(n, FAR, &edges).into_iter().enumerate() {
         let within = |p: &Photon| bow_angle(&scene, p).is_some_and(|a| a >= edges[i] && a < edges[i + 1]);
@@ -384,16 +403,17 @@ fn rainbow_stands_at_42_degrees() {
             .iter()
             .map(|t| t.deposits.photons.iter().filter(|p| within(p)).map(|p| p.data.flux().as_dvec3().x).sum())
             .collect();
-        // Edges of rings are accurate to rounding, 10⁻⁴ degrees. A midpoint of rays is accurate to
-        // 10⁻⁵ of the ball's radius.
+        // Limits of rings have the rounding error of 10⁻⁴ degrees. Midpoints of rays are accurate
+        // to 10⁻⁵ of the ball's radius.
         let what = format!("bow from {:.2}° to {:.2}°", edges[i], edges[i + 1]);
         // The dark band has few photons.
         assert_mean(&what, &samples, flux, 2e-3 * flux, if flux < 2e-3 { 0.15 } else { 0.02 });
     }
 }
 
-/// Red lies outside of blue, each at the angle of its refractive index. The test compares the mean
-/// angle of photons around a wavelength, within the ring of the bow.
+/// Red light of the rainbow lies outside of blue, each at the angle of its refractive index.
+///
+/// The test compares the mean angle of photons around a wavelength, within the ring of the bow.
 #[test]
 #[ignore = "long: t-tests of dispersed photons"]
 fn rainbow_is_red_outside() {
@@ -405,7 +425,7 @@ fn rainbow_is_red_outside() {
     for (from, to) in [(440.0, 460.0), (540.0, 560.0), (620.0, 640.0)] {
         let of_band = |p: &Photon| middle_wavelength(p).is_some_and(|nm| nm >= from && nm < to);
         let edges = [40.0, 43.0];
-        // Wavelengths of the band, weighted by their pdf.
+        // The mean over the wavelengths of the band is weighted by their pdf.
         let (mut flux, mut angles) = (0.0, 0.0);
         for i in 0..10 {
             let nm = from + (to - from) * (f64::from(i) + 0.5) / 10.0;
@@ -432,7 +452,7 @@ fn rainbow_is_red_outside() {
                 sum / weight
             })
             .collect();
-        // A band's ends are quantised to ⅔ nm, .01° at most.
+        // The limits of a band are rounded to ⅔ nm, which is .01° at most.
         assert_mean(&format!("bow of {from} to {to} nm"), &samples, angles / flux, 0.01, 2e-3);
         means.push(samples.iter().sum::<f64>() / samples.len() as f64);
     }

@@ -1,4 +1,5 @@
-//! Boundary bias: near the edge of a lit region, a disc estimates the fraction that lies inside.
+//! Boundary bias: a density estimate near the edge of a lit region is the fraction of its disc that
+//! lies inside.
 
 use crate::support::*;
 use caustica::photon::{Kernel, PhotonMap, StoreMask};
@@ -10,8 +11,9 @@ use std::f64::consts::PI;
 const IRRADIANCE: f64 = 3.0;
 const RADIUS: f64 = 0.2;
 
-/// Returns photon maps of the unit square under collimated light from above. If `shade` is true, an
-/// occluder covers x < 0.5.
+/// Returns the scene and the photon maps of the unit square under collimated light from above.
+///
+/// If `shade` is true, an occluder covers x < 0.5.
 fn floor_photon_maps(shade: bool) -> (caustica::scene::Scene, Vec<PhotonMap>) {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(grey(0.8)));
@@ -34,7 +36,8 @@ fn compare_with_kernel_mean(what: &str, shade: bool, x: f64, z: f64, kernel: Ker
     assert_estimates(what, &probe, &maps, IRRADIANCE * part, 0.0, 6e-3);
 }
 
-/// Returns the lit fraction of a disc whose center is `t` radii inside a straight edge.
+/// Returns the lit fraction of a disc whose center is inside a straight edge, at a distance of `t`
+/// radii.
 fn straight_edge_density(t: f64) -> f64 {
     (PI - libm::acos(t) + t * (1.0 - t * t).sqrt()) / PI
 }
@@ -55,8 +58,8 @@ fn disc_over_edge_has_closed_form_bias() {
     );
 }
 
-/// By symmetry, an estimate with any kernel gives all light in the middle, half at an edge, and a
-/// quarter in a corner.
+/// An estimate with any kernel gives all light in the middle, half at an edge, and a quarter in a
+/// corner, by symmetry.
 #[test]
 fn edges_and_corners_halve_and_quarter_estimates() {
     for kernel in KERNELS {
@@ -66,8 +69,10 @@ fn edges_and_corners_halve_and_quarter_estimates() {
     }
 }
 
-/// Estimates with other kernels near an edge agree with quadrature over the disc. The jump at the
-/// edge costs at most one cell, 1/400 of the radius in one of 96 directions, far below the noise.
+/// Estimates with other kernels near an edge agree with quadrature over the disc.
+///
+/// The quadrature misplaces the jump at the edge by at most one cell: 1/400 of the radius in one of
+/// 96 directions. That is far below the noise.
 #[test]
 fn kernels_over_edge_have_closed_form_bias() {
     for kernel in [Kernel::Cone, Kernel::Epanechnikov] {
@@ -76,9 +81,10 @@ fn kernels_over_edge_have_closed_form_bias() {
     }
 }
 
-/// A photon counts only on its side of its surface. No photon leaks through a sheet, down a step of
-/// more than a quarter of the radius, or around a corner, although all photons lie within the
-/// disc's bounding ball.
+/// A photon counts only on its own side of its own surface.
+///
+/// No photon leaks through a sheet, down a step of more than a quarter of the radius, or around a
+/// corner. All these photons lie within the disc's bounding ball.
 #[test]
 fn estimates_do_not_leak_between_surfaces() {
     let mut b = SceneBuilder::new();

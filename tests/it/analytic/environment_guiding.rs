@@ -52,8 +52,10 @@ fn box_with_hole(inside: &str) -> Scene {
     scene_from_text_in("scenes", &text)
 }
 
-/// Returns the mean over the picture for each pass, and the variance of a pixel between passes,
-/// averaged over the picture. Checks that shadow rays are guided if `guided`.
+/// Returns the mean over the picture for each pass, and the mean variance of a pixel between
+/// passes.
+///
+/// Also checks that shadow rays are guided if `guided` is true, and only then.
 fn means_and_variance(scene: &Scene, algorithm: Algorithm, guided: bool, passes: u32) -> (Vec<f64>, f64) {
     let settings = Settings {
         guides_environment: guided,
@@ -76,7 +78,11 @@ fn means_and_variance(scene: &Scene, algorithm: Algorithm, guided: bool, passes:
     (means, (0..pixels).map(variance).sum::<f64>() / pixels as f64)
 }
 
-/// Returns the mean radiance of the visible floor: ρ/π L ∫ cos²θ/r² dA over the hole.
+/// Returns the mean radiance of the visible floor: the mean of (ρ/π)·L·∫ cos²θ/r² dA over the
+/// floor.
+///
+/// The integral is over the hole, at distance r and angle θ. L is the sky's radiance, and ρ the
+/// floor's albedo.
 fn mean_floor_radiance() -> f64 {
     const STEPS: u32 = 24;
     let at = |i: u32, size: f64| size * ((f64::from(i) + 0.5) / f64::from(STEPS) - 0.5);
@@ -92,10 +98,10 @@ fn mean_floor_radiance() -> f64 {
     REFLECTANCE / std::f64::consts::PI * RADIANCE * HOLE * HOLE * sum / pairs
 }
 
-/// Guided and unguided shadow rays give the radiance of the closed form. Guided rays have at most a
-/// tenth of the variance of unguided ones.
+/// Guided and unguided shadow rays give the radiance of the closed form.
 ///
-/// Midpoint quadrature errs by 1e-4 at most. The hole covers 1/100 of the hemisphere at most.
+/// Guided rays have at most a tenth of the variance of unguided ones. The error of midpoint
+/// quadrature is at most 10⁻⁴. The hole covers at most 1/100 of the hemisphere.
 #[test]
 fn guided_shadow_rays_keep_light_through_holes() {
     let scene = box_with_hole("");
@@ -123,8 +129,9 @@ fn guided_shadow_rays_keep_light_in_fog() {
     assert!((mean - usual).abs() < tolerance, "{mean} ± {error} guided, {usual} ± {usual_error} unguided");
 }
 
-/// Half of all shadow rays from a floor under the open sky reach the sky. So they are not guided,
-/// and no bit changes.
+/// Shadow rays to an open sky are not guided, and no bit changes.
+///
+/// Half of all shadow rays from a floor under the open sky reach the sky, so guiding is of no use.
 #[test]
 fn open_scenes_guide_no_shadow_rays() {
     let scene = scene_from_text_in(

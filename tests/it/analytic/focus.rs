@@ -1,5 +1,7 @@
-//! A ball lens under collimated light. A ray at height h crosses the axis h/sin 2(θi − θt) behind
-//! the center.
+//! A ball lens under collimated light, with the fluxes of Snell's law and Fresnel's equations.
+//!
+//! A ray at the distance h from the axis crosses the axis behind the center, at the distance h/sin
+//! 2(θi − θt). θi is the angle of incidence, and θt that of refraction.
 
 use crate::support::*;
 use caustica::photon::{PhotonMap, PhotonPassResult, PhotonSource, StoreMask};
@@ -24,10 +26,11 @@ fn lens_scene(z: f64) -> Scene {
     photon_only_scene(b)
 }
 
-/// Returns the distance from the axis at which the ray of height `h` lands on a screen at depth
-/// `z`, and the fraction of its light that passes both surfaces.
+/// Returns the distance from the axis at which the ray of distance `h` lands on a screen at depth
+/// `z`.
 ///
-/// Both surfaces have equal reflectance. Returns `None` if the ray turns back upwards.
+/// Also returns the fraction of its light that passes both surfaces, whose reflectances are equal.
+/// Returns `None` if the ray turns back upwards.
 fn landing_radius(h: f64, z: f64) -> Option<(f64, f64)> {
     let deviation = 2.0 * (libm::asin(h) - libm::asin(h / N));
     let r = fresnel_reflectance((1.0 - h * h).sqrt(), N);
@@ -36,23 +39,26 @@ fn landing_radius(h: f64, z: f64) -> Option<(f64, f64)> {
     down.then(|| ((z - crossing).abs() * libm::tan(deviation), (1.0 - r) * (1.0 - r)))
 }
 
-/// Integrates the landing flux over the beam, weighted by a function of the radius on the screen.
+/// Returns the flux that lands on a screen at depth `z`, weighted by a function of the distance
+/// from the axis.
 fn beam_average(z: f64, weight: impl Fn(f64) -> f64) -> f64 {
     let ring = |h: f64| landing_radius(h, z).map_or(0.0, |(rho, part)| TAU * h * IRRADIANCE * part * weight(rho));
     midpoint_integral(0.0, 1.0, 400_000, ring)
 }
 
 /// Traces passes with two bounces, so that photons pass through the ball without inner reflections.
-/// Photons that the ball reflects outside land at more than .7 from the axis.
+///
+/// Photons that the outer side of the ball reflects land at more than .7 from the axis.
 fn trace_focus_passes(scene: &Scene, aimed: bool) -> Vec<PhotonPassResult> {
     let source =
         if aimed { PhotonSource::aimed_at_casters(scene) } else { PhotonSource::emitting_in_all_directions(scene) };
     trace_passes_from_source(scene, &source.unwrap(), StoreMask::CAUSTIC, 2, PASSES, 1 << 16)
 }
 
-/// The flux within r of the axis follows Snell's law and Fresnel's equations before, at and behind
-/// the paraxial focus at nR/(2(n − 1)) = 1.5. A jump of the integrand costs at most one step,
-/// 2.5·10⁻⁶ of the beam.
+/// The flux within the distance r of the axis obeys Snell's law and Fresnel's equations.
+///
+/// The screen is before, at and behind the paraxial focus, which is at nR/(2(n − 1)) = 1.5. The
+/// quadrature misplaces a jump of the integrand by at most one step, 2.5·10⁻⁶ of the beam.
 #[test]
 fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
     for z in [1.1, 1.3, 1.5, 2.5] {
@@ -71,7 +77,8 @@ fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
     }
 }
 
-/// The estimate on the axis, inside the caustic, has its exact bias: ∫ K over the beam.
+/// The density estimate on the axis, inside the caustic, has its exact bias: the beam's flux
+/// weighted by the kernel.
 #[test]
 fn focus_estimate_is_beam_convolved_with_kernel() {
     for z in [1.3, 1.5] {

@@ -1,4 +1,5 @@
-//! Furnace: in a closed room whose walls all emit Le and reflect ρ, every radiance is Le/(1 − ρ).
+//! Furnace: a closed room whose walls all emit Le and reflect ρ has the radiance Le/(1 − ρ)
+//! everywhere.
 
 use crate::support::*;
 use caustica::photon::StoreMask;
@@ -25,9 +26,11 @@ fn wall_power(x: f64, n: u32) -> f64 {
     (0..n).fold(1.0, |p, _| p * x)
 }
 
-/// `max_bounces` = n ends a path at its surface n + 1. The visible wall adds one reflection;
-/// emission and direct light need no photons. So radiance is Le·(1 + ρ + … + ρⁿ⁺¹). Irradiance is
-/// uniform, so the estimate has no bias.
+/// The radiance with at most n bounces of photons is Le·(1 + ρ + … + ρⁿ⁺¹).
+///
+/// A path with `max_bounces` = n ends at its surface n + 1, and the visible wall adds one
+/// reflection. Emission and direct light need no photons. Irradiance is uniform, so the estimate
+/// has no bias.
 #[test]
 fn furnace_radiance_is_geometric_series() {
     let scene = furnace_scene();
@@ -50,9 +53,11 @@ fn furnace_radiance_is_geometric_series() {
     }
 }
 
-/// In an estimate from the k nearest photons, the radius depends on the photons. In a uniform field
-/// the estimate is still unbiased up to O(1/N) for N photons of unequal power, because no photon's
-/// hue depends on its distance.
+/// Estimates from the k nearest photons give the radiance of the furnace.
+///
+/// The radius depends on the photons. In a uniform field, the estimate is still unbiased up to
+/// O(1/N) for N photons of unequal power. The reason is that no photon's hue depends on its
+/// distance.
 #[test]
 fn furnace_radiance_holds_for_nearest_neighbours() {
     let scene = furnace_scene();
@@ -69,8 +74,10 @@ fn furnace_radiance_holds_for_nearest_neighbours() {
     }
 }
 
-/// The flux that lands over all bounces is Φ/(1 − ρ) in each channel. Roulette follows the mean of
-/// the channels, so the hues of surviving photons change, but the mean hue does not.
+/// The flux that lands over all bounces is Φ/(1 − ρ) in each channel, where Φ is the emitted flux.
+///
+/// Roulette follows the mean of the channels. So it changes the hues of surviving photons, but not
+/// the mean hue.
 #[test]
 fn coloured_flux_survives_grey_roulette() {
     let scene = furnace_scene();
@@ -83,8 +90,8 @@ fn coloured_flux_survives_grey_roulette() {
         .map(|t| t.deposits.photons.iter().map(|p| p.data.flux().as_dvec3()).sum())
         .collect();
     for flux in direct {
-        // Emitted flux is random only by the choice of lights. All six are equal, so it is exact to
-        // rounding.
+        // Emitted flux is random only by the choice of lights. All six lights are equal, so it is
+        // exact up to rounding.
         assert!(((flux - emitted) / emitted).abs().max_element() < 1e-4, "{flux} {emitted}");
     }
 }

@@ -12,7 +12,7 @@ const FLUX: f64 = 8.0;
 const RADIUS: f64 = 2.0;
 const ALBEDO: f64 = 0.7;
 
-/// Height of the light above the center of the sphere.
+/// Height of the light above the center of the sphere \[length].
 const HEIGHT: f64 = 1.5;
 
 /// Full field of view of the camera in the sphere \[rad].
@@ -21,7 +21,7 @@ const VIEW: f64 = 0.7;
 /// A diffuse sphere around a point light. The camera in its center sees a part of the wall.
 ///
 /// Light that was reflected k times lights the whole wall uniformly with ρᵏΦ/(4πR²). A cap of the
-/// sphere with chord r has the area πr² exactly, so photon estimates have no bias.
+/// sphere with chord r has exactly the area πr², so photon estimates have no bias.
 fn wall_scene() -> Scene {
     let mut b = SceneBuilder::new();
     let wall = b.add_material(Material::diffuse(grey(ALBEDO)));
@@ -45,8 +45,8 @@ fn mean_direct_irradiance() -> f64 {
     sum / f64::from(STEPS * STEPS)
 }
 
-/// Returns the mean over the picture for each pass, and the variance of a pixel between passes,
-/// averaged over the picture.
+/// Returns the mean over the picture for each pass, and the mean variance of a pixel between
+/// passes.
 fn picture_means_and_variance(scene: &Scene, settings: &Settings, passes: u32) -> (Vec<f64>, f64) {
     let integrator = Algorithm::Hybrid.prepare(scene, settings.clone());
     let uses_photons = settings.indirect_photons != IndirectPhotons::Off;
@@ -63,8 +63,10 @@ fn picture_means_and_variance(scene: &Scene, settings: &Settings, passes: u32) -
     (means, (0..pixels).map(variance).sum::<f64>() / pixels as f64)
 }
 
-/// The radiance of the wall is ρ/π times the irradiance by the light and by all reflections. Photon
-/// estimates keep this radiance, and pixels have less than half of the variance of camera paths.
+/// Photon estimates keep the radiance of the wall, with less than half of the variance of camera
+/// paths.
+///
+/// The radiance is ρ/π times the irradiance by the light and by all reflections.
 #[test]
 fn photon_estimates_keep_indirect_light_in_a_sphere() {
     let scene = wall_scene();
@@ -85,10 +87,10 @@ fn photon_estimates_keep_indirect_light_in_a_sphere() {
     assert!(weighted < 0.5 * off && full < 0.5 * off, "{off} {weighted} {full}");
 }
 
-/// A ball of fog and a white ball in its center absorb nothing, and the light around them has
-/// radiance 1. So the camera sees radiance 1 in each pixel.
+/// Photon estimates keep the radiance 1 of white fog under a sky of radiance 1.
 ///
-/// Photon beams near the boundaries have the bias of their kernel, which is .03 wide.
+/// A ball of fog and a white ball in its center absorb nothing. So the camera sees radiance 1 in
+/// each pixel. Photon beams near the boundaries have the bias of their kernel, which is .03 wide.
 #[test]
 fn photon_estimates_keep_indirect_light_in_fog() {
     let scene = scene_from_text_in(
@@ -114,12 +116,12 @@ fn photon_estimates_keep_indirect_light_in_fog() {
     }
 }
 
-/// A foggy room with a small lamp has the same mean radiance whether camera paths carry all
-/// indirect light or share it with photon estimates. Sharing leaves pixels less than half of the
-/// variance.
+/// A foggy room with a small lamp keeps its mean radiance if photon estimates share its indirect
+/// light.
 ///
-/// The means may differ by five standard errors of their difference, and by the bias of kernels
-/// that are .05 wide in a room of size 2.
+/// Without sharing, camera paths carry all indirect light. Sharing more than halves the variance of
+/// pixels. The means may differ by five standard errors of their difference, and by the bias of
+/// kernels that are .05 wide in a room of size 2.
 #[test]
 fn shared_indirect_light_in_fog_keeps_its_mean() {
     let scene = scene_from_text_in(
@@ -171,9 +173,12 @@ fn room_with_glass() -> Scene {
     b.build(camera).unwrap()
 }
 
-/// All 18 subsets and divisions of the techniques give the same mean picture: with 12 seeds each,
-/// Student's t between a subset and all others stays below 4.9, which 1 of 1,000 sound programs
-/// exceeds in one of the subsets.
+/// All 18 combinations of the techniques for caustics and indirect light give the same mean
+/// picture.
+///
+/// Each combination has 12 seeds. Student's t between a combination and all others must stay below
+/// 4.9. A correct program exceeds this limit in one of the combinations with a probability of
+/// 1/1000.
 #[test]
 #[ignore = "long: 216 renders"]
 fn every_subset_of_techniques_has_the_same_mean() {

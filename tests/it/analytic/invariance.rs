@@ -72,7 +72,9 @@ fn mean_image(scene: &Scene, pass: u32) -> Vec<Vec3> {
     Algorithm::Sppm.prepare(scene, estimates_at_photons()).render_pass(pass, &SilentMonitor).image
 }
 
-/// Fails if passes of two settings differ in the mean. Passes are compared in pairs.
+/// Fails if the passes of two settings differ in their mean.
+///
+/// Passes are compared in pairs. `sharp` limits the noise, as in [`assert_mean`].
 fn assert_same_images(what: &str, a: &[DVec3], b: &[DVec3], sharp: f64) {
     for c in 0..3 {
         let level = b.iter().map(|v| v[c]).sum::<f64>() / b.len() as f64;
@@ -106,8 +108,10 @@ fn scaling_by_powers_of_two_changes_no_bit() {
     }
 }
 
-/// Returns the flux that arrives through the ball on a patch of the floor, per squared scale. The
-/// patch is in the room's coordinates.
+/// Returns, for each pass, the flux that arrives through the ball on a patch of the floor, per
+/// squared scale.
+///
+/// The patch is fixed in the coordinates of the room before it is placed by `at`.
 fn stored_photon_fluxes(at: Placement, aimed: bool, mask: StoreMask, passes: u32, paths: u32) -> Vec<DVec3> {
     let scene = room_scene(at);
     let source =
@@ -150,8 +154,10 @@ fn similarity_transforms_preserve_flux() {
     }
 }
 
-/// Random numbers depend on the seed alone. So images of scaled and moved rooms differ only by
-/// rounding, and by a few photons that rounding sends on another path.
+/// Images of scaled, moved and rotated rooms differ only by rounding.
+///
+/// Random numbers depend on the seed alone, so paths are the same, except for a few photons that
+/// rounding sends on another path.
 #[test]
 fn similarity_transforms_preserve_radiance() {
     let mean = |at: Placement| mean_radiance_per_pass(&room_scene(at), estimates_at_photons(), 8);
@@ -165,8 +171,10 @@ fn similarity_transforms_preserve_radiance() {
     }
 }
 
-/// Aiming changes which photons are sampled, but not their mean flux. Unaimed passes that store
-/// every kind of photon hold the same caustic photons as unaimed passes that store only caustics.
+/// Aiming changes which photons are sampled, but not their mean flux.
+///
+/// Unaimed passes that store photons of every kind hold the same caustic photons as unaimed passes
+/// that store only caustics.
 #[test]
 fn aimed_emission_preserves_caustics() {
     let aimed = stored_photon_fluxes(HERE, true, StoreMask::CAUSTIC, 32, 1 << 15);

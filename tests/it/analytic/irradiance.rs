@@ -31,9 +31,11 @@ fn add_emitter(b: &mut SceneBuilder, shape: Shape) {
     b.add_shape(shape, black, grey(RADIANCE));
 }
 
-/// Returns irradiance by Lambert's formula: (L/2) Σ γᵢ Γᵢ·n over the edges.
+/// Returns the irradiance at the point `p` of the floor by Lambert's formula: (L/2) Σ γᵢ Γᵢ·n over
+/// the edges.
 ///
-/// γᵢ is the angle of edge i, Γᵢ the unit normal of its plane through the point.
+/// L is the rectangle's radiance, and n the normal of the floor. γᵢ is the angle of edge i seen
+/// from the point, and Γᵢ the unit normal of the plane through edge and point.
 fn rectangle_irradiance(p: DVec2) -> f64 {
     let corner = |x: f64, z: f64| dvec3(x * HALF.x - p.x, HEIGHT, z * HALF.y - p.y).normalize();
     let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
@@ -102,7 +104,8 @@ const LAMPS: [Lamp; 6] = [
             let black = b.add_material(Material::black());
             let corner = |x: f64, z: f64| dvec3(x * HALF.x, HEIGHT, z * HALF.y);
             let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-            // Triangles of unequal area reveal a choice of triangle that does not follow area.
+            // The triangles have unequal areas, so that the test finds a choice of triangles that
+            // does not follow area.
             let middle = corner(0.7, 0.2);
             let all = [corners[0], corners[1], corners[2], corners[3], middle];
             b.add_mesh(&all, &[], &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]], black, grey(RADIANCE));
@@ -144,8 +147,9 @@ fn estimates_have_exact_kernel_bias() {
     }
 }
 
-/// Below a point light the box kernel has a closed form: 2I/r²·(1 − h/√(h² + r²)), far from the
-/// irradiance itself.
+/// An estimate with the box kernel below a point light has a closed form.
+///
+/// It is 2I/r²·(1 − h/√(h² + r²)) for radius r and height h, far from the irradiance itself.
 #[test]
 fn wide_box_kernel_has_closed_form_bias() {
     let scene = photon_only_scene(floor_under_lamp(&LAMPS[0]));
@@ -157,8 +161,10 @@ fn wide_box_kernel_has_closed_form_bias() {
     }
 }
 
-/// Photons store their incident direction. With it, the cosine-weighted flux in a disc below a
-/// point light is πIh²(1/h² − 1/(h² + r²)).
+/// Photons store their incident direction.
+///
+/// So the cosine-weighted flux in a disc below a point light is πIh²(1/h² − 1/(h² + r²)), for
+/// radius r and height h.
 #[test]
 fn photons_store_their_incident_direction() {
     let scene = photon_only_scene(floor_under_lamp(&LAMPS[0]));
@@ -174,13 +180,15 @@ fn photons_store_their_incident_direction() {
         )
     };
     let samples: Vec<f64> = floor_photon_maps(&scene).iter().map(one).collect();
-    // Directions are stored to 10⁻⁴ rad. Adding 11,000 photons is accurate to 11,000 · 2⁻²⁴ =
-    // 7·10⁻⁴ of the sum.
+    // Directions are stored to 10⁻⁴ rad. The sum of 11,000 photons has a relative rounding error of
+    // at most 11,000 · 2⁻²⁴ = 7·10⁻⁴.
     assert_mean("cosine-weighted flux", &samples, expected, expected * (8e-4 + 2.0 * HUE_ROUNDING), 4e-3);
 }
 
-/// Shadow rays give the radiance L = ρE/π. The view is 0.02 wide. Irradiance is linear over the
-/// view, up to a second difference of less than (0.02/h)² of the irradiance.
+/// Shadow rays give the radiance L = ρE/π of a floor with albedo ρ and irradiance E.
+///
+/// The view is 0.02 wide. Irradiance is linear over the view, up to a second difference below
+/// (0.02/h)² of the irradiance.
 #[test]
 fn direct_light_matches_irradiance_of_each_light() {
     for lamp in &LAMPS {
@@ -195,8 +203,10 @@ fn direct_light_matches_irradiance_of_each_light() {
     }
 }
 
-/// The photons in a disc below a point light carry the flux 2πI(1 − h/√(h² + r²)), and all photons
-/// carry the whole flux of the light.
+/// The photons in a disc below a point light carry the flux 2πI(1 − h/√(h² + r²)), for radius r and
+/// height h.
+///
+/// All photons together carry the whole flux of the light.
 #[test]
 fn disc_flux_below_point_light_matches_solid_angle() {
     let scene = photon_only_scene(floor_under_lamp(&LAMPS[0]));

@@ -11,16 +11,18 @@ fn scene(text: &str) -> Scene {
     scene_from_text_in("scenes", text)
 }
 
-/// Returns the mean radiance of the first channel by rows, pass by pass.
+/// Renders passes and returns the red channel of their pixels, row by row, for each pass.
 fn lens_images(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32) -> Vec<Vec<f64>> {
     let prepared = algorithm.prepare(scene, camera_ray_settings(samples, 4));
     let pass = |i| prepared.render_pass(i, &SilentMonitor).image.iter().map(|v| f64::from(v.x)).collect();
     (0..passes).map(pass).collect()
 }
 
-/// A small light at distance S out of focus becomes a disc of diameter A |S − f|/(S p f) pixels. f
-/// is the focus distance, p the size of a pixel at distance 1. A disc has a quarter of its squared
-/// radius as second moment about each axis. The light's own size and the pixel's 1/12 add to it.
+/// A small light out of focus becomes a disc with the diameter of the thin-lens formula.
+///
+/// At distance S, the diameter is A |S − f|/(S p f) pixels. A is the diameter of the lens, f the
+/// focus distance, and p the size of a pixel at distance 1. The second moment of a disc about each
+/// axis is a quarter of its squared radius. The light's own size and the pixel's 1/12 add to it.
 #[test]
 fn circle_of_confusion_matches_thin_lens() {
     const PIXELS: f64 = 64.0;
@@ -30,7 +32,7 @@ fn circle_of_confusion_matches_thin_lens() {
     for (distance, focus) in [(20.0f64, 4.0f64), (3.0, 4.0), (6.0, 10.0)] {
         for opening in [
             format!("aperture {}", 0.5 * aperture),
-            // The same lens, given by its f-number: focal length over diameter.
+            // The f-number describes the same lens: focal length over diameter.
             format!("fNumber {}  sensorHeight .3", 0.15 / libm::tan(0.5 * angle) / aperture),
         ] {
             let scene = scene(&format!(
@@ -61,10 +63,12 @@ fn circle_of_confusion_matches_thin_lens() {
     }
 }
 
-/// The edge of a white half plane that moves by 16 pixels leaves a linear ramp of that width. The
-/// 64 pass times are 1/64 apart, so their mean of a falling function from 1 to 0 is off by less
-/// than one step. The edge is within a pixel for 4 passes; then each of 16 · 4 rays has a variance
-/// of at most ¼. The mean of all passes has 4 · (¼/64)/64² of it.
+/// The edge of a moving white half plane leaves a linear ramp, which is as wide as the movement of
+/// 16 pixels.
+///
+/// The 64 pass times are 1/64 apart. So their mean of a falling function from 1 to 0 has an error
+/// of less than one step. The edge is within a given pixel for 4 passes. In these passes, each of
+/// 16 · 4 rays has a variance of at most ¼. The mean of all passes has the variance 4 · (¼/64)/64².
 #[test]
 fn moving_edge_blurs_to_a_ramp() {
     const PASSES: u32 = 64;
@@ -79,7 +83,7 @@ fn moving_edge_blurs_to_a_ramp() {
         let pixels = images.iter().map(|image| (0..4).map(|y| image[y * 32 + x]).sum::<f64>() / 4.0);
         let found = pixels.sum::<f64>() / f64::from(PASSES);
         let (left, right) = (x as f64 - 16.0, x as f64 - 15.0);
-        // At time t the edge is at 16 t − 8; left of it is white.
+        // At time t the edge is at x = 16 t − 8. Pixels left of it are white.
         let white = |p: f64| ((8.0 - p) / 16.0).clamp(0.0, 1.0);
         let expected = 0.5 * (white(left) + white(right));
         let sigma = (4.0 * 0.25 / 64.0f64).sqrt() / f64::from(PASSES);
@@ -88,10 +92,12 @@ fn moving_edge_blurs_to_a_ramp() {
     }
 }
 
-/// A point light of intensity I that passes at height h gives the floor the time mean of I h/(h² +
-/// x²)^(3/2). That is I [x/(h √(h² + x²))] over the length of its path. The mean over 64 equal time
-/// steps is off by less than a 64th of the total variation: a rise and a fall by at most the peak
-/// I/h² each. No density estimate is involved.
+/// A moving point light gives the floor the time mean of its irradiance.
+///
+/// A light of intensity I at height h and offset x gives I h/(h² + x²)^(3/2). The mean is the
+/// change of I x/(h √(h² + x²)) from end to end, over the length of the path. The mean over 64
+/// equal time steps has an error of less than 1/64 of the total variation: a rise and a fall by at
+/// most the peak I/h² each. No density estimate is involved.
 #[test]
 fn moving_light_gives_mean_irradiance_over_time() {
     const PASSES: u32 = 64;
@@ -111,9 +117,10 @@ fn moving_light_gives_mean_irradiance_over_time() {
     }
 }
 
-/// For a blurred light on black, adaptive rays give the same image with less noise. All noise is on
-/// less than a tenth of the image. This part gets up to eight times the rays, so the variance at
-/// least halves.
+/// Adaptive camera rays give the same image of a blurred light on black, with less noise.
+///
+/// All noise is on less than a tenth of the image. This part gets up to eight times the rays, so
+/// the variance at least halves.
 #[test]
 fn adaptive_rays_change_only_noise() {
     const PASSES: u32 = 24;
@@ -141,9 +148,10 @@ fn adaptive_rays_change_only_noise() {
     assert_mean("light", &differences, 100.0, 1e-6, 0.05);
 }
 
-/// A course light's colour is the radiance of a white floor at the scene's center, taken half way
-/// for a moving light. The light keeps that strength: its irradiance falls with the squared
-/// distance.
+/// A legacy light that moves keeps its strength.
+///
+/// The light's `color` is the radiance of a white floor at the scene's center, at the middle of the
+/// light's movement. At other times, irradiance falls with the squared distance.
 #[test]
 fn legacy_light_keeps_its_strength_in_motion() {
     let scene = scene(
@@ -152,7 +160,8 @@ fn legacy_light_keeps_its_strength_in_motion() {
          Materials { Diffuse white { reflectance 1 1 1 } }
          Group { MaterialName white  Rectangle { corner -1 0 1  edge0 2 0 0  edge1 0 0 -2 } }",
     );
-    // Half way the light is at height 4, and the floor has its colour.
+    // In the middle of the movement, the light is at height 4, and the floor has the light's
+    // `color`.
     for (time, height) in [(0.0, 2.0), (0.5, 4.0), (1.0, 6.0)] {
         let placed = scene.at_time(time);
         let seen = lens_images(&placed, Algorithm::Whitted, 1, 1)[0][0];
@@ -161,8 +170,9 @@ fn legacy_light_keeps_its_strength_in_motion() {
     }
 }
 
-/// Orthographic rays that start beside a dark glass body around the camera's center are not inside
-/// it.
+/// Orthographic rays find out separately whether they start in a body.
+///
+/// A dark body surrounds the camera's center. Rays that start beside it are outside.
 #[test]
 fn orthographic_rays_start_in_correct_medium() {
     let scene = scene(
@@ -172,14 +182,15 @@ fn orthographic_rays_start_in_correct_medium() {
          Group { MaterialName dark  Sphere { center 0 0 0  radius .7 } }",
     );
     let image = &lens_images(&scene, Algorithm::Whitted, 1, 1)[0];
-    // Rays within a filter of two pixels around the middle pass through .69 or more of glass. Rays
-    // at the corners miss the glass.
+    // The filter is two pixels wide. Rays of the middle pixel pass through at least .69 of the dark
+    // body. Rays at the corners miss it.
     assert!(image[50 * 101 + 50] < libm::exp(-9.0 * 0.69), "{}", image[50 * 101 + 50]);
     assert!([0, 100, 100 * 101, 101 * 101 - 1].iter().all(|i| image[*i] == 1.0));
 }
 
-/// At each time, a moving object lies where the same transforms place a resting object. Hit
-/// distances differ only by rounding.
+/// At each time, a moving object lies where the same transforms place a resting object.
+///
+/// Hit distances differ only by rounding.
 #[test]
 fn moving_objects_follow_their_transforms() {
     let body = |what: &str| {
@@ -230,8 +241,8 @@ fn moving_objects_follow_their_transforms() {
                 };
                 match (look(&still), look(&placed)) {
                     (None, None) => {}
-                    // Allows single-precision rounding of positions below 10 and of directions.
-                    // Edges are hit by chance only.
+                    // The tolerances are rounding errors in single precision, of positions below 10
+                    // and of directions. Rays hit edges only by chance.
                     (Some((p, n)), Some((q, m))) if (p - q).length() < 1e-5 * p.length().max(10.0) => {
                         hits += u32::from(p.y > -2.9);
                         turned += u32::from(n.dot(m) < 0.999);
@@ -240,10 +251,10 @@ fn moving_objects_follow_their_transforms() {
                 }
             }
             assert!(hits > 50, "{object} at {time}: only {hits} rays hit it");
-            // Rounding is 10⁻⁷ of positions. At most one ray in thousands passes an edge or outline
-            // within that: fewer than five of 2000.
+            // Rounding changes positions by 10⁻⁷. At most one ray in thousands passes an edge or
+            // outline at such a distance, so fewer than five of 2000 rays differ.
             assert!(missed < 5, "{object} at {time}: {missed} rays differ");
-            // Where a ray hits an edge between triangles, rounding may choose either.
+            // If a ray hits an edge between triangles, rounding may choose either triangle.
             assert!(turned < 5, "{object} at {time}: {turned} of {hits} normals differ");
         }
     }

@@ -1,4 +1,4 @@
-//! Light tracing of a focus behind a ball lens: all light of the beam appears on the film.
+//! Light tracing: splats show all light of a caustic, which a ball lens focuses on a screen.
 
 use crate::support::*;
 use caustica::camera::{Camera, Lens};
@@ -40,8 +40,10 @@ pub(super) fn ball_scene_builder() -> SceneBuilder {
     b
 }
 
-/// Returns the landing radius on the screen and the transmittance of the ray at angle `theta` from
-/// the beam's axis.
+/// Returns the landing distance from the axis and the transmittance of the ray at the angle `theta`
+/// from the beam's axis.
+///
+/// The ray is refracted at both surfaces of the ball.
 fn landing(theta: f64) -> (f64, f64) {
     let h = HEIGHT * libm::sin(theta);
     let convergence = 2.0 * (libm::asin(h) - libm::asin(h / IOR)) - theta;
@@ -57,7 +59,8 @@ pub(super) fn landing_flux() -> f64 {
     POWER / end * midpoint_integral(0.0, end, 1000, transmittance)
 }
 
-/// Cameras that look at the focus past the ball, at 60 degrees from the screen's normal.
+/// Cameras that look at the focus on the screen, past the ball, at 60 degrees from the screen's
+/// normal.
 fn cameras() -> [(&'static str, Camera); 3] {
     let tilt = 60f64.to_radians();
     let direction = dvec3(libm::sin(tilt), -libm::cos(tilt), 0.0);
@@ -83,7 +86,7 @@ fn screen_area(camera: &Camera, x: u32, y: u32) -> f64 {
     (at(0.5, 0.0) - at(-0.5, 0.0)).perp_dot(at(0.0, 0.5) - at(0.0, -0.5)).abs()
 }
 
-/// Flux in the picture \[W], one value per pass.
+/// Renders passes and returns the flux of the screen that the picture shows \[W], for each pass.
 fn pictured_flux(camera: &Camera, (light_tracing, photons): (LightTracing, u32), seed: u64, passes: u32) -> Vec<f64> {
     let scene = ball_scene(*camera);
     let mut settings =
@@ -99,14 +102,14 @@ fn pictured_flux(camera: &Camera, (light_tracing, photons): (LightTracing, u32),
 
 /// Splats and weighted splats show the flux of the closed form, by every kind of camera.
 ///
-/// The slack covers light that the ball reflects inside (at most .2 %), light that returns to the
-/// screen, and the variation of the screen area that a pixel shows.
+/// The tolerance covers three effects: light that the ball reflects inside (at most .2 %), light
+/// that returns to the screen, and the variation of the screen area that a pixel shows.
 #[test]
 fn light_tracing_shows_all_flux_of_a_focus() {
     let end = libm::asin(BEAM / HEIGHT);
     let widest = (1..=1000).map(|i| landing(end * f64::from(i) / 1000.0).0).fold(0.0, f64::max);
     assert!(widest < 0.15, "the film holds the whole caustic: {widest}");
-    // Few photons give the pixels of the caustic weights between 0 and 1.
+    // With few photons, weighted splats have weights between 0 and 1 in the pixels of the caustic.
     let cases =
         [(LightTracing::Full, 20_000, 16), (LightTracing::Weighted, 20_000, 16), (LightTracing::Weighted, 200, 800)];
     for (name, camera) in cameras() {

@@ -13,7 +13,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 const ESTIMATES: [VolumeEstimator; 3] =
     [VolumeEstimator::Beams, VolumeEstimator::BeamRadiance, VolumeEstimator::Points];
 
-/// Relative rounding of single precision along a path of a few vertices.
+/// Relative rounding error in single precision of a path with a few vertices.
 const ROUNDING: f64 = 1e-5;
 
 fn scene(text: &str) -> Scene {
@@ -40,11 +40,12 @@ fn assert_mean_each(what: &str, samples: &[DVec3], expected: DVec3, slack: DVec3
     }
 }
 
-/// Applies [`assert_mean_each`] to an estimate with kernel bias.
+/// Applies [`assert_mean_each`] to a density estimate, which has the bias of its kernel.
 ///
-/// The bias grows at least in proportion to the radius. So the bias at half of the radius `wide` is
-/// at most the change between both radii. That change plus four of its standard errors is allowed.
-/// It must be within the fraction `blur` of the expected value.
+/// `look` returns the mean of each pass at a radius. The bias grows at least in proportion to the
+/// radius. So the bias at half of the radius `wide` is at most the change between both radii. The
+/// allowed error is this change plus four of its standard errors. It must be at most the fraction
+/// `blur` of the expected value.
 #[track_caller]
 fn assert_blurred_mean(
     what: &str,
@@ -81,8 +82,11 @@ fn settings_with(samples: u32, effects: EffectOverrides) -> Settings {
     settings
 }
 
-/// Light behind a slab is (1 − R)²τ/(1 − R²τ²) at normal incidence and at 60°, for every way to
-/// describe the absorption.
+/// Light behind an absorbing slab has the radiance (1 − R)²τ/(1 − R²τ²), for every way to describe
+/// the absorption.
+///
+/// R is the reflectance of a face, and τ the transmittance of the inside. The light arrives at
+/// normal incidence and at 60°.
 #[test]
 fn absorbing_slab_obeys_beer_and_fresnel() {
     const SIGMA: [f64; 3] = [0.5, 2.0, 5.0];
@@ -125,8 +129,8 @@ fn absorbing_slab_obeys_beer_and_fresnel() {
             for algorithm in algorithms {
                 let samples =
                     mean_radiance_of_passes(&scene, algorithm, settings_with(16, EffectOverrides::PLANNED), PASSES);
-                // Whitted's branches end below 1/256: light after the third inner reflection is
-                // below R⁴.
+                // Whitted's branches end below a throughput of 1/256. Light after the third inner
+                // reflection, which is below R⁴, is lost.
                 let slack = if algorithm == Algorithm::Whitted { r * r / 256.0 } else { 0.0 };
                 assert_mean_each(&what(algorithm), &samples, expected, DVec3::splat(slack), 1e-3);
             }
@@ -134,7 +138,7 @@ fn absorbing_slab_obeys_beer_and_fresnel() {
     }
 }
 
-/// Returns Henyey and Greenstein's phase function.
+/// Returns the Henyey–Greenstein phase function \[1/sr].
 fn henyey_greenstein(g: f64, cos: f64) -> f64 {
     let square = 1.0 + g * g - 2.0 * g * cos;
     (1.0 - g * g) / (4.0 * PI * square * square.sqrt())
@@ -143,7 +147,8 @@ fn henyey_greenstein(g: f64, cos: f64) -> f64 {
 /// Returns the single-scattered radiance at the origin from a light of intensity 1 at `lamp`, along
 /// −z up to `end`.
 ///
-/// `sigma` is σt; the result is per σs.
+/// `sigma` is the extinction coefficient σt, and `g` the mean cosine. The result is divided by the
+/// scattering coefficient σs.
 fn airlight(lamp: DVec3, end: f64, sigma: f64, g: f64) -> f64 {
     midpoint_integral(0.0, end, 100_000, |t| {
         let way = -DVec3::Z * t - lamp;
@@ -152,10 +157,11 @@ fn airlight(lamp: DVec3, end: f64, sigma: f64, g: f64) -> f64 {
     })
 }
 
-/// Returns the single-scattered radiance of isotropic scattering along an infinite ray
-/// (Sun, Ramamoorthi, Narasimhan and Nayar 2005).
+/// Returns the single-scattered radiance of isotropic scattering along an infinite ray (Sun,
+/// Ramamoorthi, Narasimhan and Nayar 2005).
 ///
-/// The light is at distance `d` and angle `gamma` off the ray: A₀[F(A₁, π/2) − F(A₁, γ/2)].
+/// The light is at the distance `d` from the origin, at the angle `gamma` off the ray. The formula
+/// is A₀[F(A₁, π/2) − F(A₁, γ/2)].
 fn airlight_from_point_light(d: f64, gamma: f64, sigma: f64) -> f64 {
     let tau = sigma * d;
     let (a0, a1) = (libm::exp(-tau * libm::cos(gamma)) / (2.0 * PI * d * libm::sin(gamma)), tau * libm::sin(gamma));
@@ -192,15 +198,17 @@ fn airlight_matches_quadrature() {
             let samples =
                 mean_radiance_of_passes(&scene, algorithm, settings_with(256, single_scattering_effects()), PASSES);
             let what = format!("airlight, g {g}, {}", algorithm.name());
-            // 10⁵ midpoints are accurate to 10⁻⁶.
+            // The reference of 10⁵ midpoints is accurate to 10⁻⁶.
             assert_mean_each(&what, &samples, expected, 1e-6 * expected, 0.01);
         }
     }
 }
 
-/// A ball scatters without absorption. By symmetry, it sends out the flux of its central light
-/// equally in all directions. The unscattered fraction exp(−τ) goes straight, so the camera does
-/// not see it. An orthographic camera sees Φ(1 − exp(−τ))/(4π) over the disc.
+/// A ball that scatters without absorption sends out all flux of the light in its center.
+///
+/// By symmetry, the radiance is equal in all directions. The unscattered fraction exp(−τ) leaves
+/// straight, so the camera does not see it. An orthographic camera sees Φ(1 − exp(−τ))/(4π) over
+/// the disc.
 #[test]
 fn scattering_ball_loses_no_light() {
     const TAU: [f64; 3] = [0.25, 0.5, 1.0];
@@ -215,7 +223,7 @@ fn scattering_ball_loses_no_light() {
     let expected = per_channel(TAU, |tau| 10.0 * (1.0 - libm::exp(-tau)) / (4.0 * PI) / (2.2 * 2.2));
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
         let samples = mean_radiance_of_passes(&scene, algorithm, settings_with(32, EffectOverrides::PLANNED), PASSES);
-        // Paths that pass close to the light are rare and bright.
+        // Paths with a vertex close to the light are rare and bright, so the noise is large.
         assert_mean_each(&format!("milky ball, {}", algorithm.name()), &samples, expected, DVec3::ZERO, 0.04);
     }
     for algorithm in [Algorithm::Sppm, Algorithm::Pm] {
@@ -236,17 +244,21 @@ fn scattering_ball_loses_no_light() {
     }
 }
 
-/// Returns the mean of `f` over the marginal along one axis of a disc with weight 3/π(1 − x²)²:
-/// 16/(5π)(1 − x²)^(5/2).
+/// Returns the mean of `f`(x) over the unit disc with the weight 3/π(1 − r²)², where x is one
+/// coordinate.
+///
+/// The marginal distribution of x is 16/(5π)(1 − x²)^(5/2).
 fn mean_over_disc(f: impl Fn(f64) -> f64) -> f64 {
     midpoint_integral(-1.0, 1.0, 2000, |x| 16.0 / (5.0 * PI) * libm::pow(1.0 - x * x, 2.5) * f(x))
 }
 
-/// Returns the expected point estimate along a ray of length `wide` across light that grows upwards
-/// by exp(σy).
+/// Returns the expected point estimate along a ray of length `wide`, across light that grows
+/// upwards by exp(σy).
 ///
-/// Balls of radius `r` have weight 15/(8π)(1 − x²), divided by the part of it between both ends.
-/// The slice at x and y has 5/(2π)(1 − x² − y²)^(3/2) of the weight, that at x has 15/16 (1 − x²)².
+/// Balls of radius `r` have the weight 15/(8π)(1 − d²) at the relative distance d from their
+/// center. It is divided by the part of the weight between both ends of the ray. The part at the
+/// positions x along the ray and y upwards is 5/(2π)(1 − x² − y²)^(3/2). The part at x is 15/16 (1
+/// − x²)².
 fn expected_point_estimate(sigma: f64, wide: f64, r: f64) -> f64 {
     const N: usize = 400;
     let x = |i: usize| -1.0 + (i as f64 + 0.5) / (N as f64 / 2.0);
@@ -264,8 +276,11 @@ fn expected_point_estimate(sigma: f64, wide: f64, r: f64) -> f64 {
     })
 }
 
-/// Collimated light goes down into a box, and a ray crosses it: p(90°)E σs exp(−σt z)(1 − exp(−σt
-/// s))/σt. Behind a pane, which transmits (1 − R)/(1 + R), photons carry the light.
+/// Volume estimates agree with the closed form of single scattering in a box.
+///
+/// Collimated light of irradiance E goes down into the box. A horizontal ray of length s crosses it
+/// at depth z and has the radiance p(90°)E σs exp(−σt z)(1 − exp(−σt s))/σt, where p is the phase
+/// function. Behind a pane, which transmits (1 − R)/(1 + R), photons carry the light.
 #[test]
 #[ignore = "long: t-tests of three volume estimates"]
 fn photon_beam_estimate_matches_formula() {
@@ -292,8 +307,8 @@ fn photon_beam_estimate_matches_formula() {
              }}"
         ))
     };
-    // Light that arrives along the whole ray at `z` below the top, blurred by the kernel over
-    // heights and ray ends.
+    // Returns the radiance of the whole ray, if the kernel blurs light over heights and ray ends by
+    // `blur`.
     let sight = |c: usize, blur: &dyn Fn(f64) -> f64| {
         let sigma = EXTINCTION[c];
         SCATTERING[c] * henyey_greenstein(G, 0.0) * irradiance * libm::exp(-sigma * depth) * blur(sigma)
@@ -313,8 +328,8 @@ fn photon_beam_estimate_matches_formula() {
     assert!(path.iter().all(|v| *v == DVec3::ZERO), "no path finds it: {path:?}");
     let radius = 0.3;
     for volume in ESTIMATES {
-        // Beams are uniform along the ray. Discs around it reach up and down; balls also reach
-        // beyond both ends of the box.
+        // Photon beams have no blur: the light is uniform along the ray. The discs of beam radiance
+        // estimates reach up and down. Balls also reach beyond both ends of the box.
         let blur = |sigma: f64| match volume {
             VolumeEstimator::Beams => whole(sigma),
             VolumeEstimator::BeamRadiance => whole(sigma) * mean_over_disc(|y| libm::exp(sigma * radius * y)),
@@ -324,8 +339,8 @@ fn photon_beam_estimate_matches_formula() {
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
             let base = settings_with(64, single_scattering_effects());
             let settings = Settings { radius: Some(radius as f32), volume, caustic_photons: 60_000, ..base };
-            // Radii of `Sppm` shrink from pass to pass, so each pass is the first one of another
-            // seed.
+            // Radii of `Sppm` shrink from pass to pass. So each value comes from the first pass of
+            // another seed.
             let samples: Vec<DVec3> = (0..PASSES)
                 .flat_map(|seed| {
                     let mut settings = settings.clone();
@@ -334,9 +349,9 @@ fn photon_beam_estimate_matches_formula() {
                 })
                 .collect();
             let what = format!("beam behind a pane, {} by {volume:?}", algorithm.name());
-            // Midpoints of kernels with a root at their ends are accurate to 10⁻⁴. Twelve probe
-            // rays measure a ball's coverage near the ends of the ray, to a few percent of what is
-            // hidden.
+            // Midpoint rules are accurate to 10⁻⁴ for kernels with a root at their ends. Point
+            // estimates send twelve probe rays to measure which part of a ball is hidden near the
+            // ends of the ray. Their error is a few percent of that part.
             let slack = if volume == VolumeEstimator::Points { 1e-2 } else { 1e-4 };
             let expected = through * expected(&blur);
             assert_mean_each(&what, &samples, expected, slack * expected, 0.04);
@@ -356,8 +371,10 @@ fn furnace(media: &str, ball: &str, eye: &str) -> Scene {
     ))
 }
 
-/// A medium without absorption has the radiance of its surroundings, for any number of scattering
-/// events. This also holds from inside, and for every integrator.
+/// A medium without absorption has the radiance of its surroundings, with any number of scattering
+/// events.
+///
+/// This also holds from inside, and for every integrator.
 #[test]
 #[ignore = "long: furnace of many scattering media"]
 fn white_medium_vanishes_in_furnace() {
@@ -370,8 +387,8 @@ fn white_medium_vanishes_in_furnace() {
     ] {
         let scene = furnace(media, ball, eye);
         for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-            // All pixels would read the same photons. Their common noise would hide small errors of
-            // the mean.
+            // With indirect photons, all pixels would read the same photons. Their common noise
+            // would hide small errors of the mean.
             let indirect_photons = IndirectPhotons::Off;
             let mut settings = Settings { indirect_photons, ..settings_with(24, EffectOverrides::PLANNED) };
             settings.camera_paths.max_bounces = 10_000;
@@ -409,11 +426,10 @@ fn white_medium_vanishes_in_furnace() {
     }
 }
 
-/// A milky ball in a furnace has radiance 1, also near its rim, where half of each kernel lies
-/// outside of the ball.
+/// A milky ball in a furnace has radiance 1, also near its rim.
 ///
-/// The camera sees the part from .8 to .98 of the radius. Estimates without a correction for the
-/// part of the kernel outside of the ball give .96, .94 and .93.
+/// The camera sees the part from .8 to .98 of the radius, where half of each kernel lies outside of
+/// the ball. Estimates without a correction for this half give .96, .94 and .93.
 #[test]
 fn milky_ball_keeps_its_rim_in_a_furnace() {
     let scene = scene(
@@ -434,8 +450,9 @@ fn milky_ball_keeps_its_rim_in_a_furnace() {
     }
 }
 
-/// White fog between walls that emit and reflect has the radiance Le/(1 − ρ) = 1. Paths find parts
-/// of it by next-event estimation and parts by hitting the walls.
+/// White fog between walls that emit Le and reflect ρ has the radiance Le/(1 − ρ) = 1.
+///
+/// Paths find a part of the emission by next-event estimation and a part by hitting the walls.
 #[test]
 #[ignore = "long: furnace of a scattering medium"]
 fn white_fog_vanishes_between_furnace_walls() {
@@ -461,11 +478,11 @@ fn white_fog_vanishes_between_furnace_walls() {
     }
 }
 
-/// Returns the radiance that a half space of isotropic scattering with albedo `a` sends straight up
-/// under uniform light of 1.
+/// Returns the radiance that a half space with isotropic scattering sends straight up under uniform
+/// light of radiance 1.
 ///
-/// It is 1 − H(1)√(1 − a) (Chandrasekhar 1960, chapter V), where H = 1/(√(1 − a) + (a/2)∫
-/// µ'H(µ')/(µ + µ') dµ').
+/// It is 1 − H(1)√(1 − a) for the albedo `a` (Chandrasekhar 1960, chapter V). H solves H(µ) =
+/// 1/(√(1 − a) + (a/2)∫ µ'H(µ')/(µ + µ') dµ').
 fn half_space_radiance(a: f64) -> f64 {
     const N: usize = 400;
     let root = (1.0 - a).sqrt();
@@ -481,9 +498,10 @@ fn half_space_radiance(a: f64) -> f64 {
     1.0 - root * at(&h, 1.0)
 }
 
-/// At an optical depth of 10⁴, the middle of a ball acts like a half space: the size of a pixel and
-/// the length of a path are hundreds of times smaller than its radius. Steps of 10⁻⁴ round at 1 by
-/// 6·10⁻⁸. A step's error of 10⁻³ changes H by 10⁻³ at most.
+/// The middle of a ball of optical depth 10⁴ has the radiance of Chandrasekhar's half space.
+///
+/// The size of a pixel and the length of a path are hundreds of times smaller than the ball's
+/// radius. Steps of 10⁻⁴ round at 1 by 6·10⁻⁸. A step's error of 10⁻³ changes H by 10⁻³ at most.
 #[test]
 fn thick_fog_matches_chandrasekhar_half_space() {
     let text = |camera: &str| {
@@ -498,8 +516,8 @@ fn thick_fog_matches_chandrasekhar_half_space() {
     };
     let above = scene(&text("OrthographicCamera { center 0 0 5  direction 0 0 -1  size .001  width 4  height 4 }"));
     let expected = per_channel([0.9, 0.5, 0.98], half_space_radiance);
-    // The middle of H's 400 intervals errs by 1/400² of its second derivative, which ends at a
-    // logarithm.
+    // H is tabulated at the middles of 400 intervals. The error is 1/400² of the second derivative,
+    // which is a logarithm at the end.
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
         let mut settings = settings_with(128, EffectOverrides::PLANNED);
         settings.camera_paths.max_bounces = 10_000;
@@ -552,8 +570,9 @@ fn empty_medium_changes_no_bit() {
     assert!(picture("", "", EffectOverrides::PLANNED) == picture("", "", EffectOverrides::ALL));
 }
 
-/// A homogeneous medium and a medium on a grid of equal values give the same mean: with `path`, and
-/// with point estimates of equal blur.
+/// A homogeneous medium and a medium on a grid of equal values give the same mean.
+///
+/// The test covers `path`, and point estimates of equal blur.
 #[test]
 fn constant_grid_equals_homogeneous_medium() {
     let grid = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("even.grid");
@@ -583,7 +602,7 @@ fn constant_grid_equals_homogeneous_medium() {
             mean_radiance_of_passes(&varied, algorithm, settings, PASSES),
         );
         let mean = a.iter().sum::<DVec3>() / a.len() as f64;
-        // Adds the mean of the other, so that the compared value is above 0.
+        // The samples are differences plus `mean`, so that the expected value is above 0.
         let samples: Vec<DVec3> = a.iter().zip(&b).map(|(a, b)| mean + *b - *a).collect();
         assert_mean_each(&format!("grid, {}", algorithm.name()), &samples, mean, DVec3::ZERO, 0.03);
     }

@@ -1,10 +1,10 @@
 //! End-to-end renders against closed forms.
 //!
 //! Every comparison with noise is a t-test over independent passes. Points within a pass are a
-//! scrambled net, so they are not independent. The false-alarm rate of a comparison is
-//! [`crate::support::FALSE_ALARM_RATE`]. With about 350 comparisons the suite fails by chance for
-//! less than one seed in 2000, and the seed is fixed. Each comparison also states its largest
-//! accepted standard error, so that it cannot pass only because of noise.
+//! scrambled low-discrepancy set, so they are not independent. The false-alarm rate of a comparison
+//! is [`crate::support::FALSE_ALARM_RATE`]. With about 350 comparisons, less than one seed in 2000
+//! makes the suite fail by chance, and the seed is fixed. Each comparison also limits its standard
+//! error, so that it cannot pass only because of noise.
 
 mod audit;
 mod density;

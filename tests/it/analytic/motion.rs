@@ -15,20 +15,21 @@ fn moving_disc() -> Scene {
     )
 }
 
+/// A moving disc leaves an even streak, and the estimated noise agrees with the true noise.
+///
 /// The disc covers a point at distance y from its path for 2√(R² − y²)/L of the time. The sum over
 /// a column of pixels is πR²/L, wherever the whole disc passes. The filter of pixels does not
 /// change it.
 ///
-/// Let p = 2R/L be the largest share of time. n rays of a pixel that are independent or stratified
-/// have a variance of at most p(1 − p)/n. A column has 2R + 3 pixels that may see the disc, as the
-/// filter reaches 1½ pixels beyond it, and neighbouring pixels have rays of their own. So the root
-/// mean square of K columns is at most √((2R + 3)·p(1 − p)/n), and its relative error is 1/√(2K)
-/// if columns are independent.
+/// Let p = 2R/L be the largest fraction of time. n rays of a pixel that are independent or
+/// stratified have a mean with a variance of at most p(1 − p)/n. A column has 2R + 3 pixels that
+/// may see the disc, as the filter reaches 1½ pixels beyond it. Neighbouring pixels have rays of
+/// their own. So the root mean square error of K columns is at most √((2R + 3)·p(1 − p)/n), and its
+/// relative error is 1/√(2K) if columns are independent.
 ///
-/// Copies of the disc at 16 times are 10 pixels apart. Their sum varies by 0.2 from column to
-/// column, far more than this. The noise between passes must also agree with the error of their
-/// mean. If each pass showed the disc at one place only, the estimated noise would be five times
-/// too large.
+/// A faulty renderer could show copies of the disc at 16 times only, 10 pixels apart. Their sum
+/// would vary by 0.2 from column to column, far more than this. If each pass showed the disc at one
+/// place only, the noise estimated between passes would be five times too large.
 #[test]
 fn moving_disc_leaves_an_even_streak() {
     const RADIUS: f64 = 8.0;

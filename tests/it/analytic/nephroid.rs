@@ -1,4 +1,4 @@
-//! Collimated light in a half-cylindrical mirror of radius 1 folds along a nephroid.
+//! Collimated light in a half-cylindrical mirror of radius 1, whose caustic is a nephroid.
 
 use crate::support::*;
 use caustica::photon::{Kernel, Photon, PhotonMap, PhotonPassResult, StoreMask};
@@ -10,12 +10,14 @@ use std::f64::consts::PI;
 const REFLECTANCE: f64 = 0.9;
 const IRRADIANCE: f64 = 2.0;
 
-/// Number of facets. Facets of π/2000 with the cylinder's normals approximate it to their sagitta
-/// of 3·10⁻⁷.
+/// Number of flat facets of the mirror.
+///
+/// Facets of π/2000 with the cylinder's normals deviate from it by up to their sagitta, 3·10⁻⁷.
 const FACETS: u32 = 2000;
 
-/// Builds a mirror x² + z² = 1, z > 0, 0 < y < 1, with its concave side inwards, a `screen`, and
-/// light along `direction`.
+/// Builds the mirror x² + z² = 1 for z > 0 and 0 < y < 1, with its concave side inwards.
+///
+/// Adds a `screen`, and collimated light along `direction`.
 fn cup_scene(screen: Rectangle, direction: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
     let mirror = b.add_material(Material::mirror(grey(REFLECTANCE)));
@@ -38,15 +40,16 @@ fn cup_scene(screen: Rectangle, direction: DVec3) -> Scene {
     photon_only_scene(b)
 }
 
-/// Returns photons after one reflection.
+/// Traces passes and returns their photons after one reflection.
 fn reflected_ray(scene: &Scene) -> Vec<PhotonPassResult> {
     trace_photon_passes(scene, StoreMask::CAUSTIC, 1, PASSES, 1 << 17)
 }
 
-/// Light along the axis is parallel to a screen in the plane of the axis, so only reflected light
-/// lands on the screen. A ray with angle of incidence θ crosses the axis at 1/(2cosθ) and stands at
-/// sinθ in the beam. So between 1/2 and z lands the fraction sin(acos(1/2z)) of the beam, from both
-/// sides.
+/// The flux of reflected light along the axis of the cup has a closed form.
+///
+/// The light is parallel to a screen in the plane of the axis, so only reflected light lands there.
+/// A ray with the angle of incidence θ is at sinθ in the beam and crosses the axis at 1/(2cosθ). So
+/// the fraction sin(acos(1/2z)) of the beam lands between 1/2 and z, from both sides.
 #[test]
 fn flux_along_cup_axis_matches_closed_form() {
     let screen = Rectangle::new(dvec3(0.0, 0.0, 0.4), DVec3::Z * 0.59, DVec3::Y);
@@ -57,13 +60,13 @@ fn flux_along_cup_axis_matches_closed_form() {
         let inside = |p: DVec3| p.z > from && p.z <= to;
         let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, inside).x).collect();
         let expected = 2.0 * IRRADIANCE * REFLECTANCE * (part(to) - part(from));
-        // Half a facet, 8·10⁻⁴ in h, is divided correctly in the mean. Its sagitta moves crossings
-        // by 10⁻⁶: near 1/2 that is at most √(4·10⁻⁶) of the beam.
+        // Half a facet, 8·10⁻⁴ of the beam's height, is divided correctly in the mean. The sagitta
+        // of a facet moves crossings by 10⁻⁶. Near 1/2, that changes at most √(4·10⁻⁶) of the beam.
         let slack = if from == 0.5 { 4e-3 * 0.5 } else { 1e-4 } * expected;
         assert_mean(&format!("axis from {from} to {to}"), &samples, expected, slack, 0.012);
     }
-    // Points are kept 16 errors of 5·2⁻²³ off the edges of facets. That moves a ray sideways by
-    // 10⁻⁵ at most.
+    // Surface points keep a distance of 16 position errors of 5·2⁻²³ from the edges of facets. That
+    // moves a ray sideways by at most 10⁻⁵.
     let sideways =
         |p: &Photon| (0.5 - 1e-5 - photon_position(&scene, p).z) * f64::from(p.data.incident_direction().x.abs());
     let most = passes.iter().flat_map(|t| &t.deposits.photons).map(sideways).fold(0.0, f64::max);
@@ -72,23 +75,24 @@ fn flux_along_cup_axis_matches_closed_form() {
 
 const SLOPE: f64 = 0.5;
 
-/// Builds the cup's floor under light that also falls, by `SLOPE` per unit.
+/// Builds the cup's floor under oblique light, which falls by `SLOPE` per unit of z.
 fn floor_irradiance() -> Scene {
     let screen = Rectangle::new(dvec3(-1.0, 0.0, 0.0), DVec3::Z, DVec3::X * 2.0);
     cup_scene(screen, dvec3(0.0, -SLOPE, 1.0))
 }
 
-/// Returns the floor's irradiance at (x, z), averaged by a kernel.
+/// Returns the floor's irradiance at the point `at` = (x, z), averaged by a kernel.
 ///
-/// Seen from above, the ray at angle θ runs s beyond the wall along (−sin2θ, −cos2θ). It falls
-/// evenly, so it lights the floor evenly along s: dΦ = E sinα cosθ dθ ds, with α the slope's angle.
-/// It ends at the next wall, s = 2cosθ, or where the cup's height is spent.
+/// Seen from above, the ray at the angle θ leaves the wall along (−sin2θ, −cos2θ). Let s be the
+/// distance from the wall. The rays at θ leave at all heights, so they light the floor evenly along
+/// s: dΦ = E sinα cosθ dθ ds, where α is the angle of the light's slope. A ray ends at the next
+/// wall, s = 2cosθ, or where it has fallen by the cup's height.
 fn floor_point(at: DVec2, kernel: Kernel, radius: f64) -> f64 {
     let falling = IRRADIANCE * REFLECTANCE * SLOPE / (1.0 + SLOPE * SLOPE).sqrt();
     let ray = |theta: f64| {
         let (sin, cos) = libm::sincos(theta);
         let (sin2, cos2) = libm::sincos(2.0 * theta);
-        // The segment of the ray within the disc.
+        // Intersects the ray with the disc of the kernel.
         let (start, along) = (DVec2::new(sin, cos), -DVec2::new(sin2, cos2));
         let nearest = (at - start).dot(along);
         let off2 = (start + along * nearest - at).length_squared();
@@ -105,7 +109,8 @@ fn floor_point(at: DVec2, kernel: Kernel, radius: f64) -> f64 {
     falling * midpoint_integral(-0.5 * PI, 0.5 * PI, 40_000, ray)
 }
 
-/// Returns the fold (3cos t − cos 3t, 3sin t − sin 3t)/4 as (x, z).
+/// Returns the point (x, z) of the caustic's fold, the nephroid (3cos t − cos 3t, 3sin t − sin
+/// 3t)/4.
 fn nephroid_fold(t: f64) -> DVec2 {
     DVec2::new(3.0 * libm::sin(t) - libm::sin(3.0 * t), 3.0 * libm::cos(t) - libm::cos(3.0 * t)) * 0.25
 }
@@ -115,7 +120,7 @@ fn cup_floor_flux_matches_ray_tracing() {
     let scene = floor_irradiance();
     let maps: Vec<PhotonMap> =
         reflected_ray(&scene).into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
-    // At the cusp, on both sides of it, on the fold, and away from it.
+    // The points are at the cusp, on both sides of it, on the fold, and away from it.
     for at in
         [DVec2::new(0.0, 0.5), DVec2::new(0.0, 0.56), DVec2::new(0.0, 0.42), nephroid_fold(0.6), DVec2::new(-0.5, 0.2)]
     {
@@ -128,16 +133,18 @@ fn cup_floor_flux_matches_ray_tracing() {
     }
 }
 
-/// Across the fold, in cells of .01, density falls as 1/√distance on the wall's side. So the cell
-/// at the fold is brighter than the next by (1 − 0)/(√2 − 1) = 2.4, less the uniform light. Within
-/// ±.03 along the fold, the curve departs from its tangent by less than .03²/2 = 5·10⁻⁴.
+/// The flux has its peak at the nephroid.
+///
+/// Across the fold, in cells of .01, the density on the wall's side falls as 1/√distance. So the
+/// cell at the fold is brighter than the next by (1 − 0)/(√2 − 1) = 2.4, less the uniform light.
+/// Within ±.03 along the fold, the distance of the curve from its tangent is below .03²/2 = 5·10⁻⁴.
 #[test]
 fn flux_peaks_at_the_nephroid() {
     let scene = floor_irradiance();
     let passes = reflected_ray(&scene);
     for t in [0.4, 0.6, -0.8] {
         let tangent = (nephroid_fold(t + 1e-5) - nephroid_fold(t - 1e-5)).normalize();
-        // The normal that points to the wall.
+        // `outward` is the normal of the fold that points to the wall.
         let outward = if tangent.perp().dot(nephroid_fold(t)) > 0.0 { tangent.perp() } else { -tangent.perp() };
         let mut cells = [0f64; 12];
         for p in passes.iter().flat_map(|t| &t.deposits.photons) {
@@ -151,8 +158,8 @@ fn flux_peaks_at_the_nephroid() {
         eprintln!("across the fold at t = {t}: {cells:?}");
         let brightest = (0..12).max_by(|a, b| cells[*a].total_cmp(&cells[*b])).unwrap();
         assert_eq!(brightest, 6, "t = {t}: {cells:?}");
-        // The brightest cell holds 3000 photons. 1.4 times the next is far above the noise of
-        // 1/√3000.
+        // The brightest cell holds 3000 photons, so its relative noise is 1/√3000. The limit of 1.4
+        // times the next cell is far above this noise.
         assert!(cells[6] > 1.4 * cells[7] && cells[6] > 2.0 * cells[5], "t = {t}: {cells:?}");
     }
 }

@@ -7,8 +7,10 @@ use caustica::shape::Plane;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// The faces of a cube exchange flux by the form factors of unit squares: .199825 for opposite
-/// faces, .200044 for adjacent ones, known to half of the last digit.
+/// The faces of a cube exchange flux by the form factors of unit squares.
+///
+/// These are .199825 for opposite faces and .200044 for adjacent ones, known to half of the last
+/// digit.
 #[test]
 fn cube_faces_exchange_flux_by_form_factors() {
     let mut b = SceneBuilder::new();
@@ -31,7 +33,7 @@ fn cube_faces_exchange_flux_by_form_factors() {
         assert_mean(&format!("form factor of the {name}"), &samples, factor, 5e-7 + factor * HUE_ROUNDING, 2e-3);
     }
     let total: f64 = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x / PI).sum();
-    // Closure: all flux that leaves the ceiling lands, up to hue rounding.
+    // All flux that leaves the ceiling lands, up to the rounding of hues.
     assert!((total / f64::from(PASSES) - 1.0).abs() < 2.0 * HUE_ROUNDING, "{total}");
 }
 
@@ -58,8 +60,10 @@ fn plates_scene() -> Scene {
     b.build(square_camera(dvec3(0.0, 0.6, 0.0), DVec3::ZERO, 2.0 * libm::atan(0.5 / 0.6) * 180.0 / PI, 12)).unwrap()
 }
 
-/// The floor's irradiance is the ceiling's radiosity, E/(1 − ρ₁ρ₂) with E = πL. The ceiling's
-/// irradiance is ρ₁ times that.
+/// Flux between infinite plates is a geometric series.
+///
+/// The floor's irradiance is the ceiling's radiosity, E/(1 − ρ₁ρ₂) with E = πL. ρ₁ is the floor's
+/// albedo, and ρ₂ the ceiling's. The ceiling's irradiance is ρ₁ times that of the floor.
 #[test]
 fn infinite_plates_have_geometric_series_of_flux() {
     let scene = plates_scene();
@@ -76,8 +80,10 @@ fn infinite_plates_have_geometric_series_of_flux() {
     }
 }
 
-/// Shadow rays carry direct light, the caustic map carries light by mirrors, the global map carries
-/// the rest. The sum equals the light of infinite plates.
+/// Direct light, the caustic map and the global map add up to the light of infinite plates.
+///
+/// Shadow rays carry direct light. The caustic map carries light by mirrors, and the global map the
+/// rest.
 #[test]
 #[ignore = "long: t-tests over many bounces"]
 fn direct_caustic_and_global_light_sum_to_total() {
@@ -87,8 +93,10 @@ fn direct_caustic_and_global_light_sum_to_total() {
     assert_mean_rgb("radiance of the floor", &mean_radiance_per_pass(&scene, settings, PASSES), expected, 6e-3);
 }
 
-/// A point light between two infinite mirrors over a floor acts like a row of image lights at 2ka +
-/// (−1)ᵏx with the factor ρ^|k|. Image k = 0 is direct light; all others are caustics.
+/// A point light between two infinite mirrors over a floor acts like a row of image lights.
+///
+/// Image k is at 2ka + (−1)ᵏx and has the factor ρ^|k|. Image k = 0 is direct light; all others are
+/// caustics.
 #[test]
 fn parallel_mirrors_show_row_of_lights() {
     const A: f64 = 1.0;

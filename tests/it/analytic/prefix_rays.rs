@@ -1,4 +1,4 @@
-//! Prefix rays: camera rays that end at their first receiver, beside whole camera paths.
+//! Prefix rays: camera rays that end at their first receiver, in addition to whole camera paths.
 
 use super::light_tracing::{DEPTH, POWER, REFLECTANCE, SIZE, ball_scene_builder, landing_flux};
 use crate::support::*;
@@ -12,8 +12,9 @@ use std::f64::consts::PI;
 /// Edge of an orthographic film \[length].
 const FILM: f64 = 0.4;
 
-/// Mean over the picture's pixels for each of `passes` passes. Checks that prefix rays are traced
-/// only if `settings` allow them.
+/// Renders passes and returns the mean over the picture's pixels for each.
+///
+/// Also checks that prefix rays are traced if `settings` allow them, and only then.
 fn picture_means(scene: &Scene, settings: Settings, passes: u32) -> Vec<f64> {
     let allowed = settings.prefix_rays;
     let integrator = Algorithm::Hybrid.prepare(scene, settings);
@@ -23,9 +24,10 @@ fn picture_means(scene: &Scene, settings: Settings, passes: u32) -> Vec<f64> {
     (0..passes).map(|pass| mean(render_one_pass(&*integrator, pass))).collect()
 }
 
-/// A picture of a lamp smaller than a pixel, seen in a mirror, has the mean radiance of the lamp
-/// times its fraction of the film. Prefix rays keep this mean, and more than halve the standard
-/// error.
+/// Prefix rays keep the mean of small highlights, and more than halve the standard error.
+///
+/// A mirror shows a lamp that is smaller than a pixel. The mean radiance of the picture is the
+/// radiance of the lamp times its fraction of the film.
 #[test]
 fn prefix_rays_keep_light_of_small_highlights() {
     let radius = 0.3 * FILM / f64::from(SIZE);
@@ -51,11 +53,12 @@ fn prefix_rays_keep_light_of_small_highlights() {
     assert!(error < 0.5 * usual, "{error} with, {usual} without prefix rays");
 }
 
-/// A caustic with a sharp focus, seen in a mirror, shows the flux of the closed form. Prefix rays
-/// keep the mean, and more than halve the standard error.
+/// Prefix rays keep the mean of a caustic seen in a mirror, and more than halve the standard error.
+///
+/// The caustic has a sharp focus. The picture shows the flux of the closed form.
 #[test]
 fn prefix_rays_keep_light_of_mirrored_caustics() {
-    // The view of the caustic at 60 degrees, folded by a mirror half way.
+    // The camera looks at the caustic at 60 degrees, by a mirror half way.
     let tilt = 60f64.to_radians();
     let direction = dvec3(libm::sin(tilt), -libm::cos(tilt), 0.0);
     let fold = dvec3(0.0, -DEPTH, 0.0) - direction * 4.0;
@@ -66,7 +69,8 @@ fn prefix_rays_keep_light_of_mirrored_caustics() {
     b.add_shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Y, DVec3::Z)), mirror, grey(0.0));
     let camera = Camera::orthographic(fold - mirrored * 4.0, mirrored, DVec3::Y, FILM, SIZE, SIZE).unwrap();
     let scene = b.build(camera).unwrap();
-    // All photons within the radius, so that the estimate keeps their flux.
+    // All photons of the caustic are within the gather radius, so that the estimate keeps their
+    // flux.
     let settings = Settings {
         balance: false,
         caustic_photons: 20_000,

@@ -28,7 +28,8 @@ fn chi_square(counts: &[u32]) -> f64 {
     (libm::cbrt(chi2 / nu) - 1.0 + 2.0 / (9.0 * nu)) / (2.0 / (9.0 * nu)).sqrt()
 }
 
-/// Returns the index of an equal-area cell: zones of equal height, cut by azimuth.
+/// Returns the index of the cell that contains `p`. Cells have equal area: zones of equal height,
+/// cut by azimuth.
 fn sphere_cell(p: DVec3, radius: f64) -> usize {
     const N: f64 = 32.0;
     let z = ((p.z / radius * 0.5 + 0.5) * N).clamp(0.0, N - 1.0) as usize;
@@ -36,9 +37,11 @@ fn sphere_cell(p: DVec3, radius: f64) -> usize {
     z * N as usize + turn
 }
 
-/// From any point of the wall a cosine lobe covers the sphere uniformly. So all reflected photons
-/// are independent and uniform, even if emission is stratified, and the multinomial law is exact.
-/// The limit of 4.9 σ has a false-alarm rate of 10⁻⁶.
+/// Photons that the wall of a sphere has reflected cover the wall uniformly.
+///
+/// From any point of the wall, a cosine lobe covers the sphere uniformly. So all reflected photons
+/// are independent and uniform, even if emission is stratified. Counts in cells are exactly
+/// multinomial. The limit of 4.9 σ has a false-alarm rate of 10⁻⁶.
 #[test]
 fn reflected_photons_cover_sphere_uniformly() {
     let scene = photon_only_scene(sphere_scene(2.0, 0.6, dvec3(0.3, -0.2, 1.6)));
@@ -53,8 +56,10 @@ fn reflected_photons_cover_sphere_uniformly() {
     }
 }
 
-/// The photons of bounce k carry the flux ρᵏΦ. Random numbers are keyed by path and bounce, so a
-/// higher bounce limit adds photons and changes none.
+/// The photons of bounce k carry the flux ρᵏΦ.
+///
+/// Random numbers are keyed by path and bounce. So a higher bounce limit adds photons and changes
+/// none.
 #[test]
 fn flux_by_bounce_is_power_of_albedo() {
     let scene = photon_only_scene(sphere_scene(2.0, 0.6, dvec3(0.3, -0.2, 1.6)));
@@ -74,8 +79,10 @@ fn flux_by_bounce_is_power_of_albedo() {
     }
 }
 
-/// A cap of chord r has area πr² exactly, so every kernel over chords is unbiased on a sphere.
-/// Irradiance after reflection is ρΦ/(4πR²(1 − ρ)).
+/// Density estimates on a sphere have no bias, and give the irradiance ρΦ/(4πR²(1 − ρ)) after
+/// reflection.
+///
+/// A cap of chord r has exactly the area πr², and kernels are functions of the chord.
 #[test]
 fn sphere_estimates_match_uniform_irradiance() {
     let (radius, albedo) = (2.0, 0.6);
@@ -85,8 +92,8 @@ fn sphere_estimates_match_uniform_irradiance() {
         .into_iter()
         .map(|t| PhotonMap::build(t.deposits.photons))
         .collect();
-    // Each estimate adds 800 photons in single precision, accurate to 800 · 2⁻²⁴ = 5·10⁻⁵. Hues are
-    // accurate to 2·10⁻⁵.
+    // Each estimate adds 800 photons in single precision, with a relative error of at most 800 ·
+    // 2⁻²⁴ = 5·10⁻⁵. Hues are accurate to 2·10⁻⁵.
     for kernel in KERNELS {
         let mean = |map: &PhotonMap| {
             let at = |p: &DVec3| estimated_irradiance(&scene, map, *p * radius, -*p, fixed_bandwidth(0.5), kernel).x;
@@ -97,8 +104,9 @@ fn sphere_estimates_match_uniform_irradiance() {
     }
 }
 
-/// A light at the center gives the wall the uniform radiance L = ρΦ/(4π²R²(1 − ρ)). Shadow rays
-/// carry the fraction 1 − ρ of this radiance.
+/// A light at the center gives the wall the uniform radiance ρΦ/(4π²R²(1 − ρ)).
+///
+/// Shadow rays carry the fraction 1 − ρ of this radiance.
 #[test]
 fn sphere_interior_has_uniform_radiance() {
     let (radius, albedo) = (2.0, 0.6);
@@ -108,13 +116,15 @@ fn sphere_interior_has_uniform_radiance() {
     let samples = red_channels(&mean_radiance_per_pass(&scene, fixed_radius_settings(1 << 16, 0, 0.4), PASSES));
     assert_mean("radiance of a sphere", &samples, expected, expected * 2.0 * HUE_ROUNDING, 4e-3);
     let direct = red_channels(&mean_radiance_per_pass(&scene, fixed_radius_settings(0, 0, 0.4), 4));
-    // Unit vectors, intensity and 1/d² round to a few ulps of f32 each.
+    // Unit vectors, intensity and 1/d² have rounding errors of a few f32 ulps each.
     assert!(direct.iter().all(|l| (l / (expected * (1.0 - albedo)) - 1.0).abs() < 1e-5), "{direct:?}");
 }
 
-/// A plate cuts off a cap of the fraction f of the sphere and emits Lambertian light. The wall
-/// receives it as uniformly as the cap would: Φ/(1 − ρ(1 − f)) over all bounces. It returns Φρf/(1
-/// − ρ(1 − f)) to the plate.
+/// A cavity reflects with its effective albedo.
+///
+/// A plate cuts off a cap with the fraction f of the sphere's area, and emits Lambertian light of
+/// flux Φ. The wall receives it as uniformly as from the cap: Φ/(1 − ρ(1 − f)) over all bounces. It
+/// returns Φρf/(1 − ρ(1 − f)) to the plate.
 #[test]
 fn cavity_returns_effective_albedo() {
     for (albedo, height) in [(0.9, 0.6), (0.5, -0.5)] {

@@ -1,4 +1,5 @@
-//! Radiance scales by n² under water while flux is conserved; both effects show in a camera's view.
+//! Under water, radiance is scaled by n² while flux is conserved. A camera's view shows both
+//! effects.
 
 use crate::support::*;
 use caustica::photon::StoreMask;
@@ -10,8 +11,9 @@ use std::f64::consts::PI;
 const N: f64 = 1.333;
 const SKY: f64 = 3.0;
 
-/// Builds an infinite pool of depth 1 under an infinite sky, by an emissive black ceiling and
-/// perfect mirrors around.
+/// Builds an infinite pool of depth 1 under an infinite sky.
+///
+/// A black ceiling emits the sky's light, and perfect mirrors stand around the pool.
 fn pool_scene(albedo: f64, eye: DVec3, at: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
     let floor = b.add_material(Material::diffuse(grey(albedo)));
@@ -31,7 +33,7 @@ fn pool_scene(albedo: f64, eye: DVec3, at: DVec3) -> Scene {
     b.build(square_camera(eye, at, 30.0, 10)).unwrap()
 }
 
-/// Returns the irradiance of the pool's floor with the given albedo ρ.
+/// Returns the irradiance of the pool's floor with the albedo ρ = `albedo`.
 ///
 /// Let L be the sky's radiance, and Fe the hemispherical reflectance of the water from outside. The
 /// floor first receives πL(1 − Fe). Floor and water surface then exchange light, with the internal
@@ -39,8 +41,8 @@ fn pool_scene(albedo: f64, eye: DVec3, at: DVec3) -> Scene {
 fn irradiance_of_floor(albedo: f64) -> f64 {
     let outer = hemispherical_reflectance(N);
     let inner = 1.0 - (1.0 - outer) / (N * N);
-    // Checks the identity of Fi and Fe by quadrature. The square root at the critical angle leaves
-    // an error of O(n⁻¹·⁵).
+    // Quadrature with m steps confirms the relation of Fi and Fe. The square root at the critical
+    // angle causes an error of O(m⁻¹·⁵).
     assert!((inner - hemispherical_reflectance(1.0 / N)).abs() < 1e-6);
     PI * SKY * (1.0 - outer) / (1.0 - albedo * inner)
 }
@@ -61,9 +63,11 @@ fn flux_is_conserved_under_water() {
     }
 }
 
-/// Looking down, the camera sees R·L of the sky, and (1 − R)/n² of the floor's ρE/π. The expected
-/// mean over the view is a quadrature over the pixels' angles. A camera that looks straight up from
-/// the floor sees n²(1 − R)·L.
+/// Radiance is scaled by n² at the surface of a pool.
+///
+/// A camera that looks down sees R·L of the sky, and (1 − R)/n² of the floor's ρE/π. A camera that
+/// looks up from the floor sees n²(1 − R)·L of the sky, and R of the floor's ρE/π. The expected
+/// mean over the view is a quadrature over the pixels' angles.
 #[test]
 #[ignore = "long: t-tests over many bounces"]
 fn radiance_scales_by_squared_index_under_water() {
@@ -85,8 +89,8 @@ fn radiance_scales_by_squared_index_under_water() {
     );
 
     let up = pool_scene(albedo, dvec3(0.0, -0.9, 0.0), DVec3::Y);
-    // Within 21°, the corner of the view, there is no total reflection. Reflected rays show the
-    // floor.
+    // The corners of the view are at 21°, where there is no total reflection. Reflected rays show
+    // the floor.
     let through = view_average(|cos| 1.0 - fresnel_reflectance(cos, 1.0 / N));
     let expected = through * N * N * SKY + (1.0 - through) * floor * N * N;
     assert_mean(
@@ -98,7 +102,7 @@ fn radiance_scales_by_squared_index_under_water() {
     );
 }
 
-/// Returns the mean over a square view of 30° of a function of the cosine with its axis.
+/// Returns the mean of `f`(cosθ) over a square view of 30°, where θ is the angle to its axis.
 fn view_average(f: impl Fn(f64) -> f64) -> f64 {
     let half = libm::tan(15f64.to_radians());
     let row = |y: f64| midpoint_integral(-half, half, 200, |x| f(1.0 / (1.0 + x * x + y * y).sqrt()));

@@ -5,8 +5,10 @@ use caustica::image::{Image, WriteOptions, sequential_color, write};
 use glam::Vec3;
 use serde_json::{Value, json};
 
-/// Two rows of four pixels of radiance ½. `b.exr` differs by (0, ¼, −⅛) in column 3, row 1, and by
-/// ⅛ of blue in column 0 of that row.
+/// Writes the pictures `a` and `b` of 4 × 2 pixels, as EXR and PNG.
+///
+/// All pixels of `a` have radiance ½. In `b`, the pixel in column 3, row 1 is lower by (0, ¼, −⅛),
+/// and that in column 0, row 1 is lower by ⅛ in blue.
 fn sandbox() -> CliSandbox {
     let sandbox = CliSandbox::new();
     let mut pixels = vec![Vec3::splat(0.5); 8];
@@ -40,7 +42,7 @@ fn diff_table_lists_every_metric() {
     ended.expect(0, &[]);
     let lines: Vec<String> = ended.stdout.lines().map(|l| l.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
     assert_eq!(lines[0], "a.exr against b.exr, 4 × 2 pixels");
-    // √((1/16 + 2/64)/24) = .0625.
+    // RMSE is √((1/16 + 2/64)/24), as two pixels differ in 24 values.
     for line in [
         "mean radiance 0.500 of the reference 0.490",
         "RMSE 0.0625",
@@ -82,7 +84,8 @@ fn json_has_every_documented_field() {
     assert_eq!(found["largest"], json!({"red": null, "green": green, "blue": blue}));
     assert_eq!((&found["flip"]["mode"], &found["flip"]["exposure"]), (&json!("hdr"), &Value::Null));
     assert_eq!((&found["exceeded"], &found["map"]), (&json!([]), &Value::Null));
-    // The mean over channels of (⅛ and ¼)² over B² + .01, by hand.
+    // The relative MSE is the mean of d²/(B² + .01) over 24 values, with differences d of ⅛ and ¼
+    // from values B.
     let relative = (0.125 * 0.125 / (0.375 * 0.375 + 0.01)
         + 0.25 * 0.25 / (0.25 * 0.25 + 0.01)
         + 0.125 * 0.125 / (0.625 * 0.625 + 0.01))
@@ -153,7 +156,7 @@ fn identical_images_have_zero_difference() {
         assert_eq!((&found["flip"]["mean"], &found["differing_pixels"]), (&json!(0.0), &json!(0)));
         assert_eq!(found["largest"], json!({"red": null, "green": null, "blue": null}));
     }
-    // ½ is no level of a PNG.
+    // No level of an 8-bit PNG is exactly ½.
     run(&sandbox, "a.png a.exr --identical").expect(4, &["8 pixels differ"]);
 }
 
@@ -161,8 +164,9 @@ fn identical_images_have_zero_difference() {
 fn difference_maps_are_coloured_or_numeric() {
     let sandbox = sandbox();
     let written = run(&sandbox, "a.exr b.exr --map absolute -o map.png --json");
-    // The largest mean over channels is (¼ + ⅛)/3. Of eight pixels, the 99th percentile covers the
-    // seven smallest, up to ⅛/3.
+    // The largest difference of a pixel, as a mean over channels, is (¼ + ⅛)/3. Colours end at the
+    // 99th percentile of eight pixels. It covers the seven smallest differences, which are up to
+    // ⅛/3.
     written.expect(0, &["wrote map.png: absolute, colours from 0 to 0.0417"]);
     let colors = json!({"from": 0.0, "to": 0.125 / 3.0});
     assert_eq!(report(&written)["map"], json!({"file": "map.png", "kind": "absolute", "colors": colors}));

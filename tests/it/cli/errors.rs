@@ -28,7 +28,7 @@ fn render_ends_at_target_error() {
         let first = stats(&sandbox);
         assert_eq!(first["ended"], "target");
         assert!(number(&first["error"], "high") <= 0.3 && number(&first["error"], "low") > 0.0, "{first}");
-        // One pass fewer is not enough.
+        // The render ended as early as possible: one pass fewer does not reach the target.
         let passes = first["passes"].as_u64().unwrap();
         let picture = sandbox.bytes("a.exr");
         if passes > 4 {
@@ -128,7 +128,8 @@ fn estimate_forecasts_passes_that_suffice() {
         let words = format!("render box.txt -o a.exr --stats a.json {flags}");
         sandbox.run(&words.split_whitespace().collect::<Vec<_>>()).expect(0, &[]);
         let (passes, ended) = (number(price, "passes"), number(&stats(&sandbox), "passes"));
-        // Eight passes of 1200 pixels estimate a variance to some percent, and with it the passes.
+        // The variance is estimated from eight passes of 1200 pixels. Its error, and so that of the
+        // number of passes, is a few percent.
         assert!((ended - passes).abs() <= 1.0 + 0.15 * passes, "{ended} {passes}");
     }
     assert_eq!(number(&list, "range_probability"), 0.8);
@@ -165,8 +166,8 @@ fn estimate_compares_algorithms() {
     let rows: Vec<&str> = times.lines().skip(1).collect();
     assert_eq!(rows[0].split_whitespace().collect::<Vec<_>>(), ["error", "path", "sppm", "ppm"]);
     assert!(rows.len() == 3 && rows[1..].iter().all(|row| row.matches('*').count() == 1), "{table}");
-    // The scene has a glass ball. Path tracing may be the quickest algorithm, but it cannot
-    // estimate its own error there.
+    // The scene has a glass ball, whose caustics path tracing misses. It may be the quickest
+    // algorithm, but it cannot estimate its own error there.
     let path_cells = rows[1..].iter().map(|row| &row[row.find('%').unwrap() + 1..row.find(')').expect(row)]);
     assert!(path_cells.clone().all(|cell| cell.contains('(') && !cell.contains('*')), "{table}");
 

@@ -1,16 +1,17 @@
-//! Film files: renders that go on after an interruption, and renders in parts.
+//! Film files: renders that continue after an interruption, and renders in parts.
 
 use super::CliSandbox;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// Flags of a render of `passes` passes that leaves the picture `name`.exr.
+/// Returns flags of a render of `passes` passes that writes the picture `name`.exr.
 fn flags(name: &str, passes: u32, more: &str) -> String {
     format!("-o {name}.exr --passes {passes} --photons 1k {more}")
 }
 
-/// A render that continues from a film has the bits of an uninterrupted render, with any number of
-/// threads. No pass is rendered twice.
+/// A render that continues from a film has the same bits as an uninterrupted render.
+///
+/// This holds with any number of threads. No pass is rendered twice.
 #[test]
 fn continued_renders_have_the_bits_of_one_render() {
     for integrator in ["hybrid", "sppm", "path"] {
@@ -36,7 +37,8 @@ fn continued_renders_have_the_bits_of_one_render() {
     }
 }
 
-/// Checks that a render that SIGKILL ended `kills` times continues from its last save.
+/// Kills a render `kills` times by SIGKILL, and checks that the continued render has the bits of a
+/// whole one.
 #[cfg(unix)]
 fn kill_and_continue(kills: u32) {
     let sandbox = CliSandbox::new();
@@ -46,7 +48,7 @@ fn kill_and_continue(kills: u32) {
         let mut command = Command::new(env!("CARGO_BIN_EXE_caustica"));
         command.current_dir(sandbox.path(".")).args(["render", "box.txt"]).args(arguments("killed").split_whitespace());
         let mut child = command.stderr(Stdio::null()).spawn().unwrap();
-        // Times from before the first pass to after the last one.
+        // The waiting times range from before the first pass to after the last one.
         std::thread::sleep(Duration::from_millis(u64::from(kill * 7919 % 400)));
         child.kill().unwrap();
         child.wait().unwrap();
@@ -68,8 +70,9 @@ fn often_killed_renders_go_on_from_the_film() {
     kill_and_continue(30);
 }
 
-/// A film of another scene or of other settings is refused and stays as it is. Settings that alter
-/// no pass may change.
+/// A film of another scene or of other settings is refused, and its file does not change.
+///
+/// Settings that alter no pass may differ.
 #[test]
 fn films_of_other_renders_are_refused() {
     let sandbox = CliSandbox::new();

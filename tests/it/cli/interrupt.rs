@@ -1,4 +1,5 @@
-//! Ctrl-C: the first one writes the image so far, the second one nothing.
+//! Ctrl-C: the first one ends the render and writes the picture so far, the second one writes
+//! nothing.
 #![cfg(unix)]
 
 use super::{CliSandbox, unframed_text};
@@ -52,7 +53,7 @@ impl Drop for Render {
     }
 }
 
-/// Returns the number of passes in `--passes N repeats`.
+/// Returns N from the words `--passes N` in `words`.
 fn passes(words: &str) -> &str {
     let (_, after) = words.split_once("--passes ").unwrap_or_else(|| panic!("no number of passes in: {words}"));
     after.split(' ').next().unwrap()

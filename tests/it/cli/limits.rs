@@ -1,9 +1,10 @@
-//! The end of a render without limits, of a preview, and of a render with limits.
+//! The end of a render: without limits, of a preview, and with limits.
 
 use super::{CliSandbox, ProgramRun};
 use serde_json::Value;
 
-/// Scene of a ball on a plane under a point light. Noise comes only from edges and from one bounce.
+/// Scene of a ball on a plane under a point light. Its only noise comes from edges and from one
+/// bounce of indirect light.
 const BALL: &str = "\
 PerspectiveCamera { center 0 2 6  lookAt 0 .8 0  angle 35  width 24  height 18 }
 Lights { PointLight { position 3 5 3  power 200 200 200 } }
@@ -15,7 +16,7 @@ Group {
 }
 ";
 
-/// Renders the ball, and returns the run and its statistics.
+/// Renders the ball with the flags `more`, and returns the run and its statistics.
 fn rendered(more: &str) -> (ProgramRun, Value) {
     let sandbox = CliSandbox::new();
     sandbox.put("ball.txt", BALL);

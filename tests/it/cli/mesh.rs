@@ -3,8 +3,9 @@
 use super::{CliSandbox, ProgramRun};
 use serde_json::Value;
 
-/// A cube from 0 to 2 by 2 and 1, of two materials: one face with reversed winding, one twice, one
-/// without area, and an unused vertex.
+/// OBJ file of a box of 2 × 2 × 1 with two materials and faults.
+///
+/// One face has reversed winding, one occurs twice, and one has no area. One vertex is unused.
 const WORN: &str = "mtllib worn.mtl\nv 0 0 0\nv 2 0 0\nv 0 2 0\nv 2 2 0\nv 0 0 1\nv 2 0 1\nv 0 2 1\nv 2 2 1\nv 9 9 9\nv 2 2 1\n\
 usemtl red\nf 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nusemtl glass\nf 3 4 10 7\nf 1 5 7 3\nf 2 4 8 6\nf 2 6 8 4\nf 1 1 2\n";
 
@@ -71,7 +72,8 @@ fn repaired_mesh_is_equal_in_every_format() {
         assert_eq!(repaired["repaired"]["degenerate"], 1);
         assert!(repaired["repaired"]["turned"].as_u64() > Some(0));
         let mut again = report(&sandbox, output.trim_end_matches(" --ascii"))["before"].clone();
-        // OBJ counts positions, and PLY holds no materials.
+        // OBJ counts positions as vertices, and PLY holds no materials. These two numbers may
+        // differ.
         again["vertices"] = 24.into();
         again["materials"] = after["materials"].clone();
         assert_eq!(again, *after, "{output}");
@@ -110,7 +112,7 @@ fn obj_output_brings_its_materials() {
     std::fs::create_dir(sandbox.path("far")).unwrap();
     run(&sandbox, "mesh worn.obj -o far/out.obj --quiet").expect(0, &[]);
     assert!(text("far/out.obj").contains("mtllib out.mtl\n") && text("far/out.mtl").contains("newmtl glass\nNi 1.5\n"));
-    // From that folder, the path of the image is longer.
+    // The path of the image is relative to the new folder, so it is longer.
     assert!(text("far/out.mtl").lines().any(|line| line.starts_with("map_Kd /") && line.ends_with("red.png")));
     let bare = text("far/out.mtl").lines().filter(|line| !line.contains(".png")).collect::<Vec<_>>().join("\n");
     sandbox.put("far/out.mtl", bare);

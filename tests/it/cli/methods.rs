@@ -14,10 +14,10 @@ fn json(ended: &ProgramRun) -> Value {
     serde_json::from_str(&ended.stdout).unwrap()
 }
 
-/// Flags of the cheapest study.
+/// Flags of a study with the least cost.
 const LEAST: &str = "--photons 1k --spp 1 --seeds 2 --budget 100s --passes 3";
 
-/// Returns a workshop with a reference of the box, and one of another seed.
+/// Returns a sandbox that holds a reference of the box, and another reference with another seed.
 fn with_references() -> CliSandbox {
     let sandbox = CliSandbox::new();
     for (name, seed) in [("a", 100), ("b", 200)] {
@@ -42,8 +42,8 @@ fn study_commands_repeat_it_bit_for_bit() {
         let command = method["command"].as_str().unwrap();
         let rendered = run(&sandbox, command.strip_prefix("caustica ").unwrap());
         rendered.expect(0, &["wrote "]);
-        // Against the image that the command renders, the last image of the first seed has zero
-        // error.
+        // The last image of the first seed is the image that the command renders. Its error against
+        // this image is zero.
         let picture = shell_words(command).pop().unwrap();
         let again = json(&run(&sandbox, &format!("{} {LEAST}", line.replace("a.exr,b.exr", &picture))));
         let same = again["methods"].as_array().unwrap().iter().find(|m| m["label"] == method["label"]).unwrap();

@@ -21,12 +21,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// The program in a temporary folder that holds `box.txt`.
+/// Temporary folder that holds `box.txt`, in which the program runs.
 struct CliSandbox {
     folder: tempfile::TempDir,
 }
 
-/// How a run of the program ended.
+/// Exit code and output of a run of the program.
 struct ProgramRun {
     code: Option<i32>,
     stdout: String,
@@ -34,7 +34,7 @@ struct ProgramRun {
     stderr: String,
 }
 
-/// A closed box with a light, glass and a mirror.
+/// Scene of a closed box with a light, glass and a mirror.
 const BOX: &str = "\
 PerspectiveCamera { center 0 1 3.9  lookAt 0 1 0  angle 40  width 40  height 30 }
 Background { color 0 0 0 }
@@ -128,7 +128,8 @@ impl ProgramRun {
 /// Returns a report's text without its frame, in one line.
 fn unframed_text(text: &str) -> String {
     let bare = text.replace(['│', '╭', '╰', '─', '▶', '╯', '┬', '·'], " ");
-    // A leading × is the report's mark. Elsewhere it stands between width and height.
+    // A × at the start of a line marks an error in a report. Elsewhere it stands between width and
+    // height.
     let lines = bare.lines().map(|line| line.trim_start().trim_start_matches("× "));
     lines.flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ")
 }

@@ -15,8 +15,8 @@ fn one_render_writes_all_its_outputs() {
     assert_eq!(sandbox.bytes("b.EXR"), sandbox.bytes("c.exr"));
     let (png, exr) = (read(&sandbox.path("a.png")), read(&sandbox.path("c.exr")));
     assert_eq!((png.width(), png.height(), exr.width(), exr.height()), (40, 30, 40, 30));
-    // Both hold the same image. Half a level of 255 is 1/510 of the signal, whose slope against
-    // radiance is at least 1/2.4.
+    // Both files hold the same image. The rounding error of 8 bits is 1/510 of the signal. The
+    // slope of the signal against radiance is at least 1/2.4.
     for (a, b) in png.pixels().iter().zip(exr.pixels()) {
         let b = b.clamp(Vec3::ZERO, Vec3::ONE);
         assert!((*a - b).abs().max_element() < 2.4 / 510.0 + 1e-5, "{a} {b}");
@@ -60,7 +60,7 @@ fn tone_exposure_and_bits_affect_only_png() {
         assert!(plain != make(name, more), "{name}");
         assert_eq!(sandbox.bytes(&format!("{name}.exr")), sandbox.bytes("plain.exr"), "{name}");
     }
-    // Bit depth is the ninth byte of the header chunk's data, which begins at 16.
+    // The data of the header chunk begins at byte 16, and its ninth byte is the bit depth.
     assert_eq!((plain[24], sandbox.bytes("deep.png")[24]), (8, 16));
     let mean = |name: &str| read(&sandbox.path(name)).pixels().iter().map(|p| p.element_sum()).sum::<f32>();
     assert!(mean("dark.png") < mean("plain.png") && mean("plain.png") < mean("bright.png"));

@@ -22,8 +22,8 @@ fn same_seed_gives_same_bytes() {
     assert!(zero == picture(&sandbox, "--passes 2 --time 1h --quiet --stats a.json --tone filmic"));
 }
 
-/// Each of these settings is in the list of docs/guide/command-line.md that names what determines
-/// the bits.
+/// Settings that docs/guide/command-line.md lists as determining the bits of the image do change
+/// it.
 #[test]
 fn light_settings_change_the_image() {
     let sandbox = CliSandbox::new();

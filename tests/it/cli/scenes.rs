@@ -1,11 +1,14 @@
-//! Scenes with little in them.
+//! Scenes with few or no objects and lights.
 
 use super::{CliSandbox, read};
 use glam::Vec3;
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 5 lookAt 0 0 0 angle 30 width 12 height 10 }\n";
 
-/// Renders with both integrators and returns the pixels of photon mapping and its messages.
+/// Renders by ray casting and by the default integrator. Returns the pixels and messages of the
+/// second render.
+///
+/// Fails if a render fails or the second one prints a warning.
 fn pixels(text: &str) -> (Vec<Vec3>, String) {
     let sandbox = CliSandbox::new();
     sandbox.put("a.txt", format!("{CAMERA}{text}"));

@@ -5,8 +5,9 @@ use super::{CliSandbox, read};
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 
-/// Starts a render with `flags` by the shell words `launcher`, and reads its messages until the
-/// second pass.
+/// Starts a render with `flags`, and reads its messages until the second pass.
+///
+/// `launcher` holds shell words that precede the program, such as `nohup`.
 fn start(sandbox: &CliSandbox, launcher: &str, flags: &str) -> (Child, BufReader<std::process::ChildStderr>) {
     let program = env!("CARGO_BIN_EXE_caustica");
     let line = format!("{launcher} {program} render box.txt -o a.exr --photons 1k --passes 1M --time 120s {flags}");

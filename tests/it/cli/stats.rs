@@ -5,7 +5,9 @@ use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Collects the dotted paths of all values that are not objects.
+/// Adds to `found` the dotted path of each value in `value` that is not an object.
+///
+/// `path` is the path of `value` itself.
 fn json_paths(value: &Value, path: &str, found: &mut BTreeSet<String>) {
     match value {
         Value::Object(fields) => {
@@ -41,14 +43,14 @@ fn stats(more: &str) -> Value {
 #[test]
 fn docs_describe_exactly_every_stats_field() {
     let mut found = BTreeSet::new();
-    // Without given photon counts, so that every field has a value.
+    // The flags give no photon counts, so that every field has a value.
     let balanced = CliSandbox::new();
     balanced.put("sky.txt", super::BOX.replace("Lights {", "Lights { EnvironmentLight { radiance .1 .1 .1 }"));
     let arguments = "render sky.txt -o a.png --integrator sppm --size 8x8 --passes 4 --stats a.json";
     balanced.run(&arguments.split(' ').collect::<Vec<_>>()).expect(0, &[]);
     json_paths(&serde_json::from_slice(&balanced.bytes("a.json")).unwrap(), "", &mut found);
-    // `photons` and `emission_guiding` hold the same fields for both maps. The page describes them
-    // once.
+    // `photons` and `emission_guiding` have the same fields for both maps, which the page describes
+    // once, as `*`.
     let found: BTreeSet<String> = found
         .iter()
         .map(|f| f.replace("photons.global.", "photons.*.").replace("photons.caustic.", "photons.*."))
@@ -97,10 +99,10 @@ fn stats_report_given_settings() {
     assert!((rate("photons_per_second") * second("photons") / 8100.0 - 1.0).abs() < 1e-9);
 }
 
-/// Emitted = absorbed + escaped + stopped + roulette in every channel.
+/// In every channel, emitted flux = absorbed + escaped + stopped + roulette.
 ///
-/// Each path rounds in single precision (2⁻²⁴ per bounce), and sums are double. 10⁻⁶ of the flux
-/// holds for paths of up to sixteen bounces; longer ones carry little.
+/// Each path has rounding errors of 2⁻²⁴ per bounce in single precision, and sums are double. The
+/// tolerance of 10⁻⁶ holds for paths of up to sixteen bounces; longer ones carry little flux.
 #[test]
 fn the_energy_audit_adds_up() {
     for more in ["--photons 20k --passes 2", "--photons 20k --max-bounces 0", "--photons 20k --max-bounces 2 --seed 3"]

@@ -34,7 +34,7 @@ fn plan_lists_work_of_each_effect() {
     table.expect(0, &[]);
     assert!(table.stdout.contains(" rays, ") && table.stdout.contains("total about "), "{}", table.stdout);
     assert!(table.stdout.lines().all(|l| l.chars().count() <= 110), "{}", table.stdout);
-    // Numbers are counts, not seconds, so they do not depend on threads.
+    // The table holds counts and no times, so it does not depend on threads.
     assert_eq!(table.stdout, run(&sandbox, &format!("{line} --threads 1")).stdout);
 }
 

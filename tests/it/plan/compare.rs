@@ -23,7 +23,8 @@ pub struct RenderSettings {
 }
 
 impl RenderSettings {
-    /// Few photons, because radii and aims of pilots reveal any difference.
+    /// Settings with few photons, as few suffice: any difference changes the radii and aims that
+    /// pilots find.
     pub fn new(algorithm: Algorithm) -> Self {
         Self {
             algorithm,
@@ -40,7 +41,7 @@ impl RenderSettings {
     }
 }
 
-/// All passes of a render.
+/// Pixels of all passes, counters and plan decisions of a render.
 pub struct Picture {
     pub pixels: Vec<Rgb>,
     pub counters: Counters,
@@ -76,7 +77,7 @@ impl Picture {
         picture
     }
 
-    /// Returns a message if any bit differs.
+    /// Returns a message if any bit of both pictures differs; `None` if all are equal.
     pub fn difference(&self, other: &Self) -> Option<String> {
         assert_eq!(self.pixels.len(), other.pixels.len());
         let bits = |p: &Rgb| p.to_array().map(f32::to_bits);
@@ -88,8 +89,9 @@ impl Picture {
     }
 }
 
-/// Compares a render as planned with one with `forced` effects, and returns a message if any bit
-/// differs.
+/// Compares the planned render with one that forces effects on or off by `forced`.
+///
+/// Returns a message if any bit differs.
 pub fn difference(scene: &Scene, how: &RenderSettings, forced: EffectOverrides) -> Option<String> {
     let planned = Picture::new(scene, how, EffectOverrides::PLANNED);
     let found = planned.difference(&Picture::new(scene, how, forced))?;

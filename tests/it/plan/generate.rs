@@ -1,7 +1,7 @@
-//! Random scenes.
+//! Random scenes for tests of plans.
 //!
-//! Most scenes have few objects, so that plans switch many effects off. Lights are often near the
-//! limit of a test whether they reach an object or shine on its side.
+//! Most scenes have few objects, so that plans switch many effects off. Plans test whether lights
+//! reach an object or shine on its side. Many lights are near the limits of these tests.
 
 use super::sketch::{Light, LightKind, Material, MediumSketch, Moving, Object, Shape, Sketch};
 use glam::DVec3;
@@ -32,7 +32,8 @@ impl Random {
         self.between(0.0, 1.0) < p
     }
 
-    /// Returns a number in the range, rounded to thousandths so that texts stay short.
+    /// Returns a number from `low` to `high`, rounded to thousandths so that scene texts stay
+    /// short.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         let u = (self.next() >> 11) as f64 / (1u64 << 53) as f64;
         ((low + (high - low) * u) * 1000.0).round() / 1000.0
@@ -46,7 +47,7 @@ impl Random {
         DVec3::new(self.between(-reach, reach), self.between(-reach, reach), self.between(-reach, reach))
     }
 
-    /// Returns a direction, along an axis or not.
+    /// Returns a random direction of any length, often along an axis.
     fn direction(&mut self) -> DVec3 {
         if self.chance(0.4) {
             return self.pick(&[DVec3::X, DVec3::Y, DVec3::Z]) * self.pick(&[-1.0, 1.0]);
@@ -78,7 +79,7 @@ impl Random {
     }
 }
 
-/// Probabilities of a scene's contents.
+/// Kinds, probabilities and largest numbers of a random scene's contents.
 #[derive(Clone, Copy, Debug)]
 struct SceneStyle {
     materials: &'static [Kind],
@@ -126,7 +127,7 @@ enum Lamp {
     DiscAway,
     Rectangle,
     Sky,
-    /// On an object, or in its plane.
+    /// Light on a flat object, or in its plane.
     Level,
 }
 
@@ -210,7 +211,7 @@ const SCENE_STYLES: [SceneStyle; 11] = [
     SceneStyle { black_light: 0.9, emission: 0.0, most_lights: 7, ..PLAIN },
 ];
 
-/// Returns the scene of a seed.
+/// Returns the random scene of a seed.
 pub fn sketch(seed: u64) -> Sketch {
     let r = &mut Random::new(seed);
     let mood = r.pick(&SCENE_STYLES);
@@ -235,7 +236,7 @@ pub fn sketch(seed: u64) -> Sketch {
     for _ in 0..r.below(mood.most_lights + 1) {
         add_light(r, &mood, &mut sketch);
     }
-    // Light from infinity is refused there.
+    // A scene with an ambient medium may not have light from infinity.
     let endless = |l: &Light| matches!(l.kind, LightKind::Environment | LightKind::Directional(_));
     if r.chance(0.1) && !sketch.lights.iter().any(endless) {
         sketch.filling =
@@ -251,7 +252,7 @@ pub fn sketch(seed: u64) -> Sketch {
     sketch
 }
 
-/// Returns a random moving part with its transforms.
+/// Returns a random part of the scene that moves, with its transforms; `None` if no part can move.
 fn motion(r: &mut Random, sketch: &Sketch) -> Option<(Moving, String)> {
     let lights: Vec<usize> =
         (0..sketch.lights.len()).filter(|i| !matches!(sketch.lights[*i].kind, LightKind::Environment)).collect();
@@ -267,7 +268,7 @@ fn motion(r: &mut Random, sketch: &Sketch) -> Option<(Moving, String)> {
     Some((moving, r.pick(&[shift.as_str(), turn.as_str(), &format!("{shift}  {turn}")]).to_owned()))
 }
 
-/// Returns the scene with one more object or light.
+/// Returns the scene `sketch` with one more object or light.
 pub fn more(sketch: &Sketch, seed: u64) -> Sketch {
     let r = &mut Random::new(seed);
     let mut more = sketch.clone();
@@ -286,7 +287,7 @@ fn camera(r: &mut Random, sketch: &Sketch) -> String {
         Some(Shape::Sphere(c, _) | Shape::Ellipsoid(c, ..) | Shape::Mesh(_, c, ..)) if r.chance(0.2) => {
             (*c + r.place(0.05), *c + r.direction())
         }
-        // Along a flat object.
+        // The camera looks along the plane of a flat object.
         Some(Shape::Rectangle(c, a, b)) if r.chance(0.1) => (*c - *a * 2.0, *c + *b * 0.5),
         _ => {
             let center = r.direction().normalize() * r.between(4.0, 9.0);
@@ -337,7 +338,7 @@ fn add_material(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
     sketch.materials.push(material);
 }
 
-/// Returns a mix of earlier materials; it holds at most one body.
+/// Returns a mix of two earlier materials, of which at most one is a body.
 fn mix(r: &mut Random, sketch: &Sketch, before: usize) -> Material {
     let (a, b, amount) = (r.below(before), r.below(before), r.pick(&[0.0, 0.25, 0.5, 1.0]));
     let body = |i| bodies(sketch, i);
@@ -351,7 +352,8 @@ fn mix(r: &mut Random, sketch: &Sketch, before: usize) -> Material {
     }
 }
 
-/// Returns the index of the body in a material.
+/// Returns the index of the body material in material `i`, which may be a mix; `None` if there is
+/// none.
 fn bodies(sketch: &Sketch, i: usize) -> Option<usize> {
     match sketch.materials[i] {
         Material::Mix(a, b, _) | Material::Mask(a, b) => bodies(sketch, a).or(bodies(sketch, b)),
@@ -362,7 +364,8 @@ fn bodies(sketch: &Sketch, i: usize) -> Option<usize> {
 
 fn add_object(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
     let center = match sketch.objects.last().map(|o| &o.shape) {
-        // One body inside another.
+        // The new object is around the center of the last sphere, so that one body may be inside
+        // another.
         Some(Shape::Sphere(c, _)) if r.chance(0.4) => *c,
         _ => r.place(2.0),
     };
@@ -437,7 +440,7 @@ fn add_light(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
     sketch.lights.push(Light { kind, strength: r.strength(mood.black_light) });
 }
 
-/// Returns a light without extent in or along the surface of the first flat object.
+/// Returns a point light in the plane of the first flat object, or a directional light along it.
 fn level(r: &mut Random, sketch: &Sketch) -> LightKind {
     let (place, edges) = match sketch.objects.iter().map(|o| &o.shape).find(|s| s.is_flat()) {
         Some(Shape::Rectangle(c, a, b)) => (*c, [*a, *b]),

@@ -1,4 +1,4 @@
-//! Checks a plan's statements about a scene, from the scene's parts and by brute force.
+//! Checks the statements of a plan about a scene, from the parts of its sketch and by brute force.
 
 use super::sketch::{Light, LightKind, Material, MediumSketch, Object, Sketch};
 use caustica::color::Rgb;
@@ -9,13 +9,13 @@ use caustica::sampling::{Dimension, Key, Purpose, sobol_2d};
 use caustica::scene::Scene;
 use glam::DVec3;
 
-/// Number of photons that try to find a specular object.
+/// Number of photon paths that are traced to find out whether light reaches a specular object.
 const PHOTONS: u32 = 4096;
 
 /// Number of points of a light that are tested against specular objects.
 const LIGHT_POINTS: u32 = 16;
 
-/// Returns a message if the plan wrongly switches an effect off.
+/// Returns a message if the plan switches an effect off for a reason that is false; else `None`.
 pub fn plan_contradiction(sketch: &Sketch, scene: &Scene, plan: &Plan) -> Option<String> {
     let off = plan.decisions.iter().filter(|d| !d.is_simulated);
     let wrong = off.filter(|d| !is_true(sketch, scene, plan, d.reason));
@@ -79,7 +79,7 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: EffectReason) ->
 
 /// Returns true if an object has no effect on light, as if it were air.
 ///
-/// An object that displaces another body stays in the scene, so the plan must count it.
+/// In an ambient medium, such an object displaces the medium, so the result is false.
 fn is_nothing(sketch: &Sketch, object: &Object) -> bool {
     let air = matches!(sketch.materials[object.material], Material::Dielectric(index, absorbed, ..) if index == 1.0 && absorbed == DVec3::ZERO);
     air && object.emission == DVec3::ZERO && sketch.filling.is_none()
@@ -90,7 +90,7 @@ fn is_off(plan: &Plan, effect: Effect) -> bool {
 }
 
 impl Light {
-    /// Returns true if the material has a surface, which can also occlude.
+    /// Returns true if the light has a surface, which can also occlude.
     pub fn is_object(&self) -> bool {
         matches!(self.kind, LightKind::Sphere(..) | LightKind::Disc(..) | LightKind::Rectangle(..))
     }
@@ -129,8 +129,10 @@ fn casts(material: &Material) -> bool {
     }
 }
 
-/// Returns true if no photon path reaches a specular object, and no light reaches a point of a
-/// specular object, even if all other objects are ignored.
+/// Returns true if light reaches no specular object.
+///
+/// This is so if no photon path hits one, and no light could reach a point on one without the other
+/// objects.
 fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     if let Some(source) = PhotonSource::emitting_in_all_directions(scene) {
         let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };

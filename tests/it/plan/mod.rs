@@ -1,5 +1,4 @@
-//! The plan's promise: an image with only the needed effects equals one with all effects, bit for
-//! bit.
+//! Tests of plans: a render with only the needed effects equals one with all effects, bit for bit.
 //!
 //! `CAUSTICA_PLAN_SEEDS=N cargo test --test it plan::` checks N random scenes instead of the usual
 //! number.

@@ -6,15 +6,19 @@ use caustica::plan::{Effect, EffectOverrides, Effects};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
-/// Integrators with distinct behaviour. `Pm` represents all integrators that show both maps
-/// directly, because its gather rays can be forced off.
+/// Integrators with distinct behaviour.
+///
+/// `Pm` represents all integrators that show both maps directly, because its gather rays can be
+/// forced off.
 const ALGORITHMS: [Algorithm; 6] =
     [Algorithm::Hybrid, Algorithm::Path, Algorithm::Pm, Algorithm::Distributed, Algorithm::Whitted, Algorithm::Raycast];
 
 const CAMERA: &str = "PerspectiveCamera { center 0 3 6  lookAt 0 .5 0  angle 40  width 16  height 12 }";
 
-/// A body of coloured glass that moves over a floor, under a uniform sky and a light, before a
-/// lens: it needs every effect.
+/// Scene that needs every effect.
+///
+/// A body of coloured glass moves over a floor, under a uniform sky and a light. The camera has a
+/// lens.
 fn everything() -> Scene {
     scene(&format!(
         "{}
@@ -63,7 +67,7 @@ fn disc() -> Scene {
     ))
 }
 
-/// Renders with enough photons that gather rays find photons that have left a caustic.
+/// Renders with enough photons that gather rays find photons that continue from a caustic.
 fn picture(scene: &Scene, algorithm: Algorithm, effects: EffectOverrides) -> Picture {
     Picture::new(
         scene,
@@ -109,7 +113,7 @@ fn disabling_unneeded_effect_changes_nothing() {
     }
 }
 
-/// Returns the counters of a render with the effects `off`.
+/// Returns the counters of a planned render with the effects `off` forced off.
 fn work(scene: &Scene, algorithm: Algorithm, off: &[Effect]) -> Counters {
     picture(scene, algorithm, off.iter().fold(EffectOverrides::PLANNED, |w, e| w.without_effect(*e))).counters
 }
@@ -170,7 +174,7 @@ fn unneeded_effects_cost_nothing() {
     }
 }
 
-/// A medium that no object contains must not change pilots, whatever is forced on.
+/// A medium that no object contains does not change pilots, whatever effects are forced on.
 #[test]
 fn unused_media_change_nothing() {
     let scene = scene(&format!(

@@ -9,7 +9,8 @@ use caustica::plan::{Effect, EffectOverrides, EffectReason, Effects, Plan};
 use glam::DVec3;
 use std::mem::{Discriminant, discriminant};
 
-/// Every reason for an effect to be off, except that the integrator does not simulate it.
+/// Every reason for which a plan switches an effect off, except that the integrator does not
+/// simulate it.
 const OFF: [EffectReason; 13] = [
     EffectReason::NoLight,
     EffectReason::NoCaster,
@@ -31,7 +32,7 @@ fn seeds(usual: u64) -> std::ops::Range<u64> {
     0..given.unwrap_or(usual)
 }
 
-/// Panics with all findings.
+/// Panics with the number of findings and the first of them; does nothing if there are none.
 fn report(wrong: &[String]) {
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong[..wrong.len().min(5)].join("\n\n"));
 }
@@ -69,8 +70,8 @@ fn adding_objects_removes_no_effect() {
         let (less, more) = (sketch(seed), more(&sketch(seed), seed + 7));
         let [before, after] =
             [&less, &more].map(|s| Plan::new(&scene(&s.text()), Effects::ALL, EffectOverrides::PLANNED));
-        // In an empty scene the effect of shadows is on although nothing casts one. The plan allows
-        // that, but later comparisons need an object.
+        // In an empty scene, the effect of shadows is on although nothing casts one. Plans may say
+        // so, but with an object the effect may then be off.
         if before.features.objects == 0 {
             continue;
         }
@@ -83,7 +84,7 @@ fn adding_objects_removes_no_effect() {
     report(&wrong);
 }
 
-/// Returns settings of a seed, on which the plan must not depend.
+/// Returns random settings, on which the plan must not depend.
 fn random_settings(r: &mut Random, algorithm: Algorithm) -> RenderSettings {
     RenderSettings {
         passes: 1 + r.below(2) as u32,
@@ -99,7 +100,7 @@ fn random_settings(r: &mut Random, algorithm: Algorithm) -> RenderSettings {
 const CHEAP: [Algorithm; 4] = [Algorithm::Path, Algorithm::Distributed, Algorithm::Whitted, Algorithm::Raycast];
 const PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Pm, Algorithm::Sppm, Algorithm::Ppm];
 
-/// Returns overrides that force all effects, or one that the scene does not need.
+/// Returns overrides that force all effects on, or only one that the plan switches off.
 fn random_forced_effects(r: &mut Random, plan: &Plan) -> EffectOverrides {
     let off: Vec<Effect> = plan.decisions.iter().filter(|d| !d.is_simulated).map(|d| d.effect).collect();
     if off.is_empty() || r.chance(0.6) {
@@ -117,7 +118,7 @@ fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut RenderSetting
     change(&mut how);
     let plan = Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::PLANNED);
     let found = difference(&scene, &how, random_forced_effects(r, &plan)).map(|d| format!("seed {seed}: {d}\n{text}"));
-    // Printed at once, because a search through many seeds takes long.
+    // A finding is printed at once, because a search through many seeds takes long.
     found.inspect(|found| eprintln!("{found}"))
 }
 
@@ -127,7 +128,9 @@ fn path_images_match_with_all_effects_on() {
     report(&seeds(1000).flat_map(each).collect::<Vec<_>>());
 }
 
-/// Radii are fixed and photons are not aimed, so that pilots cost nothing without caustics.
+/// Images by integrators with photons are the same bits with all effects on, at fixed radii.
+///
+/// Photons are not aimed either, so pilots cost nothing without caustics.
 #[test]
 fn fixed_radius_images_match_with_all_effects_on() {
     let each = |seed| check(seed, PHOTONS[seed as usize % 4], |how| (how.radius, how.caustic_photons) = (Some(0.2), 0));
@@ -139,8 +142,10 @@ fn photon_images_match_with_all_effects_on() {
     report(&seeds(60).filter_map(|seed| check(seed, PHOTONS[seed as usize % 4], |_| {})).collect::<Vec<_>>());
 }
 
-/// A floor, a ball, and many point lights: effects that are off must not change the probabilities
-/// of lights, not even by rounding.
+/// Images with many lights are the same bits with all effects on.
+///
+/// The scene has a floor, a ball, and many point lights. Effects that are off must not change the
+/// probabilities of lights, not even by rounding.
 #[test]
 fn many_light_images_match_with_all_effects_on() {
     let picture = |seed| {

@@ -1,4 +1,4 @@
-//! The plan changes no bit of the repository's scenes or the course's.
+//! Plans change no bit of the pictures of the repository's scenes and the course's.
 
 use super::compare::{RenderSettings, difference};
 use crate::support::{self, project_path};
@@ -27,7 +27,9 @@ fn read(path: &Path) -> Result<Scene, String> {
     file.resolve().map_err(|e| e.to_string())
 }
 
-/// Renders a scene with each integrator and returns a message for each difference.
+/// Renders a scene with each integrator, as planned and with all effects on.
+///
+/// Returns a message for each integrator whose pictures differ.
 fn differences(path: &Path, scene: &Scene, algorithms: &[Algorithm]) -> Vec<String> {
     let bounces = |algorithm| if algorithm == Algorithm::Sppm { 1 } else { 100 };
     let how = |algorithm| RenderSettings { max_bounces: bounces(algorithm), ..RenderSettings::new(algorithm) };
@@ -35,7 +37,9 @@ fn differences(path: &Path, scene: &Scene, algorithms: &[Algorithm]) -> Vec<Stri
     found.map(|d| format!("{}: {d}", path.display())).collect()
 }
 
-/// Pilots of large meshes take most of the time. So each scene is rendered by the default
+/// Pictures of the repository's scenes have the same bits with all effects on.
+///
+/// Pilots of large meshes take most of the time. So each scene is rendered only by the default
 /// integrator and one other.
 #[test]
 fn shipped_scenes_match_with_all_effects_on() {
@@ -68,7 +72,8 @@ fn course_scenes_match_with_all_effects_on() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
-/// Effects that need one of these words in the text of a scene.
+/// Effects, each with words of the scene language; an effect needs one of its words in the text of
+/// a scene.
 const NEEDS: [(Effect, &[&str]); 12] = [
     (Effect::Specular, &["Mirror", "Dielectric", "Thin", "Conductor"]),
     (Effect::Caustics, &["Mirror", "Dielectric", "Thin", "Conductor"]),
@@ -92,8 +97,8 @@ fn course_plans_match_scene_text() {
             let plan = Plan::new(&scene, algorithm.supported_effects(), EffectOverrides::PLANNED);
             for decision in plan.decisions {
                 let needs = NEEDS.iter().find(|(effect, _)| *effect == decision.effect).map(|(_, words)| *words);
-                // In general, a word in the text need not have an effect. In these scenes each word
-                // has one, unless the scene has no object.
+                // Elsewhere, a word in the text may have no effect. In these scenes each word has
+                // one, unless the scene has no object.
                 if needs.is_none() && scene.object_summaries().next().is_none() {
                     continue;
                 }

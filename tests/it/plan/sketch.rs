@@ -1,12 +1,12 @@
-//! Description of a random scene in parts, which can be written as scene text. Tests know its
-//! contents.
+//! Description of a random scene by parts, which tests can inspect. It can be written as scene
+//! text.
 
 use crate::support::project_path;
 use glam::{DMat3, DVec3};
 use std::fmt::{self, Display, Write};
 use std::fs;
 
-/// A scene.
+/// A random scene, described by its parts.
 #[derive(Clone, Debug)]
 pub struct Sketch {
     pub camera: String,
@@ -14,13 +14,13 @@ pub struct Sketch {
     pub lights: Vec<Light>,
     pub materials: Vec<Material>,
     pub objects: Vec<Object>,
-    /// The medium outside of all bodies.
+    /// The ambient medium, outside of all bodies.
     pub filling: Option<MediumSketch>,
-    /// The moving part and its transforms.
+    /// The part of the scene that moves, and its transforms as scene text.
     pub motion: Option<(Moving, String)>,
 }
 
-/// A moving part, by index from 0.
+/// A part of the scene that can move; lights and objects are given by their index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moving {
     Camera,
@@ -31,7 +31,7 @@ pub enum Moving {
 #[derive(Clone, Debug)]
 pub struct Light {
     pub kind: LightKind,
-    /// Radiance, intensity, irradiance or power.
+    /// Radiance, intensity, irradiance or power, depending on the kind of light.
     pub strength: DVec3,
 }
 
@@ -145,7 +145,7 @@ pub enum Shape {
     Mesh(&'static str, DVec3, f64, f64),
 }
 
-/// Prints as three numbers of the scene language.
+/// Vector that is printed as three numbers of the scene language.
 struct V(DVec3);
 
 impl Display for V {
@@ -204,12 +204,12 @@ impl Sketch {
         media
     }
 
-    /// Returns true if `is` holds for a part of the material of `object`.
+    /// Returns true if `is` holds for the material of `object` or for a component of it.
     pub fn is_of(&self, object: &Object, is: &dyn Fn(&Material) -> bool) -> bool {
         self.is_in(object.material, is)
     }
 
-    /// Returns true if a material is a mask or contains one.
+    /// Returns true if a material is a mask, or a mix that contains one.
     pub fn has_mask(&self, material: usize) -> bool {
         match &self.materials[material] {
             Material::Mix(first, second, _) => self.has_mask(*first) || self.has_mask(*second),
@@ -254,7 +254,7 @@ impl Display for Light {
 }
 
 impl Material {
-    /// Returns the text of the material's texture, empty if it has none.
+    /// Returns the scene text of the texture that material `i` uses; empty if it has none.
     fn texture(&self, i: usize) -> String {
         let noise = |a, b| format!("    Noise t{i} {{ color0 {}  color1 {}  frequency 3  amplitude 2 }}\n", V(a), V(b));
         match self {
@@ -326,7 +326,8 @@ impl Shape {
         matches!(self, Self::Disc(..) | Self::Rectangle(..) | Self::Plane(..))
     }
 
-    /// Returns some points of the surface; of a plane, points near the origin.
+    /// Returns points that are spread over the surface; for a plane, points within 100 of its given
+    /// point.
     pub fn points(&self) -> Vec<DVec3> {
         let around: Vec<DVec3> = (0..400).map(|i| direction(i, 400)).collect();
         let turned = |turn: f64| DMat3::from_rotation_y(turn.to_radians());
@@ -355,7 +356,7 @@ fn direction(i: u32, n: u32) -> DVec3 {
     DVec3::new(r * cos, r * sin, z)
 }
 
-/// Projects directions into the plane perpendicular to `n`.
+/// Projects each direction to the plane perpendicular to `n`.
 fn across(n: DVec3, directions: &[DVec3]) -> impl Iterator<Item = DVec3> {
     let n = n.normalize();
     directions.iter().map(move |d| *d - n * n.dot(*d))

@@ -14,14 +14,15 @@ use glam::{DVec3, Vec3};
 use std::hint::black_box;
 use std::path::Path;
 
-/// Relative rounding error of a double: half a step of numbers from 1 to 2.
+/// Largest relative rounding error of f64: half the distance of adjacent numbers from 1 to 2.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// Radiance of each pass. Two channels have an odd last digit, which a sum 2²⁹ times larger rounds
-/// off.
+/// Radiance of each pass.
+///
+/// Two channels have an odd last digit, which rounding removes in a sum that is 2²⁹ times larger.
 const CONSTANT: Rgb = Rgb::new(0.1, 0.7, 3e-5);
 
-/// Adds 10⁹ passes to a film of one pixel, one by one.
+/// The mean of 10⁹ equal passes, added one by one to a film of one pixel, is exact to rounding.
 #[test]
 fn mean_of_constant_survives_billion_samples() {
     let mut film = Film::new(1, 1);
@@ -29,15 +30,17 @@ fn mean_of_constant_survives_billion_samples() {
         film.add(black_box(&[CONSTANT]));
     }
     assert_eq!(film.passes(), 1_000_000_000);
-    // The sum and the quotient round once each; n²·2⁻¹⁰⁶ adds 10⁻¹⁴.
+    // The sum and the quotient round once each. The compensated sum of n values adds n²·2⁻¹⁰⁶ =
+    // 10⁻¹⁴.
     let off = (film.pixel_means().next().unwrap() / CONSTANT.as_dvec3() - 1.0).abs().max_element();
     assert!(off <= 2.0 * UNIT + 1e18 * UNIT * UNIT, "{off:e}");
     assert!(off < 1e-9);
     assert_eq!(film.mean(), [CONSTANT]);
 }
 
-/// Returns `n` values of 24 digits over 40 powers of two, like an image with fireflies. If
-/// `signed`, half of them are negative.
+/// Returns `n` values of 24 bits over 40 powers of two, like an image with fireflies.
+///
+/// If `signed`, half of them are negative.
 fn values(n: u64, signed: bool) -> Vec<Rgb> {
     let one = |i: u64| {
         let draw =
@@ -51,7 +54,7 @@ fn values(n: u64, signed: bool) -> Vec<Rgb> {
     (0..n).map(one).collect()
 }
 
-/// Returns the values in the given order, backwards, ascending, descending, and shuffled.
+/// Returns the values in five orders: as given, backwards, ascending, descending, and shuffled.
 fn orders(values: &[Rgb]) -> [Vec<Rgb>; 5] {
     let by = |key: &dyn Fn(&Rgb) -> f32| {
         let mut sorted = values.to_vec();
@@ -62,11 +65,13 @@ fn orders(values: &[Rgb]) -> [Vec<Rgb>; 5] {
     [values.to_vec(), values.iter().rev().copied().collect(), by(&|v| v.x.abs()), by(&|v| -v.x.abs()), by(&hash)]
 }
 
-/// The values span 40 octaves, and a pixel keeps at least 31 bits below its largest value. So each
-/// value is off by at most half of 2⁻³⁰ of the largest.
+/// The order of passes changes no bit of a film, and its sums are accurate.
 ///
-/// The reference is a sum of integers in units of 2⁻⁶⁴. The least digit of a value is 2⁻²⁰⁻²³, and
-/// 2²⁰ values below 2²¹ need 105 bits.
+/// The values span 40 powers of two, and a pixel keeps at least 31 bits below its largest value. So
+/// the error of each value is at most half of 2⁻³⁰ of the largest.
+///
+/// The reference is a sum of integers in units of 2⁻⁶⁴. The last bit of a value is at least
+/// 2⁻²⁰⁻²³, and a sum of 2²⁰ values below 2²¹ needs 105 bits.
 #[test]
 fn pass_order_changes_no_bit() {
     for signed in [false, true] {
@@ -75,7 +80,8 @@ fn pass_order_changes_no_bit() {
         let exact = |c: usize| values.iter().map(|v| (f64::from(v[c]) * libm::exp2(64.0)) as i128).sum::<i128>();
         let exact = DVec3::from_array([0, 1, 2].map(|c| exact(c) as f64 / libm::exp2(64.0)));
         let magnitudes: DVec3 = values.iter().map(|v| v.as_dvec3().abs()).sum();
-        // The rounding of the sum, of the quotient and of `exact`, and n²u² of the magnitudes.
+        // The bound covers the rounding of the sum, of the quotient and of `exact`, and the error
+        // n²u² of compensated sums, where u is `UNIT`.
         let bound = exact.abs() * 3.0 * UNIT + magnitudes * (n * UNIT) * (n * UNIT);
         let largest = values.iter().fold(0.0, |most: f32, v| most.max(v.abs().max_element()));
         let film_bound = bound + n * f64::from(largest) * libm::exp2(-31.0);
@@ -95,7 +101,7 @@ fn pass_order_changes_no_bit() {
     }
 }
 
-/// Passes are independent, so passes rendered in reverse order give the same image.
+/// Passes that are rendered in reverse order give the same image.
 #[test]
 fn passes_rendered_backwards_give_same_image() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/matte.txt");

@@ -14,8 +14,9 @@ fn resolved_scene(text: &str) -> Result<Scene, SceneError> {
     resolve(&description, &SourceText::new("hard.txt", text), Path::new(""))
 }
 
-/// Checks that the scene `text` is refused with an error that points at the words `place`, and that
-/// message or remedy contain `words`.
+/// Checks that the scene `text` is refused with a helpful error.
+///
+/// The error points at the words `place` in the text, and its message or remedy contains `words`.
 #[track_caller]
 fn assert_refused(text: &str, place: &str, words: &[&str]) {
     let error = resolved_scene(text).err().unwrap_or_else(|| panic!("accepted: {text}"));

@@ -1,5 +1,5 @@
-//! Curved shapes at double roots, at profiles that touch their axis, and at patch edges without
-//! length.
+//! Curved shapes in difficult cases: double roots, profiles that touch their axis, and patch edges
+//! without length.
 
 mod far;
 mod profiles;

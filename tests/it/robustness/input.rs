@@ -1,4 +1,4 @@
-//! Truncated, absurd or hostile input: replayed fuzz corpora, counts beyond memory, limits that
+//! Truncated, absurd or hostile input: replayed fuzz corpora, counts beyond memory, and limits that
 //! hold before allocation.
 
 mod circles;
@@ -32,14 +32,14 @@ impl InputSandbox {
         fs::write(self.path(name), bytes).unwrap();
     }
 
-    /// Writes a sparse file of `length` bytes that begins with `bytes`.
+    /// Writes a file of `length` bytes that begins with `bytes`. The rest is a hole, which takes no
+    /// disk space.
     fn put_long(&self, name: &str, bytes: impl AsRef<[u8]>, length: u64) {
         self.put(name, bytes);
         fs::File::options().write(true).open(self.path(name)).unwrap().set_len(length).unwrap();
     }
 
-    /// Runs the program with 2 GB of address space. A larger allocation kills it instead of being
-    /// refused.
+    /// Runs the program with 2 GB of address space. It dies if it allocates more.
     fn run(&self, arguments: &[&str]) -> Output {
         let program = env!("CARGO_BIN_EXE_caustica");
         let mut command = if cfg!(target_os = "linux") {

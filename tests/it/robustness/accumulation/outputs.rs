@@ -7,8 +7,10 @@ use glam::Vec3;
 use std::path::Path;
 use std::process::Command;
 
-/// Values around the range of 16-bit floats: the largest one, the next 32-bit float, the values
-/// where rounding would overflow, and larger values.
+/// Values around the range of 16-bit floats.
+///
+/// They are the largest 16-bit float, the next 32-bit float, the values around which rounding would
+/// overflow, and larger values.
 const EDGES: [f32; 6] = [65_504.0, 65_504.004, 65_519.996, 65_520.0, 1e30, f32::MAX];
 
 fn write_and_read_pixel(value: f32, options: &WriteOptions, name: &str) -> (Vec3, ClippedPixelReport) {
@@ -29,7 +31,7 @@ fn half_floats_saturate_at_65504_with_report() {
         let (found, report) = write_and_read_pixel(value, &WriteOptions::default(), "a.exr");
         assert_eq!((found.y, report), (value, ClippedPixelReport::default()), "32 bits hold {value}");
     }
-    // Values in range round to 11 digits, or below 2⁻¹⁴ to 2⁻²⁴, by half a step.
+    // Values in range are rounded to 11 bits by at most half a step. Below 2⁻¹⁴, the step is 2⁻²⁴.
     for value in [1.0 / 3.0, 1234.567, libm::exp2f(-14.0) * 1.3, 6e-8] {
         let (found, report) = write_and_read_pixel(value, &options, "a.exr");
         let step = libm::exp2f((libm::log2f(value).floor() - 10.0).max(-24.0));
@@ -77,6 +79,8 @@ fn run_messages(scene: &str, folder: &Path, arguments: &str) -> (Option<i32>, St
     (ended.status.code(), String::from_utf8(ended.stderr).unwrap())
 }
 
+/// The program reports values that a file format cuts off.
+///
 /// A light fills the upper half of the image with radiance 10⁵, as bright as a flame.
 #[test]
 fn program_reports_clipped_values() {
@@ -94,7 +98,7 @@ fn program_reports_clipped_values() {
     assert!(text.contains("warning: 32 pixels of half.exr: clipped to 65504; --exr-bits 32"), "{text}");
     let half = image::read(&folder.path().join("half.exr")).unwrap();
     assert_eq!((half.pixels()[0], half.pixels()[63]), (Vec3::splat(65_504.0), Vec3::splat(0.5)));
-    // The report must be a warning, because notes are not always shown.
+    // The report must be a warning, because `-q` hides notes.
     let (_, text) = say("-q -o a.png -o half.exr --exr-bits 16");
     assert!(text.contains("32 pixels of half.exr") && !text.contains("a.png"), "{text}");
     let (_, text) = say("-o whole.exr");

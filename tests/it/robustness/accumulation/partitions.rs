@@ -57,6 +57,8 @@ fn render_in_parts(integrator: &dyn Integrator, passes: &[Pass], seed: u64) -> P
     parts.pop().unwrap()
 }
 
+/// Parts of a render that are merged in any order give the bits of one render.
+///
 /// The test covers three integrators, a moving scene, and a scene with a medium. Passes of the
 /// integrator `ppm` share camera paths.
 #[test]

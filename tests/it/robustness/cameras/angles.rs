@@ -7,13 +7,13 @@ use caustica::color;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use glam::{DVec2, DVec3, Vec2};
 
-/// Returns view directions with an up direction for each.
+/// Returns pairs of a view direction and an up direction.
 fn views() -> [(DVec3, DVec3); 4] {
     let oblique = DVec3::new(1.0, 2.0, -2.0) / 3.0;
     [(DVec3::NEG_Z, DVec3::Y), (DVec3::X, DVec3::Z), (oblique, DVec3::Y), (-oblique, DVec3::new(0.3, 5.0, 1.0))]
 }
 
-/// Returns points of an image: corners, middles of sides, and others.
+/// Returns points of an image: its corners, the middles of its sides, and others.
 fn points(width: u32, height: u32) -> impl Iterator<Item = DVec2> {
     let (w, h) = (f64::from(width), f64::from(height));
     [(0.0, 0.0), (w, 0.0), (0.0, h), (w, h), (0.5 * w, 0.0), (0.0, 0.5 * h), (0.25 * w, 0.75 * h), (0.5 * w, 0.5 * h)]
@@ -21,11 +21,11 @@ fn points(width: u32, height: u32) -> impl Iterator<Item = DVec2> {
         .map(|(x, y)| DVec2::new(x, y))
 }
 
-/// A ray through a point of the image has the tangents that the field of view gives it: rows are
-/// evenly spaced in the tangent.
+/// A ray through a point of the image has the tangents that the field of view gives it.
 ///
-/// Each component of a unit direction rounds to single precision once: off by 2⁻²⁵ at most, half an
-/// ulp below 1. Double-precision steps err by some 10⁻¹⁵.
+/// Rows are evenly spaced in the tangent. Each component of a unit direction rounds to single
+/// precision once, by at most 2⁻²⁵, half an ulp below 1. The errors of steps in double precision
+/// are near 10⁻¹⁵.
 #[test]
 fn perspective_directions_match_tangent_at_every_angle() {
     for angle in [1e-6, 1e-3, 0.1, 1.0, 60.0, 120.0, 179.0, 179.9, 179.999] {
@@ -49,8 +49,10 @@ fn perspective_directions_match_tangent_at_every_angle() {
     }
 }
 
-/// If a camera looks along an axis, the small components of directions keep all their digits. So
-/// the angle from top to bottom is accurate to 2⁻²³, two roundings, however small it is.
+/// A camera that looks along an axis keeps its field of view, however narrow it is.
+///
+/// The small components of directions keep all their digits. So the angle from top to bottom is
+/// accurate to 2⁻²³, two roundings.
 #[test]
 fn narrow_images_keep_their_field_of_view() {
     for angle in [1e-300, 1e-30, 1e-6, 1e-3] {
@@ -59,7 +61,7 @@ fn narrow_images_keep_their_field_of_view() {
         let ends = [0.0, 3.0].map(|y| camera.generate_ray(Vec2::new(1.5, y), None).direction);
         assert!(ends.iter().all(|d| d.is_finite() && d.z == -1.0), "{ends:?}");
         let found = f64::from(ends[0].y) - f64::from(ends[1].y);
-        // Below the range of single precision only zero is left.
+        // Angles below the range of single precision become zero.
         if angle > 1e-35 {
             assert!((found / radians - 1.0).abs() < libm::exp2(-23.0), "{angle}: {found:e}");
         } else {
@@ -68,11 +70,12 @@ fn narrow_images_keep_their_field_of_view() {
     }
 }
 
-/// A light covers .6 × .6 of the image at every angle, so the mean is .36 of its radiance.
+/// A light that covers .6 × .6 of the image has the right mean at every field of view.
 ///
-/// Rays are evenly spread over pixels and see the light or not. For n independent rays Hoeffding's
-/// bound is √(ln(2/10⁻⁶)/2n). A direction error of 2⁻²⁵ √3 moves an edge over half the image by (T
-/// + 1/T) 2⁻²⁴ of its half width, for two edges an axis.
+/// The mean is .36 of the light's radiance. Rays are evenly spread over pixels and see the light or
+/// not. For n independent rays, Hoeffding's bound is √(ln(2/10⁻⁶)/2n). Let T be the tangent of half
+/// the field of view. A direction error of 2⁻²⁵ √3 moves an edge over half the image by (T + 1/T)
+/// 2⁻²⁴ of its half width. There are two edges per axis.
 #[test]
 fn visible_light_has_correct_mean_at_extreme_angles() {
     let side = 16u32;
@@ -116,8 +119,9 @@ fn visible_light_has_correct_mean_at_extreme_angles() {
     assert_eq!(tried, 28);
 }
 
-/// Cameras with so narrow pixels that their rays would coincide are refused. Invalid angles are
-/// refused too; the error points at their position in the text.
+/// Invalid angles are refused, and so are pixels so narrow that their rays would coincide.
+///
+/// The error points at the position in the text.
 #[test]
 fn impossible_angles_are_refused_with_remedy() {
     let camera = |angle: &str, size: &str| {
@@ -126,7 +130,7 @@ fn impossible_angles_are_refused_with_remedy() {
     for angle in ["0", "-1", "180", "181", "1e300"] {
         assert_refused(&camera(angle, ""), angle, &["between 0 and 180 degrees"]);
     }
-    // 2 tan(a/2)/720 is 2⁻²⁴ at a = 720 · 2⁻²⁴ rad = .002459°.
+    // The limit is a width of 2⁻²⁴: 2 tan(a/2)/720 for a = 720 · 2⁻²⁴ rad = .002459°.
     for (angle, size) in [("1e-6", "width 1 height 1"), ("2.45e-3", ""), ("5e-324", "width 1 height 1")] {
         assert_refused(
             &camera(angle, size),
@@ -139,8 +143,8 @@ fn impossible_angles_are_refused_with_remedy() {
     {
         assert!(resolved_scene(&camera(angle, size)).is_ok(), "{angle} {size}");
     }
-    // At 60°, a row of 20,000 pixels reaches 11,547 times as far sideways as ahead. At 179.9° it
-    // would be two thousand times more.
+    // At 60°, a row of 20,000 pixels reaches 11,547 times as far sideways as ahead. At 179.9°, it
+    // would reach two thousand times further.
     assert!(resolved_scene(&camera("60", "width 20000 height 1")).is_ok());
     for (angle, size) in [("179.9", "width 20000 height 1"), ("179.9999", "")] {
         assert_refused(&camera(angle, size), "PerspectiveCamera", &["aside", "smaller `angle`", "EnvironmentCamera"]);
@@ -156,7 +160,7 @@ fn up_along_view_is_refused_with_remedy() {
             ("direction 0 0 -1", "0 0 -2"),
             ("direction 0 0 -1", "0 0 7"),
             ("direction 1 2 -2", "-2 -4 4"),
-            // The sine of the angle between them is 10⁻¹⁰.
+            // The sine of the angle between view direction and `up` is 10⁻¹⁰.
             ("direction 0 0 -1", "0 1e-10 1"),
             ("lookAt 1 3 3", "0 3 -2"),
         ] {
@@ -173,11 +177,12 @@ fn up_along_view_is_refused_with_remedy() {
     }
 }
 
-/// Accepts an `up` that is the view direction plus a perpendicular step of sine s. The image's
-/// vertical axis follows that step.
+/// An `up` that is nearly the view direction is accepted, and determines the vertical axis of the
+/// image.
 ///
-/// The image's up vector is a product whose terms cancel down to s, so its error is a few times
-/// 2⁻⁵³/s: 4 · 1.1·10⁻¹⁶ / 10⁻⁸ = 4.4·10⁻⁸. Directions round by 2⁻²⁵ = 3·10⁻⁸.
+/// `up` is the view direction plus a perpendicular step, with sine s of the angle between both. The
+/// image's up vector is a product whose terms cancel down to s. So its error is a few times 2⁻⁵³/s:
+/// 4 · 1.1·10⁻¹⁶ / 10⁻⁸ = 4.4·10⁻⁸. Directions round by 2⁻²⁵ = 3·10⁻⁸.
 #[test]
 fn up_nearly_along_view_is_kept() {
     for sine in [1e-2, 1e-5, 1e-8] {
@@ -220,8 +225,9 @@ fn orthographic_images_of_any_size_are_correct() {
     }
 }
 
-/// One pixel, a row and a column hold all directions. Longitude and latitude are those of the
-/// pixel, whatever the other side.
+/// Panoramas of one pixel, a row or a column cover the whole sphere of directions.
+///
+/// Longitude and latitude are those of the pixel, whatever the other side of the image.
 #[test]
 fn panoramas_of_any_size_cover_the_sphere() {
     for (width, height) in [(1, 1), (2, 1), (1, 20_000), (20_000, 1)] {

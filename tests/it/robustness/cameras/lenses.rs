@@ -18,7 +18,8 @@ fn scene(lens: &str) -> String {
     )
 }
 
-/// Zero aperture equals a pinhole in every bit of every integrator's image; an open lens does not.
+/// A lens of zero aperture equals a pinhole in every bit of every integrator's image; an open lens
+/// does not.
 #[test]
 fn zero_aperture_equals_pinhole_bit_for_bit() {
     let picture = |algorithm: Algorithm, lens: &str| {
@@ -54,7 +55,7 @@ fn zero_focus_distance_is_refused_with_remedy() {
     ] {
         assert_refused(&scene(lens), place, &["focusDistance", "above 0"]);
     }
-    // The camera's center, and a point behind it.
+    // The points are the camera's center and a point behind it.
     for point in ["0 1 4", "0 1 5"] {
         assert_refused(&scene(&format!("aperture .1 focusAt {point}")), point, &["in front of the camera"]);
     }
@@ -72,9 +73,9 @@ fn zero_focus_distance_is_refused_with_remedy() {
 /// Rays through all of a lens converge at the focus point, at any camera position and focus
 /// distance.
 ///
-/// A ray's origin is off by 2⁻²⁴ of the camera's coordinates, its direction by 2⁻²⁵ per axis. So
-/// its direction is that from the lens point to the focus point, relative to the lens center, to
-/// 2⁻²⁵ and double-precision rounding.
+/// A ray's origin has an error of 2⁻²⁴ of the camera's coordinates, and its direction of 2⁻²⁵ per
+/// axis. Both points, on the lens and in focus, are relative to the lens center. So the direction
+/// between them is accurate to 2⁻²⁵ and double-precision rounding.
 #[test]
 fn lens_rays_converge_at_any_focus_distance() {
     let (forward, up) = (DVec3::new(1.0, 2.0, -2.0) / 3.0, DVec3::Y);
@@ -85,8 +86,8 @@ fn lens_rays_converge_at_any_focus_distance() {
             for radius in [1e-12, 1e-3, 1.0, 1e6] {
                 let lens = Lens { radius, focus, blades: 0 };
                 let camera = Camera::perspective(center, forward, up, 1.0, 8, 6).unwrap().with_lens(lens);
-                // The same lens at the origin, looking straight ahead, shows the lens point of
-                // sample u.
+                // A camera at the origin that looks along −z has the same lens. The origins of its
+                // rays are the lens points of the samples u.
                 let flat = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 8, 6).unwrap().with_lens(lens);
                 for u in [(0.5, 0.5), (0.0, 0.0), (0.9, 0.2), (0.51, 0.5)].map(Vec2::from) {
                     for p in [(0.0, 0.0), (4.0, 3.0), (7.5, 1.0)].map(Vec2::from) {
@@ -96,8 +97,8 @@ fn lens_rays_converge_at_any_focus_distance() {
                         let to = (forward + x * right + y * upright) * focus - (on.x * right + on.y * upright);
                         let found = camera.generate_ray(p, Some(u));
                         let off = (found.direction.as_dvec3() - to.normalize()).abs().max_element();
-                        // The lens point is accurate to 2⁻²⁴, which rotates the direction by as
-                        // much at most.
+                        // The lens point is accurate to 2⁻²⁴. Its error rotates the direction by at
+                        // most as much.
                         assert!(
                             off <= libm::exp2(-25.0) + libm::exp2(-24.0) * 2f64.sqrt(),
                             "{center} {focus:e} {radius:e} {u} {p}: {off:e}"
@@ -110,7 +111,7 @@ fn lens_rays_converge_at_any_focus_distance() {
     }
 }
 
-/// Extreme lenses give no non-finite pixel and no rejected sample.
+/// Extreme lenses give images without non-finite pixels or rejected samples.
 #[test]
 fn extreme_lenses_give_finite_images() {
     for lens in [

@@ -29,16 +29,17 @@ fn cameras((width, height): (u32, u32)) -> [String; 3] {
     ]
 }
 
-/// Every integrator renders images of one pixel, one column and one row with error estimation, and
-/// all results are finite.
+/// Every integrator renders images of one pixel, one column and one row with error estimation.
+///
+/// All results are finite.
 #[test]
 fn tiny_images_are_finite_with_every_integrator() {
     for size in SIZES {
         for (i, camera) in cameras(size).into_iter().enumerate() {
             let scene = resolved_scene(&format!("{camera} {ROOM}")).unwrap();
             for algorithm in Algorithm::ALL {
-                // One pixel is cheap, so it is rendered with all cameras. Each integrator renders
-                // the long images with one camera.
+                // Images of one pixel are cheap, so every integrator renders them with all cameras.
+                // Each integrator renders long images with one camera.
                 if size != (1, 1) && i != algorithm as usize % 3 {
                     continue;
                 }
@@ -80,14 +81,17 @@ fn tiny_images_are_finite_with_every_integrator() {
     }
 }
 
-/// A light fills the view from one row or column on. Pixels before it are black, pixels after it
-/// bright. With the box filter a pixel covers nothing beyond itself.
+/// Pixels of images with 20,000 rows or columns are at the right place.
+///
+/// A light fills the view from one row or column on. Pixels before it are black, and pixels after
+/// it bright. With the box filter, a pixel covers nothing beyond itself.
 #[test]
 fn images_20000_pixels_long_are_correct() {
     let edge = 12_345u32;
     for (width, height) in [(1u32, 20_000u32), (20_000, 1)] {
         let column = height > width;
-        // The image covers 2 × 10⁻⁴ or 10⁻⁴ × 2. The light begins in the middle of pixel `edge`.
+        // The camera's film is 10⁻⁴ × 2 or 2 × 10⁻⁴. The light begins in the middle of pixel
+        // `edge`.
         let begin = 2.0 * (f64::from(edge) + 0.5) / 20_000.0 - 1.0;
         let size = if column { 2.0 } else { 1e-4 };
         let (corner, e0, e1) = match column {
@@ -137,8 +141,8 @@ fn tiny_images_have_files_and_metrics() {
             assert_eq!(report.non_finite, 0);
             let (back, _) = decode(Path::new("memory"), &file, PixelMeaning::Radiance, None).unwrap();
             assert_eq!((back.width(), back.height()), (width, height));
-            // Half a level times the greatest slope of the sRGB curve, 2.4/1.055 (see
-            // `reading_undoes_srgb_to_half_a_level`).
+            // The bound is half a level times the greatest slope of the inverse sRGB curve,
+            // 2.4/1.055 (see `reading_undoes_srgb_to_half_a_level`).
             let bound = match (format, depth) {
                 (OutputFormat::Exr, _) => 0.0,
                 (_, BitDepth::Eight) => 0.5 / 255.0 * 2.275,

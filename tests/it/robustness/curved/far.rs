@@ -24,8 +24,8 @@ fn random_vec2(rng: &mut SmallRng) -> Vec2 {
 ///
 /// The solver's discriminant is r² minus the squared distance of the line, which rounds by some
 /// ulps of (distance · r). Rays within 16 of these ulps of a tangent may hit or miss. The position
-/// is accurate to its rounding. The normal is accurate to the change by that rounding, plus its own
-/// rounding.
+/// is accurate to its rounding. The normal's error is its own rounding and the change by the
+/// rounding of the position.
 #[test]
 fn far_spheres_are_hit_correctly() {
     let mut rng = SmallRng::seed_from_u64(3);
@@ -50,12 +50,12 @@ fn far_spheres_are_hit_correctly() {
             let Some((t, u, v)) = found else { continue };
             hits += 1;
             let exact = (-b - discriminant.sqrt()) / a;
-            // Rounded once.
+            // t is rounded only once.
             assert!((f64::from(t) / exact.value() - 1.0).abs() <= 1.0 / 16_777_216.0, "{ray:?}: {t}");
             let s = ball.surface_point(&ray, t, Vec2::new(u, v));
             let n = (l + d.scaled(exact)).value();
-            // Half an ulp of each component, for coordinates below 2; at grazing incidence, the
-            // effect of an ulp in the square root.
+            // The first term is half an ulp of each component, for coordinates below 2. The second
+            // term is the effect of an ulp in the square root at grazing incidence.
             let slack =
                 3f64.sqrt() / 16_777_216.0 + 16.0 * f64::EPSILON * f64::from(distance) / discriminant.value().sqrt();
             assert!((s.ng.as_dvec3() - n).length() < slack, "{ray:?}: {} {n}", s.ng);
@@ -65,10 +65,10 @@ fn far_spheres_are_hit_correctly() {
     }
 }
 
-/// A shadow ray to a visible point ends before the light, so the light does not occlude itself.
+/// A far light does not occlude itself: a shadow ray to a visible point ends before the light.
 ///
-/// Points of an ellipsoid sampled by area may lie on its far side, which occludes itself. A ray
-/// along a surface may be decided either way, so points with a cosine below 10⁻³ do not count.
+/// Points of an ellipsoid sampled by area may lie on its far side, which occludes itself. Rays
+/// nearly along a surface may hit or miss, so points with a cosine below 10⁻³ do not count.
 #[test]
 fn far_lights_cast_no_shadow_on_themselves() {
     let squash = Transform::new(DAffine3::from_scale(DVec3::new(1.0, 0.6, 0.8))).unwrap();
@@ -80,7 +80,8 @@ fn far_lights_cast_no_shadow_on_themselves() {
     let mesh = Arc::new(one.clone());
     let edges = [DVec3::new(1.0, -0.2, 0.7), DVec3::new(0.1, 0.9, 0.6)];
     let rectangle = Shape::Rectangle(Rectangle::new(-0.5 * (edges[0] + edges[1]), edges[0], edges[1]));
-    // A dome, and a sail over a square: both are convex on the emissive side.
+    // The shapes are a dome, and a surface like a sail over a square. Both are convex on the
+    // emissive side.
     let profile = [DVec2::new(0.8, -0.8), DVec2::new(1.0, 0.9), DVec2::new(0.0, 0.9)];
     let bell = Shape::Revolution(Revolution::new(&SplineBasis::bezier_basis(3).unwrap(), &profile).unwrap());
     let square = [1.0, -1.0, 1.0];
@@ -115,7 +116,7 @@ fn far_lights_cast_no_shadow_on_themselves() {
                     LightSurface::Shape(shape) => shape.intersect(&ray).is_some(),
                     LightSurface::Triangles { .. } => tree.occluded(&ray, |_, _| false),
                 };
-                // For a point seen along the surface, the ray comes arbitrarily close to the
+                // A ray to a point that is seen along the surface comes arbitrarily close to the
                 // surface.
                 let slant = sample.wi.dot((target - p).normalize());
                 assert!(!blocked || slant < 1e-3, "{distance} {kind} {ray:?} {slant}");
@@ -126,10 +127,10 @@ fn far_lights_cast_no_shadow_on_themselves() {
     }
 }
 
-/// A floor lit by a far sphere reflects ρ·L·(r/d)²·cos θ without noise, since all directions of the
-/// cone count equally.
+/// A floor lit by a far sphere has no noise, as all directions of the cone of light count equally.
 ///
-/// The image shows a few units of the floor. Distance and angle vary over it by 2/d at most.
+/// It reflects ρ·L·(r/d)²·cos θ, with albedo ρ, radiance L, radius r, distance d and angle θ. The
+/// image shows a few units of the floor. Distance and angle vary over it by at most 2/d.
 #[test]
 fn far_sphere_light_loses_no_flux() {
     for distance in [1e3, 1e5, 1e6, 1e7] {
@@ -148,7 +149,7 @@ fn far_sphere_light_loses_no_flux() {
         let expected = 0.5 / 1.09f64.sqrt();
         for pixel in render_one_pass(&*method, 0) {
             let off = f64::from(pixel.x) / expected - 1.0;
-            // A few units of the squared distance, and some hundred roundings of shading.
+            // The distance varies by a few units, and shading rounds about a hundred times.
             assert!(off.abs() < 4.0 / distance + 100.0 / 16_777_216.0, "{distance}: off by {off}");
         }
     }

@@ -35,7 +35,9 @@ fn surface_of_revolution(profile: &[(f64, f64)], degree: usize) -> Shape {
     Shape::Revolution(Revolution::new(&SplineBasis::bezier_basis(degree + 1).unwrap(), &points).unwrap())
 }
 
-/// Builds a patch from homogeneous points, `columns` of them along v.
+/// Builds a Bézier patch of degrees `p` and `q` from homogeneous control points of a lower degree.
+///
+/// `points` holds rows of `columns` points along v.
 fn patch_of_points(points: &[DVec4], columns: usize, [p, q]: [usize; 2]) -> Shape {
     let rows: Vec<Vec<DVec4>> = points.chunks(columns).map(|row| elevated_to_degree(row.to_vec(), q)).collect();
     let along: Vec<Vec<DVec4>> =
@@ -46,16 +48,18 @@ fn patch_of_points(points: &[DVec4], columns: usize, [p, q]: [usize; 2]) -> Shap
     Shape::Patch(Patch::new([&bases[0], &bases[1]], &controls).unwrap())
 }
 
-/// A surface where `value` is 0 and `inside` is at least 0. Between the heights of its kinks
-/// `value` is convex along lines.
+/// A surface with a closed form: the points where `value` is 0 and `inside` is at least 0.
+///
+/// Between the heights of its kinks, `value` is convex along lines.
 struct KnownSurface {
     name: &'static str,
     shape: Shape,
     value: fn(DVec3) -> f64,
     inside: fn(DVec3) -> f64,
     kink: Option<f64>,
-    /// The point without a normal, and a direction from it towards the middle of the inside, or
-    /// along the surface.
+    /// Point without a normal, such as an apex, and a direction from it.
+    ///
+    /// The direction points towards the middle of the solid, or along the surface.
     tip: Option<(DVec3, DVec3)>,
 }
 
@@ -83,7 +87,8 @@ fn known_surfaces() -> Vec<KnownSurface> {
         kink: None,
         tip: None,
     };
-    // (s², s³) for s in [−1, 1]: both branches leave the axis along it.
+    // The profile (s², s³) for s in \[−1, 1] has a cusp on the axis. Both branches leave it along
+    // s² > 0.
     let cusp = |degree| KnownSurface {
         name: "cusp",
         shape: surface_of_revolution(&[(1.0, -1.0), (-1.0 / 3.0, 1.0), (-1.0 / 3.0, -1.0), (1.0, 1.0)], degree),
@@ -147,18 +152,21 @@ fn roots(f: &dyn Fn(f64) -> f64, lo: f64, hi: f64) -> (Vec<f64>, f64) {
     (found, least)
 }
 
-/// Distance from a tip \[length]: a ray this far inside of the tip must hit. The cone is half as
-/// wide there, and single precision rounds to a 50th of this distance.
+/// Distance from a tip \[length]. A ray that passes this far inside of the tip must hit.
+///
+/// The cone is half as wide there, and single-precision rounding is a 50th of this distance.
 const TIP_DISTANCE: f64 = 1e-5;
 
-/// Returns a ray from afar or nearby: through the surface's tip, beside it, along its axis, or
-/// perpendicular to it.
+/// Returns test ray `i` for a surface: through its tip, beside it, along its axis, or perpendicular
+/// to it.
+///
+/// The ray starts far away or nearby.
 fn ray(known: &KnownSurface, rng: &mut SmallRng, i: u32) -> Ray {
     let random = |rng: &mut SmallRng| Vec3::new(rng.random(), rng.random(), rng.random()) * 2.2 - 1.1;
     let target = match known.tip {
         Some((tip, _)) if i.is_multiple_of(16) => tip.as_vec3(),
         Some((tip, inwards)) if i.is_multiple_of(8) => (tip + inwards * TIP_DISTANCE).as_vec3(),
-        // The pole of a bowl. Poles of patches have their own test.
+        // The target is the pole of the bowl. Poles of patches have their own test.
         None if i.is_multiple_of(8) && known.name == "bowl" => Vec3::ZERO,
         _ => random(rng),
     };
@@ -171,13 +179,13 @@ fn ray(known: &KnownSurface, rng: &mut SmallRng, i: u32) -> Ray {
     Ray::new(from, target - from)
 }
 
-/// Hits and normals agree with bisection of the closed forms, also for rays along the axis and
-/// through poles and cusps.
+/// Hits and normals of surfaces of degree 20 agree with bisection of the closed forms.
 ///
-/// The solver counts a ray within 10⁻¹² of the surface's size as a touch. Rays that the reference
-/// puts within 10⁻⁹ of a touch or border may hit or miss. Otherwise the slope at a root is above
-/// √(2·10⁻⁹) times the curvature, of order 1. So 10⁻¹² is less than 10⁻⁷ of `t`, whose relative
-/// rounding is 6·10⁻⁸.
+/// Some rays are along the axis or through poles and cusps. The solver counts a ray within 10⁻¹² of
+/// the surface's size as a touch. Rays that the reference puts within 10⁻⁹ of a touch or border may
+/// hit or miss. Otherwise the slope at a root is above √(2·10⁻⁹) times the curvature, which is
+/// about 1. So 10⁻¹² changes `t` by less than 10⁻⁷ of it. The relative rounding error of `t` is
+/// 6·10⁻⁸.
 #[test]
 fn degree_20_surfaces_are_hit_correctly() {
     known_surfaces().par_iter().for_each(|known| {
@@ -230,7 +238,8 @@ fn degree_20_surfaces_are_hit_correctly() {
                     );
                     assert!(s.ng.is_normalized(), "{} {p}", known.name);
                 }
-                // The tip is a point of the surface. A ray beside it by its own rounding may miss.
+                // The tip is a point of the surface. A ray that passes it within its own rounding
+                // may miss.
                 (a, b) => {
                     let there = a.or(b.map(|b| f64::from(b.0))).is_some_and(|t| near(o + d * t, 1e-9));
                     assert!(there, "{} {ray:?}: {found:?} {truth:?}", known.name);
@@ -243,15 +252,14 @@ fn degree_20_surfaces_are_hit_correctly() {
     });
 }
 
-/// The test sphere consists of two patches, each with half of all longitudes from pole to pole. A
-/// pole is a side without length of both patches. A ray from inside exactly through a pole hits one
-/// of the patches.
+/// Rays from inside a sphere, exactly through its poles, hit one of its two patches.
 ///
-/// Leaves around a pole reject such a ray more often the steeper they are, so one case has degree
-/// 20.
+/// Each patch covers half of all longitudes from pole to pole. A pole is a side without length of
+/// both patches. Leaves around a pole reject such a ray more often the steeper they are, so one
+/// case has degree 20.
 #[test]
 fn sphere_poles_are_hit_from_inside() {
-    // Half a circle as a cubic: (1 − t², 2t)/(1 + t²) for t from −1 to 1.
+    // The arc is half a circle, as a cubic: (1 − t², 2t)/(1 + t²) for t from −1 to 1.
     let arc =
         [(0.0, -2.0, 2.0), (4.0 / 3.0, -2.0 / 3.0, 2.0 / 3.0), (4.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0), (0.0, 2.0, 2.0)];
     let half = |side: f64, degrees| {
@@ -261,7 +269,7 @@ fn sphere_poles_are_hit_from_inside() {
         patch_of_points(&points, 4, degrees)
     };
     let mut rng = SmallRng::seed_from_u64(8);
-    // From a point that sees the pole at 60° to the axis.
+    // Returns a point that sees the pole at 60° to the axis, and the pole.
     let mut oblique = |pole: Vec3| {
         let (sin, cos) = libm::sincosf(rng.random_range(0.0..std::f32::consts::TAU));
         (pole * 1.5 + Vec3::new(cos, 0.0, sin) * 0.866, pole)

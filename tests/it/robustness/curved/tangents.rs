@@ -1,4 +1,4 @@
-//! Tangent rays: silhouettes and double roots, decided in integers.
+//! Tangent rays at silhouettes and double roots; integer arithmetic gives the exact answer.
 
 use caustica::math::{Ray, Transform};
 use caustica::shape::{Shape, Sphere};
@@ -6,8 +6,10 @@ use glam::{DAffine3, DVec3, I64Vec3};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
-/// Returns an integer orthogonal matrix times the squared length of an integer quaternion, and that
-/// squared length.
+/// Returns a random rotation with integer entries: an orthogonal matrix times a scale factor, and
+/// this factor.
+///
+/// The factor is the squared length of an integer quaternion.
 fn turn(rng: &mut SmallRng) -> ([I64Vec3; 3], i64) {
     let [a, b, c, d] = std::array::from_fn(|_| rng.random_range(-6i64..=6));
     let columns = [
@@ -18,13 +20,15 @@ fn turn(rng: &mut SmallRng) -> ([I64Vec3; 3], i64) {
     (columns, a * a + b * b + c * c + d * d)
 }
 
-/// Rays that touch spheres exactly, and rays that miss a touch by one unit in up to 10⁷, in any
-/// direction. A non-zero discriminant is far above double-precision rounding, so its sign must be
-/// right. For a zero discriminant, hit and miss are both right, but a hit must be at the root.
+/// Rays that touch spheres exactly, or miss a touch by one unit in up to 10⁷, are decided
+/// correctly.
+///
+/// A non-zero discriminant is far above double-precision rounding, so its sign must be right. With
+/// a zero discriminant, hit and miss are both right, but a hit must be at the root.
 #[test]
 fn silhouettes_match_closed_form() {
     let mut rng = SmallRng::seed_from_u64(6);
-    // Powers of two turn the same numbers into an ellipsoid exactly.
+    // Scale factors that are powers of two turn a sphere into an ellipsoid without rounding.
     let stretch = DVec3::new(2.0, 0.25, 1.0);
     let map = Transform::new(DAffine3::from_scale(stretch)).unwrap();
     let (mut touched, mut decided) = ([0; 2], 0);
@@ -46,17 +50,17 @@ fn silhouettes_match_closed_form() {
         let (a, b) = (dot(d, d), dot(l, d));
         let discriminant = b * b - a * (dot(l, l) - r * r);
         let sphere = Shape::Sphere(Sphere::new(center.as_dvec3(), r as f64));
-        // An ellipsoid computes its area when it is built, which takes as long as thousands of
+        // An ellipsoid integrates its area when it is built, which takes as long as thousands of
         // rays.
         let egg = (i % 200 < 3).then(|| (sphere.transformed(&map).unwrap(), stretch));
         for (shape, s) in [Some((sphere, DVec3::ONE)), egg].into_iter().flatten() {
             let ray = Ray::new((from.as_dvec3() * s).as_vec3(), (d.as_dvec3() * s).as_vec3());
             let found = shape.intersect(&ray);
-            // Rounding of the squared distance: the foot of the perpendicular errs by some ulps of
-            // |l|, times 2r and a.
+            // The squared distance rounds: the foot of the perpendicular has an error of some ulps
+            // of |l|. It is multiplied by 2r and a.
             let blur = 64.0 * f64::EPSILON * (r as f64) * l.as_dvec3().length() * a as f64;
             let root = (discriminant.max(0) as f64).sqrt();
-            // For a ray that starts inside, the hit is at the far root.
+            // A ray that starts inside hits at the far root.
             let near = (-(b as f64) - root) / a as f64;
             let exact = if near > 0.0 { near } else { (root - b as f64) / a as f64 };
             let allowed = exact * 6e-8 + blur.sqrt().min(blur / root) / a as f64;

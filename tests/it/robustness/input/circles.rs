@@ -1,5 +1,7 @@
-//! Files that name themselves. The scene language includes no scenes, and material files no meshes,
-//! so no cycle can exist.
+//! Files that name themselves, as tests of cycles.
+//!
+//! The scene language cannot include scenes, and material files cannot name meshes, so no cycle can
+//! exist.
 
 use super::{InputSandbox, scene};
 use caustica::format::{SceneFile, parse};
@@ -9,7 +11,7 @@ fn scenes_cannot_include_scenes() {
     for word in ["Include", "include", "#include", "Scene"] {
         let text = scene(&format!("{word} \"self.txt\" Group {{ }}"));
         match parse("self.txt", &text) {
-            // The text is a comment up to the end of the line, so the scene is empty.
+            // `#include` begins a comment up to the end of the line, so the scene is empty.
             Err(error) if word == "#include" => assert!(error.to_string().contains("no Group"), "{error}"),
             Err(error) => assert!(error.text() == word && error.remedy().contains("Group"), "{error}"),
             Ok(_) => panic!("`{word}` was read"),
@@ -25,10 +27,10 @@ fn self_referencing_files_are_read_once() {
         SceneFile::read(&sandbox.path("self.txt")).unwrap().resolve()
     };
     let mesh = |file: &str, more: &str| format!("Group {{ TriangleMesh {{ obj_file \"{file}\" {more} }} }}");
-    // The scene file as a mesh: it has no faces.
+    // The scene names itself as a mesh. It has no faces.
     let error = resolved(&mesh("self.txt", "")).err().unwrap();
     assert!(error.to_string().contains("no faces"), "{error}");
-    // A mesh that is its own material file, and one that calls itself, as OBJ for curves allows.
+    // One mesh is its own material file. It also calls itself, as OBJ allows for curves.
     sandbox.put("a.obj", "mtllib a.obj\ncall a.obj\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
     assert!(resolved(&mesh("a.obj", "")).is_ok());
     let error = resolved(&mesh("a.obj", "materials file")).err().unwrap();

@@ -3,7 +3,7 @@
 use super::{project_path, readers};
 use std::fs;
 
-/// A function that reads bytes.
+/// Function of a fuzz target, which reads bytes and panics if it finds an error.
 type Replay = fn(&[u8]);
 
 /// Folders of `tests/corpus`, each with the function of its fuzz target.
@@ -27,7 +27,7 @@ fn fuzz_corpus_gives_results_or_typed_errors() {
         let entries = fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
         let paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
         assert!(paths.len() >= 10, "{kind} holds {} files", paths.len());
-        // One at a time, so that the last printed path is that of a panic.
+        // Inputs are replayed one at a time, so that the last printed path is that of a panic.
         paths.iter().for_each(|path| {
             println!("{}", path.display());
             replay(&fs::read(path).unwrap());

@@ -1,5 +1,5 @@
-//! Counts larger than their file and files larger than memory are refused at once, without
-//! allocating for them.
+//! Counts larger than their file, and files larger than memory, are refused without allocating for
+//! them.
 //!
 //! The program has 2 GB of address space here and dies if it needs more. Reading even a tenth of
 //! these files would take longer than the ten seconds that a refusal may take.
@@ -10,15 +10,16 @@ use caustica::image::{PixelMeaning, decode};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Time limit of a refusal. Starting the program and reading a header take milliseconds, or some
-/// hundred on a busy machine.
+/// Time limit of a refusal. The start of the program and the header of a file take milliseconds, or
+/// some hundred on a busy machine.
 const AT_ONCE: Duration = Duration::from_secs(10);
 
 fn mesh_scene(file: &str) -> String {
     scene(&format!("Group {{ TriangleMesh {{ obj_file \"{file}\" }} }}"))
 }
 
-/// Counts in a scene's text are checked against the text that follows, never reserved.
+/// Counts in a scene's text are compared with the length of the text that follows. Memory is not
+/// reserved for them.
 #[test]
 fn absurd_scene_counts_are_refused() {
     let start = Instant::now();
@@ -52,7 +53,7 @@ fn absurd_scene_counts_are_refused() {
     assert!(start.elapsed() < AT_ONCE);
 }
 
-/// Headers of meshes, grids and images are checked against the length of their files.
+/// Counts in headers of meshes, grids and images are compared with the length of their files.
 #[test]
 fn absurd_header_counts_are_refused() {
     let start = Instant::now();
@@ -79,8 +80,9 @@ fn absurd_header_counts_are_refused() {
     assert!(start.elapsed() < AT_ONCE);
 }
 
-/// Returns a valid PNG of 16384 × 16384 equal pixels of one bit: some 33 kB, and 13 GB as a
-/// texture.
+/// Returns a valid PNG of 16384 × 16384 equal pixels of one bit.
+///
+/// It has about 33 kB, and takes 13 GB as a texture.
 fn bomb() -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, 16_384, 16_384);
@@ -92,7 +94,8 @@ fn bomb() -> Vec<u8> {
     file
 }
 
-/// Files above the limit are refused with exit code 2, the limit, and a remedy.
+/// Files above the memory limit are refused unread, with exit code 2. The message names the limit
+/// and a remedy.
 #[test]
 fn files_above_memory_limit_are_refused_unread() {
     let sandbox = InputSandbox::new();
@@ -150,8 +153,9 @@ fn files_above_memory_limit_are_refused_unread() {
     sandbox.refused(&["study", "bomb.txt", "--effects", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
     sandbox.refused(&["mesh", "long.obj", "--memory", "1G"], 2, &["long.obj", "--memory"]);
     sandbox.refused(&["mesh", "wide.ply", "--memory", "1G"], 2, &["wide.ply", "--memory"]);
-    // Large images, many photons, and invalid amounts of memory. Light goes back and forth between
-    // two planes. Each path stores about one photon that was scattered before.
+    // Large images, many photons, and invalid amounts of memory are refused. In the scene, light
+    // goes back and forth between two planes. Each path stores about one photon that was scattered
+    // before.
     let planes = "Plane { normal 0 1 0 offset -1 } Plane { normal 0 -1 0 offset -4 }";
     let plain_scene =
         format!("Materials {{ Diffuse {{ reflectance .5 .5 .5 }} }} Group {{ MaterialIndex 0 {planes} }}");
@@ -173,8 +177,10 @@ fn files_above_memory_limit_are_refused_unread() {
     }
 }
 
-/// Memory for the photons of an estimate grows with the number of existing photons, not with the
-/// requested number. A single photon only sets the radius of its disc, so it gives no estimate.
+/// Memory for the photons of an estimate depends on the number of existing photons, not on the
+/// requested number.
+///
+/// A single photon only sets the radius of its disc, so it gives no estimate.
 #[test]
 fn gather_count_is_capped_by_photon_count() {
     let sandbox = InputSandbox::new();

@@ -9,7 +9,7 @@ use std::path::Path;
 
 const PLY: [&str; 3] = ["ascii", "binary_little_endian", "binary_big_endian"];
 
-/// Returns a tetrahedron as PLY.
+/// Returns a tetrahedron as a PLY file in the given encoding.
 fn ply(encoding: &str) -> Vec<u8> {
     let corners: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3u32]];
@@ -52,7 +52,7 @@ fn truncated_sized_files_are_refused() {
     (0..whole.len()).for_each(|cut| assert!(read(&whole[..cut]).is_err(), "cut at {cut}"));
 }
 
-/// Scenes end with the brace that closes their group. Every shorter text is incomplete.
+/// Scenes that are cut before the brace that closes their group are refused.
 #[test]
 fn truncated_scenes_are_refused() {
     for name in ["scenes/glass-ball.txt", "scenes/smoke.txt", "scenes/textures.txt", "tests/scenes/lens.txt"] {
@@ -66,7 +66,7 @@ fn truncated_scenes_are_refused() {
     }
 }
 
-/// Files of lines state no length. A truncated file is read, or refused with the number of the
+/// Files of lines state no length: a truncated file is read, or refused with the number of the
 /// broken line.
 #[test]
 fn truncated_line_lists_are_read_to_their_end() {
@@ -90,7 +90,7 @@ fn truncated_line_lists_are_read_to_their_end() {
     }
 }
 
-/// An image is read without the bytes after its last pixel; any shorter file is refused.
+/// An image is read even without the bytes after its last pixel; any shorter file is refused.
 #[test]
 fn truncated_images_are_refused() {
     let pixels: Vec<Vec3> = (0..63).map(|i| Vec3::new(i as f32 / 63.0, 0.5, (i * i % 7) as f32 / 7.0)).collect();
@@ -100,7 +100,8 @@ fn truncated_images_are_refused() {
     hdr.extend([128, 64, 32, 129].repeat(4));
     let written =
         |format, depth| encode(format, &image, &WriteOptions { tone, depth, ..WriteOptions::default() }).unwrap().0;
-    // PNG ends with a chunk of twelve bytes, and the last data with a checksum of four.
+    // A PNG ends with a chunk of twelve bytes. The last data chunk ends with a checksum of four
+    // bytes.
     for (file, beyond) in [
         (written(OutputFormat::Png, BitDepth::Eight), 16),
         (written(OutputFormat::Png, BitDepth::Sixteen), 16),

@@ -3,11 +3,11 @@
 use super::{InputSandbox, scene};
 use serde_json::Value;
 
-/// Limit \[bytes]: a tenth of a gigabyte, so that an input that just fits is still quick.
+/// Memory limit \[bytes]: a tenth of a gigabyte, so that an input that just fits is read quickly.
 const LIMIT: u64 = 100_000_000;
 
-/// Renders under the limit and returns the peak memory \[bytes] of the process, `None` if it was
-/// refused for the limit.
+/// Renders under the limit and returns the peak memory of the process \[bytes]; `None` if the limit
+/// refused it.
 fn peak_memory(sandbox: &InputSandbox, more: &[&str]) -> Option<u64> {
     let limit = LIMIT.to_string();
     let mut arguments =
@@ -24,14 +24,15 @@ fn peak_memory(sandbox: &InputSandbox, more: &[&str]) -> Option<u64> {
     stats["peak_memory_bytes"].as_u64()
 }
 
-/// Checks inputs of growing size: some fit and stay within the limit, and the last ones are
-/// refused.
+/// Checks the peak memory of inputs of growing size.
+///
+/// The first ones fit and stay within the limit, and the last ones are refused.
 #[track_caller]
 fn assert_within_limit(peaks: &[Option<u64>]) {
     let fit = peaks.iter().take_while(|peak| peak.is_some()).count();
     assert!(fit > 0 && fit < peaks.len() && peaks[fit..].iter().all(Option::is_none), "{peaks:?}");
     assert!(peaks.iter().flatten().all(|peak| *peak <= LIMIT), "{peaks:?}");
-    // The limit must not refuse inputs that take a third of it.
+    // The limit must accept inputs that take a third of it.
     assert!(peaks[fit - 1].is_some_and(|peak| peak > LIMIT / 3), "{peaks:?}");
 }
 
@@ -61,7 +62,7 @@ fn accepted_images_stay_within_memory_limit() {
     assert_within_limit(&sizes.map(|size| peak_memory(&sandbox, &[&flags[..], &[size]].concat())));
 }
 
-/// Returns a mesh of n × n squares in waves, cut into triangles.
+/// Returns a mesh of n × n squares in waves, cut into triangles, as PLY or OBJ.
 fn wave_mesh(n: u32, ply: bool) -> Vec<u8> {
     let points = (0..=n).flat_map(|y| (0..=n).map(move |x| (x, y)));
     let places: Vec<[f32; 3]> = points
@@ -111,8 +112,9 @@ fn accepted_meshes_stay_within_memory_limit() {
     }
 }
 
-/// Patches so crumpled that they are subdivided to the finest level: few numbers in the file, and
-/// much memory.
+/// Patches that are subdivided to the finest level stay within the memory limit.
+///
+/// They are so crumpled that a small file takes much memory.
 #[test]
 fn accepted_patches_stay_within_memory_limit() {
     let sandbox = InputSandbox::new();
@@ -131,8 +133,8 @@ fn accepted_patches_stay_within_memory_limit() {
 fn accepted_textures_and_environments_stay_within_memory_limit() {
     let sandbox = InputSandbox::new();
     let noise = |i: u32| glam::Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32 / 16_777_216.0);
-    // The file itself is in memory while it is read, and noise does not compress. Refused files are
-    // refused because of their size alone.
+    // The bytes of the file are in memory while it is read. Noise does not compress. The size alone
+    // decides on a refusal.
     for (format, fits) in [(caustica::image::OutputFormat::Png, 1290), (caustica::image::OutputFormat::Exr, 1100)] {
         let files = [(fits, 1.0), (1400_u32, 0.0)].map(|(n, strength)| {
             let pixels = (0..n * n).map(|i| noise(i) * strength).collect();

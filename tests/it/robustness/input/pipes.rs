@@ -4,7 +4,8 @@ use super::{InputSandbox, scene};
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-/// Runs the program like [`InputSandbox::run`], but ends it after ten seconds with code 124.
+/// Runs the program like [`InputSandbox::run`], but kills it after ten seconds; the exit code is
+/// then 124.
 fn run(sandbox: &InputSandbox, arguments: &[&str]) -> Output {
     let mut shell = Command::new("sh");
     shell.args(["-c", "ulimit -v 2000000 && exec timeout 10 \"$0\" \"$@\"", env!("CARGO_BIN_EXE_caustica")]);

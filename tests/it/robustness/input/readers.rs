@@ -1,6 +1,7 @@
-//! Reads bytes with each of the program's readers; each ends with a result or a typed error.
+//! Functions that read bytes with each of the program's readers.
 //!
-//! Fuzz targets and the corpus replay share these functions.
+//! Each reader ends with a result or a typed error. Fuzz targets and the corpus replay share these
+//! functions.
 
 use caustica::format::description::{DensityDescription, SceneDescription};
 use caustica::format::{
@@ -16,20 +17,21 @@ use caustica::texture::{Picture, WrapMode};
 use glam::Vec3;
 use std::path::Path;
 
-/// Memory limit \[bytes] of images, meshes and grids: a small file may describe a large one.
+/// Memory limit of images, meshes and grids \[bytes], as a small file may describe a large one.
 const FREE: Option<u64> = Some(1 << 28);
 
 /// Largest resolution of a cloud that is built. Larger ones take too long.
 const CLOUD: u32 = 24;
 
-/// A folder that does not exist.
+/// Path of a folder that does not exist.
 const NOWHERE: &str = "/nowhere/at/all";
 
 fn described(bytes: &[u8]) -> Option<SceneDescription> {
     match parse_scene_bytes("fuzz.txt", bytes) {
         Ok(description) => Some(description),
         Err(error) => {
-            // Computing the message checks that the error's position lies within the text.
+            // The message is computed because this checks that the error's position lies within the
+            // text.
             assert!(
                 !error.to_string().is_empty() && !error.remedy().is_empty() && error.text().len() <= bytes.len() * 3
             );
@@ -47,7 +49,8 @@ fn resolved(description: &SceneDescription, bytes: &[u8]) -> Option<Scene> {
     resolve(description, &source, Path::new(NOWHERE)).inspect_err(|e| assert!(!e.remedy().is_empty())).ok()
 }
 
-/// Checks that a parsed scene prints and parses back equal, then resolves it without files.
+/// Checks that a parsed scene equals its printed text, parsed again. Then resolves it without
+/// files.
 pub fn scene(bytes: &[u8]) {
     let Some(description) = described(bytes) else { return };
     let printed = description.to_string();
@@ -56,8 +59,9 @@ pub fn scene(bytes: &[u8]) {
     resolved(&description, bytes);
 }
 
-/// Renders a scene in 2 × 2 pixels and checks that each is finite. `path` needs no pilot, which
-/// would take a second per scene.
+/// Renders a scene in 2 × 2 pixels and checks that each pixel is finite.
+///
+/// The integrator is `path`, because pilots of others would take a second per scene.
 pub fn render(bytes: &[u8]) {
     let Some(mut description) = described(bytes) else { return };
     (description.camera.value.width, description.camera.value.height) = (2, 2);
@@ -138,7 +142,8 @@ fn import_options() -> ImportOptions {
     ImportOptions { memory: MemoryLimit::Limit(1 << 31), ..ImportOptions::default() }
 }
 
-/// Checks that an imported description prints and parses back equal, and that its meshes are valid.
+/// Checks that an imported description equals its printed text, parsed again, and that its meshes
+/// are valid.
 fn check_imported(imported: Result<ImportedScene, SceneReadError>) {
     match imported {
         Ok(scene) => {
@@ -160,7 +165,8 @@ pub fn picture(bytes: &[u8]) {
     for meaning in [PixelMeaning::Radiance, PixelMeaning::Data] {
         match decode(Path::new("fuzz.picture"), bytes, meaning, FREE) {
             Ok((image, _)) => {
-                // Large images take long and reveal no more.
+                // Textures and lights are built only from small images: large ones take long and
+                // reveal no more errors.
                 if image.pixels().len() <= 1 << 16 {
                     let _ = Picture::new(&image, WrapMode::Repeat);
                     let _ = EnvironmentLight::new(image, 0.3, Vec3::ONE);

@@ -12,18 +12,20 @@ use caustica::shape::{Rectangle, Shape};
 use glam::DVec3;
 use std::time::{Duration, Instant};
 
-/// Number of nested bodies, many times the depth of an interior stack.
+/// Number of nested bodies, which is many times the capacity of an interior stack.
 const NEST: u32 = 100;
 
-/// Number of crossings of the whole nest: 2 · 100 · 5,000 boundaries.
+/// Number of times that light crosses all nested bodies: 2 · 100 · 5,000 boundaries.
 const TURNS: u32 = 5000;
 
-/// Optical depth of all crossings together.
+/// Optical depth of all crossings together, of each path.
 const DEPTH: f64 = 1.0;
 
-/// Relative error of a path across so many boundaries. In each body σ rounds to 2⁻²⁴. Each crossing
-/// of the nest multiplies once and rounds its factor, 2·2⁻²⁴. At each of 200 boundaries a ray
-/// starts a few roundings of a coordinate of 1 late: at most 8·2⁻²⁴ of a length of 2.
+/// Relative error of the transmittance of a path across so many boundaries.
+///
+/// In each body, σ rounds to 2⁻²⁴. Each crossing of all bodies multiplies once and rounds its
+/// factor: 2·2⁻²⁴. At each of 200 boundaries, a ray starts late by a few roundings of a coordinate
+/// of 1: at most 8·2⁻²⁴ of a length of 2.
 const ROUNDING: f64 = (DEPTH + 2.0 * 5000.0 + 100.0 * 8.0 * DEPTH) / 16_777_216.0;
 
 /// Returns a rectangle around `center` with these edges.
@@ -36,10 +38,10 @@ fn half_thickness(i: u32) -> f64 {
     0.9 * f64::from(NEST - i) / f64::from(NEST)
 }
 
-/// Returns the absorption coefficient in body `i`; crossing all bodies `turns` times has depth
-/// [`DEPTH`].
+/// Returns the absorption coefficient in body `i`.
 ///
-/// Neighbouring bodies differ, so that the test finds a confusion of two bodies.
+/// The optical depth of `turns` crossings of all bodies is [`DEPTH`]. Neighbouring bodies differ,
+/// so that the test finds a confusion of two bodies.
 fn absorption_of_body(i: u32, turns: u32) -> f64 {
     let uneven = |i: u32| 1.0 + f64::from(i % 7);
     let thickness = |i: u32| 2.0 * (half_thickness(i) - if i + 1 < NEST { half_thickness(i + 1) } else { 0.0 });
@@ -47,16 +49,16 @@ fn absorption_of_body(i: u32, turns: u32) -> f64 {
     uneven(i) / total * DEPTH / f64::from(turns)
 }
 
-/// Part of a body that absorbs light.
+/// How nested bodies absorb light.
 #[derive(Clone, Copy, Debug)]
 enum Filled {
-    /// By media inside them.
+    /// By a medium inside each body.
     Media,
-    /// By the bodies' own absorption.
+    /// By the absorption of each body's dielectric.
     Bodies,
 }
 
-/// Adds nested slabs across the x axis with index-matched boundaries.
+/// Adds nested slabs across the x axis, with index-matched boundaries.
 fn nested_bodies(b: &mut SceneBuilder, filled: Filled, turns: u32) {
     let (y, z) = (DVec3::Y * 400.0, DVec3::Z * 400.0);
     for i in 0..NEST {
@@ -86,9 +88,11 @@ fn settings(max_bounces: u32) -> Settings {
     Settings { camera_paths, balance: false, ..Settings::default() }
 }
 
-/// A camera ray between two mirrors hits the far one 2,500 times. That mirror emits radiance 1, so
-/// the sum is Σ exp(−(2k + 1)τ), with the optical depth τ of a crossing. Each term adds a rounding
-/// of 2⁻²⁴ of the sum.
+/// A camera ray across a million boundaries obeys Beer's law.
+///
+/// It hits the far one of two mirrors 2,500 times. That mirror emits radiance 1, so the sum is Σ
+/// exp(−(2k + 1)τ), with the optical depth τ of a crossing. Each term adds a rounding error of 2⁻²⁴
+/// of the sum.
 #[test]
 fn camera_ray_obeys_beer_over_million_boundaries() {
     let tau = DEPTH / f64::from(TURNS);
@@ -104,15 +108,17 @@ fn camera_ray_obeys_beer_over_million_boundaries() {
         let scene = b.build(camera_along_x()).unwrap();
         let begun = Instant::now();
         let image = render_one_pass(&*Algorithm::Path.prepare(&scene, settings(TURNS - 1)), 0);
-        // Takes half a second on an idle machine.
+        // The test takes half a second on an idle machine.
         assert!(begun.elapsed() < Duration::from_secs(60));
         (f64::from(image[0].y) / expected - 1.0).abs()
     });
     assert!(off.iter().all(|off| *off < slack), "media, bodies: {off:?}, may be {slack}");
 }
 
-/// Photons of a spotlight between the two mirrors lose flux by Beer's law. The half angle of 10⁻³
-/// lengthens their paths by less than 10⁻⁶. The test compares the flux after the last bounce.
+/// Photons across a million boundaries obey Beer's law.
+///
+/// A spotlight is between the two mirrors. Its half angle of 10⁻³ lengthens paths by less than
+/// 10⁻⁶. The test compares the flux after the last bounce.
 #[test]
 fn photons_obey_beer_over_million_boundaries() {
     let off = [Filled::Media, Filled::Bodies].map(|filled| {
@@ -130,15 +136,17 @@ fn photons_obey_beer_over_million_boundaries() {
         let audit = pass.trace(Key::new(3).purpose_key(Purpose::Test), 2, &|_| {}).audit;
         let left = audit.stopped[1] / audit.emitted[1];
         let booked = (audit.absorbed[1] + audit.stopped[1] + audit.roulette[1]) / audit.emitted[1];
-        // Five thousand differences in single precision.
+        // The audit adds five thousand differences in single precision.
         assert!((booked - 1.0).abs() < 5000.0 / 16_777_216.0 && audit.escaped == [0.0; 3], "{audit:?}");
         (left / libm::exp(-DEPTH) - 1.0).abs()
     });
     assert!(off.iter().all(|off| *off < ROUNDING + 1e-6), "media, bodies: {off:?}, may be {ROUNDING}");
 }
 
-/// A shadow ray through 200 boundaries from a floor to a directional light transmits e^{−depth},
-/// though an interior stack holds twelve bodies.
+/// A shadow ray crosses more bodies than an interior stack holds, and transmits e^{−depth}.
+///
+/// It runs through 200 boundaries from a floor to a directional light. An interior stack holds
+/// twelve bodies.
 #[test]
 fn shadow_rays_cross_more_bodies_than_stack_holds() {
     for filled in [Filled::Media, Filled::Bodies] {
@@ -152,7 +160,8 @@ fn shadow_rays_cross_more_bodies_than_stack_holds() {
         let scene = b.build(camera).unwrap();
         for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Distributed] {
             let found = f64::from(render_one_pass(&*algorithm.prepare(&scene, settings(10)), 0)[0].y);
-            // The same bound for one crossing, with a few operations of shading.
+            // The tolerance is that of [`ROUNDING`] for one crossing, plus a few operations of
+            // shading.
             let slack = (DEPTH + 100.0 * 8.0 * DEPTH + 16.0) / 16_777_216.0;
             assert!((found / libm::exp(-DEPTH) - 1.0).abs() < slack, "{filled:?}, {}: {found}", algorithm.name());
         }

@@ -1,4 +1,4 @@
-//! Grids with invalid density cells.
+//! Density grids with invalid cells are refused.
 
 use caustica::format::SceneFile;
 use caustica::medium::{GridDensity, GridDensityError};
@@ -12,9 +12,10 @@ Materials { Clear air { medium fog } }
 Group { MaterialName air Sphere { center 0 0 0 radius 1 } }
 ";
 
-/// A negative or non-finite cell is refused with its index, wherever it stands in the grid. For a
-/// grid built in code, the error names the cell. For a grid file, the error also points at the file
-/// name in the scene and names a remedy.
+/// A negative or non-finite cell is refused with its index, wherever it is in the grid.
+///
+/// For a grid built in code, the error names the cell. For a grid file, the error also points at
+/// the file name in the scene and names a remedy.
 #[test]
 fn invalid_density_cells_are_refused_with_index() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Energy: in surroundings of radiance 1, no shaded surface is brighter than 1.
+//! Energy: in surroundings of radiance 1, no surface with shading normals is brighter than 1.
 
 use crate::support::{mean_and_error, render_passes, scene_from_text, student_t_tail};
 use caustica::color::Rgb;
@@ -7,6 +7,8 @@ use caustica::scene::Scene;
 use rayon::prelude::*;
 
 /// Builds an object of a lossless material under a uniform sky.
+///
+/// `relief` perturbs the normals of the material, and `view` describes the camera.
 fn furnace(object: &str, relief: &str, material: &str, view: &str) -> Scene {
     scene_from_text(&format!(
         "PerspectiveCamera {{ {view}  up 0 0 1  width {SIDE}  height {SIDE} }}
@@ -29,19 +31,20 @@ const SIDE: usize = 8;
 const BALL: &str = "TriangleMesh { obj_file coarse-ball.obj }";
 const FLOOR: &str = "Rectangle { corner -50 0 -50  edge0 0 0 100  edge1 100 0 0 }";
 const AROUND: &str = "center 0 3 0  direction 0 -1 0  angle 45";
-/// A view along the floor, at 1 to 6° to it.
+/// Camera that looks along the floor, at an angle of 1 to 6° to it.
 const GRAZING: &str = "center -3 .2 0  direction 1 -.06 0  angle 5";
 
-/// No integrator's mean exceeds 1. The limit is an albedo of 1 under a sky of 1, so the mean of all
-/// passes exceeds it only by chance: Student's test over passes, with a false-alarm rate of 10⁻⁶
-/// each.
+/// Shading normals make no surface brighter than 1 under a sky of radiance 1, by any integrator.
+///
+/// The albedo is at most 1, so the mean of all passes exceeds 1 only by chance. Student's test over
+/// passes has a false-alarm rate of 10⁻⁶.
 #[test]
 fn shading_normals_never_exceed_furnace() {
     let mut cases = Vec::new();
     for material in ["Diffuse", "Phong", "Mirror", "Conductor", "Dielectric", "Thin"] {
         for (object, view) in [(BALL, AROUND), (FLOOR, GRAZING)] {
             for relief in ["", "bump lumps  bumpHeight .3", "bump lumps  bumpHeight 30", "normalMap down"] {
-                // A plane without a bump map has one normal. A normal map needs texture
+                // A plane without a bump map has only one normal. A normal map needs texture
                 // coordinates, which the ball lacks.
                 if (object == FLOOR) != relief.is_empty() && !(object == BALL && relief == "normalMap down")
                     || (object == BALL && relief == "bump lumps  bumpHeight .3")
@@ -78,12 +81,12 @@ fn shading_normals_never_exceed_furnace() {
                 let means: Vec<f64> = all.chunks(SIDE * SIDE).map(mean).collect();
                 mean_and_error(&means)
             };
-            // The whole image, and its farthest and nearest rows, where the floor's angles are
-            // extreme.
+            // The parts are the whole image, its farthest rows and its nearest rows. The angles at
+            // the floor are extreme in these rows.
             for (part, sharp) in [(of(|_| true), 0.005), (of(|row| row < 2), 0.015), (of(|row| row >= SIDE - 2), 0.015)]
             {
                 let (mean, error) = part;
-                // Colours and sums are in single precision.
+                // The tolerance of 10⁻⁵ covers colours and sums in single precision.
                 let excess = mean - 1.0 - 1e-5;
                 let p = if excess <= 0.0 { 1.0 } else { student_t_tail(excess / error, f64::from(PASSES - 1)) };
                 assert!(p >= 2e-6, "{what}: {mean} ± {error}");

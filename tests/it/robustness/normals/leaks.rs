@@ -7,7 +7,7 @@ use caustica::photon::{Photon, PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::Dimension;
 use caustica::scene::{Effects, RayCone, Scene};
 
-/// Returns every opaque material; `{relief}` stands for what perturbs its normals.
+/// Returns scene text of every opaque material. `relief` perturbs their normals.
 fn materials(relief: &str) -> String {
     format!(
         "Textures {{ Noise lumps {{ frequency 9  octaves 3 }}  Checker down {{ color0 1 .5 0  color1 1 .5 0 }}  Checker aside {{ color0 1 .5 .5  color1 1 .5 .5 }} }}
@@ -35,8 +35,7 @@ fn settings() -> Settings {
     }
 }
 
-/// Checks that every pixel is 0 in all integrators with shadows and that no photon gets in, while
-/// the scene is lit for a camera outside.
+/// Checks that every pixel of `inside` is 0 in all integrators with shadows.
 fn assert_dark(inside: &Scene, what: &str) {
     for algorithm in Algorithm::ALL.into_iter().filter(|a| *a != Algorithm::Raycast) {
         let image = render_passes(inside, algorithm, settings(), 2);
@@ -45,8 +44,8 @@ fn assert_dark(inside: &Scene, what: &str) {
     }
 }
 
-/// Inside a closed ball of flat faces with smooth shading normals, under a sky and a light,
-/// everything is black.
+/// A closed ball of flat faces with smooth shading normals is black inside, under a sky and a
+/// light.
 #[test]
 fn coarse_ball_is_dark_inside() {
     for kind in KINDS {
@@ -71,16 +70,17 @@ fn coarse_ball_is_dark_inside() {
             let source = PhotonSource::emitting_in_all_directions(&inside).unwrap();
             let pass = PhotonPass { scene: &inside, source: &source, mask: StoreMask::ALL, max_bounces: 20 };
             let traced = pass.trace(test_key(70), 1 << 14, &|_| {});
-            // A photon stores the side of the surface on which it landed. Here the outer side faces
-            // away from the ball's center.
+            // A photon stores the side of the surface on which it landed. The normal of that side
+            // points away from the ball's center.
             let outwards = |p: &Photon| p.data.normal().dot(p.position + inside.origin().as_vec3()) > 0.0;
             assert!(traced.deposits.photons.iter().all(outwards), "{kind}: photons inside");
         }
     }
 }
 
-/// Behind a wall with a bump map that would tilt normals below the horizon, everything is black
-/// too. Normals never tilt that far.
+/// A wall with a steep bump map leaks no light: everything behind it is black.
+///
+/// The map would tilt normals below the horizon, but normals never tilt that far.
 #[test]
 fn bumps_below_horizon_leak_no_light() {
     for relief in ["bump lumps  bumpHeight 1000", "bump lumps  bumpHeight -1e9", "normalMap down", "normalMap aside"] {
@@ -106,8 +106,8 @@ fn bumps_below_horizon_leak_no_light() {
                 assert!((point.ns.length() - 1.0).abs() < 1e-6);
                 least = least.min(point.ns.dot(point.ng));
             }
-            // The tilt ends at a cosine of 0.05, that is 87.1°. The steepest of these maps reach
-            // it.
+            // Normals tilt at most to a cosine of 0.05, which is 87.1°. The steepest of these maps
+            // reach this limit.
             assert!((0.0499..0.2).contains(&least), "{kind} {relief}: {least}");
         }
     }

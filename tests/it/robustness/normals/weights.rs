@@ -1,7 +1,7 @@
-//! Weights of photons under shading normals. Veach's correction factor is unbounded, but has a
-//! known mean and tail.
+//! Weights of photons under shading normals.
 //!
-//! For uniform incident light, photons arrive in proportion to the cosine to the geometric normal.
+//! Veach's correction factor is unbounded, but its mean and tail are known. Under uniform light,
+//! photons arrive in proportion to the cosine to the geometric normal.
 
 use crate::support::{midpoint_integral, scene_from_text, test_key};
 use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, ThinDielectric, TransportMode, photon_deposit_factor};
@@ -12,8 +12,9 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
-/// Largest weight that counts in sums, so that they have a variance. The effect on a mean is
-/// bounded beside each test.
+/// Largest weight that counts in sums, so that they have a variance.
+///
+/// Each test bounds the effect on its mean.
 const MAX_WEIGHT: f64 = 100.0;
 
 /// Two-sided quantile of the normal distribution for a false-alarm rate of 10⁻⁶.
@@ -21,7 +22,7 @@ const Z: f64 = 4.9;
 
 const N: u64 = 1 << 18;
 
-/// Returns the direction that a photon comes from, distributed as photons arrive.
+/// Returns a random direction from which a photon arrives, by the cosine to the geometric normal z.
 fn arrival_direction(key: Key) -> Vec3 {
     Frame::from_normal(Vec3::Z).to_world(warp::square_to_cosine_hemisphere(key.uniform_2d(Dimension::LightDirection)))
 }
@@ -31,7 +32,7 @@ fn tilted_normal(degrees: f32) -> Vec3 {
     Vec3::new(0.6 * sin, 0.8 * sin, cos)
 }
 
-/// Returns the mean of values up to [`MAX_WEIGHT`], and [`Z`] standard errors of it.
+/// Returns the mean of the values that are at most [`MAX_WEIGHT`], and [`Z`] standard errors of it.
 fn clamped_mean(values: impl ParallelIterator<Item = f64>) -> (f64, f64) {
     let zero = || (0.0, 0.0);
     let add = |(s, q): (f64, f64), (t, r): (f64, f64)| (s + t, q + r);
@@ -40,13 +41,16 @@ fn clamped_mean(values: impl ParallelIterator<Item = f64>) -> (f64, f64) {
     (mean, Z * ((square - mean * mean).max(0.0) / N as f64).sqrt())
 }
 
-/// Landed flux is conserved. The mean over arrivals of |w·ns|/|w·ng| is ∫|w·ns| dω/π over the upper
-/// hemisphere: (1 + c)/2 from where the normals agree and (1 − c)/2 from where they do not. c is
-/// their cosine, s their sine.
+/// Weights of photons conserve flux, and their tail is bounded.
 ///
-/// The slope of a direction along one axis exceeds a with P = ½(1 − a/√(1 + a²)), and the factor is
-/// |c + s·slope|. So the factor exceeds x with probability P((x − c)/s) + P((x + c)/s). As P(a) <
-/// 1/4a², that is below s²/(x − c)², and its integral from x on is below s²/(x − c).
+/// The mean over arrivals of |w·ns|/|w·ng| is ∫|w·ns| dω/π over the upper hemisphere. It is (1 +
+/// c)/2 from directions w on which the normals agree, and (1 − c)/2 from others. c and s are the
+/// cosine and sine between the normals.
+///
+/// The slope of a direction along one axis exceeds a with the probability P(a) = ½(1 − a/√(1 +
+/// a²)). The factor is |c + s·slope|. So the factor exceeds x with the probability P((x − c)/s) +
+/// P((x + c)/s). As P(a) < 1/4a², that is below s²/(x − c)². Its integral from x on is below s²/(x
+/// − c).
 #[test]
 fn photon_weights_conserve_flux_with_bounded_tail() {
     for degrees in [5.0, 37.0, 70.0, 87.0] {
@@ -61,20 +65,24 @@ fn photon_weights_conserve_flux_with_bounded_tail() {
             let beyond_slope = |a: f64| 0.5 * (1.0 - a / (1.0 + a * a).sqrt());
             let expected = N as f64 * (beyond_slope((x - c) / s) + beyond_slope((x + c) / s));
             let beyond = (0..N).into_par_iter().filter(|i| factor(*i) > x).count() as f64;
-            // The Poisson tail at low counts is longer than the normal one.
+            // At low counts, the tail of the Poisson distribution is longer than that of the normal
+            // distribution.
             let noise = Z * expected.sqrt() + 10.0;
             assert!((beyond - expected).abs() <= noise, "{degrees}°: {beyond} beyond {x}, {expected}");
         }
     }
 }
 
-/// The mean weight at a diffuse surface of albedo 1 has one factor (1 + c)/2 for arriving and one
-/// for leaving directions: the share of directions on which both normals agree.
+/// A diffuse surface scatters light only where both normals agree.
 ///
-/// Both factors are max(c + s·slope, 0) of independent slopes. The products up to [`MAX_WEIGHT`]
-/// have the mean E[a G(MAX_WEIGHT/a)]. G(z), the integral of P(b > x) up to z, is ½(z + 1 − √(s² +
-/// (z − c)²)). With slope = tanφ this is an integral of ½ cosφ dφ. Factors round some ten times in
-/// single precision.
+/// At albedo 1, the mean weight is (1 + c)/2 for arriving directions, times the same factor for
+/// leaving ones. It is the fraction of directions on which both normals agree; c and s are the
+/// cosine and sine between the normals.
+///
+/// The factors a and b are max(c + s·slope, 0) of independent slopes. The products up to
+/// [`MAX_WEIGHT`] have the mean E[a G(MAX_WEIGHT/a)]. G(z) is the integral of P(b > x) up to z: ½(z
+/// + 1 − √(s² + (z − c)²)). With slope = tanφ this is an integral of ½ cosφ dφ. Factors round some
+/// ten times in single precision.
 #[test]
 fn diffuse_scatters_where_both_normals_agree() {
     for degrees in [5.0, 37.0, 70.0] {
@@ -85,11 +93,11 @@ fn diffuse_scatters_where_both_normals_agree() {
             let flux = 0.5 * (c * libm::cos(phi) + s * libm::sin(phi));
             flux * up_to(MAX_WEIGHT * libm::cos(phi) * 0.5 / flux)
         };
-        // Second derivatives are a few hundred at most, where samples cross the bound: an error of
+        // Second derivatives are at most a few hundred, where samples cross the bound. The error is
         // 10⁻⁷.
         let expected = midpoint_integral(-libm::atan(c / s), FRAC_PI_2, 20_000, part);
-        // Light from beyond the shading horizon hits the normal from behind, and the normal is
-        // flipped: (1 − c)/2 of each.
+        // Light from beyond the shading horizon arrives behind the shading normal, which is then
+        // flipped. The fraction of such directions is (1 − c)/2.
         let (agreeing, error) = clamped_mean((0..N).into_par_iter().map(|i| {
             let wo = arrival_direction(test_key(61).child_key(i));
             if wo.dot(ns) > 0.0 {
@@ -103,7 +111,8 @@ fn diffuse_scatters_where_both_normals_agree() {
     }
 }
 
-/// Returns the remaining weight of a photon that arrives from `wo`.
+/// Returns the weight of a photon that arrives from `wo` after it is scattered; 0 if it is
+/// absorbed.
 fn remaining_photon_weight(bsdf: &Bsdf, wo: Vec3, ns: Vec3, i: u64, transport: TransportMode) -> f64 {
     let key = test_key(62).child_key(i);
     let (lobe, u) = (key.uniform_1d(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
@@ -131,33 +140,33 @@ fn lossless_bsdfs() -> Vec<(Bsdf, bool)> {
     ]
 }
 
-/// Returns the largest mean weight of light that leaves glass of index 1.5 under normals of cosine
-/// `c`.
+/// Returns an upper bound of the mean weight of light that leaves glass of index 1.5.
 ///
-/// From outside, all directions on which normals agree, (1 + c)/2 of them by flux, see the same
-/// fraction of the inside. The inner directions that lead there are the fraction c of these. That
-/// is T(1 − c)/2n² more. Directions that ns would send into the surface leave by ng. They are the
-/// (1 − c)/2 on which normals disagree outside, seen from inside, where their cosine to ns is above
-/// √(1 − n⁻²).
+/// `c` is the cosine between the normals. The directions outside on which the normals agree are the
+/// fraction (1 + c)/2 by flux. They all see the same fraction of the inside. The directions inside
+/// that lead to them are the fraction c of these, which adds T(1 − c)/2n². Directions that ns would
+/// send into the surface leave by ng. They are the (1 − c)/2 on which normals disagree outside,
+/// seen from inside, where their cosine to ns is above √(1 − n⁻²).
 fn max_weight_out_of_glass(c: f64) -> f64 {
     let n2 = 1.5 * 1.5;
     1.0 + 0.5 * (1.0 - c) / n2 * (1.0 + 1.0 / (1.0 - 1.0 / n2).sqrt())
 }
 
-/// No surface scatters more than it receives, in the mean over uniform incident light. A mirror and
-/// a straight transmitter lose nothing either: reflection about ns keeps solid angles, and a
-/// direction below the surface is reflected about ng instead. The exception is light that leaves
-/// glass: see [`out_of_glass`].
+/// No surface scatters more than it receives, in the mean over uniform incident light.
 ///
-/// Factors of mirrors are |wi·ng|/|wo·ng|. They exceed x with P ≤ P(cosine < 1/x) = 1/x², so the
-/// mean beyond 100 is below 1/50.
+/// A mirror and a straight transmitter lose nothing either. Reflection about ns keeps solid angles,
+/// and a direction below the surface is reflected about ng instead. The exception is light that
+/// leaves glass: see [`max_weight_out_of_glass`].
+///
+/// Factors of mirrors are |wi·ng|/|wo·ng|. They exceed x with a probability of at most that of a
+/// cosine below 1/x, which is 1/x². So the mean beyond 100 is below 1/50.
 #[test]
 fn no_surface_reflects_more_than_it_receives() {
     for (bsdf, keeps) in lossless_bsdfs() {
         for degrees in [5.0, 37.0, 70.0, 87.0] {
             let ns = tilted_normal(degrees);
             for ns in [ns, -ns] {
-                // The outer side is that of both normals.
+                // The outer side is the side of both normals.
                 let turn = if ns.z < 0.0 { -1.0 } else { 1.0 };
                 let from = |i: u64| arrival_direction(test_key(63).child_key(i)) * Vec3::new(1.0, 1.0, turn);
                 let values = (0..N)
@@ -176,9 +185,11 @@ fn no_surface_reflects_more_than_it_receives() {
     }
 }
 
-/// A sky sends photons to a ball of twenty flat faces with smooth shading normals. Their weight has
-/// the mean 1, because any shading normals conserve flux. So the stored flux is the arriving flux,
-/// πL times the area. No shading normal is more than 37.4° off its face normal.
+/// The flux on a ball of twenty flat faces with smooth shading normals is the arriving flux.
+///
+/// A sky sends photons to the ball. Their weight has the mean 1, because any shading normals
+/// conserve flux. So the stored flux is πL times the area. No shading normal is more than 37.4° off
+/// its face normal.
 #[test]
 fn coarse_ball_flux_matches_its_faces() {
     const L: f64 = 2.0;
@@ -190,7 +201,7 @@ fn coarse_ball_flux_matches_its_faces() {
     ));
     let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
-    // The area of an icosahedron of circumradius 1: 20·(√3/4)·a² with a = 1/sin(72°).
+    // An icosahedron of circumradius 1 has the area 20·(√3/4)·a² with a = 1/sin(72°).
     let edge = 1.0 / libm::sin(0.4 * std::f64::consts::PI);
     let expected = std::f64::consts::PI * L * 5.0 * 3f64.sqrt() * edge * edge;
     let s2 = libm::pow(libm::sin(37.4f64.to_radians()), 2.0);
@@ -204,10 +215,11 @@ fn coarse_ball_flux_matches_its_faces() {
             t.deposits.photons.iter().map(|p| flux(p).min(MAX_WEIGHT * each)).sum()
         })
         .collect();
-    // A photon's hue rounds by 10⁻⁵, and the cut-off removes s²/99 at most.
+    // The hue of a photon rounds by 10⁻⁵. Weights that are left out change the mean by at most
+    // s²/99.
     let slack = expected * (s2 / (MAX_WEIGHT - 1.0) + 3e-5);
     crate::support::assert_mean("flux on a coarse ball", &samples, expected, slack, 0.01);
-    // Compares the number of photons whose factor exceeds x.
+    // The number of photons with a factor above x is compared with its expected value.
     let landed: usize = traced.iter().map(|t| t.deposits.photons.len()).sum();
     for x in [3.0, 10.0, 30.0] {
         let each = traced[0].audit.emitted[0] / traced[0].paths as f64;
@@ -219,7 +231,7 @@ fn coarse_ball_flux_matches_its_faces() {
     assert!(landed > 100_000);
 }
 
-/// Factors are finite at every representable grazing angle.
+/// Correction factors are finite at every grazing angle that floats can represent.
 #[test]
 fn grazing_factors_are_finite() {
     let ns = tilted_normal(60.0);
@@ -230,7 +242,7 @@ fn grazing_factors_are_finite() {
         for (bsdf, _) in lossless_bsdfs() {
             for i in 0..64 {
                 for n in [ns, -ns + 2.0 * ns.z * Vec3::Z] {
-                    // A photon of 1 W must have a finite weight where directions round to 2⁻²⁴.
+                    // A photon of 1 W must have a finite weight if directions round to 2⁻²⁴.
                     if z > 1e-37 {
                         remaining_photon_weight(&bsdf, wo, n, i, TransportMode::Importance);
                     }
