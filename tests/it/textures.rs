@@ -23,7 +23,10 @@ fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effec
     (0..passes).map(|pass| integrator.render_pass(pass, &SilentMonitor).image).collect()
 }
 
-/// Returns the first hit of a ray in the coordinates of the description.
+/// Returns the first hit of a ray, and the ray in the scene's coordinates.
+///
+/// `from` and `direction` are in the coordinates of the scene description. Panics if the ray hits
+/// nothing.
 fn hit(scene: &Scene, from: DVec3, direction: DVec3) -> (Hit, Ray) {
     let ray = Ray::new((from - scene.origin()).as_vec3(), direction.normalize().as_vec3());
     (scene.intersect(&ray).expect("the ray hits an object"), ray)
@@ -54,7 +57,7 @@ fn shapes_have_documented_uv_coordinates() {
     let close = |found: DVec2, u: f64, v: f64| assert!((found - DVec2::new(u, v)).length() < 1e-5, "{found}");
     let ground = of("Rectangle { corner -5 0 5  edge0 10 0 0  edge1 0 0 -10 }");
     close(uv(&ground, [1.0, 3.0, -2.0], down), 0.6, 0.7);
-    // Transforms, mirrors included, carry texture coordinates along.
+    // Texture coordinates move with transforms, mirrors included.
     let carried =
         of("Transform { Translate 1 0 0  Scale -2 1 1  Rectangle { corner -1 0 1  edge0 2 0 0  edge1 0 0 -2 } }");
     close(uv(&carried, [2.0, 3.0, 0.5], down), 0.25, 0.25);
@@ -70,7 +73,9 @@ fn shapes_have_documented_uv_coordinates() {
     close(uv(&of(&format!("{triangle}  uv0 1 1  uv1 3 1  uv2 1 5 }}")), [0.5, 1.0, 1.0], down), 2.0, 2.0);
 }
 
-/// A wide strip of a checkerboard near the horizon has half of each colour, and so has its image.
+/// A checkerboard near the horizon is filtered to its mean.
+///
+/// A wide strip of it has half of each colour, and so has its image.
 #[test]
 fn far_checkerboard_is_filtered_to_its_mean() {
     let tiles = |color0: &str, color1: &str| {
@@ -81,8 +86,9 @@ fn far_checkerboard_is_filtered_to_its_mean() {
         ))
     };
     let passes = picture(&tiles(".1 .1 .1", ".8 .8 .8"), Algorithm::Whitted, 1, 16, EffectOverrides::PLANNED);
-    // The horizon is at row 14.8, and a pixel is .0168 high at distance 1. Rows 16 and 17 are 50 to
-    // 19 units away. A surface of reflectance r under irradiance π has radiance r.
+    // The horizon is at row 14.8, and a pixel is .0168 high at distance 1. Rows 16 and 17 show the
+    // floor at distances from 50 to 19. A surface of reflectance r under irradiance π has radiance
+    // r.
     let strip = |image: &[Rgb]| -> Vec<f64> {
         image[16 * 64..18 * 64].iter().map(|c| f64::from(color::channel_mean(*c))).collect()
     };
@@ -100,15 +106,17 @@ fn far_checkerboard_is_filtered_to_its_mean() {
         of.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (of.len() - 1) as f64
     };
     let sparkle = (0..128).map(variance).sum::<f64>() / 128.0;
-    // Unfiltered, each sample is .1 or .8 by chance: a variance of .35² where a pixel covers many
-    // tiles. A footprint of half a pixel covers 9.5 tiles along the view in row 17, and more in row
-    // 16. The mean of an alternating pattern over them is off by at most one tile.
+    // Unfiltered, each sample is .1 or .8 by chance, which is a variance of .35² if a pixel covers
+    // many tiles. A footprint of half a pixel covers 9.5 tiles along the view in row 17, and more
+    // in row 16. The mean of an alternating pattern over them has an error of at most one tile.
     eprintln!("variance between passes {sparkle:.5}, unfiltered .1225");
     assert!(sparkle < 0.1225 / (9.5 * 9.5), "{sparkle}");
 }
 
-/// A surface of height h(u, v) = s·u, with u along x and 1/w per unit, has the normal (−s/w,
-/// 1)/|…|.
+/// A linear bump map tilts the normal of a plane by its slope.
+///
+/// A surface of height s·u, with u = x/w, has the normal (−s/w, 1)/|…| in the coordinates of x and
+/// height.
 #[test]
 fn linear_bump_map_tilts_the_plane() {
     let folder = tempfile::tempdir().unwrap();
@@ -127,7 +135,7 @@ fn linear_bump_map_tilts_the_plane() {
         let found = surface(&scene, DVec3::new(0.4 * width, 3.0, -0.3 * width), DVec3::NEG_Y).point;
         let expected = DVec3::new(-height / width, 1.0, 0.0).normalize();
         assert_eq!(found.ng, Vec3::Y);
-        // Heights and their differences are f32.
+        // The tolerance covers heights and their differences in f32.
         assert!((found.ns.as_dvec3() - expected).length() < 1e-4, "{} {expected}", found.ns);
     }
 }
@@ -145,16 +153,17 @@ fn mapped_normals_follow_uv_and_stay_outside() {
     let straight = "edge0 2 0 0  edge1 0 0 -2";
     let close = |a: Vec3, b: [f32; 3]| assert!((a - Vec3::from(b).normalize()).length() < 1e-5, "{a} {b:?}");
     close(with(".5 .5 1", straight), [0.0, 1.0, 0.0]);
-    // Red is along u, which is x; green is along v, which is −z.
+    // Red tilts the normal along u, which is x. Green tilts it along v, which is −z.
     close(with(".8 .5 .9", straight), [0.6, 0.8, 0.0]);
     close(with(".5 .8 .9", straight), [0.0, 0.8, -0.6]);
-    // A normal that would turn the surface inside out is limited to grazing.
+    // A normal that would point below the surface is limited to a grazing one.
     let inside = with(".9 .5 .1", straight);
     assert!(inside.y > 0.0 && inside.y < 0.1 && inside.x > 0.9, "{inside}");
 }
 
-/// In a furnace of radiance 1, no surface with any normals is brighter than 1, within 5 standard
-/// errors of the mean over passes.
+/// Bump maps create no energy: in a furnace of radiance 1, no surface is brighter than 1.
+///
+/// The tolerance is five standard errors of the mean over passes.
 #[test]
 fn bump_maps_create_no_energy() {
     for relief in ["bump lumps  bumpHeight .3", "normalMap wild"] {
@@ -186,8 +195,9 @@ fn bump_maps_create_no_energy() {
     }
 }
 
-/// If the effect of textures is off, each texture becomes its mean. If bump maps are off, surfaces
-/// are smooth. Scenes with these means and smooth surfaces give the same images.
+/// If the effect of textures is off, each texture becomes its mean and surfaces are smooth.
+///
+/// Scenes with these means and without bump maps give the same images.
 #[test]
 fn disabled_textures_become_their_mean() {
     let with = |reflectance: &str, relief: &str, emission: &str| {
@@ -211,7 +221,7 @@ fn disabled_textures_become_their_mean() {
     }
 }
 
-/// A mask is a mix of two materials by position. Where it is 0 or 1, nothing is random.
+/// A mask is a mix of two materials by position. Where it is 0 or 1, the choice is not random.
 #[test]
 fn masks_select_material_by_position() {
     let scene = scene(&format!(
@@ -225,8 +235,9 @@ fn masks_select_material_by_position() {
     }
 }
 
-/// A moving object carries its texture: at each time, coordinates equal those of the same transform
-/// at rest.
+/// A moving object carries its texture.
+///
+/// At each time, its texture coordinates equal those of an object at rest with the same transform.
 #[test]
 fn textures_move_with_their_object() {
     let of = |maps: &str, object: &str| {
@@ -251,7 +262,7 @@ fn textures_move_with_their_object() {
                 let found = surface(scene, DVec3::from(from), DVec3::NEG_Z);
                 (uv(scene, from, [0.0, 0.0, -1.0]), found.bsdf, found.emission)
             });
-            // Rounding of positions below 10 to f32.
+            // The tolerance is the rounding of positions below 10 to f32.
             assert!((a.0 - b.0).length() < 1e-5 && (a.1, a.2) == (b.1, b.2), "{object} at {time}: {a:?} {b:?}");
         }
     }

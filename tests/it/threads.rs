@@ -1,4 +1,4 @@
-//! One seed gives one image, on any number of threads and for any single pass.
+//! One seed gives one image, with any number of threads, and for single passes.
 
 use crate::support::scene_from_text_in;
 use caustica::color::Rgb;
@@ -6,8 +6,9 @@ use caustica::integrate::{Algorithm, CameraPathSettings, Pass, PhotonReport, Set
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
-/// Scene with glass, a mirror, a mesh, Phong's model, an area light, and more lights than
-/// next-event estimation samples at once.
+/// Scene with glass, a mirror, a mesh, a Phong material and an area light.
+///
+/// It has more lights than next-event estimation samples at once.
 const TEXT: &str = "
 PerspectiveCamera { center 0 1.4 5  lookAt 0 .7 0  angle 40  width 50  height 38 }
 Background { color .1 .2 .3 }
@@ -33,8 +34,8 @@ Group {
     MaterialName silver  Sphere { center .9 .5 -1.2 radius .5 }
 }";
 
-/// Number of photon paths per pass. It is no multiple of the paths of a chunk, so the last chunk is
-/// short.
+/// Number of photon paths per pass. It is not a multiple of the paths of a chunk, so the last chunk
+/// is short.
 const PHOTONS: u32 = 30_001;
 
 fn scene() -> Scene {
@@ -55,7 +56,7 @@ fn settings() -> Settings {
     }
 }
 
-/// All results of a pass but its times.
+/// All results of a pass except its times: pixel bits, counters, and reports of both photon maps.
 type Result = (Vec<[u32; 3]>, Counters, PhotonReport, PhotonReport);
 
 fn result(pass: Pass) -> Result {
@@ -63,7 +64,8 @@ fn result(pass: Pass) -> Result {
     (pass.image.iter().map(bits).collect(), pass.counters, pass.unaimed, pass.aimed)
 }
 
-/// Returns the radii and the given passes, rendered on `threads` threads.
+/// Renders passes on `threads` threads. Returns the bits of both gather radii, and the results of
+/// the passes.
 fn run(threads: usize, passes: impl IntoIterator<Item = u32> + Send) -> ([u32; 2], Vec<Result>) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
@@ -80,7 +82,8 @@ fn any_thread_count_gives_same_bits() {
     let one = run(1, 0..3);
     let (_, passes) = &one;
     for (image, counters, global, caustic) in passes {
-        // The scene exercises every counter: a black image would agree on any machine too.
+        // The checks show that the scene exercises every counter. A black image would be the same
+        // on any machine.
         assert!(image.iter().flatten().filter(|bits| **bits != 0).count() > image.len());
         assert!(counters.continuation_rays > 0 && counters.shadow_rays > 0 && counters.gathered_photons > 0);
         assert!(global.stored > 1000 && caustic.stored > 1000 && counters.rejected_samples == 0);

@@ -1,7 +1,7 @@
 //! Cases that break naive renderers, in the groups of docs/stability.md.
 //!
-//! A failure is a wrong mean, a non-finite value, a crack, a leak, a hang or a panic. Tolerances
-//! are derived beside each test; none is fitted to a result.
+//! A failure is a wrong mean, a non-finite value, a crack, a leak, a hang or a panic. A comment in
+//! each test derives its tolerances; none is fitted to a result.
 
 mod accumulation;
 mod cameras;

@@ -1,5 +1,5 @@
-//! Shading normals against geometric normals: no light through the back, no exploding weights, no
-//! energy gain.
+//! Shading normals that differ from geometric normals: no light leaks through surfaces, no weight
+//! is unbounded, and no energy is gained.
 
 mod furnace;
 mod leaks;

@@ -1,5 +1,8 @@
-//! Photon maps with no photon, one photon or ten million, at a point, in a plane, or over nine
-//! orders of density. Lights of zero power and of 10^±30 W, inside walls and behind them.
+//! Photon maps and lights in extreme cases.
+//!
+//! Maps hold no photon, one photon or ten million, at a point, in a plane, or with densities over
+//! nine orders of magnitude. Lights have zero power or 10^±30 W, or are inside walls and behind
+//! them.
 
 mod focus;
 mod lights;
@@ -20,14 +23,15 @@ use caustica::shape::{Rectangle, Shape};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicBool;
 
-/// Relative rounding of a channel of a stored grey photon: one and a half steps of 1/65535 of the
-/// channel sum.
+/// Relative rounding error of a channel of a stored grey photon.
+///
+/// It is half a step of 1/65535 of the channel sum, which is three times the channel.
 const HUE: f64 = 1.5 / 65_535.0;
 
 /// Every integrator with photons.
 const WITH_PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Ppm, Algorithm::Pm];
 
-/// Returns three numbers in [0, 1) that depend on `i`.
+/// Returns three pseudorandom numbers in \[0, 1) that depend on `i`.
 fn random(i: u64) -> Vec3 {
     let key = Key::new(8).purpose_key(Purpose::Test).child_key(i);
     key.uniform_2d(Dimension::LightPosition).extend(key.uniform_1d(Dimension::Light))
@@ -49,8 +53,9 @@ fn flat_camera(center: DVec3, direction: DVec3, width: f64, size: u32) -> Camera
     Camera::orthographic(center, direction, up, width, size, size).unwrap()
 }
 
-/// Returns settings with these numbers of paths per map and camera rays per pixel, fixed work
-/// division, and a box filter.
+/// Returns settings with `paths` photon paths per map and `samples` camera rays per pixel.
+///
+/// The division of work is fixed, and the filter is a box.
 fn settings(paths: u32, samples: u32) -> Settings {
     let filter = Filter::new(FilterKind::Box);
     let camera_paths = CameraPathSettings {
@@ -63,7 +68,7 @@ fn settings(paths: u32, samples: u32) -> Settings {
     Settings { camera_paths, photons: paths, caustic_photons: paths, balance: false, ..Settings::default() }
 }
 
-/// Renders this many passes with error estimation.
+/// Renders `passes` passes with error estimation.
 fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> RenderResult {
     let integrator = algorithm.prepare(scene, settings);
     let interrupted = AtomicBool::new(false);
@@ -71,8 +76,9 @@ fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32
     render(integrator.as_ref(), scene.camera().size(), &stop, &SilentMonitor, |_| {})
 }
 
-/// Fails if a number of a render is not finite: a pixel, an error map, an error estimate. Also
-/// fails if a sample or a photon was rejected.
+/// Fails if a pixel, an error map or an error estimate of a render is not finite.
+///
+/// Also fails if a sample or a photon was rejected.
 #[track_caller]
 fn assert_finite(what: &str, rendered: &RenderResult) {
     let mean = rendered.film.mean();

@@ -1,5 +1,5 @@
-//! Refraction at the critical angle, at equal indices, between bodies that share a face, and a
-//! thousand times in a row.
+//! Refraction in extreme cases: at the critical angle, at equal indices, between bodies that share
+//! a face, and after a thousand reflections.
 
 mod index_matched;
 mod inside;

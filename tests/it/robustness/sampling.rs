@@ -1,5 +1,5 @@
-//! Extreme samples through every warp, pdfs near zero, roulette at probabilities 0 and 1, and
-//! extreme lobes.
+//! Sampling in extreme cases: extreme random numbers in every warp, pdfs near zero, roulette at
+//! probabilities 0 and 1, and narrow lobes.
 
 mod bsdfs;
 mod choices;
@@ -8,8 +8,10 @@ mod roulette;
 
 use glam::Vec2;
 
-/// Extreme samples in \[0, 1): 0, the smallest positive sample, the middle and the number below it,
-/// and the largest number below 1.
+/// Extreme random numbers in \[0, 1).
+///
+/// They are 0, the smallest positive number, the middle and the number below it, and the largest
+/// number below 1.
 const ENDS: [f32; 5] = [0.0, 1.0 / 16_777_216.0, 0.5, 0.5 - f32::EPSILON / 4.0, 1.0 - f32::EPSILON / 2.0];
 
 /// Returns all pairs of [`ENDS`].

@@ -1,4 +1,4 @@
-//! Huge, tiny, distant and rotated scenes give the same image.
+//! Scenes that are huge, tiny, distant or rotated give the same image.
 
 mod ends;
 mod floor;
@@ -25,23 +25,27 @@ const SIZE: (u32, u32) = (32, 24);
 /// Number of compared passes: 19 degrees of freedom.
 const PASSES: u32 = 20;
 
-/// Number of compared passes of each scene of scenes/, at 39 degrees of freedom. In scene
-/// cut-stone, light that many facets refract is noisy.
+/// Number of compared passes of each scene of scenes/, which gives 39 degrees of freedom.
+///
+/// In the scene cut-stone, light that many facets refract is noisy.
 const SCENE_PASSES: u32 = 40;
 
-/// Difference that each comparison must detect, relative to the brightest channel of a scene. It is
-/// doubled for scenes whose random numbers lead to other paths.
+/// Difference that each comparison must be able to detect, relative to the brightest channel of a
+/// scene.
+///
+/// It is doubled for scenes in which the same random numbers give other paths.
 const DETECTABLE: f64 = 0.15;
 
 /// Number of passes whose bits are compared.
 const EQUAL_PASSES: u32 = 4;
 
-/// Small scale factor: a tenth of a millimetre per metre. [`LARGE`] is 2²⁷ times as much, more than
-/// ten kilometres per metre.
+/// Small scale factor: a tenth of a millimetre per metre.
+///
+/// [`LARGE`] is 2²⁷ times as much, more than ten kilometres per metre.
 const SMALL: f64 = 1e-4;
 const LARGE: f64 = SMALL * 134_217_728.0;
 
-/// A direction along no axis.
+/// A direction that is not along an axis.
 const AWAY: DVec3 = DVec3::new(0.71, -0.43, 0.56);
 const ASKEW: (DVec3, f64) = (DVec3::new(1.0, 2.0, -1.0), 57.0);
 
@@ -71,7 +75,7 @@ fn transformed_scene(file: &SceneFile, by: &Similarity) -> Scene {
     file.resolve().unwrap()
 }
 
-/// Runs `check` on each scene with its number; fails with all messages that it returns.
+/// Calls `check` with each scene and its number; fails with all messages that it returns.
 fn check_each_scene(check: impl Fn(usize, &SceneFile) -> Option<String> + Sync) {
     let name = |path: &Path| path.file_stem().unwrap().to_string_lossy().into_owned();
     let one = |(i, path): (usize, &PathBuf)| Some(format!("{}: {}", name(path), check(i, &read_scene_file(path))?));
@@ -104,10 +108,10 @@ fn count_differing_pixels(a: &[Vec<Rgb>], b: &[Vec<Rgb>]) -> usize {
     a.iter().flatten().zip(b.iter().flatten()).filter(|(a, b)| bits(a) != bits(b)).count()
 }
 
-/// Returns the scene moved away by 10⁶ times its size, and how far its camera may have moved by
-/// rounding.
+/// Returns the scene moved away by 10⁶ times its size. Also returns how far rounding may have moved
+/// its camera.
 ///
-/// A coordinate there rounds in f64 by 10⁶·2⁻⁵³ = 1.1·10⁻¹⁰ of the size: in a product of
+/// A coordinate there rounds in f64 by 10⁶·2⁻⁵³ = 1.1·10⁻¹⁰ of the size. It rounds in a product of
 /// transforms, a point, a corner of the bounding box, the center, the camera, and their
 /// differences. Single precision rounds by 2⁻²⁴ = 6·10⁻⁸ once the scene is recentered.
 fn far_away(file: &SceneFile, scene: &Scene) -> (Scene, f64) {
@@ -116,8 +120,11 @@ fn far_away(file: &SceneFile, scene: &Scene) -> (Scene, f64) {
     (moved, 6.0 * AWAY.length() * distance * f64::EPSILON / 2.0)
 }
 
-/// SMALL and LARGE differ by a power of two, which changes exponents only, so both are equal bit
-/// for bit. They differ from the original by rounding, and by paths that rounding redirects.
+/// Scenes that are scaled or moved far away give the same image.
+///
+/// [`SMALL`] and [`LARGE`] differ by a power of two, which changes exponents only. So both images
+/// are equal bit for bit. They differ from the original by rounding, and by paths that rounding
+/// redirects.
 #[test]
 #[ignore = "long: every scene at four scales"]
 fn scaled_and_moved_scenes_give_same_image() {
@@ -149,7 +156,7 @@ fn scaled_and_moved_scenes_give_same_image() {
     });
 }
 
-/// Other integrators and settings, each with a demanding scene.
+/// No integrator or setting depends on the unit of length. Each is tested with a demanding scene.
 #[test]
 fn no_integrator_depends_on_length_unit() {
     let (eye, base) = (low_cost_settings().camera_paths, low_cost_settings());
@@ -182,8 +189,10 @@ fn no_integrator_depends_on_length_unit() {
     });
 }
 
+/// Rotated scenes have the same mean flux and radiance.
+///
 /// Frames of directions, bounding boxes and trees differ in a rotated scene, so other paths are
-/// sampled. The mean flux is equal.
+/// sampled.
 #[test]
 #[ignore = "long: t-tests of every scene"]
 fn rotated_scenes_have_same_flux_and_radiance() {
@@ -204,8 +213,8 @@ fn rotated_scenes_have_same_flux_and_radiance() {
             ROUNDING,
             2.0 * DETECTABLE,
         );
-        // Path tracing finds lights behind glass only by chance, and media are noisy. So only
-        // direct light is compared there.
+        // Only direct light is compared in images. Path tracing finds lights behind glass only by
+        // chance, and media are noisy.
         let seen = |scene: &Scene| summaries(&pictures(scene, Algorithm::Distributed, low_cost_settings(), PASSES));
         let seen = || {
             let (here, there) = (seen(&here), seen(&there));
@@ -217,14 +226,16 @@ fn rotated_scenes_have_same_flux_and_radiance() {
         };
         stored.map(|o| format!("stored: {o}")).or_else(seen)
     });
-    // The rainbow's light comes through drops alone, which no connection finds.
+    // One scene shows no direct light: all light of the rainbow passes through drops, which
+    // next-event estimation cannot do.
     assert_eq!(dark.into_inner(), 1, "scenes that show nothing");
 }
 
-/// Returns the flux that passes store on surfaces \[W].
+/// Returns the flux that each pass stores on surfaces \[W].
 ///
-/// Light from infinity covers more of an unbounded plane if the bounding box of the rest is larger.
-/// So in scenes with such a plane only direct light `near` the `middle` counts.
+/// Light from infinity covers more of an unbounded plane if the bounding box of the other objects
+/// is larger. So in scenes with such a plane, only direct light closer to `middle` than `near`
+/// counts.
 fn stored_fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
     let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
     let pass =

@@ -1,5 +1,6 @@
-//! Transforms that mirror, shear, squeeze and nest: distances and normals stay right, singular ones
-//! are refused.
+//! Transforms that mirror, shear, squeeze and nest.
+//!
+//! Distances and normals stay right, and singular transforms are refused.
 
 pub mod double_double;
 mod instances;

@@ -1,5 +1,5 @@
-//! Degenerate triangles, and rays along, through and from their edges: nothing leaks, nothing is
-//! hit twice.
+//! Triangles in extreme cases: without area, and with rays along, through and from their edges. No
+//! ray leaks, and none hits twice.
 
 pub mod closed;
 mod edges;

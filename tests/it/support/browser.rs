@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Time limit of one browser run. A page loads in seconds; a browser that hangs fails the test.
+/// Time limit of one browser run. A page loads in seconds; a test fails if its browser hangs.
 const LIMIT: Duration = Duration::from_secs(120);
 
 pub struct Browser {
@@ -13,17 +13,19 @@ pub struct Browser {
     folder: tempfile::TempDir,
 }
 
-/// A page after it was loaded.
+/// Contents of a page after it was loaded.
 pub struct LoadedPage {
     /// The document's elements after its scripts ran, as HTML.
     pub dom: String,
-    /// Lines of the browser's console.
+    /// Lines that the page wrote to the browser's console.
     pub complaints: Vec<String>,
-    /// Screenshot of the window, row by row, sRGB bytes.
+    /// Screenshot of the window, row by row, as sRGB bytes.
     pub pixels: Vec<[u8; 3]>,
 }
 
-/// Returns the program of a browser: that of `CAUSTICA_CHROMIUM`, or the first known one in PATH.
+/// Returns the path of a browser: `CAUSTICA_CHROMIUM`, or the first Chromium or Chrome in PATH.
+///
+/// `None` if there is none.
 pub fn find_browser() -> Option<PathBuf> {
     if let Some(program) = std::env::var_os("CAUSTICA_CHROMIUM") {
         return Some(program.into());
@@ -36,13 +38,15 @@ pub fn find_browser() -> Option<PathBuf> {
 }
 
 impl Browser {
-    /// Returns the browser that [`find_browser`] finds.
+    /// Returns the browser that [`find_browser`] finds, with a temporary profile; `None` if there
+    /// is none.
     pub fn find() -> Option<Self> {
         Some(Self { program: find_browser()?, folder: tempfile::tempdir().unwrap() })
     }
 
-    /// Writes `page` to a file and opens it with the URL suffix `fragment` in a window of the given
-    /// size.
+    /// Writes `page` to the file `name` and opens it in a window of the given size.
+    ///
+    /// `fragment` is appended to the URL.
     pub fn open(&self, name: &str, page: &str, fragment: &str, (width, height): (u32, u32)) -> LoadedPage {
         let path = self.folder.path().join(name);
         fs::write(&path, page).unwrap();
@@ -54,7 +58,8 @@ impl Browser {
         LoadedPage { dom, complaints, pixels: pixels(&screenshot) }
     }
 
-    /// Runs the browser and returns its standard output and its console lines.
+    /// Runs the browser once. Returns its standard output, and the lines that pages wrote to its
+    /// console.
     fn run(&self, arguments: &[&str]) -> (String, Vec<String>) {
         let [out, error] = ["out", "error"].map(|name| self.folder.path().join(name));
         let profile = format!("--user-data-dir={}", self.folder.path().join("profile").display());

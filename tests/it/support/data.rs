@@ -6,11 +6,12 @@ use std::fs;
 
 /// Returns the SHA-256 digest of `bytes` in hexadecimal (FIPS 180-4).
 fn sha256(bytes: &[u8]) -> String {
-    // The first 32 bits of the fractional parts of cube and square roots of the first primes.
+    // The constants of SHA-256 are the first 32 bits of the fractional parts of cube and square
+    // roots of the first primes.
     let primes: Vec<u32> = (2..).filter(|n| (2..*n).all(|d| n % d != 0)).take(64).collect();
     let fraction = |prime: u32, root: u32| {
-        // The largest x with x^root <= prime * 2^(32 root), by bits; its low 32 bits are the
-        // fraction.
+        // `x` is the largest number with x^root <= prime * 2^(32 root), found bit by bit. Its low
+        // 32 bits are the fractional part.
         let power = |x: u128| (1..root).try_fold(x, |product, _| product.checked_mul(x));
         let limit = u128::from(prime) << (32 * root);
         let x = (0..36).rev().fold(0u128, |x, bit| {

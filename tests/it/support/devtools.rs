@@ -1,4 +1,4 @@
-//! A headless browser that is controlled by the DevTools protocol over pipes.
+//! A headless browser that tests control by the DevTools protocol, over pipes.
 
 use super::browser::find_browser;
 use serde_json::{Value, json};
@@ -6,10 +6,10 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Time limit of a browser [s]. A browser that hangs is killed, and its test fails.
+/// Time limit of a browser \[s]. A browser that hangs is killed, and its test fails.
 const LIMIT: &str = "240";
 
-/// Time limit of one condition.
+/// Time limit of a wait for one condition.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A browser with one open page.
@@ -24,7 +24,7 @@ pub struct DevTools {
 }
 
 impl DevTools {
-    /// Starts a browser; returns `None` if there is none.
+    /// Starts a browser with an empty page; returns `None` if none is installed.
     pub fn start() -> Option<Self> {
         let program = find_browser()?;
         let profile = tempfile::tempdir().unwrap();
@@ -54,7 +54,8 @@ impl DevTools {
         Some(tools)
     }
 
-    /// Calls a method and returns its result.
+    /// Calls a method of the DevTools protocol and returns its result. Collects complaints
+    /// meanwhile.
     #[track_caller]
     fn call(&mut self, method: &str, parameters: Value) -> Value {
         self.count += 1;
@@ -74,7 +75,8 @@ impl DevTools {
                 return answer["result"].clone();
             }
             let method = answer["method"].as_str().unwrap_or("");
-            // A test that reads the canvas gets advice about speed, which is no fault of the page.
+            // Advice about speed is no complaint: tests read the canvas, which the browser advises
+            // against.
             let is_advice = answer["params"]["entry"]["source"] == "rendering";
             let reports = ["Runtime.exceptionThrown", "Runtime.consoleAPICalled", "Log.entryAdded"];
             if reports.contains(&method) && !is_advice {
@@ -87,7 +89,7 @@ impl DevTools {
     pub fn open(&mut self, address: &str, width: u32, height: u32) {
         self.resize(width, height);
         self.call("Page.navigate", json!({ "url": address }));
-        // The address is committed before the document has a body.
+        // The browser changes the address before the new document has a body.
         self.wait_for("document.readyState !== 'loading'");
     }
 
@@ -96,7 +98,7 @@ impl DevTools {
         self.call("Emulation.setDeviceMetricsOverride", size);
     }
 
-    /// Returns the value of a JavaScript expression.
+    /// Evaluates a JavaScript expression in the page and returns its value; awaits promises.
     #[track_caller]
     pub fn value(&mut self, expression: &str) -> Value {
         let parameters = json!({ "expression": expression, "returnByValue": true, "awaitPromise": true });
@@ -105,7 +107,7 @@ impl DevTools {
         result["result"]["value"].clone()
     }
 
-    /// Waits until a JavaScript condition holds.
+    /// Waits until a JavaScript expression is true. Panics after a minute.
     #[track_caller]
     pub fn wait_for(&mut self, condition: &str) {
         let start = Instant::now();
@@ -116,13 +118,13 @@ impl DevTools {
         }
     }
 
-    /// Presses a key.
+    /// Sends a key press to the page.
     pub fn press(&mut self, key: &str) {
         self.call("Input.dispatchKeyEvent", json!({ "type": "keyDown", "key": key, "text": key }));
         self.call("Input.dispatchKeyEvent", json!({ "type": "keyUp", "key": key }));
     }
 
-    /// Moves the pointer along `points` with the left button held down if there are several.
+    /// Moves the pointer along `points`. With several points, the left button is held down.
     pub fn drag(&mut self, points: &[(f64, f64)]) {
         let held = points.len() > 1;
         let mut event = |kind: &str, (x, y): (f64, f64), buttons: u32| {
@@ -138,7 +140,7 @@ impl DevTools {
         }
     }
 
-    /// Returns exceptions and messages of the console so far.
+    /// Returns the exceptions and console messages of the page so far.
     pub fn complaints(&self) -> &[String] {
         &self.complaints
     }

@@ -1,6 +1,8 @@
 //! Splits command lines into words like a POSIX shell.
 
-/// Returns the words of a line, with quotes by ' or " removed, up to a comment.
+/// Returns the words of a command line. Quotes are removed, and the line ends at a comment.
+///
+/// Quotes are ' or ".
 pub fn shell_words(line: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let (mut word, mut quote) = (None::<String>, None);

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
-/// False-alarm rate of one comparison, two-sided.
+/// False-alarm rate of one two-sided comparison.
 pub const FALSE_ALARM_RATE: f64 = 1e-6;
 
-/// Returns the mean of independent samples and its standard error.
+/// Returns the mean of independent samples and the standard error of this mean.
 pub fn mean_and_error(samples: &[f64]) -> (f64, f64) {
     let n = samples.len() as f64;
     let mean = samples.iter().sum::<f64>() / n;
@@ -13,28 +13,27 @@ pub fn mean_and_error(samples: &[f64]) -> (f64, f64) {
     (mean, (squares / (n - 1.0) / n).sqrt())
 }
 
-/// Integrates `f` from `a` to `b` by `n` midpoints.
+/// Integrates `f` from `a` to `b` by the midpoint rule with `n` steps.
 ///
-/// The error is (b−a)³/(24n²)·max|f″| for smooth f, and (b−a)/n·|jump| at a jump.
+/// The error is at most (b−a)³/(24n²)·max|f″| for smooth f, and (b−a)/n·|jump| at a jump.
 pub fn midpoint_integral(a: f64, b: f64, n: u32, f: impl Fn(f64) -> f64) -> f64 {
     let h = (b - a) / f64::from(n);
     (0..n).map(|i| f(a + (f64::from(i) + 0.5) * h)).sum::<f64>() * h
 }
 
-/// Returns P(|T| ≥ t) for Student's T with `dof` degrees of freedom.
+/// Returns P(|T| ≥ t) for a variable T of Student's distribution with ν = `dof` degrees of freedom.
 ///
-/// With T = √ν tanφ the density of φ is proportional to cosᵛ⁻¹φ.
+/// It is integrated over φ. With T = √ν tanφ, the density of φ is proportional to cosᵛ⁻¹φ.
 pub fn student_t_tail(t: f64, dof: f64) -> f64 {
     let norm = libm::exp(libm::lgamma(0.5 * (dof + 1.0)) - libm::lgamma(0.5 * dof)) / PI.sqrt();
     let density = |phi: f64| libm::pow(libm::cos(phi).max(0.0), dof - 1.0);
     2.0 * norm * midpoint_integral(libm::atan(t.abs() / dof.sqrt()), 0.5 * PI, 4000, density)
 }
 
-/// Fails if `samples` contradict a mean within `expected` ± `slack`, with false-alarm rate
-/// [`FALSE_ALARM_RATE`].
+/// Panics if `samples` contradict a mean within `expected` ± `slack`.
 ///
-/// Also fails if the standard error exceeds `sharp` · `expected`, because noise could then hide an
-/// error.
+/// The test is Student's, with the false-alarm rate [`FALSE_ALARM_RATE`]. Also panics if the
+/// standard error exceeds `sharp` · `expected`, because noise could then hide an error.
 #[track_caller]
 pub fn assert_mean(what: &str, samples: &[f64], expected: f64, slack: f64, sharp: f64) {
     let (mean, error) = mean_and_error(samples);

@@ -1,4 +1,4 @@
-//! Photon passes, density estimates and closed forms for tests of light transport.
+//! Photon passes, density estimates and closed forms, for tests of light transport.
 
 use super::{assert_mean, midpoint_integral};
 use caustica::camera::{Camera, Filter, FilterKind};
@@ -13,14 +13,15 @@ use caustica::shape::{Rectangle, Shape};
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// Default number of passes of a test.
+/// Number of passes of most tests.
 pub const PASSES: u32 = 16;
 
-/// Every density kernel.
+/// All kernels of density estimates.
 pub const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov];
 
-/// Relative rounding of a channel of a stored grey photon: half a step of 1/65535 of the channel
-/// sum.
+/// Relative rounding error of a channel of a stored grey photon.
+///
+/// It is half a step of 1/65535 of the channel sum, which is three times the channel.
 pub const HUE_ROUNDING: f64 = 1.5 / 65_535.0;
 
 pub fn dvec3(x: f64, y: f64, z: f64) -> DVec3 {
@@ -31,21 +32,23 @@ pub fn grey(x: f64) -> Rgb {
     Rgb::splat(x as f32)
 }
 
-/// Returns a camera with a square image of `size` pixels and a full field of view of `angle`
-/// degrees.
+/// Returns a perspective camera at `eye` that looks at `at`, with `size` × `size` pixels.
+///
+/// `angle` is its full field of view \[degrees].
 pub fn square_camera(eye: DVec3, at: DVec3, angle: f64, size: u32) -> Camera {
     let up = if (at - eye).normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
     Camera::perspective(eye, at - eye, up, angle.to_radians(), size, size).unwrap()
 }
 
-/// Builds a scene for tests of photons alone. Its camera has one pixel, which no test reads.
+/// Builds a scene for tests of photons alone. It has a camera with one pixel, which no test
+/// renders.
 pub fn photon_only_scene(builder: SceneBuilder) -> Scene {
     builder.build(square_camera(DVec3::ZERO, DVec3::Z, 40.0, 1)).unwrap()
 }
 
-/// Returns the faces of a box: floor, ceiling, left, right, back, front.
+/// Returns the faces of the box from `lo` to `hi`: floor, ceiling, left, right, back, front.
 ///
-/// Their outer sides face inwards or outwards.
+/// Their outer sides face inwards if `inwards` is true, otherwise outwards.
 pub fn box_faces(lo: DVec3, hi: DVec3, inwards: bool) -> [Shape; 6] {
     let (x, y, z) = (DVec3::X * (hi.x - lo.x), DVec3::Y * (hi.y - lo.y), DVec3::Z * (hi.z - lo.z));
     let face = |corner, e0, e1| {
@@ -55,12 +58,12 @@ pub fn box_faces(lo: DVec3, hi: DVec3, inwards: bool) -> [Shape; 6] {
     [face(lo, z, x), face(lo + y, x, z), face(lo, y, z), face(lo + x, z, y), face(lo, x, y), face(lo + z, y, x)]
 }
 
-/// Returns the keys of independent passes.
+/// Returns one key for each of `passes` independent passes.
 pub fn pass_keys(passes: u32) -> impl Iterator<Item = Key> {
     (0..u64::from(passes)).map(|pass| Key::new(20_240_229).purpose_key(Purpose::Test).child_key(pass))
 }
 
-/// Traces independent passes of `paths` photon paths each, emitted in all directions.
+/// Traces `passes` independent passes of `paths` photon paths each, emitted in all directions.
 pub fn trace_photon_passes(
     scene: &Scene,
     mask: StoreMask,
@@ -72,7 +75,7 @@ pub fn trace_photon_passes(
     trace_passes_from_source(scene, &source, mask, max_bounces, passes, paths)
 }
 
-/// Traces independent passes of `paths` photon paths each, emitted by `source`.
+/// Traces `passes` independent passes of `paths` photon paths each, emitted by `source`.
 pub fn trace_passes_from_source(
     scene: &Scene,
     source: &PhotonSource<'_>,
@@ -90,13 +93,16 @@ pub fn photon_position(scene: &Scene, photon: &Photon) -> DVec3 {
     photon.position.as_dvec3() + scene.origin()
 }
 
-/// Returns the flux \[W] of the photons whose position satisfies `inside`.
+/// Returns the flux \[W] of the photons at whose positions `inside` is true.
+///
+/// Positions are in the coordinates of the scene description.
 pub fn flux_where(scene: &Scene, photons: &[Photon], inside: impl Fn(DVec3) -> bool) -> DVec3 {
     photons.iter().filter(|p| inside(photon_position(scene, p))).map(|p| p.data.flux().as_dvec3()).sum()
 }
 
-/// Estimates irradiance \[W/m²] at point `p` with normal `n`, in the coordinates of the
-/// description.
+/// Estimates irradiance \[W/m²] at the point `p` with the normal `n`, from a photon map.
+///
+/// `p` is in the coordinates of the scene description.
 pub fn estimated_irradiance(
     scene: &Scene,
     map: &PhotonMap,
@@ -110,12 +116,13 @@ pub fn estimated_irradiance(
     map.estimate_radiance(p, n.as_vec3(), bandwidth, kernel, &mut scratch, |_| Vec3::ONE).radiance.as_dvec3()
 }
 
-/// Returns a bandwidth of fixed radius.
+/// Returns the bandwidth of estimates with the fixed radius `radius`.
 pub fn fixed_bandwidth(radius: f64) -> Bandwidth {
     Bandwidth { radius: radius as f32, k: 0 }
 }
 
-/// Returns settings with a fixed radius and the given numbers of paths for both maps.
+/// Returns settings with a fixed gather radius, `photons` paths for the global map, and
+/// `caustic_photons` for the caustic map.
 pub fn fixed_radius_settings(photons: u32, caustic_photons: u32, radius: f64) -> Settings {
     Settings {
         photons,
@@ -127,8 +134,8 @@ pub fn fixed_radius_settings(photons: u32, caustic_photons: u32, radius: f64) ->
     }
 }
 
-/// Returns default settings with a box filter, a fixed seed, and the given rays per pixel and
-/// bounce limit.
+/// Returns default settings with a box filter, a fixed seed, `samples` rays per pixel and a bounce
+/// limit.
 pub fn camera_ray_settings(samples: u32, max_bounces: u32) -> Settings {
     let filter = Filter::new(FilterKind::Box);
     let camera_paths =
@@ -136,19 +143,19 @@ pub fn camera_ray_settings(samples: u32, max_bounces: u32) -> Settings {
     Settings { camera_paths, ..Settings::default() }
 }
 
-/// Renders with `sppm` and returns the mean radiance of the image, one value per pass.
+/// Renders with `sppm` and returns the mean radiance of the image for each pass.
 pub fn mean_radiance_per_pass(scene: &Scene, settings: Settings, passes: u32) -> Vec<DVec3> {
     let method = Algorithm::Sppm.prepare(scene, settings);
     let mean = |image: Vec<Rgb>| image.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / image.len() as f64;
     (0..passes).map(|i| mean(method.render_pass(i, &SilentMonitor).image)).collect()
 }
 
-/// Returns the red channels.
+/// Returns the red channel of each value.
 pub fn red_channels(values: &[DVec3]) -> Vec<f64> {
     values.iter().map(|v| v.x).collect()
 }
 
-/// Applies [`assert_mean`] to each channel.
+/// Applies [`assert_mean`] to each channel, with a tolerance for the rounding of stored photons.
 ///
 /// Red and green are stored to half a step of the channel sum; blue is the remainder.
 #[track_caller]
@@ -160,7 +167,7 @@ pub fn assert_mean_rgb(what: &str, samples: &[DVec3], expected: DVec3, sharp: f6
     }
 }
 
-/// Position and parameters of a density estimate.
+/// Point at which irradiance is estimated, with the kernel and its radius.
 pub struct EstimatePoint<'a> {
     pub scene: &'a Scene,
     pub at: DVec3,
@@ -169,11 +176,11 @@ pub struct EstimatePoint<'a> {
     pub kernel: Kernel,
 }
 
-/// Applies [`assert_mean`] to irradiance estimated in the maps of independent passes.
+/// Applies [`assert_mean`] to the irradiance that is estimated at `probe` in each of `maps`.
 ///
 /// `quadrature` is the relative error of `expected`. The estimate adds blocks of 64 photons in
 /// single precision. Their rounding error is at most 64·2⁻²⁴ of the sum (Higham 2002, section 4.2).
-/// For photons of equal power it is systematic.
+/// For photons of equal power, it is systematic.
 #[track_caller]
 pub fn assert_estimates(
     what: &str,
@@ -202,7 +209,9 @@ pub fn assert_estimates(
     assert_mean(&what, &samples, expected, slack, sharp);
 }
 
-/// Returns a kernel's value at distance `d`; its integral over the disc of radius `r` is 1.
+/// Returns the value of a kernel at the distance `d` from its center.
+///
+/// The integral of the kernel over the disc of radius `r` is 1.
 pub fn kernel_at(kernel: Kernel, d: f64, r: f64) -> f64 {
     let t = d / r;
     if t > 1.0 {
@@ -216,7 +225,9 @@ pub fn kernel_at(kernel: Kernel, d: f64, r: f64) -> f64 {
     shape / (PI * r * r)
 }
 
-/// Returns π∫K² of a kernel with radius 1: its variance relative to the box kernel.
+/// Returns the noise factor of a kernel: its variance relative to the box kernel.
+///
+/// It is π∫K² for the kernel K with radius 1.
 pub fn kernel_noise_factor(kernel: Kernel) -> f64 {
     match kernel {
         Kernel::Box => 1.0,
@@ -227,7 +238,7 @@ pub fn kernel_noise_factor(kernel: Kernel) -> f64 {
 
 /// Returns the expected value of a density estimate with radius `r`, including its bias.
 ///
-/// `density` is the photon density at an offset from the disc's center.
+/// `density` returns the photon density at an offset from the disc's center.
 pub fn kernel_weighted_mean(kernel: Kernel, r: f64, density: impl Fn(DVec2) -> f64) -> f64 {
     const TURNS: u32 = 96;
     let ring = |d: f64| {
@@ -237,7 +248,7 @@ pub fn kernel_weighted_mean(kernel: Kernel, r: f64, density: impl Fn(DVec2) -> f
     midpoint_integral(0.0, r, 400, |d| TAU * d * kernel_at(kernel, d, r) * ring(d))
 }
 
-/// Returns the Fresnel reflectance of a dielectric of relative index `n` for unpolarised light.
+/// Returns the Fresnel reflectance of a dielectric of relative index `n`, for unpolarised light.
 pub fn fresnel_reflectance(cos_i: f64, n: f64) -> f64 {
     let sin2_t = (1.0 - cos_i * cos_i) / (n * n);
     if sin2_t >= 1.0 {
@@ -249,7 +260,8 @@ pub fn fresnel_reflectance(cos_i: f64, n: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
-/// Returns the reflectance for uniform incident radiance: ∫ R 2cosθ dcosθ.
+/// Returns the reflectance of a dielectric of relative index `n` for uniform incident radiance: ∫ R
+/// 2cosθ dcosθ.
 pub fn hemispherical_reflectance(n: f64) -> f64 {
     midpoint_integral(0.0, 1.0, 200_000, |c| 2.0 * c * fresnel_reflectance(c, n))
 }

@@ -80,9 +80,9 @@ fn photon_weights_conserve_flux_with_bounded_tail() {
 /// cosine and sine between the normals.
 ///
 /// The factors a and b are max(c + s·slope, 0) of independent slopes. The products up to
-/// [`MAX_WEIGHT`] have the mean E[a G(MAX_WEIGHT/a)]. G(z) is the integral of P(b > x) up to z: ½(z
-/// + 1 − √(s² + (z − c)²)). With slope = tanφ this is an integral of ½ cosφ dφ. Factors round some
-/// ten times in single precision.
+/// [`MAX_WEIGHT`] have the mean E[a G(MAX_WEIGHT/a)]. Here G(z) = ½(z + 1 − √(s² + (z − c)²)) is
+/// the integral of P(b > x) up to z. With slope = tanφ this is an integral of ½ cosφ dφ. Factors
+/// round some ten times in single precision.
 #[test]
 fn diffuse_scatters_where_both_normals_agree() {
     for degrees in [5.0, 37.0, 70.0] {

@@ -1,4 +1,4 @@
-//! All photons at one point: the focus of a parabolic mirror.
+//! All photons of a caustic at one point: the focus of a parabolic mirror.
 
 use super::{HUE, WITH_PHOTONS, assert_finite, flat_camera, rendered, settings};
 use crate::support::{mean_and_error, render_one_pass};
@@ -18,15 +18,16 @@ const IRRADIANCE: f64 = 2.0;
 const REFLECTANCE: f64 = 0.8;
 const TARGET: f64 = 0.01;
 
-/// Width of a pixel at the focus. The corners of four pixels lie there.
+/// Width of a pixel \[length]. The focus is at the common corner of four pixels.
 const PIXEL: f64 = 0.001;
 
-/// Pixels per edge of the image.
+/// Number of pixels along each edge of the image.
 const PIXELS: u32 = 16;
 
-/// Builds a mirror y = (x² + z²)/4 up to x² + z² = 1 under collimated light from above.
+/// Builds a parabolic mirror y = (x² + z²)/4 up to x² + z² = 1, under collimated light from above.
 ///
-/// A diffuse disc faces the mirror around its focus at y = 1, seen in `pixels` × `pixels`.
+/// A diffuse disc around the focus at y = 1 faces the mirror. The image shows it in `pixels` ×
+/// `pixels`.
 fn parabola(pixels: u32) -> Scene {
     let mut b = SceneBuilder::new();
     let mirror = b.add_material(Material::mirror(Rgb::splat(REFLECTANCE as f32)));
@@ -42,13 +43,16 @@ fn parabola(pixels: u32) -> Scene {
     b.build(flat_camera(DVec3::Y * 0.9, DVec3::Y, PIXEL * f64::from(pixels), pixels)).unwrap()
 }
 
-/// Returns the arriving flux: the light on the mirror's area, less the target's shadow.
+/// Returns the flux that arrives at the disc \[W]: the reflected light of the mirror's area, less
+/// the disc's shadow.
 fn flux() -> f64 {
     IRRADIANCE * REFLECTANCE * PI * (1.0 - TARGET * TARGET)
 }
 
-/// Each of a million photons lands within 10⁻⁵ of the focus: a few roundings of directions and of
-/// positions near 1, over distances of 2. Their flux is area × irradiance × reflectance.
+/// Each of a million photons lands within 10⁻⁵ of the focus.
+///
+/// This distance is a few roundings of directions and of positions near 1, over distances of 2. The
+/// photons' flux is area × irradiance × reflectance.
 #[test]
 fn photons_converge_at_focus() {
     let scene = parabola(PIXELS);
@@ -66,21 +70,21 @@ fn photons_converge_at_focus() {
         })
         .collect();
     let (mean, error) = mean_and_error(&samples);
-    // Eight passes: Student's t with 7 degrees of freedom exceeds 9 once in 20,000 times.
+    // With eight passes, Student's t with 7 degrees of freedom exceeds 9 once in 20,000 times.
     assert!((mean - flux()).abs() < 9.0 * error + HUE * flux(), "{mean} ± {error}, {}", flux());
     assert!(error < 3e-3 * mean, "{error}");
     assert!(begun.elapsed() < Duration::from_secs(60));
 }
 
-/// With default settings, images of the focus are finite for every integrator and show all the
-/// light: ρ/π Φ over the visible area, if the estimate's disc, a fraction of a pixel, lies within
-/// it.
+/// With default settings, images of the focus are finite and show all light, for every integrator.
+///
+/// The radiance over the visible area is ρ/π Φ, with albedo ρ and flux Φ, if the estimate's disc
+/// lies within the area. The disc is a fraction of a pixel.
 ///
 /// All photons lie at one point and have equal flux. The noise is the number of rays that hit the
-/// disc, which is narrower than a pixel. So a few pixels of that size and few photons suffice, in
-/// renders of few passes, since discs shrink from pass to pass, with the radius of one pilot.
-/// Sixteen renders: t with 15 degrees of freedom exceeds 6.5 once in 100,000 times, which is a
-/// fifth of the light at most.
+/// disc. So a few pixels of that size and few photons suffice. Renders have few passes and share
+/// the radius of one pilot, since discs shrink from pass to pass. There are sixteen renders: t with
+/// 15 degrees of freedom exceeds 6.5 once in 100,000 times, which is at most a fifth of the light.
 #[test]
 fn image_of_focus_shows_all_flux() {
     let scene = parabola(PIXELS);

@@ -16,8 +16,9 @@ use std::f64::consts::PI;
 /// Integrators whose only bias is that of density estimates.
 const ALL: [Algorithm; 5] = [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Ppm, Algorithm::Pm];
 
-/// Builds a ball and a glass on a floor, lit by point lights of these powers; `None` leaves a
-/// position empty.
+/// Builds a ball and a glass body on a floor, lit by point lights of the given powers.
+///
+/// `None` leaves the position of a light empty.
 fn scene_lit_by(powers: &[Option<f32>]) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(Rgb::splat(0.6)));
@@ -35,8 +36,9 @@ fn scene_lit_by(powers: &[Option<f32>]) -> Scene {
     b.build(camera.unwrap()).unwrap()
 }
 
-/// Lights of zero power before, between or after other lights change no bit of the image. A scene
-/// with only such lights is black.
+/// Lights of zero power, before, between or after other lights, change no bit of the image.
+///
+/// A scene with only such lights is black.
 #[test]
 fn zero_power_lights_change_nothing() {
     let (dark, lit) = (Some(0.0), Some(50.0));
@@ -58,15 +60,15 @@ fn zero_power_lights_change_nothing() {
     });
 }
 
-/// Returns rotations that keep a plane's points in the plane up to rounding.
+/// Returns rotations under which the points of a plane stay in it up to rounding only.
 fn test_rotations() -> impl Iterator<Item = DQuat> {
     let turn = |i: i32| DQuat::from_axis_angle(DVec3::new(1.0, f64::from(i), 0.3).normalize(), 0.7 * f64::from(i));
     (0..12).map(turn)
 }
 
-/// Builds a point light of 1 W in a black floor, and a ceiling 2 wide at height 1.
+/// Builds a point light of 1 W in the plane of a black floor, and a ceiling 2 wide at height 1.
 ///
-/// The ceiling's visible center shows a sixth of the light, like the face of a cube.
+/// A sixth of the light falls on the ceiling, as on the face of a cube.
 fn point_in_the_floor(turn: DQuat, at: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
@@ -79,9 +81,11 @@ fn point_in_the_floor(turn: DQuat, at: DVec3) -> Scene {
     b.build(camera).unwrap()
 }
 
-/// Rounding decides on which side of the floor the light is. The ceiling is lit all the same: by
-/// photons (five sigma of a binomial of 2¹⁶ paths: .044), and by shadow rays (4096 stratified over
-/// an image that varies by a tenth per pixel: five times .1/64).
+/// A point light in the plane of a floor lights the ceiling, although rounding may place it below
+/// the floor.
+///
+/// Photons: five sigma of a binomial distribution of 2¹⁶ paths are .044. Shadow rays: 4096 are
+/// stratified over an image that varies by a tenth per pixel, so the tolerance is five times .1/64.
 #[test]
 fn point_light_in_floor_lights_ceiling() {
     let places = [DVec3::ZERO, DVec3::new(0.1, 0.2, 0.3), DVec3::new(100.1, 0.7, -33.3)];
@@ -100,6 +104,8 @@ fn point_light_in_floor_lights_ceiling() {
 }
 
 /// Builds an area light in the plane of a black ceiling, facing down, and a floor under it.
+///
+/// `first` tells if the light precedes the ceiling in the scene.
 fn lamp_in_the_ceiling(turn: DQuat, first: bool) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
@@ -118,12 +124,15 @@ fn lamp_in_the_ceiling(turn: DQuat, first: bool) -> Scene {
 }
 
 /// All integrators find the light of an area light in the plane of a ceiling, in any order of the
-/// two in the description. Light sampling and BSDF sampling share it. The midpoint rule with 40
-/// steps is off by 40⁻²/24 of the second derivative, below 10⁻⁴. t with 15 degrees of freedom
+/// two.
+///
+/// Light sampling and BSDF sampling share the light by MIS weights. The error of the midpoint rule
+/// with 40 steps is 40⁻²/24 of the second derivative, below 10⁻⁴. t with 15 degrees of freedom
 /// exceeds 7 once in 10⁵ times.
 #[test]
 fn area_light_in_ceiling_plane_loses_no_light() {
-    // Mean over the patch of 0.5 × 0.5 of ρ/π L ∫ dA/(d²)² with h = 1.
+    // The expected radiance is the mean over the patch of 0.5 × 0.5 of ρ/π L ∫ dA h²/d⁴ with height
+    // h = 1 and distance d.
     let n = 40;
     let at = |i: i32| (f64::from(i) + 0.5) / f64::from(n) * 0.5;
     let mut sum = 0.0;
@@ -151,8 +160,9 @@ fn area_light_in_ceiling_plane_loses_no_light() {
     }
 }
 
-/// A point light in a black ball, and an area light just before a black wall: all emission is
-/// absorbed at once, nothing is stored, and the surroundings are black.
+/// Lights that are blocked at once store no photons, and their surroundings are black.
+///
+/// One is a point light in a black ball. The other is an area light just in front of a black wall.
 #[test]
 fn blocked_lights_emit_no_photons() {
     let mut b = SceneBuilder::new();
@@ -178,7 +188,8 @@ fn blocked_lights_emit_no_photons() {
     }
 }
 
-/// Runs the program on a scene and returns its messages. Fails if it fails.
+/// Runs the program on a scene with more flags and returns its messages. Panics if the program
+/// fails.
 fn run_messages(lights_and_things: &str, more: &[&str]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let camera =
@@ -194,8 +205,7 @@ fn run_messages(lights_and_things: &str, more: &[&str]) -> String {
     words
 }
 
-/// For each cause of a black image, the program ends, writes the image, and names the cause in a
-/// message.
+/// A render of a black scene ends, writes the image, and names the cause in a message.
 #[test]
 fn black_scenes_terminate_with_report() {
     let ball = "Group { Sphere { center 0 0 0 radius 1 } }\n";

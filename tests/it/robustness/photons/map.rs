@@ -1,4 +1,4 @@
-//! The photon map alone: numbers and layouts of photons.
+//! Tests of photon maps alone, for various numbers and layouts of photons.
 
 use super::{HUE, photon, random};
 use caustica::color::Rgb;
@@ -23,8 +23,10 @@ fn estimate(map: &PhotonMap, p: Vec3, radius: f32, k: u32, kernel: Kernel) -> f6
     f64::from(nested.whole.radiance.y)
 }
 
-/// In an estimate at a point of a wall, all photons count on their side and none on the other side,
-/// for any number of photons and for the nearest k. No photon counts for a perpendicular wall.
+/// Photons count only for a normal on their side of a wall.
+///
+/// At a point of the wall, all photons count on their side and none on the other side. None counts
+/// for a wall that is perpendicular. This holds for a fixed radius and for the nearest k.
 #[test]
 fn photons_count_on_their_side_only() {
     let map = PhotonMap::build((0..10_000).map(|i| photon(random(i) * Vec3::new(1.0, 1.0, 0.0), 1.0)).collect());
@@ -41,7 +43,8 @@ fn photons_count_on_their_side_only() {
                     |_| Rgb::ONE,
                 )
             };
-            // 1250 photons in the disc, or 50: half of them for any kernel.
+            // The disc has 1250 photons, or the nearest 50. Any kernel gives at least half of their
+            // density.
             assert!(found(Vec3::Z).whole.radiance.y > 5_000.0, "{kernel:?}, k = {k}");
             for other in [Vec3::NEG_Z, Vec3::X, Vec3::new(0.6, 0.0, -0.8)] {
                 let other = found(other);
@@ -55,7 +58,7 @@ fn photons_count_on_their_side_only() {
     }
 }
 
-/// Returns a kernel's value at distance `d` by its definition.
+/// Returns the value of a kernel of radius `r` at distance `d`, by its definition.
 fn kernel_at(kernel: Kernel, d: f64, r: f64) -> f64 {
     let t = d / r;
     let shape = match kernel {
@@ -66,8 +69,11 @@ fn kernel_at(kernel: Kernel, d: f64, r: f64) -> f64 {
     shape / (std::f64::consts::PI * r * r)
 }
 
-/// An empty map gives 0. Fewer photons than k give Σ Φ K over the largest disc, up to rounding: of
-/// the hue, of distances (10⁻⁶ of coordinates of .4, in a disc of .5), and of a few operations.
+/// Estimates are right with fewer than k photons; an empty map gives 0.
+///
+/// The estimate is Σ Φ K over the largest disc, with flux Φ and kernel K, up to rounding. The
+/// rounding is that of the hue, of distances (10⁻⁶ of coordinates of .4, in a disc of .5), and of a
+/// few operations.
 #[test]
 fn estimates_hold_with_fewer_than_k_photons() {
     let (radius, p) = (0.5f32, Vec3::new(0.1, 0.2, 0.3));
@@ -90,11 +96,13 @@ fn estimates_hold_with_fewer_than_k_photons() {
     }
 }
 
-/// A focus: a million photons at a hundred adjacent single-precision positions, in turns, and a few
-/// strays that make the map large. All are found: Φ K(0) of the whole disc. For the nearest k, it
-/// is that of the smallest disc, 10⁻⁵ of the distance from the origin. Distances are off by
-/// 6.2·10⁻⁷ of that distance, .062 of the disc (see
-/// `disc_radius_never_falls_below_position_rounding`). The cone kernel loses that much.
+/// A million photons at a hundred adjacent single-precision positions are all found.
+///
+/// A few other photons make the map large. The estimate is Φ K(0) of the whole disc. For the
+/// nearest k, it is that of the smallest disc, 10⁻⁵ of the distance from the origin. Distances have
+/// an error of 6.2·10⁻⁷ of that distance, .062 of the disc (see
+/// `disc_radius_never_falls_below_position_rounding`). The estimate of the cone kernel is lower by
+/// this fraction.
 #[test]
 fn million_photons_at_adjacent_floats_are_found() {
     let n = 1_000_000u64;
@@ -119,11 +127,12 @@ fn million_photons_at_adjacent_floats_are_found() {
     assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", begun.elapsed());
 }
 
-/// Maps a point of the unit cube to a photon's position.
+/// Function from points of the unit cube to positions of photons.
 type Layout = fn(Vec3) -> Vec3;
 
-/// Photons on an axis plane, on a line and on a curve in a plane match a linear scan. The scan's
-/// radius is 10⁻⁶ of the coordinates narrower and wider.
+/// Photons in a plane, on a line or at a few points give the estimates of a linear scan.
+///
+/// The radius of the scan is 10⁻⁶ of the coordinates smaller or larger.
 #[test]
 fn coplanar_and_collinear_photons_are_found() {
     let layouts: [(&str, Layout); 5] = [
@@ -148,8 +157,8 @@ fn coplanar_and_collinear_photons_are_found() {
     });
 }
 
-/// Ten million photons in a ball and on a wall: the numbers found at sample points match a linear
-/// scan.
+/// A map of ten million photons, in a cube and on a wall, finds the same numbers of photons as a
+/// linear scan.
 #[test]
 fn ten_million_photons_are_estimated_correctly() {
     let n = 10_000_000u64;
@@ -163,17 +172,19 @@ fn ten_million_photons_are_estimated_correctly() {
         let mut found = 0;
         map.visit_within_radius(p, r, |_, _| found += 1);
         let scan = |r: f32| kept.par_iter().filter(|q| (**q - p).length() <= r).count();
-        // Rounding of distances for coordinates up to 1, rotated: 10⁻⁶.
+        // Distances round by 10⁻⁶ for rotated coordinates up to 1.
         let (low, high) = (scan(r - 1e-6), scan(r + 1e-6));
         assert!(found >= low && found <= high, "{low} {found} {high}");
         assert!(estimate(&map, p, r, 50, Kernel::Epanechnikov) > 0.0);
     });
 }
 
-/// Two squares, 1 and 10⁻³ wide, with a thousand and a million photons: densities of 10³ and 10¹².
-/// The nearest 50 estimate both without bias. The relative variance is (k + c − 2)/(k − 2) − 1
-/// (Epanechnikov: c = 4/3, .0278). In the sparse square, discs of radius √(50/(10³π)) = .126 around
-/// 36 points overlap, so the mean counts as one of 4 points. Five sigma.
+/// Estimates from the nearest 50 photons have no bias at densities of 10³ and 10¹².
+///
+/// One square is 1 wide and has a thousand photons, the other is 10⁻³ wide and has a million. The
+/// relative variance is (k + c − 2)/(k − 2) − 1, with the noise factor c = 4/3 of Epanechnikov's
+/// kernel: .0278. In the sparse square, discs of radius √(50/(10³π)) = .126 around 36 points
+/// overlap, so the mean counts as one of 4 points. The tolerance is five sigma.
 #[test]
 fn densities_nine_orders_apart_are_estimated() {
     let sparse = (0..1000).map(|i| photon(Vec3::new(1.0, 0.0, 0.0) + random(i) * Vec3::new(1.0, 1.0, 0.0), 1.0));

@@ -15,8 +15,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Builds a room with an area light, a point light and a spotlight of `scale` W, a glass ball, a
-/// mirror and, if wanted, fog.
+/// Builds a room with lights, a glass ball, a mirror and, if `fog` is true, fog.
+///
+/// The area light, the point light and the spotlight have `scale` W each.
 fn room(scale: f32, fog: bool) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(Rgb::new(0.7, 0.6, 0.5)));
@@ -51,23 +52,27 @@ fn estimates(rendered: &RenderResult) -> (ErrorEstimate, ErrorMaps) {
     (estimator.estimate(&rendered.film), estimator.error_maps(&rendered.film))
 }
 
-/// Returns the sums of passes from their means. The number of passes is a power of two, so nothing
-/// rounds.
+/// Returns the sums of the passes' pixels, from their means.
+///
+/// The number of passes is a power of two, so nothing rounds.
 fn sums(rendered: &RenderResult) -> Vec<DVec3> {
     let passes = f64::from(rendered.film.passes());
     rendered.film.pixel_means().map(|mean| mean * passes).collect()
 }
 
+/// Renders with lights of 2^±100 W are finite and agree with those at 1 W.
+///
 /// At 2⁹³ W, about 10²⁸ W, images and error maps have the bits of those at 1 W times that factor.
 /// Relative error estimates are equal too: sums of the film have bins of 31 bits, which move by
-/// whole bins. At 2¹⁰⁰ W they round differently, by 2⁻³¹ of the largest square in a pixel.
-/// Variances are above a thousandth of it, so error maps differ by less than 2⁻²⁰ of themselves.
+/// whole bins. At 2¹⁰⁰ W, they round differently, by 2⁻³¹ of the largest square in a pixel.
+/// Variances are above a thousandth of it. So error maps differ by a relative error of less than
+/// 2⁻²⁰.
 ///
 /// At 2⁻¹⁰⁰ W, less than 10⁻³⁰, numbers below 2⁻¹²⁶ lose digits, but none loses more than 2⁻¹⁵⁰. An
-/// estimate adds fewer than 2¹⁴ products of two such with a kernel of at most 2/(π r²), where r is
-/// at least .01. In all that is 2·2¹⁴·2⁻¹⁵⁰·2¹³ = 2⁻¹²², relative to light of 2⁻¹⁰⁰ a radiance of
-/// 2⁻²². Pixels of some 2⁻⁵ are thus off by 2⁻¹⁷ of themselves, and their noise is a tenth of them.
-/// So an error estimate is off by 2·10·2⁻¹⁷.
+/// estimate adds fewer than 2¹⁴ products of two such numbers with a kernel of at most 2/(π r²),
+/// where r is at least .01. The whole error is 2·2¹⁴·2⁻¹⁵⁰·2¹³ = 2⁻¹²², which is a radiance of 2⁻²²
+/// relative to light of 2⁻¹⁰⁰. Pixels of about 2⁻⁵ thus have a relative error of 2⁻¹⁷, and their
+/// noise is a tenth of them. So an error estimate has a relative error of 2·10·2⁻¹⁷.
 #[test]
 fn powers_at_float_limits_render_finitely() {
     let algorithms = WITH_PHOTONS.into_iter().chain([Algorithm::Path]);
@@ -100,8 +105,8 @@ fn powers_at_float_limits_render_finitely() {
                 assert!(pixels == 0.0 && noise < most_noise && bias <= most_bias, "{what}: {pixels} {noise} {bias}");
                 assert!(ratio.abs() < libm::ldexp(1.0, -20), "{what}: {ratio}");
             } else {
-                // Sums of four passes. The error of a standard error is at most the error of a
-                // pass.
+                // Pixels are sums of four passes. The error of a standard error is at most the
+                // error of a pass.
                 let most = libm::ldexp(1.0, -22);
                 assert!(pixels < 4.0 * most && noise < most && bias < 40.0 * most, "{what}: {pixels} {noise} {bias}");
                 assert!(ratio.abs() < 20.0 * libm::ldexp(1.0, -17), "{what}: {ratio}");
@@ -110,10 +115,12 @@ fn powers_at_float_limits_render_finitely() {
     });
 }
 
-/// The center of a floor, lit by a point light of 10⁻³⁰, 1 or 10³⁰ W at height 1 through an
-/// index-matched pane, has the radiance of the closed form. The radiance is ρ/π times the mean of
-/// I/(1 + x²)^{3/2} over a square .2 wide: 1 − 3/2·.2²/6 up to 10⁻⁴, blurred by (r²/12)·6 at r =
-/// .05. Sixteen passes: t with 15 degrees of freedom exceeds 7 once in 10⁵ times.
+/// A floor lit by a point light of 10⁻³⁰, 1 or 10³⁰ W has the radiance of the closed form.
+///
+/// The light is at height 1, behind an index-matched pane. The radiance is ρ/π times the mean of
+/// I/(1 + x²)^{3/2} over a square .2 wide: 1 − 3/2·.2²/6 up to 10⁻⁴. The kernel of radius r = .05
+/// blurs it by (r²/12)·6. There are sixteen passes: t with 15 degrees of freedom exceeds 7 once in
+/// 10⁵ times.
 #[test]
 fn point_light_flux_matches_closed_form() {
     for power in [1e-30, 1.0, 1e30] {
@@ -136,9 +143,10 @@ fn point_light_flux_matches_closed_form() {
     }
 }
 
-/// A photon of two lights of 10³⁸ W per channel, whose sum overflows single precision, is not
-/// stored but counted; the pass and the program report it. Photons of a sixteenth each are stored.
-/// A single light beyond the range is refused.
+/// Photons beyond the range of single precision are counted and reported instead of stored.
+///
+/// The scene has two lights of 10³⁸ W per channel. With one photon path, the channel sum of its
+/// flux overflows. With 16 paths, all photons are stored. A light beyond the range is refused.
 #[test]
 fn photons_beyond_float_range_are_reported() {
     let scene = |powers: &[f32]| {
@@ -162,7 +170,7 @@ fn photons_beyond_float_range_are_reported() {
         (traced.deposits.len(), traced.deposits.rejected)
     };
     assert_eq!((rejected(1), rejected(16)), ((0, 1), (16, 0)));
-    // Photon maps seen by gather rays store direct light.
+    // `Pm` with gather rays needs photon maps that hold direct light.
     let pass =
         Algorithm::Pm.prepare(&scene, Settings { radius: Some(0.05), ..settings(1, 1) }).render_pass(0, &SilentMonitor);
     assert_eq!(pass.counters.rejected_photons, 1);

@@ -9,9 +9,10 @@ use glam::{DVec3, Vec3};
 
 const MILLION: u32 = 1_000_000;
 
-/// The reference is Γ(z + α)/(Γ(1 + α) Γ(z + 1)) at z = 10⁶ + 1 by the series of Tricomi and
-/// Erdélyi, whose next term is below z⁻². The product of 10⁶ factors rounds three times each:
-/// 3·10⁶·2⁻⁵³.
+/// The squared radius after 10⁶ passes agrees with a ratio of gamma functions.
+///
+/// The reference is Γ(z + α)/(Γ(1 + α) Γ(z + 1)) at z = 10⁶ + 1, by the series of Tricomi and
+/// Erdélyi. Its next term is below z⁻². Each of the 10⁶ factors rounds three times: 3·10⁶·2⁻⁵³.
 #[test]
 fn radius_after_million_passes_matches_gamma_ratio() {
     let z = f64::from(MILLION) + 1.0;
@@ -21,8 +22,10 @@ fn radius_after_million_passes_matches_gamma_ratio() {
     assert!(error < 3e6 * f64::EPSILON / 2.0 + 1e-12, "{error:e}");
 }
 
-/// Builds a floor of 1 × 1 lit through an index-matched pane, so that all its light is a caustic.
-/// The middle quarter is visible.
+/// Builds a floor of 1 × 1 that is lit through an index-matched pane, so that all its light is a
+/// caustic.
+///
+/// The middle quarter of the floor is visible.
 fn behind_a_pane() -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(Rgb::splat(0.5)));
@@ -33,10 +36,11 @@ fn behind_a_pane() -> Scene {
     b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.5, 4)).unwrap()
 }
 
-/// After 10⁶ passes, disc radii follow the law and no light is lost. 4 × 4 pixels of 1,000 rays,
-/// with discs of radius .0105, cover all photons of the visible quarter, partly at its rim. For n
-/// photons on the floor the relative error is below √(c/(n/4)), c = 4/3; five sigma of 50,000 are
-/// .052.
+/// After 10⁶ passes, disc radii follow the law and no light is lost.
+///
+/// 4 × 4 pixels have 1,000 rays each, with discs of radius .0105. Together they cover all photons
+/// of the visible quarter, partly at its rim. For n photons on the floor, the relative error is
+/// below √(c/(n/4)) with c = 4/3. Five sigma for 50,000 photons are .052.
 ///
 /// Once the radius is below the rounding of positions, discs no longer shrink. They hold so few
 /// photons that an image cannot test their mean.
@@ -52,11 +56,12 @@ fn discs_after_million_passes_hold_photons() {
         for pixel in &pass.nested {
             let found = f64::from(pixel.caustic.unwrap().radius);
             if law {
-                // Rounding of the radius, of its root, and of the mean of a thousand equal radii in
-                // single precision.
+                // The tolerance covers the rounding of the radius, of its root, and of the mean of
+                // a thousand equal radii in single precision.
                 assert!((found / expected - 1.0).abs() < 1002.0 * f64::from(f32::EPSILON), "{found} {expected}");
             } else {
-                // The floor is within .9 of the scene's center.
+                // The floor is within .9 of the scene's center, which limits the rounding of
+                // positions.
                 assert!(found > 100.0 * expected && found < 1e-5, "{found} {expected}");
             }
             assert!(pixel.steps.iter().all(|s| s.is_finite()));
@@ -71,11 +76,14 @@ fn discs_after_million_passes_hold_photons() {
     }
 }
 
-/// Photons lie around a position far from the origin on a tilted plane, as close together as floats
-/// allow. At any radius the estimate is finite, and rounding that moves photons off the plane loses
-/// none. The disc's radius is 10⁻⁵ of the distance R from the origin. Distances are off by γ(3)R
-/// per rotated position in each of three coordinates: 2·3·2⁻²⁴·√3 R = 6.2·10⁻⁷ R, .062 of a disc.
-/// Epanechnikov's kernel changes by at most the square of that.
+/// Photons on a plane far from the origin are found at any radius, although their positions are
+/// rounded.
+///
+/// They lie around a position on a tilted plane, as close together as floats allow. The estimate is
+/// finite, and no photon that rounding moves off the plane is lost. The least radius of a disc is
+/// 10⁻⁵ of the distance R from the origin. Distances have an error of γ(3)R per rotated position in
+/// each of three coordinates: 2·3·2⁻²⁴·√3 R = 6.2·10⁻⁷ R, .062 of a disc. Epanechnikov's kernel
+/// changes by at most the square of that.
 #[test]
 fn disc_radius_never_falls_below_position_rounding() {
     let normal = Vec3::new(0.5, 0.7, -0.4).normalize();

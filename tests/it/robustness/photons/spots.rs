@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 
 const NOWHERE: BoundingSphere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };
 
-/// Full angles of cones \[degrees].
+/// Full angles of the tested cones \[degrees].
 const ANGLES: [f64; 8] = [0.001, 0.01, 0.028, 0.05, 0.1, 1.0, 40.0, 200.0];
 
 /// Returns a spotlight at the origin along z, of half angles `inner` and `outer`.
@@ -27,9 +27,10 @@ fn one_minus_cos(x: f64) -> f64 {
     2.0 * s * s
 }
 
-/// The flux of a sharp cone is 2π(1 − cos) times its intensity. A soft rim has half of that on its
-/// part of the solid angle. Stated power, emitted photons and arriving flux agree. 1 − cos rounds
-/// to 2⁻²⁴, and so do a few products.
+/// Spotlights of any width emit their power: stated power, emitted photons and arriving flux agree.
+///
+/// The flux of a sharp cone of half angle θ is 2π(1 − cos θ) times its intensity. A soft rim has
+/// half of that on its part of the solid angle. 1 − cos θ rounds to 2⁻²⁴, and so do a few products.
 #[test]
 fn spotlights_of_any_width_emit_their_power() {
     for outer in ANGLES.map(|angle| 0.5 * angle.to_radians()) {
@@ -43,8 +44,8 @@ fn spotlights_of_any_width_emit_their_power() {
             let seen = f64::from(sample.weight.x) * 4.0 * expected;
             assert!((seen - 1.0).abs() < 1e-6, "{outer} on the axis: {seen}");
 
-            // The midpoint rule in 4096 equal parts of the cone, for a cubic with second derivative
-            // below 6: off by 6/24·4096⁻².
+            // The cone is divided into 4096 equal parts. The integrand is a cubic with a second
+            // derivative below 6, so the error of the midpoint rule is 6/24·4096⁻².
             let n = 4096;
             let place = |i: i32| Vec2::new((i as f32 + 0.5) / n as f32, (0.618_034 * i as f32).fract());
             let emitted = (0..n).filter_map(|i| light.sample_le(NOWHERE, Vec2::ZERO, place(i)));

@@ -12,11 +12,11 @@ const RADIUS: f64 = 0.1;
 const REFLECTANCE: f64 = 0.5;
 const IRRADIANCE: f64 = 3.0;
 
-/// Builds a wall of two sheets of 2 × 2, seen from below. Its upper sheet is lit through an
-/// index-matched pane, so all its light is a caustic.
+/// Builds a wall of two sheets of 2 × 2, seen from below.
 ///
-/// With `shelf`, the wall has no thickness, a shelf lies `thickness` below it, and the camera is
-/// between them.
+/// The upper sheet is lit through an index-matched pane, so all its light is a caustic. With
+/// `shelf`, the wall has no thickness, a shelf lies `thickness` below it, and the camera is between
+/// them.
 fn wall(thickness: f64, shelf: bool) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.add_material(Material::diffuse(Rgb::splat(REFLECTANCE as f32)));
@@ -45,10 +45,11 @@ fn gathering(k: u32) -> Settings {
     Settings { radius: Some(RADIUS as f32), gather_k: Some(k), ..settings(40_000, 4) }
 }
 
-/// The lower side of a wall of any thickness shows no light from its upper side, to the bit, in its
-/// middle, at its edges and at its corners. A map counts photons only on the side they landed on
-/// (`photons_count_on_their_side_only`), and a BSDF rejects light from behind. The edges of the
-/// image see past the wall.
+/// The lower side of a wall of any thickness shows no light from its upper side, to the bit.
+///
+/// This holds in its middle, at its edges and at its corners. A map counts photons only on the side
+/// they landed on (`photons_count_on_their_side_only`), and a BSDF rejects light from behind. The
+/// edges of the image see past the wall.
 #[test]
 fn thin_walls_leak_no_photons() {
     [0.0, 1e-6, RADIUS / 4.0].par_iter().for_each(|thickness| {
@@ -62,11 +63,13 @@ fn thin_walls_leak_no_photons() {
     });
 }
 
-/// Photons of a wall without thickness leak to a shelf below that faces the same way only if the
-/// gap is below a quarter of the pass's radius. So the mean over n passes is at most E ρ/π m/n,
-/// where m passes have a radius above four times the gap. The radii are known. The shelf's center
-/// reaches that bound to 10 % by noise: of 10⁴ photons per pass 80 lie within .1 of a point, so
-/// √(4/3/80/m) per point, over 36 independent points, five sigma.
+/// Photons of a wall leak to a shelf below it only within a known bound.
+///
+/// The wall has no thickness, and the shelf faces the same way. Photons leak only if the gap is
+/// below a quarter of the pass's radius. So the mean over n passes is at most E ρ/π m/n, where m
+/// passes have a radius above four times the gap. The radii are known. The shelf's center may
+/// exceed that bound by 10 % of noise. Of 10⁴ photons per pass, 80 lie within .1 of a point. The
+/// noise is √(4/3/80/m) per point, over 36 independent points, at five sigma.
 #[test]
 fn shelf_leak_stays_within_bound() {
     let passes = 6;

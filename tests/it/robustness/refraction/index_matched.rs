@@ -1,4 +1,4 @@
-//! Bodies of relative index 1 change nothing, exactly.
+//! Bodies of relative index 1 change no bit of an image.
 
 use crate::support::{assert_mean, render_passes, scene_from_text, test_key};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
@@ -30,8 +30,9 @@ fn room(more: &str) -> Scene {
     ))
 }
 
-/// Balls, meshes and boxes of index 1: before the light, the wall and the mirror, around the
-/// camera, and apart from the glass.
+/// Scene texts with balls and meshes of index 1.
+///
+/// They are before the light, the wall and the mirror, around the camera, and apart from the glass.
 const BODIES: [&str; 4] = [
     "MaterialName air Sphere { center 0 1 0  radius .5 }",
     "MaterialName rough Transform { Translate -.9 .7 .2 UniformScale .4 TriangleMesh { obj_file coarse-ball.obj } }",
@@ -77,7 +78,7 @@ fn index_matched_bodies_change_no_photon() {
     }
 }
 
-/// A body of index 1 that has an effect stays in the scene: a bubble in glass, and a boundary of
+/// A body of index 1 that has an effect stays in the scene: a bubble in glass, or a boundary of
 /// fog.
 #[test]
 fn bubble_is_not_culled_as_index_matched() {
@@ -97,20 +98,19 @@ fn bubble_is_not_culled_as_index_matched() {
         };
         render_passes(&scene, Algorithm::Path, settings, 16).iter().map(|p| f64::from(p.x)).collect()
     };
-    // Along the axis each interface reflects the fraction R. Light that leaves has radiance 1 on
-    // either side.
+    // R is the reflectance of each interface along the axis. Light on either side has radiance 1.
     let r: f64 = 0.04;
-    // Transmittance and reflectance of a wall that transmits the fraction `left` in one crossing,
-    // over all numbers of crossings.
+    // Returns the transmittance and reflectance of a wall with all inner reflections. The wall
+    // transmits the fraction `left` in one crossing.
     let wall = |left: f64| {
         let all = 1.0 / (1.0 - r * r * left * left);
         ((1.0 - r) * (1.0 - r) * left * all, r + (1.0 - r) * (1.0 - r) * r * left * left * all)
     };
     let (through, back) = wall(libm::exp(-2.0));
-    // Between two walls: light that gets in leaves through one or the other.
+    // Light between two walls leaves through one of them.
     let (wall_through, wall_back) = wall(libm::exp(-0.2));
     let hollow = wall_back + wall_through * wall_through / (1.0 - wall_back);
-    // Rays are up to .0037 off the axis, so path lengths are shorter by less than its square.
+    // Rays are up to .0037 off the axis. Their paths are shorter by less than the square of that.
     assert_mean("a ball", &radiances(""), through + back, 2e-5, 0.005);
     assert_mean("a bubble", &radiances("MaterialName air Sphere { center 0 0 0  radius .8 }"), hollow, 2e-5, 0.005);
 }

@@ -8,7 +8,7 @@ use caustica::scene::{Body, Material, Scene, SceneBuilder};
 use caustica::shape::{Plane, Shape, Sphere};
 use glam::{DVec3, Vec3};
 
-/// Returns the mean radiance of independent renders.
+/// Returns the mean radiance of each of several independent renders.
 fn mean_radiances(scene: &Scene, renders: u64) -> Vec<f64> {
     let one = |seed| {
         let camera_paths =
@@ -23,8 +23,10 @@ fn narrow_camera(center: DVec3, direction: DVec3, angle: f64) -> Camera {
     Camera::perspective(center, direction, DVec3::Z, angle, 4, 4).unwrap()
 }
 
-/// Snell's window: from below a surface of index n, under a sky of radiance 1, radiance is n²(1 −
-/// R). Beyond the critical angle only the black bottom is seen.
+/// From below a surface of index n, the sky is seen within Snell's window.
+///
+/// Under a sky of radiance 1, its radiance is n²(1 − R). Beyond the critical angle, only the black
+/// bottom is seen.
 #[test]
 fn sky_is_seen_through_snells_window() {
     for n in [0.6f64, 1.33, 1.5, 3.0] {
@@ -51,8 +53,8 @@ fn sky_is_seen_through_snells_window() {
                 n * n * (1.0 - 0.5 * (rs * rs + rp * rp))
             };
             let samples = mean_radiances(&scene, 1);
-            // Directions err by 10⁻⁶ with the camera's angle. dT/dθ is at most 4n²·tanθt there,
-            // below 23 at 0.999.
+            // Directions have an error of 10⁻⁶ from the camera's angle. The derivative dT/dθ is at
+            // most 4n²·tanθt, which is below 23 at the fraction 0.999.
             assert!(
                 (samples[0] - expected).abs() < 1e-6 * 4.0 * n * n * 30.0 + 1e-6,
                 "{n} {part}: {samples:?} {expected}"
@@ -61,8 +63,9 @@ fn sky_is_seen_through_snells_window() {
     }
 }
 
-/// At less than 1/n of the radius from the center of a closed ball, no ray outwards is totally
-/// reflected. So the sky is n² as bright in every direction.
+/// In a glass ball, the sky is n² as bright in every direction.
+///
+/// At less than 1/n of the radius from the center, no ray outwards is totally reflected.
 #[test]
 fn radiance_in_glass_scales_by_squared_index() {
     for (n, off) in [(1.5f64, 0.6), (1.1, 0.85), (0.7, 0.99), (2.4, 0.4)] {
@@ -72,14 +75,17 @@ fn radiance_in_glass_scales_by_squared_index() {
         b.set_environment(EnvironmentLight::with_constant_radiance(Vec3::ONE).unwrap());
         let camera = Camera::panorama(DVec3::X * off, DVec3::NEG_Z, DVec3::Y, 16, 8).unwrap();
         let samples = mean_radiances(&b.build(camera).unwrap(), 16);
-        // Each of some ten interfaces rounds reflectance and square by 2⁻²³. After a thousand
-        // bounces 10⁻⁹ is left.
+        // Each of about ten interfaces rounds reflectance and squared index by 2⁻²³. After a
+        // thousand bounces, 10⁻⁹ of the light is left.
         assert_mean(&format!("inside of {n}"), &samples, n * n, n * n * 20.0 * f64::from(f32::EPSILON), 0.01);
     }
 }
 
-/// In two overlapping balls of priorities 1 and 0, a camera sees radiance scaled by n² of the body
-/// with the higher priority at its position. Radiance over n² is invariant along the ray.
+/// Overlapping balls resolve by priority: a camera sees radiance scaled by n² of the body around
+/// it.
+///
+/// That is the body with the higher priority at the camera's position. Radiance over n² is
+/// invariant along a ray.
 #[test]
 fn overlapping_bodies_resolve_by_priority() {
     let scene = |priorities: [u8; 2], at: f64, order: bool| {
@@ -93,7 +99,7 @@ fn overlapping_bodies_resolve_by_priority() {
             b.add_shape(Shape::Sphere(Sphere::new(DVec3::X * x, 0.6)), material, Vec3::ZERO);
         }
         b.set_environment(EnvironmentLight::with_constant_radiance(Vec3::ONE).unwrap());
-        // Looks across the row of balls, where light can leave.
+        // The camera looks perpendicular to the row of balls, where light can leave.
         b.build(narrow_camera(DVec3::new(at, 0.0, 0.0), DVec3::Y, 0.3)).unwrap()
     };
     for (priorities, at, n) in [

@@ -13,8 +13,9 @@ fn to_fixed_point(x: f32) -> i128 {
     mantissa << (exponent + 36)
 }
 
-/// Returns relative indices below 1, where total reflection occurs: those of common glasses, and
-/// values ever nearer to 1.
+/// Returns relative indices below 1, at which total internal reflection occurs.
+///
+/// They are those of common glasses, and values ever nearer to 1.
 fn refractive_indices() -> impl Iterator<Item = f32> {
     let random = |i: u64| test_key(3).child_key(i).uniform_1d(Dimension::Light);
     (0..4000u64).map(move |i| match i % 3 {
@@ -25,9 +26,10 @@ fn refractive_indices() -> impl Iterator<Item = f32> {
     })
 }
 
-/// By Snell's law the transmitted cosine is real where η² + cos² > 1. Squares of f32 are exact in
-/// integers. So the right answer is known for each cosine within three ulps of the critical one,
-/// and the function must give it.
+/// Total reflection begins at exactly the right cosine, to the last bit.
+///
+/// By Snell's law, the transmitted cosine is real if η² + cos² > 1. Squares of f32 are exact in
+/// integers. So the right answer is known for each cosine within three ulps of the critical one.
 #[test]
 fn total_reflection_begins_at_exact_ulp() {
     let one = 1i128 << 72;
@@ -50,9 +52,10 @@ fn total_reflection_begins_at_exact_ulp() {
     assert!(total > 9000 && not > 9000, "{total} {not}");
 }
 
-/// On both sides of the critical angle rays stay unit vectors on their side of the interface,
-/// reflectance and transmittance sum to 1, and transmittance grows as the root of the distance to
-/// the critical sine.
+/// Near the critical angle, refraction is finite and consistent.
+///
+/// Directions stay unit vectors on their side of the interface. Reflectance and transmittance sum
+/// to 1. Transmittance grows as the root of the distance to the critical sine.
 #[test]
 fn fresnel_is_finite_around_critical_angle() {
     for i in 0..3000u64 {
@@ -67,18 +70,18 @@ fn fresnel_is_finite_around_critical_angle() {
             let wo = around.to_world(Vec3::new(sin * cos_phi, sin * sin_phi, cos)).normalize();
             let bent = refract(wo, n, eta);
             assert!((bent.reflectance + bent.transmittance - 1.0).abs() <= f32::EPSILON);
-            // T < 4n cosθt/cosθi, and cos²θt = 1 − sin²/η² is below twice the 24 ulps and roundings
-            // of wo and n.
+            // T < 4n cosθt/cosθi. cos²θt = 1 − sin²/η² is below twice the sum of the 24 ulps and
+            // the roundings of wo and n.
             let most = 4.0 / eta * (2.0 * 24.0 * f32::EPSILON).sqrt() / cos;
             assert!(bent.transmittance <= most, "{} {most}", bent.transmittance);
             if bent.transmittance > 0.0 {
-                // Components round by 2⁻²⁴ of themselves, and the incident direction is a unit
-                // vector to 2⁻²³. Against the normal, √3·2⁻²⁵ of a plane.
+                // Components have relative rounding errors of 2⁻²⁴, and the incident direction has
+                // length 1 within 2⁻²³. A direction in the plane may point above it by √3·2⁻²⁵.
                 assert!((bent.transmitted.length() - 1.0).abs() < 2e-7 && bent.transmitted.dot(n) < 1e-7);
             }
             let s = Bsdf::Dielectric(Dielectric { eta: 1.0 / eta });
             for lobe in [0.0, 0.5, 1.0 - f32::EPSILON / 2.0] {
-                // From inside: the interface's normal points away.
+                // The path is inside, so the interface's outer normal points away from `wo`.
                 let s = s.sample(wo, -n, -n, lobe, Vec2::ZERO, TransportMode::Radiance);
                 assert!(s.is_some_and(|s| s.wi.is_finite() && s.weight.is_finite()), "{wo} {n} {eta}");
             }
@@ -95,7 +98,7 @@ fn fresnel_keeps_precision_at_any_index() {
             let exact = f64::from(eta);
             let t = 4.0 * exact / ((1.0 + exact) * (1.0 + exact));
             let bent = refract(Vec3::Z, Vec3::Z, eta);
-            // Rounded once from f64.
+            // The transmittance is rounded only once, from f64.
             assert!((f64::from(bent.transmittance) / t - 1.0).abs() < 6.1e-8, "{eta}: {} {t}", bent.transmittance);
             assert!((f64::from(bent.reflectance) - (1.0 - t)).abs() < 6.1e-8);
             assert_eq!(bent.transmitted, -Vec3::Z);
@@ -108,8 +111,10 @@ fn fresnel_keeps_precision_at_any_index() {
     }
 }
 
-/// From index 10⁶ light leaves only within 10⁻⁶ rad of the normal. All these directions have a
-/// cosine of 1 in f32.
+/// A body of index 10⁶ transmits the right fraction of light.
+///
+/// Light leaves it only within 10⁻⁶ rad of the normal. All these directions have a cosine of 1 in
+/// f32.
 #[test]
 fn densest_body_transmits_exact_fraction() {
     let eta = 1e-6f32;
@@ -120,16 +125,16 @@ fn densest_body_transmits_exact_fraction() {
         assert_eq!(wo.z, 1.0);
         let bent = refract(wo, Vec3::Z, eta);
         match sin_t {
-            // sin and η each round by 2⁻²⁴ of themselves. tanθ = 7 amplifies the difference of 0.99
-            // from 1.
+            // sin and η each have the relative rounding error 2⁻²⁴. tanθ = 7 amplifies the error at
+            // sinθ = 0.99.
             Some(sin_t) => {
                 assert!((f64::from(-bent.transmitted.x) - sin_t).abs() < 5e-7 && bent.transmittance > 0.0, "{bent:?}")
             }
             None => assert_eq!((bent.reflectance, bent.transmittance), (1.0, 0.0)),
         }
     }
-    // From any incident direction, light continues within 10⁻⁶ rad of the normal. The result rounds
-    // by √3·2⁻²⁵, and n has length 1 to 2⁻²³.
+    // From any incident direction, light enters within 10⁻⁶ rad of the normal. The result rounds by
+    // √3·2⁻²⁵, and n has length 1 within 2⁻²³.
     for i in 0..1000u64 {
         let key = test_key(5).child_key(i);
         let n = warp::square_to_uniform_sphere(key.uniform_2d(Dimension::LightDirection));
@@ -139,8 +144,8 @@ fn densest_body_transmits_exact_fraction() {
         if wo.dot(n) > 0.0 {
             let bent = refract(wo, n, 1e6);
             assert!(bent.transmitted.dot(n) < 0.0 && (bent.transmitted + n).length() < 1e-6 + 5.0 / 16_777_216.0);
-            // Half of 4cosθ/η and of 4/(η cosθ), which bound the transmittance of both
-            // polarisations.
+            // The transmittances of the polarisations are at most 4cosθ/η and 4/(η cosθ). The limit
+            // is the mean of both.
             let cos = wo.dot(n);
             assert!(bent.transmittance > 0.0 && bent.transmittance <= 2.1e-6 * (cos + 1.0 / cos), "{bent:?}");
         }
@@ -165,14 +170,16 @@ fn refraction_keeps_the_sine_at_any_index() {
             let (a, n): (DVec3, DVec3) = (a.as_dvec3(), n.as_dvec3());
             a.cross(n).length() / (a.length() * n.length())
         };
-        // The result rounds by 2⁻²⁴ in each coordinate, which counts η-fold.
+        // The result rounds by 2⁻²⁴ in each coordinate, and this error is multiplied by η.
         let slack = f64::from(f32::EPSILON) * (1.0 + f64::from(eta));
         assert!((f64::from(eta) * sin(bent.transmitted) - sin(wo)).abs() < slack, "{wo} {n} {eta}");
     }
 }
 
-/// The fraction of all 2²⁴ random numbers that choose a lobe is its probability: to full precision
-/// if transmittance is small, otherwise up to the one number at the threshold.
+/// The fraction of all 2²⁴ random numbers that choose a lobe is the lobe's probability.
+///
+/// If the transmittance is small, the weight makes the product exact to full precision. Otherwise,
+/// one number at the threshold may be on either side.
 #[test]
 fn lobe_choice_matches_probability_over_all_numbers() {
     const STEPS: u32 = 1 << 24;

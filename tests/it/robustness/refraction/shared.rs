@@ -1,5 +1,6 @@
-//! Bodies that share a face: a liquid in its glass, with faces that coincide, are an ulp apart, or
-//! overlap.
+//! Bodies that share a face: a liquid in its glass.
+//!
+//! The faces coincide, are an ulp apart, or overlap.
 
 use crate::support::{assert_mean, render_passes, scene_from_text, test_key};
 use caustica::camera::Camera;
@@ -15,7 +16,7 @@ use std::f64::consts::TAU;
 const GLASS: f64 = 1.5;
 const LIQUID: f64 = 1.33;
 
-/// Half the width of everything finite.
+/// Half the width of rectangles and triangles \[length].
 const WIDTH: f64 = 50.0;
 
 /// Half angle of the beam \[rad].
@@ -47,13 +48,14 @@ fn add_face(b: &mut SceneBuilder, faces: Faces, y: f64, up: bool, material: u32)
 /// Way in which glass and liquid touch.
 #[derive(Clone, Copy, Debug)]
 enum Contact {
-    /// The glass ends at ±½, the liquid this far inside of it.
+    /// The glass ends at ±½. The liquid ends at this distance inside of it.
     Apart(f64),
-    /// One block of glass, overlapped by a liquid of higher priority.
+    /// One block of glass that a liquid of higher priority overlaps.
     Priority,
 }
 
-/// Adds a glass wall, a liquid and a glass wall, stacked, in the order of their faces.
+/// Adds a stack of a glass wall, a liquid and a glass wall. `liquid_first` tells if the liquid's
+/// faces precede the glass.
 fn add_layers(b: &mut SceneBuilder, faces: Faces, contact: Contact, liquid_first: bool) {
     let glass = b.add_material(Material::dielectric(GLASS as f32, Vec3::ZERO));
     let priority = u8::from(matches!(contact, Contact::Priority));
@@ -77,24 +79,26 @@ fn add_layers(b: &mut SceneBuilder, faces: Faces, contact: Contact, liquid_first
     }
 }
 
-/// Returns the reflectance between indices `a` and `b` for light of sine `s` in air.
+/// Returns the reflectance between the indices `a` and `b`, for light whose angle in air has the
+/// sine `s`.
 fn reflectance(a: f64, b: f64, s: f64) -> f64 {
     let [ca, cb] = [a, b].map(|n| (1.0 - s * s / (n * n)).sqrt());
     let (rs, rp) = ((a * ca - b * cb) / (a * ca + b * cb), (b * ca - a * cb) / (b * ca + a * cb));
     0.5 * (rs * rs + rp * rp)
 }
 
-/// Returns the transmittance of parallel interfaces between `indices`, with all inter-reflections:
+/// Returns the transmittance of parallel interfaces between `indices`, with all inner reflections:
 /// 1/(1 + Σ R/(1−R)).
 ///
-/// One more interface turns T into T(1−R)/(1 − R·R'), where R' = 1 − T: that is the sum of
-/// reciprocals less one.
+/// Proof: one more interface of reflectance R turns T into T(1−R)/(1 − R·R'), where R' = 1 − T. The
+/// reciprocal of this is 1/T + 1/(1−R) − 1.
 fn stack_transmittance(indices: &[f64], s: f64) -> f64 {
     let r = indices.windows(2).map(|n| reflectance(n[0], n[1], s));
     1.0 / (1.0 + r.map(|r| r / (1.0 - r)).sum::<f64>())
 }
 
-/// Returns the mean over the beam, by 32 rings of 32 points.
+/// Returns the mean of [`stack_transmittance`] over the beam around `angle`, by 32 rings of 32
+/// directions.
 fn mean_stack_transmittance(indices: &[f64], angle: f64) -> f64 {
     let ring = |i: u32| {
         // Rings of equal solid angle.
@@ -113,7 +117,8 @@ fn camera() -> Camera {
     Camera::perspective(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 0.5, 1, 1).unwrap()
 }
 
-/// Builds the layers between a black ceiling and a floor that stores photons, lit under `angle`.
+/// Builds the layers between a black ceiling and a floor that stores photons. The light arrives at
+/// `angle`.
 fn lit_layers_scene(faces: Faces, contact: Contact, liquid_first: bool, angle: f64) -> Scene {
     let mut b = SceneBuilder::new();
     add_layers(&mut b, faces, contact, liquid_first);
@@ -139,9 +144,11 @@ fn transmitted_fractions(scene: &Scene) -> Vec<f64> {
     (0..16).map(part).collect()
 }
 
-/// Faces that coincide, or are an ulp apart on either side, act as one interface between glass and
-/// liquid, in any order of hits. An overlap and a liquid of higher priority act alike. A gap of a
-/// hundredth acts as a film of air.
+/// Faces of glass and liquid that coincide, or are an ulp apart on either side, act as one
+/// interface.
+///
+/// This holds in any order of hits, and also for an overlap and a liquid of higher priority. A gap
+/// of a hundredth acts as a film of air.
 #[test]
 fn liquid_touches_its_glass() {
     let wet = [1.0, GLASS, LIQUID, GLASS, 1.0];
@@ -176,8 +183,9 @@ fn liquid_touches_its_glass() {
     });
 }
 
-/// Two blocks of the same glass act as one block if they share a face, or overlap and end together
-/// on one side.
+/// Two blocks of the same glass act as one block if they share a face.
+///
+/// The same holds if they overlap and end together on one side.
 #[test]
 fn touching_blocks_of_one_glass_merge() {
     let blocks = [[(1.0, 0.0), (0.0, -1.0)], [(1.0, -1.0), (1.0, 0.0)], [(1.0, -1.0), (0.0, -1.0)]];
@@ -207,8 +215,9 @@ fn touching_blocks_of_one_glass_merge() {
     }
 }
 
-/// A camera in the liquid under a sky of radiance 1 sees n² of its own medium through any layers,
-/// if its rays start in the right medium.
+/// Rays of a camera in the liquid start in the liquid.
+///
+/// Under a sky of radiance 1, they then have the radiance n² of the liquid through any layers.
 #[test]
 fn camera_in_liquid_starts_in_liquid() {
     for faces in [Faces::Planes, Faces::Rectangles, Faces::Triangles] {
@@ -217,7 +226,7 @@ fn camera_in_liquid_starts_in_liquid() {
             let mut b = SceneBuilder::new();
             add_layers(&mut b, faces, contact, first);
             b.set_environment(EnvironmentLight::with_constant_radiance(Vec3::ONE).unwrap());
-            // A field of 40° is within Snell's window, so all light gets out in the end.
+            // A field of view of 40° is within Snell's window, so all light leaves in the end.
             let up = Camera::perspective(DVec3::ZERO, DVec3::Y, DVec3::Z, 0.7, 8, 8).unwrap();
             let scene = b.build(up).unwrap();
             let camera_paths =
@@ -230,7 +239,8 @@ fn camera_in_liquid_starts_in_liquid() {
                     image.iter().map(|p| f64::from(p.x)).sum::<f64>() / 64.0
                 })
                 .collect();
-            // Squares of indices and reflectances in f32, over some ten interfaces.
+            // The tolerance covers rounding of squared indices and reflectances in f32, over some
+            // ten interfaces.
             assert_mean(
                 &format!("{contact:?}, {faces:?}, {first}"),
                 &samples,
@@ -242,8 +252,10 @@ fn camera_in_liquid_starts_in_liquid() {
     }
 }
 
-/// A vessel of revolution about the y axis has the liquid's outer side, reversed, as its inner
-/// side. It transmits the same light as the reference, a liquid that reaches into the wall.
+/// A vessel of revolution about the y axis holds its liquid.
+///
+/// The inner side of the vessel is the outer side of the liquid, reversed. The vessel transmits the
+/// same light as a reference whose liquid reaches into the wall.
 #[test]
 fn round_vessel_holds_its_liquid() {
     let curve = |r: f64, backwards: bool| {
@@ -274,8 +286,8 @@ fn round_vessel_holds_its_liquid() {
         format!("MaterialName glass {outer} {inner} MaterialName liquid {liquid}"),
         format!("MaterialName liquid {liquid} MaterialName glass {inner} {outer}"),
     ] {
-        // Both sides are random. Five more standard errors of the other give one false alarm in a
-        // million.
+        // Both means are random. Five standard errors of the reference are added, which gives one
+        // false alarm in a million.
         assert_mean(&shared, &transmitted(0, &shared), mean, 5.0 * error, 0.03);
     }
 }

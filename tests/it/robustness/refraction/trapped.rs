@@ -1,4 +1,5 @@
-//! A thousand internal reflections: nothing is lost, nothing drifts out, and every path ends.
+//! Paths with a thousand internal reflections: no light is lost, no position drifts out, and every
+//! path ends.
 
 use crate::support::{render_passes, test_key};
 use caustica::bsdf::TransportMode;
@@ -45,7 +46,9 @@ fn cube(triangles: bool) -> SceneBuilder {
 }
 
 /// Traces a path from the origin, and calls `see` with position and direction after each
-/// reflection. Fails if a reflection is not total.
+/// reflection.
+///
+/// Panics if a reflection is not total.
 fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
     let mut path = scene.start_light_path::<InteriorStack>(0, Ray::new(Vec3::ZERO, direction), Effects::NONE);
     for bounce in 0..BOUNCES {
@@ -62,14 +65,17 @@ fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
     }
 }
 
-/// Returns directions that hit all faces of a cube of index 1.5 beyond the critical angle, whose
-/// cosine is 0.745.
+/// Returns directions that hit all faces of a cube of index 1.5 beyond the critical angle.
+///
+/// The cosine of the critical angle is 0.745.
 fn trapped_directions(n: u64) -> Vec<Vec3> {
     let all =
         (0..).map(|i| warp::square_to_uniform_sphere(test_key(2).child_key(i).uniform_2d(Dimension::LightDirection)));
     all.filter(|d| d.abs().max_element() < 0.74).take(n as usize).collect()
 }
 
+/// Rays that are trapped in a cube of glass stay on its faces.
+///
 /// Each reflection flips one direction cosine and normalises, which rounds all of them by at most 3
 /// · 2⁻²⁴. A position on a face rounds by 2⁻²⁴ and stays on the face.
 #[test]
@@ -88,7 +94,7 @@ fn trapped_rays_stay_in_cube() {
     }
 }
 
-/// Between two planes a path travels a thousand thicknesses. Its cosine to them is invariant.
+/// Rays that are trapped between two planes keep their cosine to them, over a thousand thicknesses.
 #[test]
 fn trapped_rays_stay_in_slab() {
     let mut b = SceneBuilder::new();
@@ -108,9 +114,10 @@ fn trapped_rays_stay_in_slab() {
     }
 }
 
-/// In a ball the distance of the ray from the center is invariant. Each reflection rounds the
-/// position by half an ulp per coordinate, and the direction by the normal, the reflection and the
-/// normalisation: seven times √3 · 2⁻²⁴.
+/// Rays that are trapped in a ball keep their distance from its center.
+///
+/// Each reflection rounds the position by half an ulp per coordinate. It rounds the direction by
+/// the normal, the reflection and the normalisation: seven times √3 · 2⁻²⁴.
 #[test]
 fn trapped_rays_stay_in_ball() {
     let mut b = SceneBuilder::new();
@@ -118,7 +125,7 @@ fn trapped_rays_stay_in_ball() {
     b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, -0.9, 0.0), 1.0)), glass, Vec3::ZERO);
     b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let scene = built(b);
-    // Light starts 0.9 off the center, which the scene moves to the origin.
+    // The scene moves the center to the origin. Light starts 0.9 off it.
     let drift = BOUNCES as f32 * 7.0 * 1.74 * f32::EPSILON / 2.0;
     for i in 0..100 {
         let (sin, cos) = libm::sincosf(0.4 * i as f32 / 100.0);
@@ -144,7 +151,7 @@ fn trapped_rays_stay_in_ball() {
     }
 }
 
-/// Every photon path stops at the bounce limit with its initial flux, bit for bit.
+/// Trapped photon paths stop at the bounce limit with their initial flux, bit for bit.
 #[test]
 fn trapped_photons_keep_flux_and_terminate() {
     for triangles in [false, true] {
@@ -165,7 +172,9 @@ fn trapped_photons_keep_flux_and_terminate() {
     }
 }
 
-/// A camera inside a cube that looks along the diagonal sees no sky, and its paths end.
+/// Camera paths in a cube end.
+///
+/// The camera looks along the diagonal, so it sees no sky.
 #[test]
 fn trapped_camera_paths_terminate() {
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed, Algorithm::Whitted] {

@@ -1,4 +1,4 @@
-//! BSDFs at extreme samples, roughnesses and angles.
+//! BSDFs at extreme random numbers, roughnesses and angles.
 
 use super::{ENDS, corners};
 use caustica::bsdf::{
@@ -6,7 +6,7 @@ use caustica::bsdf::{
 };
 use glam::{Vec2, Vec3};
 
-/// Returns each BSDF with an upper bound of its importance weight.
+/// Returns BSDFs of each kind, each with an upper bound of its sample weight on photon paths.
 ///
 /// The weight of diffuse surfaces, mirrors and visible microfacets is at most their reflectance. A
 /// Phong lobe of exponent s weighs (s + 2)/(s + 1) of its albedo. A pane's lobes are chosen by the
@@ -27,8 +27,8 @@ fn bsdf_kinds() -> Vec<(Bsdf, f32)> {
     for alpha in [0.0, 1e-4, SMOOTH_ALPHA, 0.1, 1.0] {
         kinds.push((Bsdf::Conductor(Conductor::new(eta, k, alpha)), 1.0));
         kinds.push((Bsdf::Conductor(Conductor::new(Vec3::ZERO, Vec3::ONE, alpha)), 1.0));
-        // A transmittance of some 10⁻⁶ is sampled in steps of 2⁻²⁴. Its weight compensates for one
-        // of them.
+        // A transmittance of about 10⁻⁶ is sampled in steps of 2⁻²⁴. The weight corrects an error
+        // of up to one step.
         kinds.extend([1e-6, 0.5, 1.0, 1.0 + f32::EPSILON, 1.5, 1e6].map(|eta| (Bsdf::dielectric(eta, alpha), 1.02)));
     }
     kinds
@@ -41,8 +41,9 @@ fn test_directions() -> Vec<Vec3> {
     cosines.into_iter().flat_map(|c| [at(c), at(c) * Vec3::new(1.0, 1.0, -1.0)]).collect()
 }
 
-/// A sample is a unit vector on its stated side with a finite weight. Unless it is a delta, its pdf
-/// is positive: MIS divides by it.
+/// A sample is a unit vector on its stated side with a finite weight.
+///
+/// Unless it is of a delta lobe, its pdf is positive, since MIS divides by it.
 #[test]
 fn bsdf_samples_have_finite_weight_and_pdf() {
     let tilted = Vec3::new(0.3, -0.5, 0.6).normalize();
@@ -57,7 +58,7 @@ fn bsdf_samples_have_finite_weight_and_pdf() {
                             let Some(s) = bsdf.sample(wo, ns, Vec3::Z, lobe, u, transport) else { continue };
                             assert!(s.wi.is_finite() && (s.wi.length() - 1.0).abs() < 1e-5, "{}: {s:?}", what());
                             assert!(s.weight.is_finite() && s.weight.min_element() >= 0.0, "{}: {s:?}", what());
-                            // Some hundred roundings.
+                            // The bound allows about a hundred roundings.
                             let bound = most * (1.0 + 50.0 * f32::EPSILON);
                             assert!(
                                 transport == TransportMode::Radiance || s.weight.max_element() <= bound,
@@ -83,8 +84,9 @@ fn bsdf_samples_have_finite_weight_and_pdf() {
     assert!(drawn > 400_000, "{drawn}");
 }
 
-/// The rim of the cosine-sampling disc lies in the horizon. Nothing is sampled there, since the pdf
-/// is 0.
+/// The horizon is never sampled, since the pdf is 0 there.
+///
+/// The rim of the disc that cosine-weighted sampling uses corresponds to the horizon.
 #[test]
 fn bsdfs_never_sample_the_horizon() {
     let white = Bsdf::Diffuse(Vec3::ONE);
@@ -94,7 +96,7 @@ fn bsdfs_never_sample_the_horizon() {
     }
 }
 
-/// Lobes below the least roughness are deltas, so they need no chi-square test.
+/// Lobes below the least roughness are delta lobes, so they need no chi-square test.
 #[test]
 fn narrowest_lobes_become_delta() {
     let alpha = SMOOTH_ALPHA.next_down();

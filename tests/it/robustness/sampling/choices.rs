@@ -9,8 +9,9 @@ use caustica::sampling::{Dimension, DiscreteDistribution, PiecewiseConstant2d};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// The probability of a chosen element is never zero, and its inverse never overflows f32, because
-/// samples are divided by it.
+/// The probability of a chosen element is never zero, and its inverse never overflows f32.
+///
+/// Samples are divided by this probability.
 #[test]
 fn chosen_elements_have_positive_probability() {
     for weights in [
@@ -59,7 +60,8 @@ fn cells_of_any_weight_match_their_pdf() {
     }
 }
 
-/// With one bright pixel in a black sky, extreme samples lie in that pixel, with its pdf.
+/// With one bright pixel in a black environment, extreme random numbers sample that pixel, with its
+/// pdf.
 #[test]
 fn environments_are_sampled_by_radiance() {
     for (x, y) in [(0, 0), (3, 1), (7, 3), (0, 3)] {
@@ -81,8 +83,10 @@ fn environments_are_sampled_by_radiance() {
     assert!(EnvironmentLight::with_constant_radiance(Vec3::ZERO).unwrap().sample(glam::Vec2::ZERO).is_none());
 }
 
-/// For near and far lights with powers over sixty orders of magnitude, and a sky, sampling a light
-/// returns the same probability as a query for that light.
+/// Sampling a light returns the same probability as a query for that light.
+///
+/// The lights are near and far, with powers over sixty orders of magnitude, and one is an
+/// environment light.
 #[test]
 fn chosen_light_has_positive_probability() {
     let mut lights: Vec<Light> = (0..40u64)

@@ -1,4 +1,4 @@
-//! Samples 0 and the largest number below 1, through every function that maps samples to positions
+//! Extreme random numbers, 0 and the largest below 1, in every function that maps them to positions
 //! and directions.
 
 use super::{ENDS, corners};
@@ -16,8 +16,9 @@ fn assert_unit_vector(v: Vec3, what: &dyn Fn() -> String) {
     assert!(v.is_finite() && (v.length() - 1.0).abs() < 3e-6, "{}: {v}", what());
 }
 
-/// Every warp gives unit vectors at extreme samples and parameters. No pdf is 0 at a sample, unless
-/// the sample lies in the horizon.
+/// Every warp gives unit vectors at extreme random numbers and parameters.
+///
+/// No pdf is 0 at a sample, unless the sample lies in the horizon.
 #[test]
 fn warps_are_valid_at_extreme_samples() {
     for u in corners() {
@@ -113,9 +114,10 @@ fn scene_of_all_lights() -> Scene {
     )
 }
 
-/// Every light is sampled from near, far, inside and on its surface. It emits in all directions and
-/// towards targets, also a target that contains it. Flux, radiance and pdfs are finite, and no pdf
-/// is 0.
+/// Every light can be sampled from near, far, inside and on its surface, and emits in all
+/// directions and towards targets.
+///
+/// One target contains the light. Flux, radiance and pdfs are finite, and no pdf is 0.
 #[test]
 fn lights_are_valid_at_extreme_samples() {
     let scene = scene_of_all_lights();
@@ -169,8 +171,8 @@ fn lights_are_valid_at_extreme_samples() {
     }
 }
 
-/// Towards an enclosing ball, directions are sampled by their cosine to the horizon, but none in
-/// it.
+/// Emission towards a ball that encloses the light follows the cosine, and no direction is in the
+/// horizon.
 #[test]
 fn aimed_emission_has_pdf_at_horizon() {
     let aim = PhotonAim::new([BoundingSphere { center: Vec3::ZERO, radius: 1.0 }]);

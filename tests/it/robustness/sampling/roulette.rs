@@ -1,5 +1,7 @@
-//! Russian roulette at its ends: a path of survival probability 0 ends without a division by it,
-//! one of probability 1 always survives.
+//! Russian roulette at its ends.
+//!
+//! A path with survival probability 0 ends without a division by it. A path with probability 1
+//! always survives.
 
 use crate::support::{assert_mean, render_passes, scene_from_text, test_key};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
@@ -7,7 +9,8 @@ use caustica::photon::{Deposits, PhotonPass, PhotonPassResult, PhotonSource, Sto
 use caustica::scene::Scene;
 use rayon::prelude::*;
 
-/// Builds a closed room whose walls reflect `albedo` and emit `radiance`, with a light.
+/// Builds a closed room with a light, whose walls have the reflectance `albedo` and emit
+/// `radiance`.
 fn room(albedo: &str, radiance: f64) -> Scene {
     scene_from_text(&format!(
         "PerspectiveCamera {{ center 0 0 .9  direction 0 0 -1  up 0 1 0  angle 60  width 6  height 6 }}
@@ -32,7 +35,7 @@ fn trace(scene: &Scene, index: u64) -> PhotonPassResult {
     pass.trace(test_key(90).child_key(index), PATHS, &|_| {})
 }
 
-/// If walls reflect everything, no photon ends before the limit, and none gains or loses a bit of
+/// Between white walls, no photon ends before the bounce limit, and none gains or loses a bit of
 /// flux.
 #[test]
 fn white_surfaces_terminate_no_photon() {
@@ -42,8 +45,8 @@ fn white_surfaces_terminate_no_photon() {
     assert_eq!(rays, photons.len() as u64);
 }
 
-/// If walls reflect nothing, each photon lands once. If they reflect the smallest positive number,
-/// the result is the same.
+/// Between black walls, each photon lands once. A reflectance of the smallest positive number gives
+/// the same result.
 #[test]
 fn black_surfaces_terminate_every_photon() {
     for albedo in ["0 0 0", "1e-45 1e-45 1e-45", "0 0 1e-40"] {
@@ -54,10 +57,12 @@ fn black_surfaces_terminate_every_photon() {
     }
 }
 
+/// Channels that walls absorb stay zero, and roulette conserves the mean flux.
+///
 /// Walls reflect one channel, which has half of the light's flux, and absorb the others. Half of
-/// the paths survive the first roulette with twice the flux; later roulette ends none. So the mean
-/// flux is conserved: over 16 passes of 2¹² paths, within a 256th. A photon's flux rounds a few
-/// times, and its hue to 2⁻¹⁷.
+/// the paths survive the first roulette with twice the flux; later roulette ends none. The mean
+/// flux over 16 passes of 2¹² paths is accurate to 1/256. A photon's flux rounds a few times, and
+/// its hue to 2⁻¹⁷.
 #[test]
 fn zero_channel_stays_zero() {
     let scene = room("0 0 1", 0.0);
@@ -69,7 +74,7 @@ fn zero_channel_stays_zero() {
             let twice = 2.0 * 3.0 / f64::from(PATHS);
             let mut strengths = on.map(|p| f64::from(p.data.flux().z) / twice - 1.0);
             assert!(strengths.all(|off| off.abs() < 1e-5), "{audit:?}");
-            // A survivor lands once more for each allowed bounce.
+            // A surviving photon lands once more for each allowed bounce.
             let survivors = (photons.len() - PATHS as usize) / BOUNCES as usize;
             assert_eq!(photons.len(), PATHS as usize + survivors * BOUNCES as usize);
             assert!((audit.stopped[2] / (survivors as f64 * twice) - 1.0).abs() < 1e-5, "{audit:?}");
@@ -86,9 +91,11 @@ fn settings(samples: u32, max_bounces: u32, seed: u64) -> Settings {
     }
 }
 
+/// Camera paths obey roulette at its ends.
+///
 /// Between walls that emit and reflect nothing, camera paths return exactly the emission, whatever
-/// the roulette sample. Between walls that reflect everything, each allowed bounce adds its light,
-/// plus the one that connections find.
+/// the random number of roulette. Between walls that reflect everything, each allowed bounce adds
+/// its light, and next-event estimation adds one more.
 #[test]
 fn camera_paths_follow_same_roulette() {
     let dark = room("0 0 0", 0.25);
@@ -105,7 +112,7 @@ fn camera_paths_follow_same_roulette() {
             let image = render_passes(scene, Algorithm::Path, settings(samples, bounces, seed), 1);
             image.iter().map(|p| f64::from(p.x)).sum::<f64>() / image.len() as f64
         };
-        // Both rooms see the light by the same paths.
+        // The difference removes the light of the lamp, which both rooms see by the same paths.
         let samples: Vec<f64> = (0..16).into_par_iter().map(|seed| mean(&white, seed) - mean(&lamp, seed)).collect();
         let expected = 0.001 * f64::from(bounces + 2);
         assert_mean(&format!("{bounces} bounces"), &samples, expected, 1e-6 * expected, 0.005);

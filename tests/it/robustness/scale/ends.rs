@@ -19,8 +19,9 @@ fn balls(places: &[(DVec3, f64)], plane: bool) -> Result<Scene, BuildError> {
     b.build(Camera::perspective(DVec3::Z * 5.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 4).unwrap())
 }
 
-/// Too small shapes are refused with a remedy. No shape above a size of 2⁻³⁹ is refused: 2⁻²⁴ of
-/// such a size has a square that is a normal number.
+/// Too small shapes are refused with a remedy, and shapes above a size of 2⁻³⁹ are not.
+///
+/// 2⁻²⁴ of such a size has a square that is a normal number.
 #[test]
 fn too_small_shapes_are_refused() {
     let least = libm::exp2(-39.0);
@@ -37,11 +38,12 @@ fn too_small_shapes_are_refused() {
     assert!(balls(&[], true).is_ok() && balls(&[], false).is_ok(), "what has no size is not small");
 }
 
-/// Positions near the limit of double precision are refused: their squares overflow, and their
-/// differences are NaN.
+/// Positions near the limit of double precision are refused.
+///
+/// Their squares overflow, and their differences are NaN.
 #[test]
 fn positions_near_double_limit_are_refused() {
-    // Unbounded boxes, whose center is no number.
+    // The boxes are unbounded, so their center is not a number.
     let boundless = [(DVec3::splat(1e308), 1e308), (DVec3::splat(-1e308), 1e308)];
     assert_eq!(balls(&boundless, false).err(), Some(BuildError::TooLarge(f64::INFINITY)));
     for far in [1e13, 1e155, 1e200, 1e308, f64::MAX] {

@@ -12,8 +12,8 @@ use std::path::Path;
 
 /// Builds small objects on a floor with lights nearby.
 ///
-/// Light that travels more than 300 units is (4/300)² of all light. Less of it returns than single
-/// precision resolves.
+/// The fraction (4/300)² of the light travels more than 300 units. The part of it that returns is
+/// less than single precision resolves.
 fn scene_on_floor(floor: &str) -> Scene {
     let text = format!(
         "PerspectiveCamera {{ center 0 3.4 3  lookAt 0 .2 .1  angle 34  width {}  height {} }}
@@ -53,9 +53,12 @@ fn resolved(text: &str) -> Scene {
 const FLAT: &str = "Disc { center 0 0 0  normal 0 1 0  radius 300 }";
 const ROUND: &str = "Sphere { center 0 -100000 0  radius 100000 }";
 
+/// A sphere of radius 10⁵ looks like a flat floor.
+///
 /// Where the objects stand, the sphere deviates from a plane by 2²/(2·10⁵) = 2·10⁻⁵. Pixels differ
-/// only where an edge of an object or shadow passes, within some 10⁻⁵ of a pixel 10⁻¹ wide, and ten
-/// times as wide in glass and mirrors: one in a thousand, five times over.
+/// only at edges of objects and shadows, which move by about 10⁻⁵. A pixel is 10⁻¹ wide. In glass
+/// and mirrors, edges move ten times as far. So one pixel in a thousand differs; five times as many
+/// are allowed.
 #[test]
 fn sphere_of_radius_100000_acts_as_flat_floor() {
     let (flat, round) = (scene_on_floor(FLAT), scene_on_floor(ROUND));
@@ -67,7 +70,7 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
     let all = a.len() * a[0].len();
     assert!(differ * 200 < all, "{differ} of {all} pixels differ");
 
-    // Photons differ, since they are emitted into another domain.
+    // The photons differ, because they are emitted towards a domain of another size.
     let settings = Settings { radius: Some(0.05), ..low_cost_settings() };
     let seen = |scene| -> Vec<Vec<f64>> {
         let images = pictures(scene, Algorithm::Hybrid, settings.clone(), 4 * PASSES);
@@ -77,9 +80,10 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
     assert!(objection.is_none(), "{}", objection.unwrap());
 }
 
-/// Pilots find disc radii from the objects that photons lie on, not from the floor's size. Both
-/// pilots take the third quartile of 512 photons, which scatters by 2 % of their number: less than
-/// a tenth where radii vary twofold.
+/// Pilots find gather radii from the objects that photons lie on, not from the floor's size.
+///
+/// Both pilots take the third quartile of 512 photons, whose rank has a standard deviation of 2 %.
+/// Radii vary twofold over the ranks, so this is less than a tenth of a radius.
 #[test]
 fn huge_floor_does_not_blur_caustics() {
     let settings = || Settings { caustic_photons: 250_000, ..low_cost_settings() };
@@ -88,7 +92,9 @@ fn huge_floor_does_not_blur_caustics() {
     assert!((round / flat - 1.0).abs() < 0.1, "{round} on a sphere, {flat} on a disc");
 }
 
-/// Returns the flux \[W] of photons where `counts` is true, of 2¹⁷ paths emitted everywhere.
+/// Returns the flux \[W] of photons where `counts` is true.
+///
+/// The pass has 2¹⁷ photon paths, emitted in all directions.
 fn flux(scene: &Scene, mask: StoreMask, counts: impl Fn(glam::DVec3) -> bool) -> f64 {
     let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask, max_bounces: 20 };
@@ -97,7 +103,7 @@ fn flux(scene: &Scene, mask: StoreMask, counts: impl Fn(glam::DVec3) -> bool) ->
     landed.map(|p| f64::from(p.data.flux().y)).sum()
 }
 
-/// Glass and stone half a unit below a light block its light over a floor of any size.
+/// Glass and stone half a unit below a light shade a floor of any size.
 #[test]
 fn occluder_near_light_shades_huge_floor() {
     let under_a_lamp = |floor: &str| {
@@ -126,9 +132,9 @@ fn occluder_near_light_shades_huge_floor() {
     let differ = a.iter().flatten().zip(b.iter().flatten()).filter(off).count();
     assert!(differ * 200 < a.len() * a[0].len(), "{differ} pixels differ");
 
-    // The light sees the glass under 2π(1 − √(1 − .2²/.4825)) sr, .0212 of the sphere: 2777 paths,
-    // and the stone likewise. Both floors receive what passes the glass within five sigma of their
-    // difference, 5·√2/√2777.
+    // The light sees the glass under the solid angle 2π(1 − √(1 − .2²/.4825)) sr, .0212 of the
+    // sphere: 2777 paths. The same holds for the stone. The light through the glass agrees on both
+    // floors within five sigma of the difference, 5·√2/√2777.
     let near = |p: glam::DVec3| p.length() < 3.0;
     for (mask, place) in
         [(StoreMask::CAUSTIC, &near as &dyn Fn(_) -> _), (StoreMask::DIRECT, &|p| near(p) && p.y > 1.0)]
@@ -138,9 +144,11 @@ fn occluder_near_light_shades_huge_floor() {
     }
 }
 
-/// A light that lies on a huge sphere, up to position rounding, lights a ceiling half a unit above.
-/// A disc of radius r receives (1 − h/√(h² + r²))/2 of the light of a point at h below it, here
-/// .276. 2¹⁷ paths measure it to .0012.
+/// A light that lies on a huge sphere lights a ceiling half a unit above.
+///
+/// Rounding may place the light inside the sphere. A disc of radius r receives the fraction (1 −
+/// h/√(h² + r²))/2 of the light of a point at the distance h, here .276. 2¹⁷ paths measure it to
+/// .0012.
 #[test]
 fn light_on_huge_floor_reaches_objects_above() {
     for x in [0.0f64, 0.3, -0.7, 1.1, 2.3] {

@@ -4,16 +4,18 @@ use crate::support::{mean_and_error, student_t_tail};
 use caustica::color::Rgb;
 use glam::DVec3;
 
-/// False-alarm rate of one number of a comparison. A run compares some thousand numbers, so one run
-/// in 10⁴ has a false alarm.
+/// False-alarm rate of one number of a comparison.
+///
+/// A test run compares some thousand numbers, so one run in 10⁴ has a false alarm.
 pub const RATE: f64 = 1e-8;
 
-/// Relative change of a mean by rounding. A stored photon's hue rounds by half a step of 2⁻¹⁶ of
-/// the channel sum, 1.5·2⁻¹⁶ of a grey channel. A path of some hundred factors, each rounded to
-/// 2⁻²⁴, adds 100·2⁻²⁴.
+/// Relative change of a mean by rounding.
+///
+/// A stored photon's hue rounds by half a step of 2⁻¹⁶ of the channel sum, which is 1.5·2⁻¹⁶ of a
+/// grey channel. A path of about a hundred factors, each rounded to 2⁻²⁴, adds 100·2⁻²⁴.
 pub const ROUNDING: f64 = 1.5 / 65_536.0 + 100.0 / 16_777_216.0;
 
-/// Returns the mean over the image and over its quarters, by channels: 15 numbers.
+/// Returns the mean over the image and over each of its quarters, by channels: 15 numbers.
 pub fn summary(image: &[Rgb], (width, height): (u32, u32)) -> Vec<f64> {
     let (width, height) = (width as usize, height as usize);
     let mut sums = [DVec3::ZERO; 4];
@@ -27,12 +29,12 @@ pub fn summary(image: &[Rgb], (width, height): (u32, u32)) -> Vec<f64> {
     [whole].into_iter().chain(quarters).flat_map(|v| v.to_array()).collect()
 }
 
-/// Returns the reason why the means of `ours` and `theirs` differ by more than the fraction
-/// `slack`; `None` if they do not.
+/// Returns a message if the means of `ours` and `theirs` differ by more than the fraction `slack`.
 ///
-/// Also returns a reason if noise would hide a difference of the fraction `detectable` of the
-/// brightest of the first three numbers. Passes are paired by their random numbers. Differences of
-/// pairs are independent, and Student's t tests whether their mean is 0.
+/// Also returns a message if noise would hide a difference of the fraction `detectable` of the
+/// brightest of the first three numbers. Returns `None` otherwise. Passes are paired by their
+/// random numbers. Differences of pairs are independent, and Student's t tests whether their mean
+/// is 0.
 pub fn mean_difference(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, detectable: f64) -> Option<String> {
     let dof = ours.len() as f64 - 1.0;
     let column = |of: &[Vec<f64>], i: usize| of.iter().map(|pass| pass[i]).collect::<Vec<f64>>();

@@ -15,9 +15,9 @@ use glam::{DAffine3, DMat4, DVec3};
 /// The map x ↦ shift + scale · turn(x).
 #[derive(Clone, Copy, Debug)]
 pub struct Similarity {
-    /// Positive.
+    /// Scale factor, above 0.
     pub scale: f64,
-    /// Axis and angle \[degrees], right-handed.
+    /// Axis and angle \[degrees] of the rotation, which is right-handed.
     pub turn: (DVec3, f64),
     pub shift: DVec3,
 }
@@ -29,13 +29,14 @@ impl Similarity {
         Self { scale, ..Self::NONE }
     }
 
-    /// Returns the transformed description. Its image has the same radiance.
+    /// Returns the description transformed by this map. Its image has the same radiance.
     pub fn of(&self, mut d: SceneDescription) -> SceneDescription {
         let SceneDescription { camera, background: _, ambient_medium: _, lights, textures, media, materials, root } =
             &mut d;
         self.camera(&mut camera.value);
         lights.iter_mut().for_each(|light| self.light(&mut light.value));
-        // Textures lie in the space of their object, which the root transform covers.
+        // Textures are in the object space of their objects, which the transform of the root group
+        // covers.
         for texture in textures {
             match &texture.kind {
                 TextureKindDescription::Image { .. }
@@ -100,7 +101,7 @@ impl Similarity {
         }
     }
 
-    /// Transforms the maps of a motion, which act as if the object's position were the origin.
+    /// Transforms the steps of a motion, for which the object's position is the origin.
     fn motion(&self, maps: &mut [TransformStep]) {
         for map in maps {
             *map = match *map {
@@ -204,10 +205,12 @@ impl Similarity {
         }
     }
 
-    /// Irradiance is intensity over squared length, so intensity scales with the square.
+    /// Scales intensity or power of a light with the square of the scale, since irradiance is
+    /// intensity over squared length.
     fn intensity(&self, strength: &mut PointLightStrength) {
         match strength {
-            // The radiance of a white surface at the scene's center does not depend on scale.
+            // This strength is the radiance of a white surface at the scene's center, which does
+            // not depend on scale.
             PointLightStrength::Color(_) => {}
             PointLightStrength::Intensity(watts) | PointLightStrength::Power(watts) => self.area(watts),
         }
@@ -245,7 +248,9 @@ impl Similarity {
         }
     }
 
-    /// Converts to one matrix, because a matrix in the list applies after the maps before it.
+    /// Replaces the steps of a box's transform by one matrix that includes this map.
+    ///
+    /// A matrix appended to the steps would be applied after the maps before it.
     fn extent(&self, extent: &mut TransformedBoxDescription) {
         let TransformedBoxDescription { min: _, max: _, maps } = extent;
         *maps = vec![TransformStep::Matrix(DMat4::from(self.matrix() * TransformStep::composed_matrix(maps)))];

@@ -1,5 +1,5 @@
-//! Double-double arithmetic as reference (Dekker 1971; Hida, Li and Bailey 2001): 104 bits, so
-//! 10⁻³¹.
+//! Double-double arithmetic with 104 bits or 10⁻³¹, as a reference (Dekker 1971; Hida, Li and
+//! Bailey 2001).
 
 use glam::{DAffine3, DMat3, DVec3};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -19,7 +19,7 @@ fn two_sum(a: f64, b: f64) -> DoubleDouble {
 }
 
 fn two_product(a: f64, b: f64) -> DoubleDouble {
-    // Halves of 26 bits have exact products.
+    // Splits a number into two of 26 bits. Products of such numbers are exact.
     let split = |x: f64| {
         let c = 134_217_729.0 * x;
         let high = c - (c - x);
@@ -165,21 +165,21 @@ impl Affine {
         Self { columns: inner.columns.map(|c| self.vector(c)), shift: self.point(inner.shift) }
     }
 
-    /// Returns the rows of the inverse of the linear part, by cofactors.
+    /// Returns the rows of the inverse of the linear part, computed from cofactors.
     ///
-    /// Cancellation costs 16 of 31 digits in the worst tested case.
+    /// In the worst tested case, 16 of 31 decimal digits cancel.
     pub fn inverse_rows(&self) -> [DoubleDoubleVec; 3] {
         let [a, b, c] = self.columns;
         let volume = a.dot(b.cross(c));
         [b.cross(c), c.cross(a), a.cross(b)].map(|r| r.scaled(DoubleDouble::ONE / volume))
     }
 
-    /// Transforms a vector by the inverse.
+    /// Transforms a vector by the inverse of the linear part.
     pub fn back(&self, v: DoubleDoubleVec) -> DoubleDoubleVec {
         DoubleDoubleVec(self.inverse_rows().map(|r| r.dot(v)))
     }
 
-    /// Transforms a point by the inverse.
+    /// Transforms a point by the inverse map.
     pub fn point_back(&self, p: DoubleDoubleVec) -> DoubleDoubleVec {
         self.back(p - self.shift)
     }

@@ -11,8 +11,11 @@ use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Returns the distances at which a line enters and leaves the octahedron |x| + |y| + |z| ≤ 1, the
-/// face normals there, and the distances along the line to the next face.
+/// Returns three pairs for the entry and the exit of a line through the octahedron |x| + |y| + |z|
+/// ≤ 1.
+///
+/// They are the ray parameters, the face normals, and the distances along the line to the next
+/// face.
 fn octahedron(o: DoubleDoubleVec, d: DoubleDoubleVec) -> ([DoubleDouble; 2], [DVec3; 2], [f64; 2]) {
     let mut ends = [DoubleDouble::from(-1e300), DoubleDouble::from(1e300)];
     let mut normals = [DVec3::ZERO; 2];
@@ -35,12 +38,12 @@ fn octahedron(o: DoubleDoubleVec, d: DoubleDoubleVec) -> ([DoubleDouble; 2], [DV
     (ends, normals, [gap(0), gap(1)])
 }
 
-/// An octahedron of triangles under transforms of condition number 10⁸, seen from within 10⁶ sizes,
-/// is hit at the right distance.
+/// Hits of a mesh instance under transforms of condition number 10⁸ have the right distance and
+/// normal.
 ///
-/// Rays round to f32 near the mesh, within 4 of its sizes, and the triangle test rounds as much
-/// again: 16·2⁻²³ times 4 in object space. `t` may be off by that over |d·n|, plus its own rounding
-/// and that of f64 on the way.
+/// The mesh is an octahedron, seen from within 10⁶ sizes. Rays round to f32 near the mesh, within 4
+/// of its sizes. The triangle test rounds as much again: 16·2⁻²³ times 4 in object space. `t` may
+/// have this error over |d·n|, plus its own rounding and that of f64 on the way.
 #[test]
 fn instance_hits_match_double_double_transforms() {
     let ball = sphere_mesh(0);
@@ -97,14 +100,14 @@ fn instance_hits_match_double_double_transforms() {
                 blur(end)
             );
             let s = instance.surface_point(&ray, t, Vec2::new(u, v));
-            // If two faces are closer than the test's rounding, either may be reported. Otherwise
-            // it must be the face that is hit.
+            // If two faces are closer than the rounding of the test, either may be reported.
+            // Otherwise, the reported face must be the one that the ray hits.
             let sure = gaps[end] > 4.0 * blur(end);
             decided += u32::from(sure);
             let is_it = |n: &DVec3| {
                 let normal = exact.normal((*n).into()).value().normalize();
-                // A corner of the face gives its plane. The point lies in the plane up to its
-                // stated error along each axis.
+                // The plane of the face is that of one of its corners. The point must lie in it
+                // within its stated error along each axis.
                 let corner = exact.point((DVec3::X * n.x).into());
                 let height = normal.dot((DoubleDoubleVec::from(s.p.as_dvec3()) - corner).value()).abs();
                 (s.ng.as_dvec3() - normal).length() < 2e-7 && height <= normal.abs().dot(s.error.as_dvec3())

@@ -1,4 +1,4 @@
-//! Transforms of condition number 10⁸, and milder ones.
+//! Transforms of condition number 10⁸, and milder ones, for tests of shapes and instances.
 
 use caustica::math::rotation_matrix;
 use glam::{DAffine3, DMat3, DVec3};
@@ -12,7 +12,7 @@ fn centred((name, m): (&'static str, DMat3)) -> (&'static str, DAffine3) {
     (name, DAffine3::from_mat3(m))
 }
 
-/// Returns names and transforms.
+/// Returns the test transforms with their names.
 pub fn maps() -> Vec<(&'static str, DAffine3)> {
     let [r, s] = [turned(0), turned(1)];
     let wide = DMat3::from_diagonal(DVec3::new(1e4, 1.0, 1e-4));
@@ -40,7 +40,8 @@ pub fn maps() -> Vec<(&'static str, DAffine3)> {
     ]
     .into_iter()
     .map(|(name, m)| (name, DAffine3::from_mat3_translation(m, place)))
-    // Near the origin, rounding of coordinates to f32 hides nothing of a transform's effect.
+    // Near the origin, the rounding of coordinates to f32 is small, so it does not hide errors of a
+    // transform.
     .chain([("squeezed around the origin", wide * r), ("a pancake around the origin", pancake * s)].map(centred))
     .collect()
 }

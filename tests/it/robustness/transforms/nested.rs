@@ -1,4 +1,4 @@
-//! Transforms of the scene language, 64 deep, and singular ones.
+//! Transforms of the scene language: nested 64 deep, and singular ones.
 
 use super::double_double::{Affine, DoubleDoubleVec};
 use super::shapes::{UnitShape, truth};
@@ -18,8 +18,10 @@ fn scene(text: &str) -> Result<Scene, SceneError> {
     resolve(&parse("a.txt", &text)?, &SourceText::new("a.txt", &text), Path::new(""))
 }
 
-/// Returns one step as text and as a matrix: rotations, translations, mirrors, shears, and scales
-/// that cancel in pairs.
+/// Returns one random transform as scene text and as a matrix.
+///
+/// Depending on the level, it is a rotation, translation, mirror, shear or scale. Scales of
+/// different levels cancel in pairs.
 fn step(rng: &mut SmallRng, level: u32) -> (String, DAffine3) {
     let mut number = || f64::from(rng.random_range(-100..=100)) / 64.0;
     let v = DVec3::new(number(), number(), number());
@@ -46,12 +48,11 @@ fn step(rng: &mut SmallRng, level: u32) -> (String, DAffine3) {
     }
 }
 
-/// In 64 nested groups with transforms, the innermost shape lies where the exact product of the
-/// transforms places it.
+/// A shape in 64 nested transforms lies where the exact product of the transforms places it.
 ///
-/// Each product rounds by some 4 ulps of ‖outer‖·‖inner‖. The inner transforms amplify that by
-/// their norms: 1 for a rotation, 2 for a scale, 1.14 for a shear, while 10⁶ and 10⁻⁶ cancel. That
-/// is 64 · 4 · 2⁻⁵² · 4.6⁸ = 1.2·10⁻⁸ of positions, which are within 10 of the origin.
+/// Each product rounds by about 4 ulps of ‖outer‖·‖inner‖. The inner transforms amplify this error
+/// by their norms: 1 for a rotation, 2 for a scale, 1.14 for a shear, while 10⁶ and 10⁻⁶ cancel.
+/// The result is 64 · 4 · 2⁻⁵² · 4.6⁸ = 1.2·10⁻⁸ of positions, which are within 10 of the origin.
 #[test]
 fn shapes_64_transforms_deep_are_placed_correctly() {
     let shapes = [
@@ -113,8 +114,10 @@ fn shapes_64_transforms_deep_are_placed_correctly() {
     }
 }
 
+/// Only ill-conditioned transforms are refused.
+///
 /// A transform of condition number 10⁸ is accepted, even if its columns are almost collinear. One
-/// that leaves no significant digits is refused at its position in the text.
+/// that leaves no significant digits is refused, and the error gives its position in the text.
 #[test]
 fn only_ill_conditioned_transforms_are_refused() {
     let ball = "Sphere { center 0 0 0 radius 1 }";
@@ -131,8 +134,8 @@ fn only_ill_conditioned_transforms_are_refused() {
         let error = scene(&format!("Group {{\nTransform {{ {flat} {ball} }} }}")).unwrap_err();
         assert!(error.line() == 3 && error.message().contains("flattens") && !error.remedy().is_empty(), "{error}");
     }
-    // Sixty-four transforms are valid alone and singular together. The error points at the
-    // innermost.
+    // Sixty-four transforms are valid alone, but their product is singular. The error points at the
+    // innermost one.
     let squeeze = "Transform { Scale 1 1 1e-6\n".repeat(64);
     let error = scene(&format!("Group {{\n{squeeze} {ball} {} }}", "}".repeat(64))).unwrap_err();
     assert!(error.line() == 66 && !error.remedy().is_empty(), "{error}");

@@ -9,7 +9,9 @@ use caustica::shape::Plane;
 use glam::{DMat3, DVec3, Vec3};
 use std::path::Path;
 
-/// A quarter turn maps axes exactly to axes. So does the middle of a motion by two quarter turns.
+/// Rotations by multiples of 90° map axes exactly to axes.
+///
+/// So does a motion by two quarter turns, in its middle.
 #[test]
 fn quarter_turns_are_exact() {
     for quarters in -9i32..=9 {
@@ -28,8 +30,9 @@ fn quarter_turns_are_exact() {
     }
 }
 
-/// Rays along a plane miss it, although rounding tilted the plane's normal off its axis. A ray that
-/// leans towards the plane hits it.
+/// Rays along a plane miss it, although rounding tilted the plane's normal off its axis.
+///
+/// A ray that leans towards the plane hits it.
 #[test]
 fn rays_along_a_plane_miss_it() {
     for lean in [-2.5e-16, -1.8e-16, 6e-17, 1.8e-16, 2.5e-16] {
@@ -44,8 +47,9 @@ fn rays_along_a_plane_miss_it() {
     assert!((t / 5e14 - 1.0).abs() < 1e-6, "{t}");
 }
 
-/// All light of an overhead sun arrives between walls that are rotated floors, by shadow rays and
-/// by photons.
+/// All light of an overhead sun arrives between vertical walls, by shadow rays and by photons.
+///
+/// The walls are horizontal planes that transforms have rotated.
 #[test]
 fn overhead_sun_lights_between_rotated_walls() {
     let walls = "Plane { normal 0 1 0 offset -3 }";

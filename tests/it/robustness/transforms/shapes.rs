@@ -10,7 +10,7 @@ use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 
-/// Shapes in object space.
+/// Test shapes in object space.
 #[derive(Clone, Copy, Debug)]
 pub enum UnitShape {
     /// The sphere |p| = 1.
@@ -40,7 +40,7 @@ impl UnitShape {
             }
             Self::Bowl => {
                 let basis = SplineBasis::bezier_basis(3).unwrap();
-                // Blossoms of x and x².
+                // Bézier control values of x and x², from their blossoms.
                 let (place, square) = ([-1.0, 0.0, 1.0], [1.0, -1.0, 1.0]);
                 let control = |k: usize| DVec4::new(place[k % 3], square[k / 3] + square[k % 3], place[k / 3], 1.0);
                 let controls: Vec<DVec4> = (0..9).map(control).collect();
@@ -67,8 +67,9 @@ impl UnitShape {
         }
     }
 
-    /// Returns the coefficients c, b, a of F(o + t d) = c + 2 b t + a t². Its zeros are the surface
-    /// without borders.
+    /// Returns the coefficients \[c, b, a] of F(o + t d) = c + 2 b t + a t².
+    ///
+    /// F is a function that is 0 on the surface, without regard to its borders.
     fn quadratic(self, o: DoubleDoubleVec, d: DoubleDoubleVec) -> [DoubleDouble; 3] {
         let ([ox, oy, oz], [dx, dy, dz]) = (o.0, d.0);
         let half = DoubleDouble::from(0.5);
@@ -92,7 +93,7 @@ impl UnitShape {
         }
     }
 
-    /// Returns how far inside its borders a point is.
+    /// Returns how far inside the borders of the surface a point is; negative if it is outside.
     fn within(self, p: DoubleDoubleVec) -> f64 {
         let [x, y, z] = p.0.map(DoubleDouble::value);
         match self {
@@ -104,32 +105,37 @@ impl UnitShape {
     }
 }
 
-/// Exact result of intersecting a ray with a transformed shape.
+/// Exact result of intersecting a ray with a transformed shape, and the allowed errors.
 pub struct Truth {
-    /// Distance of the hit, `None` for a miss.
+    /// Ray parameter of the hit; `None` for a miss.
     pub t: Option<f64>,
     /// Allowed error of `t`.
     pub blur: f64,
-    /// Position in object space, the unit normal of either sign, and its allowed error.
+    /// Position of the hit in object space.
+    ///
+    /// The next fields are the unit normal, of either sign, and its allowed error.
     pub hit: DVec3,
     pub normal: DVec3,
     pub turn: f64,
-    /// True if the ray touches the shape or passes a border within rounding.
+    /// True if the ray touches the shape, or passes a border, within rounding: hit and miss are
+    /// both right.
     pub doubtful: bool,
 }
 
-/// Rounding in f64: coordinates on their way into object space, and for a spline shape of size 2
-/// its own noise (256 · 32 ulps).
+/// Rounding error in f64 of coordinates on their way into object space.
+///
+/// The next constant is the error of a spline shape of size 2 (256 · 32 ulps).
 const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 const SPLINES: f64 = 256.0 * 32.0 * f64::EPSILON * 2.0;
 
-/// Returns the nearest crossing beyond `t = 0` of a ray from `origin`.
+/// Returns the nearest hit beyond `t = 0` of a ray from `origin`, with its allowed errors.
 ///
-/// An error e of positions in object space is e/|d·n| of t, for the unit object normal n and the
-/// ray's direction d there. The point then moves by e and by |d| times that. It turns the object
-/// normal by at most twice as much, since no shape bends more sharply than radius ½. World normals
-/// turn by |M⁻¹| times that, over the length |M⁻ᵀn|. Flat shapes are stored by two world edges:
-/// each errs by ulps of |M|, over its distance from the other.
+/// An error e of positions in object space changes t by e/|d·n|. n is the unit object normal, and d
+/// the ray's direction in object space. The point then moves by e and by |d| times the change of t.
+/// It turns the object normal by at most twice as much, since no shape bends more sharply than
+/// radius ½. World normals turn by |M⁻¹| times that, over the length |M⁻ᵀn|. Flat shapes are stored
+/// by two world edges. The error of each edge is some ulps of |M|, over its distance from the
+/// other.
 pub fn truth(own: UnitShape, exact: &Affine, origin: DoubleDoubleVec, direction: DoubleDoubleVec) -> Truth {
     let (o, d) = (exact.point_back(origin), exact.back(direction));
     let [c, b, a] = own.quadratic(o, d);
@@ -150,12 +156,12 @@ pub fn truth(own: UnitShape, exact: &Affine, origin: DoubleDoubleVec, direction:
     let splines = if matches!(own, UnitShape::Tube | UnitShape::Bowl) { SPLINES } else { 0.0 };
     let [x, y, z] = exact.columns;
     let volume = x.dot(y.cross(z)).value().abs();
-    // For a miss: where the ray is nearest to the shape.
+    // For a miss, `middle` is where the ray is nearest to the shape.
     let middle = if a.value() == 0.0 { DoubleDouble::ZERO } else { -(b / a) };
     let mut truth = Truth { t: None, blur: 0.0, hit: DVec3::ZERO, normal: DVec3::Y, turn: 0.0, doubtful: false };
     let reach = |t: f64| from + t.abs() * pace + place + stretch;
     let noise = |t: f64| ROUNDINGS * shrink * reach(t) + splines;
-    // F's gradient is at most 6 long in the relevant region.
+    // The gradient of F is at most 6 long in the relevant region.
     let touch = discriminant.value().abs() / a.value().abs().max(d.value().length_squared() * 1e-30);
     truth.doubtful |= !flat && touch < 40.0 * noise(middle.value());
     for t in roots {
@@ -187,9 +193,10 @@ pub fn truth(own: UnitShape, exact: &Affine, origin: DoubleDoubleVec, direction:
 }
 
 /// Returns the distance of a reported point from the shape along its normal, relative to its stated
-/// error. The hit is expected at `hit` in object space.
+/// error.
 ///
-/// `None` if rounding to f32 moves the point so far that the shape curves away under it.
+/// The hit is expected at `hit` in object space. `None` if rounding to f32 moves the point so far
+/// that the curvature of the shape matters.
 fn distance_off_shape(own: UnitShape, exact: &Affine, s: &SurfacePoint, hit: DVec3) -> Option<f64> {
     let p = exact.point_back(DoubleDoubleVec::from(s.p.as_dvec3()));
     let [value, ..] = own.quadratic(p, DoubleDoubleVec::from(DVec3::ZERO));
@@ -200,9 +207,10 @@ fn distance_off_shape(own: UnitShape, exact: &Affine, s: &SurfacePoint, hit: DVe
     (moved < 0.1).then(|| off / f64::from(s.ng.abs().dot(s.error)))
 }
 
-/// Hits of shapes under transforms of condition number 10⁸ have the right distance and normal. The
-/// hit point lies within its stated error, and a ray that leaves it outwards does not hit the shape
-/// again.
+/// Hits of shapes under transforms of condition number 10⁸ have the right distance and normal.
+///
+/// The hit point lies within its stated error, and a ray that leaves it outwards does not hit the
+/// shape again.
 #[test]
 fn shape_hits_match_double_double_transforms() {
     let shapes = [UnitShape::Ball, UnitShape::Disc, UnitShape::Square, UnitShape::Tube, UnitShape::Bowl];

@@ -6,17 +6,17 @@ use rand::rngs::SmallRng;
 use std::collections::HashMap;
 use std::f32::consts::TAU;
 
-/// A mesh without a boundary. Its triangles are counter-clockwise seen from outside.
+/// A triangle mesh without a boundary. Its triangles are counter-clockwise seen from outside.
 pub struct ClosedMesh {
     pub name: &'static str,
     pub vertices: Vec<Vec3>,
     pub faces: Vec<[u32; 3]>,
-    /// Samples a point well inside.
+    /// Samples a point that is well inside the mesh.
     pub inside: fn(&mut SmallRng) -> Vec3,
 }
 
 impl ClosedMesh {
-    /// Returns the corners of each triangle under `map`.
+    /// Returns the corners of each triangle, mapped by `map`.
     pub fn corners(&self, map: impl Fn(Vec3) -> Vec3) -> Vec<[Vec3; 3]> {
         let placed: Vec<Vec3> = self.vertices.iter().map(|v| map(*v)).collect();
         self.faces.iter().map(|f| f.map(|i| placed[i as usize])).collect()
@@ -87,8 +87,9 @@ pub fn torus_mesh(n: u32, m: u32) -> ClosedMesh {
     ClosedMesh { name: "torus", vertices: cells().map(|(i, j)| place(i, j)).collect(), faces: faces.collect(), inside }
 }
 
-/// Returns a cone around z whose rings grow tenfold from 10⁻⁶ to 10⁶, so that adjacent triangles
-/// span twelve orders of size.
+/// Returns a cone around z whose rings grow tenfold, from a size of 10⁻⁶ to 10⁶.
+///
+/// Adjacent triangles belong to rings of different size, over twelve orders of magnitude in all.
 pub fn growing_cone() -> ClosedMesh {
     const SIDES: u32 = 12;
     let rings = -6..=6;

@@ -15,32 +15,35 @@ fn grid(rng: &mut SmallRng, reach: i64) -> I64Vec3 {
     I64Vec3::from_array(std::array::from_fn(|_| rng.random_range(-reach..=reach)))
 }
 
-/// Returns six times the signed volume of a tetrahedron, exactly: products of three numbers below
-/// 2¹³.
+/// Returns six times the signed volume of the tetrahedron `o`, `a`, `b`, `c`.
+///
+/// It is exact for products of three numbers below 2¹³.
 fn volume(o: I64Vec3, a: I64Vec3, b: I64Vec3, c: I64Vec3) -> i64 {
     (a - o).dot((b - o).cross(c - o))
 }
 
-/// Rays through and beside an edge hit the triangle on their side of the edge. Rays and both
-/// triangles have integer coordinates.
+/// Rays through and beside the common edge of two triangles hit the triangle on their side of the
+/// edge.
 ///
-/// The side on which a ray passes the edge is the sign of a volume, known exactly. Shearing moves
-/// corners by γ(9) of their distance from the ray's origin. So a volume this small relative to the
-/// largest one is in doubt; all others must be decided correctly. A ray through the edge hits one
-/// of the triangles at t = 1, off by as much over the cosine.
+/// Rays and triangles have integer coordinates. The side on which a ray passes the edge is the sign
+/// of a volume, known exactly. The shear of the triangle test moves corners by γ(9) of their
+/// distance from the ray's origin. So volumes this small, relative to the largest one, are in
+/// doubt. All others must be decided correctly. A ray through the edge hits one of the triangles at
+/// t = 1, with this error over the cosine.
 #[test]
 fn edge_rays_hit_triangle_on_their_side() {
     let mut rng = SmallRng::seed_from_u64(1);
     let (mut through, mut beside, mut doubtful) = (0, 0, 0);
     for i in 0..400_000 {
         let [a, c, b, d, o] = std::array::from_fn(|_| grid(&mut rng, 1000));
-        // An integer number of steps along the edge.
+        // The edge is an integer number of equal steps long.
         let edge = (c - a) / 8;
         let c = a + edge * 8;
         let on = a + edge * rng.random_range(1..8);
         let target = if i % 2 == 0 { on } else { on + grid(&mut rng, 2) };
         let (sides, spread) = ([b, d].map(|p| volume(o, a, c, p)), (c - a).length_squared());
-        // Seen from the origin, the triangles must lie on different sides of the edge.
+        // Only cases count in which the triangles lie on different sides of the edge, seen from the
+        // ray's origin.
         if sides[0].signum() * sides[1].signum() >= 0 || spread == 0 || target == o {
             continue;
         }
@@ -63,8 +66,8 @@ fn edge_rays_hit_triangle_on_their_side() {
             through += 1;
             continue;
         }
-        // The volume over its base's area is a height. The base of two edges from the origin is
-        // twice a triangle.
+        // A volume over the area of its base is a height. The base of the two edges from the origin
+        // is twice a triangle.
         let base = (a - o).as_dvec3().cross((c - o).as_dvec3()).length();
         if (side.unsigned_abs() as f64) <= blur * base {
             doubtful += 1;
@@ -72,19 +75,21 @@ fn edge_rays_hit_triangle_on_their_side() {
         }
         beside += 1;
         let expected = if side.signum() == sides[0].signum() { 0 } else { 1 };
-        // Beyond the other edges of its triangle a ray may miss, but it must not hit the other
+        // A ray may pass beyond the other edges of its triangle and miss. It must not hit the other
         // triangle.
         assert!(hit.is_none_or(|h| h.primitive == PrimitiveIndex::Triangle(expected)), "{a} {c} {b} {d} {o} {target}");
     }
     assert!(through > 50_000 && beside > 50_000 && doubtful < 20_000, "{through} {beside} {doubtful}");
 }
 
-/// Powers of two, which round nothing.
+/// Scale factors that are powers of two, so that scaling rounds nothing.
 const SCALES: [f32; 3] = [1.0 / 1_048_576.0, 1.0, 1_048_576.0];
 
-/// Triangles with collinear corners, or two or three equal corners, exactly in f32, are never hit.
-/// Shearing rounds the corners off their line, but there is no area and no normal. Coordinates are
-/// multiples of 1/64 up to 3, so sums are exact.
+/// Triangles without area are never hit.
+///
+/// Their corners are collinear, or two or three corners are equal, exactly in f32. The shear of the
+/// triangle test rounds the corners off their line, but there is no area and no normal. Coordinates
+/// are multiples of 1/64 up to 3, so sums are exact.
 #[test]
 fn zero_area_triangles_are_never_hit() {
     let mut rng = SmallRng::seed_from_u64(2);
@@ -120,22 +125,23 @@ fn distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     if inside { (p - a).dot(n).abs() } else { along(a, b).min(along(b, c)).min(along(c, a)) }
 }
 
-/// Rays along an axis, or perpendicular to an axis, hit triangles correctly: through the inside,
-/// beside it, at edges and in the triangle's plane. Coordinates are integers up to 8, and ray
-/// origins often lie in the triangle's plane.
+/// Rays along an axis, or perpendicular to an axis, hit triangles correctly.
 ///
-/// Edge functions are volumes over the squared largest component of the direction, at least 1/64.
-/// Shearing moves corners by γ(9) of 28. So these functions are off by less than 28²·γ(9)·4 < .002,
-/// and only an exact edge is in doubt. `t` is off by that over the slope. In the plane of a
-/// triangle a ray may hit or miss, but only where the triangle is.
+/// They go through the inside, beside it, at edges and in the triangle's plane. Coordinates are
+/// integers up to 8, and ray origins often lie in the triangle's plane.
+///
+/// Edge functions are volumes over the squared largest component of the direction. They are 0 or at
+/// least 1/64. The shear moves corners by γ(9) of 28. So the error of an edge function is less than
+/// 28²·γ(9)·4 < .002, and only an exact edge is in doubt. The error of `t` is that over the slope.
+/// In the plane of a triangle a ray may hit or miss, but only where the triangle is.
 #[test]
 fn axis_aligned_and_coplanar_rays_hit_correctly() {
     let mut rng = SmallRng::seed_from_u64(4);
     let mut counts = [0; 5];
     for i in 0..400_000usize {
         let [a, b, c, o] = std::array::from_fn(|_| grid(&mut rng, 8));
-        // Every other triangle is one of nine cells, and origins lie at their corners: inside, at
-        // edges, and beside it in its plane.
+        // Every second triangle has corners on a lattice, and ray origins are points of this
+        // lattice: inside the triangle, at its edges, and beside it in its plane.
         let (e, f) = (grid(&mut rng, 2), grid(&mut rng, 2));
         let (b, c, o) = match i % 2 {
             0 => (b, c, o),
@@ -192,9 +198,10 @@ fn axis_aligned_and_coplanar_rays_hit_correctly() {
     assert!(counts.iter().all(|n| *n > 1_000), "{counts:?}");
 }
 
-/// A ray at the common edge of a fan of triangles, one of them twice, hits a triangle from any
-/// sector. Half of the rays lie in a plane through the edge. There all products of the edge
-/// function are 0, so only the rule for edges decides.
+/// A ray at the common edge of a fan of triangles hits a triangle, from any direction.
+///
+/// One triangle occurs twice. Half of the rays lie in a plane through the edge. All products of
+/// their edge function are 0, so only the rule for edges decides.
 #[test]
 fn edges_of_many_triangles_are_watertight() {
     let mut rng = SmallRng::seed_from_u64(3);
@@ -223,9 +230,9 @@ fn edges_of_many_triangles_are_watertight() {
             let from = (low + high) * 0.5 + around(sector, length);
             let target = low + (high - low) * rng.random_range(0.1f32..0.9);
             let hit = tree.closest_hit(&Ray::new(from, target - from), never_hit);
-            // The hit is at the edge itself or on a blade beside it. Blades are at least .2/7 of a
-            // turn apart, where sin > .17. So the rounding of positions, a few ulps of their size,
-            // is at most six times as long on them.
+            // The hit is at the edge itself or on a triangle beside it. Adjacent triangles are at
+            // least .2/7 of a turn apart, where sin > .17. So the rounding of positions, a few ulps
+            // of their size, is at most six times as long on them.
             let blur = 100.0 * f32::EPSILON * (from.length() + scale) / length;
             assert!(hit.is_some_and(|h| (h.t - 1.0).abs() <= blur), "{hit:?} {blur}");
         }

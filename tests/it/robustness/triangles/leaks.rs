@@ -1,4 +1,4 @@
-//! A hundred million rays at edges and corners of closed meshes.
+//! A hundred million rays at edges and corners of closed meshes hit the meshes.
 
 use super::closed::{ClosedMesh, cube, growing_cone, sphere_mesh, torus_mesh, turned_cube};
 use caustica::accel::Hierarchy;
@@ -11,9 +11,9 @@ use rayon::prelude::*;
 /// Smallest number of rays that the test traces.
 const RAYS: u64 = 100_000_000;
 
-/// Returns the number of rays that miss the mesh, of `rays` rays that all should hit.
+/// Returns how many of `rays` rays miss the mesh, although all should hit.
 ///
-/// Targets are corners, middles of edges and points on edges in f32; rounding moves each beside its
+/// Targets are corners, middles of edges and points on edges in f32. Rounding moves each beside its
 /// edge. From inside, every ray must hit. From outside of a `convex` mesh, every segment to a point
 /// inside must hit.
 fn count_missed_rays(mesh: &ClosedMesh, convex: bool, map: impl Fn(Vec3) -> Vec3, rays: u64, seed: u64) -> u64 {
@@ -34,7 +34,8 @@ fn count_missed_rays(mesh: &ClosedMesh, convex: bool, map: impl Fn(Vec3) -> Vec3
         };
         let out = target - inside;
         let hit = match i % 8 {
-            // Closest-hit and any-hit queries traverse the tree differently.
+            // Both queries are tested, because closest-hit and any-hit traverse the tree
+            // differently.
             0 => tree.closest_hit(&Ray::new(inside, out), |_, _| None).is_some(),
             5 | 6 if convex => tree.occluded(&Ray::between_points(target + out * 0.25, inside), |_, _| false),
             _ => tree.occluded(&Ray::new(inside, out), |_, _| false),
@@ -44,8 +45,10 @@ fn count_missed_rays(mesh: &ClosedMesh, convex: bool, map: impl Fn(Vec3) -> Vec3
     missed
 }
 
-/// No ray passes an edge of triangles with sizes from 10⁻⁶ to 10⁶, far from the origin and mixed in
-/// one mesh, and of slivers with aspect ratio 10⁵.
+/// No ray passes between triangles, for meshes of all sizes and places.
+///
+/// Triangles have sizes from 10⁻⁶ to 10⁶, are far from the origin, and are mixed in one mesh. Some
+/// are slivers with aspect ratio 10⁵.
 #[test]
 #[ignore = "long: a hundred million rays"]
 fn hundred_million_rays_pass_no_edge() {
@@ -68,8 +71,8 @@ fn hundred_million_rays_pass_no_edge() {
     cases.extend(slivers.iter().flat_map(|place| [(&box_, true, *place), (&ball, true, *place)]));
     cases.push((&fine, true, places[0]));
     let cone = growing_cone();
-    // From afar the rounding of a direction is wider than the cone's tip. Only rays from inside
-    // must hit.
+    // The cone has no rays from outside: from afar, the rounding of a direction is wider than its
+    // tip.
     cases.push((&cone, false, places[0]));
     const CHUNKS: u64 = 4;
     let each = RAYS.div_ceil(cases.len() as u64 * CHUNKS);

@@ -1,4 +1,4 @@
-//! Rays that start where others end: on a surface, at an edge, in a corner.
+//! Rays that start where others end: on a surface, at an edge, or in a corner.
 
 use super::closed::{ClosedMesh, cube, point, sphere_mesh, torus_mesh, turned_cube};
 use caustica::accel::{Hierarchy, PrimitiveIndex};
@@ -27,7 +27,7 @@ impl Walls {
         Some((i, self.mesh.surface_point(i as usize, Vec2::new(hit.u, hit.v))))
     }
 
-    /// Returns a point on an edge or at a corner.
+    /// Returns a random point on an edge or at a corner of the mesh.
     fn target(&self, rng: &mut SmallRng) -> Vec3 {
         let [a, b, _] = self.mesh.corners(rng.random_range(0..self.mesh.triangles.len()));
         match rng.random_range(0..4) {
@@ -51,8 +51,10 @@ fn walled_scene() -> [ClosedMesh; 4] {
     [cube(), turned_cube(), sphere_mesh(3), torus_mesh(40, 20)]
 }
 
-/// A ray that leaves a triangle never hits it again. A ray that leaves into a closed mesh hits the
-/// mesh, although it starts within rounding of a right-angled edge or of a corner.
+/// A ray that leaves a triangle never hits it again.
+///
+/// A ray that leaves into a closed mesh hits the mesh, although it starts within rounding of a
+/// right-angled edge or of a corner.
 #[test]
 fn rays_leaving_edge_inwards_do_not_escape() {
     let run = |(closed, map): (ClosedMesh, fn(Vec3) -> Vec3)| {
@@ -82,8 +84,8 @@ fn rays_leaving_edge_inwards_do_not_escape() {
 /// Along a ray through the edges of a body, entries and exits alternate, and the last one is an
 /// exit.
 ///
-/// Bodies are convex. At a silhouette edge a face is entered and its neighbour left at the same
-/// `t`, and the lower index wins.
+/// Bodies are convex. At a silhouette edge, the ray enters one face and leaves its neighbour at the
+/// same `t`. The lower index wins.
 #[test]
 fn entries_and_exits_of_bodies_balance() {
     let run = |(closed, map): (ClosedMesh, fn(Vec3) -> Vec3)| {
@@ -140,8 +142,8 @@ fn rectangle_rooms_trap_rays_from_their_edges() {
             let (a, b) = (corner(i), corner(i ^ 1 << rng.random_range(0..3)));
             let target = map.transform_point(a + (b - a) * rng.random::<f64>()).as_vec3();
             let from = map.transform_point((low + high) * 0.5 + point(&mut rng).as_dvec3() * 0.5).as_vec3();
-            // A ray at an edge may pass between two rectangles that touch only by rounding: their
-            // edges are not shared.
+            // A ray at an edge may pass between two rectangles. They touch only up to rounding, as
+            // their edges are not shared.
             let Some(s) = near(&Ray::new(from, (target - from).normalize())) else { continue };
             let d = point(&mut rng);
             let d = if d.dot(s.ng) < 0.0 { -d } else { d };
