@@ -45,7 +45,7 @@ fn documentation_pages() -> Vec<(PathBuf, String)> {
     paths.iter().map(|path| page(path)).collect()
 }
 
-/// Returns the contents of the fenced blocks of a language.
+/// Returns the contents of the fenced blocks of `page` that are marked with `language`.
 fn fenced_blocks(page: &str, language: &str) -> Vec<String> {
     let mut blocks = Vec::new();
     let mut open: Option<(bool, String)> = None;

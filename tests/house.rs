@@ -166,7 +166,7 @@ fn expand_use_tree(tree: &str) -> Vec<Vec<String>> {
     tails.map(|tail| head.iter().cloned().chain(tail).filter(|part| part != "self").collect()).collect()
 }
 
-/// Returns the length of the path or `use` tree at the head of `text`.
+/// Returns the length in bytes of the path or `use` tree at the start of `text`.
 fn use_tree_length(text: &str) -> usize {
     let mut depth = 0;
     for (i, c) in text.char_indices() {
@@ -341,7 +341,7 @@ fn inherent_impl_type(line: &str) -> Option<String> {
     Some(path.rsplit("::").next()?.to_owned())
 }
 
-/// Returns the name of the type that a line defines.
+/// Returns the name of the type that a line defines; `None` for other lines.
 fn defined_type(line: &str) -> Option<&str> {
     let line = line.strip_prefix("pub").map_or(line, |rest| rest.split_once(' ').map_or("", |(_, rest)| rest));
     let rest = ["struct ", "enum ", "union "].iter().find_map(|keyword| line.strip_prefix(keyword))?;
@@ -407,7 +407,7 @@ fn identifiers_avoid_retired_words() {
     assert_at_most(RETIRED_LEFT, "identifiers avoid the retired words", &offences);
 }
 
-/// Returns the text of a doc comment line.
+/// Returns the text of a doc comment line; `None` for other lines.
 fn doc_comment_text(line: &str) -> Option<&str> {
     let line = line.trim_start();
     line.strip_prefix("///").or_else(|| line.strip_prefix("//!"))

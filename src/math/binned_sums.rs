@@ -41,13 +41,13 @@ const LEVEL_BITS: u16 = 5;
 
 /// Sums of N channels, for each pixel of a picture. They do not depend on the order of the values.
 ///
-/// A sum holds two integers: the sums of all values, rounded to multiples of an upper quantum, and
-/// of the remainders, rounded to multiples of a lower quantum. The lower quantum is 2⁻³¹ times the
-/// upper one. The largest absolute value of a pixel selects the quanta. It lies between 2⁻¹ and 2³⁰
-/// upper quanta, so the error of a value is at most 2⁻³¹ of the pixel's largest value. When a
-/// larger value arrives, the upper integers become the lower ones, and the lower ones are dropped.
-/// So the state is a function of the set of values. Method: Ahrens, Demmel and Nguyen 2020, with
-/// integers as bins.
+/// Each sum is two integers. The upper integer is the sum of all values, rounded to multiples of an
+/// upper quantum. The lower integer is the sum of the remainders, rounded to multiples of a lower
+/// quantum. The lower quantum is 2⁻³¹ times the upper one. The largest absolute value of a pixel
+/// selects the quanta. It lies between 2⁻¹ and 2³⁰ upper quanta, so the error of a value is at most
+/// 2⁻³¹ of the pixel's largest value. When a larger value arrives, the upper integers become the
+/// lower ones, and the lower ones are dropped. So the state is a function of the set of values.
+/// Method: Ahrens, Demmel and Nguyen 2020, with integers as bins.
 ///
 /// A pixel holds at most 2³² − 1 values. Values of 2²⁶³ and more count as infinite.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

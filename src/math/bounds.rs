@@ -63,7 +63,7 @@ impl Bounds {
         Self { min: self.min - Vec3::splat(margin), max: self.max + Vec3::splat(margin) }
     }
 
-    /// The eight corners.
+    /// The eight corners of the box.
     #[must_use]
     pub fn corners(&self) -> [Vec3; 8] {
         std::array::from_fn(|i| {

@@ -30,7 +30,10 @@ struct TentativeCollision {
     /// Distance along the ray \[length].
     t: f64,
     /// Density of the medium divided by the mean number of tentative collisions per length
-    /// \[length]. Its product with a coefficient, such as σs, is the probability of that event.
+    /// \[length].
+    ///
+    /// Its product with σs is the probability that the collision scatters. The same holds for other
+    /// coefficients and events.
     density_over_rate: f64,
 }
 

@@ -217,7 +217,8 @@ impl Key {
 
     /// Key of the random numbers that sample distances in media, in pass `pass`.
     ///
-    /// This key is that of a path vertex; the distances are along the path segment to this vertex.
+    /// It derives from the key of a path vertex. The distances are along the path segment to this
+    /// vertex.
     #[inline]
     #[must_use]
     pub fn medium_tracking_key(self, pass: u32) -> Self {

@@ -84,8 +84,8 @@ impl AnalyticShape for Ellipsoid {
     }
 
     fn bounds_f64(&self) -> (DVec3, DVec3) {
-        // The half extent of the ellipsoid along a world axis is the length of that row of the
-        // linear map.
+        // The half extent of the ellipsoid along a world axis is the length of the linear map's row
+        // for this axis.
         let rows = self.to_world.forward().matrix3.transpose();
         let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
         let center = self.to_world.forward().translation;

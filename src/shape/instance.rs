@@ -27,7 +27,8 @@ impl std::fmt::Debug for MeshWithBvh {
 }
 
 impl MeshWithBvh {
-    /// Builds the hierarchy of `mesh`. Hits are most accurate if the mesh is near its own origin.
+    /// Builds the hierarchy of `mesh`. Hits are most accurate if the mesh is near the object-space
+    /// origin.
     #[must_use]
     pub fn new(mesh: Mesh) -> Self {
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();

@@ -1,6 +1,6 @@
 //! Shapes in world space, and their intersection with rays.
 //!
-//! Intersections other than those of triangles are computed in f64. Every kind of bounded shape
+//! Intersections are computed in f64, except those of triangles. Every kind of bounded shape
 //! implements `AnalyticShape` and is a variant of [`Shape`].
 
 mod analytic;

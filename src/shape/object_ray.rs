@@ -6,7 +6,8 @@ use glam::DVec3;
 
 /// Origin and direction of the ray in object space.
 ///
-/// The direction is not normalised, so ray parameters t are the same in both spaces.
+/// The direction is not normalised, so the ray parameter t of a point is the same in world space
+/// and in object space.
 #[inline]
 pub(super) fn object_ray(ray: &Ray, to_world: &Transform) -> (DVec3, DVec3) {
     let (o, d) = ray_to_f64(ray);

@@ -201,7 +201,7 @@ impl RectangleView {
         let difference = sin(half(b1 - b0 + angle)) * sin(half(b1 - b0 - angle));
         let sum = cos(half(b1 + b0 + angle)) * cos(half(b1 + b0 - angle));
         let x = 0.5 * z * sin(angle) / (difference * sum).max(0.0).sqrt();
-        // Rounding may leave 0/0 at the far end of a grazing view.
+        // At the far end of a grazing view, rounding may turn x into 0/0.
         let x = if x.is_nan() { x1 } else { x.clamp(x0, x1) };
         // For a given x, the solid angle grows in proportion to the sine of the elevation over the
         // (x, z) plane.

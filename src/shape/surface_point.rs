@@ -43,12 +43,12 @@ pub struct ShapeSample {
     pub uv: Vec2,
 }
 
-/// A point of a shape, sampled by solid angle as seen from another point.
+/// A point of a shape, sampled by solid angle as seen from a viewpoint.
 #[derive(Clone, Copy, Debug)]
 pub struct SolidAngleSample {
     /// The sampled point, with its normals.
     pub point: SurfacePoint,
-    /// Unit direction from the other point to the sampled point.
+    /// Unit direction from the viewpoint to the sampled point.
     pub wi: Vec3,
     /// Pdf per solid angle \[1/sr].
     pub pdf: f32,
@@ -73,8 +73,8 @@ pub const TRIANGLE_HIT_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Bound on the error of the surface point `p` along each axis \[length].
 ///
-/// It covers the rounding to f32, and adds 32 ulps of f64 for the intersection test of the next
-/// ray. The ulps are those at `scale`, which bounds the coordinates of the shape.
+/// It covers the rounding to f32. It also covers 32 f64 ulps of `scale`, for the intersection test
+/// of the next ray. `scale` bounds the coordinates of the shape.
 #[inline]
 pub(super) fn position_error_bound(p: Vec3, scale: f64) -> Vec3 {
     p.abs() * f32::EPSILON + Vec3::splat((scale * (32.0 * f64::EPSILON)) as f32)

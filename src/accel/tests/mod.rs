@@ -123,7 +123,8 @@ fn triangle_soups_agree_with_brute_force() {
     }
 }
 
-/// Few leaves near a small box give the same hits, bit for bit, as the whole hierarchy.
+/// For rays in a small box, a list of the leaves near the box gives the hits of the whole
+/// hierarchy, bit for bit.
 #[test]
 fn leaves_near_a_box_hold_all_its_hits() {
     let mut rng = SmallRng::seed_from_u64(5);

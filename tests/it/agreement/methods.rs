@@ -1,4 +1,4 @@
-//! Integrators with their settings, behind one enum.
+//! Integrators with various settings, as variants of one enum.
 
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;

@@ -1,4 +1,4 @@
-//! Gallery scenes, rendered by every integrator that can.
+//! Gallery scenes, rendered by every integrator that can simulate them.
 
 use super::compare::{Grid, Renders, compare_renders};
 use super::methods::{Effort, Method};

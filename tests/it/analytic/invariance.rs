@@ -97,7 +97,9 @@ fn thread_count_changes_no_bit() {
     }
 }
 
-/// Scaling by a power of two changes exponents only, so no rounding differs.
+/// Scaling a scene by a power of two changes no bit of the image.
+///
+/// It changes exponents only, so no rounding differs.
 #[test]
 fn scaling_by_powers_of_two_changes_no_bit() {
     let here = mean_image(&room_scene(HERE), 0);

@@ -1,4 +1,4 @@
-//! Depth of field and motion blur.
+//! Depth of field and motion blur, against closed forms.
 
 use crate::support::{assert_mean, camera_ray_settings, mean_and_error, scene_from_text_in};
 use caustica::integrate::{Algorithm, SilentMonitor};

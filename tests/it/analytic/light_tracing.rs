@@ -15,7 +15,7 @@ pub(super) const POWER: f64 = 5.0;
 pub(super) const REFLECTANCE: f64 = 0.02;
 /// Distance of the light above the ball's center.
 const HEIGHT: f64 = 20.0;
-/// Depth of the screen below the ball's center. The paraxial focus lies 1.5 to 1.6 below.
+/// Depth of the screen below the ball's center. The paraxial focus is 1.5 to 1.6 below it.
 pub(super) const DEPTH: f64 = 1.5;
 /// Largest distance from the axis at which the beam hits the ball.
 const BEAM: f64 = 0.6;

@@ -335,7 +335,7 @@ fn photon_beam_estimate_matches_formula() {
             VolumeEstimator::BeamRadiance => whole(sigma) * mean_over_disc(|y| libm::exp(sigma * radius * y)),
             VolumeEstimator::Points => expected_point_estimate(sigma, wide, radius),
         };
-        // `Pm` uses the same photons as the first pass of `Sppm`.
+        // `Pm` is left out, because it uses the same photons as the first pass of `Sppm`.
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
             let base = settings_with(64, single_scattering_effects());
             let settings = Settings { radius: Some(radius as f32), volume, caustic_photons: 60_000, ..base };
@@ -359,7 +359,10 @@ fn photon_beam_estimate_matches_formula() {
     }
 }
 
-/// Builds a ball in uniform light, with a camera that sees only the ball.
+/// Builds a ball of radius 1 in uniform light of radiance 1.
+///
+/// `media` and `ball` are scene texts of its medium and material. `eye` is the position of a camera
+/// that sees only the ball.
 fn furnace(media: &str, ball: &str, eye: &str) -> Scene {
     scene(&format!(
         "PerspectiveCamera {{ center {eye}  direction 0 0 -1  angle 16  width 8  height 8 }}
@@ -445,7 +448,8 @@ fn milky_ball_keeps_its_rim_in_a_furnace() {
     for volume in ESTIMATES {
         let settings = Settings { radius: Some(0.2), volume, ..settings.clone() };
         let samples = mean_radiance_of_passes(&scene, Algorithm::Sppm, settings, PASSES);
-        // The density of photons falls towards the rim, so half a kernel is too bright there.
+        // The tolerance of .015 is needed because the density of photons falls towards the rim. The
+        // corrected half of a kernel is too bright there.
         assert_mean_each(&format!("rim by {volume:?}"), &samples, DVec3::ONE, DVec3::splat(0.015), 0.015);
     }
 }

@@ -18,9 +18,11 @@ fn sphere_scene(radius: f64, albedo: f64, light: DVec3) -> SceneBuilder {
     b
 }
 
-/// Returns the normal deviate of a chi-square statistic by Wilson and Hilferty.
+/// Tests if `counts` are uniform: returns the chi-square statistic as a deviation of the standard
+/// normal distribution.
 ///
-/// (χ²/ν)^⅓ is normal with mean 1 − 2/(9ν) and variance 2/(9ν).
+/// By Wilson and Hilferty, (χ²/ν)^⅓ is normal with mean 1 − 2/(9ν) and variance 2/(9ν), for ν
+/// degrees of freedom.
 fn chi_square(counts: &[u32]) -> f64 {
     let mean = counts.iter().map(|c| f64::from(*c)).sum::<f64>() / counts.len() as f64;
     let chi2: f64 = counts.iter().map(|c| (f64::from(*c) - mean) * (f64::from(*c) - mean) / mean).sum();

@@ -62,7 +62,7 @@ fn gltf_scenes_are_read_by_every_command() {
     sandbox.run(&["check", "cell.dat"]).expect(1, &[]);
     sandbox.run(&["check", "cell.dat", "--format", "gltf"]).expect(0, &[]);
     sandbox.run(&["check", "cell.gltf", "--format", "usd"]).expect(2, &["write one of txt, caustica, gltf, glb"]);
-    // One warning for each kind; --strict makes it an error.
+    // Each kind of loss gives one warning, which --strict makes an error.
     sandbox.put(
         "sheen.gltf",
         text.replacen("\"doubleSided\": true,", "\"alphaMode\": \"OPAQUE\",", 1).replacen(

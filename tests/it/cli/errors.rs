@@ -93,7 +93,7 @@ fn error_maps_are_layers_of_one_file() {
         let channel = layer.channel_data.list.iter().find(|c| c.name.to_string() == name).unwrap();
         channel.sample_data.values_as_f32().collect()
     };
-    // A few pixels show only the light, so they have neither noise nor estimates.
+    // Pixels that show only the light have neither noise nor estimates. They are few.
     let lit = |name: &str| values(name).iter().filter(|v| **v > 0.0).count();
     assert!(values("noise.G").iter().all(|v| *v >= 0.0 && v.is_finite()) && lit("noise.G") > 1100);
     assert!(lit("radius.global") > 1100 && lit("radius.caustic") > 0 && lit("photons.caustic") > 0);

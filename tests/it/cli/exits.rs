@@ -99,8 +99,10 @@ fn bad_arguments_exit_2() {
     assert_eq!(sandbox.names(), ["box.txt"]);
 }
 
-/// 4000 million paths in a closed box would store some ten thousand million photons, more than the
-/// program can index on any machine.
+/// A render that is too large for any machine ends at once, with exit code 2.
+///
+/// 4000 million paths in a closed box would store about ten thousand million photons, which is more
+/// than the program can index.
 #[test]
 fn excessive_memory_exits_2_at_once() {
     let sandbox = CliSandbox::new();
@@ -114,7 +116,9 @@ fn excessive_memory_exits_2_at_once() {
     assert_eq!(sandbox.names(), ["box.txt"]);
 }
 
-/// The render would take minutes. A refusal within the time limit of a run comes before it.
+/// An output that cannot be written ends the program with exit code 3 before the render.
+///
+/// The render would take minutes, longer than the time limit of a run.
 #[test]
 fn unwritable_output_exits_3_before_rendering() {
     let sandbox = CliSandbox::new();

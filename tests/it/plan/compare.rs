@@ -1,4 +1,4 @@
-//! Renders one scene with different effects and compares bits.
+//! Renders of one scene with different effects, compared bit by bit.
 
 use crate::support::scene_from_text_in;
 use caustica::color::Rgb;

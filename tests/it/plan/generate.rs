@@ -23,7 +23,7 @@ impl Random {
         b ^ (b >> 31)
     }
 
-    /// Returns a number below `n`.
+    /// Returns a uniform random number from 0 to `n` − 1.
     pub fn below(&mut self, n: usize) -> usize {
         (self.next() % n as u64) as usize
     }
@@ -404,7 +404,8 @@ fn add_object(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
 }
 
 fn add_light(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
-    // Objects are within about 4 of the origin. These lights point away from them, or past them.
+    // Objects are within about 4 of the origin. Lights that shine along `out` shine away from the
+    // objects or past them.
     let out = r.direction().normalize();
     let place = if r.chance(0.3) { r.place(2.0) } else { out * r.between(3.0, 8.0) };
     let angle = r.pick(&[8.0, 30.0, 90.0, 179.0, 250.0]);

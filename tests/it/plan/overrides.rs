@@ -36,7 +36,7 @@ fn everything() -> Scene {
     ))
 }
 
-/// Two diffuse objects under a point light.
+/// Scene of two diffuse objects under a point light.
 fn matt() -> Scene {
     scene(&format!(
         "{CAMERA}
@@ -46,7 +46,7 @@ fn matt() -> Scene {
     ))
 }
 
-/// A mirror above black velvet.
+/// Scene of a mirror above a black surface.
 fn dark() -> Scene {
     scene(&format!(
         "{CAMERA}
@@ -57,7 +57,7 @@ fn dark() -> Scene {
     ))
 }
 
-/// One disc under a point light.
+/// Scene of one disc under a point light.
 fn disc() -> Scene {
     scene(&format!(
         "{CAMERA}

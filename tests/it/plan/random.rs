@@ -1,4 +1,4 @@
-//! Random scenes: the plan changes no bit, and its statements are true.
+//! Plans of random scenes: they change no bit of the pictures, and their statements are true.
 
 use super::compare::{RenderSettings, difference, scene};
 use super::generate::{Random, more, sketch};

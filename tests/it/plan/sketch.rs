@@ -49,18 +49,18 @@ pub enum LightKind {
     Environment,
 }
 
-/// The medium inside a body.
+/// Kind of medium, inside a body or around all bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MediumSketch {
-    /// Scatters.
+    /// A medium that scatters light.
     Fog,
-    /// Absorbs.
+    /// A medium that absorbs light.
     Soot,
-    /// Emits.
+    /// A medium that emits light.
     Flame,
-    /// Has no effect.
+    /// A medium that has no effect.
     Nothing,
-    /// Scatters, with varying density.
+    /// A medium that scatters light, with a density grid.
     Puff,
 }
 

@@ -45,7 +45,7 @@ fn add_face(b: &mut SceneBuilder, faces: Faces, y: f64, up: bool, material: u32)
     };
 }
 
-/// Way in which glass and liquid touch.
+/// Way in which a liquid touches its glass.
 #[derive(Clone, Copy, Debug)]
 enum Contact {
     /// The glass ends at ±½. The liquid ends at this distance inside of it.

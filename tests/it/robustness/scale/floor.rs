@@ -1,4 +1,4 @@
-//! A sphere of radius 10⁵ as a floor.
+//! A sphere of radius 10⁵ that serves as a floor.
 
 use super::paired::{ROUNDING, mean_difference, summary};
 use super::{PASSES, SIZE, low_cost_settings, pictures};

@@ -1,4 +1,4 @@
-//! Applies a similarity transform to a scene description.
+//! Similarity transforms of scene descriptions.
 //!
 //! Every field with a unit of length is named. Matches are exhaustive, so that a new field of the
 //! scene language cannot be forgotten.
