@@ -38,7 +38,7 @@ impl Lens {
             let (sin, cos) = libm::sincosf(TAU * i / blades);
             Vec2::new(sin, cos)
         };
-        // The remainder of u.x inside the chosen triangle is uniform again.
+        // Inside the triangle `blade`, the remainder of u.x is uniform again.
         let weights =
             warp::square_to_uniform_triangle(Vec2::new((u.x * blades - blade).min(1.0 - f32::EPSILON / 2.0), u.y));
         corner(blade) * weights.x + corner(blade + 1.0) * weights.y

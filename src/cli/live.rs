@@ -34,7 +34,7 @@ pub(super) fn print_page_address(server: &PageServer) {
     print_message(&format!("live page: {}", server.url()));
 }
 
-/// Live page of a render on the command line.
+/// Live page of `caustica render --listen`, with its server.
 pub(super) struct LiveOutput {
     page: Arc<LivePage>,
     server: PageServer,

@@ -44,7 +44,7 @@ pub(super) struct RenderReport {
     pub cpu_seconds: Option<f64>,
 }
 
-/// Limits of the render. `ended` names the one that it reached.
+/// Limits of the render. The field `ended` of [`RenderReport`] names the limit that it reached.
 #[derive(Debug, Serialize)]
 pub(super) struct LimitsReport {
     /// True if the command line sets no limit.

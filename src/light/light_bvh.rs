@@ -181,10 +181,11 @@ impl LightBvhSampler {
         probability as f32
     }
 
-    /// Probabilities of the children of the inner node `parent`; `None` if neither can illuminate
-    /// `p`.
+    /// Probabilities of the two children of the inner node `parent`, for the point `p`; `None` if
+    /// neither child can illuminate `p`.
     ///
-    /// The first child follows directly after `parent`. The second child has the index `second`.
+    /// In the list of nodes, the first child follows directly after `parent`. The second child has
+    /// the index `second`.
     #[inline]
     fn child_probabilities(&self, parent: usize, second: usize, p: Vec3, n: Option<Vec3>) -> Option<[f64; 2]> {
         let [a, b] = [parent + 1, second].map(|i| self.nodes[i].importance.importance_at(p, n));

@@ -56,7 +56,8 @@ impl Comparison {
         std::iter::once(&self.report).chain(&self.compared)
     }
 
-    /// Returns the table of each algorithm, and the table of times if there are several.
+    /// Returns a table of costs for each algorithm. If there are several, a last table compares
+    /// their times.
     pub(super) fn text(&self) -> String {
         let mut text: String = self.reports().map(CostEstimateReport::text_table).collect();
         if self.compared.is_empty() {

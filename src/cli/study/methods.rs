@@ -239,7 +239,7 @@ fn studied_scene(arguments: &StudyArguments) -> StudiedScene {
     );
     add("--truth-time", kind.truth_time.map(|time| format!("{}s", time.as_secs_f64())));
     add("--seed", Some(arguments.method.seed.to_string()));
-    // The first flag is `--integrator`, which a study of methods does not take.
+    // Skip the first flag with its value, `--integrator`: a study of methods does not take it.
     words.extend(method_flags(&arguments.method, "--simulate", arguments.simulate).into_iter().skip(2));
     StudiedScene { command: shell_quoted(&words), scene, size: arguments.scene.size }
 }

@@ -69,7 +69,8 @@ mod tests {
             squares: vec![square; 2],
             ..ConvergenceCheckpoint::default()
         };
-        // A quarter of the squared error after four times the time: half the error.
+        // In four times the time, the squared error falls to a quarter. The error falls to a half,
+        // so the exponent is −½.
         assert!((convergence_rate(&at(1.0, 0.04), &at(4.0, 0.01)).unwrap() + 0.5).abs() < 1e-12);
         assert_eq!(
             (convergence_rate(&at(1.0, 0.04), &at(1.0, 0.01)), convergence_rate(&at(1.0, 0.04), &at(4.0, -0.01))),

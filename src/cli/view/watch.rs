@@ -15,7 +15,7 @@ fn file_stamp(path: &Path) -> FileStamp {
     Some((data.modified().ok()?, data.len()))
 }
 
-/// Files of a scene, with their stamps before they were read.
+/// Files of a scene, each with the time of its last change and its length, before it was read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct WatchedFiles(Vec<(PathBuf, FileStamp)>);
 

@@ -143,7 +143,7 @@ fn accumulate_max_error(
         b.filter_image_row(&test.planes, row, filters);
         for (x, error) in errors.iter_mut().enumerate() {
             let color = color_error(hunt_adjusted_lab(a.filtered_color(x)), hunt_adjusted_lab(b.filtered_color(x)));
-            // Equations 13 and 14 of the paper.
+            // Combine colour and feature errors by equations 13 and 14 of Andersson et al. 2020.
             let feature =
                 (a.edge_strength(x) - b.edge_strength(x)).abs().max((a.point_strength(x) - b.point_strength(x)).abs());
             let feature = (feature * std::f64::consts::FRAC_1_SQRT_2).sqrt().min(1.0);

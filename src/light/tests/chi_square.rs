@@ -78,8 +78,10 @@ impl DirectionCells {
         (ring < RINGS as f64).then(|| ring as usize * SECTORS + (sector as usize).min(SECTORS - 1))
     }
 
-    /// Unit direction at the relative position `ring` from the axis to the rim of the cone, and at
-    /// the relative angle `sector` around the axis, both in \[0, 1].
+    /// Unit direction at the angle θ from the axis and the angle φ around it.
+    ///
+    /// `ring` in \[0, 1] is 1 − cos θ, relative to its value at the rim of the cone. `sector` in
+    /// \[0, 1] is φ, relative to a full turn.
     fn direction(&self, ring: f64, sector: f64) -> Vec3 {
         let drop = self.one_minus_cos * ring;
         let (sin, cos) = libm::sincos((sector - 0.5) * std::f64::consts::TAU);
@@ -144,8 +146,8 @@ fn chi_square_detects_a_wrong_pdf() {
     let uniform = 0.25 / std::f64::consts::PI;
     let (p, total) = cells.test_samples_against_pdf(&draw, &|_| uniform);
     assert!(p > sidak_significance_level(1) && (total - 1.0).abs() < 1e-9, "{p} {total}");
-    // A pdf that is 5 % larger above than below adds 300,000 · 0.025² = 190 to chi-square, whose
-    // standard deviation is √(2 · 384) = 28.
+    // The tested pdf is 5 % larger in the upper hemisphere than in the lower one. This adds 300,000
+    // · 0.025² = 190 to chi-square, whose standard deviation is √(2 · 384) = 28.
     let (p, _) = cells.test_samples_against_pdf(&draw, &|w| uniform * if w.y > 0.0 { 1.025 } else { 0.975 });
     assert!(p < sidak_significance_level(1), "{p}");
 }

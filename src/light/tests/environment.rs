@@ -102,7 +102,7 @@ fn one_column_map_power_matches_quadrature() {
             f64::from(environment.radiance(Vec3::new(sin as f32, cos as f32, 0.0)).x) * sin
         };
         let truth = 2.0 * PI * PI / f64::from(n) * (0..n).map(ring).sum::<f64>();
-        // The disc has area 1. Powers are rounded to f32 three times.
+        // The disc has area 1. The tolerance allows for three roundings of the power to f32.
         let disc = BoundingSphere { center: Vec3::ZERO, radius: (1.0 / PI).sqrt() as f32 };
         let power = f64::from(environment.power(disc).x);
         assert!((power / truth - 1.0).abs() < 1e-6, "{h}: {power} {truth}");

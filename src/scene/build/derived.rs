@@ -7,14 +7,14 @@ use crate::scene::Scene;
 use crate::scene::interiors::{InteriorStack, interior_stack_at};
 use glam::Vec3;
 
-/// Radius of the [photon domain](Scene::photon_domain) in a scene with unbounded planes, relative
-/// to the bounding sphere of all bounded shapes.
+/// Factor from the radius of the bounding sphere of all bounded shapes to that of the [photon
+/// domain](Scene::photon_domain), in a scene with unbounded planes.
 const OPEN_DOMAIN_FACTOR: f32 = 4.0;
 
 /// Factor from a distance d to the radius of the ball that the ambient medium fills.
 ///
-/// From the center of the photon domain, d is the greatest distance of a light, of the camera, and
-/// of the domain's edge. An unbounded medium would scatter most photons far away from the objects.
+/// The distance d is the greatest one from the center of the photon domain to a light, the camera
+/// or the domain's edge. An unbounded medium would scatter most photons far away from the objects.
 const AMBIENT_EXTENT_FACTOR: f32 = 2.0;
 
 /// Scene data that is computed from the placement of objects, lights and camera at one time.
@@ -28,8 +28,8 @@ pub(in crate::scene) struct DerivedSceneData {
     pub camera_interior: InteriorStack,
     /// The dielectric bodies that contain each light, by light index.
     pub light_interiors: Vec<InteriorStack>,
-    /// Distance \[length] below which a surface point touches each light: see
-    /// [`Scene::light_contact_distance`].
+    /// Distance \[length] below which a surface point counts as touching a light, by light index:
+    /// see [`Scene::light_contact_distance`].
     pub light_contact_distance: Vec<f32>,
 }
 

@@ -113,7 +113,7 @@ impl MeshData {
         points.reduce(|(a, b), (c, d)| (a.min(c), b.max(d)))
     }
 
-    /// The mesh in coordinates relative to `origin`.
+    /// Returns all mesh objects as one mesh, in coordinates relative to `origin`.
     pub fn recentered(self, origin: DVec3) -> Mesh {
         let Self { positions, mut normals, mut texcoords, triangles } = self;
         if !normals.is_empty() {

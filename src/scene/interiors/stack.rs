@@ -53,7 +53,7 @@ impl InteriorStack {
         &self.bodies[..usize::from(self.count)]
     }
 
-    /// Pushes a dielectric body that the path enters.
+    /// Pushes the dielectric body of `material`, which the path enters, onto the stack.
     #[inline]
     pub(in crate::scene) fn push_body(&mut self, material: u32) {
         if usize::from(self.count) == MAX_BODIES {
@@ -64,7 +64,7 @@ impl InteriorStack {
         self.count += 1;
     }
 
-    /// Removes a dielectric body that the path leaves, if it is on the stack.
+    /// Removes the dielectric body of `material`, which the path leaves, if it is on the stack.
     #[inline]
     pub(in crate::scene) fn remove_body(&mut self, material: u32) {
         let end = usize::from(self.count);

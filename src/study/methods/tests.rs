@@ -21,7 +21,7 @@ const CHANNELS: f64 = 3.0 * 64.0 * 64.0;
 
 /// Returns uniform noise of mean 0 and standard deviation `sigma`; `key` selects the random number.
 fn uniform_noise(sigma: f64, key: u64) -> f64 {
-    // Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators".
+    // SplitMix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators").
     let mut z = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

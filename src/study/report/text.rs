@@ -11,7 +11,7 @@ pub fn count_text(n: f64) -> String {
         _ => (1.0, ""),
     };
     let scaled = n / scale;
-    // Adding zero removes the sign of a zero.
+    // Adding zero turns −0 into 0.
     if scale > 1.0 && scaled.abs() < 9.95 {
         format!("{scaled:.1}{unit}")
     } else {
@@ -56,7 +56,7 @@ pub fn error_percent_text(part: f64) -> String {
 /// Text of a slope with two decimals and a typographic minus, such as `−0.50` or `0.00`.
 #[must_use]
 pub fn slope_text(slope: f64) -> String {
-    // Adding zero removes the sign of a zero.
+    // Adding zero turns −0 into 0.
     format!("{:.2}", (100.0 * slope).round() / 100.0 + 0.0).replace('-', "−")
 }
 

@@ -115,7 +115,8 @@ pub fn judge_convergence(
         return ConvergenceVerdict::Wide { slope };
     };
     let bias = law(ErrorComponent::Bias);
-    // Flattest of the falling slopes of noise and bias. A constant bias does not count.
+    // `falling` is the flattest slope that theory predicts for noise and for a bias that falls. A
+    // constant bias does not count.
     let falling = bias.filter(|b| b.flattest < 0.0).map_or(noise.flattest, |b| b.flattest.max(noise.flattest));
     if low > falling && last.bias2 >= BIAS_DOMINATED_SHARE * last.mean_squared_error() {
         return ConvergenceVerdict::Plateau { floor: last.bias2.sqrt(), cause: bias_cause(method) };
