@@ -40,7 +40,7 @@ pub trait SceneImporter: Sync {
     ) -> Result<ImportedScene, SceneReadError>;
 }
 
-/// Settings of reading a scene file.
+/// Settings for reading a scene file.
 #[derive(Clone, Debug, Default)]
 pub struct ImportOptions {
     /// Limit of the memory that the scene may take.

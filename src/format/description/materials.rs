@@ -8,7 +8,8 @@ use super::{EmissionDescription, NormalPerturbationDescription, Spanned, Texture
 /// A material as the scene file describes it: scattering, emission, normals and inner medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialDescription {
-    /// Name that objects and mixes refer to: not empty, without line breaks.
+    /// Name that objects and mixes refer to: not empty, without line breaks. `None` if they can
+    /// only refer to the material by its index.
     pub name: Option<String>,
     /// Model of reflection and transmission, with its parameters.
     pub kind: MaterialKindDescription,
@@ -184,7 +185,7 @@ impl MaterialKindDescription {
         }
     }
 
-    /// True for the boundary of a dielectric body.
+    /// True if the material is the boundary of a dielectric body.
     #[must_use]
     pub fn is_dielectric(&self) -> bool {
         match self {
@@ -200,7 +201,7 @@ impl MaterialKindDescription {
         }
     }
 
-    /// True for a null interface, which neither reflects nor refracts light.
+    /// True if the material is a null interface, which neither reflects nor refracts light.
     #[must_use]
     pub fn is_null_interface(&self) -> bool {
         match self {

@@ -112,7 +112,7 @@ impl Textures {
         Ok(TextureValues::Constant(limited(context.color(object, name, meaning, default)?, wanted)))
     }
 
-    /// Converts a texture object, with its values multiplied by `factor`.
+    /// Converts a texture object for the use `wanted`, with its values multiplied by `factor`.
     pub fn texture(
         &mut self,
         context: &ImportContext<'_>,
