@@ -31,7 +31,7 @@ use glam::Vec3;
 /// The throughput of the fainter branch must exceed it.
 const MIN_SPLIT_THROUGHPUT: f32 = 0.001;
 
-/// Throughput, as the mean of its channels, below which Russian roulette may end a path.
+/// Mean throughput of the RGB channels below which Russian roulette may end a path.
 const ROULETTE_THROUGHPUT: f32 = 0.125;
 
 /// Number of bounces without Russian roulette for a path that has met only casters, such as glass

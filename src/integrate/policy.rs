@@ -30,7 +30,7 @@ pub(super) struct PathPolicy {
     pub directions: DirectionSampling,
     /// True if camera paths also find caustics; false leaves caustics to photons.
     pub counts_caustics: bool,
-    /// Throughput, as the mean of its channels, below which a path ends; 0 uses Russian roulette
+    /// Mean throughput of the RGB channels below which a path ends; 0 uses Russian roulette
     /// instead.
     pub min_throughput: f32,
     /// Vertices at which camera paths read photon maps.

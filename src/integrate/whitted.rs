@@ -10,7 +10,8 @@ use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPoli
 use super::settings::{IndirectPhotons, LightTracing, Settings};
 use crate::plan::Effects;
 
-/// Throughput below which a branch ends: 1/256, one level of an 8-bit picture.
+/// Mean throughput of the RGB channels below which a branch ends: 1/256, one level of an 8-bit
+/// picture.
 const MIN_THROUGHPUT: f32 = 1.0 / 256.0;
 
 /// Returns the rules of camera paths for recursive ray tracing.

@@ -83,8 +83,8 @@ fn part_within(x: f32, dimensions: u32) -> f32 {
     }
 }
 
-/// Unit vectors to six corners of a regular icosahedron, from its center. The first is `first`. The
-/// other six corners lie opposite.
+/// Unit vectors from the center of a regular icosahedron to six of its corners. The first is
+/// `first`; the other six corners lie opposite.
 fn icosahedron(first: Vec3) -> [Vec3; 6] {
     // cos 72°, sin 72°, cos 144° and sin 144°.
     const TURNS: [(f32, f32); 5] = [

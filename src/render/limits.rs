@@ -1,4 +1,4 @@
-//! Limits of a render: those that its caller sets, and the defaults for a caller that sets none.
+//! Limits of a render: limits that its caller sets, and defaults for a caller that sets none.
 
 use super::driver::{ErrorTarget, StopCriteria};
 use super::error_estimate::Confidence;
