@@ -118,12 +118,12 @@ impl DielectricCoat {
 }
 
 impl CoatedDiffuse {
-    /// Creates the BSDF from the base's reflectance in \[0, 1], and the coat's relative index `eta`
-    /// in \[1, 4] and roughness `alpha` in \[0, 1].
+    /// Creates the BSDF from the base's reflectance in \[0, 1], the coat's relative index `eta` in
+    /// \[1, 4] and its roughness `alpha` in \[0, 1].
     ///
-    /// If `nonlinear` is false, F counts for a white base: 1 − ρF becomes 1 − F (compare Mitsuba's
-    /// `plastic`). Light between coat and base then does not make colours deeper, and the BSDF is
-    /// proportional to ρ.
+    /// If `nonlinear` is false, the factor 1 − ρF of [`CoatedDiffuse`] becomes 1 − F, as for a
+    /// white base (compare Mitsuba's `plastic`). Light between coat and base then does not make
+    /// colours deeper, and the BSDF is proportional to ρ.
     fn new(reflectance: Rgb, eta: f32, alpha: f32, nonlinear: bool) -> Self {
         let alpha = if alpha < SMOOTH_ALPHA || eta < MIN_ROUGH_COAT_INDEX { 0.0 } else { alpha };
         // Interfaces are reciprocal: the transmittance from inside is that from outside, divided by

@@ -165,8 +165,8 @@ impl AnalyticShape for Cuboid {
             rest -= self.face_areas[face / 2];
             face += 1;
         }
-        // Given the face, `rest` is uniform between 0 and the area of the face. It replaces a new
-        // random number.
+        // Given the face, `rest` is uniform between 0 and the area of the face. It is used in place
+        // of a new random number.
         let x = (rest / self.face_areas[face / 2]).min(1.0);
         let axis = face / 2;
         let mut p = DVec3::ZERO;

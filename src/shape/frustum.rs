@@ -241,7 +241,7 @@ impl AnalyticShape for Frustum {
         match FrustumPart::from_hit_coordinates(uv) {
             FrustumPart::Side => {
                 // The point keeps away from the rims and from an apex. `off` is the minimum
-                // distance along y from an end of the radius `rho`.
+                // distance along y from an end with the radius `rho`.
                 let off = |rho: f64| {
                     if rho < across { ((across - rho) / self.radius_decrease().abs()).max(along) } else { along }
                 };
@@ -314,8 +314,8 @@ impl AnalyticShape for Frustum {
         let turn = f64::from(u.y) * TAU;
         let (sin, cos) = sincos(turn);
         let radial = DVec2::new(cos, sin);
-        // Given the part, `x` is uniform between 0 and the part's area. It replaces a new random
-        // number.
+        // Given the part, `x` is uniform between 0 and the part's area. It is used in place of a
+        // new random number.
         let cap = |area: f64, x: f64, radius: f64, part| {
             self.surface_point_on_cap(radial * (radius * (x / area).clamp(0.0, 1.0).sqrt()), part)
         };

@@ -176,7 +176,7 @@ impl AnalyticShape for Instance {
             Some(choice) => {
                 let (i, _) = choice.sample(u.x);
                 // Given the triangle, the position of u.x in the triangle's interval is uniform. It
-                // replaces a new random number.
+                // is used in place of a new random number.
                 (i, warp::square_to_uniform_triangle(Vec2::new(choice.remapped_sample(u.x, i), u.y)))
             }
             None => (0, Vec2::ZERO),

@@ -184,8 +184,8 @@ impl MipLevel {
 ///
 /// The fine row has `n` pixels, and the coarser row has `m` pixels over the same length.
 fn covered_pixels(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {
-    // The unit is 1/m of a fine pixel. Coarse pixel j covers the interval \[j n, (j + 1) n], and
-    // fine pixel i covers \[i m, (i + 1) m].
+    // The unit is 1/m of a fine pixel. Coarse pixel j covers the interval [j n, (j + 1) n], and
+    // fine pixel i covers [i m, (i + 1) m].
     let (start, end) = (j * n, (j + 1) * n);
     (start / m..end.div_ceil(m)).map(|i| (i, (end.min((i + 1) * m) - start.max(i * m)) as f32 / n as f32)).collect()
 }

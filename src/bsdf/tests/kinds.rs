@@ -153,7 +153,7 @@ fn thin_sheets_sample_both_directions() {
                 back += s.weight / n as f32;
             }
         }
-        // Each weight is in \[0, 2], so its standard deviation is at most 1. The tolerance is five
+        // Each weight is in [0, 2], so its standard deviation is at most 1. The tolerance is five
         // standard errors.
         let tolerance = 5.0 / (n as f32).sqrt();
         assert!((back - r).abs().max_element() < tolerance, "{cos}: {back} {r}");

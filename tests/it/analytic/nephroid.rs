@@ -60,8 +60,9 @@ fn flux_along_cup_axis_matches_closed_form() {
         let inside = |p: DVec3| p.z > from && p.z <= to;
         let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, inside).x).collect();
         let expected = 2.0 * IRRADIANCE * REFLECTANCE * (part(to) - part(from));
-        // Half a facet, 8·10⁻⁴ of the beam's height, is divided correctly in the mean. The sagitta
-        // of a facet moves crossings by 10⁻⁶. Near 1/2, that changes at most √(4·10⁻⁶) of the beam.
+        // Half a facet, 8·10⁻⁴ of the beam's half width, is divided correctly in the mean. The
+        // sagitta of a facet moves crossings by 10⁻⁶. Near 1/2, that changes at most √(4·10⁻⁶) of
+        // the beam.
         let slack = if from == 0.5 { 4e-3 * 0.5 } else { 1e-4 } * expected;
         assert_mean(&format!("axis from {from} to {to}"), &samples, expected, slack, 0.012);
     }

@@ -112,7 +112,8 @@ fn obj_output_brings_its_materials() {
     std::fs::create_dir(sandbox.path("far")).unwrap();
     run(&sandbox, "mesh worn.obj -o far/out.obj --quiet").expect(0, &[]);
     assert!(text("far/out.obj").contains("mtllib out.mtl\n") && text("far/out.mtl").contains("newmtl glass\nNi 1.5\n"));
-    // The path of the image is relative to the new folder, so it is longer.
+    // The material file is now in another folder than the image, so the path of the image is
+    // absolute.
     assert!(text("far/out.mtl").lines().any(|line| line.starts_with("map_Kd /") && line.ends_with("red.png")));
     let bare = text("far/out.mtl").lines().filter(|line| !line.contains(".png")).collect::<Vec<_>>().join("\n");
     sandbox.put("far/out.mtl", bare);

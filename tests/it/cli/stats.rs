@@ -114,7 +114,7 @@ fn the_energy_audit_adds_up() {
                 let flux = |name: &str| audit[name][channel].as_f64().unwrap();
                 let gone = flux("absorbed") + flux("escaped") + flux("stopped") + flux("roulette");
                 assert!((flux("emitted") - gone).abs() < 1e-6 * flux("emitted"), "{more} {map} {channel}: {audit}");
-                // The box is closed.
+                // The box is closed, so no flux escapes.
                 assert!(flux("escaped").abs() < 1e-6 * flux("emitted"), "{more} {map}: {audit}");
             }
         }

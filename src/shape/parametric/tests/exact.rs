@@ -127,7 +127,7 @@ fn revolved_lines_match_quadric_intersections() {
         for i in 0..20_000 {
             let ray = random_ray_near_shape(&shape, i);
             let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-            // The profile is the line (ρ, y) = (ra, ya) + s·(rb − ra, yb − ya) with s in \[0, 1]. s
+            // The profile is the line (ρ, y) = (ra, ya) + s·(rb − ra, yb − ya) with s in [0, 1]. s
             // is computed from y, or from ρ if the line is horizontal.
             let (dr, dy) = (rb - ra, yb - ya);
             let mut truth = f64::INFINITY;

@@ -87,8 +87,8 @@ fn known_surfaces() -> Vec<KnownSurface> {
         kink: None,
         tip: None,
     };
-    // The profile (s², s³) for s in \[−1, 1] has a cusp on the axis. Both branches leave it along
-    // s² > 0.
+    // The profile (s², s³) for s in [−1, 1] has a cusp on the axis. Both branches leave the axis
+    // perpendicular to it.
     let cusp = |degree| KnownSurface {
         name: "cusp",
         shape: surface_of_revolution(&[(1.0, -1.0), (-1.0 / 3.0, 1.0), (-1.0 / 3.0, -1.0), (1.0, 1.0)], degree),

@@ -84,7 +84,8 @@ fn photons_converge_at_focus() {
 /// All photons lie at one point and have equal flux. The noise is the number of rays that hit the
 /// disc. So a few pixels of that size and few photons suffice. Renders have few passes and share
 /// the radius of one pilot, since discs shrink from pass to pass. There are sixteen renders: t with
-/// 15 degrees of freedom exceeds 6.5 once in 100,000 times, which is at most a fifth of the light.
+/// 15 degrees of freedom exceeds 6.5 once in 100,000 times. 6.5 standard errors are at most a fifth
+/// of the light.
 #[test]
 fn image_of_focus_shows_all_flux() {
     let scene = parabola(PIXELS);
