@@ -131,8 +131,10 @@ impl WrapMode {
         if folded.is_finite() { folded } else { 0.0 }
     }
 
-    /// Returns the pixel of a row of `n` pixels that the wrap mode shows at index `i`, which may be
-    /// outside.
+    /// Returns the index of the pixel that the wrap mode shows at index `i`, in a row of `n`
+    /// pixels.
+    ///
+    /// `i` may be outside of the row.
     fn wrap_pixel_index(self, i: i64, n: usize) -> usize {
         let n = n as i64;
         (match self {

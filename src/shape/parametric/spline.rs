@@ -70,7 +70,7 @@ pub enum SplineError {
     NoArea,
 }
 
-/// Length of the shortest accepted knot span, relative to the range.
+/// Length of the shortest accepted knot span, relative to the range of the curve.
 ///
 /// f32 parameters near 1 are 2⁻²⁴ apart, and each span needs several distinct values.
 pub(super) const MIN_SPAN: f64 = 1.0 / 4_194_304.0;
