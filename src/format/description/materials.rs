@@ -8,8 +8,8 @@ use super::{EmissionDescription, NormalPerturbationDescription, Spanned, Texture
 /// A material as the scene file describes it: scattering, emission, normals and inner medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaterialDescription {
-    /// Name that objects and mixes refer to: not empty, without line breaks. `None` if they can
-    /// only refer to the material by its index.
+    /// Name that objects and mixes refer to: not empty, without line breaks. `None` if objects can
+    /// refer to the material only by its index.
     pub name: Option<String>,
     /// Model of reflection and transmission, with its parameters.
     pub kind: MaterialKindDescription,
