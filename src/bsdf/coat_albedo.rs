@@ -26,7 +26,7 @@ const COSINES: usize = 32;
 /// Number of points and generator of a Fibonacci lattice, which selects visible microfacets.
 ///
 /// The albedo at each node of the table is a mean over these microfacets.
-const FACETS: (usize, usize) = (610, 377);
+pub(super) const FACETS: (usize, usize) = (610, 377);
 
 /// Cosine at which the table's node for the horizon is computed; a cosine of 0 would lead to 0/0.
 const HORIZON_COSINE: f64 = 1e-4;

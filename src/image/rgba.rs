@@ -1,4 +1,4 @@
-//! Decoding of PNG, JPEG and BMP pictures with alpha, for scenes of other programs.
+//! Decoding of PNG, JPEG, BMP and TGA pictures with alpha, for scenes of other programs.
 
 use super::buffer::pixel_count;
 use super::error::{DecodeFailure, ReadError, check_compression_ratio, check_memory};
@@ -33,7 +33,9 @@ const DECODED_BYTES_PER_PIXEL: u64 = 16;
 /// Memory that a decoder may allocate for tables, in addition to the memory for pixels \[bytes].
 const DECODER_BYTES: u64 = 1 << 20;
 
-/// Decodes a PNG, JPEG or BMP picture; `Ok(None)` for another format. Errors name `path`.
+/// Decodes a PNG, JPEG, BMP or TGA picture; `Ok(None)` for another format. Errors name `path`.
+///
+/// TGA files have no signature, so the extension `tga` of `path` selects that format.
 ///
 /// Fails if decoding needs more than `free` bytes of memory; `None` is no limit.
 ///
@@ -42,9 +44,15 @@ const DECODER_BYTES: u64 = 1 << 20;
 pub(crate) fn decode_rgba_levels(path: &Path, file: &[u8], free: Option<u64>) -> Result<Option<RgbaLevels>, ReadError> {
     let format = match ::image::guess_format(file) {
         Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Bmp)) => format,
+        Err(_) if has_tga_extension(path) => ImageFormat::Tga,
         Ok(_) | Err(_) => return Ok(None),
     };
     decode_levels(file, format, free).map(Some).map_err(|failure| failure.into_read_error(path.to_owned()))
+}
+
+/// True if `path` ends in `.tga`, in any case.
+fn has_tga_extension(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("tga"))
 }
 
 fn decode_levels(file: &[u8], format: ImageFormat, free: Option<u64>) -> Result<RgbaLevels, DecodeFailure> {
@@ -52,7 +60,7 @@ fn decode_levels(file: &[u8], format: ImageFormat, free: Option<u64>) -> Result<
     let (width, height) = ImageReader::with_format(Cursor::new(file), format).into_dimensions().map_err(reason)?;
     let pixels = pixel_count(width, height)?;
     // A PNG or BMP has at least one bit per pixel. A JPEG codes each block of 64 pixels by a bit or
-    // more.
+    // more, and a TGA runs of 128 pixels by two bytes or more.
     check_compression_ratio(pixels as u64 / 8, file.len())?;
     check_memory(pixels, free)?;
     let mut reader = ImageReader::with_format(Cursor::new(file), format);

@@ -4,6 +4,7 @@
 //! [`crate::support::world_data_folder`].
 
 use crate::support::{project_path, world_data_folder};
+use caustica::format::grid::{self, GridEncoding};
 use caustica::format::mesh::MeshFormat;
 use caustica::format::{ConvertedScene, SceneFile, parse};
 use caustica::image::{self, WriteOptions};
@@ -37,7 +38,7 @@ fn small_picture(mut file: SceneFile) -> Vec<Vec3> {
 /// reason.
 #[test]
 fn pbrt_scenes_convert_to_the_same_bits() {
-    let mut scenes = vec![project_path("tests/data/pbrt/cell.pbrt")];
+    let mut scenes = ["cell", "smoke"].map(|name| project_path(&format!("tests/data/pbrt/{name}.pbrt"))).to_vec();
     for folder in ["pbrt-v3", "pbrt-v4"] {
         scenes.extend(world_data_folder(folder).iter().flat_map(|folder| scenes_below(folder)));
     }
@@ -58,6 +59,7 @@ fn pbrt_scenes_convert_to_the_same_bits() {
         let converted = ConvertedScene::new(&file, &output);
         fs::write(&output, converted.text).unwrap();
         converted.meshes.iter().for_each(|(path, mesh)| mesh.write(path, MeshFormat::Ply, &[]).unwrap());
+        converted.grids.iter().for_each(|(path, values)| grid::write(path, values, GridEncoding::F32).unwrap());
         for (path, picture) in &converted.pictures {
             image::write(path, picture, &WriteOptions::default()).unwrap();
         }

@@ -2,7 +2,7 @@
 
 use super::files::ReadResult;
 use super::parameters::Parameters;
-use super::state::MovingTransform;
+use super::state::{MovingTransform, object_motion};
 use crate::format::description::{
     ApertureDescription, CameraDescription, DirectionOrTarget, FocusDescription, LensDescription, ProjectionDescription,
 };
@@ -12,8 +12,22 @@ use glam::{DAffine3, DVec3};
 /// Greatest width and height of a picture \[pixels].
 const MAX_SIDE: f64 = 65_536.0;
 
-/// Returns width and height of the film's picture \[pixels].
-pub(super) fn film_size(name: &str, parameters: &Parameters, notes: &mut ImportNotes) -> ReadResult<(u32, u32)> {
+/// Size of a film and of the part of it that is rendered \[pixels].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct FilmSize {
+    /// Width and height of the film.
+    pub whole: [u32; 2],
+    /// Width and height of the part around the center that is rendered.
+    pub crop: [u32; 2],
+}
+
+impl FilmSize {
+    /// Size of pbrt-v4's film by default.
+    pub const DEFAULT: Self = Self { whole: [1280, 720], crop: [1280, 720] };
+}
+
+/// Returns the size of the film, and of its crop window.
+pub(super) fn film_size(name: &str, parameters: &Parameters, notes: &mut ImportNotes) -> ReadResult<FilmSize> {
     let place = &parameters.place;
     if !matches!(name, "rgb" | "image" | "gbuffer" | "spectral") {
         let message = format!("no film is called `{name}`");
@@ -25,15 +39,42 @@ pub(super) fn film_size(name: &str, parameters: &Parameters, notes: &mut ImportN
     if !(width >= 1.0 && height >= 1.0 && width <= MAX_SIDE && height <= MAX_SIDE) {
         return Err(place.error("the film has no pixels, or too many", "give resolutions from 1 to 65536"));
     }
-    if parameters.find_any(&["cropwindow", "pixelbounds"]).is_some() {
-        notes.add_unsupported("crop windows are ignored: the whole picture is rendered", place.described());
+    let whole = [width, height];
+    let crop = crop_size(parameters, whole);
+    if crop.is_none() {
+        notes.add_unsupported(
+            "crop windows off the center are ignored: the whole picture is rendered",
+            place.described(),
+        );
     }
     let gain = parameters.number_or("iso", 100.0) / 100.0 * parameters.number_or("exposuretime", 1.0);
     let is_physical = parameters.text("sensor").is_some_and(|sensor| sensor != "cie1931");
     if is_physical || gain != 1.0 || parameters.number_or("scale", 1.0) != 1.0 {
         notes.add_unsupported("sensors and exposures of films are ignored: pixels are radiance", place.described());
     }
-    Ok((width as u32, height as u32))
+    Ok(FilmSize { whole: whole.map(|side| side as u32), crop: crop.unwrap_or(whole).map(|side| side as u32) })
+}
+
+/// Returns the size of the crop window, or of the whole film; `None` if the window is off the
+/// center by more than a pixel, or empty.
+fn crop_size(parameters: &Parameters, whole: [f64; 2]) -> Option<[f64; 2]> {
+    let bounds = match (parameters.numbers("pixelbounds"), parameters.numbers("cropwindow")) {
+        ([x0, x1, y0, y1], _) => [[*x0, *x1], [*y0, *y1]],
+        (_, [x0, x1, y0, y1]) => {
+            let pixels = |part: &f64, side: f64| (part * side).ceil();
+            [[pixels(x0, whole[0]), pixels(x1, whole[0])], [pixels(y0, whole[1]), pixels(y1, whole[1])]]
+        }
+        _ => return Some(whole),
+    };
+    let mut size = [0.0; 2];
+    for axis in 0..2 {
+        let [low, high] = bounds[axis].map(|pixel| pixel.clamp(0.0, whole[axis]).round());
+        if high <= low || (low + high - whole[axis]).abs() > 1.0 {
+            return None;
+        }
+        size[axis] = high - low;
+    }
+    Some(size)
 }
 
 /// Returns the camera, and the reflection to apply to the whole scene.
@@ -44,14 +85,12 @@ pub(super) fn read_camera(
     name: &str,
     parameters: &Parameters,
     to_world: MovingTransform,
-    (width, height): (u32, u32),
+    film: FilmSize,
     notes: &mut ImportNotes,
 ) -> ReadResult<(CameraDescription, DAffine3)> {
     let place = &parameters.place;
-    if !to_world.is_still() {
-        notes.add_unsupported("cameras that move stay where they are when the shutter opens", place.described());
-    }
-    let to_world = to_world.0[0];
+    let [width, height] = film.whole;
+    let [to_world, at_end] = to_world.0;
     let axes = to_world.matrix3;
     let lengths = [axes.x_axis.length(), axes.y_axis.length(), axes.z_axis.length()];
     let scale = lengths[2];
@@ -66,6 +105,10 @@ pub(super) fn read_camera(
     let needs_mirror = (axes.determinant() > 0.0) != is_spherical;
     let mirror = if needs_mirror { DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0)) } else { DAffine3::IDENTITY };
     let placed = mirror * to_world;
+    let motion = object_motion(&MovingTransform([placed, mirror * at_end]));
+    if motion.as_ref().is_some_and(|motion| motion.omits_scale) {
+        notes.add_unsupported("cameras whose scale changes over the shutter only move and turn", place.described());
+    }
     let aspect = parameters.number("frameaspectratio").unwrap_or(f64::from(width) / f64::from(height));
     let aspect = if aspect > 0.0 { aspect } else { 1.0 };
     let window = match *parameters.numbers("screenwindow") {
@@ -81,7 +124,7 @@ pub(super) fn read_camera(
         let message = "screen windows off the center, and pixels that are not square, are centered and square";
         notes.add_unsupported(message, place.described());
     }
-    let half_height = 0.5 * (top - bottom);
+    let half_height = 0.5 * (top - bottom) * f64::from(film.crop[1]) / f64::from(height);
     let projection = match name {
         "perspective" => {
             let fov = parameters.number("halffov").map_or(parameters.number_or("fov", 90.0), |half| 2.0 * half);
@@ -109,6 +152,9 @@ pub(super) fn read_camera(
                 let message = "spherical cameras of equal area have an equirectangular picture";
                 notes.add_unsupported(message, place.described());
             }
+            if film.crop != film.whole {
+                notes.add_unsupported("crop windows of spherical cameras show all directions", place.described());
+            }
             ProjectionDescription::Environment
         }
         _ => {
@@ -122,9 +168,9 @@ pub(super) fn read_camera(
         aim: DirectionOrTarget::Direction(placed.transform_vector3(forward).normalize()),
         up: placed.transform_vector3(DVec3::Y).normalize(),
         projection,
-        width,
-        height,
-        motion: Vec::new(),
+        width: film.crop[0],
+        height: film.crop[1],
+        motion: motion.map_or(Vec::new(), |motion| motion.steps),
     };
     Ok((camera, mirror))
 }

@@ -1,20 +1,22 @@
 //! Interprets the directives of a pbrt scene.
 
-use super::camera::{film_size, read_camera};
+use super::camera::{FilmSize, film_size, read_camera};
 use super::content::SceneContent;
 use super::files::{Place, ReadResult, SceneFiles};
-use super::lights::Lights;
+use super::lights::{Lights, ShapeEmission};
 use super::materials::Materials;
+use super::media::Media;
 use super::parameters::{Parameters, parse_number};
+use super::settings::SuggestedFlags;
 use super::shapes::read_shape;
 use super::state::{AreaLight, CurrentMaterial, GraphicsState, MovingTransform, object_motion, transform_map};
+use super::surfaces::{back_side, is_sheet, world_area};
 use super::textures::Textures;
 use super::tokens::{Token, TokenKind, Tokens};
 use crate::format::SourceText;
 use crate::format::description::{
-    CameraDescription, DensityDescription, DirectionOrTarget, EnvironmentRadiance, GroupItem, LightDescription,
-    MediumCoefficients, MediumDescription, ObjectDescription, ObjectGroup, PhaseFunctionDescription,
-    ProjectionDescription, SceneDescription, Span, Spanned, TransformStep,
+    CameraDescription, DirectionOrTarget, EnvironmentRadiance, GroupItem, LightDescription, ObjectDescription,
+    ObjectGroup, ProjectionDescription, SceneDescription, Span, Spanned, TransformStep,
 };
 use crate::format::import::{EmbeddedAssets, ImportedScene};
 use crate::format::import_notes::ImportNotes;
@@ -70,8 +72,9 @@ pub(super) struct Interpreter<'a> {
     coordinates: HashMap<String, MovingTransform>,
     content: SceneContent,
     lights: Lights,
-    media: Vec<Spanned<MediumDescription>>,
-    film: Option<(u32, u32)>,
+    media: Media,
+    film: Option<FilmSize>,
+    settings: SuggestedFlags,
     camera: Option<CameraDescription>,
     ambient_medium: Rc<str>,
     /// Reflection that converts the scene to right-handed coordinates; the identity if none is
@@ -107,8 +110,9 @@ impl<'a> Interpreter<'a> {
             coordinates: HashMap::from([("world".to_owned(), MovingTransform::IDENTITY)]),
             content,
             lights: Lights::default(),
-            media: Vec::new(),
+            media: Media::default(),
             film: None,
+            settings: SuggestedFlags::default(),
             camera: None,
             ambient_medium: "".into(),
             mirror: DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0)),
@@ -159,18 +163,24 @@ impl<'a> Interpreter<'a> {
         });
         let ambient_medium =
             (!self.ambient_medium.is_empty()).then(|| Spanned::new(self.ambient_medium.to_string(), Span::default()));
+        let flags = self.settings.joined();
+        if !flags.is_empty() {
+            let message = format!("the settings of the file are not applied: they stand for `{flags}`");
+            self.content.notes.add_missing(&message);
+        }
         let SceneContent { meshes, textures, materials, notes, .. } = self.content;
+        let (media, grids) = self.media.into_descriptions(self.mirror);
         let description = SceneDescription {
             camera: Spanned::new(camera, Span::default()),
             background: DVec3::ZERO,
             ambient_medium,
             lights,
             textures: textures.descriptions,
-            media: self.media,
+            media,
             materials: materials.descriptions,
             root: self.root,
         };
-        let assets = EmbeddedAssets { meshes, pictures: textures.pictures, ..EmbeddedAssets::default() };
+        let assets = EmbeddedAssets { meshes, pictures: textures.pictures, grids };
         let source = SourceText::new(&self.files.path.display().to_string(), "");
         Ok(ImportedScene { description, source, assets, notes: notes.into_notes() })
     }
@@ -373,7 +383,10 @@ impl<'a> Interpreter<'a> {
                 self.content.materials.add_named(name, parameters);
                 Ok(())
             }
-            "MakeNamedMedium" => self.add_medium(name, &parameters),
+            "MakeNamedMedium" => {
+                let (to_world, notes) = (self.state.transform.0[0], &mut self.content.notes);
+                self.media.add(name, &parameters, to_world, self.files, notes)
+            }
             "LightSource" => {
                 let transform = self.state.transform;
                 if !transform.is_still() {
@@ -393,7 +406,10 @@ impl<'a> Interpreter<'a> {
             }
             "Shape" => self.add_shape(name, &parameters),
             // Directives that change only how pbrt samples or stores a picture.
-            _ => Ok(()),
+            _ => {
+                self.settings.add(directive, name, &parameters);
+                Ok(())
+            }
         }
     }
 
@@ -409,7 +425,7 @@ impl<'a> Interpreter<'a> {
     /// Makes the camera from the pending `Camera` directive, and finds the reflection of the scene.
     fn place_camera(&mut self) -> ReadResult<()> {
         let Some((parameters, name, to_world)) = self.camera_directive.take() else { return Ok(()) };
-        let size = self.film.unwrap_or((1280, 720));
+        let size = self.film.unwrap_or(FilmSize::DEFAULT);
         let (camera, mirror) = read_camera(&name, &parameters, to_world, size, &mut self.content.notes)?;
         self.camera = Some(camera);
         self.mirror = mirror;
@@ -434,24 +450,6 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    fn add_medium(&mut self, name: &str, parameters: &Parameters) -> ReadResult<()> {
-        let medium = super::lights::homogeneous_medium(name, parameters, self.files, &mut self.content.notes)?;
-        let Some((absorption, scattering, emission, g)) = medium else { return Ok(()) };
-        let phase =
-            if g == 0.0 { PhaseFunctionDescription::Isotropic } else { PhaseFunctionDescription::HenyeyGreenstein(g) };
-        let description = MediumDescription {
-            name: name.to_owned(),
-            coefficients: MediumCoefficients::AbsorptionScattering { absorption, scattering },
-            emission,
-            phase,
-            density: DensityDescription::Homogeneous,
-        };
-        self.files.count_memory(MEMORY_PER_OBJECT)?;
-        self.media.retain(|medium| medium.name != name);
-        self.media.push(Spanned::new(description, Span::default()));
-        Ok(())
-    }
-
     fn add_shape(&mut self, kind: &str, parameters: &Parameters) -> ReadResult<()> {
         let place = &parameters.place;
         self.files.count_memory(MEMORY_PER_OBJECT)?;
@@ -462,7 +460,7 @@ impl<'a> Interpreter<'a> {
         let Some(shape) = shape else { return Ok(()) };
         let inside = Rc::clone(&self.state.media[0]);
         let medium = (!inside.is_empty() && inside != self.state.media[1])
-            .then(|| self.media.iter().any(|medium| *medium.name == *inside).then_some(&*inside))
+            .then(|| self.media.contains(&inside).then_some(&*inside))
             .flatten();
         let emission = match (&self.state.area_light, &self.open_object) {
             (Some(_), Some(_)) => {
@@ -470,27 +468,36 @@ impl<'a> Interpreter<'a> {
                 self.content.notes.add_unsupported(message, place.described());
                 None
             }
-            (Some(light), None) => super::lights::area_radiance(&light.parameters, self.files, &mut self.content)?,
+            (Some(light), None) => Some(ShapeEmission::read(&light.parameters, self.files, &mut self.content)?),
             (None, _) => None,
         };
         let alpha = parameters.find("alpha");
-        let SceneContent { textures, materials, notes, .. } = &mut self.content;
+        let SceneContent { meshes, textures, materials, notes, .. } = &mut self.content;
         let material = materials.resolve(&self.state.material, (medium, alpha), textures, self.files, notes)?;
-        self.lights.has_emitters |= emission.is_some_and(|radiance| radiance != DVec3::ZERO);
-        let object = ObjectDescription::Shape { shape, emission };
-        let object = Spanned::new(object, Span::default());
+        let separates_media = inside != self.state.media[1];
+        if separates_media && !materials.bounds_body(&material) && is_sheet(&shape, meshes) {
+            // pbrt lets light that leaves the back of a sheet travel through the inner medium.
+            let message = "sheets do not separate media: the medium around is on both sides";
+            notes.add_unsupported(message, place.described());
+        }
         let transform = self.state.transform;
-        let mut group = ObjectGroup::default();
+        let mut shapes = vec![shape];
+        if emission.is_some_and(|emission| emission.is_two_sided) {
+            shapes.extend(back_side(&shapes[0], &name, meshes, self.files)?);
+        }
+        let emission = emission.map(|emission| emission.radiance(|| world_area(&shapes[0], meshes, transform.0[0])));
+        self.lights.has_emitters |= emission.is_some_and(|radiance| radiance != DVec3::ZERO);
+        let (group, outer) = match &mut self.open_object {
+            Some((_, definition)) => {
+                definition.shapes += shapes.len() as u64;
+                (&mut definition.group, DAffine3::IDENTITY)
+            }
+            None => (&mut self.root, self.mirror),
+        };
         group.items.push(GroupItem::MaterialName(Spanned::new(material, Span::default())));
-        if let Some((_, definition)) = &mut self.open_object {
-            definition.shapes += 1;
-            let placed = placed(object, DAffine3::IDENTITY, &transform, place, &mut self.content.notes);
-            group.items.push(GroupItem::Object(placed));
-            definition.group.items.append(&mut group.items);
-        } else {
-            let placed = placed(object, self.mirror, &transform, place, &mut self.content.notes);
-            group.items.push(GroupItem::Object(placed));
-            self.root.items.append(&mut group.items);
+        for shape in shapes {
+            let object = Spanned::new(ObjectDescription::Shape { shape, emission }, Span::default());
+            group.items.push(GroupItem::Object(placed(object, outer, &transform, place, notes)));
         }
         Ok(())
     }

@@ -1,15 +1,15 @@
-//! Converts lights and media of pbrt scenes.
+//! Converts lights of pbrt scenes.
 
 use super::content::SceneContent;
 use super::environment::{MapLayout, equirectangular};
 use super::files::{Place, ReadResult, SceneFiles};
-use super::parameters::Parameters;
+use super::parameters::{Parameter, Parameters};
 use super::spectra::{ColorUse, color};
+use super::textures::read_picture;
 use crate::format::description::{
-    DirectionOrTarget, DirectionalLightStrength, EnvironmentRadiance, LightDescription, PointLightStrength, Span,
-    Spanned,
+    DirectionOrTarget, DirectionalLightStrength, EnvironmentRadiance, LightDescription, LightPattern,
+    PointLightStrength, Span, Spanned,
 };
-use crate::format::import_notes::ImportNotes;
 use crate::image::{Image, PixelMeaning};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use std::f64::consts::PI;
@@ -55,12 +55,10 @@ impl Lights {
         let position =
             |name: &str, default: DVec3| to_world.transform_point3(parameters.point(name).unwrap_or(default));
         let degenerate = |message: &str| place.error(message, "give two different points `from` and `to`");
-        // A parameter `power` replaces the intensity. Only the hue of the color is kept.
+        // A parameter `power` replaces the unit of the intensity. As in pbrt, color and scale still
+        // multiply it.
         let strength = |intensity: DVec3| match parameters.number("power") {
-            Some(power) if power >= 0.0 => {
-                let hue = intensity / luminance(intensity).max(f64::MIN_POSITIVE);
-                PointLightStrength::Power(if hue.is_finite() { hue * power } else { DVec3::splat(power) })
-            }
+            Some(power) if power > 0.0 => PointLightStrength::Power(intensity * power),
             _ => PointLightStrength::Intensity(intensity),
         };
         let description = match kind {
@@ -90,8 +88,8 @@ impl Lights {
                 let direction = direction.try_normalize();
                 let direction = direction.ok_or_else(|| degenerate("the distant light has no direction"))?;
                 let mut irradiance = color_of("L")?;
-                if let Some(illuminance) = parameters.number("illuminance").filter(|value| *value >= 0.0) {
-                    irradiance *= illuminance / luminance(irradiance).max(1e-30);
+                if let Some(illuminance) = parameters.number("illuminance").filter(|value| *value > 0.0) {
+                    irradiance *= illuminance;
                 }
                 let strength = DirectionalLightStrength::Irradiance(irradiance);
                 LightDescription::Directional { direction, strength }
@@ -99,14 +97,35 @@ impl Lights {
             "infinite" | "exinfinite" => {
                 return self.add_infinite(parameters, (to_world.matrix3, scale), color_of("L")?, content, files);
             }
-            "goniometric" | "projection" => {
-                let message = format!("lights of kind `{kind}` are left out");
-                content.notes.add_unsupported(&message, place.described());
-                return Ok(());
+            "goniometric" => {
+                let intensity = strength(color_of("I")?);
+                match goniometric_map(parameters, to_world.matrix3, content, files)? {
+                    None => LightDescription::Point { position: to_world.translation, strength: intensity },
+                    Some(map) => LightDescription::Oriented {
+                        position: to_world.translation,
+                        // The map has −z at its left edge.
+                        aim: DirectionOrTarget::Direction(DVec3::Z),
+                        up: Some(DVec3::Y),
+                        pattern: LightPattern::Map(Spanned::new(content.textures.embed(map, files)?, Span::default())),
+                        strength: intensity,
+                    },
+                }
+            }
+            "projection" => {
+                let (picture, angle) = projected_picture(parameters, to_world.matrix3, files)?;
+                let path = Spanned::new(content.textures.embed(picture, files)?, Span::default());
+                LightDescription::Oriented {
+                    position: to_world.translation,
+                    aim: DirectionOrTarget::Direction(to_world.transform_vector3(DVec3::Z)),
+                    up: Some(to_world.transform_vector3(DVec3::Y)),
+                    pattern: LightPattern::Picture { path, angle },
+                    strength: strength(color_of("I")?),
+                }
             }
             _ => {
                 let message = format!("no light is called `{kind}`");
-                return Err(place.error(message, "pbrt has the lights point, spot, distant and infinite"));
+                return Err(place
+                    .error(message, "pbrt has the lights point, spot, distant, goniometric, projection and infinite"));
             }
         };
         files.count_memory(1000)?;
@@ -127,8 +146,8 @@ impl Lights {
             content.notes.add_unsupported("portals of infinite lights are ignored", place.described());
         }
         let Some(parameter) = parameters.find_any(&["filename", "mapname"]) else {
-            self.sky += match parameters.number("illuminance").filter(|value| *value >= 0.0) {
-                Some(illuminance) => constant * (illuminance / (PI * luminance(constant).max(1e-30))),
+            self.sky += match parameters.number("illuminance").filter(|value| *value > 0.0) {
+                Some(illuminance) => constant * (illuminance / PI),
                 None => constant,
             };
             return Ok(());
@@ -136,24 +155,13 @@ impl Lights {
         if parameters.find("illuminance").is_some() {
             content.notes.add_unsupported("the illuminance of environment maps is ignored", place.described());
         }
-        let name = parameter.texts.first().map(String::as_str).unwrap_or_default();
-        let image = super::textures::read_picture(name, PixelMeaning::Radiance, place, files)?;
-        let layout = match (image.width() == image.height(), &*parameter.name) {
-            (true, "filename") => MapLayout::Octahedral,
-            (true, _) | (false, "mapname") => MapLayout::LatitudeLongitude,
-            (false, _) => {
-                let message = "environment maps of pbrt-v4 that are not square are read by latitude and longitude";
-                content.notes.add_unsupported(message, place.described());
-                MapLayout::LatitudeLongitude
-            }
-        };
+        let (image, layout) = directional_map(parameter, place, content, files)?;
         files.count_memory(36 * image.pixels().len() as u64)?;
         let factor = if parameter.name == "mapname" { constant } else { scale };
         let map = equirectangular(&image, layout, axes);
         let mut map = map.ok_or_else(|| place.error("the transform of the light is singular", "scale it less"))?;
         for pixel in map.pixels_mut() {
-            let value = *pixel * factor.as_vec3();
-            *pixel = if value.is_finite() { value.max(Vec3::ZERO) } else { Vec3::ZERO };
+            *pixel = finite_light(*pixel * factor.as_vec3());
         }
         if self.map.is_some() {
             let message = "of several environment maps, only the last lights the scene";
@@ -185,9 +193,76 @@ impl Lights {
     }
 }
 
-/// Returns the luminance of a linear RGB color by the weights of Rec. 709.
-fn luminance(rgb: DVec3) -> f64 {
-    rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722))
+/// Returns the picture of a parameter over all directions, and its layout.
+fn directional_map(
+    parameter: &Parameter,
+    place: &Place,
+    content: &mut SceneContent,
+    files: &SceneFiles<'_>,
+) -> ReadResult<(Image, MapLayout)> {
+    let name = parameter.texts.first().map(String::as_str).unwrap_or_default();
+    let image = read_picture(name, PixelMeaning::Radiance, place, files)?;
+    let layout = match (image.width() == image.height(), &*parameter.name) {
+        (true, "filename") => MapLayout::Octahedral,
+        (true, _) | (false, "mapname") => MapLayout::LatitudeLongitude,
+        (false, _) => {
+            let message = "maps of directions of pbrt-v4 that are not square are read by latitude and longitude";
+            content.notes.add_unsupported(message, place.described());
+            MapLayout::LatitudeLongitude
+        }
+    };
+    Ok((image, layout))
+}
+
+/// Returns the map of a goniometric light in world space, with −z at its left edge; `None` if the
+/// light has no picture.
+fn goniometric_map(
+    parameters: &Parameters,
+    axes: DMat3,
+    content: &mut SceneContent,
+    files: &SceneFiles<'_>,
+) -> ReadResult<Option<Image>> {
+    let place = &parameters.place;
+    let Some(parameter) = parameters.find_any(&["filename", "mapname"]) else { return Ok(None) };
+    let (mut image, layout) = directional_map(parameter, place, content, files)?;
+    for pixel in image.pixels_mut() {
+        let value = finite_light(*pixel);
+        // pbrt-v4 uses the mean of the channels.
+        *pixel = if parameter.name == "filename" { Vec3::splat(value.element_sum() / 3.0) } else { value };
+    }
+    files.count_memory(36 * image.pixels().len() as u64)?;
+    // The z axis of the map is the y axis of the light.
+    let axes = axes * DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y);
+    let map = equirectangular(&image, layout, axes);
+    map.map(Some).ok_or_else(|| place.error("the transform of the light is singular", "scale it less"))
+}
+
+/// Returns the picture of a projection light, and its full vertical angle \[degrees].
+fn projected_picture(parameters: &Parameters, axes: DMat3, files: &SceneFiles<'_>) -> ReadResult<(Image, f64)> {
+    let place = &parameters.place;
+    let fov = parameters.number_or("fov", 90.0);
+    if !(fov > 0.0 && fov < 180.0) {
+        return Err(place.error("the field of view is not between 0° and 180°", "correct `fov`"));
+    }
+    let parameter = parameters.find_any(&["filename", "mapname"]);
+    let name = parameter.and_then(|parameter| parameter.texts.first());
+    let name = name.ok_or_else(|| place.error("the projection light has no picture", "give its `filename`"))?;
+    let mut image = read_picture(name, PixelMeaning::Radiance, place, files)?;
+    image.pixels_mut().iter_mut().for_each(|pixel| *pixel = finite_light(*pixel));
+    // Seen from the light, +x is to the right if the axes are left-handed.
+    if axes.determinant() > 0.0 {
+        let width = image.width() as usize;
+        image.pixels_mut().chunks_mut(width).for_each(<[Vec3]>::reverse);
+    }
+    // The field of view is that of the shorter side.
+    let half_height =
+        libm::tan((0.5 * fov).to_radians()) * (f64::from(image.height()) / f64::from(image.width())).max(1.0);
+    Ok((image, 2.0 * libm::atan(half_height).to_degrees()))
+}
+
+/// Returns a pixel without negative and non-finite values.
+fn finite_light(pixel: Vec3) -> Vec3 {
+    if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO }
 }
 
 /// Returns the parameter `scale` of a light, which is a number, or a color in pbrt-v3.
@@ -198,69 +273,44 @@ fn light_scale(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<DV
     }
 }
 
-/// Returns the radiance of an area light in W/(m² sr); it is never `None`.
-///
-/// Parameters that are ignored give a message.
-pub(super) fn area_radiance(
-    parameters: &Parameters,
-    files: &SceneFiles<'_>,
-    content: &mut SceneContent,
-) -> ReadResult<Option<DVec3>> {
-    let place: &Place = &parameters.place;
-    let wanted = ColorUse::Light { is_v3: content.is_v3 };
-    let radiance = match parameters.find("L") {
-        Some(parameter) => color(parameter, wanted, place, files)?,
-        None => DVec3::ONE,
-    };
-    let notes = &mut content.notes;
-    if parameters.flag("twosided") == Some(true) {
-        notes.add_unsupported("area lights with two sides emit from the front only", place.described());
-    }
-    if parameters.find("filename").is_some() {
-        notes.add_unsupported("pictures of area lights are ignored: they emit evenly", place.described());
-    }
-    if parameters.find("power").is_some() {
-        notes.add_unsupported("the power of area lights is ignored: their radiance holds", place.described());
-    }
-    Ok(Some(radiance * light_scale(parameters, files)?))
+/// Emission of a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ShapeEmission {
+    /// Radiance in W/(m² sr), or the value before division by the area if `is_power`.
+    radiance: DVec3,
+    /// True if the file states the flux of the shape.
+    is_power: bool,
+    /// True if both sides emit.
+    pub is_two_sided: bool,
 }
 
-/// Returns σa and σs \[1/length], the emission, and the mean cosine g of a homogeneous medium.
-///
-/// The emission is in W/(m² sr) per length. Returns `None` for other media, which are left out with
-/// a message.
-pub(super) fn homogeneous_medium(
-    name: &str,
-    parameters: &Parameters,
-    files: &SceneFiles<'_>,
-    notes: &mut ImportNotes,
-) -> ReadResult<Option<(DVec3, DVec3, DVec3, f64)>> {
-    let place = &parameters.place;
-    match parameters.text("type") {
-        Some("homogeneous") | None => {}
-        Some(kind) => {
-            let message = format!("media of kind `{kind}` are left out: their shapes are empty");
-            notes.add_unsupported(&message, format!("{}: `{name}`", place.described()));
-            return Ok(None);
+impl ShapeEmission {
+    /// Returns the emission of an area light.
+    pub fn read(parameters: &Parameters, files: &SceneFiles<'_>, content: &mut SceneContent) -> ReadResult<Self> {
+        let place: &Place = &parameters.place;
+        let wanted = ColorUse::Light { is_v3: content.is_v3 };
+        let radiance = match parameters.find("L") {
+            Some(parameter) => color(parameter, wanted, place, files)?,
+            None => DVec3::ONE,
+        };
+        if parameters.find("filename").is_some() {
+            content.notes.add_unsupported("pictures of area lights are ignored: they emit evenly", place.described());
         }
+        let power = parameters.number("power").filter(|power| *power > 0.0);
+        let is_two_sided = parameters.flag("twosided") == Some(true);
+        let radiance = radiance * light_scale(parameters, files)? * power.unwrap_or(1.0);
+        Ok(Self { radiance, is_power: power.is_some(), is_two_sided })
     }
-    if let Some(preset) = parameters.text("preset") {
-        let message = format!("media by preset have pbrt's default coefficients, not those of `{preset}`");
-        notes.add_unsupported(&message, place.described());
+
+    /// Returns the radiance of a shape whose area is computed by `area`.
+    pub fn radiance(&self, area: impl FnOnce() -> f64) -> DVec3 {
+        if !self.is_power {
+            return self.radiance;
+        }
+        let sides = if self.is_two_sided { 2.0 } else { 1.0 };
+        self.radiance / (PI * sides * area().max(f64::MIN_POSITIVE))
     }
-    let value = |names: &[&str], default: DVec3| match parameters.find_any(names) {
-        Some(parameter) => color(parameter, ColorUse::Unbounded, place, files),
-        None => Ok(default),
-    };
-    let scale = parameters.number_or("scale", 1.0);
-    let g = parameters.number_or("g", 0.0);
-    if scale < 0.0 || !(g > -1.0 && g < 1.0) {
-        return Err(place.error("the scale is negative, or g is not between -1 and 1", "correct the medium"));
-    }
-    // pbrt's defaults: whole milk, in 1/mm.
-    let absorption = value(&["sigma_a"], DVec3::new(0.0011, 0.0024, 0.014))? * scale;
-    let scattering = value(&["sigma_s"], DVec3::new(2.55, 3.21, 3.77))? * scale;
-    let emission = value(&["Le"], DVec3::ZERO)? * parameters.number_or("Lescale", 1.0).max(0.0);
-    // pbrt multiplies the emission `Le` by the absorption coefficient.
-    Ok(Some((absorption, scattering, emission * absorption, g)))
 }
+
+#[cfg(test)]
+mod tests;

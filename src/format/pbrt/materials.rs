@@ -5,7 +5,7 @@ use super::parameters::{Parameter, Parameters};
 use super::spectra::{SpectralValue, spectral_value};
 use super::state::CurrentMaterial;
 use super::textures::{TextureValue, Textures};
-use crate::bsdf::{MAX_COAT_INDEX, metal_refractive_index};
+use crate::bsdf::{LossyCoat, MAX_COAT_INDEX, metal_refractive_index};
 use crate::color::{conductor_rgb, glass_by_name};
 use crate::format::description::{
     DielectricAbsorption, MaterialDescription, MaterialKindDescription, MetalDescription,
@@ -32,6 +32,9 @@ const MAX_METAL_REFLECTANCE: f64 = 0.9999;
 
 /// Index of refraction of pbrt's coats and glossy materials, and default of dielectrics.
 const COAT_INDEX: f64 = 1.5;
+
+/// Thickness of pbrt's coats, whose extinction is 1.
+const COAT_THICKNESS: f64 = 0.01;
 
 /// Estimated memory of each material \[bytes].
 const MEMORY_PER_MATERIAL: u64 = 2_000;
@@ -130,6 +133,12 @@ impl Materials {
         }
         self.used.insert(key, name.clone());
         Ok(name)
+    }
+
+    /// True if a material of the description bounds a body, which may hold a medium.
+    pub fn bounds_body(&self, name: &str) -> bool {
+        let material = self.descriptions.iter().find(|material| material.name.as_deref() == Some(name));
+        material.is_some_and(|material| material.kind.is_dielectric() || material.kind.is_null_interface())
     }
 }
 
@@ -232,8 +241,15 @@ impl Conversion<'_> {
             }
             "coateddiffuse" => {
                 let index = self.index(p, &["eta"])?.clamp(1.0, f64::from(MAX_COAT_INDEX));
-                let (reflectance, _) = self.color(p, "reflectance", 0.5, &|c| c)?;
-                let roughness = self.roughness(p, 0.0, false)?.alpha;
+                let roughness = self.roughness(p, 0.0, false)?;
+                if p.find("albedo").is_some_and(|albedo| albedo.numbers.iter().any(|a| *a != 0.0)) {
+                    self.note("scattering inside coats (`albedo`) is left out: they absorb only", place);
+                }
+                let thickness = p.number_or("thickness", COAT_THICKNESS).max(0.0);
+                let coat = LossyCoat::new(index, roughness.mean, thickness);
+                let under_coat = |c: DVec3| c.map(|reflectance| coat.equivalent_reflectance(reflectance));
+                let (reflectance, _) = self.color(p, "reflectance", 0.5, &under_coat)?;
+                let roughness = roughness.alpha;
                 MaterialKindDescription::CoatedDiffuse { reflectance, index, roughness, nonlinear: true }
             }
             "plastic" | "uber" | "substrate" | "disney" => {

@@ -7,11 +7,15 @@ mod files;
 mod interpreter;
 mod lights;
 mod materials;
+mod media;
 mod parameters;
+mod quadrics;
+mod settings;
 mod shapes;
 mod spectra;
 mod state;
 mod subdivision;
+mod surfaces;
 #[cfg(test)]
 mod tests;
 mod textures;

@@ -32,6 +32,18 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
+    /// Returns parameters with numbers, by name.
+    #[cfg(test)]
+    pub fn of_numbers(place: Place, numbers: &[(&str, &[f64])]) -> Self {
+        let parameter = |(name, numbers): &(&str, &[f64])| Parameter {
+            kind: "float".to_owned(),
+            name: (*name).to_owned(),
+            numbers: numbers.to_vec(),
+            texts: Vec::new(),
+        };
+        Self { place, list: numbers.iter().map(parameter).collect() }
+    }
+
     /// Reads the parameters of the directive at `place`, up to the next directive.
     pub fn read(tokens: &mut Tokens<'_>, place: Place, files: &SceneFiles<'_>) -> ReadResult<Self> {
         let mut list = Vec::new();

@@ -3,6 +3,7 @@
 use super::content::SceneContent;
 use super::files::{ReadResult, SceneFiles};
 use super::parameters::Parameters;
+use super::quadrics::quadric_mesh;
 use super::subdivision::subdivided;
 use crate::format::description::{MeshOptions, ShapeDescription, Span, Spanned};
 use crate::format::mesh::{TriangleMesh, decode};
@@ -15,6 +16,9 @@ const MEMORY_PER_CORNER: u64 = 100;
 
 /// Greatest number of subdivisions of a mesh.
 const MAX_LEVELS: f64 = 10.0;
+
+/// Greatest number of vertices and triangle corners of the mesh of a quadric.
+const MAX_QUADRIC_CORNERS: u64 = 16_000;
 
 /// Number of segments along each side of a bilinear patch that is no parallelogram.
 const PATCH_SEGMENTS: u32 = 16;
@@ -37,39 +41,29 @@ pub(super) fn read_shape(
         if radius > 0.0 { Ok(radius) } else { Err(place.error("the radius is not above 0", help)) }
     };
     let notes = &mut content.notes;
-    if parameters.number_or("phimax", 360.0) != 360.0 {
-        notes.add_unsupported("shapes cut by `phimax` are whole", place.described());
-    }
+    let is_cut = cuts_quadric(kind, parameters);
     let mesh = match kind {
-        "sphere" => {
-            let radius = radius(parameters)?;
-            let [low, high] = ["zmin", "zmax"].map(|name| parameters.number(name));
-            if low.is_some_and(|z| z > -radius) || high.is_some_and(|z| z < radius) {
-                notes.add_unsupported("spheres cut by `zmin` and `zmax` are whole", place.described());
-            }
-            if is_reversed {
-                notes.add_unsupported("spheres and cylinders are not turned inside out", place.described());
-            }
-            return Ok(Some(ShapeDescription::Sphere { center: DVec3::ZERO, radius }));
+        "sphere" if !(is_cut || is_reversed) => {
+            return Ok(Some(ShapeDescription::Sphere { center: DVec3::ZERO, radius: radius(parameters)? }));
         }
-        "disk" => {
-            if parameters.number_or("innerradius", 0.0) > 0.0 {
-                notes.add_unsupported("disks have no hole", place.described());
-            }
+        "disk" if !is_cut => {
             let center = DVec3::Z * parameters.number_or("height", 0.0);
             let normal = if is_reversed { DVec3::NEG_Z } else { DVec3::Z };
             return Ok(Some(ShapeDescription::Disc { center, normal, radius: radius(parameters)? }));
         }
-        "cylinder" => {
+        "cylinder" if !(is_cut || is_reversed) => {
             let ends = [parameters.number_or("zmin", -1.0), parameters.number_or("zmax", 1.0)];
             if ends[0] == ends[1] {
                 return Err(place.error("the cylinder has no height", "give different `zmin` and `zmax`"));
             }
-            if is_reversed {
-                notes.add_unsupported("spheres and cylinders are not turned inside out", place.described());
-            }
             let ends = ends.map(|z| DVec3::Z * z);
             return Ok(Some(ShapeDescription::Cylinder { ends, radius: radius(parameters)?, is_capped: false }));
+        }
+        "sphere" | "disk" | "cylinder" | "cone" | "paraboloid" | "hyperboloid" => {
+            let message = "parts of spheres, cylinders and disks, and other quadrics, are meshes of facets";
+            notes.add_unsupported(message, place.described());
+            files.count_memory(MAX_QUADRIC_CORNERS * MEMORY_PER_CORNER)?;
+            quadric_mesh(kind, parameters)?.unwrap_or_default()
         }
         "trianglemesh" => triangle_mesh(parameters, files)?,
         "bilinearmesh" => bilinear_mesh(parameters, files)?,
@@ -120,6 +114,15 @@ pub(super) fn read_shape(
     content.meshes.insert(name.to_owned(), Arc::new(mesh));
     let path = Spanned::new(name.to_owned(), Span::default());
     Ok(Some(ShapeDescription::Mesh { path, options: MeshOptions::default() }))
+}
+
+/// True if the parameters cut a part out of a sphere, cylinder or disk.
+fn cuts_quadric(kind: &str, parameters: &Parameters) -> bool {
+    let radius = parameters.number_or("radius", 1.0);
+    let [low, high] = ["zmin", "zmax"].map(|name| parameters.number(name));
+    let is_cut_sphere = kind == "sphere" && (low.is_some_and(|z| z > -radius) || high.is_some_and(|z| z < radius));
+    let is_ring = kind == "disk" && parameters.number_or("innerradius", 0.0) > 0.0;
+    parameters.number_or("phimax", 360.0) < 360.0 || is_cut_sphere || is_ring
 }
 
 /// Returns the vertex indices of the parameter `indices`. Fails if one is not below `count`.

@@ -3,23 +3,23 @@
 use super::decode;
 use crate::format::description::{
     DirectionOrTarget, EnvironmentRadiance, GroupItem, LightDescription, MaterialKindDescription, MetalDescription,
-    ObjectDescription, PointLightStrength, ProjectionDescription, ShapeDescription, TexturedValue,
+    ObjectDescription, PointLightStrength, ProjectionDescription, ShapeDescription, TexturedValue, TransformStep,
 };
 use crate::format::import::{ImportOptions, ImportedScene, SceneReadError};
 use crate::stats::MemoryLimit;
-use glam::DVec3;
+use glam::{DAffine3, DVec3, Vec3};
 use std::path::Path;
 
-fn import(text: &str) -> Result<ImportedScene, SceneReadError> {
+pub(super) fn import(text: &str) -> Result<ImportedScene, SceneReadError> {
     let options = ImportOptions { memory: MemoryLimit::Limit(1 << 28), ..ImportOptions::default() };
     decode(Path::new("/nowhere/test.pbrt"), text.as_bytes(), &options)
 }
 
-fn imported(text: &str) -> ImportedScene {
+pub(super) fn imported(text: &str) -> ImportedScene {
     import(text).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn messages(scene: &ImportedScene) -> String {
+pub(super) fn messages(scene: &ImportedScene) -> String {
     scene.notes.iter().map(|note| format!("{}\n", note.message)).collect()
 }
 
@@ -146,6 +146,95 @@ fn motion_between_active_transforms_is_kept() {
     assert!(text.contains("Moving") && messages(&scene).contains("no light"), "{text}");
 }
 
+#[test]
+fn moving_cameras_turn_about_themselves() {
+    let scene = imported(
+        "ActiveTransform EndTime Rotate -30 0 1 0 Translate 0 0 2 ActiveTransform All LookAt 1 0 0 1 0 5 0 1 0 \
+         Camera \"perspective\" WorldBegin",
+    );
+    let camera = &scene.description.camera;
+    assert!(camera.center.abs_diff_eq(DVec3::X, 1e-12));
+    // The file moves the world before the camera. The world is mirrored along z.
+    let at_end = TransformStep::composed_matrix(&camera.motion);
+    let about = DAffine3::from_translation(camera.center);
+    let moved = about * at_end * about.inverse();
+    let file = DAffine3::from_rotation_y(-30_f64.to_radians()) * DAffine3::from_translation(2.0 * DVec3::Z);
+    let look_at = DAffine3::from_translation(DVec3::NEG_X);
+    let mirror = DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0));
+    let expected = mirror * (file * look_at).inverse() * look_at * mirror;
+    assert!(moved.abs_diff_eq(expected, 1e-12), "{moved} {expected}");
+}
+
+#[test]
+fn centered_crops_narrow_the_view() {
+    let view = |film: &str| {
+        let text = format!(
+            "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100 {film} Camera \"perspective\" WorldBegin"
+        );
+        let scene = imported(&text);
+        let camera = &scene.description.camera;
+        let ProjectionDescription::Perspective { angle, .. } = camera.projection else { panic!() };
+        ((camera.width, camera.height), libm::tan((0.5 * angle).to_radians()), messages(&scene))
+    };
+    let (whole, tangent, _) = view("");
+    assert_eq!((whole, (tangent - 1.0).abs() < 1e-9), ((200, 100), true));
+    for crop in ["\"float cropwindow\" [.25 .75 .2 .8]", "\"integer pixelbounds\" [50 150 20 80]"] {
+        let (size, tangent, notes) = view(crop);
+        assert!(size == (100, 60) && (tangent - 0.6).abs() < 1e-9, "{size:?} {tangent}");
+        assert!(!notes.contains("crop"));
+    }
+    let (size, _, notes) = view("\"float cropwindow\" [0 .5 0 1]");
+    assert!(size == (200, 100) && notes.contains("crop windows off the center"));
+}
+
+#[test]
+fn settings_of_the_file_become_flags() {
+    let scene = imported(
+        "Integrator \"sppm\" \"integer maxdepth\" 7 \"float radius\" .05 PixelFilter \"triangle\" \
+         Sampler \"halton\" \"integer pixelsamples\" 16 WorldBegin",
+    );
+    let flags = "--integrator sppm --max-bounces 6 --radius 0.05 --filter tent --spp 16";
+    assert!(messages(&scene).contains(flags), "{}", messages(&scene));
+    let scene = imported("Integrator \"path\" Integrator \"unknown\" WorldBegin");
+    assert!(!messages(&scene).contains("settings"));
+}
+
+#[test]
+fn parts_of_quadrics_become_meshes() {
+    let scene = imported(
+        "WorldBegin Shape \"sphere\" \"float phimax\" 90 Shape \"disk\" \"float innerradius\" .5 \
+         Shape \"cone\" Shape \"sphere\" \"float zmin\" -1 Shape \"cylinder\"",
+    );
+    assert_eq!(scene.assets.meshes.len(), 3);
+    assert!(messages(&scene).contains("parts of spheres"), "{}", messages(&scene));
+}
+
+#[test]
+fn sheets_between_media_are_noted() {
+    let media = "WorldBegin MakeNamedMedium \"fog\" MediumInterface \"\" \"fog\"";
+    let sheet = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]";
+    let notes = |text: &str| messages(&imported(&format!("{media} {text}"))).contains("sheets do not separate media");
+    assert!(notes(sheet) && notes("Shape \"disk\"") && !notes("Shape \"sphere\""));
+    assert!(!notes(&format!("MediumInterface \"fog\" \"fog\" {sheet}")));
+    assert!(!notes(&format!("Material \"interface\" MediumInterface \"fog\" \"\" {sheet}")));
+}
+
+#[test]
+fn pictures_in_tga_files_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    // Uncompressed colors, 2 × 1 pixels of 24 bits as blue, green, red; the top row is first.
+    let mut file = vec![0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 1, 0, 24, 0x20];
+    file.extend([255, 0, 0, 0, 0, 255]);
+    std::fs::write(folder.path().join("a.TGA"), &file).unwrap();
+    let text = "WorldBegin Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"a.TGA\" \
+         Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"";
+    let read = || decode(&folder.path().join("a.pbrt"), text.as_bytes(), &ImportOptions::default());
+    let picture = read().unwrap().assets.pictures.into_values().next().unwrap();
+    assert_eq!(picture.pixels(), [Vec3::Z, Vec3::X]);
+    std::fs::write(folder.path().join("a.TGA"), &file[..20]).unwrap();
+    assert!(read().unwrap_err().to_string().contains("line 1"));
+}
+
 /// Each text is refused with its line and a remedy, without a panic.
 #[test]
 fn defects_are_refused_with_their_line() {
@@ -177,6 +266,21 @@ fn defects_are_refused_with_their_line() {
         "Film \"rgb\" \"integer xresolution\" 0",
         "Camera \"perspective\" \"float fov\" 180 WorldBegin",
         "Camera \"realistic\" WorldBegin",
+        "Shape \"sphere\" \"float zmin\" .5 \"float zmax\" .5",
+        "Shape \"paraboloid\" \"float zmin\" -1",
+        "Shape \"hyperboloid\" \"point3 p1\" [1 1 1]",
+        "Shape \"cone\" \"float radius\" 0",
+        "LightSource \"projection\"",
+        "LightSource \"projection\" \"float fov\" 0 \"string filename\" \"a.png\"",
+        "LightSource \"goniometric\" \"string filename\" \"missing.exr\"",
+        "MakeNamedMedium \"m\" \"string type\" \"nanovdb\" \"string filename\" \"m.nvdb\"",
+        "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\"",
+        "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"float density\" [1]",
+        "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 1.5 \"float density\" [1]",
+        "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"float density\" [-1]",
+        "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"float density\" [1] \"point3 p1\" [1 0 1]",
+        "MakeNamedMedium \"m\" \"string type\" \"rgbgrid\"",
+        "MakeNamedMedium \"m\" \"string type\" \"rgbgrid\" \"rgb sigma_a\" [1 1]",
     ];
     for defect in defects {
         let error = import(&format!("\n{defect}")).err().unwrap_or_else(|| panic!("{defect} is accepted"));

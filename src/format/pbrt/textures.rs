@@ -11,8 +11,10 @@ use crate::format::import_notes::ImportNotes;
 use crate::image::{Image, PixelMeaning, decode, decode_rgba_levels};
 use glam::{DVec2, DVec3, Vec3};
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
 use std::sync::Arc;
+
+/// First bytes of a JPEG file.
+const JPEG_SIGNATURE: [u8; 2] = [0xff, 0xd8];
 
 /// A texture that the pbrt file defines, or a constant in place of one.
 #[derive(Clone, Debug)]
@@ -295,7 +297,7 @@ fn coordinates(parameters: &Parameters, notes: &mut ImportNotes) -> TexcoordTran
     TexcoordTransformDescription { scale, rotate: 0.0, offset: pair("udelta", "vdelta", 0.0) }
 }
 
-/// Reads the picture file that the scene calls `name`: PNG, OpenEXR, Radiance HDR or JPEG.
+/// Reads the picture file that the scene calls `name`: PNG, OpenEXR, Radiance HDR, JPEG or TGA.
 pub(super) fn read_picture(
     name: &str,
     meaning: PixelMeaning,
@@ -305,19 +307,19 @@ pub(super) fn read_picture(
     let path = files.resolve(place, name)?;
     let bytes = files.read(&path)?;
     let failed = |e: &dyn std::fmt::Display| place.error(e, "convert the picture to PNG or OpenEXR");
-    if bytes.starts_with(&[0xff, 0xd8]) {
-        let levels = decode_rgba_levels(Path::new(name), &bytes, files.free_memory()).map_err(|e| failed(&e))?;
-        if let Some(levels) = levels {
-            let (table, greatest) = (levels.srgb_table(), f32::from(levels.greatest));
-            let value = |level: u16| match meaning {
-                PixelMeaning::Radiance => table.get(usize::from(level)).copied().unwrap_or_default(),
-                PixelMeaning::Data => f32::from(level) / greatest,
-            };
-            let pixels = levels.pixels.iter().map(|p| Vec3::new(value(p[0]), value(p[1]), value(p[2]))).collect();
-            let image = Image::from_pixels(levels.width, levels.height, pixels).map_err(|e| failed(&e))?;
-            files.count_memory(12 * image.pixels().len() as u64)?;
-            return Ok(image);
-        }
+    let is_tga = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("tga"));
+    if (is_tga || bytes.starts_with(&JPEG_SIGNATURE))
+        && let Some(levels) = decode_rgba_levels(&path, &bytes, files.free_memory()).map_err(|e| failed(&e))?
+    {
+        let (table, greatest) = (levels.srgb_table(), f32::from(levels.greatest));
+        let value = |level: u16| match meaning {
+            PixelMeaning::Radiance => table.get(usize::from(level)).copied().unwrap_or_default(),
+            PixelMeaning::Data => f32::from(level) / greatest,
+        };
+        let pixels = levels.pixels.iter().map(|p| Vec3::new(value(p[0]), value(p[1]), value(p[2]))).collect();
+        let image = Image::from_pixels(levels.width, levels.height, pixels).map_err(|e| failed(&e))?;
+        files.count_memory(12 * image.pixels().len() as u64)?;
+        return Ok(image);
     }
     let (image, _) = decode(&path, &bytes, meaning, files.free_memory()).map_err(|e| failed(&e))?;
     files.count_memory(12 * image.pixels().len() as u64)?;

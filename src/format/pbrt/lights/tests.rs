@@ -1,0 +1,123 @@
+//! Tests of lights of pbrt: patterns, power, and lamps with two sides.
+
+use crate::format::description::{
+    DirectionOrTarget, GroupItem, LightDescription, LightPattern, ObjectDescription, PointLightStrength,
+    ShapeDescription, Spanned,
+};
+use crate::format::import::{ImportOptions, ImportedScene};
+use crate::format::pbrt::decode;
+use crate::format::pbrt::tests::imported;
+use crate::image::{Image, WriteOptions, write};
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
+
+/// Returns the scene of a text that names the picture `a.exr`; pixels are in rows from the top.
+fn with_picture((width, height): (u32, u32), pixels: &[f32], text: &str) -> ImportedScene {
+    let folder = tempfile::tempdir().unwrap();
+    let image = Image::from_pixels(width, height, pixels.iter().map(|p| Vec3::splat(*p)).collect()).unwrap();
+    write(&folder.path().join("a.exr"), &image, &WriteOptions::default()).unwrap();
+    decode(&folder.path().join("a.pbrt"), text.as_bytes(), &ImportOptions::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Returns emitted radiance and shape of all shapes.
+fn emitters(scene: &ImportedScene) -> Vec<(DVec3, ShapeDescription)> {
+    fn shape(object: &Spanned<ObjectDescription>) -> (DVec3, ShapeDescription) {
+        match &object.value {
+            ObjectDescription::Shape { shape, emission } => (emission.unwrap_or_default(), shape.clone()),
+            ObjectDescription::Transform { object, .. } => shape(object),
+            other => panic!("{other:?}"),
+        }
+    }
+    let items = scene.description.root.items.iter();
+    items.filter_map(|item| if let GroupItem::Object(object) = item { Some(shape(object)) } else { None }).collect()
+}
+
+#[test]
+fn pictures_of_projectors_stay_upright() {
+    let light = "LightSource \"projection\" \"string filename\" \"a.exr\" \"float fov\" 90 \"float scale\" 3";
+    for (head, pixels) in [("", [1.0, 2.0, 3.0, 4.0]), ("Scale -1 1 1", [2.0, 1.0, 4.0, 3.0])] {
+        let scene = with_picture((2, 2), &[1.0, 2.0, 3.0, 4.0], &format!("WorldBegin {head} {light}"));
+        let LightDescription::Oriented { aim, up, pattern, strength, .. } = &scene.description.lights[0].value else {
+            panic!()
+        };
+        // pbrt's +z is our −z. Then the right of the picture is +x.
+        assert_eq!((*aim, *up), (DirectionOrTarget::Direction(DVec3::NEG_Z), Some(DVec3::Y)));
+        let LightPattern::Picture { path, angle } = pattern else { panic!() };
+        assert!((angle - 90.0).abs() < 1e-9 && *strength == PointLightStrength::Intensity(DVec3::splat(3.0)));
+        let values: Vec<f32> = scene.assets.pictures[&path.value].pixels().iter().map(|pixel| pixel.x).collect();
+        assert_eq!(values, pixels, "{head}");
+    }
+    // The field of view is that of the shorter side.
+    let scene = with_picture((1, 2), &[1.0, 2.0], &format!("WorldBegin {light}"));
+    let LightDescription::Oriented { pattern: LightPattern::Picture { angle, .. }, .. } =
+        scene.description.lights[0].value
+    else {
+        panic!()
+    };
+    assert!((angle - 2.0 * 2.0_f64.atan().to_degrees()).abs() < 1e-9);
+}
+
+/// The top of pbrt's map is +y of the light, and its left quarter lies between +x and +z.
+#[test]
+fn maps_of_goniometric_lights_keep_their_directions() {
+    let mut pixels = [0.0; 32];
+    // The left quarter of the top half.
+    [0, 1, 8, 9].iter().for_each(|i| pixels[*i] = 1.0);
+    let text = "WorldBegin LightSource \"goniometric\" \"string mapname\" \"a.exr\"";
+    let scene = with_picture((8, 4), &pixels, text);
+    let LightDescription::Oriented { aim, pattern: LightPattern::Map(path), .. } = &scene.description.lights[0].value
+    else {
+        panic!()
+    };
+    assert_eq!(*aim, DirectionOrTarget::Direction(DVec3::Z));
+    let map = &scene.assets.pictures[&path.value];
+    // Our left quarter lies between −z, which is pbrt's +z, and +x.
+    for (i, pixel) in map.pixels().iter().enumerate() {
+        let (x, y) = ((i % 8) as f32 + 0.5, (i / 8) as f32 + 0.5);
+        let is_bright = x < 2.0 && y < 2.0;
+        assert!((pixel.x > 0.4) == is_bright, "{x} {y}: {pixel}");
+    }
+    let plain = imported("WorldBegin LightSource \"goniometric\" \"rgb I\" [1 2 3]");
+    assert!(matches!(plain.description.lights[0].value, LightDescription::Point { .. }));
+}
+
+#[test]
+fn power_replaces_the_unit_of_lights() {
+    let scene = imported(
+        "WorldBegin LightSource \"point\" \"float power\" 10 \"rgb I\" [1 .5 0] \"float scale\" 2 \
+         AreaLightSource \"diffuse\" \"float power\" 12 Scale 2 2 2 Shape \"sphere\" \
+         Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]",
+    );
+    let LightDescription::Point { strength, .. } = scene.description.lights[0].value else { panic!() };
+    assert_eq!(strength, PointLightStrength::Power(DVec3::new(20.0, 10.0, 0.0)));
+    let radiance: Vec<f64> = emitters(&scene).iter().map(|(radiance, _)| radiance.x).collect();
+    for (radiance, area) in radiance.iter().zip([16.0 * PI, 2.0]) {
+        assert!((radiance * PI * area - 12.0).abs() < 1e-9, "{radiance}");
+    }
+}
+
+#[test]
+fn two_sided_lamps_emit_on_their_back() {
+    let scene = imported(
+        "WorldBegin AreaLightSource \"diffuse\" \"bool twosided\" true \"float power\" 6 Shape \"disk\" \
+         Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] Shape \"sphere\"",
+    );
+    let lamps = emitters(&scene);
+    assert_eq!(lamps.len(), 5);
+    let [
+        (front, ShapeDescription::Disc { center, normal, .. }),
+        (back, ShapeDescription::Disc { center: behind, normal: other, .. }),
+    ] = &lamps[..2]
+    else {
+        panic!()
+    };
+    // Both sides share the power.
+    assert!(front == back && (front.x * PI * PI * 2.0 - 6.0).abs() < 1e-9);
+    assert!(*normal == -*other && (behind - center).dot(*normal) < 0.0 && behind.distance(*center) < 1e-3);
+    let meshes: Vec<_> = scene.assets.meshes.values().collect();
+    let normal = |i: usize| {
+        let [a, b, c] = meshes[i].triangles[0].map(|v| meshes[i].positions[v as usize]);
+        (b - a).cross(c - a)
+    };
+    assert!(normal(0).dot(normal(1)) < -0.99 && meshes[0].positions != meshes[1].positions);
+}

@@ -1,0 +1,267 @@
+//! Converts participating media of pbrt scenes.
+
+use super::files::{Place, ReadResult, SceneFiles};
+use super::parameters::Parameters;
+use super::spectra::{ColorUse, color};
+use crate::format::description::{
+    DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, Span, Spanned, TransformStep,
+    TransformedBoxDescription,
+};
+use crate::format::grid::DensityGrid;
+use crate::format::import_notes::ImportNotes;
+use glam::{DAffine3, DMat4, DVec3};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Bytes of memory for each cell of a grid: its density, and its majorant.
+const MEMORY_PER_CELL: u64 = 8;
+
+/// Least relative deviation of a color from the mean color of a grid that is worth a message.
+const COLOR_DEVIATION: f64 = 1e-3;
+
+/// Coefficients, emission and density of a medium.
+struct MediumValues {
+    coefficients: MediumCoefficients,
+    emission: DVec3,
+    density: DensityDescription,
+}
+
+/// Density grids by path.
+type DensityGrids = BTreeMap<String, Arc<DensityGrid>>;
+
+/// Media of a scene, with their density grids.
+#[derive(Default)]
+pub(super) struct Media {
+    /// Media of the description. Boxes of grids are in pbrt's world space.
+    descriptions: Vec<Spanned<MediumDescription>>,
+    grids: DensityGrids,
+}
+
+impl Media {
+    /// True if a medium with this name is known.
+    pub fn contains(&self, name: &str) -> bool {
+        self.descriptions.iter().any(|medium| medium.name == name)
+    }
+
+    /// Returns the descriptions, with all boxes transformed by `map`, and the density grids by
+    /// path.
+    pub fn into_descriptions(mut self, map: DAffine3) -> (Vec<Spanned<MediumDescription>>, DensityGrids) {
+        for medium in &mut self.descriptions {
+            if let DensityDescription::Grid { extent, .. } = &mut medium.value.density {
+                // A matrix applies after all earlier steps.
+                extent.maps.push(TransformStep::Matrix(DMat4::from(map)));
+            }
+        }
+        (self.descriptions, self.grids)
+    }
+
+    /// Adds the medium `name`, whose own space is mapped by `to_world`.
+    ///
+    /// Media of unknown kinds are left out with a note.
+    pub fn add(
+        &mut self,
+        name: &str,
+        parameters: &Parameters,
+        to_world: DAffine3,
+        files: &SceneFiles<'_>,
+        notes: &mut ImportNotes,
+    ) -> ReadResult<()> {
+        let place = &parameters.place;
+        let g = parameters.number_or("g", 0.0);
+        if parameters.number_or("scale", 1.0) < 0.0 || !(g > -1.0 && g < 1.0) {
+            return Err(place.error("the scale is negative, or g is not between -1 and 1", "correct the medium"));
+        }
+        let values = match parameters.text("type") {
+            Some("homogeneous") | None => homogeneous(parameters, files, notes)?,
+            Some("uniformgrid" | "heterogeneous") => self.uniform_grid(parameters, to_world, files, notes)?,
+            Some("rgbgrid") => self.color_grid(parameters, to_world, files, notes)?,
+            Some("nanovdb") => {
+                let help = "export the density as a `uniformgrid` medium";
+                return Err(place.error(format!("the medium `{name}` is a NanoVDB file, which is not read"), help));
+            }
+            Some(kind) => {
+                let message = format!("media of kind `{kind}` are left out: their shapes are empty");
+                notes.add_unsupported(&message, format!("{}: `{name}`", place.described()));
+                return Ok(());
+            }
+        };
+        let phase = match g {
+            0.0 => PhaseFunctionDescription::Isotropic,
+            _ => PhaseFunctionDescription::HenyeyGreenstein(g),
+        };
+        let MediumValues { coefficients, emission, density } = values;
+        let description = MediumDescription { name: name.to_owned(), coefficients, emission, phase, density };
+        files.count_memory(1_000)?;
+        self.descriptions.retain(|medium| medium.name != name);
+        self.descriptions.push(Spanned::new(description, Span::default()));
+        Ok(())
+    }
+
+    /// Returns a medium with one density for each cell.
+    fn uniform_grid(
+        &mut self,
+        parameters: &Parameters,
+        to_world: DAffine3,
+        files: &SceneFiles<'_>,
+        notes: &mut ImportNotes,
+    ) -> ReadResult<MediumValues> {
+        let place = &parameters.place;
+        let size = grid_size(parameters)?;
+        let densities = cells::<1>(parameters, "density", size)?;
+        let densities =
+            densities.ok_or_else(|| place.error("the medium has no `density`", "give one for each cell"))?;
+        let is_v3 = parameters.text("type") == Some("heterogeneous");
+        let [absorption, scattering] = coefficients(parameters, !is_v3, files)?;
+        if parameters.find("temperature").is_some() {
+            notes.add_unsupported("emission by the temperature of media is left out", place.described());
+        }
+        // Emission counts once per absorption in pbrt.
+        let mut emission = emission(parameters, files)? * absorption;
+        if emission != DVec3::ZERO
+            && let Some(factors) = cells::<1>(parameters, "Lescale", size)?
+        {
+            notes.add_unsupported("emission of media that varies in space becomes its mean", place.described());
+            let weight: f64 = densities.iter().map(|[density]| density).sum();
+            let sum: f64 = densities.iter().zip(factors).map(|([density], [factor])| density * factor).sum();
+            emission *= if weight > 0.0 { sum / weight } else { 0.0 };
+        }
+        let densities = densities.iter().map(|[density]| *density as f32).collect();
+        let density = self.embed((size, densities), parameters, to_world, files)?;
+        let coefficients = MediumCoefficients::AbsorptionScattering { absorption, scattering };
+        Ok(MediumValues { coefficients, emission, density })
+    }
+
+    /// Returns a medium with colors of absorption and scattering for each cell.
+    ///
+    /// The density is the mean of the extinction's channels. Colors become means over all cells.
+    fn color_grid(
+        &mut self,
+        parameters: &Parameters,
+        to_world: DAffine3,
+        files: &SceneFiles<'_>,
+        notes: &mut ImportNotes,
+    ) -> ReadResult<MediumValues> {
+        let place = &parameters.place;
+        let size = grid_size(parameters)?;
+        let (absorption, scattering) = (cells(parameters, "sigma_a", size)?, cells(parameters, "sigma_s", size)?);
+        let count = absorption.or(scattering).map(<[_]>::len);
+        let count =
+            count.ok_or_else(|| place.error("the medium has no coefficients", "give `sigma_a` or `sigma_s`"))?;
+        let color_of = |values: Option<&[[f64; 3]]>, i: usize| values.map_or(DVec3::ONE, |v| DVec3::from_array(v[i]));
+        let emitted = cells(parameters, "Le", size)?.filter(|_| absorption.is_some());
+        let mut densities = Vec::with_capacity(count);
+        let (mut weight, mut sums) = (0.0, [DVec3::ZERO; 3]);
+        for i in 0..count {
+            let (a, s) = (color_of(absorption, i), color_of(scattering, i));
+            let density = (a + s).element_sum() / 3.0;
+            let light = emitted.map_or(DVec3::ZERO, |emitted| DVec3::from_array(emitted[i])) * a;
+            sums = [sums[0] + a, sums[1] + s, sums[2] + light];
+            weight += density;
+            densities.push(density as f32);
+        }
+        let [absorbed, scattered, light] = sums.map(|sum| if weight > 0.0 { sum / weight } else { DVec3::ZERO });
+        let deviates = (0..count).any(|i| {
+            let (a, s) = (color_of(absorption, i), color_of(scattering, i));
+            let density = (a + s).element_sum() / 3.0;
+            let deviation = (a - absorbed * density).abs().max((s - scattered * density).abs());
+            deviation.max_element() > COLOR_DEVIATION * density
+        });
+        if deviates || light != DVec3::ZERO {
+            notes.add_unsupported("colors of media that vary in space become their mean", place.described());
+        }
+        let scale = parameters.number_or("scale", 1.0);
+        let density = self.embed((size, densities), parameters, to_world, files)?;
+        let coefficients =
+            MediumCoefficients::AbsorptionScattering { absorption: absorbed * scale, scattering: scattered * scale };
+        let emission = light * scale * parameters.number_or("Lescale", 1.0).max(0.0);
+        Ok(MediumValues { coefficients, emission, density })
+    }
+
+    /// Embeds a grid in the box of the medium, and returns its density.
+    fn embed(
+        &mut self,
+        (size, values): ([u32; 3], Vec<f32>),
+        parameters: &Parameters,
+        to_world: DAffine3,
+        files: &SceneFiles<'_>,
+    ) -> ReadResult<DensityDescription> {
+        let place = &parameters.place;
+        let corner = |name: &str, default: DVec3| parameters.point(name).unwrap_or(default);
+        let (min, max) = (corner("p0", DVec3::ZERO), corner("p1", DVec3::ONE));
+        if !min.cmplt(max).all() {
+            return Err(place.error("the box of the medium is empty", "give a `p1` above `p0` in every coordinate"));
+        }
+        files.count_memory(MEMORY_PER_CELL * values.len() as u64)?;
+        let extent = TransformedBoxDescription { min, max, maps: vec![TransformStep::Matrix(DMat4::from(to_world))] };
+        let path = format!("grid{}", self.grids.len());
+        self.grids.insert(path.clone(), Arc::new(DensityGrid { size, values }));
+        Ok(DensityDescription::Grid { path: Spanned::new(path, Span::default()), scale: 1.0, extent })
+    }
+}
+
+/// Returns a medium that is equal everywhere.
+fn homogeneous(parameters: &Parameters, files: &SceneFiles<'_>, notes: &mut ImportNotes) -> ReadResult<MediumValues> {
+    if let Some(preset) = parameters.text("preset") {
+        let message = format!("media by preset have pbrt's default coefficients, not those of `{preset}`");
+        notes.add_unsupported(&message, parameters.place.described());
+    }
+    let [absorption, scattering] = coefficients(parameters, false, files)?;
+    // Emission counts once per absorption in pbrt.
+    let emission = emission(parameters, files)? * parameters.number_or("Lescale", 1.0).max(0.0) * absorption;
+    let coefficients = MediumCoefficients::AbsorptionScattering { absorption, scattering };
+    Ok(MediumValues { coefficients, emission, density: DensityDescription::Homogeneous })
+}
+
+/// Returns σa and σs, times the scale. Defaults are 1, or whole milk per millimetre.
+fn coefficients(parameters: &Parameters, defaults_to_one: bool, files: &SceneFiles<'_>) -> ReadResult<[DVec3; 2]> {
+    let place = &parameters.place;
+    let scale = parameters.number_or("scale", 1.0);
+    let value = |name: &str, milk: DVec3| -> ReadResult<DVec3> {
+        let default = if defaults_to_one { DVec3::ONE } else { milk };
+        let found = parameters.find(name).map(|parameter| color(parameter, ColorUse::Unbounded, place, files));
+        Ok(found.transpose()?.unwrap_or(default) * scale)
+    };
+    Ok([value("sigma_a", DVec3::new(0.0011, 0.0024, 0.014))?, value("sigma_s", DVec3::new(2.55, 3.21, 3.77))?])
+}
+
+/// Returns the emitted radiance per optical depth of absorption, without its factor.
+fn emission(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<DVec3> {
+    match parameters.find("Le") {
+        Some(parameter) => color(parameter, ColorUse::Light { is_v3: false }, &parameters.place, files),
+        None => Ok(DVec3::ZERO),
+    }
+}
+
+/// Returns the number of cells along each axis.
+fn grid_size(parameters: &Parameters) -> ReadResult<[u32; 3]> {
+    let size = ["nx", "ny", "nz"].map(|name| parameters.number_or(name, 1.0));
+    if size.iter().all(|n| *n >= 1.0 && *n <= f64::from(u32::MAX) && n.fract() == 0.0) {
+        return Ok(size.map(|n| n as u32));
+    }
+    Err(parameters.place.error("the numbers of cells are no whole numbers above 0", "correct `nx`, `ny` and `nz`"))
+}
+
+/// Returns the values of a parameter with `N` numbers for each cell; `None` if it is missing.
+fn cells<'p, const N: usize>(
+    parameters: &'p Parameters,
+    name: &str,
+    size: [u32; 3],
+) -> ReadResult<Option<&'p [[f64; N]]>> {
+    let place: &Place = &parameters.place;
+    let Some(parameter) = parameters.find(name) else { return Ok(None) };
+    let (values, rest) = parameter.numbers.as_chunks::<N>();
+    let count = size.iter().map(|n| u128::from(*n)).product::<u128>();
+    if values.len() as u128 != count || !rest.is_empty() {
+        let [x, y, z] = size;
+        let message = format!("`{name}` has {} numbers for {x} × {y} × {z} cells", parameter.numbers.len());
+        return Err(place.error(message, "give as many values as cells, with x running fastest"));
+    }
+    let is_valid = |value: &f64| *value >= 0.0 && *value <= f64::from(f32::MAX);
+    if !values.as_flattened().iter().all(is_valid) {
+        return Err(place.error(format!("a value of `{name}` is negative or too large"), "use values of at least 0"));
+    }
+    Ok(Some(values))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,73 @@
+//! Settings of a pbrt scene file that flags of the command line stand for.
+
+use super::parameters::Parameters;
+
+/// Integrators of both versions, with the algorithms that find the same light paths.
+const ALGORITHMS: [(&str, &str); 13] = [
+    ("path", "path"),
+    ("volpath", "path"),
+    ("simplepath", "path"),
+    ("simplevolpath", "path"),
+    ("randomwalk", "path"),
+    ("mlt", "path"),
+    ("bdpt", "hybrid"),
+    ("lightpath", "hybrid"),
+    ("sppm", "sppm"),
+    ("photonmap", "pm"),
+    ("exphotonmap", "pm"),
+    ("whitted", "whitted"),
+    ("directlighting", "whitted"),
+];
+
+/// Pixel filters of pbrt, with the names of the command line.
+const FILTERS: [(&str, &str); 4] =
+    [("box", "box"), ("triangle", "tent"), ("gaussian", "gaussian"), ("mitchell", "mitchell")];
+
+/// Number of bounces of pbrt's path tracers by default.
+const DEFAULT_DEPTH: f64 = 5.0;
+
+/// Flags of `render` that stand for the settings of the file. The last of two directives holds.
+#[derive(Default)]
+pub(super) struct SuggestedFlags {
+    integrator: Vec<String>,
+    filter: Option<String>,
+    sampler: Option<String>,
+}
+
+impl SuggestedFlags {
+    /// Adds a directive of the file with its name and parameters.
+    pub fn add(&mut self, directive: &str, name: &str, parameters: &Parameters) {
+        match directive {
+            "Integrator" | "SurfaceIntegrator" => {
+                self.integrator.clear();
+                let algorithm = ALGORITHMS.iter().find(|(theirs, _)| *theirs == name);
+                let Some((_, algorithm)) = algorithm else { return };
+                self.integrator.push(format!("--integrator {algorithm}"));
+                // pbrt counts the points at which light is sampled; the first is no bounce.
+                let depth = parameters.number_or("maxdepth", DEFAULT_DEPTH);
+                if depth >= 1.0 && *algorithm != "whitted" {
+                    self.integrator.push(format!("--max-bounces {}", depth.min(1e6) as u32 - 1));
+                }
+                if let Some(radius) = parameters.number("radius").filter(|radius| *radius > 0.0 && name == "sppm") {
+                    self.integrator.push(format!("--radius {radius}"));
+                }
+            }
+            "PixelFilter" => {
+                let filter = FILTERS.iter().find(|(theirs, _)| *theirs == name);
+                self.filter = filter.map(|(_, ours)| format!("--filter {ours}"));
+            }
+            "Sampler" => {
+                let samples = parameters.number("pixelsamples").filter(|samples| *samples >= 1.0);
+                self.sampler = samples.map(|samples| format!("--spp {}", samples.min(1e6) as u32));
+            }
+            // The others have no flag: they choose data structures and numbers of threads.
+            _ => {}
+        }
+    }
+
+    /// Returns all flags, with spaces between; empty if the file has no settings.
+    pub fn joined(&self) -> String {
+        let flags = self.integrator.iter().chain(&self.filter).chain(&self.sampler);
+        flags.map(String::as_str).collect::<Vec<_>>().join(" ")
+    }
+}

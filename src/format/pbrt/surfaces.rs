@@ -1,0 +1,126 @@
+//! Properties of shapes that lamps and media need: whether they are sheets, area and back side.
+
+use super::files::{ReadResult, SceneFiles};
+use crate::format::description::{MeshOptions, ShapeDescription, Span, Spanned};
+use crate::format::mesh::{SolidDefect, TriangleMesh};
+use glam::{DAffine3, DVec3};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Distance between both sides of a lamp, relative to its size.
+const SIDE_DISTANCE: f64 = 1e-4;
+
+/// Bytes of memory for each vertex and each triangle of a copied mesh.
+const MEMORY_PER_ELEMENT: u64 = 100;
+
+/// True if the shape has no inside: it is a disc, a tube or an open mesh.
+pub(super) fn is_sheet(shape: &ShapeDescription, meshes: &BTreeMap<String, Arc<TriangleMesh>>) -> bool {
+    match shape {
+        ShapeDescription::Disc { .. }
+        | ShapeDescription::Rectangle { .. }
+        | ShapeDescription::Triangle { .. }
+        | ShapeDescription::Plane { .. } => true,
+        ShapeDescription::Cylinder { is_capped, .. } | ShapeDescription::Cone { is_capped, .. } => !is_capped,
+        ShapeDescription::Mesh { path, .. } => {
+            let mesh = meshes.get(&path.value);
+            mesh.is_some_and(|mesh| matches!(mesh.solid_defect(), Some(SolidDefect::Open { .. })))
+        }
+        ShapeDescription::Sphere { .. }
+        | ShapeDescription::Box { .. }
+        | ShapeDescription::Revolution { .. }
+        | ShapeDescription::Curve(_)
+        | ShapeDescription::Patches { .. }
+        | ShapeDescription::Nurbs { .. } => false,
+    }
+}
+
+/// Returns the shape that emits on the back of a sheet; `None` for other shapes.
+///
+/// The new shape faces backwards, and lies behind the sheet by a fraction of its size, because two
+/// coincident surfaces would be one hit. Its mesh gets a name that begins with `name`. The back of
+/// a closed shape is not visible, and that of a tube is left dark.
+pub(super) fn back_side(
+    shape: &ShapeDescription,
+    name: &str,
+    meshes: &mut BTreeMap<String, Arc<TriangleMesh>>,
+    files: &SceneFiles<'_>,
+) -> ReadResult<Option<ShapeDescription>> {
+    Ok(match shape {
+        ShapeDescription::Disc { center, normal, radius } => {
+            let center = *center - normal.normalize() * (SIDE_DISTANCE * radius);
+            Some(ShapeDescription::Disc { center, normal: -*normal, radius: *radius })
+        }
+        ShapeDescription::Mesh { path, .. } if is_sheet(shape, meshes) => {
+            let Some(front) = meshes.get(&path.value) else { return Ok(None) };
+            files.count_memory(MEMORY_PER_ELEMENT * (front.positions.len() + front.triangles.len()) as u64)?;
+            let mut back = (**front).clone();
+            let mut normals = vec![DVec3::ZERO; back.positions.len()];
+            for triangle in &back.triangles {
+                let [a, b, c] = triangle.map(|i| back.positions[i as usize]);
+                triangle.iter().for_each(|i| normals[*i as usize] += (b - a).cross(c - a));
+            }
+            let distance = SIDE_DISTANCE * back.bounds_diagonal();
+            for (position, normal) in back.positions.iter_mut().zip(normals) {
+                *position -= normal.normalize_or_zero() * distance;
+            }
+            back.reverse_orientation();
+            let path = format!("{name}-back");
+            meshes.insert(path.clone(), Arc::new(back));
+            let path = Spanned::new(path, Span::default());
+            Some(ShapeDescription::Mesh { path, options: MeshOptions::default() })
+        }
+        ShapeDescription::Mesh { .. }
+        | ShapeDescription::Sphere { .. }
+        | ShapeDescription::Plane { .. }
+        | ShapeDescription::Rectangle { .. }
+        | ShapeDescription::Box { .. }
+        | ShapeDescription::Cylinder { .. }
+        | ShapeDescription::Cone { .. }
+        | ShapeDescription::Triangle { .. }
+        | ShapeDescription::Revolution { .. }
+        | ShapeDescription::Curve(_)
+        | ShapeDescription::Patches { .. }
+        | ShapeDescription::Nurbs { .. } => None,
+    })
+}
+
+/// Returns the area of a shape under `to_world`.
+///
+/// It is exact for meshes and discs. Spheres and tubes count as if the transform kept angles. The
+/// importer makes no other shapes; their area is infinite.
+pub(super) fn world_area(
+    shape: &ShapeDescription,
+    meshes: &BTreeMap<String, Arc<TriangleMesh>>,
+    to_world: DAffine3,
+) -> f64 {
+    let squared_scale = libm::pow(to_world.matrix3.determinant().abs(), 2.0 / 3.0);
+    match shape {
+        ShapeDescription::Sphere { radius, .. } => 4.0 * PI * radius * radius * squared_scale,
+        ShapeDescription::Cylinder { ends, radius, .. } => {
+            2.0 * PI * radius * ends[0].distance(ends[1]) * squared_scale
+        }
+        ShapeDescription::Disc { normal, radius, .. } => {
+            let (x, y) = normal.normalize().any_orthonormal_pair();
+            let map = |axis: DVec3| to_world.transform_vector3(axis);
+            PI * radius * radius * map(x).cross(map(y)).length()
+        }
+        ShapeDescription::Mesh { path, .. } => meshes.get(&path.value).map_or(0.0, |mesh| {
+            let position = |i: u32| to_world.transform_point3(mesh.positions[i as usize]);
+            let area = |triangle: &[u32; 3]| {
+                let [a, b, c] = triangle.map(position);
+                0.5 * (b - a).cross(c - a).length()
+            };
+            mesh.triangles.iter().map(area).sum()
+        }),
+        ShapeDescription::Plane { .. }
+        | ShapeDescription::Rectangle { .. }
+        | ShapeDescription::Box { .. }
+        | ShapeDescription::Cone { .. }
+        | ShapeDescription::Triangle { .. }
+        | ShapeDescription::Revolution { .. }
+        | ShapeDescription::Curve(_)
+        | ShapeDescription::Patches { .. }
+        | ShapeDescription::Nurbs { .. } => f64::INFINITY,
+    }
+}
