@@ -100,6 +100,11 @@ impl Renders {
         Self { name: format!("{method:?}"), narrow: passes(method, scene, effort), wide }
     }
 
+    /// Returns images of independent passes without a bias.
+    pub fn of_images(name: &str, images: Vec<Vec<Rgb>>) -> Self {
+        Self { name: name.to_owned(), narrow: images, wide: Vec::new() }
+    }
+
     pub fn over(&self, grid: &Grid) -> Estimate {
         let narrow = tiles(grid, &self.narrow);
         let (mean, mut variance) = statistics(grid, &narrow);

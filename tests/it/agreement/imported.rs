@@ -1,0 +1,43 @@
+//! Our reference scenes in the forms of other programs, against our own versions.
+
+use super::compare::{Grid, Renders, compare_renders};
+use super::methods::{Effort, Method};
+use crate::support::scene_from_file;
+
+/// Size of the pictures \[pixels].
+const SIZE: (u32, u32) = (64, 48);
+
+const EFFORT: Effort = Effort { passes: 16, samples: 4, photons: 6_000, caustic: 10_000, radius: 0.05 };
+
+/// Compares the scenes of pbrt and Mitsuba in `tests/data/import` with ours in `tests/scenes`.
+///
+/// All renders have the same random numbers. So noise of equal scenes is equal, and the
+/// comparison is sharper than its error bars.
+fn compare_forms(name: &str, method: Method, sharp: (f64, f64)) {
+    let ours = Renders::new(method, &scene_from_file(&format!("tests/scenes/{name}.txt"), SIZE), EFFORT);
+    for extension in ["pbrt", "xml"] {
+        let scene = scene_from_file(&format!("tests/data/import/{name}.{extension}"), SIZE);
+        let theirs = Renders::new(method, &scene, EFFORT);
+        compare_renders(&format!("{name}.{extension}"), &theirs, &ours, &Grid::new(SIZE, 16), sharp);
+    }
+}
+
+#[test]
+fn imported_glass_and_mirror_match_ours() {
+    compare_forms("cbox-caustic", Method::Hybrid, (0.15, 0.03));
+}
+
+#[test]
+fn imported_rough_surfaces_match_ours() {
+    compare_forms("rough", Method::Path, (0.1, 0.03));
+}
+
+#[test]
+fn imported_fog_matches_ours() {
+    compare_forms("fog", Method::Path, (0.1, 0.03));
+}
+
+#[test]
+fn imported_lens_and_sky_match_ours() {
+    compare_forms("lens", Method::Path, (0.1, 0.03));
+}
