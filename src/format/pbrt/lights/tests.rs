@@ -54,7 +54,7 @@ fn pictures_of_projectors_stay_upright() {
     else {
         panic!()
     };
-    assert!((angle - 2.0 * 2.0_f64.atan().to_degrees()).abs() < 1e-9);
+    assert!((angle - 2.0 * libm::atan(2.0).to_degrees()).abs() < 1e-9);
 }
 
 /// The top of pbrt's map is +y of the light, and its left quarter lies between +x and +z.
