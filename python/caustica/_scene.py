@@ -210,14 +210,17 @@ class Result:
     def layers(self) -> dict[str, np.ndarray[Any, Any]]:
         """New float32 arrays: the layers that ``caustica render --aov`` writes.
 
-        ``image`` and other colors have 3 channels, such as ``noise`` and ``bias``. Other channels are apart,
-        such as ``radius.caustic``. Maps of the error exist once it is estimated, after 4 passes.
+        ``image`` and other colors and vectors have 3 channels, such as ``noise``, ``bias``, ``albedo`` and
+        ``normal``. Layers of one channel have none, such as ``depth``. Other channels are apart, such as
+        ``radius.caustic``. Maps of the error exist once it is estimated, after 4 passes.
         """
         layers = {}
         for name, channels in self._native.layers():
-            if [channel for channel, _ in channels] == ["R", "G", "B"]:
-                colors = [self._array(values) for _, values in channels]
-                layers[name or "image"] = np.stack(colors, axis=-1)
+            if len(channels) == 3:
+                parts = [self._array(values) for _, values in channels]
+                layers[name or "image"] = np.stack(parts, axis=-1)
+            elif len(channels) == 1:
+                layers[name] = self._array(channels[0][1])
             else:
                 layers.update((f"{name}.{channel}", self._array(values)) for channel, values in channels)
         return layers
@@ -361,6 +364,9 @@ class Scene:
         prefix_rays: bool = True,
         environment_guiding: bool = True,
         effects: str = "auto",
+        aovs: bool = False,
+        aov_first_hit: bool = False,
+        light_groups: bool = False,
     ) -> Result:
         """Renders the scene, and returns the picture with its estimated error.
 
@@ -369,6 +375,10 @@ class Scene:
 
         `callback` receives a `Progress` after each pass; it ends the render by returning False. Ctrl-C abandons
         the current pass and raises `KeyboardInterrupt`. Other Python threads run meanwhile.
+
+        `aovs` adds the layers ``albedo``, ``normal``, ``depth``, ``position``, ``object`` and ``material`` of
+        the first surface that is not specular, or with `aov_first_hit` of the first one. `light_groups` adds
+        ``direct``, ``indirect`` and ``caustic``, whose sum is the picture.
 
         Other arguments are those of ``caustica render``, which gives the same bits. `threads` changes no bit.
         Lists of values are in docs/guide/command-line.md.
@@ -385,6 +395,8 @@ class Scene:
             raise ValueError("target_error and preview need estimate_error=True")
         if integrator == "raycast" and (target_error is not None or preview):
             raise ValueError("raycast makes one pass, whose error cannot be estimated: leave out target_error")
+        if integrator == "raycast" and light_groups:
+            raise ValueError("raycast only shades surfaces: light_groups needs another integrator")
         if callback is not None and not callable(callback):
             raise TypeError(f"callback is {callback!r}: give a function of one argument")
         options = {
@@ -415,6 +427,9 @@ class Scene:
             "prefix_rays": bool(prefix_rays),
             "environment_guiding": bool(environment_guiding),
             "effects": effects,
+            "aovs": bool(aovs or aov_first_hit),
+            "aov_first_hit": bool(aov_first_hit),
+            "light_groups": bool(light_groups),
         }
         report: Optional[Callable[[int, float, Any], Any]] = None
         if callback is not None:

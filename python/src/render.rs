@@ -6,14 +6,14 @@ use crate::scene::NativeScene;
 use caustica::camera::{Filter, FilterKind, UnknownFilter};
 use caustica::image::ToneCurve;
 use caustica::integrate::{
-    ALPHA, CameraPathSettings, FinalGathering, IndirectPhotons, LightTracing, PassStage, VolumeEstimator,
+    ALPHA, AovSurface, CameraPathSettings, FinalGathering, IndirectPhotons, LightTracing, PassStage, VolumeEstimator,
+    render_surface_aovs,
 };
 use caustica::photon::{Kernel, UnknownKernel};
 use caustica::plan::UnknownOverrideError;
 use caustica::render::error_estimate::{Confidence, ErrorForecast};
 use caustica::render::{
-    ErrorTarget, PassProgress, RenderLimits, check_error_estimate_memory, check_photon_memory, check_picture_memory,
-    render,
+    ErrorTarget, PassProgress, RenderLimits, RenderedLayers, check_layered_picture_memory, check_photon_memory, render,
 };
 use caustica::{Algorithm, ErrorEstimate, ProgressMonitor, Settings};
 use pyo3::exceptions::PyValueError;
@@ -56,6 +56,9 @@ pub struct RenderOptions {
     prefix_rays: bool,
     environment_guiding: bool,
     effects: String,
+    aovs: bool,
+    aov_first_hit: bool,
+    light_groups: bool,
 }
 
 /// Returns the algorithm named `name`, or a `ValueError` that lists all names.
@@ -91,6 +94,7 @@ impl RenderOptions {
                 adaptive: self.adaptive,
                 // Ray casting makes one pass, from which no error can be estimated.
                 estimate_error: self.estimate_error && algorithm != Algorithm::Raycast,
+                groups_light: self.light_groups,
                 effects,
             },
             photons,
@@ -216,7 +220,12 @@ pub fn render_scene(
                             let _ = go_on.recv();
                         }
                     };
-                    render_passes(scene, size, algorithm, settings, limits, flags, report)
+                    let surface = match (options.aovs, options.aov_first_hit) {
+                        (false, _) => None,
+                        (true, false) => Some(AovSurface::FirstNonSpecular),
+                        (true, true) => Some(AovSurface::First),
+                    };
+                    render_passes(scene, size, algorithm, settings, surface, limits, flags, report)
                 })
             };
             let worker = scope.spawn(work);
@@ -276,19 +285,23 @@ fn call_back(py: Python<'_>, callback: &Py<PyAny>, report: &Progress) -> PyResul
     Ok(!answer.is(pyo3::types::PyBool::new(py, false)))
 }
 
-/// Renders passes until a limit is reached or a flag is set.
+/// Renders passes until a limit is reached or a flag is set, then surface AOVs of `surface`.
+#[expect(clippy::too_many_arguments, reason = "they come from one call")]
 fn render_passes(
     scene: &NativeScene,
     size: (u32, u32),
     algorithm: Algorithm,
     settings: Settings,
+    surface: Option<AovSurface>,
     limits: &RenderLimits,
     flags: &Flags,
     report: impl Fn(&PassProgress<'_>, Confidence),
 ) -> Result<NativeResult, Failure> {
     let free = || scene.memory().available_bytes();
-    let check = if settings.camera_paths.estimate_error { check_error_estimate_memory } else { check_picture_memory };
-    let pictures = check(1, size, free()).map_err(Failure::Memory)?;
+    let camera_paths = settings.camera_paths.clone();
+    let CameraPathSettings { estimate_error: error, groups_light: groups, .. } = camera_paths;
+    let layers = RenderedLayers { error, groups, aovs: surface.is_some() };
+    let pictures = check_layered_picture_memory(size, layers, free()).map_err(Failure::Memory)?;
     let scene = scene.resolved_for_size(size)?;
     let integrator = algorithm.prepare(&scene, settings);
     check_photon_memory(integrator.expected_photons(), pictures, free()).map_err(Failure::Memory)?;
@@ -298,6 +311,8 @@ fn render_passes(
     let (confidence, progress_confidence) =
         (interval_confidence(limits.confidence), interval_confidence(Confidence::default()));
     let rendered = render(integrator.as_ref(), size, &stop, flags, |progress| report(progress, progress_confidence));
+    let effects = integrator.plan().simulated_effects();
+    let aovs = surface.and_then(|surface| render_surface_aovs(&scene, effects, &camera_paths, surface, flags));
     let tone = if algorithm == Algorithm::Raycast { ToneCurve::Course } else { ToneCurve::Srgb };
-    Ok(NativeResult::new(rendered, tone, confidence))
+    Ok(NativeResult::new(rendered, aovs, tone, confidence))
 }

@@ -1,9 +1,10 @@
 //! Results of renders: picture, layers and estimated error.
 
 use crate::errors::write_exception;
-use caustica::image::{BitDepth, ExrPrecision, ToneCurve, ToneMap, UnknownToneCurve, WriteOptions, write_layers};
+use caustica::image::{BitDepth, ExrLayer, ExrPrecision, ToneCurve, ToneMap, UnknownToneCurve, WriteOptions, write_layers};
 use caustica::render::error_estimate::{Confidence, ErrorForecast, StopForecast};
-use caustica::render::{EndReason, RenderResult, picture_layers};
+use caustica::integrate::SurfaceAovs;
+use caustica::render::{EndReason, RenderResult, picture_layers, surface_layers};
 use caustica::{ErrorEstimate, Image, write_image};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -14,6 +15,8 @@ use std::path::PathBuf;
 #[pyclass(frozen)]
 pub struct NativeResult {
     rendered: RenderResult,
+    /// Albedo, normal and the like; `None` if they are not wanted.
+    aovs: Option<SurfaceAovs>,
     /// Tone curve of PNG files if none is given.
     default_tone: ToneCurve,
     /// Confidence of the interval of the estimated error if none is given.
@@ -44,8 +47,20 @@ pub fn confidence_from_probability(probability: f64) -> PyResult<Confidence> {
 
 impl NativeResult {
     /// Makes the result of a render whose error interval has `confidence`.
-    pub fn new(rendered: RenderResult, default_tone: ToneCurve, confidence: Confidence) -> Self {
-        Self { rendered, default_tone, confidence }
+    pub fn new(
+        rendered: RenderResult,
+        aovs: Option<SurfaceAovs>,
+        default_tone: ToneCurve,
+        confidence: Confidence,
+    ) -> Self {
+        Self { rendered, aovs, default_tone, confidence }
+    }
+
+    /// Returns all layers, as `--aov` writes them.
+    fn all_layers(&self) -> Vec<ExrLayer> {
+        let mut layers = picture_layers(&self.rendered);
+        layers.extend(self.aovs.iter().flat_map(surface_layers));
+        layers
     }
 
     fn write_options(&self, tone: Option<&str>, exposure: f32, png_bits: u32, exr_bits: u32) -> PyResult<WriteOptions> {
@@ -102,7 +117,7 @@ impl NativeResult {
 
     /// Layers: the name, empty for the picture, and the channels as name and f32 values.
     fn layers<'py>(&self, py: Python<'py>) -> Vec<(String, Vec<(String, Bound<'py, PyByteArray>)>)> {
-        let layers = py.detach(|| picture_layers(&self.rendered));
+        let layers = py.detach(|| self.all_layers());
         let bytes = |values: &[f32]| values.iter().flat_map(|value| value.to_ne_bytes()).collect::<Vec<u8>>();
         let channel = |(name, values): (String, Vec<f32>)| (name, PyByteArray::new(py, &bytes(&values)));
         layers.into_iter().map(|layer| (layer.name, layer.channels.into_iter().map(channel).collect())).collect()
@@ -141,7 +156,7 @@ impl NativeResult {
     /// Writes all layers as one OpenEXR file.
     fn save_layers(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let size = self.rendered.film.size();
-        let written = py.detach(|| write_layers(&path, size, &picture_layers(&self.rendered), &metadata()));
+        let written = py.detach(|| write_layers(&path, size, &self.all_layers(), &metadata()));
         written.map_err(|e| write_exception(&e))?;
         Ok(())
     }

@@ -22,19 +22,21 @@ def words(options):
 def test_pictures_equal_those_of_the_program(integrator, text, program, tmp_path):
     (tmp_path / "ball.txt").write_text(text)
     options = {"passes": 1 if integrator == "raycast" else 5, "seed": 7, **FLAGS[integrator]}
-    aov = [] if integrator == "raycast" else ["--aov", "layers.exr"]
+    groups = [] if integrator == "raycast" else ["--light-groups"]
+    aov = ["--aov", "layers.exr", *groups]
     line = ["render", "ball.txt", "-o", "x.exr", "--integrator", integrator, "--size", "40x30", "-q", *aov]
     subprocess.run([program, *line, *words(options)], cwd=tmp_path, check=True, timeout=300)
     scene = caustica.load_file(tmp_path / "ball.txt")
-    result = scene.render(integrator, size=(40, 30), threads=3, **options)
+    result = scene.render(
+        integrator, size=(40, 30), threads=3, aovs=True, light_groups=bool(groups), **options
+    )
     theirs = exr.read(tmp_path / "x.exr")
     ours = result.image
     assert (ours.dtype, ours.shape) == (np.float32, (30, 40, 3))
     for i, channel in enumerate("RGB"):
         np.testing.assert_array_equal(ours[..., i].view(np.uint32), theirs[channel].view(np.uint32))
     assert ours.max() > 0
-    if aov:
-        check_layers(result.layers, exr.read(tmp_path / "layers.exr"))
+    check_layers(result.layers, exr.read(tmp_path / "layers.exr"))
 
 
 def check_layers(layers, channels):
@@ -42,9 +44,11 @@ def check_layers(layers, channels):
     for name, values in layers.items():
         if values.ndim == 3:
             prefix = "" if name == "image" else f"{name}."
-            ours = {prefix + channel: values[..., i] for i, channel in enumerate("RGB")}
+            letters = "XYZ" if name in ("normal", "position") else "RGB"
+            ours = {prefix + channel: values[..., i] for i, channel in enumerate(letters)}
         else:
-            ours = {name: values}
+            letter = {"depth": ".Z", "object": ".X", "material": ".X"}.get(name, "")
+            ours = {name + letter: values}
         for channel, array in ours.items():
             np.testing.assert_array_equal(array, channels.pop(channel))
     assert not channels

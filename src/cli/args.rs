@@ -281,10 +281,20 @@ pub struct RenderArguments {
     #[arg(long, value_parser = parse_confidence, default_value = "90%", value_name = "PART")]
     pub confidence: Confidence,
 
-    /// Write the picture and maps of its estimated error as layers of an .exr file: noise, bias,
-    /// and the radius and photon count of density estimates
-    #[arg(long, value_name = "FILE", conflicts_with = "no_error_estimate")]
+    /// Write the picture and further layers as one .exr file: albedo, normal, depth, position,
+    /// object and material, and maps of the estimated error
+    #[arg(long, value_name = "FILE")]
     pub aov: Option<PathBuf>,
+
+    /// Take albedo, normal and the like of --aov from the first surface, even if it is a mirror or
+    /// smooth glass
+    #[arg(long, requires = "aov")]
+    pub aov_first_hit: bool,
+
+    /// Keep direct, indirect and caustic light apart too, as layers of --aov that add up to the
+    /// picture
+    #[arg(long)]
+    pub light_groups: bool,
 
     /// Do not estimate the error. Saves a little time and memory; the same passes give the same
     /// picture. Without --passes and --time, makes 16 passes, path 32, photon integrators 20

@@ -132,6 +132,9 @@ pub(super) fn film_header(
     if arguments.no_error_estimate {
         settings.push("--no-error-estimate".to_owned());
     }
+    if arguments.light_groups {
+        settings.push("--light-groups".to_owned());
+    }
     let scene = &arguments.scene.scene;
     let digests = std::iter::once(scene).chain(inputs).map(|path| {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();

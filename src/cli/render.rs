@@ -18,11 +18,14 @@ use super::shard::Shard;
 use super::updates::PictureUpdates;
 use super::{CommandFailure, Exit, RenderArguments, forecast_text};
 use crate::image::{self, Image, ToneCurve, WriteOptions};
-use crate::integrate::{Algorithm, EmissionGuidingReportPerMap, Integrator};
+use crate::integrate::{
+    Algorithm, AovSurface, CameraPathSettings, EmissionGuidingReportPerMap, Integrator, SurfaceAovs,
+    render_surface_aovs,
+};
 use crate::render::error_estimate::{Confidence, MIN_PASSES, StopForecast};
 use crate::render::{
-    EndReason, ErrorTarget, PassProgress, RenderLimits, RenderResult, StopCriteria, check_error_estimate_memory,
-    check_photon_memory, check_picture_memory, continue_render, picture_layers,
+    EndReason, ErrorTarget, PassProgress, RenderLimits, RenderResult, RenderedLayers, StopCriteria,
+    check_layered_picture_memory, check_photon_memory, continue_render, picture_layers, surface_layers,
 };
 use crate::scene::Scene;
 use crate::study::text::percent_text;
@@ -41,11 +44,21 @@ struct EmptyShardError {
     passes: u32,
 }
 
+/// Error: the algorithm does not divide light into groups.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("--light-groups needs light that is simulated, and raycast only shades surfaces")]
+#[diagnostic(help("choose another --integrator"))]
+struct LightGroupsUnsupportedError;
+
 pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
-    let needs_error = [("--target-error", arguments.target_error.is_some()), ("--aov", arguments.aov.is_some())];
-    let needs_error = needs_error.into_iter().find(|(_, given)| *given);
-    if let (Algorithm::Raycast, Some((flag, _))) = (arguments.method.integrator, needs_error) {
-        return Err(CommandFailure::usage_error(forecast_text::ErrorEstimateUnsupportedError { flag }));
+    if arguments.method.integrator == Algorithm::Raycast {
+        if arguments.target_error.is_some() {
+            let flag = "--target-error";
+            return Err(CommandFailure::usage_error(forecast_text::ErrorEstimateUnsupportedError { flag }));
+        }
+        if arguments.light_groups {
+            return Err(CommandFailure::usage_error(LightGroupsUnsupportedError));
+        }
     }
     // Everything that can fail without rendering is checked before rendering.
     for path in &arguments.output {
@@ -107,9 +120,13 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let estimates_error = !arguments.no_error_estimate && algorithm != Algorithm::Raycast;
     let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
     settings.camera_paths.estimate_error = estimates_error;
+    settings.camera_paths.groups_light = arguments.light_groups;
+    let camera_paths = settings.camera_paths.clone();
     let (memory, size) = (arguments.scene.memory_limit(), scene.camera().size());
-    let check = if estimates_error { check_error_estimate_memory } else { check_picture_memory };
-    let pictures = check(1, size, memory.available_bytes()).map_err(CommandFailure::usage_error)?;
+    let layers =
+        RenderedLayers { error: estimates_error, groups: arguments.light_groups, aovs: arguments.aov.is_some() };
+    let pictures = check_layered_picture_memory(size, layers, memory.available_bytes());
+    let pictures = pictures.map_err(CommandFailure::usage_error)?;
     #[cfg(feature = "view")]
     live.iter().for_each(|live| live.set_phase(Phase::Pilots));
     let integrator = algorithm.prepare(&scene, settings);
@@ -158,7 +175,11 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     #[cfg(feature = "view")]
     live.iter_mut().for_each(|live| live.end(&rendered, Phase::Ended));
     let powerless = all_lights_are_black(&scene);
-    let written = write_render_outputs(arguments, progress, setup, &stop, powerless, &rendered, film.as_ref());
+    let aovs = || find_surface_aovs(arguments, &scene, integrator.as_ref(), &camera_paths, progress);
+    let aovs = arguments.aov.is_some().then(aovs).flatten();
+    progress.remove_progress_bar();
+    let outputs = RenderOutputs { arguments, rendered: &rendered, aovs, film: film.as_ref() };
+    let written = outputs.write(progress, setup, &stop, powerless);
     #[cfg(feature = "view")]
     live_output.into_iter().for_each(LiveOutput::finish);
     written
@@ -287,38 +308,85 @@ fn time_until_stop(
     Duration::try_from_secs_f64(least).ok()
 }
 
-/// Writes all outputs and prints a summary. An output that fails does not stop the others.
-fn write_render_outputs(
+/// Finds albedo, normal and the like of all pixels, and shows progress; `None` if it is cancelled.
+fn find_surface_aovs(
     arguments: &RenderArguments,
+    scene: &Scene,
+    integrator: &dyn Integrator,
+    settings: &CameraPathSettings,
     progress: &ProgressDisplay,
-    setup: RenderSetup,
-    stop: &StopCriteria<'_>,
-    powerless: bool,
-    rendered: &RenderResult,
-    film: Option<&SavedFilm<'_>>,
-) -> Result<Exit, CommandFailure> {
-    let (width, height) = rendered.film.size();
-    let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(CommandFailure::output_error)?;
-    let mut failures = OutputFailures::default();
-    write_render_pictures(arguments, progress, &picture, rendered, &mut failures);
-    if let (Some(path), Some(film)) = (&arguments.film, film)
-        && failures.ok_or_collect_error(film.save(rendered)).is_some()
-    {
-        progress.print_line(&format!("wrote {}", path.display()));
+) -> Option<SurfaceAovs> {
+    let surface = if arguments.aov_first_hit { AovSurface::First } else { AovSurface::FirstNonSpecular };
+    render_surface_aovs(scene, integrator.plan().simulated_effects(), settings, surface, progress)
+}
+
+/// Outputs of a render that has ended.
+struct RenderOutputs<'a> {
+    arguments: &'a RenderArguments,
+    rendered: &'a RenderResult,
+    /// Albedo, normal and the like for `--aov`; `None` without this flag, or after a cancellation.
+    aovs: Option<SurfaceAovs>,
+    /// Film file of the render; `None` without `--film`.
+    film: Option<&'a SavedFilm<'a>>,
+}
+
+impl RenderOutputs<'_> {
+    /// Writes all outputs and prints a summary. An output that fails does not stop the others.
+    fn write(
+        &self,
+        progress: &ProgressDisplay,
+        setup: RenderSetup,
+        stop: &StopCriteria<'_>,
+        powerless: bool,
+    ) -> Result<Exit, CommandFailure> {
+        let Self { arguments, rendered, film, .. } = *self;
+        let (width, height) = rendered.film.size();
+        let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(CommandFailure::output_error)?;
+        let mut failures = OutputFailures::default();
+        self.write_pictures(progress, &picture, &mut failures);
+        if let (Some(path), Some(film)) = (&arguments.film, film)
+            && failures.ok_or_collect_error(film.save(rendered)).is_some()
+        {
+            progress.print_line(&format!("wrote {}", path.display()));
+        }
+        warn_of_rejected_samples(&rendered.counters);
+        if picture.pixels().iter().all(|p| *p == Vec3::ZERO) {
+            progress.print_line(black_picture_note(setup.lights, powerless));
+        }
+        no_photon_stored_note(rendered).iter().for_each(|line| progress.print_line(line));
+        let limits = render_limits(arguments);
+        let report = RenderReport::new(setup, &limits, stop, rendered);
+        print_render_summary(&limits, stop, progress, &report, rendered);
+        if let Some(path) = &arguments.stats {
+            let json = serde_json::to_vec_pretty(&report).map_err(CommandFailure::output_error)?;
+            failures.ok_or_collect_error(image::replace_file(path, &json));
+        }
+        failures.into_result(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
     }
-    warn_of_rejected_samples(&rendered.counters);
-    if picture.pixels().iter().all(|p| *p == Vec3::ZERO) {
-        progress.print_line(black_picture_note(setup.lights, powerless));
+
+    /// Writes the files of `-o` and `--aov`.
+    fn write_pictures(&self, progress: &ProgressDisplay, picture: &Image, failures: &mut OutputFailures) {
+        let Self { arguments, rendered, ref aovs, .. } = *self;
+        let options = write_options(arguments);
+        write_pictures(arguments.output.iter(), picture, &options, progress, failures);
+        let Some(path) = &arguments.aov else { return };
+        let passes = rendered.film.passes();
+        if passes < MIN_PASSES && rendered.estimator.is_some() {
+            let passes = count_with_noun(passes as usize, "pass gives", "passes give");
+            print_message(&format!("warning: {passes} no error estimate: {} has no maps of it", path.display()));
+        }
+        let mut layers = picture_layers(rendered);
+        layers.extend(aovs.iter().flat_map(surface_layers));
+        let written = image::write_layers(path, rendered.film.size(), &layers, &options.metadata);
+        if let Some(non_finite) = failures.ok_or_collect_error(written) {
+            progress.print_line(&format!("wrote {}", path.display()));
+            if non_finite > 0 {
+                let values = count_with_noun(non_finite, "value", "values");
+                let path = path.display();
+                print_message(&format!("warning: {values} of {path} exceed single precision: the scene is too bright"));
+            }
+        }
     }
-    no_photon_stored_note(rendered).iter().for_each(|line| progress.print_line(line));
-    let limits = render_limits(arguments);
-    let report = RenderReport::new(setup, &limits, stop, rendered);
-    print_render_summary(&limits, stop, progress, &report, rendered);
-    if let Some(path) = &arguments.stats {
-        let json = serde_json::to_vec_pretty(&report).map_err(CommandFailure::output_error)?;
-        failures.ok_or_collect_error(image::replace_file(path, &json));
-    }
-    failures.into_result(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
 }
 
 /// Returns the options of the files of `-o` and `--aov`.
@@ -333,33 +401,6 @@ fn write_options(arguments: &RenderArguments) -> WriteOptions {
         | Algorithm::Distributed
         | Algorithm::Whitted => ToneCurve::Srgb,
     })
-}
-
-/// Writes the files of `-o` and `--aov`.
-fn write_render_pictures(
-    arguments: &RenderArguments,
-    progress: &ProgressDisplay,
-    picture: &Image,
-    rendered: &RenderResult,
-    failures: &mut OutputFailures,
-) {
-    let options = write_options(arguments);
-    write_pictures(arguments.output.iter(), picture, &options, progress, failures);
-    let Some(path) = &arguments.aov else { return };
-    let passes = rendered.film.passes();
-    if passes < MIN_PASSES {
-        let passes = count_with_noun(passes as usize, "pass gives", "passes give");
-        print_message(&format!("warning: {passes} no error estimate: {} has no maps of it", path.display()));
-    }
-    let written = image::write_layers(path, rendered.film.size(), &picture_layers(rendered), &options.metadata);
-    if let Some(non_finite) = failures.ok_or_collect_error(written) {
-        progress.print_line(&format!("wrote {}", path.display()));
-        if non_finite > 0 {
-            let values = count_with_noun(non_finite, "value", "values");
-            let path = path.display();
-            print_message(&format!("warning: {values} of {path} exceed single precision: the scene is too bright"));
-        }
-    }
 }
 
 /// Prints the number of passes, rays and photons per second, why the render ended, and the

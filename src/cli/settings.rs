@@ -98,6 +98,7 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
             filter: Filter::new(arguments.filter),
             adaptive: arguments.adaptive,
             estimate_error: false,
+            groups_light: false,
             effects,
         },
         photons,

@@ -9,6 +9,7 @@
 mod media;
 
 use super::indirect_division::{IndirectTechnique, IndirectWeights};
+use super::light_group::LightGroup;
 use super::nee::NextEventEstimator;
 use super::photon_maps::{PhotonMapChoice, PhotonMaps};
 use super::policy::{DirectionSampling, PathContinuation, PathPolicy, PhotonLookups};
@@ -217,6 +218,8 @@ fn shade_receiver<I: Interior>(
         Rgb::ZERO
     };
 
+    worker.groups.add(LightGroup::of_direct_light(vertex.history), path.throughput * direct);
+
     // Add the photon estimate.
     let reflected = direct + photon_radiance(paths, &vertex, ends_gather_ray, worker);
     *radiance += path.throughput * reflected;
@@ -380,10 +383,12 @@ fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, worker: &mut PathWorker
         if path.history.receivers > 1 && path.shares_indirect {
             worker.indirect_light.paths += light;
         }
+        worker.groups.add(LightGroup::of_found_light(path.history), light);
         return light;
     }
     let weighted = light * worker.prefix.found_weight;
     worker.prefix.found += weighted;
+    worker.groups.add(LightGroup::Direct, weighted);
     weighted
 }
 

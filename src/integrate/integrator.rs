@@ -67,6 +67,11 @@ pub trait Integrator: Send + Sync {
         false
     }
 
+    /// True if passes divide the light of each pixel by [`LightGroup`](super::LightGroup).
+    fn groups_light(&self) -> bool {
+        false
+    }
+
     /// Returns the work and benefit of guiding shadow rays to the environment light; `None` if no
     /// pilot (small simulation before the render) tried to guide them.
     fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {

@@ -93,6 +93,12 @@ pub struct Pass {
     /// Differences between photon estimates with nested discs, for each pixel; empty unless the
     /// error is estimated.
     pub nested: Vec<NestedEstimates>,
+    /// Radiance of each pixel by light group, which adds up to `image`, in the order of
+    /// [`LightGroup::ALL`](super::LightGroup::ALL) \[W/(m² sr)].
+    ///
+    /// Empty unless [`CameraPathSettings::groups_light`](super::CameraPathSettings::groups_light)
+    /// is true.
+    pub groups: Vec<Vec<Rgb>>,
     /// Radiance of some pixels by camera paths that no other pass traces: pairs of an index in
     /// `image` and a radiance \[W/(m² sr)].
     ///

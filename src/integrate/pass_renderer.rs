@@ -166,19 +166,16 @@ impl<'a> PassRenderer<'a> {
 
     /// Returns the camera, filter and numbers of camera rays of pass `pass`.
     pub fn film_sampling(&self, pass: u32) -> FilmSampling<'_> {
+        let filter = Some(&self.settings.camera_paths.filter);
+        let lens = self.policy.effects.has(Effect::Lens);
         FilmSampling {
-            camera: self.scene.camera(),
-            filter: Some(&self.settings.camera_paths.filter),
-            samples: self.samples,
-            lens: self.policy.effects.has(Effect::Lens),
             relative_ray_counts: self.relative_ray_counts.as_deref(),
             prefix_rays: self
                 .prefix_rays
                 .as_ref()
                 .map(|rays| PrefixRays { counts: &rays.counts, key: self.prefix_ray_key(pass) }),
             nested: self.settings.camera_paths.estimate_error && self.policy.reads_photons(),
-            slices: None,
-            tile_stride: 1,
+            ..FilmSampling::of_camera(self.scene.camera(), filter, self.samples, lens)
         }
     }
 

@@ -7,6 +7,7 @@ use super::environment_pilot::EnvironmentGuidingReport;
 use super::indirect_division::IndirectDivision;
 use super::indirect_pilot::divide_indirect_light;
 use super::integrator::Integrator;
+use super::light_group::LightGroup;
 use super::pass::{ExpectedPhotons, Pass, ProgressMonitor, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::policy::{PathPolicy, PolicyFn};
@@ -80,7 +81,9 @@ impl Integrator for PathIntegrator<'_> {
         let paths: Vec<_> = inputs.map(|(renderer, maps)| renderer.path_context(maps.as_ref(), pass)).collect();
         let key = renderer.camera_path_key(pass);
         let cameras = || (self.slices > 1).then(|| sliced_cameras(renderers, pass));
-        let sampling = FilmSampling { slices: cameras(), ..renderers[0].film_sampling(pass) };
+        let settings = &renderer.settings.camera_paths;
+        let groups_light = settings.groups_light;
+        let sampling = FilmSampling { slices: cameras(), groups_light, ..renderers[0].film_sampling(pass) };
         let render_camera_paths = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn ProgressMonitor| {
             for_interior!(paths[0].policy.effects, <I> {
                 render_tiles(sampling, key, monitor, |ray, sampler, worker, branches| {
@@ -89,13 +92,16 @@ impl Integrator for PathIntegrator<'_> {
             })
         };
         let picture = render_camera_paths(&sampling, key, monitor);
-        (out.image, out.nested) = (picture.image, picture.nested);
+        (out.image, out.nested, out.groups) = (picture.image, picture.nested, picture.groups);
         out.counters += picture.counters;
 
         // Add the light that photons sent to the camera.
         if !splats.is_empty() {
             let (width, _) = renderer.scene.camera().size();
-            add_splats(splats, &renderer.settings.camera_paths.filter, width, &mut out.image);
+            if let Some(caustic) = out.groups.get_mut(LightGroup::Caustic as usize) {
+                add_splats(splats.clone(), &settings.filter, width, caustic);
+            }
+            add_splats(splats, &settings.filter, width, &mut out.image);
         }
 
         // If passes share camera paths, trace some tiles a second time by fresh paths.
@@ -150,6 +156,10 @@ impl Integrator for PathIntegrator<'_> {
 
     fn returns_nested_estimates(&self) -> bool {
         self.renderer.settings.camera_paths.estimate_error
+    }
+
+    fn groups_light(&self) -> bool {
+        self.renderer.settings.camera_paths.groups_light
     }
 
     fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {

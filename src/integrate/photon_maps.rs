@@ -1,5 +1,6 @@
 //! Photon maps of a pass, and radiance estimates from them.
 
+use super::light_group::LightGroup;
 use super::nested_estimates::GatherDiscSum;
 use super::vertex::{MediumPathSegment, PathHistory, PathVertex};
 use super::volume_estimate::{BeamAndPointMaps, wavelength_kernel_weight};
@@ -87,6 +88,8 @@ impl PhotonMaps<'_> {
                 self.indirect.radiance(vertex, samples, |w| (&mut w.indirect, &mut w.nested.indirect), worker)
             }
         };
+        worker.groups.add(LightGroup::of_caustic_map(vertex.history), vertex.throughput * caustic * samples);
+        worker.groups.add(LightGroup::Indirect, vertex.throughput * indirect * samples);
         (caustic + indirect) * samples
     }
 
@@ -107,6 +110,7 @@ impl PhotonMaps<'_> {
         let radiance = map.radiance(vertex, samples, |w| (&mut w.interreflection, &mut w.nested.indirect), worker);
         worker.indirect_light.photons += vertex.throughput * radiance * samples;
         worker.indirect_light.photon_step += vertex.throughput * worker.photon_step * samples;
+        worker.groups.add(LightGroup::Indirect, vertex.throughput * radiance * samples);
         radiance * samples
     }
 
@@ -125,6 +129,8 @@ impl PhotonMaps<'_> {
     ) -> Rgb {
         let caustic = self.caustic.volume.radiance(self.caustic.scene, vertex, samples, rng, worker);
         let indirect = self.indirect.volume.radiance(self.indirect.scene, vertex, samples, rng, worker);
+        worker.groups.add(LightGroup::of_caustic_map(vertex.history), vertex.throughput * caustic * samples);
+        worker.groups.add(LightGroup::Indirect, vertex.throughput * indirect * samples);
         (caustic + indirect) * samples
     }
 
@@ -146,6 +152,7 @@ impl PhotonMaps<'_> {
         let radiance = map.volume.radiance(map.scene, vertex, samples, rng, worker);
         worker.indirect_light.photons += vertex.throughput * radiance * samples;
         worker.indirect_light.photon_step += vertex.throughput * worker.photon_step * samples;
+        worker.groups.add(LightGroup::Indirect, vertex.throughput * radiance * samples);
         radiance * samples
     }
 }

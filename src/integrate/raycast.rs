@@ -35,17 +35,7 @@ impl Integrator for RaycastIntegrator<'_> {
         let start = Instant::now();
         let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
         let samples = self.samples;
-        let sampling = FilmSampling {
-            camera,
-            filter,
-            samples,
-            lens: false,
-            relative_ray_counts: None,
-            prefix_rays: None,
-            slices: None,
-            nested: false,
-            tile_stride: 1,
-        };
+        let sampling = FilmSampling::of_camera(camera, filter, samples, false);
         let key = Key::new(self.seed).purpose_key(Purpose::Camera).pass_key(pass);
         let FilmImage { image, counters, .. } =
             tiles::render_tiles(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.radiance(ray));

@@ -23,6 +23,10 @@ pub struct CameraPathSettings {
     ///
     /// A render can end at an estimated error only if this is true.
     pub estimate_error: bool,
+    /// True if passes divide the light of each pixel into direct, indirect and caustic light.
+    ///
+    /// [`Algorithm::Raycast`](super::Algorithm::Raycast) ignores it.
+    pub groups_light: bool,
     /// Effects of light that are forced on or off, whatever the plan decides.
     pub effects: EffectOverrides,
 }
@@ -36,6 +40,7 @@ impl Default for CameraPathSettings {
             filter: Filter::new(FilterKind::default()),
             adaptive: false,
             estimate_error: false,
+            groups_light: false,
             effects: EffectOverrides::PLANNED,
         }
     }

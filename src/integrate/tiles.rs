@@ -1,5 +1,6 @@
 //! Rendering of all pixels of a pass, in parallel by tiles.
 
+use super::light_group::{GroupedLight, LightGroup};
 use super::nested_estimates::NestedEstimates;
 use super::pass::{PassStage, ProgressMonitor};
 use super::prefix_rays::{PrefixLight, PrefixRayCount};
@@ -32,6 +33,8 @@ pub(super) struct FilmSampling<'a> {
     pub prefix_rays: Option<PrefixRays<'a>>,
     /// True if photon estimates are also made with smaller nested discs, to measure their bias.
     pub nested: bool,
+    /// True if the light of each pixel is divided into direct, indirect and caustic light.
+    pub groups_light: bool,
     /// Slices of the shutter interval among which camera rays are divided; `None` sends all rays
     /// through `camera`.
     pub slices: Option<SlicedCameras<'a>>,
@@ -57,6 +60,9 @@ pub(super) struct FilmImage {
     pub image: Vec<Rgb>,
     /// Nested photon estimates of each pixel; empty unless [`FilmSampling::nested`] is true.
     pub nested: Vec<NestedEstimates>,
+    /// Radiance of each pixel by light group, which adds up to `image`, in the order of
+    /// [`LightGroup::ALL`] \[W/(m² sr)]; empty unless [`FilmSampling::groups_light`] is true.
+    pub groups: Vec<Vec<Rgb>>,
     /// Indices of the rendered pixels, if only one of several tiles is rendered; else empty.
     pub pixels: Vec<u32>,
     pub counters: Counters,
@@ -70,16 +76,32 @@ struct Tile<'a> {
     image: Vec<&'a mut [Rgb]>,
     /// Rows of nested estimates in the tile; empty unless [`FilmSampling::nested`] is true.
     nested: Vec<&'a mut [NestedEstimates]>,
+    /// Rows of each light group in the tile; empty unless [`FilmSampling::groups_light`] is true.
+    groups: Vec<Vec<&'a mut [Rgb]>>,
 }
 
 impl<'a> Tile<'a> {
     /// Splits a picture of `width` columns into tiles, by rows from the top.
-    fn split_image_into_tiles(image: &'a mut [Rgb], nested: &'a mut [NestedEstimates], width: u32) -> Vec<Self> {
+    fn split_image_into_tiles(
+        image: &'a mut [Rgb],
+        nested: &'a mut [NestedEstimates],
+        groups: &'a mut [Vec<Rgb>],
+        width: u32,
+    ) -> Vec<Self> {
         let height = image.len() as u32 / width;
-        let empty = |index| Tile { index, image: Vec::new(), nested: Vec::new() };
+        let group_count = groups.len();
+        let empty = |index| Tile {
+            index,
+            image: Vec::new(),
+            nested: Vec::new(),
+            groups: (0..group_count).map(|_| Vec::new()).collect(),
+        };
         let mut tiles: Vec<Self> = (0..width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE)).map(empty).collect();
         cut_rows_at_tiles(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
         cut_rows_at_tiles(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
+        for (group, pixels) in groups.iter_mut().enumerate() {
+            cut_rows_at_tiles(pixels, width).for_each(|(tile, row)| tiles[tile].groups[group].push(row));
+        }
         tiles
     }
 }
@@ -91,6 +113,26 @@ fn cut_rows_at_tiles<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (
     let tile = move |x: usize, y: usize| y / edge * width.div_ceil(edge) + x;
     let rows = picture.chunks_mut(width).enumerate();
     rows.flat_map(move |(y, row)| row.chunks_mut(edge).enumerate().map(move |(x, piece)| (tile(x, y), piece)))
+}
+
+impl<'a> FilmSampling<'a> {
+    /// Returns the sampling of `camera` with `samples` rays per pixel and no further work.
+    ///
+    /// `filter` and `lens` are the fields of these names.
+    pub fn of_camera(camera: &'a Camera, filter: Option<&'a Filter>, samples: u32, lens: bool) -> Self {
+        Self {
+            camera,
+            filter,
+            samples,
+            lens,
+            relative_ray_counts: None,
+            prefix_rays: None,
+            nested: false,
+            groups_light: false,
+            slices: None,
+            tile_stride: 1,
+        }
+    }
 }
 
 impl FilmSampling<'_> {
@@ -112,7 +154,7 @@ impl FilmSampling<'_> {
     ///
     /// Returns the ray and its filter weight.
     #[inline]
-    fn generate_ray(&self, slice: usize, corner: Vec2, sampler: Sampler) -> (Ray, f32) {
+    pub fn generate_ray(&self, slice: usize, corner: Vec2, sampler: Sampler) -> (Ray, f32) {
         let (film, weight) = self.film_position(corner, sampler);
         let lens = self.lens.then(|| sampler.get_2d(Dimension::Lens));
         let camera = self.slices.as_ref().map_or(self.camera, |slices| slices.cameras[slice]);
@@ -164,13 +206,15 @@ pub(super) fn render_tiles<T: Default>(
     // Cut the picture into tiles.
     let mut image = vec![Rgb::ZERO; pixels];
     let mut nested = vec![NestedEstimates::default(); if sampling.nested { pixels } else { 0 }];
-    let mut tiles = Tile::split_image_into_tiles(&mut image, &mut nested, width);
+    let mut groups = vec![vec![Rgb::ZERO; pixels]; if sampling.groups_light { LightGroup::ALL.len() } else { 0 }];
+    let mut tiles = Tile::split_image_into_tiles(&mut image, &mut nested, &mut groups, width);
     tiles.retain(|tile| is_tile_rendered(tile.index, columns, stride));
     let indices = |tile: &Tile<'_>| tile_pixels(tile.index, columns, width, height).map(|(x, y)| y * width + x);
     let rendered_pixels = if stride > 1 { tiles.iter().flat_map(indices).collect() } else { Vec::new() };
 
     let work = tiles.into_par_iter().map(|mut tile| {
-        let mut worker = PathWorker { nests_estimates: sampling.nested, ..PathWorker::default() };
+        let groups = GroupedLight::new(sampling.groups_light);
+        let mut worker = PathWorker { nests_estimates: sampling.nested, groups, ..PathWorker::default() };
         let mut tile_state = T::default();
         let mut rendered = 0;
         for (x, y) in tile_pixels(tile.index, columns, width, height).take_while(|_| !monitor.is_cancelled()) {
@@ -178,6 +222,7 @@ pub(super) fn render_tiles<T: Default>(
             let index = y as usize * width as usize + x as usize;
             let (samples, prefix) = (sampling.ray_count(index), sampling.prefix_ray_count(index));
             let mut sum = PixelSum::default();
+            let mut group_sums = GroupSums::default();
             let slices = sampling.divide_rays(x, y, samples);
             worker.prefix = PrefixLight::camera_path_weights(samples, slices.used_slice_count(), prefix);
             worker.film_position = corner + 0.5;
@@ -193,7 +238,9 @@ pub(super) fn render_tiles<T: Default>(
                 let finite = value.is_finite();
                 if finite {
                     sum.add(value, weight);
+                    group_sums.add_camera_ray(&mut worker.groups, weight);
                 } else {
+                    worker.groups.take();
                     worker.counters.rejected_samples += 1;
                 }
                 if sampling.nested {
@@ -216,7 +263,9 @@ pub(super) fn render_tiles<T: Default>(
                     let finite = value.is_finite();
                     if finite {
                         prefix_sum.add(value.as_dvec3() * f64::from(weight));
+                        group_sums.add_prefix_ray(&mut worker.groups, weight);
                     } else {
+                        worker.groups.take();
                         worker.counters.rejected_samples += 1;
                     }
                     if sampling.nested {
@@ -230,6 +279,9 @@ pub(super) fn render_tiles<T: Default>(
             if sampling.nested {
                 tile.nested[row][column] = worker.nested.finish_pixel(samples);
             }
+            for (group, rows) in tile.groups.iter_mut().enumerate() {
+                rows[row][column] = group_sums.pixel_value(group, is_signed, samples);
+            }
             rendered += 1;
         }
         monitor.report_progress(rendered);
@@ -239,7 +291,7 @@ pub(super) fn render_tiles<T: Default>(
         a += b;
         a
     });
-    FilmImage { image, nested, pixels: rendered_pixels, counters }
+    FilmImage { image, nested, groups, pixels: rendered_pixels, counters }
 }
 
 /// Returns the stride n ≥ 2 for which rendering one of every n tiles renders about `wanted` tiles.
@@ -304,6 +356,39 @@ impl PixelSum {
         // values.
         let lacks = (weighted - values) - values * self.excess;
         weighted + lacks / others
+    }
+}
+
+/// Sums of a pixel's light by light group, over its camera paths and its prefix rays.
+#[derive(Default)]
+struct GroupSums {
+    paths: [PixelSum; LightGroup::ALL.len()],
+    prefix_rays: [CompensatedSum; LightGroup::ALL.len()],
+}
+
+impl GroupSums {
+    /// Adds the light of one camera path, which `light` holds, and resets `light`.
+    fn add_camera_ray(&mut self, light: &mut GroupedLight, weight: f32) {
+        if light.is_wanted {
+            self.paths.iter_mut().zip(light.take()).for_each(|(sum, value)| sum.add(value, weight));
+        }
+    }
+
+    /// Adds the light of one prefix ray, which `light` holds, and resets `light`.
+    fn add_prefix_ray(&mut self, light: &mut GroupedLight, weight: f32) {
+        if light.is_wanted {
+            let weight = f64::from(weight);
+            self.prefix_rays.iter_mut().zip(light.take()).for_each(|(sum, value)| sum.add(value.as_dvec3() * weight));
+        }
+    }
+
+    /// Returns the radiance of a group in a pixel with `samples` camera paths \[W/(m² sr)].
+    ///
+    /// `is_signed` is true if the pixel filter has negative values.
+    fn pixel_value(&self, group: usize, is_signed: bool, samples: u32) -> Rgb {
+        let paths = &self.paths[group];
+        let total = if is_signed { paths.weighted_sum() } else { paths.unweighted_sum() };
+        ((total + self.prefix_rays[group].value()) / f64::from(samples)).as_vec3()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::gather_guide::GatherGuide;
 use super::indirect_division::{IndirectLight, IndirectWeights};
+use super::light_group::GroupedLight;
 use super::nested_estimates::NestedEstimateSum;
 use super::prefix_rays::PrefixLight;
 use crate::color::Rgb;
@@ -51,4 +52,6 @@ pub(super) struct PathWorker {
     /// Indirect light along the current camera path of a pilot, found by each of two techniques. It
     /// is counted as its contribution to the pixel.
     pub indirect_light: IndirectLight,
+    /// Light of the current camera ray, divided into direct, indirect and caustic light.
+    pub groups: GroupedLight,
 }

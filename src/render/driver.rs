@@ -4,7 +4,7 @@ use super::error_estimate::{Confidence, ErrorEstimate, ErrorEstimator, ErrorFore
 use super::film::Film;
 use super::merge_error::MergeError;
 use super::pass_set::PassSet;
-use crate::integrate::{Integrator, PhotonReport, ProgressMonitor, StageTimes};
+use crate::integrate::{Integrator, LightGroup, PhotonReport, ProgressMonitor, StageTimes};
 use crate::stats::Counters;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
@@ -75,6 +75,9 @@ pub struct RenderResult {
     /// Error estimator to which the passes were added; `None` if
     /// [`Integrator::returns_nested_estimates`] is false.
     pub estimator: Option<ErrorEstimator>,
+    /// Films of the light groups, whose means add up to the picture, in the order of
+    /// [`LightGroup::ALL`]; empty unless [`Integrator::groups_light`] is true.
+    pub groups: Vec<Film>,
     /// Reason why the render ended.
     pub ended: EndReason,
     /// Counts of rays and density estimates of all passes.
@@ -166,6 +169,7 @@ pub fn continue_render(
             estimator.add(number, &pass);
         }
         rendered.film.add(&pass.image);
+        rendered.groups.iter_mut().zip(&pass.groups).for_each(|(film, image)| film.add(image));
         rendered.numbers.insert(number..number + 1);
         rendered.counters += pass.counters;
         rendered.seconds += pass.seconds;
@@ -190,9 +194,11 @@ impl RenderResult {
     /// Returns the empty result with which a render of `size` (width, height) pixels begins.
     #[must_use]
     pub fn without_passes(integrator: &dyn Integrator, size: (u32, u32)) -> Self {
+        let groups = if integrator.groups_light() { LightGroup::ALL.len() } else { 0 };
         Self {
             numbers: PassSet::default(),
             film: Film::new(size.0, size.1),
+            groups: (0..groups).map(|_| Film::new(size.0, size.1)).collect(),
             estimator: integrator.returns_nested_estimates().then(|| ErrorEstimator::new(integrator.radius_law())),
             ended: EndReason::Passes,
             counters: Counters::default(),
@@ -216,12 +222,18 @@ impl RenderResult {
         if self.film.size() != other.film.size() {
             return Err(MergeError::Size { own: self.film.size(), other: other.film.size() });
         }
+        if self.groups.len() != other.groups.len() {
+            return Err(MergeError::LightGroups);
+        }
         match (&mut self.estimator, &other.estimator) {
             (Some(own), Some(other)) => own.merge(other)?,
             (None, None) => {}
             _ => return Err(MergeError::Estimator),
         }
         self.film.merge(&other.film)?;
+        for (own, other) in self.groups.iter_mut().zip(&other.groups) {
+            own.merge(other)?;
+        }
         self.numbers.insert_all(&other.numbers);
         self.counters += other.counters;
         self.seconds += other.seconds;
@@ -237,7 +249,11 @@ impl RenderResult {
     pub(super) fn is_consistent(&self) -> bool {
         let (width, height) = self.film.size();
         let passes = self.film.passes();
+        let is_group_of_picture =
+            |group: &Film| group.is_consistent() && group.size() == (width, height) && group.passes() == passes;
         self.film.is_consistent()
+            && (self.groups.is_empty() || self.groups.len() == LightGroup::ALL.len())
+            && self.groups.iter().all(is_group_of_picture)
             && self.numbers.is_consistent()
             && self.numbers.len() == u64::from(passes)
             && self

@@ -1,7 +1,7 @@
 //! Film files: the stored sums of a render, with which the render can be continued or merged with
 //! others.
 //!
-//! A file begins with the line `CAUSTICA FILM 1`. Then come blocks. Each block has a head of three
+//! A file begins with the line `CAUSTICA FILM 2`. Then come blocks. Each block has a head of three
 //! little-endian 32-bit numbers: the size of its content, the size of the content compressed by
 //! LZ4, and the CRC-32 of the compressed bytes. Then come the compressed bytes. The first block
 //! holds the header as JSON. The others hold the sums in the format of the crate `postcard`. An
@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::io::{self, Read, Write};
 
 /// First line of a film file, with the version number of the format.
-const MAGIC: &[u8; 16] = b"CAUSTICA FILM 1\n";
+const MAGIC: &[u8; 16] = b"CAUSTICA FILM 2\n";
 
 /// Largest uncompressed content of a block \[bytes].
 const BLOCK: usize = 1 << 20;

@@ -1,18 +1,20 @@
-//! Layers of a render: the picture and maps of its estimated error.
+//! Layers of a render: the picture, light groups, maps of its estimated error, and surface AOVs.
 
 use super::driver::RenderResult;
 use super::error_estimate::{ErrorMaps, MIN_PASSES};
 use crate::image::ExrLayer;
-use crate::integrate::MeanGatherDisc;
+use crate::integrate::{LightGroup, MeanGatherDisc, SurfaceAovs};
 use glam::Vec3;
 
-/// Returns the layers of a picture file: the picture, whose layer has no name, and maps of its
-/// estimated error if the error is estimated.
+/// Returns the layers of a picture file: the picture, whose layer has no name; its light groups if
+/// it has them; and maps of its estimated error if the error is estimated.
 ///
 /// Layers `bias`, `radius` and `photons` exist only for algorithms with density estimates.
 #[must_use]
 pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     let mut layers = vec![rgb_layer("", &rendered.film.mean())];
+    let groups = LightGroup::ALL.iter().zip(&rendered.groups);
+    layers.extend(groups.map(|(group, film)| rgb_layer(group.name(), &film.mean())));
     let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES);
     let Some(estimator) = estimator else { return layers };
     let ErrorMaps { noise, bias, caustic, indirect } = estimator.error_maps(&rendered.film);
@@ -29,8 +31,32 @@ pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     layers
 }
 
+/// Returns the layers `albedo`, `normal`, `depth`, `position`, `object` and `material`.
+///
+/// Colours have channels R, G and B, vectors X, Y and Z. Depth has the channel Z, as OpenEXR
+/// recommends, and identifiers have the channel X, as those of Blender.
+#[must_use]
+pub fn surface_layers(aovs: &SurfaceAovs) -> Vec<ExrLayer> {
+    let numbers = |name: &str, channel: &str, values: Vec<f32>| ExrLayer {
+        name: name.to_owned(),
+        channels: vec![(channel.to_owned(), values)],
+    };
+    let identifiers = |values: &[u32]| values.iter().map(|id| *id as f32).collect();
+    vec![
+        rgb_layer("albedo", &aovs.albedo),
+        vector_layer("normal", ["X", "Y", "Z"], &aovs.normal),
+        numbers("depth", "Z", aovs.depth.clone()),
+        vector_layer("position", ["X", "Y", "Z"], &aovs.position),
+        numbers("object", "X", identifiers(&aovs.object)),
+        numbers("material", "X", identifiers(&aovs.material)),
+    ]
+}
+
 fn rgb_layer(name: &str, pixels: &[Vec3]) -> ExrLayer {
-    let channel = |letter: &str, value: fn(&Vec3) -> f32| (letter.to_owned(), pixels.iter().map(value).collect());
-    let channels = vec![channel("R", |p| p.x), channel("G", |p| p.y), channel("B", |p| p.z)];
-    ExrLayer { name: name.to_owned(), channels }
+    vector_layer(name, ["R", "G", "B"], pixels)
+}
+
+fn vector_layer(name: &str, letters: [&str; 3], pixels: &[Vec3]) -> ExrLayer {
+    let channel = |(i, letter): (usize, &str)| (letter.to_owned(), pixels.iter().map(|pixel| pixel[i]).collect());
+    ExrLayer { name: name.to_owned(), channels: letters.into_iter().enumerate().map(channel).collect() }
 }

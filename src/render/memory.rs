@@ -16,6 +16,17 @@ const BYTES_PER_PIXEL: u64 = 88;
 /// Both constants together are 470 bytes: 445 were measured, error maps take 17, and 8 are spare.
 const BYTES_PER_ESTIMATED_PIXEL: u64 = 382;
 
+/// Memory that light groups add to [`BYTES_PER_PIXEL`] \[bytes per pixel].
+///
+/// The films of the three groups take 150 bytes, and those of the current pass 36. Layers to write
+/// reuse the memory of the pass.
+const BYTES_PER_GROUPED_PIXEL: u64 = 210;
+
+/// Memory that surface AOVs take after the last pass \[bytes per pixel].
+///
+/// The AOVs take 48 bytes, their layers as much, and the copy in the file that is encoded too.
+const BYTES_PER_AOV_PIXEL: u64 = 150;
+
 /// Memory of a stored photon while the photon map is built \[bytes].
 ///
 /// A photon takes 32 bytes, its sorted copy 32 and its splat 20. The sort key takes 16, and the
@@ -99,6 +110,35 @@ pub fn check_error_estimate_memory(count: usize, size: (u32, u32), free: Option<
     check_pixel_memory(count, size, BYTES_PER_PIXEL + BYTES_PER_ESTIMATED_PIXEL, free)
 }
 
+/// Layers of a render that need memory beside its picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RenderedLayers {
+    /// True if the error is estimated.
+    pub error: bool,
+    /// True if light is divided into light groups.
+    pub groups: bool,
+    /// True if surface AOVs follow the last pass.
+    pub aovs: bool,
+}
+
+/// Returns the memory of rendering a picture of `size` (width, height) pixels with `layers`
+/// \[bytes]. `free` is the free memory \[bytes].
+///
+/// # Errors
+/// [`MemoryError`] if the picture needs more than `free` bytes, or has too many pixels.
+pub fn check_layered_picture_memory(
+    size: (u32, u32),
+    layers: RenderedLayers,
+    free: Option<u64>,
+) -> Result<u64, MemoryError> {
+    let bytes_if = |is_wanted: bool, bytes: u64| if is_wanted { bytes } else { 0 };
+    let bytes = BYTES_PER_PIXEL
+        + bytes_if(layers.error, BYTES_PER_ESTIMATED_PIXEL)
+        + bytes_if(layers.groups, BYTES_PER_GROUPED_PIXEL)
+        + bytes_if(layers.aovs, BYTES_PER_AOV_PIXEL);
+    check_pixel_memory(1, size, bytes, free)
+}
+
 fn check_pixel_memory(
     count: usize,
     (width, height): (u32, u32),
@@ -151,6 +191,11 @@ mod tests {
             check_error_estimate_memory(1, (1000, 1000), Some(469_999_999)),
             Err(MemoryError::Picture { .. })
         ));
+        let layers = RenderedLayers { error: true, groups: true, aovs: true };
+        let bytes_per_pixel = 88 + 382 + 210 + 150;
+        let check = |free| check_layered_picture_memory((1000, 1000), layers, Some(free));
+        assert_eq!(check(bytes_per_pixel * 1_000_000), Ok(bytes_per_pixel * 1_000_000));
+        assert!(matches!(check(bytes_per_pixel * 1_000_000 - 1), Err(MemoryError::Picture { .. })));
         assert_eq!(check_picture_memory(4, (500, 500), Some(88_000_000)), Ok(88_000_000));
         let refused = check_picture_memory(5, (500, 500), Some(88_000_000)).unwrap_err().to_string();
         assert!(refused.contains("5 pictures of 500 × 500 pixels take 110.0 MB"), "{refused}");

@@ -17,9 +17,12 @@ pub use driver::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteri
 pub use expected_end::ExpectedEnd;
 pub use film::Film;
 pub use film_file::{FilmFile, FilmFileError, FilmHeader, InputDigest};
-pub use layers::picture_layers;
+pub use layers::{picture_layers, surface_layers};
 pub use limits::{DEFAULT_ERROR, DEFAULT_TIME, PREVIEW_ERROR, RenderLimits};
-pub use memory::{MemoryError, check_error_estimate_memory, check_photon_memory, check_picture_memory};
+pub use memory::{
+    MemoryError, RenderedLayers, check_error_estimate_memory, check_layered_picture_memory, check_photon_memory,
+    check_picture_memory,
+};
 pub use merge_error::MergeError;
 pub use pass_set::PassSet;
 

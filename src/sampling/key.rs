@@ -25,7 +25,7 @@
 //! | path | `Key::photon_vertex_key` | bounce | one per vertex of a photon path |
 //! | vertex of a photon path | `Key::camera_connection_key` | 1 | the only child of its parent |
 //! | pass of `Camera` or `PrefixRays` | `Key::pixel_key` | y · 2³² + x | one per pixel |
-//! | purpose `Shutter` | `Key::pixel_key` | y · 2³² + x | one per pixel |
+//! | purpose `Shutter` or `SurfaceAovs` | `Key::pixel_key` | y · 2³² + x | one per pixel |
 //! | pixel of `Shutter` | `Key::pass_key` | pass | one per pass |
 //! | pixel | `Sampler::next_vertex_sampler` | 2 · bounce + transmitted | two branches per split |
 //! | vertex | `Sampler::shadow_ray_sampler` | pass · 2³² | other dimensions than the next vertex |
@@ -82,6 +82,8 @@ pub enum Purpose {
     /// Pilot simulation that finds the directions from which the environment light reaches each
     /// part of a scene.
     EnvironmentGuiding,
+    /// Rays that find surface AOVs, such as albedo and depth.
+    SurfaceAovs,
 }
 
 /// A random decision at one vertex of a path. Each decision has its own random numbers.

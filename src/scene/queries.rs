@@ -3,7 +3,7 @@
 use super::animation::scene_at_time;
 use super::geometry::ObjectAttributes;
 use super::path_ray;
-use super::{Body, Effects, Interior, Material, NormalPerturbation, PathRay, RayCone, Scene};
+use super::{Body, Effects, Hit, Interior, Material, NormalPerturbation, PathRay, RayCone, Scene};
 use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::math::{BoundingSphere, Bounds, Ray};
@@ -104,6 +104,15 @@ impl Scene {
     /// The dielectric body of each material that bounds one.
     pub fn bodies(&self) -> impl Iterator<Item = &Body> {
         self.materials.iter().filter_map(Material::bounded_body)
+    }
+
+    /// Returns the indices of the object and of the material at `hit`. The material may be a mix.
+    ///
+    /// Objects are numbered in this order: shapes at rest, moving shapes, meshes, planes.
+    #[must_use]
+    pub fn object_and_material_index(&self, hit: &Hit) -> (u32, u32) {
+        let object = self.geometry.object_index(hit.primitive);
+        (object, self.geometry.objects[object as usize].material)
     }
 
     /// True if the scene has dielectric bodies or an ambient medium, so that paths must track an

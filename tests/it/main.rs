@@ -5,6 +5,7 @@
 
 mod agreement;
 mod analytic;
+mod aovs;
 mod cli;
 mod course;
 mod gltf;

@@ -3,6 +3,7 @@
 use super::{PathContext, PathState, is_path_continued, shares_indirect_light};
 use crate::color::Rgb;
 use crate::integrate::indirect_division::IndirectWeights;
+use crate::integrate::light_group::LightGroup;
 use crate::integrate::policy::{PathContinuation, PhotonLookups};
 use crate::integrate::vertex::{MediumPathSegment, PathHistory, PrevVertex};
 use crate::integrate::worker::PathWorker;
@@ -55,8 +56,11 @@ fn cross_medium<I: Interior>(
     let throughput = path.throughput * weight.as_vec3() * segment.transmittance_before;
 
     // Add emission. It is direct light of the last receiver, so it has no weight of indirect light.
+    let history = PathHistory { casters: path.history.casters + u32::from(segment.crossed), ..path.history };
     if medium.emits() {
-        *radiance += throughput * medium.emitted_radiance(ray, ray.t_max, rng);
+        let emitted = throughput * medium.emitted_radiance(ray, ray.t_max, rng);
+        worker.groups.add(LightGroup::of_found_light(history), emitted);
+        *radiance += emitted;
     }
     let throughput = throughput * path.indirect_weight;
     if !medium.scatters() {
@@ -65,7 +69,6 @@ fn cross_medium<I: Interior>(
     }
 
     // Add single scattering of the lights, and light that photons carried.
-    let history = PathHistory { casters: path.history.casters + u32::from(segment.crossed), ..path.history };
     let indirect = worker.indirect_weights;
     let continues = policy.continuation == PathContinuation::Always
         && path.bounce < paths.max_bounces
@@ -76,6 +79,7 @@ fn cross_medium<I: Interior>(
     let mut scattered = Rgb::ZERO;
     if policy.direct_light {
         scattered += paths.nee.estimate_direct_light_in_medium(&path_segment, &distance_sample, continues, worker);
+        worker.groups.add(LightGroup::of_direct_light(history), throughput * scattered);
     }
     scattered += photon_radiance(paths, &path_segment, rng, worker);
     *radiance += throughput * scattered;

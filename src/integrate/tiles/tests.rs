@@ -8,17 +8,7 @@ use crate::sampling::Purpose;
 fn render_filtered_row(kind: FilterKind, samples: u32, scene: impl Fn(f32) -> f32 + Sync) -> Vec<(f64, f64)> {
     let camera = Camera::orthographic(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 1.0, 12, 1).unwrap();
     let filter = Filter::new(kind);
-    let sampling = FilmSampling {
-        camera: &camera,
-        filter: Some(&filter),
-        samples,
-        lens: false,
-        relative_ray_counts: None,
-        prefix_rays: None,
-        nested: false,
-        slices: None,
-        tile_stride: 1,
-    };
+    let sampling = FilmSampling::of_camera(&camera, Some(&filter), samples, false);
     let passes = 400u32;
     let mut sums = vec![(0.0, 0.0); 12];
     for pass in 0..passes {

@@ -77,14 +77,26 @@ fn error_maps_are_layers_of_one_file() {
         "B",
         "G",
         "R",
+        "albedo.B",
+        "albedo.G",
+        "albedo.R",
         "bias.B",
         "bias.G",
         "bias.R",
+        "depth.Z",
+        "material.X",
         "noise.B",
         "noise.G",
         "noise.R",
+        "normal.X",
+        "normal.Y",
+        "normal.Z",
+        "object.X",
         "photons.caustic",
         "photons.global",
+        "position.X",
+        "position.Y",
+        "position.Z",
         "radius.caustic",
         "radius.global",
     ];
@@ -103,7 +115,23 @@ fn error_maps_are_layers_of_one_file() {
 
     render(&sandbox, "--integrator path --passes 6 --aov maps.exr").expect(0, &[]);
     let layer = read_first_flat_layer_from_file(sandbox.path("maps.exr")).unwrap().layer_data;
-    assert_eq!(layer.channel_data.list.len(), 6, "without estimates there is no blur");
+    let surface = 12;
+    assert_eq!(layer.channel_data.list.len(), surface + 6, "without estimates there is no blur");
+
+    render(&sandbox, "--integrator path --passes 6 --no-error-estimate --light-groups --aov maps.exr").expect(0, &[]);
+    let layer = read_first_flat_layer_from_file(sandbox.path("maps.exr")).unwrap().layer_data;
+    assert_eq!(layer.channel_data.list.len(), surface + 3 + 9, "without an estimate there is no noise");
+    let values = |name: &str| -> Vec<f32> {
+        let channel = layer.channel_data.list.iter().find(|c| c.name.to_string() == name).unwrap();
+        channel.sample_data.values_as_f32().collect()
+    };
+    let [direct, indirect, caustic] = ["direct.G", "indirect.G", "caustic.G"].map(values);
+    for (i, picture) in values("G").into_iter().enumerate() {
+        let sum = direct[i] + indirect[i] + caustic[i];
+        assert!((sum - picture).abs() <= 16.0 * f32::EPSILON * picture, "{sum} {picture}");
+    }
+    assert!([direct, indirect, caustic].iter().all(|group| group.iter().any(|value| *value > 0.0)));
+    render(&sandbox, "--integrator raycast --aov maps.exr").expect(0, &["wrote maps.exr"]);
 }
 
 #[test]
@@ -144,7 +172,7 @@ fn error_flags_need_an_estimating_integrator() {
     let sandbox = CliSandbox::new();
     for (more, words) in [
         ("--integrator raycast --target-error 2%", "--target-error needs an error estimate"),
-        ("--integrator raycast --aov a.exr", "--aov needs an error estimate"),
+        ("--integrator raycast --light-groups --aov a.exr", "--light-groups needs light that is simulated"),
         ("--target-error 2% --no-gauge", "cannot be used with"),
         ("--target-error 0", "not an error"),
         ("--confidence 100%", "not a confidence"),

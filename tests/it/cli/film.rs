@@ -37,6 +37,24 @@ fn continued_renders_have_the_bits_of_one_render() {
     }
 }
 
+/// Films carry light groups: those of a merged render have the bits of one render.
+#[test]
+fn films_carry_light_groups() {
+    let sandbox = CliSandbox::new();
+    let grouped = "--light-groups";
+    sandbox.render("box.txt", &flags("whole", 6, &format!("{grouped} --aov whole-layers.exr"))).expect(0, &[]);
+    for part in 1..=2 {
+        let more = format!("{grouped} --film {part}.film --shard {part}/2");
+        sandbox.render("box.txt", &flags("part", 6, &more)).expect(0, &[]);
+    }
+    sandbox.run(&["merge", "1.film", "2.film", "-o", "all.film"]).expect(0, &[]);
+    let rest = format!("{grouped} --film all.film --aov layers.exr");
+    sandbox.render("box.txt", &flags("rest", 6, &rest)).expect(0, &["continuing all.film: 6 passes"]);
+    assert_eq!(sandbox.bytes("layers.exr"), sandbox.bytes("whole-layers.exr"));
+    let without = sandbox.render("box.txt", &flags("rest", 6, "--film all.film"));
+    without.expect(2, &["is of another render", "--light-groups"]);
+}
+
 /// Kills a render `kills` times by SIGKILL, and checks that the continued render has the bits of a
 /// whole one.
 #[cfg(unix)]

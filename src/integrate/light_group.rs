@@ -1,0 +1,86 @@
+//! Light groups: direct, indirect and caustic light, which add up to the picture.
+
+use super::vertex::PathHistory;
+use crate::color::Rgb;
+
+/// Part of the light of a picture, by the surfaces between the light and the camera.
+///
+/// Only *receivers* count: surfaces that store photons, such as matte ones, and media. Glass,
+/// mirrors and other *casters* between the camera and the first receiver change no group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightGroup {
+    /// Light that reaches the first receiver straight from a light, and light that the camera sees
+    /// without any receiver: lights, the environment and the background.
+    Direct,
+    /// Light that another receiver has scattered before the first receiver of the camera path.
+    Indirect,
+    /// Light that reaches the first receiver over casters only, such as glass or mirrors.
+    Caustic,
+}
+
+impl LightGroup {
+    /// All groups. The index of a group is its discriminant.
+    pub const ALL: [Self; 3] = [Self::Direct, Self::Indirect, Self::Caustic];
+
+    /// Returns the name of the group, which names its layer in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Indirect => "indirect",
+            Self::Caustic => "caustic",
+        }
+    }
+
+    /// Returns the group of a light that a camera path hits after the receivers and casters of
+    /// `history`.
+    #[inline]
+    pub(super) fn of_found_light(history: PathHistory) -> Self {
+        match (history.receivers, history.casters) {
+            (0, _) | (1, 0) => Self::Direct,
+            (1, _) => Self::Caustic,
+            (_, _) => Self::Indirect,
+        }
+    }
+
+    /// Returns the group of direct light at a receiver with the vertices of `history` before it.
+    #[inline]
+    pub(super) fn of_direct_light(history: PathHistory) -> Self {
+        Self::of_found_light(PathHistory { receivers: history.receivers + 1, casters: 0 })
+    }
+
+    /// Returns the group of an estimate from the caustic map at a receiver with the vertices of
+    /// `history` before it.
+    #[inline]
+    pub(super) fn of_caustic_map(history: PathHistory) -> Self {
+        Self::of_found_light(PathHistory { receivers: history.receivers + 1, casters: 1 })
+    }
+}
+
+/// Light of one camera ray by [`LightGroup`], as contributions to the pixel \[W/(m² sr)].
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct GroupedLight {
+    /// True if light is added; false ignores it.
+    pub is_wanted: bool,
+    sums: [Rgb; LightGroup::ALL.len()],
+}
+
+impl GroupedLight {
+    /// Returns empty sums. If `is_wanted` is false, they stay empty.
+    pub fn new(is_wanted: bool) -> Self {
+        Self { is_wanted, ..Self::default() }
+    }
+
+    /// Adds `light` to the sum of `group`.
+    #[inline]
+    pub fn add(&mut self, group: LightGroup, light: Rgb) {
+        if self.is_wanted {
+            self.sums[group as usize] += light;
+        }
+    }
+
+    /// Returns the sums in the order of [`LightGroup::ALL`], and resets them.
+    pub fn take(&mut self) -> [Rgb; LightGroup::ALL.len()] {
+        std::mem::take(&mut self.sums)
+    }
+}

@@ -1,0 +1,309 @@
+//! Surface AOVs (arbitrary output variables): albedo, normal, depth, position and identifiers of
+//! the surfaces that the camera sees.
+//!
+//! They need no light, so rays of their own find them. No pass of the picture changes.
+
+use super::pass::{PassStage, ProgressMonitor};
+use super::settings::CameraPathSettings;
+use super::tiles::FilmSampling;
+use crate::bsdf::TransportMode;
+use crate::color::{self, Rgb};
+use crate::plan::{Effect, Effects};
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::scene::{Interior, PathEvent, PathRay, Scene, SurfaceInteraction, for_interior};
+use glam::{DVec3, Vec2, Vec3};
+use rayon::prelude::*;
+
+/// Number of rays of each pixel.
+const RAYS: u32 = 32;
+
+/// Number of directions that are sampled at each hit to estimate its albedo.
+const ALBEDO_SAMPLES: u32 = 4;
+
+/// Largest number of specular surfaces on the way to a hit.
+const MAX_SPECULAR_BOUNCES: u32 = 16;
+
+/// Weight, as the mean of its channels, below which a branch of a ray is not followed.
+const MIN_WEIGHT: f32 = 0.01;
+
+/// Surface of a camera ray whose properties are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AovSurface {
+    /// The first surface that is not specular. Rays follow mirrors and smooth glass up to it.
+    #[default]
+    FirstNonSpecular,
+    /// The first surface.
+    First,
+}
+
+/// Properties of the surfaces that the camera sees, by pixels in rows from the top.
+///
+/// Pixels without a surface have depth 0, position 0 and identifiers 0.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceAovs {
+    /// Directional albedo, in \[0, 1]. Where light is emitted or the ray leaves the scene, the
+    /// radiance \[W/(m² sr)] counts instead if it is larger, up to 1.
+    pub albedo: Vec<Rgb>,
+    /// Shading normal in world space on the side of the viewer, as a mean over the pixel. Rays that
+    /// leave the scene count as zero.
+    pub normal: Vec<Vec3>,
+    /// Length of the path from the camera to the surface \[length], as a mean over the rays that
+    /// reach a surface.
+    pub depth: Vec<f32>,
+    /// Position in world space \[length], as a mean over the rays that reach a surface.
+    pub position: Vec<Vec3>,
+    /// Number of the object that most rays reach, counted from 1: shapes, then meshes, then planes.
+    pub object: Vec<u32>,
+    /// Number of the material of most rays, counted from 1 in the order of the scene.
+    pub material: Vec<u32>,
+}
+
+/// Properties of one pixel.
+#[derive(Clone, Copy, Default)]
+struct PixelAovs {
+    albedo: Rgb,
+    normal: Vec3,
+    depth: f32,
+    position: Vec3,
+    object: u32,
+    material: u32,
+}
+
+/// Properties that one ray finds.
+#[derive(Clone, Copy, Default)]
+struct RayAovs {
+    /// Albedo, as a weighted sum over the branches of the ray.
+    albedo: Rgb,
+    /// Shading normal, as a weighted sum over the branches of the ray.
+    normal: Vec3,
+    /// Surface at the end of the branch with the largest weight; `None` if no branch reaches one.
+    seen: Option<SeenSurface>,
+}
+
+/// Surface at the end of a branch of a ray.
+#[derive(Clone, Copy)]
+struct SeenSurface {
+    /// Weight of the branch, as the mean of its channels.
+    weight: f32,
+    /// Length of the path from the camera \[length].
+    depth: f32,
+    position: DVec3,
+    object: u32,
+    material: u32,
+}
+
+/// Branch of a camera ray between two specular surfaces.
+#[derive(Clone, Copy)]
+struct Branch<I> {
+    path_ray: PathRay<I>,
+    /// Factor from the albedo at the end of the branch to the albedo of the ray.
+    weight: Rgb,
+    /// Length of the path from the camera \[length].
+    depth: f32,
+    bounces: u32,
+    sampler: Sampler,
+}
+
+/// Finds the surface AOVs of all pixels of `scene`.
+///
+/// Simulates `effects` without media and dispersion. Returns `None` if `monitor` is cancelled.
+#[must_use]
+pub fn render_surface_aovs(
+    scene: &Scene,
+    effects: Effects,
+    settings: &CameraPathSettings,
+    surface: AovSurface,
+    monitor: &dyn ProgressMonitor,
+) -> Option<SurfaceAovs> {
+    let effects = effects.without_effect(Effect::Media).without_effect(Effect::Dispersion);
+    let follows_specular = surface == AovSurface::FirstNonSpecular && effects.has(Effect::Specular);
+    let (width, height) = scene.camera().size();
+    monitor.begin_stage(PassStage::Camera, u64::from(width) * u64::from(height));
+
+    // Spread the rays of a pixel over the shutter interval.
+    let moves = effects.has(Effect::Motion) && scene.has_motion();
+    let times = (0..RAYS).map(|ray| (f64::from(ray) + 0.5) / f64::from(RAYS));
+    let moved: Vec<Scene> = if moves { times.map(|time| scene.at_time(time)).collect() } else { Vec::new() };
+    let scenes = if moves { &moved[..] } else { std::slice::from_ref(scene) };
+    let films: Vec<FilmSampling<'_>> = scenes
+        .iter()
+        .map(|scene| FilmSampling::of_camera(scene.camera(), Some(&settings.filter), RAYS, effects.has(Effect::Lens)))
+        .collect();
+
+    let key = Key::new(settings.seed).purpose_key(Purpose::SurfaceAovs);
+    let rows = (0..height).into_par_iter().map(|y| {
+        let pixels = (0..width).map_while(|x| {
+            let rays = (0..RAYS).map(|ray| {
+                let sampler = Sampler::new(key.pixel_key(x, y), ray, RAYS);
+                let of_ray = ray as usize % scenes.len();
+                let (camera_ray, weight) = films[of_ray].generate_ray(0, Vec2::new(x as f32, y as f32), sampler);
+                let found = for_interior!(effects, <I> {
+                    let path_ray: PathRay<I> = scenes[of_ray].start_camera_path(camera_ray, effects);
+                    trace_ray(&scenes[of_ray], path_ray, effects, sampler, follows_specular)
+                });
+                (found, weight)
+            });
+            (!monitor.is_cancelled()).then(|| PixelAovs::from_rays(rays))
+        });
+        let row: Vec<PixelAovs> = pixels.collect();
+        monitor.report_progress(width.into());
+        row
+    });
+    let pixels: Vec<PixelAovs> = rows.flatten_iter().collect();
+    (!monitor.is_cancelled()).then(|| SurfaceAovs {
+        albedo: pixels.iter().map(|pixel| pixel.albedo).collect(),
+        normal: pixels.iter().map(|pixel| pixel.normal).collect(),
+        depth: pixels.iter().map(|pixel| pixel.depth).collect(),
+        position: pixels.iter().map(|pixel| pixel.position).collect(),
+        object: pixels.iter().map(|pixel| pixel.object).collect(),
+        material: pixels.iter().map(|pixel| pixel.material).collect(),
+    })
+}
+
+/// Follows a camera ray over specular surfaces, if `follows_specular` is true, and returns what it
+/// finds.
+fn trace_ray<I: Interior>(
+    scene: &Scene,
+    path_ray: PathRay<I>,
+    effects: Effects,
+    sampler: Sampler,
+    follows_specular: bool,
+) -> RayAovs {
+    let mut found = RayAovs::default();
+    let mut branches = vec![Branch { path_ray, weight: Rgb::ONE, depth: 0.0, bounces: 0, sampler }];
+    while let Some(mut branch) = branches.pop() {
+        let hit = match branch.path_ray.next_vertex(scene, branch.sampler.sample_key(), |_| None) {
+            PathEvent::Surface(hit) => hit,
+            PathEvent::Scattered { .. } | PathEvent::Escaped { .. } => {
+                let shows_environment = effects.has(Effect::Environment);
+                let direction = branch.path_ray.ray.direction;
+                let radiance = if shows_environment { scene.escaped_radiance(direction) } else { scene.background() };
+                found.albedo += branch.weight * clip_to_albedo(radiance);
+                continue;
+            }
+        };
+        branch.weight *= hit.transmittance;
+        branch.depth += hit.distance;
+        let surface = &hit.surface;
+        if follows_specular && surface.bsdf.is_specular() && !surface.stores_photons() {
+            found.albedo += branch.weight * clip_to_albedo(surface.emission);
+            if branch.bounces < MAX_SPECULAR_BOUNCES {
+                branch.push_continuations(surface, &mut branches);
+            }
+            continue;
+        }
+        found.add_surface(scene, &branch, surface);
+    }
+    found
+}
+
+/// Returns `color` clipped to \[0, 1].
+fn clip_to_albedo(color: Rgb) -> Rgb {
+    color.clamp(Rgb::ZERO, Rgb::ONE)
+}
+
+impl<I: Interior> Branch<I> {
+    /// Adds the branches that leave a specular `surface` to `branches`: two at a smooth dielectric,
+    /// else at most one.
+    fn push_continuations(&self, surface: &SurfaceInteraction<'_>, branches: &mut Vec<Self>) {
+        let mut push = |direction: Vec3, weight: Rgb, is_transmitted: bool| {
+            let mut next = *self;
+            next.weight *=
+                weight * next.path_ray.leave_surface_with_wavelength_weight(surface, direction, is_transmitted);
+            next.sampler = self.sampler.next_vertex_sampler(self.bounces, is_transmitted);
+            next.bounces += 1;
+            if color::channel_mean(next.weight) >= MIN_WEIGHT {
+                branches.push(next);
+            }
+        };
+        let (ns, ng) = (surface.point.ns, surface.point.ng);
+        if let Some(split) = surface.bsdf.reflect_and_refract(surface.wo, ns, ng, TransportMode::Radiance) {
+            push(split.reflected.0, Rgb::splat(split.reflected.1), false);
+            push(split.transmitted.0, Rgb::splat(split.transmitted.1), true);
+            return;
+        }
+        let (lobe, u) = (self.sampler.get_1d(Dimension::BsdfLobe), self.sampler.get_2d(Dimension::BsdfDirection));
+        if let Some(sample) = surface.sample(lobe, u, TransportMode::Radiance) {
+            push(sample.wi, sample.weight, sample.is_transmitted);
+        }
+    }
+}
+
+impl RayAovs {
+    /// Adds the surface at the end of `branch`.
+    fn add_surface<I: Interior>(&mut self, scene: &Scene, branch: &Branch<I>, surface: &SurfaceInteraction<'_>) {
+        let albedo = directional_albedo(surface, branch.sampler).max(surface.emission);
+        self.albedo += branch.weight * clip_to_albedo(albedo);
+        let weight = color::channel_mean(branch.weight);
+        let is_back = surface.wo.dot(surface.point.ng) < 0.0;
+        self.normal += weight * if is_back { -surface.point.ns } else { surface.point.ns };
+        if self.seen.is_none_or(|seen| weight > seen.weight)
+            && let Some(hit) = scene.intersect(&branch.path_ray.ray)
+        {
+            let (object, material) = scene.object_and_material_index(&hit);
+            let position = scene.origin() + surface.point.p.as_dvec3();
+            self.seen = Some(SeenSurface { weight, depth: branch.depth, position, object, material });
+        }
+    }
+}
+
+/// Estimates the fraction of light from the viewer that `surface` scatters, by channel.
+fn directional_albedo(surface: &SurfaceInteraction<'_>, sampler: Sampler) -> Rgb {
+    let weights = (0..ALBEDO_SAMPLES).filter_map(|i| {
+        let sampler = sampler.subsample_sampler(i, ALBEDO_SAMPLES);
+        let (lobe, u) = (sampler.get_1d(Dimension::BsdfLobe), sampler.get_2d(Dimension::BsdfDirection));
+        surface.sample(lobe, u, TransportMode::Radiance).map(|sample| sample.weight)
+    });
+    weights.sum::<Rgb>() / ALBEDO_SAMPLES as f32
+}
+
+impl PixelAovs {
+    /// Combines what the rays of a pixel find. Each comes with its filter weight; rays of negative
+    /// weight are left out, so that all values stay in their ranges.
+    fn from_rays(rays: impl Iterator<Item = (RayAovs, f32)>) -> Self {
+        let (mut albedo, mut normal) = (DVec3::ZERO, DVec3::ZERO);
+        let (mut depth, mut position) = (0.0, DVec3::ZERO);
+        let (mut objects, mut materials) = (Vec::new(), Vec::new());
+        let mut count = 0.0;
+        for (ray, _) in rays.filter(|(_, weight)| *weight > 0.0) {
+            count += 1.0;
+            albedo += ray.albedo.as_dvec3();
+            normal += ray.normal.as_dvec3();
+            if let Some(seen) = ray.seen {
+                depth += f64::from(seen.depth);
+                position += seen.position;
+                objects.push(seen.object);
+                materials.push(seen.material);
+            }
+        }
+        let (all, seen) = (f64::max(count, 1.0), f64::max(objects.len() as f64, 1.0));
+        Self {
+            albedo: clip_to_albedo((albedo / all).as_vec3()),
+            normal: (normal / all).as_vec3(),
+            depth: (depth / seen) as f32,
+            position: (position / seen).as_vec3(),
+            object: most_frequent_index(&mut objects).map_or(0, |index| index + 1),
+            material: most_frequent_index(&mut materials).map_or(0, |index| index + 1),
+        }
+    }
+}
+
+/// Returns the index that occurs most often in `indices`, the lowest of several; `None` if there
+/// are none. Sorts `indices`.
+fn most_frequent_index(indices: &mut [u32]) -> Option<u32> {
+    indices.sort_unstable();
+    let runs = indices.chunk_by(|a, b| a == b).map(|run| (run.len(), run[0]));
+    runs.max_by_key(|(count, index)| (*count, std::cmp::Reverse(*index))).map(|(_, index)| index)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::most_frequent_index;
+
+    #[test]
+    fn ties_give_the_lowest_index() {
+        assert_eq!(most_frequent_index(&mut []), None);
+        assert_eq!(most_frequent_index(&mut [7, 3, 7, 3, 9]), Some(3));
+        assert_eq!(most_frequent_index(&mut [7, 3, 7, 3, 7]), Some(7));
+    }
+}
