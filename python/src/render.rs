@@ -95,6 +95,8 @@ impl RenderOptions {
                 // Ray casting makes one pass, from which no error can be estimated.
                 estimate_error: self.estimate_error && algorithm != Algorithm::Raycast,
                 groups_light: self.light_groups,
+                crop: None,
+                clamp: None,
                 effects,
             },
             photons,
@@ -300,7 +302,7 @@ fn render_passes(
     let free = || scene.memory().available_bytes();
     let camera_paths = settings.camera_paths.clone();
     let CameraPathSettings { estimate_error: error, groups_light: groups, .. } = camera_paths;
-    let layers = RenderedLayers { error, groups, aovs: surface.is_some() };
+    let layers = RenderedLayers { error, groups, aovs: surface.is_some(), ..RenderedLayers::default() };
     let pictures = check_layered_picture_memory(size, layers, free()).map_err(Failure::Memory)?;
     let scene = scene.resolved_for_size(size)?;
     let integrator = algorithm.prepare(&scene, settings);

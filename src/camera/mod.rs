@@ -1,10 +1,12 @@
 //! Cameras, lenses and pixel reconstruction filters.
 
 mod connect;
+mod crop_window;
 mod filter;
 mod lens;
 
 pub use connect::CameraConnection;
+pub use crop_window::{CropWindow, CropWindowError};
 pub use filter::{Filter, FilterKind, FilterSample, UnknownFilter};
 pub use lens::Lens;
 

@@ -4,13 +4,13 @@
 use super::ViewArguments;
 use super::number::{
     parse_alpha, parse_bytes, parse_confidence, parse_count, parse_duration, parse_exposure_stops, parse_gather_count,
-    parse_length, parse_picture_size, parse_positive_count, parse_relative_error, parse_seed, parse_seed_count,
-    parse_threads,
+    parse_length, parse_picture_size, parse_positive_count, parse_radiance_limit, parse_relative_error, parse_seed,
+    parse_seed_count, parse_threads,
 };
 use super::pictures::PictureArguments;
 use super::shard::Shard;
 use super::{ConvertArguments, DiffArguments, FilmArguments, MergeArguments, MeshArguments};
-use crate::camera::FilterKind;
+use crate::camera::{CropWindow, FilterKind};
 use crate::format::{IMPORTERS, ImportOptions};
 use crate::integrate::{Algorithm, FinalGathering, IndirectPhotons, LightTracing, VolumeEstimator};
 use crate::photon::Kernel;
@@ -18,7 +18,7 @@ use crate::plan::EffectOverrides;
 use crate::render::error_estimate::Confidence;
 use crate::stats::MemoryLimit;
 #[cfg(feature = "view")]
-use crate::view::ListenAddress;
+use crate::view::{ListenAddress, TevAddress};
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -301,6 +301,16 @@ pub struct RenderArguments {
     #[arg(long, visible_alias = "no-gauge")]
     pub no_error_estimate: bool,
 
+    /// Render only a window of the picture, in pixels from its upper left corner. Its pixels have
+    /// the bits that they have in the whole picture
+    #[arg(long, value_name = "X0,Y0,X1,Y1")]
+    pub crop: Option<CropWindow>,
+
+    /// Clamp the light of each camera path to this radiance, against fireflies. The picture loses
+    /// light, which is reported and counts as bias  [default: no limit]
+    #[arg(long, value_parser = parse_radiance_limit, value_name = "RADIANCE")]
+    pub clamp: Option<f32>,
+
     /// Rewrite the files of -o after the first pass, and then once in this time, such as 30s. 0
     /// writes them at the end only
     #[arg(long, value_parser = parse_duration, default_value = "10s", value_name = "TIME")]
@@ -311,6 +321,11 @@ pub struct RenderArguments {
     #[cfg(feature = "view")]
     #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:0")]
     pub listen: Option<ListenAddress>,
+
+    /// Send the picture to the viewer tev while it grows  [default: 127.0.0.1:14158]
+    #[cfg(feature = "view")]
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1")]
+    pub tev: Option<TevAddress>,
 
     /// Picture to compare with on the live page: .exr, .png or .hdr
     #[cfg(feature = "view")]

@@ -121,11 +121,12 @@ fn film_text(FilmFile { header, rendered }: &FilmFile) -> String {
     text
 }
 
-/// Returns the header of the film of a render of `size` (width, height) pixels. `inputs` are the
-/// files that the scene names.
+/// Returns the header of the film of a render of `size` (width, height) pixels, which may be a
+/// window of a `whole` picture. `inputs` are the files that the scene names.
 pub(super) fn film_header(
     arguments: &RenderArguments,
     size: (u32, u32),
+    whole: (u32, u32),
     inputs: &[PathBuf],
 ) -> Result<FilmHeader, CommandFailure> {
     let mut settings = method_flags(&arguments.method, "--effects", arguments.effects.effects);
@@ -134,6 +135,12 @@ pub(super) fn film_header(
     }
     if arguments.light_groups {
         settings.push("--light-groups".to_owned());
+    }
+    if let Some(limit) = arguments.clamp {
+        settings.push(format!("--clamp {limit}"));
+    }
+    if let Some(window) = arguments.crop {
+        settings.push(format!("--crop {window} --size {}x{}", whole.0, whole.1));
     }
     let scene = &arguments.scene.scene;
     let digests = std::iter::once(scene).chain(inputs).map(|path| {

@@ -26,6 +26,8 @@ mod settings;
 mod shard;
 mod shell;
 mod study;
+#[cfg(feature = "view")]
+mod tev;
 mod updates;
 #[cfg(feature = "view")]
 mod view;

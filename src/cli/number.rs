@@ -123,6 +123,12 @@ pub(super) fn parse_picture_size(text: &str) -> Result<(u32, u32), String> {
     }
 }
 
+/// Parses a radiance above zero, in W/(m² sr).
+pub(super) fn parse_radiance_limit(text: &str) -> Result<f32, String> {
+    let value = text.parse::<f32>().ok().filter(|x| *x > 0.0 && x.is_finite());
+    value.ok_or_else(|| format!("`{text}` is not a radiance: write a number above 0"))
+}
+
 /// Parses a length above zero, in scene units.
 pub(super) fn parse_length(text: &str) -> Result<f32, String> {
     let value = text.parse::<f32>().ok().filter(|x| *x > 0.0 && x.is_finite());

@@ -15,8 +15,11 @@ use super::report::{EstimatedErrorReport, RenderReport, RenderSetup};
 use super::scene::{load_scene_and_file, with_thread_pool};
 use super::settings::settings_from_arguments;
 use super::shard::Shard;
+#[cfg(feature = "view")]
+use super::tev::TevOutput;
 use super::updates::PictureUpdates;
 use super::{CommandFailure, Exit, RenderArguments, forecast_text};
+use crate::camera::CropWindow;
 use crate::image::{self, Image, ToneCurve, WriteOptions};
 use crate::integrate::{
     Algorithm, AovSurface, CameraPathSettings, EmissionGuidingReportPerMap, Integrator, SurfaceAovs,
@@ -44,20 +47,34 @@ struct EmptyShardError {
     passes: u32,
 }
 
-/// Error: the algorithm does not divide light into groups.
+/// Error: a flag about simulated light is given with the algorithm `raycast`.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[error("--light-groups needs light that is simulated, and raycast only shades surfaces")]
+#[error("{flag} needs light that is simulated, and raycast only shades surfaces")]
 #[diagnostic(help("choose another --integrator"))]
-struct LightGroupsUnsupportedError;
+struct UnsupportedByRaycastError {
+    flag: &'static str,
+}
+
+/// Error: a crop window exceeds the picture.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("the window {window} exceeds the picture of {} × {} pixels", size.0, size.1)]
+#[diagnostic(help("choose a window inside of the picture, or another --size"))]
+struct CropWindowTooLargeError {
+    window: CropWindow,
+    size: (u32, u32),
+}
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
     if arguments.method.integrator == Algorithm::Raycast {
+        if arguments.clamp.is_some() {
+            return Err(CommandFailure::usage_error(UnsupportedByRaycastError { flag: "--clamp" }));
+        }
         if arguments.target_error.is_some() {
             let flag = "--target-error";
             return Err(CommandFailure::usage_error(forecast_text::ErrorEstimateUnsupportedError { flag }));
         }
         if arguments.light_groups {
-            return Err(CommandFailure::usage_error(LightGroupsUnsupportedError));
+            return Err(CommandFailure::usage_error(UnsupportedByRaycastError { flag: "--light-groups" }));
         }
     }
     // Everything that can fail without rendering is checked before rendering.
@@ -121,10 +138,14 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
     settings.camera_paths.estimate_error = estimates_error;
     settings.camera_paths.groups_light = arguments.light_groups;
+    (settings.camera_paths.crop, settings.camera_paths.clamp) = (arguments.crop, arguments.clamp);
     let camera_paths = settings.camera_paths.clone();
-    let (memory, size) = (arguments.scene.memory_limit(), scene.camera().size());
-    let layers =
-        RenderedLayers { error: estimates_error, groups: arguments.light_groups, aovs: arguments.aov.is_some() };
+    let (memory, whole) = (arguments.scene.memory_limit(), scene.camera().size());
+    if let Some(window) = arguments.crop.filter(|window| !window.fits_into(whole)) {
+        return Err(CommandFailure::usage_error(CropWindowTooLargeError { window, size: whole }));
+    }
+    let size = camera_paths.window(whole).size();
+    let layers = rendered_layers(arguments, estimates_error);
     let pictures = check_layered_picture_memory(size, layers, memory.available_bytes());
     let pictures = pictures.map_err(CommandFailure::usage_error)?;
     #[cfg(feature = "view")]
@@ -144,7 +165,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let mut film = None;
     let mut before = RenderResult::without_passes(integrator.as_ref(), size);
     if let Some(path) = &arguments.film {
-        let header = film_header(arguments, size, &input_paths)?;
+        let header = film_header(arguments, size, whole, &input_paths)?;
         let (saved, rendered) = SavedFilm::open(path, header, arguments.save_every)?;
         if let Some(rendered) = rendered {
             if arguments.shard.is_some() {
@@ -163,6 +184,8 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
         let notes = plan::pass_work_lines(integrator.as_ref());
         live.begin_passes(PlanReport::new(integrator.plan(), notes), &stop, size);
     });
+    #[cfg(feature = "view")]
+    let mut tev = arguments.tev.as_ref().map(|address| TevOutput::start(address, &setup.scene));
     let rendered = render_passes(before, numbers, &stop, integrator.as_ref(), start, progress, |standing| {
         if standing.ended.is_none() {
             updates.iter_mut().for_each(|updates| updates.update(&standing.rendered.film));
@@ -170,6 +193,8 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
         }
         #[cfg(feature = "view")]
         live.iter_mut().for_each(|live| live.after_pass(standing, &stop));
+        #[cfg(feature = "view")]
+        tev.iter_mut().for_each(|tev| tev.send_if_due(standing.rendered));
     });
     progress.remove_progress_bar();
     #[cfg(feature = "view")]
@@ -178,11 +203,27 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let aovs = || find_surface_aovs(arguments, &scene, integrator.as_ref(), &camera_paths, progress);
     let aovs = arguments.aov.is_some().then(aovs).flatten();
     progress.remove_progress_bar();
+    #[cfg(feature = "view")]
+    tev.into_iter().for_each(|tev| tev.finish(&rendered, aovs.as_ref(), arguments.aov.is_some()));
     let outputs = RenderOutputs { arguments, rendered: &rendered, aovs, film: film.as_ref() };
     let written = outputs.write(progress, setup, &stop, powerless);
     #[cfg(feature = "view")]
     live_output.into_iter().for_each(LiveOutput::finish);
     written
+}
+
+/// Returns the layers of a render, which need memory.
+fn rendered_layers(arguments: &RenderArguments, estimates_error: bool) -> RenderedLayers {
+    RenderedLayers {
+        error: estimates_error,
+        groups: arguments.light_groups,
+        clamped: arguments.clamp.is_some(),
+        #[cfg(feature = "view")]
+        sent: arguments.tev.is_some(),
+        #[cfg(not(feature = "view"))]
+        sent: false,
+        aovs: arguments.aov.is_some(),
+    }
 }
 
 /// Returns the indices of the passes to render, and `stop` with the number of these passes as its
@@ -427,6 +468,9 @@ fn print_render_summary(
         report.rates.rays_per_second * 1e-6,
         report.rates.photons_per_second * 1e-6,
     ));
+    if let Some(fraction) = report.clamped_fraction {
+        progress.print_line(&format!("clamping removed {} of the light", percent_text(fraction)));
+    }
     if let Some(EstimatedErrorReport { estimate, confidence, .. }) = &report.error {
         let interval = format!("{} to {}", percent_text(estimate.low), percent_text(estimate.high));
         let confidence = percent_text(confidence.probability());

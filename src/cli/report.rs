@@ -37,6 +37,9 @@ pub(super) struct RenderReport {
     pub photons: PhotonReports,
     /// Estimated error; `None` after too few passes, or with `--no-error-estimate`.
     pub error: Option<EstimatedErrorReport>,
+    /// Light that clamping removed, as a fraction of the light without clamping; `None` without
+    /// clamping.
+    pub clamped_fraction: Option<f64>,
     pub counters: Counters,
     pub seconds: RenderTimes,
     pub rates: RenderRates,
@@ -178,6 +181,7 @@ impl RenderReport {
             balance: setup.balance,
             photons: PhotonReports { global: rendered.unaimed, caustic: rendered.aimed },
             error: EstimatedErrorReport::new(rendered, confidence),
+            clamped_fraction: rendered.clamped_fraction(),
             counters: rendered.counters,
             seconds: RenderTimes { setup: setup.seconds, passes: rendered.seconds, render: wall },
             rates: RenderRates {

@@ -99,6 +99,8 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
             adaptive: arguments.adaptive,
             estimate_error: false,
             groups_light: false,
+            crop: None,
+            clamp: None,
             effects,
         },
         photons,

@@ -350,6 +350,7 @@ fn photon_radiance<I: Interior>(
     };
     let estimate = estimate + interreflection;
     worker.prefix.photons += vertex.throughput * estimate;
+    worker.photon_light += vertex.throughput * estimate;
     estimate
 }
 

@@ -72,6 +72,11 @@ pub trait Integrator: Send + Sync {
         false
     }
 
+    /// True if passes return the light that clamping removes.
+    fn clamps_light(&self) -> bool {
+        false
+    }
+
     /// Returns the work and benefit of guiding shadow rays to the environment light; `None` if no
     /// pilot (small simulation before the render) tried to guide them.
     fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {

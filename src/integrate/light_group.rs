@@ -79,6 +79,11 @@ impl GroupedLight {
         }
     }
 
+    /// Multiplies all sums by `factor`.
+    pub fn scale(&mut self, factor: Rgb) {
+        self.sums.iter_mut().for_each(|sum| *sum *= factor);
+    }
+
     /// Returns the sums in the order of [`LightGroup::ALL`], and resets them.
     pub fn take(&mut self) -> [Rgb; LightGroup::ALL.len()] {
         std::mem::take(&mut self.sums)

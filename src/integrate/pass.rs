@@ -78,7 +78,7 @@ pub struct ExpectedPhotons {
 /// Result of one pass.
 #[derive(Clone, Debug, Default)]
 pub struct Pass {
-    /// Mean radiance of each pixel, by rows from the top \[W/(m² sr)].
+    /// Mean radiance of each pixel of the rendered window, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
     /// Counts of rays and photons.
     pub counters: Counters,
@@ -99,6 +99,10 @@ pub struct Pass {
     /// Empty unless [`CameraPathSettings::groups_light`](super::CameraPathSettings::groups_light)
     /// is true.
     pub groups: Vec<Vec<Rgb>>,
+    /// Radiance that clamping removed from each pixel \[W/(m² sr)].
+    ///
+    /// Empty unless [`CameraPathSettings::clamp`](super::CameraPathSettings::clamp) is set.
+    pub clamped: Vec<Rgb>,
     /// Radiance of some pixels by camera paths that no other pass traces: pairs of an index in
     /// `image` and a radiance \[W/(m² sr)].
     ///

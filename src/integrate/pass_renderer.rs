@@ -189,12 +189,14 @@ impl<'a> PassRenderer<'a> {
         pass: u32,
         slices: Option<SlicedCameras<'b>>,
     ) -> Option<(FilmSampling<'b>, Key)> {
-        let sampling = FilmSampling { slices, ..self.film_sampling(pass) };
+        let settings = &self.settings.camera_paths;
+        let window = settings.window(self.scene.camera().size());
+        let sampling = FilmSampling { slices, window, clamp: settings.clamp, ..self.film_sampling(pass) };
         if !(sampling.nested && self.policy.shares_paths) {
             return None;
         }
-        let tile_stride = tiles::rendered_tile_stride(sampling.camera.size(), FRESH_TILE_COUNT);
-        let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::Camera).fresh_paths_key(pass);
+        let tile_stride = tiles::rendered_tile_stride(sampling.window.size(), FRESH_TILE_COUNT);
+        let key = Key::new(settings.seed).purpose_key(Purpose::Camera).fresh_paths_key(pass);
         Some((FilmSampling { nested: false, tile_stride, ..sampling }, key))
     }
 }

@@ -15,7 +15,7 @@ use super::prefix_pilot::find_prefix_ray_counts;
 use super::prefix_rays::PrefixRayCounts;
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
-use super::settings::{IndirectPhotons, Settings};
+use super::settings::{CameraPathSettings, IndirectPhotons, Settings};
 use super::shutter::{ShutterSlice, SlicedCameras};
 use super::tiles::{FilmSampling, render_tiles};
 use super::work_pilot::{find_ray_photon_balance, measure_pass_work};
@@ -24,6 +24,7 @@ use crate::plan::{Effect, Effects, Plan};
 use crate::sampling::{Key, Purpose};
 use crate::scene::{Scene, for_interior};
 use crate::stats::Counters;
+use glam::Vec2;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -82,8 +83,10 @@ impl Integrator for PathIntegrator<'_> {
         let key = renderer.camera_path_key(pass);
         let cameras = || (self.slices > 1).then(|| sliced_cameras(renderers, pass));
         let settings = &renderer.settings.camera_paths;
-        let groups_light = settings.groups_light;
-        let sampling = FilmSampling { slices: cameras(), groups_light, ..renderers[0].film_sampling(pass) };
+        let CameraPathSettings { groups_light, clamp, .. } = *settings;
+        let window = settings.window(renderer.scene.camera().size());
+        let sampling =
+            FilmSampling { slices: cameras(), groups_light, window, clamp, ..renderers[0].film_sampling(pass) };
         let render_camera_paths = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn ProgressMonitor| {
             for_interior!(paths[0].policy.effects, <I> {
                 render_tiles(sampling, key, monitor, |ray, sampler, worker, branches| {
@@ -93,11 +96,15 @@ impl Integrator for PathIntegrator<'_> {
         };
         let picture = render_camera_paths(&sampling, key, monitor);
         (out.image, out.nested, out.groups) = (picture.image, picture.nested, picture.groups);
+        out.clamped = picture.clamped;
         out.counters += picture.counters;
 
         // Add the light that photons sent to the camera.
         if !splats.is_empty() {
-            let (width, _) = renderer.scene.camera().size();
+            // Moving by whole pixels is exact for all splats that reach the window.
+            let corner = Vec2::new(window.left as f32, window.top as f32);
+            splats.iter_mut().for_each(|splat| splat.film -= corner);
+            let (width, _) = window.size();
             if let Some(caustic) = out.groups.get_mut(LightGroup::Caustic as usize) {
                 add_splats(splats.clone(), &settings.filter, width, caustic);
             }
@@ -160,6 +167,10 @@ impl Integrator for PathIntegrator<'_> {
 
     fn groups_light(&self) -> bool {
         self.renderer.settings.camera_paths.groups_light
+    }
+
+    fn clamps_light(&self) -> bool {
+        self.renderer.settings.camera_paths.clamp.is_some()
     }
 
     fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {

@@ -7,7 +7,7 @@ use super::pass::{Pass, ProgressMonitor, StageTimes};
 use super::settings::CameraPathSettings;
 use super::tiles::{self, FilmImage, FilmSampling};
 use crate::bsdf::{conductor_reflectance, dielectric_reflectance};
-use crate::camera::Filter;
+use crate::camera::{CropWindow, Filter};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::plan::{Effects, Plan};
@@ -28,6 +28,7 @@ pub(super) struct RaycastIntegrator<'a> {
     filter: Option<Filter>,
     samples: u32,
     seed: u64,
+    window: CropWindow,
 }
 
 impl Integrator for RaycastIntegrator<'_> {
@@ -35,7 +36,7 @@ impl Integrator for RaycastIntegrator<'_> {
         let start = Instant::now();
         let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
         let samples = self.samples;
-        let sampling = FilmSampling::of_camera(camera, filter, samples, false);
+        let sampling = FilmSampling { window: self.window, ..FilmSampling::of_camera(camera, filter, samples, false) };
         let key = Key::new(self.seed).purpose_key(Purpose::Camera).pass_key(pass);
         let FilmImage { image, counters, .. } =
             tiles::render_tiles(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.radiance(ray));
@@ -60,7 +61,8 @@ impl<'a> RaycastIntegrator<'a> {
     pub fn new(scene: &'a Scene, plan: Plan, settings: &CameraPathSettings) -> Self {
         let samples = settings.samples.unwrap_or(1);
         let filter = (samples > 1).then(|| settings.filter.clone());
-        Self { scene, plan, filter, samples, seed: settings.seed }
+        let window = settings.window(scene.camera().size());
+        Self { scene, plan, filter, samples, seed: settings.seed, window }
     }
 
     /// Returns the radiance along a camera ray by Phong's shading model.

@@ -2,7 +2,7 @@
 
 use super::radius_law::ALPHA;
 use super::volume_estimate::VolumeEstimator;
-use crate::camera::{Filter, FilterKind};
+use crate::camera::{CropWindow, Filter, FilterKind};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 
@@ -27,6 +27,12 @@ pub struct CameraPathSettings {
     ///
     /// [`Algorithm::Raycast`](super::Algorithm::Raycast) ignores it.
     pub groups_light: bool,
+    /// Window of pixels that passes render; `None` for the whole picture. Each pixel has the bits
+    /// that it has in the whole picture.
+    pub crop: Option<CropWindow>,
+    /// Radiance \[W/(m² sr)] to which the largest channel of a camera path's light is clamped;
+    /// `None` for no limit. Photon estimates are not clamped.
+    pub clamp: Option<f32>,
     /// Effects of light that are forced on or off, whatever the plan decides.
     pub effects: EffectOverrides,
 }
@@ -41,8 +47,18 @@ impl Default for CameraPathSettings {
             adaptive: false,
             estimate_error: false,
             groups_light: false,
+            crop: None,
+            clamp: None,
             effects: EffectOverrides::PLANNED,
         }
+    }
+}
+
+impl CameraPathSettings {
+    /// Returns the window of pixels to render of a picture of `size` (width, height) pixels.
+    #[must_use]
+    pub fn window(&self, size: (u32, u32)) -> CropWindow {
+        self.crop.unwrap_or(CropWindow::of_whole_picture(size))
     }
 }
 

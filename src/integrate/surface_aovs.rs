@@ -74,7 +74,7 @@ struct PixelAovs {
 struct RayAovs {
     /// Albedo, as a weighted sum over the branches of the ray.
     albedo: Rgb,
-    /// Shading normal, as a weighted sum over the branches of the ray.
+    /// Shading normal, as a weighted mean over the branches of the ray.
     normal: Vec3,
     /// Surface at the end of the branch with the largest weight; `None` if no branch reaches one.
     seen: Option<SeenSurface>,
@@ -104,7 +104,7 @@ struct Branch<I> {
     sampler: Sampler,
 }
 
-/// Finds the surface AOVs of all pixels of `scene`.
+/// Finds the surface AOVs of the pixels of `scene` that `settings` render.
 ///
 /// Simulates `effects` without media and dispersion. Returns `None` if `monitor` is cancelled.
 #[must_use]
@@ -117,7 +117,8 @@ pub fn render_surface_aovs(
 ) -> Option<SurfaceAovs> {
     let effects = effects.without_effect(Effect::Media).without_effect(Effect::Dispersion);
     let follows_specular = surface == AovSurface::FirstNonSpecular && effects.has(Effect::Specular);
-    let (width, height) = scene.camera().size();
+    let window = settings.window(scene.camera().size());
+    let (width, height) = window.size();
     monitor.begin_stage(PassStage::Camera, u64::from(width) * u64::from(height));
 
     // Spread the rays of a pixel over the shutter interval.
@@ -131,8 +132,8 @@ pub fn render_surface_aovs(
         .collect();
 
     let key = Key::new(settings.seed).purpose_key(Purpose::SurfaceAovs);
-    let rows = (0..height).into_par_iter().map(|y| {
-        let pixels = (0..width).map_while(|x| {
+    let rows = (window.top..window.bottom).into_par_iter().map(|y| {
+        let pixels = (window.left..window.right).map_while(|x| {
             let rays = (0..RAYS).map(|ray| {
                 let sampler = Sampler::new(key.pixel_key(x, y), ray, RAYS);
                 let of_ray = ray as usize % scenes.len();
@@ -170,6 +171,7 @@ fn trace_ray<I: Interior>(
     follows_specular: bool,
 ) -> RayAovs {
     let mut found = RayAovs::default();
+    let mut total_weight = 0.0;
     let mut branches = vec![Branch { path_ray, weight: Rgb::ONE, depth: 0.0, bounces: 0, sampler }];
     while let Some(mut branch) = branches.pop() {
         let hit = match branch.path_ray.next_vertex(scene, branch.sampler.sample_key(), |_| None) {
@@ -179,6 +181,7 @@ fn trace_ray<I: Interior>(
                 let direction = branch.path_ray.ray.direction;
                 let radiance = if shows_environment { scene.escaped_radiance(direction) } else { scene.background() };
                 found.albedo += branch.weight * clip_to_albedo(radiance);
+                total_weight += color::channel_mean(branch.weight);
                 continue;
             }
         };
@@ -193,6 +196,10 @@ fn trace_ray<I: Interior>(
             continue;
         }
         found.add_surface(scene, &branch, surface);
+        total_weight += color::channel_mean(branch.weight);
+    }
+    if total_weight > 0.0 {
+        found.normal /= total_weight;
     }
     found
 }

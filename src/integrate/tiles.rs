@@ -6,7 +6,7 @@ use super::pass::{PassStage, ProgressMonitor};
 use super::prefix_rays::{PrefixLight, PrefixRayCount};
 use super::shutter::{RaySlices, SlicedCameras};
 use super::worker::PathWorker;
-use crate::camera::{Camera, Filter, FilterSample};
+use crate::camera::{Camera, CropWindow, Filter, FilterSample};
 use crate::color::Rgb;
 use crate::math::{CompensatedSum, Ray, gcd};
 use crate::sampling::{Dimension, Key, Sampler};
@@ -35,6 +35,11 @@ pub(super) struct FilmSampling<'a> {
     pub nested: bool,
     /// True if the light of each pixel is divided into direct, indirect and caustic light.
     pub groups_light: bool,
+    /// Window of pixels to render.
+    pub window: CropWindow,
+    /// Radiance \[W/(m² sr)] to which the largest channel of a camera path's light is clamped,
+    /// without photon estimates; `None` for no limit.
+    pub clamp: Option<f32>,
     /// Slices of the shutter interval among which camera rays are divided; `None` sends all rays
     /// through `camera`.
     pub slices: Option<SlicedCameras<'a>>,
@@ -54,16 +59,19 @@ pub(super) struct PrefixRays<'a> {
     pub key: Key,
 }
 
-/// Rendered picture with the counters of its camera rays.
+/// Rendered window of a picture with the counters of its camera rays.
 pub(super) struct FilmImage {
-    /// Radiance of each pixel, by rows from the top \[W/(m² sr)].
+    /// Radiance of each pixel of the window, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
     /// Nested photon estimates of each pixel; empty unless [`FilmSampling::nested`] is true.
     pub nested: Vec<NestedEstimates>,
     /// Radiance of each pixel by light group, which adds up to `image`, in the order of
     /// [`LightGroup::ALL`] \[W/(m² sr)]; empty unless [`FilmSampling::groups_light`] is true.
     pub groups: Vec<Vec<Rgb>>,
-    /// Indices of the rendered pixels, if only one of several tiles is rendered; else empty.
+    /// Radiance that clamping removed from each pixel \[W/(m² sr)]; empty unless light is clamped.
+    pub clamped: Vec<Rgb>,
+    /// Indices in `image` of the rendered pixels, if only one of several tiles is rendered; else
+    /// empty.
     pub pixels: Vec<u32>,
     pub counters: Counters,
 }
@@ -78,6 +86,8 @@ struct Tile<'a> {
     nested: Vec<&'a mut [NestedEstimates]>,
     /// Rows of each light group in the tile; empty unless [`FilmSampling::groups_light`] is true.
     groups: Vec<Vec<&'a mut [Rgb]>>,
+    /// Rows of removed radiance in the tile; empty unless light is clamped.
+    clamped: Vec<&'a mut [Rgb]>,
 }
 
 impl<'a> Tile<'a> {
@@ -86,6 +96,7 @@ impl<'a> Tile<'a> {
         image: &'a mut [Rgb],
         nested: &'a mut [NestedEstimates],
         groups: &'a mut [Vec<Rgb>],
+        clamped: &'a mut [Rgb],
         width: u32,
     ) -> Vec<Self> {
         let height = image.len() as u32 / width;
@@ -95,10 +106,12 @@ impl<'a> Tile<'a> {
             image: Vec::new(),
             nested: Vec::new(),
             groups: (0..group_count).map(|_| Vec::new()).collect(),
+            clamped: Vec::new(),
         };
         let mut tiles: Vec<Self> = (0..width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE)).map(empty).collect();
         cut_rows_at_tiles(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
         cut_rows_at_tiles(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
+        cut_rows_at_tiles(clamped, width).for_each(|(tile, row)| tiles[tile].clamped.push(row));
         for (group, pixels) in groups.iter_mut().enumerate() {
             cut_rows_at_tiles(pixels, width).for_each(|(tile, row)| tiles[tile].groups[group].push(row));
         }
@@ -129,6 +142,8 @@ impl<'a> FilmSampling<'a> {
             prefix_rays: None,
             nested: false,
             groups_light: false,
+            window: CropWindow::of_whole_picture(camera.size()),
+            clamp: None,
             slices: None,
             tile_stride: 1,
         }
@@ -186,7 +201,7 @@ impl FilmSampling<'_> {
     }
 }
 
-/// Renders the pixels of a picture by tiles, in parallel.
+/// Renders the pixels of a picture's window by tiles, in parallel.
 ///
 /// `radiance` returns the radiance along a camera ray \[W/(m² sr)]. It gets the sampler of the ray,
 /// and the counters and buffers of the tile. It also gets a value of type `T` that all rays of a
@@ -197,7 +212,9 @@ pub(super) fn render_tiles<T: Default>(
     monitor: &dyn ProgressMonitor,
     radiance: impl Fn(&Ray, Sampler, &mut PathWorker, &mut T) -> Rgb + Sync,
 ) -> FilmImage {
-    let (width, height) = sampling.camera.size();
+    let (whole_width, _) = sampling.camera.size();
+    let CropWindow { left, top, .. } = sampling.window;
+    let (width, height) = sampling.window.size();
     let (columns, stride) = (width.div_ceil(TILE_SIZE), sampling.tile_stride);
     let pixels = width as usize * height as usize;
     let is_signed = sampling.filter.is_some_and(Filter::has_negative_values);
@@ -207,7 +224,8 @@ pub(super) fn render_tiles<T: Default>(
     let mut image = vec![Rgb::ZERO; pixels];
     let mut nested = vec![NestedEstimates::default(); if sampling.nested { pixels } else { 0 }];
     let mut groups = vec![vec![Rgb::ZERO; pixels]; if sampling.groups_light { LightGroup::ALL.len() } else { 0 }];
-    let mut tiles = Tile::split_image_into_tiles(&mut image, &mut nested, &mut groups, width);
+    let mut clamped = vec![Rgb::ZERO; if sampling.clamp.is_some() { pixels } else { 0 }];
+    let mut tiles = Tile::split_image_into_tiles(&mut image, &mut nested, &mut groups, &mut clamped, width);
     tiles.retain(|tile| is_tile_rendered(tile.index, columns, stride));
     let indices = |tile: &Tile<'_>| tile_pixels(tile.index, columns, width, height).map(|(x, y)| y * width + x);
     let rendered_pixels = if stride > 1 { tiles.iter().flat_map(indices).collect() } else { Vec::new() };
@@ -217,12 +235,15 @@ pub(super) fn render_tiles<T: Default>(
         let mut worker = PathWorker { nests_estimates: sampling.nested, groups, ..PathWorker::default() };
         let mut tile_state = T::default();
         let mut rendered = 0;
-        for (x, y) in tile_pixels(tile.index, columns, width, height).take_while(|_| !monitor.is_cancelled()) {
+        let tile_pixels = tile_pixels(tile.index, columns, width, height).take_while(|_| !monitor.is_cancelled());
+        for (column_in_window, row_in_window) in tile_pixels {
+            let (x, y) = (left + column_in_window, top + row_in_window);
             let (pixel, corner) = (key.pixel_key(x, y), Vec2::new(x as f32, y as f32));
-            let index = y as usize * width as usize + x as usize;
+            let index = y as usize * whole_width as usize + x as usize;
             let (samples, prefix) = (sampling.ray_count(index), sampling.prefix_ray_count(index));
             let mut sum = PixelSum::default();
             let mut group_sums = GroupSums::default();
+            let mut removed = RemovedLight::default();
             let slices = sampling.divide_rays(x, y, samples);
             worker.prefix = PrefixLight::camera_path_weights(samples, slices.used_slice_count(), prefix);
             worker.film_position = corner + 0.5;
@@ -232,9 +253,13 @@ pub(super) fn render_tiles<T: Default>(
                 worker.slice = slices.slice(sample);
                 let (ray, weight) = sampling.generate_ray(worker.slice, corner, sampler);
                 worker.counters.camera_rays += 1;
-                let value = radiance(&ray, sampler, &mut worker, &mut tile_state);
+                worker.photon_light = Rgb::ZERO;
+                let mut value = radiance(&ray, sampler, &mut worker, &mut tile_state);
 
                 // Add its radiance to the pixel.
+                if let Some(limit) = sampling.clamp {
+                    removed.add_camera_ray(clamp_path_light(&mut value, limit, &mut worker), weight);
+                }
                 let finite = value.is_finite();
                 if finite {
                     sum.add(value, weight);
@@ -259,7 +284,11 @@ pub(super) fn render_tiles<T: Default>(
                     worker.slice = slices.slice(ray);
                     let (ray, weight) = sampling.generate_ray(worker.slice, corner, sampler);
                     worker.counters.camera_rays += 1;
-                    let value = radiance(&ray, sampler, &mut worker, &mut tile_state);
+                    worker.photon_light = Rgb::ZERO;
+                    let mut value = radiance(&ray, sampler, &mut worker, &mut tile_state);
+                    if let Some(limit) = sampling.clamp {
+                        removed.add_prefix_ray(clamp_path_light(&mut value, limit, &mut worker), weight);
+                    }
                     let finite = value.is_finite();
                     if finite {
                         prefix_sum.add(value.as_dvec3() * f64::from(weight));
@@ -273,11 +302,14 @@ pub(super) fn render_tiles<T: Default>(
                     }
                 }
             }
-            let (column, row) = ((x % TILE_SIZE) as usize, (y % TILE_SIZE) as usize);
+            let (column, row) = ((column_in_window % TILE_SIZE) as usize, (row_in_window % TILE_SIZE) as usize);
             let total = if is_signed { sum.weighted_sum() } else { sum.unweighted_sum() };
             tile.image[row][column] = ((total + prefix_sum.value()) / f64::from(samples)).as_vec3();
             if sampling.nested {
                 tile.nested[row][column] = worker.nested.finish_pixel(samples);
+            }
+            if sampling.clamp.is_some() {
+                tile.clamped[row][column] = removed.pixel_value(is_signed, samples);
             }
             for (group, rows) in tile.groups.iter_mut().enumerate() {
                 rows[row][column] = group_sums.pixel_value(group, is_signed, samples);
@@ -291,7 +323,7 @@ pub(super) fn render_tiles<T: Default>(
         a += b;
         a
     });
-    FilmImage { image, nested, groups, pixels: rendered_pixels, counters }
+    FilmImage { image, nested, groups, clamped, pixels: rendered_pixels, counters }
 }
 
 /// Returns the stride n ≥ 2 for which rendering one of every n tiles renders about `wanted` tiles.
@@ -356,6 +388,49 @@ impl PixelSum {
         // values.
         let lacks = (weighted - values) - values * self.excess;
         weighted + lacks / others
+    }
+}
+
+/// Scales the light that a camera path found without photon estimates, so that no channel exceeds
+/// `limit` \[W/(m² sr)]. Returns the radiance that this removes from `value`.
+///
+/// All light groups of the ray lose in the proportion in which `value` does. The removed radiance of
+/// a ray that is not finite is 0, because its value does not count.
+fn clamp_path_light(value: &mut Rgb, limit: f32, worker: &mut PathWorker) -> Rgb {
+    let found = *value - worker.photon_light;
+    let largest = found.max_element();
+    if !(value.is_finite() && largest > limit) {
+        return Rgb::ZERO;
+    }
+    let clamped = worker.photon_light + found * (limit / largest);
+    let removed = *value - clamped;
+    worker.groups.scale(Rgb::select(value.cmpgt(Rgb::ZERO), clamped / *value, Rgb::ONE));
+    *value = clamped;
+    removed
+}
+
+/// Sums of the radiance that clamping removes from a pixel, over its camera paths and prefix rays.
+#[derive(Default)]
+struct RemovedLight {
+    paths: PixelSum,
+    prefix_rays: CompensatedSum,
+}
+
+impl RemovedLight {
+    fn add_camera_ray(&mut self, removed: Rgb, weight: f32) {
+        self.paths.add(removed, weight);
+    }
+
+    fn add_prefix_ray(&mut self, removed: Rgb, weight: f32) {
+        self.prefix_rays.add(removed.as_dvec3() * f64::from(weight));
+    }
+
+    /// Returns the radiance removed from a pixel with `samples` camera paths \[W/(m² sr)].
+    ///
+    /// `is_signed` is true if the pixel filter has negative values.
+    fn pixel_value(&self, is_signed: bool, samples: u32) -> Rgb {
+        let paths = if is_signed { self.paths.weighted_sum() } else { self.paths.unweighted_sum() };
+        ((paths + self.prefix_rays.value()) / f64::from(samples)).as_vec3()
     }
 }
 

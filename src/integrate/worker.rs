@@ -52,6 +52,8 @@ pub(super) struct PathWorker {
     /// Indirect light along the current camera path of a pilot, found by each of two techniques. It
     /// is counted as its contribution to the pixel.
     pub indirect_light: IndirectLight,
+    /// Radiance of the current camera ray that photon estimates found \[W/(m² sr)].
+    pub photon_light: Rgb,
     /// Light of the current camera ray, divided into direct, indirect and caustic light.
     pub groups: GroupedLight,
 }

@@ -78,6 +78,8 @@ pub struct RenderResult {
     /// Films of the light groups, whose means add up to the picture, in the order of
     /// [`LightGroup::ALL`]; empty unless [`Integrator::groups_light`] is true.
     pub groups: Vec<Film>,
+    /// Film of the radiance that clamping removed; `None` without clamping.
+    pub clamped: Option<Film>,
     /// Reason why the render ended.
     pub ended: EndReason,
     /// Counts of rays and density estimates of all passes.
@@ -170,6 +172,7 @@ pub fn continue_render(
         }
         rendered.film.add(&pass.image);
         rendered.groups.iter_mut().zip(&pass.groups).for_each(|(film, image)| film.add(image));
+        rendered.clamped.iter_mut().for_each(|film| film.add(&pass.clamped));
         rendered.numbers.insert(number..number + 1);
         rendered.counters += pass.counters;
         rendered.seconds += pass.seconds;
@@ -199,6 +202,7 @@ impl RenderResult {
             numbers: PassSet::default(),
             film: Film::new(size.0, size.1),
             groups: (0..groups).map(|_| Film::new(size.0, size.1)).collect(),
+            clamped: integrator.clamps_light().then(|| Film::new(size.0, size.1)),
             estimator: integrator.returns_nested_estimates().then(|| ErrorEstimator::new(integrator.radius_law())),
             ended: EndReason::Passes,
             counters: Counters::default(),
@@ -207,6 +211,16 @@ impl RenderResult {
             aimed: PhotonReport::default(),
             wall: Duration::ZERO,
         }
+    }
+
+    /// Returns the light that clamping removed from the picture, as a fraction of the light without
+    /// clamping; `None` if light was not clamped.
+    #[must_use]
+    pub fn clamped_fraction(&self) -> Option<f64> {
+        let light = |film: &Film| film.pixel_means().map(|mean| mean.element_sum()).sum::<f64>();
+        let removed = light(self.clamped.as_ref()?);
+        let all = light(&self.film) + removed;
+        Some(if all > 0.0 { removed / all } else { 0.0 })
     }
 
     /// Adds the passes of `other`, a render of the same scene with the same settings.
@@ -222,8 +236,8 @@ impl RenderResult {
         if self.film.size() != other.film.size() {
             return Err(MergeError::Size { own: self.film.size(), other: other.film.size() });
         }
-        if self.groups.len() != other.groups.len() {
-            return Err(MergeError::LightGroups);
+        if self.groups.len() != other.groups.len() || self.clamped.is_some() != other.clamped.is_some() {
+            return Err(MergeError::Layers);
         }
         match (&mut self.estimator, &other.estimator) {
             (Some(own), Some(other)) => own.merge(other)?,
@@ -231,7 +245,8 @@ impl RenderResult {
             _ => return Err(MergeError::Estimator),
         }
         self.film.merge(&other.film)?;
-        for (own, other) in self.groups.iter_mut().zip(&other.groups) {
+        let clamped = self.clamped.iter_mut().zip(&other.clamped);
+        for (own, other) in self.groups.iter_mut().zip(&other.groups).chain(clamped) {
             own.merge(other)?;
         }
         self.numbers.insert_all(&other.numbers);
@@ -249,11 +264,11 @@ impl RenderResult {
     pub(super) fn is_consistent(&self) -> bool {
         let (width, height) = self.film.size();
         let passes = self.film.passes();
-        let is_group_of_picture =
-            |group: &Film| group.is_consistent() && group.size() == (width, height) && group.passes() == passes;
+        let is_of_picture =
+            |film: &Film| film.is_consistent() && film.size() == (width, height) && film.passes() == passes;
         self.film.is_consistent()
             && (self.groups.is_empty() || self.groups.len() == LightGroup::ALL.len())
-            && self.groups.iter().all(is_group_of_picture)
+            && self.groups.iter().chain(&self.clamped).all(is_of_picture)
             && self.numbers.is_consistent()
             && self.numbers.len() == u64::from(passes)
             && self

@@ -7,7 +7,8 @@ use crate::integrate::{LightGroup, MeanGatherDisc, SurfaceAovs};
 use glam::Vec3;
 
 /// Returns the layers of a picture file: the picture, whose layer has no name; its light groups if
-/// it has them; and maps of its estimated error if the error is estimated.
+/// it has them; the radiance that clamping removed if light is clamped; and maps of its estimated
+/// error if the error is estimated.
 ///
 /// Layers `bias`, `radius` and `photons` exist only for algorithms with density estimates.
 #[must_use]
@@ -15,6 +16,7 @@ pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     let mut layers = vec![rgb_layer("", &rendered.film.mean())];
     let groups = LightGroup::ALL.iter().zip(&rendered.groups);
     layers.extend(groups.map(|(group, film)| rgb_layer(group.name(), &film.mean())));
+    layers.extend(rendered.clamped.iter().map(|film| rgb_layer("clamped", &film.mean())));
     let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES);
     let Some(estimator) = estimator else { return layers };
     let ErrorMaps { noise, bias, caustic, indirect } = estimator.error_maps(&rendered.film);
@@ -52,7 +54,9 @@ pub fn surface_layers(aovs: &SurfaceAovs) -> Vec<ExrLayer> {
     ]
 }
 
-fn rgb_layer(name: &str, pixels: &[Vec3]) -> ExrLayer {
+/// Returns the layer `name` with the channels R, G and B of `pixels`.
+#[must_use]
+pub fn rgb_layer(name: &str, pixels: &[Vec3]) -> ExrLayer {
     vector_layer(name, ["R", "G", "B"], pixels)
 }
 

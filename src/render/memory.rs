@@ -22,6 +22,16 @@ const BYTES_PER_ESTIMATED_PIXEL: u64 = 382;
 /// reuse the memory of the pass.
 const BYTES_PER_GROUPED_PIXEL: u64 = 210;
 
+/// Memory that the light that clamping removes adds to [`BYTES_PER_PIXEL`] \[bytes per pixel].
+///
+/// Its film takes 50 bytes, its sums in the error estimate 67, and the current pass 12.
+const BYTES_PER_CLAMPED_PIXEL: u64 = 140;
+
+/// Memory of pictures that wait to be sent to a viewer \[bytes per pixel].
+///
+/// Two pictures and a packet take 40 bytes. Those with light groups take 80 more.
+const BYTES_PER_SENT_PIXEL: u64 = 120;
+
 /// Memory that surface AOVs take after the last pass \[bytes per pixel].
 ///
 /// The AOVs take 48 bytes, their layers as much, and the copy in the file that is encoded too.
@@ -117,6 +127,10 @@ pub struct RenderedLayers {
     pub error: bool,
     /// True if light is divided into light groups.
     pub groups: bool,
+    /// True if light is clamped.
+    pub clamped: bool,
+    /// True if pictures are sent to a viewer.
+    pub sent: bool,
     /// True if surface AOVs follow the last pass.
     pub aovs: bool,
 }
@@ -135,6 +149,8 @@ pub fn check_layered_picture_memory(
     let bytes = BYTES_PER_PIXEL
         + bytes_if(layers.error, BYTES_PER_ESTIMATED_PIXEL)
         + bytes_if(layers.groups, BYTES_PER_GROUPED_PIXEL)
+        + bytes_if(layers.clamped, BYTES_PER_CLAMPED_PIXEL)
+        + bytes_if(layers.sent, BYTES_PER_SENT_PIXEL)
         + bytes_if(layers.aovs, BYTES_PER_AOV_PIXEL);
     check_pixel_memory(1, size, bytes, free)
 }
@@ -191,8 +207,8 @@ mod tests {
             check_error_estimate_memory(1, (1000, 1000), Some(469_999_999)),
             Err(MemoryError::Picture { .. })
         ));
-        let layers = RenderedLayers { error: true, groups: true, aovs: true };
-        let bytes_per_pixel = 88 + 382 + 210 + 150;
+        let layers = RenderedLayers { error: true, groups: true, clamped: true, sent: true, aovs: true };
+        let bytes_per_pixel = 88 + 382 + 210 + 140 + 120 + 150;
         let check = |free| check_layered_picture_memory((1000, 1000), layers, Some(free));
         assert_eq!(check(bytes_per_pixel * 1_000_000), Ok(bytes_per_pixel * 1_000_000));
         assert!(matches!(check(bytes_per_pixel * 1_000_000 - 1), Err(MemoryError::Picture { .. })));

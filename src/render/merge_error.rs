@@ -27,9 +27,9 @@ pub enum MergeError {
         /// The common passes.
         common: PassSet,
     },
-    /// One render divides its light into direct, indirect and caustic light, and the other does not.
-    #[error("a film with light groups cannot be added to one without")]
-    LightGroups,
+    /// One render has light groups or clamps light, and the other does not.
+    #[error("a film with light groups or clamped light cannot be added to one without")]
+    Layers,
     /// The error estimates come from different integrators or pictures.
     #[error("error estimates of different integrators or pictures cannot be merged")]
     Estimator,

@@ -17,7 +17,7 @@ pub use driver::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteri
 pub use expected_end::ExpectedEnd;
 pub use film::Film;
 pub use film_file::{FilmFile, FilmFileError, FilmHeader, InputDigest};
-pub use layers::{picture_layers, surface_layers};
+pub use layers::{picture_layers, rgb_layer, surface_layers};
 pub use limits::{DEFAULT_ERROR, DEFAULT_TIME, PREVIEW_ERROR, RenderLimits};
 pub use memory::{
     MemoryError, RenderedLayers, check_error_estimate_memory, check_layered_picture_memory, check_photon_memory,

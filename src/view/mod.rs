@@ -1,4 +1,4 @@
-//! The live page: a web page that shows a render while it goes on.
+//! Views of a render while it goes on: the live page, a web page, and the viewer tev.
 //!
 //! A render publishes its newest state to a [`LivePage`], and never waits for a reader. A
 //! [`PageServer`] serves the page and the newest state to any number of browsers.
@@ -13,6 +13,7 @@ mod request;
 mod responses;
 mod server;
 mod status;
+mod tev;
 
 pub use address::{ListenAddress, ListenError};
 pub use frame::{Frame, Layer, LayerKind};
@@ -21,6 +22,7 @@ pub use live_render::LiveRender;
 pub use request::{Orbit, Request};
 pub use server::{PageServer, RequestHandler};
 pub use status::{LiveStatus, Phase, PlanReport, SceneProblem, SceneSource};
+pub use tev::{TevAddress, TevAddressError, TevClient};
 
 #[cfg(test)]
 mod tests;

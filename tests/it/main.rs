@@ -20,3 +20,4 @@ mod robustness;
 mod support;
 mod textures;
 mod threads;
+mod windows;

@@ -119,6 +119,7 @@ fn photon_radiance<I: Interior>(
         estimate += maps.interreflection_radiance_in_medium(path_segment, samples * indirect.photons, rng, worker);
     }
     worker.prefix.photons += path_segment.throughput * estimate;
+    worker.photon_light += path_segment.throughput * estimate;
     estimate
 }
 

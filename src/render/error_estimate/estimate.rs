@@ -21,12 +21,14 @@ pub struct ErrorEstimate {
     pub high: f64,
     /// Relative standard error of the picture, which is the mean of the passes.
     pub noise: f64,
-    /// Error that averaging does not reduce: √(blur² + shared_paths²).
+    /// Error that averaging does not reduce: √(blur² + shared_paths² + clamping²).
     pub bias: f64,
     /// Bias of photon density estimates, due to the radius of their discs.
     pub blur: f64,
     /// Error of camera paths that all passes share; 0 if each pass has its own paths.
     pub shared_paths: f64,
+    /// Bias of clamped camera paths, due to the light that clamping removes; 0 without clamping.
+    pub clamping: f64,
     /// Ratio of the blur with discs of half the area to the blur with full discs: ½ in smooth
     /// light, larger at edges.
     #[serde(skip)]

@@ -1,6 +1,7 @@
 //! The error estimator: accumulates passes and estimates the error of their mean.
 
 use super::blur::{BlurEstimate, NestedDifferenceMoments};
+use super::clamped_light::ClampedLightSums;
 use super::confidence::Confidence;
 use super::estimate::ErrorEstimate;
 use super::fireflies::FireflyHistogram;
@@ -47,6 +48,8 @@ pub struct ErrorEstimator {
     variances: PixelVarianceSums,
     photon_estimates: Option<NestedEstimateSums>,
     shared_paths: SharedPathErrorSums,
+    /// Light that clamping removed; `None` if no pass was clamped.
+    clamped_light: Option<ClampedLightSums>,
     leading: LeadingPasses,
 }
 
@@ -105,6 +108,7 @@ impl ErrorEstimator {
             variances: PixelVarianceSums::default(),
             photon_estimates: None,
             shared_paths: SharedPathErrorSums::default(),
+            clamped_light: None,
             leading: LeadingPasses::default(),
         }
     }
@@ -118,6 +122,10 @@ impl ErrorEstimator {
             estimates.add(number, &pass.nested);
         }
         self.shared_paths.add(pass);
+        if !pass.clamped.is_empty() {
+            let sums = self.clamped_light.get_or_insert_with(|| ClampedLightSums::new(pass.clamped.len()));
+            sums.add(&pass.clamped);
+        }
         self.passes += 1;
     }
 
@@ -140,6 +148,9 @@ impl ErrorEstimator {
             if let (Some(own), Some(other)) = (&mut self.photon_estimates, &other.photon_estimates) {
                 own.merge(other);
             }
+            if let (Some(own), Some(other)) = (&mut self.clamped_light, &other.clamped_light) {
+                own.merge(other);
+            }
             self.shared_paths.merge(&other.shared_paths);
             self.variances.merge(&other.variances);
             self.leading.merge(&other.leading, LEADING_PASSES);
@@ -157,6 +168,7 @@ impl ErrorEstimator {
         self.passes == passes
             && (passes == 0 || self.variances.has_pixels(pixels) && self.leading.has_pixels(pixels, LEADING_PASSES))
             && self.shared_paths.is_consistent(pixels)
+            && self.clamped_light.as_ref().is_none_or(|sums| sums.pixels() == Some(pixels))
             && photon_estimates.is_none_or(|sums| {
                 sums.differences.iter().all(|sums| fits(sums.len()))
                     && fits(sums.products.len())
@@ -172,6 +184,8 @@ impl ErrorEstimator {
         self.variances.pixels() == other.variances.pixels()
             && photon_pixels(self) == photon_pixels(other)
             && self.shared_paths.pixels() == other.shared_paths.pixels()
+            && self.clamped_light.as_ref().map(ClampedLightSums::pixels)
+                == other.clamped_light.as_ref().map(ClampedLightSums::pixels)
     }
 
     /// Estimates the error of the mean of the passes, with an interval of 90 % confidence.
@@ -218,6 +232,8 @@ impl ErrorEstimator {
             self.photon_estimates.as_ref().map(|estimates| estimates.nested_difference_moments(&error_weights, n));
         let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&error_weights, film.size().0, n);
+        let clamping = self.clamped_light.as_ref().map(|sums| sums.squared_bias(&error_weights, n));
+        let (clamping2, clamping_variance) = clamping.unwrap_or_default();
         // The squared error of this picture scatters about its expectation, which is an estimate
         // too.
         let scatter = self.leading.squared_error_variance(error_weights.pixel_weights(), n);
@@ -231,6 +247,8 @@ impl ErrorEstimator {
             blur_variance: blur.variance,
             shared_paths: shared2,
             shared_paths_variance: shared_variance,
+            clamping: clamping2,
+            clamping_variance,
         };
         let (low, high) = parts.error_interval(confidence.gaussian_half_width());
         ErrorEstimate {
@@ -239,9 +257,10 @@ impl ErrorEstimator {
             low,
             high,
             noise: noise2.sqrt(),
-            bias: (blur.square + shared2).sqrt(),
+            bias: (blur.square + shared2 + clamping2).sqrt(),
             blur: blur.square.sqrt(),
             shared_paths: shared2.sqrt(),
+            clamping: clamping2.sqrt(),
             blur_ratio: blur.ratio,
             extrapolation: blur.extrapolation,
             parts,

@@ -68,9 +68,14 @@ impl ErrorForecast {
     /// that all passes share.
     #[must_use]
     pub fn bias_floor(&self) -> Option<f64> {
-        let floor =
-            if self.alpha < 1.0 { self.estimate.shared_paths } else { self.blur.hypot(self.estimate.shared_paths) };
+        let constant = self.constant_bias();
+        let floor = if self.alpha < 1.0 { constant } else { self.blur.hypot(constant) };
         (floor > 0.0).then_some(floor)
+    }
+
+    /// Returns the relative bias that is the same after any number of passes.
+    fn constant_bias(&self) -> f64 {
+        self.estimate.shared_paths.hypot(self.estimate.clamping)
     }
 
     /// Returns the predicted squared relative noise after the passes that `sums` holds.
@@ -84,7 +89,7 @@ impl ErrorForecast {
     /// must use the exponent of this forecast.
     fn noise_and_bias(&self, sums: &DiscAreaSums) -> (f64, f64) {
         let blur = self.blur * sums.blur / f64::from(sums.passes);
-        (self.squared_noise(sums).sqrt(), blur.hypot(self.estimate.shared_paths))
+        (self.squared_noise(sums).sqrt(), blur.hypot(self.constant_bias()))
     }
 
     /// Predicts the smallest number of passes after which the relative noise is at most `target`;

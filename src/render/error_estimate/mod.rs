@@ -1,4 +1,4 @@
-//! Estimates the error of a picture from its passes, as a sum of three parts.
+//! Estimates the error of a picture from its passes, as a sum of four parts.
 //!
 //! - *Noise*: passes are independent, so the variance of the mean of n passes is s²/n, with the
 //!   sample variance s².
@@ -8,8 +8,11 @@
 //!   between different passes, so their noise has mean zero.
 //! - *Shared-path error*: `ppm` uses the same camera paths in all passes. A few pixels are also
 //!   rendered with fresh camera paths. Their mean difference is the error of the shared paths.
+//! - *Clamping*: a render that clamps the light of camera paths measures what it removes. This is
+//!   its bias, up to the sign.
 
 mod blur;
+mod clamped_light;
 mod confidence;
 mod disc_area_sums;
 mod estimate;

@@ -20,21 +20,25 @@ pub(super) struct SquaredErrorParts {
     pub shared_paths: f64,
     /// Variance of the estimate `shared_paths`.
     pub shared_paths_variance: f64,
+    /// Squared bias of clamped camera paths.
+    pub clamping: f64,
+    /// Variance of the estimate `clamping`.
+    pub clamping_variance: f64,
 }
 
 impl SquaredErrorParts {
     /// Squared error: the sum of the parts.
     pub fn total(&self) -> f64 {
-        self.noise + self.blur + self.shared_paths
+        self.noise + self.blur + self.shared_paths + self.clamping
     }
 
     /// Variance of the estimated [`total`](Self::total) about the true squared error of the
     /// picture.
     fn variance(&self) -> f64 {
-        let bias = self.blur + self.shared_paths;
+        let bias = self.blur + self.shared_paths + self.clamping;
         let realised = self.noise * (self.noise + 2.0 * bias) * self.noise_scatter;
         let estimated = self.noise * self.noise * self.noise_uncertainty;
-        realised + estimated + self.blur_variance + self.shared_paths_variance
+        realised + estimated + self.blur_variance + self.shared_paths_variance + self.clamping_variance
     }
 
     /// Returns the lower and upper end of an interval of the error, not squared. The interval

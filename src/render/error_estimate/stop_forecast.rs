@@ -194,6 +194,7 @@ impl ErrorForecast {
             blur: blur.square,
             blur_variance: blur.variance,
             shared_paths_variance: parts.shared_paths_variance * made / n,
+            clamping_variance: parts.clamping_variance * made / n,
             ..*parts
         }
     }

@@ -173,6 +173,10 @@ fn error_flags_need_an_estimating_integrator() {
     for (more, words) in [
         ("--integrator raycast --target-error 2%", "--target-error needs an error estimate"),
         ("--integrator raycast --light-groups --aov a.exr", "--light-groups needs light that is simulated"),
+        ("--integrator raycast --clamp 2", "--clamp needs light that is simulated"),
+        ("--clamp 0", "is not a radiance"),
+        ("--crop 0,0,41,10", "exceeds the picture of 40 × 30 pixels"),
+        ("--crop 5,0,5,10", "is no window"),
         ("--target-error 2% --no-gauge", "cannot be used with"),
         ("--target-error 0", "not an error"),
         ("--confidence 100%", "not a confidence"),

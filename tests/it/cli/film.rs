@@ -55,6 +55,26 @@ fn films_carry_light_groups() {
     without.expect(2, &["is of another render", "--light-groups"]);
 }
 
+/// Films carry the light that clamping removed, and belong to one window.
+#[test]
+fn films_carry_windows_and_clamped_light() {
+    let sandbox = CliSandbox::new();
+    let window = "--crop 3,2,33,28 --clamp 1";
+    let stats = |name: &str| serde_json::from_slice::<serde_json::Value>(&sandbox.bytes(name)).unwrap();
+    let whole = format!("{window} --integrator path --stats whole.json");
+    sandbox.render("box.txt", &flags("whole", 6, &whole)).expect(0, &["clamping removed", "% of the light"]);
+    let film = format!("{window} --integrator path --film a.film");
+    sandbox.render("box.txt", &flags("half", 2, &film)).expect(0, &[]);
+    sandbox.render("box.txt", &flags("rest", 6, &format!("{film} --stats rest.json"))).expect(0, &[]);
+    assert_eq!(sandbox.bytes("rest.exr"), sandbox.bytes("whole.exr"));
+    let (rest, whole) = (stats("rest.json"), stats("whole.json"));
+    assert_eq!(rest["clamped_fraction"], whole["clamped_fraction"]);
+    assert!(whole["clamped_fraction"].as_f64().unwrap() > 0.0 && whole["error"]["clamping"].as_f64().unwrap() > 0.0);
+    assert_eq!(rest["error"]["clamping"], whole["error"]["clamping"]);
+    let other = "--crop 4,2,34,28 --clamp 1 --integrator path --film a.film";
+    sandbox.render("box.txt", &flags("other", 6, other)).expect(2, &["is of another render", "--crop 3,2,33,28"]);
+}
+
 /// Kills a render `kills` times by SIGKILL, and checks that the continued render has the bits of a
 /// whole one.
 #[cfg(unix)]

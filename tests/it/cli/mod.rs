@@ -16,6 +16,8 @@ mod scenes;
 mod signals;
 mod stats;
 mod study;
+#[cfg(feature = "view")]
+mod tev;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,76 @@
+//! The part of a picture that is rendered.
+
+use std::str::FromStr;
+
+/// Window of pixels of a picture: columns `left` to `right` and rows `top` to `bottom`, counted
+/// from the upper left corner of the picture. The ends are not included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CropWindow {
+    /// First column.
+    pub left: u32,
+    /// First row.
+    pub top: u32,
+    /// Column after the last one.
+    pub right: u32,
+    /// Row after the last one.
+    pub bottom: u32,
+}
+
+/// Error: a text is no crop window.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is no window: write X0,Y0,X1,Y1 in pixels, with X0 < X1 and Y0 < Y1")]
+pub struct CropWindowError(String);
+
+impl CropWindow {
+    /// Returns the window that holds all pixels of a picture.
+    #[must_use]
+    pub fn of_whole_picture((width, height): (u32, u32)) -> Self {
+        Self { left: 0, top: 0, right: width, bottom: height }
+    }
+
+    /// Returns the width and height \[pixels].
+    #[must_use]
+    pub fn size(self) -> (u32, u32) {
+        (self.right - self.left, self.bottom - self.top)
+    }
+
+    /// True if the window lies in a picture of `width` × `height` pixels.
+    #[must_use]
+    pub fn fits_into(self, (width, height): (u32, u32)) -> bool {
+        self.right <= width && self.bottom <= height
+    }
+}
+
+impl FromStr for CropWindow {
+    type Err = CropWindowError;
+
+    fn from_str(text: &str) -> Result<Self, CropWindowError> {
+        let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some(&[left, top, right, bottom]) if left < right && top < bottom => Ok(Self { left, top, right, bottom }),
+            _ => Err(CropWindowError(text.to_owned())),
+        }
+    }
+}
+
+impl std::fmt::Display for CropWindow {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{},{},{},{}", self.left, self.top, self.right, self.bottom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_are_read_from_text() {
+        let window: CropWindow = "3,4,10,20".parse().unwrap();
+        assert_eq!((window, window.size()), (CropWindow { left: 3, top: 4, right: 10, bottom: 20 }, (7, 16)));
+        assert_eq!(window.to_string().parse(), Ok(window));
+        assert!(window.fits_into((10, 20)) && !window.fits_into((9, 20)) && !window.fits_into((10, 19)));
+        for wrong in ["", "1,2,3", "1,2,3,4,5", "3,0,3,4", "0,4,3,3", "-1,0,3,4", "a,b,c,d"] {
+            assert!(wrong.parse::<CropWindow>().is_err(), "{wrong}");
+        }
+    }
+}

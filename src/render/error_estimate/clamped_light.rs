@@ -1,0 +1,59 @@
+//! Error of a picture whose camera paths are clamped: the light that clamping removes.
+
+use crate::color::Rgb;
+use crate::image::RelativeErrorWeights;
+use crate::math::BinnedSums;
+use glam::DVec3;
+
+/// Sums over passes of the radiance that clamping removed from each pixel.
+///
+/// Its mean is the bias of the picture, up to the sign.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+pub(super) struct ClampedLightSums {
+    /// Sum of the removed radiance, for each pixel and channel.
+    removed: BinnedSums<3>,
+    /// Sum over passes and channels of the squared removed radiance, for each pixel.
+    squares: BinnedSums<1>,
+}
+
+impl ClampedLightSums {
+    pub fn new(pixels: usize) -> Self {
+        Self { removed: BinnedSums::new(pixels), squares: BinnedSums::new(pixels) }
+    }
+
+    /// Adds a pass that removed this radiance from each pixel.
+    pub fn add(&mut self, removed: &[Rgb]) {
+        self.removed.add(removed.iter().map(|value| value.as_dvec3().to_array()));
+        self.squares.add(removed.iter().map(|value| [value.as_dvec3().length_squared()]));
+    }
+
+    /// Adds the passes of `other`, which has as many pixels.
+    pub fn merge(&mut self, other: &Self) {
+        self.removed.merge(&other.removed);
+        self.squares.merge(&other.squares);
+    }
+
+    /// Returns the number of pixels; `None` if the sums belong to different numbers of pixels.
+    pub fn pixels(&self) -> Option<usize> {
+        (self.removed.len() == self.squares.len()).then(|| self.removed.len())
+    }
+
+    /// Returns the squared relative bias that clamping causes, as a mean over the picture after `n`
+    /// passes, and the variance of this estimate.
+    ///
+    /// The square of each pixel combines two different passes, so its noise has mean zero.
+    pub fn squared_bias(&self, error_weights: &RelativeErrorWeights, n: f64) -> (f64, f64) {
+        let weights = error_weights.pixel_weights();
+        let (mut bias, mut variance) = (0.0, 0.0);
+        for (i, weight) in weights.iter().enumerate() {
+            let sum = DVec3::from_array(self.removed.value(i));
+            let [squares] = self.squares.value(i);
+            let square = error_weights.clamped_relative_product(i, (sum.dot(sum) - squares) / (n * (n - 1.0)));
+            let pass_variance = (weight * (squares - sum.dot(sum) / n) / (n - 1.0)).clamp(0.0, n);
+            bias += square;
+            variance += 2.0 * (pass_variance / n) * (pass_variance / n) + 4.0 * square.max(0.0) * pass_variance / n;
+        }
+        let pixels = weights.len() as f64;
+        ((bias / pixels).max(0.0), variance / (pixels * pixels))
+    }
+}

@@ -1,0 +1,318 @@
+//! Client of tev, a viewer of pictures with several layers, by its protocol for other programs.
+//!
+//! Each packet begins with its length in bytes as a 32-bit number, which counts itself, and with one
+//! byte for its kind. Numbers are little-endian, and texts end with a byte 0. Two kinds are sent:
+//! one creates an image with named channels, and one sets a window of its pixels.
+
+use super::pace::Pace;
+use crate::image::ExrLayer;
+use std::io::{self, Write};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::str::FromStr;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Port on which tev listens.
+const TEV_PORT: u16 = 14158;
+
+/// Kind of the packet that creates an image.
+const CREATE_IMAGE: u8 = 4;
+
+/// Kind of the packet that sets pixels of several channels, each with an offset and a stride.
+const UPDATE_IMAGE: u8 = 6;
+
+/// Largest number of values in a packet of pixels, except that a packet has at least one row.
+const MAX_VALUES: usize = 1 << 18;
+
+/// Longest time to wait for a connection, and for a viewer that stops reading.
+const TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Address of a viewer: a host and a port.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TevAddress {
+    host: String,
+    port: u16,
+}
+
+/// Error: a text is no address of a viewer.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{0}` is no address: write HOST or HOST:PORT, such as 127.0.0.1:14158")]
+pub struct TevAddressError(String);
+
+impl FromStr for TevAddress {
+    type Err = TevAddressError;
+
+    /// Reads `HOST:PORT` or `HOST`. An IPv6 address stands in brackets.
+    fn from_str(text: &str) -> Result<Self, TevAddressError> {
+        let is_bracketed = text.starts_with('[') && text.ends_with(']');
+        let (host, port) = match text.rsplit_once(':').filter(|_| !is_bracketed) {
+            Some((host, port)) => (host, port.parse().map_err(|_| TevAddressError(text.to_owned()))?),
+            None => (text, TEV_PORT),
+        };
+        let host = host.trim_start_matches('[').trim_end_matches(']');
+        if host.is_empty() {
+            return Err(TevAddressError(text.to_owned()));
+        }
+        Ok(Self { host: host.to_owned(), port })
+    }
+}
+
+impl std::fmt::Display for TevAddress {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}:{}", self.host, self.port)
+    }
+}
+
+/// Image to send: its name, its width and height \[pixels], and its layers.
+#[derive(Debug)]
+struct SentImage {
+    name: String,
+    size: (u32, u32),
+    layers: Vec<ExrLayer>,
+}
+
+/// Images that wait to be sent, at most one of each name.
+#[derive(Debug, Default)]
+struct Waiting {
+    images: Vec<SentImage>,
+    /// True if no further images come.
+    is_closed: bool,
+    /// True after an error. Further images are dropped.
+    has_failed: bool,
+}
+
+/// State that a render and its sending thread share.
+#[derive(Debug, Default)]
+struct Shared {
+    waiting: Mutex<Waiting>,
+    changed: Condvar,
+}
+
+impl Shared {
+    fn change(&self, change: impl FnOnce(&mut Waiting)) {
+        change(&mut self.waiting.lock().unwrap_or_else(PoisonError::into_inner));
+        self.changed.notify_one();
+    }
+
+    /// Waits for an image and takes it; `None` after the last one.
+    fn next_image(&self) -> Option<SentImage> {
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if !waiting.images.is_empty() {
+                return Some(waiting.images.remove(0));
+            }
+            if waiting.is_closed {
+                return None;
+            }
+            waiting = self.changed.wait(waiting).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}
+
+/// Connection of a render to a viewer.
+///
+/// A thread of its own connects and sends. A render never waits for it before its end: a newer
+/// image replaces one of the same name that still waits.
+#[derive(Debug)]
+pub struct TevClient {
+    shared: Arc<Shared>,
+    pace: Pace,
+    /// Receiver whose sender is dropped when the thread ends.
+    ended: Receiver<()>,
+}
+
+impl TevClient {
+    /// Starts to connect to `address`. Calls `report` once if an error ends the connection.
+    #[must_use]
+    pub fn start(address: TevAddress, report: impl FnOnce(io::Error) + Send + 'static) -> Self {
+        let shared = Arc::new(Shared::default());
+        let (alive, ended) = channel();
+        let client = Self { shared: shared.clone(), pace: Pace::default(), ended };
+        thread::spawn(move || {
+            if let Err(error) = send_images(&address, &shared) {
+                shared.change(|waiting| (waiting.has_failed, waiting.images) = (true, Vec::new()));
+                report(error);
+            }
+            drop(alive);
+        });
+        client
+    }
+
+    /// Sends the layers that `layers` returns as image `name` of `size` (width, height) pixels,
+    /// unless the last image was sent too short a time ago.
+    ///
+    /// Making the layers takes at most 1 % of the time.
+    pub fn send_if_due(&mut self, name: &str, size: (u32, u32), layers: impl FnOnce() -> Vec<ExrLayer>) {
+        let start = Instant::now();
+        if self.pace.is_due(start) {
+            self.send(name, size, layers());
+            self.pace.record(start, Instant::now());
+        }
+    }
+
+    /// Sends `layers` as image `name` of `size` (width, height) pixels.
+    pub fn send(&self, name: &str, size: (u32, u32), layers: Vec<ExrLayer>) {
+        self.shared.change(|waiting| {
+            if !waiting.has_failed {
+                waiting.images.retain(|image| image.name != name);
+                waiting.images.push(SentImage { name: name.to_owned(), size, layers });
+            }
+        });
+    }
+
+    /// Waits until all images are sent. Returns false if the viewer does not read them in time.
+    #[must_use]
+    pub fn finish(self) -> bool {
+        self.shared.change(|waiting| waiting.is_closed = true);
+        self.ended.recv_timeout(TIMEOUT) != Err(RecvTimeoutError::Timeout)
+    }
+}
+
+/// Connects to `address` and sends the images of `shared` until the last one.
+fn send_images(address: &TevAddress, shared: &Shared) -> io::Result<()> {
+    let mut stream = connect(address)?;
+    stream.set_write_timeout(Some(TIMEOUT))?;
+    // Name, size and channels of each image that the viewer knows.
+    let mut known: Vec<(String, (u32, u32), Vec<String>)> = Vec::new();
+    while let Some(image) = shared.next_image() {
+        let channels = channel_names(&image.layers);
+        let described = (image.name.clone(), image.size, channels);
+        if !known.contains(&described) {
+            stream.write_all(&create_image_packet(&image.name, image.size, &described.2))?;
+            known.retain(|(name, ..)| *name != image.name);
+            known.push(described);
+        }
+        let (width, height) = image.size;
+        let values: Vec<&[f32]> =
+            image.layers.iter().flat_map(|layer| &layer.channels).map(|(_, values)| &values[..]).collect();
+        let rows = (MAX_VALUES / (width as usize * values.len()).max(1)).max(1) as u32;
+        for top in (0..height).step_by(rows as usize) {
+            let bottom = (top + rows).min(height);
+            let names = channel_names(&image.layers);
+            stream.write_all(&update_image_packet(&image.name, width, top..bottom, &names, &values))?;
+        }
+    }
+    stream.flush()
+}
+
+/// Connects to the first address of a host that answers.
+fn connect(address: &TevAddress) -> io::Result<TcpStream> {
+    let mut last = io::Error::new(io::ErrorKind::NotFound, "the host has no address");
+    for socket in (address.host.as_str(), address.port).to_socket_addrs()? {
+        match TcpStream::connect_timeout(&socket, TIMEOUT) {
+            Ok(stream) => return Ok(stream),
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
+}
+
+/// Returns the names of all channels with the prefix of their layer.
+fn channel_names(layers: &[ExrLayer]) -> Vec<String> {
+    let names = |layer: &ExrLayer| -> Vec<String> {
+        layer.channels.iter().map(|(channel, _)| layer.full_channel_name(channel)).collect()
+    };
+    layers.iter().flat_map(names).collect()
+}
+
+/// Returns the packet that creates an image of `size` (width, height) pixels, and shows it.
+fn create_image_packet(name: &str, (width, height): (u32, u32), channels: &[String]) -> Vec<u8> {
+    let mut packet = Packet::new(CREATE_IMAGE, true, name);
+    packet.push_numbers(&[width, height, channels.len() as u32]);
+    channels.iter().for_each(|channel| packet.push_text(channel));
+    packet.finish()
+}
+
+/// Returns the packet that sets the pixels of `rows` of an image of `width` columns.
+///
+/// `values` holds all pixels of each of the `channels`, by rows from the top.
+fn update_image_packet(
+    name: &str,
+    width: u32,
+    rows: std::ops::Range<u32>,
+    channels: &[String],
+    values: &[&[f32]],
+) -> Vec<u8> {
+    let mut packet = Packet::new(UPDATE_IMAGE, false, name);
+    packet.push_numbers(&[channels.len() as u32]);
+    channels.iter().for_each(|channel| packet.push_text(channel));
+    packet.push_numbers(&[0, rows.start, width, rows.end - rows.start]);
+    let pixels = u64::from(width) * u64::from(rows.end - rows.start);
+    // The channels follow one after the other: the offset of each, and then the strides.
+    (0..channels.len() as u64).for_each(|channel| packet.bytes.extend((channel * pixels).to_le_bytes()));
+    (0..channels.len()).for_each(|_| packet.bytes.extend(1u64.to_le_bytes()));
+    let window = rows.start as usize * width as usize..rows.end as usize * width as usize;
+    let values = values.iter().flat_map(|values| &values[window.clone()]);
+    values.for_each(|value| packet.bytes.extend(value.to_le_bytes()));
+    packet.finish()
+}
+
+/// Packet in the making.
+struct Packet {
+    bytes: Vec<u8>,
+}
+
+impl Packet {
+    /// Begins a packet about image `name`. If `grabs_focus` is true, the viewer shows the image.
+    fn new(kind: u8, grabs_focus: bool, name: &str) -> Self {
+        let mut packet = Self { bytes: vec![0, 0, 0, 0, kind, u8::from(grabs_focus)] };
+        packet.push_text(name);
+        packet
+    }
+
+    fn push_text(&mut self, text: &str) {
+        self.bytes.extend(text.bytes().filter(|byte| *byte != 0));
+        self.bytes.push(0);
+    }
+
+    fn push_numbers(&mut self, numbers: &[u32]) {
+        numbers.iter().for_each(|number| self.bytes.extend(number.to_le_bytes()));
+    }
+
+    /// Returns the bytes, which begin with their number.
+    fn finish(mut self) -> Vec<u8> {
+        let length = self.bytes.len() as u32;
+        self.bytes[..4].copy_from_slice(&length.to_le_bytes());
+        self.bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_have_a_host_and_a_port() {
+        let address = |text: &str| text.parse::<TevAddress>().map(|address| address.to_string()).ok();
+        assert_eq!(address("localhost"), Some("localhost:14158".to_owned()));
+        assert_eq!(address("10.0.0.7:99"), Some("10.0.0.7:99".to_owned()));
+        assert_eq!(address("[::1]:99"), Some("::1:99".to_owned()));
+        assert_eq!(address("[::1]"), Some("::1:14158".to_owned()));
+        assert_eq!([address(""), address(":7"), address("host:x"), address("host:70000")], [None, None, None, None]);
+    }
+
+    #[test]
+    fn packets_have_the_bytes_of_the_protocol() {
+        let channels = ["R".to_owned(), "a.Z".to_owned()];
+        let created = create_image_packet("ab", (2, 3), &channels);
+        let expected = b"\x1b\0\0\0\x04\x01ab\0\x02\0\0\0\x03\0\0\0\x02\0\0\0R\0a.Z\0";
+        assert_eq!(created[4..], expected[4..]);
+        assert_eq!(created[..4], (created.len() as u32).to_le_bytes());
+        let (red, depth) = ([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], [9.0; 6]);
+        let updated = update_image_packet("ab", 2, 1..3, &channels, &[&red, &depth]);
+        let mut expected = b"\0\0\0\0\x06\0ab\0\x02\0\0\0R\0a.Z\0".to_vec();
+        for number in [0u32, 1, 2, 2] {
+            expected.extend(number.to_le_bytes());
+        }
+        for number in [0u64, 4, 1, 1] {
+            expected.extend(number.to_le_bytes());
+        }
+        for value in [2.0f32, 3.0, 4.0, 5.0, 9.0, 9.0, 9.0, 9.0] {
+            expected.extend(value.to_le_bytes());
+        }
+        assert_eq!(updated[4..], expected[4..]);
+        assert_eq!(updated[..4], (expected.len() as u32).to_le_bytes());
+    }
+}
