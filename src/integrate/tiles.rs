@@ -394,8 +394,8 @@ impl PixelSum {
 /// Scales the light that a camera path found without photon estimates, so that no channel exceeds
 /// `limit` \[W/(m² sr)]. Returns the radiance that this removes from `value`.
 ///
-/// All light groups of the ray lose in the proportion in which `value` does. The removed radiance of
-/// a ray that is not finite is 0, because its value does not count.
+/// All light groups of the ray lose in the proportion in which `value` does. The removed radiance
+/// of a ray that is not finite is 0, because its value does not count.
 fn clamp_path_light(value: &mut Rgb, limit: f32, worker: &mut PathWorker) -> Rgb {
     let found = *value - worker.photon_light;
     let largest = found.max_element();

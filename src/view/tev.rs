@@ -1,8 +1,8 @@
 //! Client of tev, a viewer of pictures with several layers, by its protocol for other programs.
 //!
-//! Each packet begins with its length in bytes as a 32-bit number, which counts itself, and with one
-//! byte for its kind. Numbers are little-endian, and texts end with a byte 0. Two kinds are sent:
-//! one creates an image with named channels, and one sets a window of its pixels.
+//! Each packet begins with its length in bytes as a 32-bit number, which counts itself, and with
+//! one byte for its kind. Numbers are little-endian, and texts end with a byte 0. Two kinds are
+//! sent: one creates an image with named channels, and one sets a window of its pixels.
 
 use super::pace::Pace;
 use crate::image::ExrLayer;
