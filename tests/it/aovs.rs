@@ -155,9 +155,10 @@ fn aovs_of(scene: &Scene, surface: AovSurface) -> SurfaceAovs {
     render_surface_aovs(scene, Effects::ALL, &settings, surface, &SilentMonitor).unwrap()
 }
 
-/// Returns the mean of `value` over directions through a pixel of a square pinhole picture of `size`
-/// pixels and field of view `angle` in degrees. The camera looks along −z. `None` leaves out a
-/// direction.
+/// Returns the mean of `value` over directions through a pixel of a square pinhole picture. The
+/// picture has `size` pixels on a side and a field of view of `angle` degrees.
+///
+/// The camera looks along −z. `None` if a direction has no value.
 fn pixel_mean(size: u32, angle: f64, (x, y): (u32, u32), value: impl Fn(DVec3) -> Option<DVec3>) -> Option<DVec3> {
     let half = libm::tan(0.5 * angle.to_radians());
     let steps = 24;
