@@ -34,10 +34,24 @@ impl CropWindow {
         (self.right - self.left, self.bottom - self.top)
     }
 
-    /// True if the window lies in a picture of `width` × `height` pixels.
+    /// Returns the smallest window around this one that is a union of tiles of a picture of `width`
+    /// × `height` pixels.
+    ///
+    /// Tiles have `edge` × `edge` pixels, except at the right and the lower border.
+    #[must_use]
+    pub fn grown_to_tiles(self, edge: u32, (width, height): (u32, u32)) -> Self {
+        Self {
+            left: self.left / edge * edge,
+            top: self.top / edge * edge,
+            right: self.right.next_multiple_of(edge).min(width),
+            bottom: self.bottom.next_multiple_of(edge).min(height),
+        }
+    }
+
+    /// True if the window has pixels and lies in a picture of `width` × `height` pixels.
     #[must_use]
     pub fn fits_into(self, (width, height): (u32, u32)) -> bool {
-        self.right <= width && self.bottom <= height
+        self.left < self.right && self.right <= width && self.top < self.bottom && self.bottom <= height
     }
 }
 
@@ -69,6 +83,9 @@ mod tests {
         assert_eq!((window, window.size()), (CropWindow { left: 3, top: 4, right: 10, bottom: 20 }, (7, 16)));
         assert_eq!(window.to_string().parse(), Ok(window));
         assert!(window.fits_into((10, 20)) && !window.fits_into((9, 20)) && !window.fits_into((10, 19)));
+        let grown = CropWindow { left: 0, top: 0, right: 16, bottom: 30 };
+        assert_eq!(window.grown_to_tiles(16, (40, 30)), grown);
+        assert_eq!(grown.grown_to_tiles(16, (40, 30)), grown);
         for wrong in ["", "1,2,3", "1,2,3,4,5", "3,0,3,4", "0,4,3,3", "-1,0,3,4", "a,b,c,d"] {
             assert!(wrong.parse::<CropWindow>().is_err(), "{wrong}");
         }

@@ -56,9 +56,11 @@ impl Default for CameraPathSettings {
 
 impl CameraPathSettings {
     /// Returns the window of pixels to render of a picture of `size` (width, height) pixels.
+    ///
+    /// A window that does not fit into the picture counts as the whole picture.
     #[must_use]
     pub fn window(&self, size: (u32, u32)) -> CropWindow {
-        self.crop.unwrap_or(CropWindow::of_whole_picture(size))
+        self.crop.filter(|window| window.fits_into(size)).unwrap_or(CropWindow::of_whole_picture(size))
     }
 }
 

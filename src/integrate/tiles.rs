@@ -76,6 +76,34 @@ pub(super) struct FilmImage {
     pub counters: Counters,
 }
 
+impl FilmImage {
+    /// Returns the part in the window `inner` of this picture of the window `outer`.
+    fn cut(self, outer: CropWindow, inner: CropWindow) -> Self {
+        let Self { image, nested, groups, clamped, pixels, counters } = self;
+        let pixels = pixels.into_iter().filter_map(|i| {
+            let (x, y) = (outer.left + i % outer.size().0, outer.top + i / outer.size().0);
+            let is_inside = (inner.left..inner.right).contains(&x) && (inner.top..inner.bottom).contains(&y);
+            is_inside.then(|| (y - inner.top) * inner.size().0 + x - inner.left)
+        });
+        Self {
+            image: cut_pixels(&image, outer, inner),
+            nested: cut_pixels(&nested, outer, inner),
+            groups: groups.iter().map(|group| cut_pixels(group, outer, inner)).collect(),
+            clamped: cut_pixels(&clamped, outer, inner),
+            pixels: pixels.collect(),
+            counters,
+        }
+    }
+}
+
+/// Returns the values in the window `inner` of a picture of the window `outer`; none if the picture
+/// has no values.
+fn cut_pixels<T: Copy>(pixels: &[T], outer: CropWindow, inner: CropWindow) -> Vec<T> {
+    let columns = (inner.left - outer.left) as usize..(inner.right - outer.left) as usize;
+    let rows = pixels.chunks(outer.size().0 as usize).skip((inner.top - outer.top) as usize);
+    rows.take(inner.size().1 as usize).flat_map(|row| &row[columns.clone()]).copied().collect()
+}
+
 /// One tile of a picture: mutable slices of the rows of the picture.
 struct Tile<'a> {
     /// Index of the tile, by rows from the top.
@@ -212,9 +240,12 @@ pub(super) fn render_tiles<T: Default>(
     monitor: &dyn ProgressMonitor,
     radiance: impl Fn(&Ray, Sampler, &mut PathWorker, &mut T) -> Rgb + Sync,
 ) -> FilmImage {
-    let (whole_width, _) = sampling.camera.size();
-    let CropWindow { left, top, .. } = sampling.window;
-    let (width, height) = sampling.window.size();
+    let (whole_width, whole_height) = sampling.camera.size();
+    // Searches for photons begin with the radius of the pixel before in the tile, which can change
+    // last bits. So tiles lie as in the whole picture, and all their pixels are rendered.
+    let window = sampling.window.grown_to_tiles(TILE_SIZE, (whole_width, whole_height));
+    let CropWindow { left, top, .. } = window;
+    let (width, height) = window.size();
     let (columns, stride) = (width.div_ceil(TILE_SIZE), sampling.tile_stride);
     let pixels = width as usize * height as usize;
     let is_signed = sampling.filter.is_some_and(Filter::has_negative_values);
@@ -323,7 +354,8 @@ pub(super) fn render_tiles<T: Default>(
         a += b;
         a
     });
-    FilmImage { image, nested, groups, clamped, pixels: rendered_pixels, counters }
+    let picture = FilmImage { image, nested, groups, clamped, pixels: rendered_pixels, counters };
+    if window == sampling.window { picture } else { picture.cut(window, sampling.window) }
 }
 
 /// Returns the stride n ≥ 2 for which rendering one of every n tiles renders about `wanted` tiles.

@@ -116,7 +116,7 @@ fn known_removed_light_is_the_bias() {
     let expected = 0.1 / std::f64::consts::SQRT_2;
     assert!((estimate.clamping - expected).abs() < 1e-6, "{} {expected}", estimate.clamping);
     assert_eq!((estimate.bias, estimate.noise), (estimate.clamping, 0.0));
-    assert!((estimate.error - expected).abs() < 1e-6 && estimate.low <= expected && estimate.high >= expected);
+    assert!([estimate.error, estimate.low, estimate.high].iter().all(|end| (end - expected).abs() < 1e-6));
     let forecast = rendered.estimator.as_ref().unwrap().forecast(&estimate).unwrap();
     assert!((forecast.error_after_passes(1000) - expected).abs() < 1e-6, "more passes do not help");
 }

@@ -66,7 +66,7 @@ fn tiles_cover_every_pixel_once() {
     for (width, height) in [(1u32, 1u32), (16, 16), (17, 33), (100, 1)] {
         let columns = width.div_ceil(TILE_SIZE);
         let mut seen = vec![Rgb::ZERO; (width * height) as usize];
-        for mut tile in Tile::split_image_into_tiles(&mut seen, &mut [], width) {
+        for mut tile in Tile::split_image_into_tiles(&mut seen, &mut [], &mut [], &mut [], width) {
             for (x, y) in tile_pixels(tile.index, columns, width, height) {
                 tile.image[(y % TILE_SIZE) as usize][(x % TILE_SIZE) as usize] += Rgb::new(1.0, x as f32, y as f32);
             }
