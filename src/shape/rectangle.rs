@@ -5,7 +5,7 @@ use super::hit::{ShapeHit, ray_to_f64, round_t_if_in_range};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross};
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use libm::{atan2, cos, hypot, sin};
+use libm::{atan2, sincos};
 
 /// Largest cosine of the angle between two edges that count as perpendicular.
 ///
@@ -39,6 +39,7 @@ pub struct Rectangle {
 }
 
 /// Rectangle as seen from a viewpoint, which is the origin of coordinates x and y along the edges.
+#[derive(Debug)]
 struct RectangleView {
     /// Range of the rectangle along its first edge, measured from the viewpoint \[length].
     x: [f64; 2],
@@ -48,6 +49,8 @@ struct RectangleView {
     z: f64,
     /// Unit vectors along the first and second edge of the rectangle.
     axes: [DVec3; 2],
+    /// Signed solid angle of the strip between x = 0 and the start of the rectangle \[sr].
+    start_angle: f64,
     /// Solid angle of the rectangle as seen from the viewpoint \[sr].
     solid_angle: f64,
 }
@@ -105,8 +108,9 @@ impl Rectangle {
             let first = axes[i].dot(to);
             [first, first + lengths[i]]
         });
-        let solid_angle = strip_solid_angle(x[1], y, z) - strip_solid_angle(x[0], y, z);
-        (solid_angle >= MIN_SOLID_ANGLE).then_some(RectangleView { x, y, z, axes, solid_angle })
+        let [start_angle, end_angle] = x.map(|x| strip_solid_angle(x, y, z));
+        let solid_angle = end_angle - start_angle;
+        (solid_angle >= MIN_SOLID_ANGLE).then_some(RectangleView { x, y, z, axes, start_angle, solid_angle })
     }
 }
 
@@ -182,33 +186,58 @@ impl AnalyticShape for Rectangle {
 ///
 /// The viewpoint is in front of the point (0, 0), at the distance `z` > 0 from the plane. The
 /// result has the sign of `x`.
-fn strip_solid_angle(x: f64, y: [f64; 2], z: f64) -> f64 {
-    let [to_first, to_last] = y.map(|y| atan2(x * y, z * (x * x + y * y + z * z).sqrt()));
-    to_last - to_first
+///
+/// Van Oosterom and Strackee (1983) give the solid angle of the rectangle between (0, 0) and (x, y)
+/// as atan2(x y, z r), where r is the distance of (x, y) from the viewpoint. The product of two
+/// complex numbers gives the difference of two such angles by one arc tangent.
+#[inline]
+fn strip_solid_angle(x: f64, [y0, y1]: [f64; 2], z: f64) -> f64 {
+    let [r0, r1] = [y0, y1].map(|y| (x * x + y * y + z * z).sqrt());
+    atan2(x * z * (y1 * r0 - y0 * r1), z * z * r0 * r1 + x * x * y0 * y1)
 }
 
 impl RectangleView {
     /// Maps `u` in \[0, 1)² to coordinates (x, y) on the rectangle, uniformly by solid angle.
     ///
-    /// [`RectangleView`] defines x and y. Source: Ureña, Fajardo, King 2013, "An Area-Preserving
-    /// Parametrization for Spherical Rectangles". The equation for x is solved by products of
-    /// sines, which keep their digits at grazing views.
+    /// [`RectangleView`] defines x and y. Source: Ureña, Fajardo, King 2013, "An
+    /// Area-Preserving Parametrization for Spherical Rectangles". Their equation for x becomes
+    ///
+    /// x = z sin A / √((cos A − cos(b₁ − b₀)) (cos A + cos(b₁ + b₀)))
+    ///
+    /// where A is the signed solid angle between 0 and x, and tan bᵢ = yᵢ / z. Half angles turn the
+    /// differences of cosines into products, which keep their digits at grazing views. The sum and
+    /// the difference of the vectors (z, yᵢ) give the half angles of b₁ ± b₀ without trigonometric
+    /// functions.
     fn sample(&self, u: Vec2) -> (f64, f64) {
         let Self { x: [x0, x1], y: [y0, y1], z, .. } = *self;
-        let angle = strip_solid_angle(x0, self.y, z) + f64::from(u.x) * self.solid_angle;
-        let [b0, b1] = self.y.map(|y| atan2(y, z));
-        let half = |a: f64| 0.5 * a;
-        let difference = sin(half(b1 - b0 + angle)) * sin(half(b1 - b0 - angle));
-        let sum = cos(half(b1 + b0 + angle)) * cos(half(b1 + b0 - angle));
-        let x = 0.5 * z * sin(angle) / (difference * sum).max(0.0).sqrt();
+        let (s, c) = sincos(0.5 * (self.start_angle + f64::from(u.x) * self.solid_angle));
+        // Both vectors are scaled to the length r₀ r₁. Their sum points along (b₁ + b₀) / 2 and is
+        // longer than their difference by the factor cot((b₁ - b₀) / 2).
+        let [r0, r1] = [y0, y1].map(|y| (y * y + z * z).sqrt());
+        let (y1_scaled, y0_scaled) = (y1 * r0, y0 * r1);
+        // The difference of squares replaces the one of sum and difference that would cancel.
+        let squares = (y1 - y0) * (y1 + y0);
+        let (sum_y, difference_y) = if y0 < 0.0 && y1 > 0.0 {
+            (z * z * squares / (y1_scaled - y0_scaled), y1_scaled - y0_scaled)
+        } else {
+            (y1_scaled + y0_scaled, z * z * squares / (y1_scaled + y0_scaled))
+        };
+        let sum = DVec2::new(z * (r0 + r1), sum_y);
+        let cosine = sum.length();
+        let sine = DVec2::new(z * squares / (r0 + r1), difference_y).length();
+        let first = (sine * c + cosine * s) * (sine * c - cosine * s);
+        let second = (sum.x * c + sum.y * s) * (sum.x * c - sum.y * s);
+        let x = 2.0 * z * (r0 * r1) * cosine * s * c / (first * second).max(0.0).sqrt();
         // At the far end of a grazing view, rounding may turn x into 0/0.
         let x = if x.is_nan() { x1 } else { x.clamp(x0, x1) };
-        // For a given x, the solid angle grows in proportion to the sine of the elevation over the
-        // (x, z) plane.
-        let d = hypot(x, z);
-        let [h0, h1] = self.y.map(|y| y / hypot(d, y));
+        // Given x, the solid angle grows with the sine of the elevation over the (x, z) plane.
+        let d2 = x * x + z * z;
+        let [h0, h1] = [y0, y1].map(|y| y / (d2 + y * y).sqrt());
         let h = h0 + f64::from(u.y) * (h1 - h0);
-        let y = d * h / ((1.0 - h) * (1.0 + h)).max(0.0).sqrt();
+        let y = h * (d2 / ((1.0 - h) * (1.0 + h)).max(0.0)).sqrt();
         (x, if y.is_nan() { y1 } else { y.clamp(y0, y1) })
     }
 }
+
+#[cfg(test)]
+mod tests;
