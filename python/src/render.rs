@@ -55,6 +55,7 @@ pub struct RenderOptions {
     volume: String,
     prefix_rays: bool,
     environment_guiding: bool,
+    scatter_point_guiding: bool,
     effects: String,
     aovs: bool,
     aov_first_hit: bool,
@@ -108,6 +109,7 @@ impl RenderOptions {
             kernel,
             prefix_rays: self.prefix_rays,
             guides_environment: self.environment_guiding,
+            guides_scatter_points: self.scatter_point_guiding,
             light_tracing: choice(
                 "light_tracing",
                 &self.light_tracing,

@@ -134,6 +134,11 @@ pub struct MethodArguments {
     #[arg(long)]
     pub no_environment_guiding: bool,
 
+    /// Choose the points of fog from which shadow rays start without a pilot. By default, a pilot
+    /// finds the lit parts of homogeneous media, and how many points a camera ray needs
+    #[arg(long)]
+    pub no_scatter_point_guiding: bool,
+
     /// Light tracing of directly visible caustics by hybrid: off, weighted (against photon
     /// estimates, per pixel) or full
     #[arg(long, value_enum, default_value = "weighted", value_name = "NAME")]

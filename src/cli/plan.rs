@@ -6,7 +6,7 @@ use super::progress::{ProgressDisplay, print_message};
 use super::scene::{load_scene, with_thread_pool};
 use super::settings::settings_from_arguments;
 use super::{CommandFailure, Exit};
-use crate::integrate::{Algorithm, EnvironmentGuidingReport, Integrator, RayPhotonBalance};
+use crate::integrate::{Algorithm, EnvironmentGuidingReport, Integrator, RayPhotonBalance, ScatterPointGuidingReport};
 use crate::plan::{Effect, EffectDecision, Plan, SceneFeatures};
 use crate::study::text::{count_text, percent_text, signed_count_text};
 use crate::study::{ExpectedWork, WorkCounts, expected_work};
@@ -66,8 +66,9 @@ pub(super) fn finds_caustics_only_by_chance(integrator: &dyn Integrator) -> bool
 pub(super) fn pass_work_lines(integrator: &dyn Integrator) -> Vec<String> {
     let counts = integrator.ray_photon_balance().map(|balance| pass_counts_line(&balance));
     let prefix_rays = prefix_rays_line(integrator.prefix_rays_per_pixel());
-    let lines = [counts, prefix_rays, indirect_photons_line(integrator), environment_guiding_line(integrator)];
-    lines.into_iter().flatten().collect()
+    let guiding = [environment_guiding_line(integrator), scatter_point_guiding_line(integrator)];
+    let lines = [counts, prefix_rays, indirect_photons_line(integrator)].into_iter().chain(guiding);
+    lines.flatten().collect()
 }
 
 /// Warning for a scene with caustics and an algorithm without photons.
@@ -112,6 +113,15 @@ fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     Some(format!(
         "shadow rays to the environment are guided: {percent} of unguided ones reach it, guided ones have {:.1} times \
          less variance",
+        report.gain
+    ))
+}
+
+/// Returns a line about the guiding of shadow rays from fog; `None` if they are not guided.
+fn scatter_point_guiding_line(integrator: &dyn Integrator) -> Option<String> {
+    let report = integrator.scatter_point_guiding_report().filter(|report| report.used)?;
+    Some(format!(
+        "shadow rays from fog start in its lit parts: camera paths have {:.1} times less variance for the same work",
         report.gain
     ))
 }
@@ -176,6 +186,8 @@ struct PlanReport {
     /// Findings of the pilot that guides shadow rays to the environment; `None` if there was no
     /// such pilot.
     environment_guiding: Option<EnvironmentGuidingReport>,
+    /// Findings of the pilot that guides shadow rays from media; `None` if there was no such pilot.
+    scatter_point_guiding: Option<ScatterPointGuidingReport>,
     effects: Vec<EffectCostReport>,
 }
 
@@ -235,6 +247,7 @@ impl PlanReport {
             prefix_rays_per_pixel: integrator.prefix_rays_per_pixel(),
             indirect_photon_share: integrator.indirect_photon_share(0),
             environment_guiding: integrator.environment_guiding_report(),
+            scatter_point_guiding: integrator.scatter_point_guiding_report(),
             rays: work.whole.rays,
             gathered_photons: work.whole.gathered_photons,
             effects: plan_effect_reports(plan).into_iter().zip(&plan.decisions).map(costed).collect(),

@@ -128,6 +128,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
         radii: None,
         emission_guiding: EmissionGuidingReportPerMap::default(),
         environment_guiding: None,
+        scatter_point_guiding: None,
         effects: Vec::new(),
         balance: None,
         seconds: 0.0,
@@ -157,6 +158,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     setup.radii = integrator.gather_radii();
     setup.emission_guiding = integrator.emission_guiding_reports();
     setup.environment_guiding = integrator.environment_guiding_report();
+    setup.scatter_point_guiding = integrator.scatter_point_guiding_report();
     setup.effects = plan::plan_effect_reports(integrator.plan());
     setup.balance = integrator.ray_photon_balance();
     setup.seconds = start.elapsed().as_secs_f64();

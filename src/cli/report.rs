@@ -2,7 +2,8 @@
 
 use super::plan::EffectDecisionReport;
 use crate::integrate::{
-    EmissionGuidingReportPerMap, EnvironmentGuidingReport, GatherRadii, PhotonReport, RayPhotonBalance, StageTimes,
+    EmissionGuidingReportPerMap, EnvironmentGuidingReport, GatherRadii, PhotonReport, RayPhotonBalance,
+    ScatterPointGuidingReport, StageTimes,
 };
 use crate::render::error_estimate::{Confidence, ErrorEstimate, StopForecast};
 use crate::render::{EndReason, ErrorTarget, RenderLimits, RenderResult, StopCriteria};
@@ -32,6 +33,7 @@ pub(super) struct RenderReport {
     pub radii: Option<GatherRadiiReport>,
     pub emission_guiding: EmissionGuidingReportPerMap,
     pub environment_guiding: Option<EnvironmentGuidingReport>,
+    pub scatter_point_guiding: Option<ScatterPointGuidingReport>,
     pub effects: Vec<EffectDecisionReport>,
     pub balance: Option<RayPhotonBalance>,
     pub photons: PhotonReports,
@@ -146,6 +148,7 @@ pub(super) struct RenderSetup {
     pub radii: Option<GatherRadii>,
     pub emission_guiding: EmissionGuidingReportPerMap,
     pub environment_guiding: Option<EnvironmentGuidingReport>,
+    pub scatter_point_guiding: Option<ScatterPointGuidingReport>,
     pub effects: Vec<EffectDecisionReport>,
     pub balance: Option<RayPhotonBalance>,
     /// Time that the preparation took \[s].
@@ -177,6 +180,7 @@ impl RenderReport {
             radii: setup.radii.map(|r| GatherRadiiReport { global: r.indirect, caustic: r.caustic }),
             emission_guiding: setup.emission_guiding,
             environment_guiding: setup.environment_guiding,
+            scatter_point_guiding: setup.scatter_point_guiding,
             effects: setup.effects,
             balance: setup.balance,
             photons: PhotonReports { global: rendered.unaimed, caustic: rendered.aimed },

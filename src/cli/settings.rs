@@ -113,6 +113,7 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
         volume: arguments.volume,
         prefix_rays: !arguments.no_prefix_rays,
         guides_environment: !arguments.no_environment_guiding,
+        guides_scatter_points: !arguments.no_scatter_point_guiding,
         light_tracing: arguments.light_tracing,
         indirect_photons: arguments.indirect_photons,
         final_gathering: arguments.final_gathering,
@@ -164,6 +165,9 @@ pub(super) fn method_flags(arguments: &MethodArguments, effects_flag: &str, over
     }
     if arguments.no_environment_guiding {
         words.push("--no-environment-guiding".to_owned());
+    }
+    if arguments.no_scatter_point_guiding {
+        words.push("--no-scatter-point-guiding".to_owned());
     }
     words
 }

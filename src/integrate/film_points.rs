@@ -4,17 +4,36 @@ use super::camera_path::{PathContext, PathState, trace_camera_path};
 use super::worker::PathWorker;
 use crate::color::Rgb;
 use crate::plan::Effect;
-use crate::sampling::{Dimension, Sampler};
-use crate::scene::for_interior;
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::scene::{Scene, for_interior};
 use crate::stats::Counters;
 use glam::Vec2;
 use rayon::prelude::*;
+
+/// Number of film points of [`film_points_in_pixels`].
+pub(super) const POINTS: u32 = 1024;
 
 /// Number of film points per parallel task.
 const CHUNK: usize = 64;
 
 /// A film position \[pixels from the top left], with the sampler of its camera path.
 pub(super) type FilmPoint = (Vec2, Sampler);
+
+/// Returns 1024 film points that are spread evenly over the picture of `scene`.
+///
+/// `set` numbers independent sets of points. Points with the same index in two sets lie in the same
+/// pixel.
+pub(super) fn film_points_in_pixels(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
+    let (width, height) = scene.camera().size();
+    let size = Vec2::new(width as f32, height as f32);
+    let key = key.purpose_key(Purpose::Camera);
+    let point = |i| {
+        let pixel = (Sampler::new(key, i, POINTS).get_2d(Dimension::Film) * size).floor();
+        let sampler = Sampler::new(key.film_point_key(set, i), 0, 1);
+        (pixel + sampler.get_2d(Dimension::Film), sampler)
+    };
+    (0..POINTS).map(point).collect()
+}
 
 /// Traces a camera path through each of `points`.
 ///

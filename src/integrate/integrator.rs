@@ -5,6 +5,7 @@ use super::environment_pilot::EnvironmentGuidingReport;
 use super::pass::{ExpectedPhotons, Pass, ProgressMonitor};
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
+use super::scatter_point_pilot::ScatterPointGuidingReport;
 use crate::plan::{Effects, Plan};
 use crate::stats::Counters;
 
@@ -80,6 +81,12 @@ pub trait Integrator: Send + Sync {
     /// Returns the work and benefit of guiding shadow rays to the environment light; `None` if no
     /// pilot (small simulation before the render) tried to guide them.
     fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {
+        None
+    }
+
+    /// Returns the work and benefit of guiding the points of media from which shadow rays start;
+    /// `None` if no pilot tried to guide them.
+    fn scatter_point_guiding_report(&self) -> Option<ScatterPointGuidingReport> {
         None
     }
 

@@ -5,6 +5,7 @@ mod medium;
 use super::environment_guide::EnvironmentGuide;
 use super::policy::{DirectionSampling, LightSampling, PathPolicy};
 use super::scatter;
+use super::scatter_point_guide::ScatterPointGuide;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
 use super::worker::PathWorker;
 use crate::color::Rgb;
@@ -32,6 +33,34 @@ enum ShadowRayScheme {
     Chosen(u32),
 }
 
+/// Guides of shadow rays, which pilots find.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ShadowRayGuides {
+    /// Guide of shadow rays to the environment light; `None` lets the light sample directions.
+    pub environment: Option<Arc<EnvironmentGuide>>,
+    /// Choice of the points of homogeneous media from which shadow rays start.
+    pub scatter_points: ScatterPointSampling,
+}
+
+/// Choice of the scattering points of a homogeneous medium from which shadow rays start, on
+/// segments of camera paths up to the first receiver (surface that stores photons, or scattering
+/// event).
+#[derive(Clone, Debug, Default)]
+pub(super) enum ScatterPointSampling {
+    /// One point for each shadow ray that a surface point would send.
+    #[default]
+    Unguided,
+    /// Many points, whose shadow rays a pilot records.
+    Recorded,
+    /// Points that follow a guide.
+    Guided {
+        guide: Arc<ScatterPointGuide>,
+        /// Expected number of points for each unit of radiance that a segment adds to the pixel
+        /// according to the guide \[m² sr/W].
+        points_per_radiance: f32,
+    },
+}
+
 /// Estimator of direct light at the vertices of camera paths, by shadow rays.
 #[derive(Debug)]
 pub(super) struct NextEventEstimator<'a> {
@@ -48,14 +77,13 @@ pub(super) struct NextEventEstimator<'a> {
     /// Shadow rays of a vertex. The first scheme is for vertices up to the path's first receiver
     /// (surface that stores photons), the second for later vertices.
     schemes: [ShadowRayScheme; 2],
-    /// Guide of shadow rays to the environment light; `None` lets the light sample directions.
-    environment_guide: Option<Arc<EnvironmentGuide>>,
+    guides: ShadowRayGuides,
 }
 
 impl<'a> NextEventEstimator<'a> {
-    /// Makes an estimator of the direct light that `policy` simulates. `guide` guides shadow rays
-    /// to the environment light, if any.
-    pub fn new(scene: &'a Scene, policy: &PathPolicy, guide: Option<Arc<EnvironmentGuide>>) -> Self {
+    /// Makes an estimator of the direct light that `policy` simulates, with shadow rays that
+    /// `guides` guide.
+    pub fn new(scene: &'a Scene, policy: &PathPolicy, mut guides: ShadowRayGuides) -> Self {
         let PathPolicy { effects, light_sampling, directions, .. } = *policy;
         // A light that is sampled only at its center needs its mean radiance there.
         let centers = light_sampling == LightSampling::Centers || !effects.has(Effect::SoftShadows);
@@ -83,17 +111,16 @@ impl<'a> NextEventEstimator<'a> {
             None
         };
         let has_null_interfaces = scene.bodies().any(|body| body.is_null_interface);
-        let environment_guide = guide.filter(|_| !centers && effects.has(Effect::Shadows));
-        Self {
-            scene,
-            lights,
-            effects,
-            directions,
-            has_null_interfaces,
-            centers,
-            light_sampler,
-            schemes,
-            environment_guide,
+        guides.environment = guides.environment.filter(|_| !centers && effects.has(Effect::Shadows));
+        Self { scene, lights, effects, directions, has_null_interfaces, centers, light_sampler, schemes, guides }
+    }
+
+    /// Returns the number of lights to each of which every segment up to the first receiver
+    /// (surface that stores photons) sends shadow rays; 0 if rays go to chosen lights.
+    pub fn light_count_of_first_scheme(&self) -> usize {
+        match self.schemes[0] {
+            ShadowRayScheme::All(_) => self.lights.len(),
+            ShadowRayScheme::Chosen(_) => 0,
         }
     }
 
@@ -108,7 +135,7 @@ impl<'a> NextEventEstimator<'a> {
     /// `None` if no light reaches `p`.
     #[inline]
     fn sample_li(&self, light: usize, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
-        match (&self.lights[light], &self.environment_guide) {
+        match (&self.lights[light], &self.guides.environment) {
             (Light::Environment(environment), Some(guide)) => guide.sample_li(environment, p, u),
             (light, _) => light.sample_li(p, u),
         }
@@ -118,7 +145,7 @@ impl<'a> NextEventEstimator<'a> {
     /// `wi` at `p`. `hit` is the point on the light; `None` for the environment.
     #[inline]
     fn pdf_li(&self, light: usize, p: Vec3, wi: Vec3, hit: Option<&SurfacePoint>) -> f32 {
-        match (&self.lights[light], &self.environment_guide) {
+        match (&self.lights[light], &self.guides.environment) {
             (Light::Environment(environment), Some(guide)) => guide.pdf_li(environment, p, wi),
             (light, _) => light.pdf_li(p, wi, hit),
         }

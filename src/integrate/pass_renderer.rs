@@ -1,10 +1,9 @@
 //! Inputs of a pass: the scene, its policy, photon maps, camera rays and random keys.
 
 use super::camera_path::PathContext;
-use super::environment_guide::EnvironmentGuide;
 use super::environment_pilot::{EnvironmentGuidingReport, guide_environment_light};
 use super::map_builder::PhotonMapBuilder;
-use super::nee::NextEventEstimator;
+use super::nee::{NextEventEstimator, ShadowRayGuides};
 use super::photon_maps::PhotonMaps;
 use super::policy::PathPolicy;
 use super::prefix_rays::PrefixRayCounts;
@@ -27,8 +26,7 @@ pub(super) struct PassRenderer<'a> {
     pub policy: PathPolicy,
     pub settings: Settings,
     nee: NextEventEstimator<'a>,
-    /// Guide of shadow rays to the environment light; `None` without guiding.
-    environment_guide: Option<Arc<EnvironmentGuide>>,
+    guides: ShadowRayGuides,
     pub map_builder: PhotonMapBuilder<'a>,
     /// Mean number of camera rays per pixel and pass.
     pub samples: u32,
@@ -49,8 +47,8 @@ impl<'a> PassRenderer<'a> {
         Self {
             scene,
             policy,
-            nee: NextEventEstimator::new(scene, &policy, None),
-            environment_guide: None,
+            nee: NextEventEstimator::new(scene, &policy, ShadowRayGuides::default()),
+            guides: ShadowRayGuides::default(),
             map_builder: PhotonMapBuilder::new(scene, settings.clone(), policy),
             samples: settings.camera_paths.samples.unwrap_or(policy.samples),
             settings,
@@ -66,8 +64,8 @@ impl<'a> PassRenderer<'a> {
             scene,
             policy: self.policy,
             settings: self.settings.clone(),
-            nee: NextEventEstimator::new(scene, &self.policy, self.environment_guide.clone()),
-            environment_guide: self.environment_guide.clone(),
+            nee: NextEventEstimator::new(scene, &self.policy, self.guides.clone()),
+            guides: self.guides.clone(),
             map_builder: self.map_builder.for_scene_at_time(scene),
             samples: self.samples,
             relative_ray_counts: self.relative_ray_counts.clone(),
@@ -78,28 +76,32 @@ impl<'a> PassRenderer<'a> {
     /// Returns a renderer for `policy`, which must be the policy of this renderer with fewer
     /// effects of light. The new renderer keeps the results of pilots.
     pub fn with_policy(&self, policy: PathPolicy) -> Self {
-        let nee = NextEventEstimator::new(self.scene, &policy, self.environment_guide.clone());
+        let nee = NextEventEstimator::new(self.scene, &policy, self.guides.clone());
         let map_builder = self.map_builder.with_policy(&policy);
         Self { policy, nee, map_builder, ..self.for_scene_at_time(self.scene) }
     }
 
-    /// Sets the guide of shadow rays to the environment light.
-    pub fn set_environment_guide(&mut self, guide: Option<Arc<EnvironmentGuide>>) {
-        self.nee = NextEventEstimator::new(self.scene, &self.policy, guide.clone());
-        self.environment_guide = guide;
+    /// Returns the guides of shadow rays.
+    pub fn guides(&self) -> &ShadowRayGuides {
+        &self.guides
     }
 
-    /// Runs the pilot that guides shadow rays to the environment light. Returns the guide and a
-    /// report.
+    /// Sets the guides of shadow rays.
+    pub fn set_guides(&mut self, guides: ShadowRayGuides) {
+        self.nee = NextEventEstimator::new(self.scene, &self.policy, guides.clone());
+        self.guides = guides;
+    }
+
+    /// Runs the pilot that guides shadow rays to the environment light. Returns the guides, with
+    /// one for the environment if it would reduce the noise enough, and a report.
     ///
-    /// The guide is `None` if it would not reduce the noise enough. Both are `None` if the scene
-    /// has no light to guide or the settings forbid it.
-    pub fn find_environment_guide(&self) -> (Option<Arc<EnvironmentGuide>>, Option<EnvironmentGuidingReport>) {
+    /// The report is `None` if the scene has no light to guide or the settings forbid it.
+    pub fn find_environment_guide(&self) -> (ShadowRayGuides, Option<EnvironmentGuidingReport>) {
         let light = self.nee.guidable_environment_light().filter(|_| self.settings.guides_environment);
-        let Some(light) = light.filter(|_| self.policy.direct_light) else { return (None, None) };
+        let Some(light) = light.filter(|_| self.policy.direct_light) else { return (self.guides.clone(), None) };
         let seed = self.settings.camera_paths.seed;
         let (guide, report) = guide_environment_light(self.scene, light, self.policy.effects, seed);
-        (guide.map(Arc::new), Some(report))
+        (ShadowRayGuides { environment: guide.map(Arc::new), ..self.guides.clone() }, Some(report))
     }
 
     /// Returns this renderer with one camera ray per pixel and no prefix rays.

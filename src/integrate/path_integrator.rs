@@ -8,6 +8,7 @@ use super::indirect_division::IndirectDivision;
 use super::indirect_pilot::divide_indirect_light;
 use super::integrator::Integrator;
 use super::light_group::LightGroup;
+use super::nee::ShadowRayGuides;
 use super::pass::{ExpectedPhotons, Pass, ProgressMonitor, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::policy::{PathPolicy, PolicyFn};
@@ -15,6 +16,7 @@ use super::prefix_pilot::find_prefix_ray_counts;
 use super::prefix_rays::PrefixRayCounts;
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
+use super::scatter_point_pilot::{ScatterPointGuidingReport, guide_scatter_points};
 use super::settings::{CameraPathSettings, IndirectPhotons, Settings};
 use super::shutter::{ShutterSlice, SlicedCameras};
 use super::tiles::{FilmSampling, render_tiles};
@@ -38,6 +40,8 @@ pub(super) struct PathIntegrator<'a> {
     make_policy: PolicyFn,
     /// Report of the pilot that guides shadow rays to the environment light; `None` without pilot.
     environment_guiding: Option<EnvironmentGuidingReport>,
+    /// Report of the pilot that guides the scattering points of shadow rays; `None` without pilot.
+    scatter_point_guiding: Option<ScatterPointGuidingReport>,
     balance: Option<RayPhotonBalance>,
     /// Number of slices of the shutter interval in each pass. Each slice has its own photons and
     /// camera rays.
@@ -177,6 +181,10 @@ impl Integrator for PathIntegrator<'_> {
         self.environment_guiding
     }
 
+    fn scatter_point_guiding_report(&self) -> Option<ScatterPointGuidingReport> {
+        self.scatter_point_guiding
+    }
+
     fn emission_guiding_reports(&self) -> EmissionGuidingReportPerMap {
         self.renderer.map_builder.emission_guiding_reports
     }
@@ -194,8 +202,12 @@ impl<'a> PathIntegrator<'a> {
 
         // Guide shadow rays to the environment light.
         let needed_policy = || (needed != effects).then(|| make_policy(needed, &settings));
-        let (guide, environment_guiding) = run_pilot(&renderer, needed_policy(), PassRenderer::find_environment_guide);
-        renderer.set_environment_guide(guide);
+        let (guides, environment_guiding) = run_pilot(&renderer, needed_policy(), PassRenderer::find_environment_guide);
+        renderer.set_guides(guides);
+
+        // Guide shadow rays from media.
+        let (scatter_points, scatter_point_guiding) = run_pilot(&renderer, needed_policy(), guide_scatter_points);
+        renderer.set_guides(ShadowRayGuides { scatter_points, ..renderer.guides().clone() });
 
         // Divide indirect light between camera paths and photons.
         let weighs = policy.indirect_photons == IndirectPhotons::Weighted;
@@ -244,7 +256,7 @@ impl<'a> PathIntegrator<'a> {
 
         // Divide the shutter interval.
         let slices = run_pilot(&renderer, needed_policy(), PassRenderer::find_slice_count);
-        Self { renderer, plan, make_policy, environment_guiding, balance, slices }
+        Self { renderer, plan, make_policy, environment_guiding, scatter_point_guiding, balance, slices }
     }
 }
 

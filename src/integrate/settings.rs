@@ -99,6 +99,9 @@ pub struct Settings {
     /// True if a pilot may guide shadow rays to the environment light: towards the directions from
     /// which the light reaches each part of the scene.
     pub guides_environment: bool,
+    /// True if a pilot may choose the points of homogeneous media from which shadow rays start: in
+    /// the lit parts, and as many as reduce the noise most in a given time.
+    pub guides_scatter_points: bool,
     /// Division of directly visible caustics between photon estimates and light tracing, in
     /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
     pub light_tracing: LightTracing,
@@ -165,6 +168,7 @@ impl Default for Settings {
             kernel: Kernel::default(),
             prefix_rays: true,
             guides_environment: true,
+            guides_scatter_points: true,
             light_tracing: LightTracing::default(),
             indirect_photons: IndirectPhotons::default(),
             volume: VolumeEstimator::default(),

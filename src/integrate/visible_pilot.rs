@@ -3,7 +3,7 @@
 use super::camera_path::PathContext;
 use super::film_points::trace_paths_through_film_points;
 use super::indirect_division::IndirectTechnique;
-use super::nee::NextEventEstimator;
+use super::nee::{NextEventEstimator, ShadowRayGuides};
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{CameraPathSettings, IndirectPhotons, LightTracing};
 use crate::math::Bounds;
@@ -54,7 +54,7 @@ pub(super) fn record_receiver_points(
     max_bounces: u32,
 ) -> Vec<VisiblePoint> {
     let policy = PathPolicy { continuation, ..path_policy(effects) };
-    let nee = NextEventEstimator::new(scene, &policy, None);
+    let nee = NextEventEstimator::new(scene, &policy, ShadowRayGuides::default());
     let paths = PathContext::new(scene, &policy, &nee, None, 0, max_bounces, IndirectTechnique::Paths);
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);

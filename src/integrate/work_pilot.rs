@@ -2,19 +2,15 @@
 //! photons.
 
 use super::balance::{self, NoiseSource, RayPhotonBalance};
-use super::film_points::{FilmPoint, map_paths_through_film_points};
+use super::film_points::{FilmPoint, POINTS, film_points_in_pixels, map_paths_through_film_points};
 use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, PhotonReport, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use crate::color::{self, Rgb};
-use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 use crate::stats::Counters;
-use glam::Vec2;
-
-/// Number of film points through which this pilot traces camera paths to measure noise and work.
-const POINTS: u32 = 1024;
 
 /// Divisor of the number of photon paths: this pilot traces 1/16 of the paths of a pass.
 const PILOT_DIVISOR: u32 = 16;
@@ -47,7 +43,8 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
 
     // Estimate the radiance at each point four times: once as reference, and once with each of the
     // three sources of noise replaced.
-    let (points, other_points) = (pilot_film_points(renderer.scene, key, 0), pilot_film_points(renderer.scene, key, 1));
+    let (points, other_points) =
+        (film_points_in_pixels(renderer.scene, key, 0), film_points_in_pixels(renderer.scene, key, 1));
     let reference = estimate_at_points(renderer, Some(&maps), &points);
     let other_camera = estimate_at_points(renderer, Some(&maps), &other_points);
     std::mem::swap(&mut maps.caustic, &mut other_maps.caustic);
@@ -129,7 +126,7 @@ pub(super) fn measure_pass_work(renderer: &PassRenderer<'_>) -> Counters {
     let mut out = Pass::default();
     let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, PILOT_DIVISOR) };
     let maps = renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out);
-    let counters = estimate_at_points(renderer, Some(&maps), &pilot_film_points(renderer.scene, key, 0)).counters;
+    let counters = estimate_at_points(renderer, Some(&maps), &film_points_in_pixels(renderer.scene, key, 0)).counters;
     let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;
     let scaled = |n: u64, factor: f64| (n as f64 * factor).round() as u64;
     let pixel_count = pixel_count(renderer.scene);
@@ -161,22 +158,6 @@ fn estimate_at_points(
 fn pixel_count(scene: &Scene) -> f64 {
     let (width, height) = scene.camera().size();
     f64::from(width) * f64::from(height)
-}
-
-/// Returns 1024 film points that are spread evenly over the picture.
-///
-/// `set` numbers independent sets of points. Points with the same index in two sets lie in the same
-/// pixel.
-fn pilot_film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
-    let (width, height) = scene.camera().size();
-    let size = Vec2::new(width as f32, height as f32);
-    let key = key.purpose_key(Purpose::Camera);
-    let point = |i| {
-        let pixel = (Sampler::new(key, i, POINTS).get_2d(Dimension::Film) * size).floor();
-        let sampler = Sampler::new(key.film_point_key(set, i), 0, 1);
-        (pixel + sampler.get_2d(Dimension::Film), sampler)
-    };
-    (0..POINTS).map(point).collect()
 }
 
 #[cfg(test)]

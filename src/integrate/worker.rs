@@ -5,6 +5,7 @@ use super::indirect_division::{IndirectLight, IndirectWeights};
 use super::light_group::GroupedLight;
 use super::nested_estimates::NestedEstimateSum;
 use super::prefix_rays::PrefixLight;
+use super::scatter_point_guide::{GuidedDistances, InScatteringSample};
 use crate::color::Rgb;
 use crate::medium::TransmittanceCurve;
 use crate::photon::{PhotonSearchBuffers, VisiblePoint};
@@ -36,6 +37,10 @@ pub(super) struct PathWorker {
     pub photon_step: Rgb,
     /// Transmittance along the current segment of a medium.
     pub transmittance: TransmittanceCurve,
+    /// Guided distances along the current segment of a medium.
+    pub guided_distances: GuidedDistances,
+    /// Shadow rays from media that a pilot records.
+    pub in_scattering: Vec<InScatteringSample>,
     /// Points visible to the camera that a pilot records.
     pub visible: Vec<VisiblePoint>,
     /// Weights and sums of the light that paths find up to their first receiver (surface that

@@ -84,6 +84,8 @@ pub enum Purpose {
     EnvironmentGuiding,
     /// Rays that find surface AOVs, such as albedo and depth.
     SurfaceAovs,
+    /// Pilot simulation that finds the lit parts of media.
+    ScatterPointGuiding,
 }
 
 /// A random decision at one vertex of a path. Each decision has its own random numbers.

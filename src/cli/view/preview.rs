@@ -30,7 +30,13 @@ pub(super) fn render_preview(
 ) -> ((u32, u32), Vec<Rgb>) {
     let (width, height) = preview_size(scene.camera().size());
     let small = scene.with_camera(&scene.camera_in_description().with_size(width, height));
-    let mut settings = Settings { balance: false, prefix_rays: false, guides_environment: false, ..settings.clone() };
+    let mut settings = Settings {
+        balance: false,
+        prefix_rays: false,
+        guides_environment: false,
+        guides_scatter_points: false,
+        ..settings.clone()
+    };
     settings.camera_paths.samples = Some(SAMPLES);
     settings.camera_paths.adaptive = false;
     settings.camera_paths.estimate_error = false;

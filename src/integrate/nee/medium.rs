@@ -1,8 +1,9 @@
 //! Next-event estimation in media: light that reaches a point of the medium straight from a light,
 //! and scatters there along a camera path.
 
-use super::{CENTER, NextEventEstimator, ShadowRayScheme, stratified_sample};
-use crate::color::Rgb;
+use super::{CENTER, NextEventEstimator, ScatterPointSampling, ShadowRayScheme, stratified_sample};
+use crate::color::{self, Rgb};
+use crate::integrate::scatter_point_guide::{GuidedDistances, InScatteringSample};
 use crate::integrate::vertex::MediumPathSegment;
 use crate::integrate::worker::PathWorker;
 use crate::light::ShadowTarget;
@@ -12,6 +13,19 @@ use crate::plan::Effect;
 use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Interior, MediumSegment};
 use glam::{Vec2, Vec3};
+
+/// Fraction of the points on a segment that does not follow the guide (defensive sampling).
+///
+/// A guided point has at most 4 times the weight of the same point without guiding.
+const DEFENSIVE_FRACTION: f32 = 0.25;
+
+/// Smallest and largest expected number of guided points on a segment, for each shadow ray that a
+/// surface point would send. Russian roulette decides about numbers below 1.
+const MIN_POINTS: f32 = 0.125;
+const MAX_POINTS: f32 = 16.0;
+
+/// Number of points on a segment from which a pilot records shadow rays.
+const RECORDED_POINTS: f32 = 12.0;
 
 /// Sampled scattering point on a segment of a camera path through a medium.
 struct ScatterPoint {
@@ -45,6 +59,13 @@ impl NextEventEstimator<'_> {
                 for (i, light) in self.lights.iter().enumerate() {
                     let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
                     let sampler = path_segment.shadow_sampler.nth_shadow_ray_sampler(i);
+                    if segment.medium.is_homogeneous() && path_segment.history.receivers == 0 {
+                        let guided = self.estimate_at_guided_points(i, rays, path_segment, sampler, continues, worker);
+                        if let Some(found) = guided {
+                            sum += found;
+                            continue;
+                        }
+                    }
                     for ray in 0..rays {
                         let sampler = sampler.subsample_sampler(ray, rays);
                         let pivot = light.emission_point().filter(|_| segment.medium.is_homogeneous());
@@ -86,6 +107,74 @@ impl NextEventEstimator<'_> {
             (ShadowRayScheme::Chosen(_), None) => {}
         }
         sum
+    }
+
+    /// Estimates the light from the light with index `light` that a homogeneous medium scatters to
+    /// the start of a segment \[W/(m² sr)], by shadow rays from several points. Returns `None` if
+    /// points are neither guided nor recorded.
+    ///
+    /// `rays` is the number of shadow rays that a surface point sends to the light.
+    fn estimate_at_guided_points<I: Interior>(
+        &self,
+        light: usize,
+        rays: u32,
+        path_segment: &MediumPathSegment<'_, I>,
+        sampler: Sampler,
+        continues: bool,
+        worker: &mut PathWorker,
+    ) -> Option<Rgb> {
+        let MediumSegment { ray, medium, .. } = path_segment.segment;
+        let mut guided = std::mem::take(&mut worker.guided_distances);
+        guided.clear();
+
+        // Find how many points the segment deserves.
+        let (expected_count, records) = match &self.guides.scatter_points {
+            ScatterPointSampling::Unguided => return None,
+            ScatterPointSampling::Recorded => (RECORDED_POINTS, true),
+            ScatterPointSampling::Guided { guide, points_per_radiance } => {
+                guide.distances_along(light, ray, color::channel_mean(medium.extinction()), &mut guided);
+                let scattered = color::channel_mean(path_segment.throughput * medium.scattering) * guided.total();
+                let wanted = (scattered * points_per_radiance).clamp(MIN_POINTS, MAX_POINTS);
+                (if wanted > 1.0 { wanted.round() } else { wanted }, false)
+            }
+        };
+        let plays_roulette = expected_count < 1.0;
+        let count = if !plays_roulette {
+            rays * expected_count as u32
+        } else if sampler.get_1d(Dimension::ShadingRoulette) < expected_count {
+            rays
+        } else {
+            0
+        };
+
+        // Send shadow rays from the points.
+        let points = ScatterPointDistribution {
+            path_segment,
+            angles: self.lights[light].emission_point().map(|pivot| EquiangularDistribution::new(ray, pivot)),
+            guided: (guided.total() > 0.0).then_some(&guided),
+        };
+        let mut sum = Rgb::ZERO;
+        for i in 0..count {
+            let sampler = sampler.subsample_sampler(i, count);
+            let Some(point) = points.sample(sampler) else { continue };
+            let found = self.shadow_ray_contribution_in_medium(
+                &point,
+                light,
+                path_segment,
+                sampler,
+                rays as f32,
+                continues,
+                worker,
+            );
+            sum += found;
+            if records {
+                let radiance = f64::from(color::channel_mean(found) / color::channel_mean(point.weight));
+                let contribution = f64::from(color::channel_mean(path_segment.throughput * found) / expected_count);
+                worker.in_scattering.push(InScatteringSample { light, p: point.p, radiance, contribution });
+            }
+        }
+        worker.guided_distances = guided;
+        Some(sum / expected_count)
     }
 
     /// Returns the radiance that one shadow ray from `point` to the light with index `light` adds
@@ -142,29 +231,51 @@ impl NextEventEstimator<'_> {
 /// Samples a scattering point on a segment in a homogeneous medium, for light that leaves the point
 /// `pivot`.
 ///
-/// Half of the samples follow the transmittance. The other half are equiangular: uniform in the
-/// angle seen from `pivot` (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path
-/// Tracing in Participating Media").
+/// Returns `None` if the sampled distance is beyond the segment.
 fn sample_scatter_point_near<I: Interior>(
     path_segment: &MediumPathSegment<'_, I>,
     pivot: Vec3,
     sampler: Sampler,
 ) -> Option<ScatterPoint> {
-    let MediumSegment { ray, medium, .. } = path_segment.segment;
-    let mut rng = sampler.sample_key().shadow_ray_scatter_point_key().rng();
-    let angles = EquiangularDistribution::new(ray, pivot);
-    let Vec2 { x: which, y: u } = sampler.get_2d(Dimension::Medium);
-    let t = if which < 0.5 {
-        medium.distance_sample(ray, ray.t_max, path_segment.throughput, &mut rng).scattered?
-    } else {
-        angles.sample(u)
-    };
-    let pdf = 0.5 * (medium.distance_pdf(t, path_segment.throughput)? + angles.pdf(t));
-    if !(t >= 0.0 && t <= ray.t_max && pdf > 0.0) {
-        return None;
+    let angles = Some(EquiangularDistribution::new(&path_segment.segment.ray, pivot));
+    ScatterPointDistribution { path_segment, angles, guided: None }.sample(sampler)
+}
+
+/// Distribution of scattering points along a segment in a homogeneous medium, for the shadow rays
+/// to one light.
+///
+/// Half of the unguided points follow the transmittance. The other half are equiangular: uniform in
+/// the angle seen from the light (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path
+/// Tracing in Participating Media"). For a light at infinity, all follow the transmittance.
+struct ScatterPointDistribution<'a, I> {
+    path_segment: &'a MediumPathSegment<'a, I>,
+    angles: Option<EquiangularDistribution>,
+    /// Distances that most points follow; `None` without guide, or if the guide found no light.
+    guided: Option<&'a GuidedDistances>,
+}
+
+impl<I: Interior> ScatterPointDistribution<'_, I> {
+    /// Samples a point. Returns `None` if the sampled distance is beyond the segment.
+    fn sample(&self, sampler: Sampler) -> Option<ScatterPoint> {
+        let MediumSegment { ray, medium, .. } = self.path_segment.segment;
+        let mut rng = sampler.sample_key().shadow_ray_scatter_point_key().rng();
+        let Vec2 { x: which, y: u } = sampler.get_2d(Dimension::Medium);
+        let guided_fraction = if self.guided.is_some() { 1.0 - DEFENSIVE_FRACTION } else { 0.0 };
+        let angle_fraction = if self.angles.is_some() { 0.5 * (1.0 - guided_fraction) } else { 0.0 };
+        let t = match (self.guided, &self.angles) {
+            (Some(guided), _) if which < guided_fraction => guided.sample(u),
+            (_, Some(angles)) if which >= 1.0 - angle_fraction => angles.sample(u),
+            _ => medium.distance_sample(ray, ray.t_max, self.path_segment.throughput, &mut rng).scattered?,
+        };
+        let pdf = guided_fraction * self.guided.map_or(0.0, |guided| guided.pdf(t))
+            + angle_fraction * self.angles.as_ref().map_or(0.0, |angles| angles.pdf(t))
+            + (1.0 - guided_fraction - angle_fraction) * medium.distance_pdf(t, self.path_segment.throughput)?;
+        if !(t >= 0.0 && t <= ray.t_max && pdf > 0.0) {
+            return None;
+        }
+        let transmittance = medium.transmittance(ray, t, &mut rng);
+        Some(ScatterPoint { p: ray.at(t), weight: transmittance * medium.scattering / pdf })
     }
-    let transmittance = medium.transmittance(ray, t, &mut rng);
-    Some(ScatterPoint { p: ray.at(t), weight: transmittance * medium.scattering / pdf })
 }
 
 /// Distribution of distances along a ray that is uniform in the angle, seen from a pivot point such

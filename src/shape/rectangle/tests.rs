@@ -16,8 +16,8 @@ fn range_solid_angle([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], z: f64) -> f64 {
     triangle_solid_angle([a, b, c]) + triangle_solid_angle([a, c, d])
 }
 
-/// The point divides the rectangle into parts whose solid angles are in the ratio of `u`, from views
-/// in front of it to views a millionth of its size above its plane.
+/// The sampled point divides the rectangle into parts whose solid angles are in the ratio of `u`,
+/// from views in front of it to views a millionth of its size above its plane.
 #[test]
 fn samples_are_uniform_in_solid_angle_at_grazing_views() {
     let mut checked = 0;
@@ -40,7 +40,7 @@ fn samples_are_uniform_in_solid_angle_at_grazing_views() {
         assert!((view.solid_angle / whole - 1.0).abs() < 1e-8, "{z} {view:?}");
         let part = range_solid_angle([along_first[0], first], along_second, z);
         assert!((part / whole - f64::from(u.x)).abs() < 1e-8, "{z} {u}: {}", part / whole);
-        // A thin strip at the point holds the solid angle below it and above it in the ratio of `u.y`.
+        // `u.y` is the part below the point of the solid angle of a thin strip through it.
         let strip = [first - 1e-5 * z.min(size.y), first + 1e-5 * z.min(size.y)];
         let below = range_solid_angle(strip, [along_second[0], second], z);
         let ratio = below / range_solid_angle(strip, along_second, z);

@@ -81,6 +81,7 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
         kernel: Kernel::Epanechnikov,
         prefix_rays: true,
         guides_environment: true,
+        guides_scatter_points: true,
         light_tracing: LightTracing::Weighted,
         indirect_photons: IndirectPhotons::Weighted,
         volume: match method {

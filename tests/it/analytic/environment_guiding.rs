@@ -59,6 +59,7 @@ fn box_with_hole(inside: &str) -> Scene {
 fn means_and_variance(scene: &Scene, algorithm: Algorithm, guided: bool, passes: u32) -> (Vec<f64>, f64) {
     let settings = Settings {
         guides_environment: guided,
+        guides_scatter_points: false,
         indirect_photons: IndirectPhotons::Off,
         balance: false,
         ..camera_ray_settings(4, 20)

@@ -25,5 +25,6 @@ mod nephroid;
 mod plates;
 mod prefix_rays;
 mod reference;
+mod scatter_point_guiding;
 mod sphere;
 mod water;

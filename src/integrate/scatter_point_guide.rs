@@ -1,0 +1,269 @@
+//! Guide of scattering points in homogeneous media, for next-event estimation.
+//!
+//! Shadow rays from points of a medium find light only in its lit parts, such as the cone of a spot
+//! light or the shafts behind a window. A grid over the visible part of the media holds, for each
+//! cell and light, the root mean square of the radiance that a shadow ray from the cell finds. This
+//! is the best pdf for points along a camera ray (Rath et al. 2020, "Variance-Aware Path Guiding").
+
+use crate::math::{Bounds, Ray};
+use glam::{UVec3, Vec3};
+
+/// Largest number of cells of the grid.
+const MAX_CELLS: f32 = 24_000.0;
+
+/// Weight of the mean of the surrounding cells in the estimate of a cell (shrinkage estimator),
+/// expressed as a number of shadow rays.
+const NEIGHBORHOOD_WEIGHT: f64 = 1.0;
+
+/// Strength of the light from each light source in each cell of a grid.
+#[derive(Debug)]
+pub(super) struct ScatterPointGuide {
+    grid: Grid,
+    /// Root mean square of the radiance that a shadow ray finds, by light and cell \[W/(m² sr)].
+    values: Vec<f32>,
+}
+
+/// Numbers of pilot rays, and sums of the squared radiance that they found, by light and cell.
+pub(super) struct ScatterPointFit {
+    grid: Grid,
+    counts: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+/// Radiance that one shadow ray of a pilot found from a point of a medium.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct InScatteringSample {
+    /// Index of the light.
+    pub light: usize,
+    /// Scattering point, in world space.
+    pub p: Vec3,
+    /// Radiance that arrives from the light, times the phase function \[W/(m² sr²)].
+    pub radiance: f64,
+    /// Contribution of the ray to the light that its camera path finds \[W/(m² sr)].
+    pub contribution: f64,
+}
+
+/// Piecewise constant distribution of distances along a ray, one piece for each cell of the grid.
+///
+/// Its memory is reused from ray to ray.
+#[derive(Debug, Default)]
+pub(super) struct GuidedDistances {
+    /// Distance along the ray at which the first piece begins \[length].
+    start: f32,
+    /// Distance along the ray at which each piece ends \[length].
+    ends: Vec<f32>,
+    /// Sum of the weights of all pieces up to each piece.
+    cumulative: Vec<f32>,
+}
+
+/// Grid of equal boxes over an axis-aligned box.
+#[derive(Clone, Debug)]
+struct Grid {
+    origin: Vec3,
+    /// Edges of a cell \[length].
+    cell: Vec3,
+    counts: UVec3,
+}
+
+impl ScatterPointGuide {
+    /// Sets `distances` to the distribution along `ray` for the light with index `light`, in a
+    /// medium of mean extinction coefficient `extinction` \[1/length].
+    ///
+    /// The distribution is empty if the ray meets no cell in which the pilot found light.
+    pub fn distances_along(&self, light: usize, ray: &Ray, extinction: f32, distances: &mut GuidedDistances) {
+        distances.clear();
+        let len = self.grid.len();
+        // Lights that the pilot did not need are black.
+        let Some(values) = self.values.get(light * len..(light + 1) * len) else { return };
+        self.grid.for_each_cell(ray, |cell, from, to| {
+            // Any positive weight is unbiased: this one is close to exp(−depth).
+            let depth = extinction * 0.5 * (from + to);
+            let transmittance = 1.0 / (1.0 + depth * (1.0 + 0.5 * depth));
+            distances.push(from, to, values[cell] * transmittance * (to - from));
+        });
+    }
+}
+
+impl ScatterPointFit {
+    /// Makes an empty fit for `lights` lights, over the bounding box of `points`. Returns `None` if
+    /// the box is empty or not finite.
+    pub fn new(points: impl Iterator<Item = Vec3>, lights: usize) -> Option<Self> {
+        let grid = Grid::new(&Bounds::from_points(points))?;
+        let len = grid.len() * lights;
+        Some(Self { grid, counts: vec![0.0; len], squares: vec![0.0; len] })
+    }
+
+    /// Adds a shadow ray of the pilot.
+    pub fn add(&mut self, sample: &InScatteringSample) {
+        let i = sample.light * self.grid.len() + self.grid.cell_index(sample.p);
+        self.counts[i] += 1.0;
+        self.squares[i] += sample.radiance * sample.radiance;
+    }
+
+    /// Returns the guide that follows from the added rays.
+    ///
+    /// The mean of a cell is drawn towards the mean of the 27 cells around it.
+    pub fn guide(self) -> ScatterPointGuide {
+        let len = self.grid.len();
+        let mean = |i: usize| {
+            let (mut count, mut square) = (0.0, 0.0);
+            self.grid.for_each_neighbor(i % len, |cell| {
+                count += self.counts[i / len * len + cell];
+                square += self.squares[i / len * len + cell];
+            });
+            let neighborhood = if count > 0.0 { square / count } else { 0.0 };
+            let mean = (self.squares[i] + NEIGHBORHOOD_WEIGHT * neighborhood) / (self.counts[i] + NEIGHBORHOOD_WEIGHT);
+            mean.sqrt() as f32
+        };
+        let values = (0..self.counts.len()).map(mean).collect();
+        ScatterPointGuide { grid: self.grid, values }
+    }
+}
+
+impl GuidedDistances {
+    /// Removes all pieces.
+    pub fn clear(&mut self) {
+        self.ends.clear();
+        self.cumulative.clear();
+    }
+
+    /// Adds a piece that begins at distance `from`, where the last one ended, and ends at `to`.
+    fn push(&mut self, from: f32, to: f32, weight: f32) {
+        if self.ends.is_empty() {
+            self.start = from;
+        }
+        let weight = if weight.is_finite() { weight } else { 0.0 };
+        self.cumulative.push(self.total() + weight);
+        self.ends.push(to);
+    }
+
+    /// Returns the sum of all weights; 0 if the distribution is empty.
+    pub fn total(&self) -> f32 {
+        self.cumulative.last().copied().unwrap_or(0.0)
+    }
+
+    /// Samples a distance by uniform `u` in \[0, 1). The distribution must not be empty.
+    pub fn sample(&self, u: f32) -> f32 {
+        let target = u * self.total();
+        let i = self.cumulative.partition_point(|sum| *sum <= target).min(self.ends.len() - 1);
+        let (from, below) = self.start_of(i);
+        let fraction = (target - below) / (self.cumulative[i] - below);
+        (from + fraction.clamp(0.0, 1.0) * (self.ends[i] - from)).min(self.ends[i])
+    }
+
+    /// Returns the pdf of distance `t` \[1/length]; 0 outside all pieces. The distribution must not
+    /// be empty.
+    pub fn pdf(&self, t: f32) -> f32 {
+        let i = self.ends.partition_point(|end| *end < t);
+        if t < self.start || i == self.ends.len() {
+            return 0.0;
+        }
+        let (from, below) = self.start_of(i);
+        (self.cumulative[i] - below) / (self.total() * (self.ends[i] - from))
+    }
+
+    /// Returns the distance at which piece `i` begins, and the sum of the weights before it.
+    fn start_of(&self, i: usize) -> (f32, f32) {
+        if i == 0 { (self.start, 0.0) } else { (self.ends[i - 1], self.cumulative[i - 1]) }
+    }
+}
+
+impl Grid {
+    /// Makes a grid of nearly cubic cells over `bounds`; `None` if the box is empty or not finite.
+    fn new(bounds: &Bounds) -> Option<Self> {
+        let extent = bounds.extent();
+        let longest = extent.max_element();
+        if bounds.is_empty() || !longest.is_finite() || longest <= 0.0 {
+            return None;
+        }
+        // A flat box gets a little depth, so that each cell has a volume.
+        let extent = extent.max(Vec3::splat(longest * 1e-3));
+        let mut edge = longest / MAX_CELLS.cbrt();
+        let counts = |edge: f32| (extent / edge).ceil().max(Vec3::ONE);
+        // Cells shrink while there are too few of them.
+        while counts(edge / 1.1).element_product() <= MAX_CELLS {
+            edge /= 1.1;
+        }
+        let counts = counts(edge);
+        let origin = bounds.center() - 0.5 * extent;
+        Some(Self { origin, cell: extent / counts, counts: counts.as_uvec3() })
+    }
+
+    fn len(&self) -> usize {
+        self.counts.element_product() as usize
+    }
+
+    /// Returns the index of the cell that contains `p`, or of the nearest cell.
+    fn cell_index(&self, p: Vec3) -> usize {
+        let cell = ((p - self.origin) / self.cell).max(Vec3::ZERO).as_uvec3().min(self.counts - UVec3::ONE);
+        self.index(cell)
+    }
+
+    fn index(&self, cell: UVec3) -> usize {
+        ((cell.z * self.counts.y + cell.y) * self.counts.x + cell.x) as usize
+    }
+
+    /// Calls `visit` with the indices of the cells that touch cell `index`, and with `index`.
+    fn for_each_neighbor(&self, index: usize, mut visit: impl FnMut(usize)) {
+        let index = index as u32;
+        let cell = UVec3::new(
+            index % self.counts.x,
+            index / self.counts.x % self.counts.y,
+            index / (self.counts.x * self.counts.y),
+        );
+        let (low, high) = (cell.saturating_sub(UVec3::ONE), (cell + 1).min(self.counts - UVec3::ONE));
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                for x in low.x..=high.x {
+                    visit(self.index(UVec3::new(x, y, z)));
+                }
+            }
+        }
+    }
+
+    /// Calls `visit` with the index of each cell along `ray`, and with the distances at which the
+    /// ray enters and leaves it.
+    ///
+    /// Source: Amanatides and Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing".
+    fn for_each_cell(&self, ray: &Ray, mut visit: impl FnMut(usize, f32, f32)) {
+        let end = self.origin + self.cell * self.counts.as_vec3();
+        let inverse = ray.direction.recip();
+        let (a, b) = ((self.origin - ray.origin) * inverse, (end - ray.origin) * inverse);
+        // An axis at right angles to the ray gives infinities, or NaN on a face of the box, which
+        // `max` and `min` skip.
+        let mut from = a.min(b).max_element().max(0.0);
+        let last = a.max(b).min_element().min(ray.t_max);
+        if !(from < last) {
+            return;
+        }
+        let p = (ray.at(from) - self.origin) / self.cell;
+        let mut cell = p.max(Vec3::ZERO).as_uvec3().min(self.counts - UVec3::ONE);
+        loop {
+            // Find the nearest of the planes through which the ray may leave the cell.
+            let forward = ray.direction.cmpgt(Vec3::ZERO);
+            let side = Vec3::select(forward, Vec3::ONE, Vec3::ZERO);
+            let exits = (self.origin + (cell.as_vec3() + side) * self.cell - ray.origin) * inverse;
+            let exits = Vec3::select(ray.direction.cmpeq(Vec3::ZERO), Vec3::INFINITY, exits);
+            let axis = if exits.x <= exits.y && exits.x <= exits.z {
+                0
+            } else if exits.y <= exits.z {
+                1
+            } else {
+                2
+            };
+            let to = exits[axis].clamp(from, last);
+            if to > from {
+                visit(self.index(cell), from, to);
+            }
+            from = to;
+            let leaves = if ray.direction[axis] > 0.0 { cell[axis] + 1 == self.counts[axis] } else { cell[axis] == 0 };
+            if leaves || !(from < last) {
+                return;
+            }
+            cell[axis] = if ray.direction[axis] > 0.0 { cell[axis] + 1 } else { cell[axis] - 1 };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

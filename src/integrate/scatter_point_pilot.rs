@@ -1,0 +1,156 @@
+//! Pilot for the points of homogeneous media from which shadow rays start.
+//!
+//! Camera paths of the pilot send shadow rays from many points of each segment, and record the
+//! light that they find. A second part of the pilot finds how many points a segment needs: more
+//! points have less noise, but take longer.
+
+use super::balance::{camera_path_work, relative_variance};
+use super::camera_path::PathContext;
+use super::film_points::{film_points_in_pixels, map_paths_through_film_points, trace_paths_through_film_points};
+use super::indirect_division::IndirectTechnique;
+use super::nee::{NextEventEstimator, ScatterPointSampling, ShadowRayGuides};
+use super::pass_renderer::PassRenderer;
+use super::policy::{PathContinuation, PathPolicy, PhotonLookups};
+use super::scatter_point_guide::{ScatterPointFit, ScatterPointGuide};
+use crate::color::{self, Rgb};
+use crate::plan::Effect;
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::stats::Counters;
+use glam::Vec2;
+use std::sync::Arc;
+
+/// Smallest and largest number of camera paths that find the lit parts of media. Between these
+/// limits, the pilot traces one path per pixel.
+const PATHS: (u32, u32) = (2000, 6000);
+
+/// Mean numbers of guided points per camera path whose noise and work the pilot compares.
+const TRIAL_POINTS: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
+
+/// Factor of noise times work that a smaller number of points may lose against the best number.
+///
+/// It exceeds 1, because a shadow ray from a medium takes longer than the mean ray of a camera
+/// path.
+const NEGLIGIBLE_LOSS: f64 = 1.15;
+
+/// Factor between noise times work without and with guide above which passes use the guide.
+///
+/// It exceeds 1, because the work counts rays only, and guided points take longer to sample.
+const MIN_GAIN: f64 = 1.3;
+
+/// Work of the pilot that guides the scattering points of shadow rays, and its estimated benefit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct ScatterPointGuidingReport {
+    /// Number of shadow rays from which the pilot learned the lit parts of media.
+    pub rays: u64,
+    /// Ratio of variance times work of camera paths, without guide over with guide.
+    pub gain: f64,
+    /// True if the render guides scattering points.
+    pub used: bool,
+}
+
+/// Finds from which points of homogeneous media the passes of `renderer` send shadow rays.
+///
+/// The result depends only on the scene, the policy and the settings. The report is `None` without
+/// pilot: in scenes without such media, and in scenes with so many lights that rays go to chosen
+/// ones.
+pub(super) fn guide_scatter_points(
+    renderer: &PassRenderer<'_>,
+) -> (ScatterPointSampling, Option<ScatterPointGuidingReport>) {
+    let (scene, policy, settings) = (renderer.scene, &renderer.policy, &renderer.settings);
+    let may_guide = policy.direct_light && policy.effects.has(Effect::Media) && settings.guides_scatter_points;
+    if !may_guide || !scene.media_in_use().iter().any(|medium| medium.is_homogeneous() && medium.scatters()) {
+        return (ScatterPointSampling::Unguided, None);
+    }
+    let lights = NextEventEstimator::new(scene, policy, ShadowRayGuides::default()).light_count_of_first_scheme();
+    if lights == 0 {
+        return (ScatterPointSampling::Unguided, None);
+    }
+    let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::ScatterPointGuiding);
+
+    let Some(learned) = learn_lit_parts(renderer, key, lights) else { return (ScatterPointSampling::Unguided, None) };
+    let rays = learned.rays;
+    let (sampling, gain) = choose_point_count(renderer, key, learned);
+    let used = gain > MIN_GAIN;
+    let sampling = if used { sampling } else { ScatterPointSampling::Unguided };
+    (sampling, Some(ScatterPointGuidingReport { rays, gain, used }))
+}
+
+/// Guide that a pilot learned, with the light and the shadow rays from which it learned.
+struct LearnedGuide {
+    guide: Arc<ScatterPointGuide>,
+    /// Mean radiance that media scatter to a camera path, straight from lights \[W/(m² sr)].
+    mean_radiance: f64,
+    rays: u64,
+}
+
+/// Learns a guide for `lights` lights from camera paths that send shadow rays from many points of
+/// media. Returns `None` if no ray finds light.
+fn learn_lit_parts(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<LearnedGuide> {
+    let (width, height) = renderer.scene.camera().size();
+    let size = Vec2::new(width as f32, height as f32);
+    let count = width.saturating_mul(height).clamp(PATHS.0, PATHS.1);
+    let samplers = (0..count).map(|i| Sampler::new(key, i, count));
+    let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
+    let policy = PathPolicy { continuation: PathContinuation::Never, photons: PhotonLookups::Never, ..renderer.policy };
+    let workers = trace_with(renderer, &policy, ScatterPointSampling::Recorded, |paths| {
+        trace_paths_through_film_points(paths, &points).1
+    });
+    let samples = || workers.iter().flat_map(|worker| &worker.in_scattering);
+    let mean_radiance = samples().map(|sample| sample.contribution).sum::<f64>() / f64::from(count);
+    if mean_radiance.is_nan() || mean_radiance <= 0.0 {
+        return None;
+    }
+    let mut fit = ScatterPointFit::new(samples().map(|sample| sample.p), lights)?;
+    samples().for_each(|sample| fit.add(sample));
+    Some(LearnedGuide { guide: Arc::new(fit.guide()), mean_radiance, rays: samples().count() as u64 })
+}
+
+/// Returns the numbers of guided points that have little noise for the same work, and the ratio of
+/// noise times work without guide and with it.
+fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGuide) -> (ScatterPointSampling, f64) {
+    let LearnedGuide { guide, mean_radiance, .. } = learned;
+    let guided = TRIAL_POINTS.map(|points| ScatterPointSampling::Guided {
+        guide: guide.clone(),
+        points_per_radiance: (points / mean_radiance) as f32,
+    });
+
+    // Estimate the radiance at film points twice with each sampling.
+    let estimate = |sampling: &ScatterPointSampling| {
+        [0, 1].map(|set| {
+            let points = film_points_in_pixels(renderer.scene, key, set);
+            trace_with(renderer, &renderer.policy, sampling.clone(), |paths| {
+                map_paths_through_film_points(paths, &points, false, |radiance, _| radiance)
+            })
+        })
+    };
+    let unguided = estimate(&ScatterPointSampling::Unguided);
+    let trials = guided.map(|sampling| (estimate(&sampling), sampling));
+
+    // Compare their noise times their work.
+    let all = || trials.iter().map(|(estimates, _)| estimates).chain([&unguided]).flatten();
+    let mean = |i: usize| all().map(|(radiance, _)| f64::from(color::channel_mean(radiance[i]))).sum::<f64>();
+    let light: Vec<f64> = (0..unguided[0].0.len()).map(|i| mean(i) / all().count() as f64).collect();
+    let cost = |[(a, work_a), (b, work_b)]: &[(Vec<Rgb>, Counters); 2]| {
+        relative_variance(a, b, &light) * (camera_path_work(work_a) + camera_path_work(work_b))
+    };
+    let lowest = trials.iter().map(|(estimates, _)| cost(estimates)).fold(f64::INFINITY, f64::min);
+    let best = trials.iter().find(|(estimates, _)| cost(estimates) <= lowest * NEGLIGIBLE_LOSS);
+    match best {
+        Some((estimates, sampling)) if lowest > 0.0 => (sampling.clone(), cost(&unguided) / cost(estimates)),
+        _ => (ScatterPointSampling::Unguided, 1.0),
+    }
+}
+
+/// Calls `trace` with the context of camera paths of `policy` that read no photons, and whose
+/// shadow rays in media start from the points of `sampling`.
+fn trace_with<T>(
+    renderer: &PassRenderer<'_>,
+    policy: &PathPolicy,
+    sampling: ScatterPointSampling,
+    trace: impl FnOnce(&PathContext<'_>) -> T,
+) -> T {
+    let guides = ShadowRayGuides { scatter_points: sampling, ..renderer.guides().clone() };
+    let nee = NextEventEstimator::new(renderer.scene, policy, guides);
+    let max_bounces = renderer.settings.camera_paths.max_bounces;
+    trace(&PathContext::new(renderer.scene, policy, &nee, None, 0, max_bounces, IndirectTechnique::Paths))
+}
