@@ -181,56 +181,6 @@ fn views_follow_edits_of_the_scene() {
     shown.wait_for(|state| state["passes"].as_u64() > Some(5));
 }
 
-/// Returns the correlation coefficient of two series of equal length.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let (a_mean, b_mean) = (mean(a), mean(b));
-    let product = |x: &[f64], x_mean: f64, y: &[f64], y_mean: f64| -> f64 {
-        x.iter().zip(y).map(|(x, y)| (x - x_mean) * (y - y_mean)).sum()
-    };
-    product(a, a_mean, b, b_mean) / (product(a, a_mean, a, a_mean) * product(b, b_mean, b, b_mean)).sqrt()
-}
-
-/// Measures the time from the start of the program to a recognisable picture in the browser, as a
-/// ratio to the time of the first pass. The browser is open before.
-#[test]
-#[ignore = "long: half a minute in a browser"]
-fn first_passes_last_longer_than_the_preview() {
-    let Some(mut browser) = DevTools::start() else {
-        eprintln!("SKIPPED: no chromium, chromium-browser or google-chrome in PATH, and CAUSTICA_CHROMIUM is not set");
-        return;
-    };
-    // Luma of the canvas on a coarse grid, without the margins of a picture of 4 : 3.
-    let thumbnail = "(() => { const shown = document.getElementById('canvas'); if (!shown || !shown.width) return []; \
-                     const small = document.createElement('canvas'); [small.width, small.height] = [48, 36]; \
-                     const context = small.getContext('2d'); context.drawImage(shown, 0, 0, 48, 36); \
-                     const bytes = context.getImageData(0, 0, 48, 36).data; \
-                     return Array.from({length: 48 * 36}, (_, i) => bytes[4 * i] + bytes[4 * i + 1] + bytes[4 * i + 2]); })()";
-    let scene = project_path("scenes/goblet.txt");
-    let start = Instant::now();
-    let shown = Shown::start(&format!("view {} --time 600s", scene.display()));
-    browser.open(&shown.address, 1280, 800);
-    let numbers =
-        |value: Value| -> Vec<f64> { value.as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect() };
-    let mut early = Vec::new();
-    while early.iter().filter(|luma| **luma > 30.0).count() < 48 * 36 / 10 {
-        assert!(start.elapsed() < Duration::from_secs(120), "the page shows no picture");
-        early = numbers(browser.value(thumbnail));
-    }
-    let seconds = start.elapsed().as_secs_f64();
-    let state = shown.wait_for(|state| state["passes"].as_u64() > Some(0));
-    let pass_seconds = state["seconds"].as_f64().unwrap() / state["passes"].as_f64().unwrap();
-    browser.wait_for("Number(document.body.dataset.passes) >= 3");
-    let likeness = correlation(&early, &numbers(browser.value(thumbnail)));
-    let line = format!(
-        "a picture after {seconds:.2} s, {:.2} times the first pass; likeness {likeness:.3}",
-        seconds / pass_seconds
-    );
-    eprintln!("{line}");
-    assert!(seconds < pass_seconds, "{line}");
-    assert!(likeness > 0.9, "{line}");
-}
-
 #[test]
 #[ignore = "long: a minute in a browser"]
 fn the_page_works_in_a_browser() {
