@@ -1,9 +1,11 @@
 //! Results of renders: picture, layers and estimated error.
 
 use crate::errors::write_exception;
-use caustica::image::{BitDepth, ExrLayer, ExrPrecision, ToneCurve, ToneMap, UnknownToneCurve, WriteOptions, write_layers};
-use caustica::render::error_estimate::{Confidence, ErrorForecast, StopForecast};
+use caustica::image::{
+    BitDepth, ExrLayer, ExrPrecision, ToneCurve, ToneMap, UnknownToneCurve, WriteOptions, write_layers,
+};
 use caustica::integrate::SurfaceAovs;
+use caustica::render::error_estimate::{Confidence, ErrorForecast, StopForecast};
 use caustica::render::{EndReason, RenderResult, picture_layers, surface_layers};
 use caustica::{ErrorEstimate, Image, write_image};
 use pyo3::exceptions::PyValueError;

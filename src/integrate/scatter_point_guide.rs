@@ -178,7 +178,7 @@ impl Grid {
         }
         // A flat box gets a little depth, so that each cell has a volume.
         let extent = extent.max(Vec3::splat(longest * 1e-3));
-        let mut edge = longest / MAX_CELLS.cbrt();
+        let mut edge = longest / libm::cbrtf(MAX_CELLS);
         let counts = |edge: f32| (extent / edge).ceil().max(Vec3::ONE);
         // Cells shrink while there are too few of them.
         while counts(edge / 1.1).element_product() <= MAX_CELLS {
@@ -233,7 +233,8 @@ impl Grid {
         // `max` and `min` skip.
         let mut from = a.min(b).max_element().max(0.0);
         let last = a.max(b).min_element().min(ray.t_max);
-        if !(from < last) {
+        let meets_box = from < last;
+        if !meets_box {
             return;
         }
         let p = (ray.at(from) - self.origin) / self.cell;
@@ -257,7 +258,7 @@ impl Grid {
             }
             from = to;
             let leaves = if ray.direction[axis] > 0.0 { cell[axis] + 1 == self.counts[axis] } else { cell[axis] == 0 };
-            if leaves || !(from < last) {
+            if leaves || from >= last {
                 return;
             }
             cell[axis] = if ray.direction[axis] > 0.0 { cell[axis] + 1 } else { cell[axis] - 1 };

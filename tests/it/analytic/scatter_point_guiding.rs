@@ -77,7 +77,7 @@ fn guided_points_keep_the_light_of_a_beam() {
     let scene = beam_in_thin_fog();
     let half_angle = 6.0f64.to_radians();
     let area = 4.0 * 3.0;
-    let expected = 0.5 * THIN * INTENSITY * 2.0 * -half_angle.cos().ln() / area * (-2.5 * THIN).exp();
+    let expected = 0.5 * THIN * INTENSITY * 2.0 * -libm::log(libm::cos(half_angle)) / area * libm::exp(-2.5 * THIN);
     let (means, variance) = means_and_variance(&scene, true, 0, 100);
     let (usual, usual_variance) = means_and_variance(&scene, false, 0, 100);
     assert_mean("guided", &means, expected, 1e-4 * expected, 0.01);
