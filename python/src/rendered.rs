@@ -13,6 +13,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
 use std::path::PathBuf;
 
+/// Name of a channel, and its f32 values as bytes.
+type Channel<'py> = (String, Bound<'py, PyByteArray>);
+
+/// Least, median and greatest number of passes, and the bias that no number of passes removes.
+type StopTuple = (Option<u32>, Option<u32>, Option<u32>, Option<f64>);
+
 /// Result of a render.
 #[pyclass(frozen)]
 pub struct NativeResult {
@@ -118,7 +124,7 @@ impl NativeResult {
     }
 
     /// Layers: the name, empty for the picture, and the channels as name and f32 values.
-    fn layers<'py>(&self, py: Python<'py>) -> Vec<(String, Vec<(String, Bound<'py, PyByteArray>)>)> {
+    fn layers<'py>(&self, py: Python<'py>) -> Vec<(String, Vec<Channel<'py>>)> {
         let layers = py.detach(|| self.all_layers());
         let bytes = |values: &[f32]| values.iter().flat_map(|value| value.to_ne_bytes()).collect::<Vec<u8>>();
         let channel = |(name, values): (String, Vec<f32>)| (name, PyByteArray::new(py, &bytes(&values)));
@@ -175,7 +181,7 @@ impl NativeForecast {
     ///
     /// Returns the least, median and greatest number of passes, and the bias that no number of
     /// passes removes. `confidence` is that of the upper end of the error interval.
-    fn stop(&self, target: f64, confidence: f64) -> PyResult<(Option<u32>, Option<u32>, Option<u32>, Option<f64>)> {
+    fn stop(&self, target: f64, confidence: f64) -> PyResult<StopTuple> {
         let confidence = confidence_from_probability(confidence)?;
         let interval = caustica::render::ErrorTarget { error: target, confidence }.interval_confidence();
         Ok(match self.forecast.stop(target, interval) {
