@@ -140,7 +140,7 @@ fn fog_behind_sheets_explains_spotfog() {
     let theirs = read_reference(&folder, "spotfog-ref");
     let size = (theirs[0].width(), theirs[0].height());
     let independent = |fog: Fog| {
-        let images = (0..PASSES).map(|i| gray(&spotfog_picture(size, 2, fog, u64::from(i)))).collect();
+        let images = (0..PASSES).map(|i| gray(&spotfog_picture(size, 8, fog, u64::from(i)))).collect();
         Renders::of_images("independent path tracer", images)
     };
     let tiles = Grid::new(size, size.0 as usize / TILES);
