@@ -88,8 +88,9 @@ fn resampled(image: &Image, to_world: DMat3) -> Option<Image> {
     Image::from_pixels(width, height, pixels).ok()
 }
 
-/// Returns the value of Mitsuba's map in a unit direction of its own space, interpolated between
-/// pixels.
+/// Returns the radiance of Mitsuba's map `image` in a unit direction of the map's own frame.
+///
+/// The radiance is interpolated between pixels.
 fn value(image: &Image, direction: DVec3) -> Rgb {
     let (width, height) = (i64::from(image.width()), i64::from(image.height()));
     let x = (libm::atan2(direction.x, -direction.z) / TAU).rem_euclid(1.0) * width as f64 - 0.5;

@@ -38,11 +38,11 @@ impl Place {
     }
 }
 
-/// Access to the scene file and the files that it names, within a memory limit.
+/// Access to the scene file and the files that it refers to, within a memory limit.
 pub(super) struct SceneFiles<'a> {
     /// Path of the scene file.
     pub path: &'a Path,
-    /// Monitor that receives the path of each further file.
+    /// Receives the path of each file that is read after the scene file.
     pub monitor: &'a dyn MeshReadMonitor,
     /// Memory limit, and permission to read files outside of the scene's folder.
     pub options: &'a ImportOptions,
@@ -59,7 +59,7 @@ impl<'a> SceneFiles<'a> {
         Self { path, monitor, options, folders: RefCell::default(), free_at_start }
     }
 
-    /// Returns the memory that may still be allocated \[bytes]; `None` without a limit.
+    /// Returns the memory that may still be allocated \[bytes]; `None` if there is no limit.
     pub fn free_memory(&self) -> Option<u64> {
         self.options.memory.available_bytes()
     }
