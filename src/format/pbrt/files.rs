@@ -34,11 +34,11 @@ impl Place {
     }
 }
 
-/// Access to the scene file and the files that it names, within a memory limit.
+/// Access to the scene file and the files that it refers to, within a memory limit.
 pub(super) struct SceneFiles<'a> {
     /// Path of the scene file.
     pub path: &'a Path,
-    /// Monitor that receives the path of each further file.
+    /// Receives the path of each file that is read after the scene file.
     pub monitor: &'a dyn MeshReadMonitor,
     /// Memory limit, and permission to read files outside of the scene's folder.
     pub options: &'a ImportOptions,
@@ -71,7 +71,7 @@ impl<'a> SceneFiles<'a> {
         }
     }
 
-    /// Returns the content of a file, and counts its memory.
+    /// Returns the content of a file, and adds its size to the scene's memory.
     pub fn read(&self, path: &Path) -> ReadResult<Vec<u8>> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (file, length) = open_file(path).map_err(unreadable)?;

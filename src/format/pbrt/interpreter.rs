@@ -422,7 +422,10 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    /// Makes the camera from the pending `Camera` directive, and finds the reflection of the scene.
+    /// Makes the camera from the pending `Camera` directive, and sets the scene's reflection
+    /// `mirror`.
+    ///
+    /// Does nothing if no directive is pending.
     fn place_camera(&mut self) -> ReadResult<()> {
         let Some((parameters, name, to_world)) = self.camera_directive.take() else { return Ok(()) };
         let size = self.film.unwrap_or(FilmSize::DEFAULT);
@@ -528,9 +531,9 @@ impl<'a> Interpreter<'a> {
     }
 }
 
-/// Returns `object` under the map `outer` · `transform`.
+/// Returns `object` transformed by `outer` · `transform`.
 ///
-/// The object moves if `transform` differs between the start and the end of the shutter interval.
+/// The object moves if `transform` differs between shutter start and shutter end.
 fn placed(
     object: Spanned<ObjectDescription>,
     outer: DAffine3,
@@ -555,7 +558,8 @@ fn placed(
     under(outer * center, Spanned::new(moving, Span::default()))
 }
 
-/// Returns the next token, which must be a text in quotes, without the quotes.
+/// Reads a text in quotes, and returns it without the quotes; an error if the next token is
+/// another.
 fn quoted(tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<String> {
     match tokens.next()? {
         Some(Token { kind: TokenKind::Quoted(text), .. }) => Ok(text.into_owned()),

@@ -32,7 +32,7 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// Returns parameters with numbers, by name.
+    /// Returns number parameters from pairs of a name and values.
     #[cfg(test)]
     pub fn of_numbers(place: Place, numbers: &[(&str, &[f64])]) -> Self {
         let parameter = |(name, numbers): &(&str, &[f64])| Parameter {

@@ -180,7 +180,8 @@ fn triangle_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<
     Ok(mesh)
 }
 
-/// Flips each triangle whose winding opposes its vertex normals. pbrt also orients faces by them.
+/// Flips each triangle whose winding opposes its vertex normals, because vertex normals orient
+/// pbrt's faces.
 fn face_normals(mesh: &mut TriangleMesh) {
     let TriangleMesh { positions, triangles, normals: Some(normals), .. } = mesh else { return };
     for triangle in triangles {

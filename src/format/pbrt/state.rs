@@ -30,13 +30,13 @@ impl MovingTransform {
     }
 }
 
-/// Motion of an object over the shutter interval, as steps about a center.
+/// Motion of an object over the shutter interval: a translation and a rotation about `center`.
 pub(super) struct ObjectMotion {
     /// Center of the rotation in world space: the origin of the object when the shutter opens.
     pub center: DVec3,
-    /// Translation, then rotation if there is any. The first listed step is applied last.
+    /// The translation, then the rotation if there is any. The rotation is applied first.
     pub steps: Vec<TransformStep>,
-    /// True if the object also changes its scale or shear. `steps` omit this change.
+    /// True if the object's scale or shear also changes. `steps` do not include this change.
     pub omits_scale: bool,
 }
 
@@ -76,7 +76,9 @@ pub(super) struct AreaLight {
 pub(super) enum CurrentMaterial {
     /// Material of a `Material` directive, which has no name, by its number.
     Numbered(usize),
-    /// Name of a material, which may be defined later, with the position that names it.
+    /// Name of a material, and the position of the directive that uses it.
+    ///
+    /// The material may be defined later.
     Named(Rc<str>, Place),
 }
 
@@ -85,15 +87,15 @@ pub(super) enum CurrentMaterial {
 pub(super) struct GraphicsState {
     /// Current transform from object to world space.
     pub transform: MovingTransform,
-    /// True for each of the two transforms (shutter start, shutter end) that directives change.
+    /// For the transforms at shutter start and shutter end: true if transform directives change it.
     pub is_active: [bool; 2],
-    /// True if shapes are turned inside out.
+    /// True if the shapes that follow are turned inside out (`ReverseOrientation`).
     pub is_reversed: bool,
     /// Material of the shapes that follow.
     pub material: CurrentMaterial,
     /// Emission of the shapes that follow; `None` if they emit nothing.
     pub area_light: Option<AreaLight>,
-    /// Names of the media inside and outside of shapes; empty for vacuum.
+    /// Names of the media inside and outside of the shapes that follow; empty for vacuum.
     pub media: [Rc<str>; 2],
 }
 
