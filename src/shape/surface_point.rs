@@ -16,7 +16,11 @@ pub struct SurfacePoint {
     pub ng: Vec3,
     /// Shading unit normal, in the hemisphere around `ng`.
     pub ns: Vec3,
-    /// Last two numbers of the [`ShapeHit`](super::ShapeHit) at `p`; zero if they are unknown.
+    /// Numbers that locate `p` on the shape, for [`Shape::pdf`](super::Shape::pdf); zero if the
+    /// shape does not need them.
+    ///
+    /// On a mesh, they are the barycentric weights of the triangle's second and third corner. On
+    /// other shapes, they are the last two numbers of the [`ShapeHit`](super::ShapeHit) at `p`.
     pub uv: Vec2,
 }
 
