@@ -15,11 +15,11 @@ pub(super) type ReadResult<T> = Result<T, SceneReadError>;
 
 const REMEDY: &str = "export the file again, or repair it: a glTF validator lists all its defects";
 
-/// A glTF file during its import, with the options of the import.
+/// The glTF file that is imported, with access to its further files and the options of the import.
 pub(super) struct FileContext<'a> {
     /// Path of the glTF file.
     pub path: &'a Path,
-    /// Monitor that receives the path of each further file.
+    /// Receives the path of each file that is read after the glTF file.
     pub monitor: &'a dyn MeshReadMonitor,
     /// Memory limit, and permission to read files outside of the folder of the glTF file.
     pub options: &'a ImportOptions,
