@@ -35,7 +35,7 @@ const HORIZON_COSINE: f64 = 1e-4;
 struct CoatAlbedoTable {
     /// Albedo by index, α and cosine.
     directional: Vec<[[f32; COSINES]; ALPHAS]>,
-    /// Cosine-weighted mean over the hemisphere, by index and α.
+    /// Mean albedo over the hemisphere, weighted by the cosine, by index and α.
     mean: Vec<[f32; ALPHAS]>,
 }
 

@@ -215,10 +215,10 @@ impl CoatedDiffuse {
         if coat == 0.0 { cosine } else { coat * self.coat(1.0).pdf(wo, wi, n) + (1.0 - coat) * cosine }
     }
 
-    /// Samples base or coat; `n` is on the side of `wo`.
+    /// Samples a direction of reflection on the base or on the coat.
     ///
-    /// `lobe` in \[0, 1) selects the layer, and `u` in \[0, 1)² the direction. Returns `None` if
-    /// the direction points into the surface.
+    /// `lobe` in \[0, 1) selects the layer, and `u` in \[0, 1)² the direction. `n` is the shading
+    /// normal. Returns `None` if the direction points into the surface.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
         let n = face_forward(n, wo);

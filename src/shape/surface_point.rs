@@ -25,9 +25,10 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// Surface point at `p`, rounded to f32, with an error bound and `normal` as both unit normals.
+    /// Surface point at `p`, rounded to f32, with an error bound.
     ///
-    /// `scale` bounds the absolute coordinates of the shape.
+    /// The unit vector `normal` is both the geometric and the shading normal. `scale` bounds the
+    /// absolute coordinates of the shape.
     #[inline]
     pub(super) fn from_f64(p: DVec3, normal: DVec3, scale: f64) -> Self {
         let ng = normal.as_vec3();

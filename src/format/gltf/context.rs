@@ -33,7 +33,8 @@ impl FileContext<'_> {
         SourceText::new(&self.path.display().to_string(), "")
     }
 
-    /// Returns an error at `place`, a JSON path such as `accessors[3]`, with the usual remedy.
+    /// Returns an error at `place`, a JSON path such as `accessors[3]`, with the general remedy of
+    /// this importer.
     pub fn error(&self, place: impl Display, message: impl Display) -> SceneReadError {
         self.error_with_help(place, message, REMEDY)
     }

@@ -263,7 +263,9 @@ impl Conversion<'_, '_> {
         Ok(mix(first, second, metallic))
     }
 
-    /// Converts the dielectric part of a material: opaque, glass, or a mix of both.
+    /// Converts the dielectric part of the metallic-roughness model.
+    ///
+    /// The result is opaque, transmits as glass, or is a mix of an opaque and a glass material.
     fn dielectric_with_transmission(
         &mut self,
         material: &gltf::Material<'_>,
@@ -286,7 +288,9 @@ impl Conversion<'_, '_> {
         Ok(mix(first, second, amount))
     }
 
-    /// Converts the opaque dielectric part: a diffuse surface with a Phong lobe for the gloss.
+    /// Converts the opaque dielectric part of the metallic-roughness model.
+    ///
+    /// The result is diffuse, with a Phong lobe for the gloss.
     fn coated(&mut self, surface: &Surface<'_>) -> ReadResult<MaterialKindDescription> {
         let Surface { base, base_texture, f0, alpha } = surface;
         let kept = 1.0 - f0.max_element();
@@ -300,7 +304,9 @@ impl Conversion<'_, '_> {
         Ok(MaterialKindDescription::Phong { diffuse, specular: specular.into(), shininess, texture: None })
     }
 
-    /// Converts the metal part, whose reflectance at normal incidence is the base color.
+    /// Converts the metal part of the metallic-roughness model.
+    ///
+    /// Its reflectance at normal incidence is the base color.
     fn metal(&mut self, surface: &Surface<'_>) -> ReadResult<MaterialKindDescription> {
         let Surface { base, base_texture, alpha, .. } = surface;
         if let TexturedValue::Plain(color) = self.color(base_texture.as_ref(), *base)? {
@@ -374,7 +380,9 @@ impl Conversion<'_, '_> {
         1.5
     }
 
-    /// Returns the reflectance of the dielectric part at normal incidence.
+    /// Returns the reflectance of the material's dielectric part at normal incidence.
+    ///
+    /// `index` is the refractive index.
     fn reflectance(&mut self, material: &gltf::Material<'_>, index: f64) -> DVec3 {
         if let Some(glossy) = material.pbr_specular_glossiness() {
             return glossy.specular_factor().map(unit).into();

@@ -66,9 +66,9 @@ pub(super) struct Pictures<'a> {
     buffers: &'a Buffers<'a>,
     /// Decoded pictures by image index; `None` for an image in an unsupported format.
     decoded: HashMap<usize, Option<Rc<RgbaLevels>>>,
-    /// Constants or paths of embedded pictures, by image index and use.
+    /// Converted images, as paths of embedded pictures or as constants, by image index and use.
     embedded: HashMap<(usize, String), TextureValues>,
-    /// Names of the imported scene's textures. A key states picture, wrap mode and transform.
+    /// Names of the imported scene's textures. A key combines picture, wrap mode and transform.
     names: HashMap<String, Spanned<String>>,
     /// Textures of the imported scene.
     pub textures: Vec<Spanned<TextureDescription>>,

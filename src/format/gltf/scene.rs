@@ -253,8 +253,8 @@ impl NodeWalker<'_, '_> {
         Ok(imported)
     }
 
-    /// Adds a primitive as an object under the transform `to_world`. `place` names the node for
-    /// messages.
+    /// Adds a primitive as an object under the transform `to_world`. Messages refer to the node as
+    /// `place`.
     fn add_object(&mut self, primitive: &ImportedPrimitive, to_world: DAffine3, place: &str) {
         if Transform::new(to_world).is_err() {
             self.notes.add_unsupported("objects that are scaled to nothing are left out", place);

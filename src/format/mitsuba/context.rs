@@ -41,7 +41,7 @@ const SILENT_VALUES: [&str; 24] = [
 
 /// Objects, files and messages of a Mitsuba scene during its import.
 pub(super) struct ImportContext<'a> {
-    /// Access to the files that the scene names.
+    /// Access to the files that the scene refers to.
     pub files: &'a SceneFiles<'a>,
     /// All objects of the scene file.
     pub tree: &'a ObjectTree,
@@ -151,8 +151,8 @@ impl ImportContext<'_> {
         })
     }
 
-    /// Returns the spectrum of the plugin `regular` or `irregular`, which states its samples as
-    /// text.
+    /// Returns the spectrum of a `regular` or `irregular` plugin, whose samples are lists of
+    /// numbers.
     fn sampled_spectrum(&self, texture: &SceneObject) -> ReadResult<ColorValue> {
         let numbers = |name: &str| texture.text(name).and_then(super::color::parse_numbers);
         let values = numbers("values").unwrap_or_default();
@@ -187,8 +187,9 @@ impl ImportContext<'_> {
         Err(object.place.error(message, "give a color whose values are finite and at least 0"))
     }
 
-    /// Adds a message for each value that the importer has not read, in all objects that it has
-    /// used.
+    /// Adds a message for each value that the importer has not read.
+    ///
+    /// Objects of which the importer has read no value at all cause no message.
     pub fn note_unread_values(&self) {
         let mut pending = vec![&self.tree.root];
         while let Some(object) = pending.pop() {

@@ -46,7 +46,7 @@ pub(super) struct SceneFiles<'a> {
     pub monitor: &'a dyn MeshReadMonitor,
     /// Memory limit, and permission to read files outside of the scene's folder.
     pub options: &'a ImportOptions,
-    /// Search folders from the `path` elements so far. The last one is searched first.
+    /// Search folders of the `path` elements that have been read. Later folders are searched first.
     folders: RefCell<Vec<PathBuf>>,
     /// Free memory before the scene is read \[bytes]; `None` without a limit.
     free_at_start: Option<u64>,
@@ -100,12 +100,11 @@ impl<'a> SceneFiles<'a> {
         self.folders.borrow_mut().push(self.scene_folder().join(portable(name)));
     }
 
-    /// Returns the path of the existing file that `place` calls `name`, and reports it to the
-    /// monitor.
+    /// Returns the path of the existing file to which the element at `place` refers as `name`.
     ///
-    /// Searches the folders of `path` elements, then the folder of the scene, then the folder of
-    /// the file that contains `place`. The file must lie inside the scene's folder, unless the
-    /// options allow others.
+    /// Reports the file to the monitor. Searches the folders of `path` elements, then the folder of
+    /// the scene, then the folder of the file that contains `place`. The file must lie inside the
+    /// scene's folder, unless the options allow outside files.
     pub fn find(&self, name: &str, place: &Place) -> ReadResult<PathBuf> {
         let relative = portable(name);
         let own = Path::new(place.source.name()).parent().map(Path::to_owned);

@@ -224,7 +224,7 @@ impl Materials {
     }
 }
 
-/// Adds the names of the materials in the group to `names`.
+/// Adds the names of the materials that objects in `group` use to `names`.
 fn collect_material_names(group: &ObjectGroup, names: &mut HashSet<String>) {
     for item in &group.items {
         match item {

@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// Greatest nesting depth of textures.
 const MAX_DEPTH: u32 = 8;
 
-/// Quantity that a texture stands for. It decides how pixel values are converted and limited.
+/// Quantity that a texture stands for. It selects the conversion and the range of pixel values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum TextureUse {
     /// Colors inside \[0, 1].

@@ -105,7 +105,7 @@ pub(super) struct SceneObject {
     pub place: Place,
     /// Values by name, each with a flag that is true if the importer has read it.
     pub values: BTreeMap<String, (Value, Cell<bool>)>,
-    /// Nested objects with the names that they have here, in the order of the file.
+    /// Nested objects, each with its name inside this object, in the order of the file.
     pub children: Vec<(String, ChildObject)>,
     /// True if the importer has looked up a value of the object.
     pub is_used: Cell<bool>,

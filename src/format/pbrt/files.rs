@@ -81,11 +81,10 @@ impl<'a> SceneFiles<'a> {
         Ok(bytes)
     }
 
-    /// Returns the path of the file called `name` in the scene, relative to the folder of the scene
-    /// file.
+    /// Returns the path of the file to which the scene refers as `name`.
     ///
-    /// Reports the file to the monitor. The file must lie inside that folder, unless the options
-    /// allow others.
+    /// `name` is relative to the folder of the scene file. Reports the file to the monitor. The
+    /// file must lie inside that folder, unless the options allow outside files.
     pub fn resolve(&self, place: &Place, name: &str) -> ReadResult<PathBuf> {
         let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let file = folder.join(name);

@@ -42,7 +42,8 @@ const MEMORY_PER_OBJECT: u64 = 2_000;
 /// Estimated memory of each saved graphics state \[bytes].
 const MEMORY_PER_STATE: u64 = 600;
 
-/// Directives that are ignored, because they change only how pbrt samples or stores a picture.
+/// Directives that do not change the imported scene: they concern how pbrt samples or stores
+/// pictures.
 const IGNORED_DIRECTIVES: [&str; 9] = [
     "Accelerator",
     "ColorSpace",
@@ -569,7 +570,7 @@ fn quoted(tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<String> {
     }
 }
 
-/// Reads `count` numbers, which may stand in brackets.
+/// Reads exactly `count` numbers, with or without brackets around them.
 fn numbers(tokens: &mut Tokens<'_>, count: usize, place: &Place) -> ReadResult<Vec<f64>> {
     let mut numbers = Vec::with_capacity(count);
     let missing = || place.error(format!("the directive needs {count} numbers"), "add the missing numbers");

@@ -27,13 +27,14 @@ pub(super) struct Lights {
     descriptions: Vec<Spanned<LightDescription>>,
     /// Sum of the radiances of all infinite lights without a picture \[W/(m² sr)].
     sky: DVec3,
-    /// Environment map of the last infinite light with a picture, as an equirectangular map.
+    /// Picture of the last infinite light that has one, as an equirectangular map in world space.
     map: Option<Image>,
 }
 
 impl Lights {
-    /// Converts and adds a light. `kind` is its name in pbrt, and `to_world` maps its own space to
-    /// world space.
+    /// Converts and adds a light.
+    ///
+    /// `kind` is the light's type in pbrt. `to_world` maps the light's own space to world space.
     pub fn add(
         &mut self,
         kind: &str,

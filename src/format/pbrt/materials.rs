@@ -411,9 +411,9 @@ impl Conversion<'_> {
         self.roughness_of(p, ["uroughness", "vroughness"], default, is_v3)
     }
 
-    /// Returns GGX α from the parameters `u` and `v`, or else from the common `roughness`.
+    /// Returns GGX α from the roughness parameters `u` and `v`, or else from the isotropic one.
     ///
-    /// Different roughness in both directions becomes its geometric mean.
+    /// If both directions differ, returns their geometric mean.
     fn roughness_of(&mut self, p: &Parameters, [u, v]: [&str; 2], default: f64, is_v3: bool) -> ReadResult<Roughness> {
         let place = &p.place;
         let prefix = u.strip_suffix("uroughness").unwrap_or_default();

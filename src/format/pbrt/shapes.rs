@@ -23,10 +23,10 @@ const MAX_QUADRIC_CORNERS: u64 = 16_000;
 /// Number of segments along each side of a bilinear patch that is no parallelogram.
 const PATCH_SEGMENTS: u32 = 16;
 
-/// Converts a `Shape` directive to a shape in object space; `None` for a shape that is left out.
+/// Converts a `Shape` directive to a shape in object space; `None` for curves, with a message.
 ///
-/// `kind` is its type in pbrt. A mesh is embedded under the path `name`. `is_reversed` turns the
-/// shape inside out.
+/// `kind` is the shape's type in pbrt. A mesh is embedded under the path `name`. If `is_reversed`,
+/// the shape is turned inside out.
 pub(super) fn read_shape(
     (kind, name): (&str, &str),
     parameters: &Parameters,

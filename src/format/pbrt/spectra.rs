@@ -40,7 +40,8 @@ impl SpectralValue {
     }
 }
 
-/// Returns the linear RGB value of a color parameter, which stands for the quantity `wanted`.
+/// Converts a color parameter to linear RGB. `wanted` is the quantity that the parameter stands
+/// for.
 pub(super) fn color(
     parameter: &Parameter,
     wanted: ColorUse,

@@ -15,16 +15,16 @@ const LEAST_ROTATION: f64 = 1e-9;
 pub(super) struct MovingTransform(pub [DAffine3; 2]);
 
 impl MovingTransform {
-    /// The identity at both times.
+    /// Identity at shutter start and shutter end.
     pub const IDENTITY: Self = Self([DAffine3::IDENTITY; 2]);
 
-    /// Returns the inverse at both times; `None` if one is singular.
+    /// Returns the inverse transforms; `None` if one of the transforms is singular.
     pub fn inverse(&self) -> Option<Self> {
         let inverse = |map: DAffine3| Transform::new(map).is_ok().then(|| map.inverse());
         Some(Self([inverse(self.0[0])?, inverse(self.0[1])?]))
     }
 
-    /// True if both transforms are equal.
+    /// True if the transforms at shutter start and shutter end are equal.
     pub fn is_still(&self) -> bool {
         self.0[0] == self.0[1]
     }
@@ -112,7 +112,9 @@ impl GraphicsState {
         }
     }
 
-    /// Replaces each active transform T by T · `map`, so that `map` is applied first.
+    /// At each active time (shutter start or end), replaces the current transform T by T · `map`.
+    ///
+    /// So `map` is applied to points first.
     pub fn concatenate(&mut self, map: DAffine3, place: &Place) -> ReadResult<()> {
         for i in 0..2 {
             if self.is_active[i] {
@@ -126,7 +128,8 @@ impl GraphicsState {
         Ok(())
     }
 
-    /// Replaces the active transforms by those of `transform`.
+    /// Replaces the current transform by `transform`, but only at the active times (shutter start
+    /// or end).
     pub fn set_transform(&mut self, transform: MovingTransform) {
         for i in 0..2 {
             if self.is_active[i] {
