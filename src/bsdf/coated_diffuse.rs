@@ -207,8 +207,9 @@ impl CoatedDiffuse {
         if base > 0.0 { coat / (coat + base) } else { 1.0 }
     }
 
-    /// Solid-angle pdf \[1/sr] with which [`CoatedDiffuse::sample`] samples `wi`. `wo` and `wi`
-    /// must be on one side of the shading normal `n`.
+    /// Solid-angle pdf \[1/sr] with which [`CoatedDiffuse::sample`] samples `wi`, given `wo`.
+    ///
+    /// `wo` and `wi` must be on one side of the shading normal `n`.
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         let (cosine, coat) = (warp::cosine_hemisphere_pdf(wi.dot(n).abs()), self.coat_probability(wo, n));

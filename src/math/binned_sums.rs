@@ -18,8 +18,8 @@ const LEVELS: usize = 18;
 
 /// Exponent of the upper quantum of level 0, which is a power of two.
 ///
-/// Level i has the limit 2^(15 + 31 k) for an integer k. Values from 2⁻¹⁶ to 2¹⁵ share a level with
-/// the lower quantum 2⁻⁴⁶.
+/// The limits of the levels are the powers 2^(15 + 31 k) with integers k. So values from 2⁻¹⁶ to
+/// 2¹⁵ share one level, and its lower quantum is 2⁻⁴⁶.
 const FIRST_EXPONENT: i32 = -294;
 
 /// Upper quantum of each level: the unit of the upper integer sum.
@@ -193,7 +193,9 @@ fn level_of(tag: u16) -> usize {
     usize::from(tag & ((1 << LEVEL_BITS) - 1))
 }
 
-/// Adds values below the limit of `level` to the bins of a pixel.
+/// Adds `values` to the integers of a pixel of the level `level`.
+///
+/// All absolute values are below the limit of this level.
 #[inline]
 fn add_to_bins<const N: usize>(bins: &mut [[i64; N]; 2], level: usize, values: [f64; N]) {
     let inverse = INVERSE_QUANTA[level];

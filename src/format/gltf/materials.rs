@@ -222,7 +222,7 @@ impl Conversion<'_, '_> {
         Ok(ImportedMaterial { name: self.name.clone(), set: self.set, is_invisible, emits })
     }
 
-    /// Converts the reflection and transmission of a material, without its alpha.
+    /// Converts the reflection and transmission of a material. Its alpha is not included.
     ///
     /// `base` and `base_texture` give the base color.
     fn surface<'t>(

@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub(super) struct TextureReference<'a> {
     /// The texture.
     pub texture: gltf::Texture<'a>,
-    /// Index of the texture coordinates that it uses (`TEXCOORD_0`, …).
+    /// Index of the texture coordinates that the texture uses (`TEXCOORD_0`, …).
     pub set: u32,
     /// Transform from the texture coordinates of the imported mesh, with v upwards, to those of the
     /// picture.
@@ -36,7 +36,8 @@ pub(super) enum TextureUse {
     Channel(usize, f64),
     /// GGX α: (green channel · given factor)².
     Roughness(f64),
-    /// Mask with the factor and the cutoff: 1 where alpha times factor reaches the cutoff, else 0.
+    /// Mask from the given factor and cutoff: 1 where alpha times factor reaches the cutoff, else
+    /// 0.
     AlphaMask(f64, f64),
     /// Tangent-space normals. The given factor multiplies their x and y.
     Normal(f64),

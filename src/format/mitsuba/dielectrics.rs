@@ -36,9 +36,9 @@ const MAX_GAS_INDEX: f64 = 1.001;
 
 /// Returns the relative refractive index of a dielectric: inner index over outer index.
 ///
-/// Exception: if the outer index is above that of gases and equals the inner index of another
-/// dielectric, that one may surround this one. Then returns the inner index alone, because nested
-/// bodies in Caustica have absolute indices.
+/// Exception: the outer index is above that of gases and equals the inner index of another
+/// dielectric. The other dielectric may then surround this one. In this case, returns the inner
+/// index alone, because nested bodies in Caustica have absolute indices.
 pub(super) fn refractive_index(context: &ImportContext<'_>, bsdf: &SceneObject) -> ReadResult<f64> {
     let inner = named_index(bsdf, "int_ior", if bsdf.plugin.contains("plastic") { 1.49 } else { 1.5046 })?;
     let outer = named_index(bsdf, "ext_ior", 1.000_277)?;

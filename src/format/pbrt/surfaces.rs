@@ -85,10 +85,10 @@ pub(super) fn back_side(
     })
 }
 
-/// Returns the area of a shape under `to_world`.
+/// Returns the area of a shape under `to_world` \[length²].
 ///
-/// It is exact for meshes and discs. Spheres and tubes count as if the transform kept angles. The
-/// importer makes no other shapes; their area is infinite.
+/// It is exact for meshes and discs. For spheres and tubes, it is exact if the transform keeps
+/// angles. The area of any other shape is infinite; the importer makes none.
 pub(super) fn world_area(
     shape: &ShapeDescription,
     meshes: &BTreeMap<String, Arc<TriangleMesh>>,

@@ -41,7 +41,7 @@ pub(super) enum TextureValue {
     },
     /// A solid texture: noise that blends two colors.
     Solid {
-        /// Function of the position.
+        /// Pattern in space. Its values from 0 to 1 blend the two colors.
         pattern: SolidPatternDescription,
         /// Colors where the pattern has the values 0 and 1.
         colors: [DVec3; 2],
