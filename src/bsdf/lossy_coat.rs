@@ -77,11 +77,12 @@ impl LossyCoat {
     }
 }
 
-/// Samples how an interface scatters light that arrives with the cosine of incidence `cos`.
+/// Divides light that arrives with the cosine of incidence `cos` by the directions into which an
+/// interface scatters it.
 ///
-/// Calls `visit` with the scattered fraction and the cosine of each new direction; the cosine is
-/// below 0 on the far side. `eta` is the index of the far side over that of the near side. Light
-/// scatters at one microfacet only.
+/// Calls `visit` with the fraction and the cosine of each direction; the cosine is below 0 on the
+/// far side. `eta` is the index of the far side over that of the near side. Light scatters at one
+/// microfacet only.
 fn scatter(cos: f64, eta: f64, alpha: f64, mut visit: impl FnMut(f64, f64)) {
     if alpha < f64::from(SMOOTH_ALPHA) {
         let (reflectance, cos_t) = fresnel_reflectance(cos, eta);

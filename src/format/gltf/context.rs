@@ -70,7 +70,8 @@ impl FileContext<'_> {
 
     /// Returns the content of a data URI, or of the file that a relative URI names.
     ///
-    /// The file must lie inside the folder of the glTF file, unless the options allow others.
+    /// The file must lie inside the folder of the glTF file, unless the options allow outside
+    /// files.
     pub fn read_uri(&self, place: &str, uri: &str) -> ReadResult<Vec<u8>> {
         if let Some(data) = uri.strip_prefix("data:") {
             let Some((_, digits)) = data.split_once(";base64,") else {

@@ -86,7 +86,7 @@ struct Conversion<'m, 'a> {
     materials: &'m mut Materials<'a>,
     notes: &'m mut ImportNotes,
     context: &'m FileContext<'a>,
-    /// Name of the material in the imported scene. Messages name it as the place.
+    /// Name of the material in the imported scene. Messages give it as their place.
     name: String,
     /// Set of texture coordinates that the material's first texture uses; `None` before any
     /// texture.

@@ -246,7 +246,7 @@ fn goniometric_map(
 
 /// Returns the picture of a projection light, and its full vertical angle \[degrees].
 ///
-/// `axes` maps the light's space to world space. The picture is flipped if they are right-handed.
+/// `axes` maps the light's space to world space. Right-handed axes flip the picture.
 fn projected_picture(parameters: &Parameters, axes: DMat3, files: &SceneFiles<'_>) -> ReadResult<(Image, f64)> {
     let place = &parameters.place;
     let fov = parameters.number_or("fov", 90.0);

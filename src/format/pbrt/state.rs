@@ -74,7 +74,7 @@ pub(super) struct AreaLight {
 /// Material that applies to the shapes that follow.
 #[derive(Clone, Debug)]
 pub(super) enum CurrentMaterial {
-    /// Material of a `Material` directive, which has no name, by its number.
+    /// Number of an unnamed material, which a `Material` directive defines.
     Numbered(usize),
     /// Name of a material, and the position of the directive that uses it.
     ///
