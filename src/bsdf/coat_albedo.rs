@@ -35,11 +35,11 @@ const HORIZON_COSINE: f64 = 1e-4;
 struct CoatAlbedoTable {
     /// Albedo by index, α and cosine.
     directional: Vec<[[f32; COSINES]; ALPHAS]>,
-    /// Cosine-weighted mean over the hemisphere, by index and α.
+    /// Mean albedo over the hemisphere, weighted by the cosine, by index and α.
     mean: Vec<[f32; ALPHAS]>,
 }
 
-/// Returns the fraction of light from a direction of cosine `cos` that a coat reflects.
+/// Returns the fraction of light at the cosine of incidence `cos` that a coat reflects.
 ///
 /// `eta` in \[1, 4] is the refractive index relative to the surroundings, `alpha` in \[0, 1] the
 /// GGX roughness. A smooth coat has its Fresnel reflectance. The error of a rough coat is at most
@@ -93,8 +93,10 @@ fn coat_albedo_table() -> &'static CoatAlbedoTable {
     })
 }
 
-/// Fraction of light from a direction of cosine `cos` that microfacets with one reflection send
-/// back.
+/// Fraction of light at the cosine of incidence `cos` that GGX microfacets reflect in one
+/// reflection.
+///
+/// Light that would meet a second microfacet is not included.
 fn rough_albedo(cos: f64, eta: f64, alpha: f64) -> f64 {
     if alpha == 0.0 {
         return fresnel_reflectance(cos, eta).0;
@@ -115,7 +117,9 @@ fn rough_albedo(cos: f64, eta: f64, alpha: f64) -> f64 {
     sum / facets as f64
 }
 
-/// Cosine-weighted mean ∫ 2 cosθ R dcosθ of values that are linear in √cosθ between nodes.
+/// Cosine-weighted mean ∫ 2 cosθ R dcosθ of tabulated values R.
+///
+/// R is interpolated linearly in √cosθ between the nodes.
 fn mean_of_cosines(values: &[f32; COSINES]) -> f32 {
     // With t = √cosθ, the integral is ∫ 4t³ R(t) dt.
     let step = 1.0 / (COSINES - 1) as f64;
@@ -147,7 +151,7 @@ fn node_position(x: f32, nodes: usize) -> (usize, f32) {
     (node, position - node as f32)
 }
 
-/// Interpolates `value` linearly between a node and the next one.
+/// Interpolates `value` linearly between `node` and the next node, at `fraction` in \[0, 1].
 #[inline]
 fn interpolate((node, fraction): (usize, f32), value: impl Fn(usize) -> f32) -> f32 {
     value(node) * (1.0 - fraction) + value(node + 1) * fraction

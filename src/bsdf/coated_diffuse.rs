@@ -23,7 +23,8 @@ pub struct DielectricCoat {
     eta: f32,
     /// GGX roughness α; 0 if the coat is smooth.
     alpha: f32,
-    /// Factor of the reflectance: 1 over the probability with which the coat was selected.
+    /// Factor on the reflectance: 1/p if [`Bsdf::select_layer`] chose the coat with probability p,
+    /// else 1.
     weight: f32,
 }
 
@@ -38,10 +39,12 @@ pub struct DielectricCoat {
 /// the coat. Otherwise it is the base alone, and [`Bsdf::select_layer`] chooses base or coat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoatedDiffuse {
-    /// Factor ρ / (η² (1 − ρF)), divided by the probability with which the base was selected.
+    /// Factor ρ / (η² (1 − ρF)) of the base's BRDF.
+    ///
+    /// It is divided by p if [`Bsdf::select_layer`] chose the base with probability p.
     base: Rgb,
-    /// Fraction of the light that enters through the coat and leaves again, as the mean of the
-    /// channels.
+    /// Fraction of the light below the coat's interface that the base sends back out, as the mean
+    /// of the channels. Like `base`, it is divided by p.
     base_albedo: f32,
     /// Refractive index of the coat relative to the surroundings.
     eta: f32,
@@ -56,14 +59,15 @@ impl DielectricCoat {
         self.alpha
     }
 
-    /// Returns the Fresnel reflectance at the cosine of incidence `cos`, times `weight`.
+    /// Returns the Fresnel reflectance at the cosine of incidence `cos`, multiplied by `weight`.
     #[inline]
     fn reflectance(&self, cos: f64) -> f32 {
         self.weight * fresnel_reflectance(cos.clamp(0.0, 1.0), f64::from(self.eta)).0 as f32
     }
 
-    /// BRDF f(wo, wi) \[1/sr]; 0 for a smooth coat. `wo` and `wi` must be on one side of the
-    /// shading normal `n`.
+    /// BRDF f(wo, wi) \[1/sr], multiplied by `weight`; 0 for a smooth coat.
+    ///
+    /// `wo` and `wi` must be on one side of the shading normal `n`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
         if self.alpha == 0.0 {
@@ -138,18 +142,19 @@ impl CoatedDiffuse {
         Self { base, base_albedo: color::channel_mean(base) * mean_transmittance, eta, alpha }
     }
 
-    /// The BSDF of the coat alone, divided by `probability`.
+    /// The BSDF of the coat alone, divided by the coat's selection probability `probability`.
     fn coat(&self, probability: f32) -> DielectricCoat {
         DielectricCoat { eta: self.eta, alpha: self.alpha, weight: 1.0 / probability }
     }
 
-    /// True if this BSDF includes reflection on the coat.
+    /// True if [`CoatedDiffuse::evaluate`] includes reflection on the coat, because the coat is
+    /// rough.
     #[inline]
     fn includes_coat(&self) -> bool {
         self.alpha > PHOTON_STORAGE_ALPHA
     }
 
-    /// The coat's BSDF; `None` if the coat is so rough that this BSDF includes it.
+    /// The coat as a separate BSDF; `None` if it is so rough that this BSDF includes it.
     pub(super) fn separate_coat(&self) -> Option<DielectricCoat> {
         (!self.includes_coat()).then(|| self.coat(1.0))
     }
@@ -190,7 +195,9 @@ impl CoatedDiffuse {
         if self.includes_coat() { base + self.coat(1.0).evaluate(wo, wi, n) } else { base }
     }
 
-    /// Probability of sampling the coat.
+    /// Probability with which [`CoatedDiffuse::sample`] samples the coat instead of the base.
+    ///
+    /// It is 0 if this BSDF does not include the coat.
     #[inline]
     fn coat_probability(&self, wo: Vec3, n: Vec3) -> f32 {
         if !self.includes_coat() {
@@ -200,18 +207,19 @@ impl CoatedDiffuse {
         if base > 0.0 { coat / (coat + base) } else { 1.0 }
     }
 
-    /// Solid-angle pdf \[1/sr] with which [`CoatedDiffuse::sample`] samples `wi`. `wo` and `wi`
-    /// must be on one side of the shading normal `n`.
+    /// Solid-angle pdf \[1/sr] with which [`CoatedDiffuse::sample`] samples `wi`, given `wo`.
+    ///
+    /// `wo` and `wi` must be on one side of the shading normal `n`.
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         let (cosine, coat) = (warp::cosine_hemisphere_pdf(wi.dot(n).abs()), self.coat_probability(wo, n));
         if coat == 0.0 { cosine } else { coat * self.coat(1.0).pdf(wo, wi, n) + (1.0 - coat) * cosine }
     }
 
-    /// Samples base or coat; `n` is on the side of `wo`.
+    /// Samples a direction of reflection on the base or on the coat.
     ///
-    /// `lobe` in \[0, 1) selects the layer, and `u` in \[0, 1)² the direction. Returns `None` if
-    /// the direction points into the surface.
+    /// `lobe` in \[0, 1) selects the layer, and `u` in \[0, 1)² the direction. `n` is the shading
+    /// normal. Returns `None` if the direction points into the surface.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<NonSpecularSample> {
         let n = face_forward(n, wo);
@@ -234,8 +242,8 @@ impl Bsdf {
     /// Creates a diffuse surface of `reflectance` in \[0, 1] under a dielectric coat.
     ///
     /// `eta` in \[1, 4] is the coat's index relative to the surroundings, `alpha` in \[0, 1] its
-    /// GGX roughness. `nonlinear` is that of [`CoatedDiffuse`]: true if interreflection makes
-    /// colours deeper. The BSDF is Lambertian if `eta` is so near to 1 that the coat has no effect.
+    /// GGX roughness. If `nonlinear` is true, interreflection between coat and base deepens
+    /// colours. The BSDF is Lambertian if `eta` is so near to 1 that the coat has no effect.
     #[must_use]
     pub fn coated_diffuse(reflectance: Rgb, eta: f32, alpha: f32, nonlinear: bool) -> Self {
         if eta < MIN_COAT_INDEX {

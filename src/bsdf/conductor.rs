@@ -32,7 +32,7 @@ impl Conductor {
         Self { eta, k, alpha: if alpha < SMOOTH_ALPHA { 0.0 } else { alpha } }
     }
 
-    /// Creates a conductor that is rough even if `alpha` is below [`SMOOTH_ALPHA`].
+    /// Creates a conductor that stays rough even if `alpha` is below [`SMOOTH_ALPHA`].
     #[cfg(test)]
     pub(super) fn new_without_smooth_limit(eta: Rgb, k: Rgb, alpha: f32) -> Self {
         Self { eta, k, alpha }

@@ -9,30 +9,32 @@ use glam::{DVec3, Vec2, Vec3};
 /// Number of directions over which means are taken, evenly spaced in the squared cosine.
 const DIRECTIONS: u32 = 64;
 
-/// Least index of a coat. A smaller one counts as this.
+/// Least relative refractive index of a coat. A smaller index is replaced by this one.
 const MIN_INDEX: f64 = 1.01;
 
-/// A coat as the layered BSDF of pbrt-v4 simulates it (Guo et al. 2018): light that two microfacets
-/// scatter is lost, and the coat absorbs with an extinction of 1 over its thickness.
+/// A coat that loses energy, as the layered BSDF of pbrt-v4 simulates it (Guo et al. 2018).
 ///
-/// [`CoatedDiffuse`](super::CoatedDiffuse) loses nothing in its coat.
+/// Light that would scatter at two microfacets of the interface is lost. The coat absorbs with an
+/// extinction of 1 over its thickness. [`CoatedDiffuse`](super::CoatedDiffuse) is lossless instead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LossyCoat {
-    /// Part of diffuse light from outside that reaches the base.
+    /// Fraction of diffuse light from outside that reaches the base.
     entering: f64,
-    /// Part of diffuse light from the base that leaves the coat.
+    /// Fraction of diffuse light from the base that leaves the coat.
     leaving: f64,
-    /// Part of diffuse light from the base that comes back to the base.
+    /// Fraction of diffuse light from the base that the coat's interface sends back to the base.
     returning: f64,
-    /// Part of diffuse light from outside that enters a coat without losses.
+    /// Fraction of diffuse light from outside that would enter a lossless coat of equal index and
+    /// α.
     lossless_entering: f64,
-    /// Part of diffuse light from the base that leaves a coat without losses.
+    /// Fraction of diffuse light from the base that would leave a lossless coat of equal index and
+    /// α.
     lossless_leaving: f64,
 }
 
 impl LossyCoat {
-    /// Creates the coat of the relative index `eta` in \[1.01, 4] and the GGX roughness `alpha` in
-    /// \[0, 1]. `thickness` is the optical thickness, at least 0.
+    /// Creates the coat from its relative index `eta` in \[1.01, 4], its GGX roughness `alpha` in
+    /// \[0, 1], and its optical thickness `thickness` ≥ 0.
     #[must_use]
     pub fn new(eta: f64, alpha: f64, thickness: f64) -> Self {
         let eta = eta.clamp(MIN_INDEX, f64::from(MAX_COAT_INDEX));
@@ -56,15 +58,17 @@ impl LossyCoat {
         Self { entering, leaving, returning, lossless_entering, lossless_leaving }
     }
 
-    /// Part of diffuse light from outside that a base of this reflectance sends back through the
-    /// coat.
+    /// Fraction of diffuse light from outside that a base of this reflectance sends back through
+    /// the coat.
     #[must_use]
     pub fn base_albedo(&self, reflectance: f64) -> f64 {
         self.entering * reflectance * self.leaving / (1.0 - reflectance * self.returning)
     }
 
-    /// Returns the reflectance of a base that looks equal under a coat without losses: the albedo
-    /// for diffuse light is [`Self::base_albedo`] of `reflectance` in \[0, 1].
+    /// Returns the reflectance of a base that looks equal under a lossless coat.
+    ///
+    /// With it, a lossless coat gives the albedo that [`Self::base_albedo`] returns for
+    /// `reflectance` in \[0, 1].
     #[must_use]
     pub fn equivalent_reflectance(&self, reflectance: f64) -> f64 {
         let albedo = self.base_albedo(reflectance);
@@ -73,10 +77,12 @@ impl LossyCoat {
     }
 }
 
-/// Calls `visit` with the parts of light from a direction of cosine `cos` that an interface
-/// scatters, and the cosine of each new direction: below 0 on the far side.
+/// Divides light that arrives with the cosine of incidence `cos` by the directions into which an
+/// interface scatters it.
 ///
-/// `eta` is the index of the far side over that of the near side. Each microfacet scatters once.
+/// Calls `visit` with the fraction and the cosine of each direction; the cosine is below 0 on the
+/// far side. `eta` is the index of the far side over that of the near side. Light scatters at one
+/// microfacet only.
 fn scatter(cos: f64, eta: f64, alpha: f64, mut visit: impl FnMut(f64, f64)) {
     if alpha < f64::from(SMOOTH_ALPHA) {
         let (reflectance, cos_t) = fresnel_reflectance(cos, eta);
@@ -115,8 +121,10 @@ fn scatter(cos: f64, eta: f64, alpha: f64, mut visit: impl FnMut(f64, f64)) {
 mod tests {
     use super::*;
 
-    /// Expected values are the means over directions of a random walk by another program, with
-    /// 40 million walks; its standard error is below 0.0002.
+    /// [`LossyCoat::base_albedo`] agrees with random walks in the layers.
+    ///
+    /// The expected albedos come from another program with 40 million walks. Their standard error
+    /// is below 0.0002.
     #[test]
     fn albedos_are_those_of_random_walks() {
         for (alpha, thickness, reflectance, expected) in WALKS {
@@ -125,7 +133,8 @@ mod tests {
         }
     }
 
-    /// GGX α, optical thickness, reflectance of the base, and albedo of a coat of index 1.5.
+    /// Results of random walks under a coat of index 1.5: GGX α, optical thickness, reflectance of
+    /// the base, and albedo.
     const WALKS: [(f64, f64, f64, f64); 6] = [
         (0.0, 0.0, 0.5, 0.26119),
         (0.0, 0.01, 0.5, 0.25010),

@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use crate::bsdf::conductor_reflectance;
 
-    /// Reflectances at normal incidence agree with values in common use for clean metals.
+    /// Computed reflectances at normal incidence agree with published values for clean metals.
     ///
     /// Sources differ by up to 0.1 for dull metals and by a few hundredths for bright ones, because
     /// polish and oxide vary.

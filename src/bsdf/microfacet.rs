@@ -81,7 +81,8 @@ impl Ggx {
         self.masking_over_cos(cos_o) * self.masking_over_cos(cos_i)
     }
 
-    /// Returns G₂/G₁(wo): the fraction of the microfacets visible from `wo` that `wi` sees too.
+    /// Returns G₂/G₁(wo): the fraction of the microfacets visible from `wo` that are visible from
+    /// `wi`.
     ///
     /// `masking_shadowing` is G₂/(cosθₒ·cosθᵢ), where G₂ is the masking-shadowing function.
     #[inline]

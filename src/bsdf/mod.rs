@@ -95,7 +95,7 @@ impl BsdfSample {
     }
 }
 
-/// A direction sampled from a lobe that has a finite pdf; the type cannot describe a delta lobe.
+/// A direction sampled from a lobe with a finite pdf. The type cannot describe a delta lobe.
 ///
 /// The fields are those of [`BsdfSample`].
 struct NonSpecularSample {
@@ -212,8 +212,8 @@ impl Bsdf {
     /// Selects base or coat of a coated surface by `u` in \[0, 1).
     ///
     /// The probabilities depend on `wo` and the shading normal `ns`. The selected BSDF is divided
-    /// by the probability of its selection. A small `u` selects the base. A coated surface with a
-    /// rough coat, on which photons are stored, is not split. Neither is any other BSDF.
+    /// by its probability. A small `u` selects the base. Only a coated surface with α up to
+    /// [`PHOTON_STORAGE_ALPHA`] is split; any other BSDF is returned whole.
     #[inline]
     #[must_use]
     pub fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Self {
@@ -231,7 +231,9 @@ impl Bsdf {
         }
     }
 
-    /// The coat that [`Bsdf::select_layer`] may select; `None` if it never selects a coat.
+    /// The coat as a separate BSDF, if [`Bsdf::select_layer`] splits this surface; else `None`.
+    ///
+    /// It is not divided by a selection probability.
     #[must_use]
     pub fn separate_coat(&self) -> Option<Self> {
         match self {
@@ -358,7 +360,8 @@ impl Bsdf {
     /// Tangent of the angle by which scattering widens the ray cone of texture filtering; 0 for
     /// delta lobes.
     ///
-    /// The angle is about a fifth of the lobe's width, because many paths sample each lobe.
+    /// The angle is only about a fifth of the lobe's width, because many paths together sample a
+    /// lobe.
     #[inline]
     #[must_use]
     pub fn ray_cone_spread(&self) -> f32 {

@@ -23,7 +23,8 @@ pub struct Phong {
 }
 
 impl Phong {
-    /// Creates the BRDF from coefficients ≥ 0 and an exponent ≥ 0.
+    /// Creates the BRDF from the coefficients kd = `diffuse` ≥ 0 and ks = `specular` ≥ 0, and the
+    /// exponent `shininess` ≥ 0.
     ///
     /// If the BRDF could reflect more light than arrives, one factor scales all channels down.
     #[must_use]

@@ -20,12 +20,12 @@ pub struct CameraConnection {
 }
 
 impl Camera {
-    /// Connects world-space point `p` to the camera; `None` if `p` is behind or at the camera.
+    /// Connects the world-space point `p` to the camera; `None` if `p` is behind or at the camera.
     ///
-    /// `lens` in \[0, 1)² samples a point of the lens, as in [`Camera::generate_ray`]. The
-    /// connection has the film position of the camera ray through this point and `p`. Pixels
-    /// average radiance over the film without a cosine. The importance is therefore the Jacobian
-    /// from the scene to the film (Veach 1997, section 8.3.2).
+    /// `lens` in \[0, 1)² samples a point of the lens, as in [`Camera::generate_ray`]. The film
+    /// position is that of the camera ray from this lens point through `p`. Pixels average radiance
+    /// over the film without a cosine. The importance is therefore the Jacobian from the scene to
+    /// the film (Veach 1997, section 8.3.2).
     #[must_use]
     pub fn connect_to_point(&self, p: Vec3, lens: Option<Vec2>) -> Option<CameraConnection> {
         let p = p.as_dvec3();

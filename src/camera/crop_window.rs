@@ -2,8 +2,9 @@
 
 use std::str::FromStr;
 
-/// Window of pixels of a picture: columns `left` to `right` and rows `top` to `bottom`, counted
-/// from the upper left corner of the picture. The ends are not included.
+/// Window of pixels of a picture: columns `left` to `right` and rows `top` to `bottom`.
+///
+/// Both count from the upper left corner of the picture. `right` and `bottom` are not included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CropWindow {
     /// First column.
@@ -16,7 +17,7 @@ pub struct CropWindow {
     pub bottom: u32,
 }
 
-/// Error: a text is no crop window.
+/// Error: the held text does not describe a crop window.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no window: write X0,Y0,X1,Y1 in pixels, with X0 < X1 and Y0 < Y1")]
 pub struct CropWindowError(String);

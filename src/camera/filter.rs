@@ -22,7 +22,7 @@ pub enum FilterKind {
     Mitchell,
 }
 
-/// Error: a text is not the name of a filter.
+/// Error: the held text is not the name of a filter.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown filter `{0}`: use box, tent, gaussian, blackman-harris or mitchell")]
 pub struct UnknownFilter(String);
@@ -87,8 +87,9 @@ const VALUE_CELLS: usize = 256;
 /// A separable reconstruction filter, with tables for importance sampling and for evaluation.
 #[derive(Clone, Debug)]
 pub struct Filter {
-    /// Inverse CDF of sample offsets along one axis \[pixels], at equal steps of u in \[0, 1]. The
-    /// pdf is proportional to the absolute filter value.
+    /// Inverse CDF of sample offsets along one axis \[pixels], at equal steps of u in \[0, 1].
+    ///
+    /// The pdf of the offsets is proportional to the absolute filter value.
     quantiles: [f32; CELLS + 1],
     /// Offset \[pixels] beyond which the filter is negative; infinite for a non-negative filter.
     negative_beyond: f32,
@@ -107,7 +108,8 @@ pub struct Filter {
 pub struct FilterSample {
     /// Sampled offset from the pixel center, right and down \[pixels].
     pub offset: Vec2,
-    /// Weight of the sample: 1 for non-negative filters, else 1 on average.
+    /// Weight of the sample: 1 for a non-negative filter. A partly negative filter has weights of
+    /// both signs, with the mean 1.
     pub weight: f32,
 }
 

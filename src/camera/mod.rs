@@ -120,8 +120,9 @@ impl Camera {
         Ok(Self { center, forward, right: right * pixel_size, up, pixel_size, projection, width, height })
     }
 
-    /// Returns a copy with the lens `lens`; a lens of radius 0 is a pinhole. Orthographic cameras
-    /// and panoramas ignore lenses.
+    /// Returns a copy of the camera with the lens `lens`; a lens of radius 0 is a pinhole.
+    ///
+    /// Orthographic cameras and panoramas ignore the lens.
     #[must_use]
     pub fn with_lens(self, lens: Lens) -> Self {
         match self.projection {
@@ -192,8 +193,9 @@ impl Camera {
         }
     }
 
-    /// Copy of the camera with a picture of `width` × `height` pixels. The vertical angle of view,
-    /// or the height of an orthographic image, stays.
+    /// Copy of the camera with a picture of `width` × `height` pixels.
+    ///
+    /// The vertical angle of view, or the height of an orthographic image, does not change.
     #[must_use]
     pub fn with_size(self, width: u32, height: u32) -> Self {
         let ratio = match self.projection {

@@ -12,8 +12,7 @@ pub fn luminance(c: Rgb) -> f32 {
     c.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// Mean of the three channels, the scalar by which light sampling and Russian roulette compare
-/// colors.
+/// Mean of the three channels. Light sampling and Russian roulette compare colors by it.
 #[inline]
 #[must_use]
 pub fn channel_mean(c: Rgb) -> f32 {

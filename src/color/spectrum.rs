@@ -23,10 +23,10 @@ const SECOND_RADIATION_CONSTANT: f64 = 1.438_776_877e-2;
 /// Wien's displacement constant \[m K]: the peak of a blackbody's spectrum times its temperature.
 const WIEN_CONSTANT: f64 = 2.897_771_955e-3;
 
-/// Least and greatest reflectance of a conductor at normal incidence in [`conductor_rgb`].
+/// Least and greatest reflectance at normal incidence for which [`conductor_rgb`] finds k.
 const CONDUCTOR_REFLECTANCES: [f64; 2] = [1e-4, 0.9999];
 
-/// Least real part of a conductor's index in [`conductor_rgb`].
+/// Least η that [`conductor_rgb`] returns.
 const LEAST_ETA: f64 = 1e-4;
 
 /// Mean and components of daylight spectra from 380 nm in steps of 10 nm (CIE 15).
@@ -168,7 +168,7 @@ impl Spectrum {
     /// Returns the linear RGB color of light with this spectrum, in the unit of its values.
     ///
     /// The luminance is the mean of the values, weighted by the luminous efficiency. D65 is white,
-    /// and equal energy is slightly red. Negative channels become 0.
+    /// and a constant spectrum is slightly red. Negative channels become 0.
     #[must_use]
     pub fn radiance_rgb(&self) -> DVec3 {
         let sum: DVec3 = RESPONSES.0.iter().zip(band()).map(|(response, nm)| *response * self.value(nm)).sum();
@@ -216,8 +216,8 @@ fn reflectance_rgb(reflectance: impl Fn(f64) -> f64) -> DVec3 {
 
 /// Returns η and k of a conductor for linear red, green and blue, from the spectra of both.
 ///
-/// η is the mean of [`Spectrum::channel_means`]. k is chosen so that the reflectance at normal
-/// incidence equals the color of the spectral reflectance.
+/// η is [`Spectrum::channel_means`] of `eta`, clamped so that a k exists. k is chosen so that the
+/// reflectance at normal incidence equals the color of the spectral reflectance.
 #[must_use]
 pub fn conductor_rgb(eta: &Spectrum, k: &Spectrum) -> (DVec3, DVec3) {
     let reflectance = reflectance_rgb(|nm| {

@@ -14,8 +14,9 @@ use super::rgb::{Rgb, xyz_to_rgb};
 use glam::DVec3;
 use std::sync::LazyLock;
 
-/// Number of wavelength intervals. The responses are constant in each interval, and a byte codes
-/// its index plus 1.
+/// Number of wavelength intervals. The responses of the RGB channels are constant in each interval.
+///
+/// A byte codes the index of an interval plus 1.
 const CELLS: usize = 255;
 /// Width of a wavelength interval of constant response \[nm\].
 const STEP: f32 = (Wavelength::LONGEST - Wavelength::SHORTEST) / CELLS as f32;
@@ -65,7 +66,9 @@ impl Wavelength {
         RESPONSE_TABLE.weights[self.response_interval_index()]
     }
 
-    /// The wavelength as a number from 1 to 255; decoding gives it back within 2/3 nm.
+    /// Code of the wavelength: a number from 1 to 255.
+    ///
+    /// [`Wavelength::from_byte_code`] restores the wavelength within 2/3 nm.
     #[must_use]
     pub fn byte_code(self) -> u8 {
         1 + self.response_interval_index() as u8
@@ -85,7 +88,7 @@ impl Wavelength {
     }
 }
 
-/// Table for sampling wavelengths. The responses of the RGB channels are constant in each interval.
+/// Table for sampling wavelengths by the responses of the RGB channels, constant in each interval.
 struct SpectralResponseTable {
     /// Cumulative probability at the start of each interval; the last entry is 1.
     sums: [f64; CELLS + 1],
@@ -112,7 +115,7 @@ static RESPONSE_TABLE: LazyLock<SpectralResponseTable> = LazyLock::new(|| {
     table
 });
 
-/// Adds so much white to a linear RGB color with a negative channel that the least channel is 0.
+/// Adds just enough white to a linear RGB color that no channel is negative.
 fn add_white_until_nonnegative(rgb: DVec3) -> DVec3 {
     rgb - rgb.min_element().min(0.0)
 }

@@ -3,7 +3,7 @@
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Binary logarithm of [`BIN_SIZE`].
+/// Binary logarithm of the ratio [`BIN_SIZE`] between the two quanta of a pixel.
 const BIN_BITS: i32 = 31;
 
 /// Ratio between the upper and the lower quantum of a pixel: 2³¹.
@@ -16,10 +16,10 @@ const BIN_SIZE: f64 = (1u64 << BIN_BITS) as f64;
 /// The sum of three squares of f32 values is below the limit of the last level.
 const LEVELS: usize = 18;
 
-/// Exponent of the upper quantum of level 0, a power of two.
+/// Exponent of the upper quantum of level 0, which is a power of two.
 ///
-/// The limits of levels are 2^(15 + 31 i) for integers i. Values from 2⁻¹⁶ to 2¹⁵ share a level,
-/// whose lower quantum is 2⁻⁴⁶.
+/// The limits of the levels are the powers 2^(15 + 31 k) with integers k. So values from 2⁻¹⁶ to
+/// 2¹⁵ share one level, and its lower quantum is 2⁻⁴⁶.
 const FIRST_EXPONENT: i32 = -294;
 
 /// Upper quantum of each level: the unit of the upper integer sum.
@@ -32,7 +32,9 @@ const INVERSE_QUANTA: [f64; LEVELS] = powers_of_two(-FIRST_EXPONENT, -BIN_BITS);
 /// below the limit of its level.
 const LIMITS: [f64; LEVELS] = powers_of_two(FIRST_EXPONENT + BIN_BITS - 1, BIN_BITS);
 
-/// Adding this number rounds a small f64 to an integer, which the last bits of the sum then hold.
+/// Number that rounds a small f64 to an integer when it is added.
+///
+/// The last bits of the sum then hold the integer.
 const ROUNDER: f64 = (3u64 << 51) as f64;
 
 /// Number of low bits of a tag that hold the level. Above these bits, two bits of each channel mark
@@ -52,14 +54,14 @@ const LEVEL_BITS: u16 = 5;
 /// A pixel holds at most 2³² − 1 values. Values of 2²⁶³ and more count as infinite.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BinnedSums<const N: usize> {
-    /// Sums of the upper and of the lower bins of each pixel.
+    /// Upper integers, then lower integers, of the sums of each pixel.
     bins: Vec<[[i64; N]; 2]>,
-    /// Tag of each pixel: its level, and flags for infinite sums; see [`LEVEL_BITS`].
+    /// Tag of each pixel: its level, and flags for sums of +∞, −∞ or NaN; see [`LEVEL_BITS`].
     tags: Vec<u16>,
 }
 
 impl<const N: usize> BinnedSums<N> {
-    /// Size of the sums of one pixel \[bytes].
+    /// Memory of the sums of one pixel \[bytes].
     pub const BYTES_PER_PIXEL: usize = size_of::<[[i64; N]; 2]>() + size_of::<u16>();
 
     /// Returns empty sums for `pixels` pixels.
@@ -81,7 +83,7 @@ impl<const N: usize> BinnedSums<N> {
         self.tags.is_empty()
     }
 
-    /// Adds one value of each channel to each pixel.
+    /// Adds one value per channel to each pixel. `values` yields the pixels in order.
     #[inline]
     pub fn add(&mut self, values: impl Iterator<Item = [f64; N]>) {
         for ((bins, tag), values) in self.bins.iter_mut().zip(&mut self.tags).zip(values) {
@@ -95,7 +97,7 @@ impl<const N: usize> BinnedSums<N> {
         }
     }
 
-    /// Adds the sums of `other`, which has as many pixels.
+    /// Adds the sums of `other`, which has the same number of pixels.
     pub fn merge(&mut self, other: &Self) {
         let own = self.bins.iter_mut().zip(&mut self.tags);
         for ((bins, tag), (other_bins, other_tag)) in own.zip(other.bins.iter().zip(&other.tags)) {
@@ -148,7 +150,7 @@ impl<const N: usize> BinnedSums<N> {
 /// Serialized form of [`BinnedSums`], as film files store it.
 #[derive(Serialize, Deserialize)]
 struct StoredSums {
-    /// Upper bins of all channels, then lower bins of all channels, for each pixel.
+    /// For each pixel: upper integers of all channels, then lower integers of all channels.
     bins: Vec<i64>,
     tags: Vec<u16>,
 }
@@ -191,7 +193,9 @@ fn level_of(tag: u16) -> usize {
     usize::from(tag & ((1 << LEVEL_BITS) - 1))
 }
 
-/// Adds values below the limit of `level` to the bins of a pixel.
+/// Adds `values` to the integers of a pixel of the level `level`.
+///
+/// All absolute values are below the limit of this level.
 #[inline]
 fn add_to_bins<const N: usize>(bins: &mut [[i64; N]; 2], level: usize, values: [f64; N]) {
     let inverse = INVERSE_QUANTA[level];
@@ -207,7 +211,10 @@ fn add_to_bins<const N: usize>(bins: &mut [[i64; N]; 2], level: usize, values: [
     }
 }
 
-/// Adds values to a pixel if some are not finite, or not below the limit of its level.
+/// Adds `values` to a pixel, if one of them is not finite or not below the limit of the pixel's
+/// level.
+///
+/// Raises the level, or sets a flag in `tag`.
 #[cold]
 fn add_beyond_limit<const N: usize>(bins: &mut [[i64; N]; 2], tag: &mut u16, mut values: [f64; N]) {
     for (channel, value) in values.iter_mut().enumerate() {

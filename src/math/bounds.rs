@@ -72,8 +72,9 @@ impl Bounds {
         })
     }
 
-    /// Smallest sphere that contains the box. It passes through the corners; for an empty box, it
-    /// has radius 0.
+    /// Smallest sphere that contains the box: it passes through the corners.
+    ///
+    /// For an empty box, it has radius 0.
     #[must_use]
     pub fn bounding_sphere(&self) -> BoundingSphere {
         BoundingSphere { center: self.center(), radius: 0.5 * self.extent().length() }

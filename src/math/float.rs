@@ -51,7 +51,8 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
     }
 }
 
-/// Squared distance from `from` to `to`, the unit direction between them, and the distance.
+/// Squared distance from `from` to `to`, then the unit direction from `from` to `to`, then the
+/// distance.
 ///
 /// `None` if the squared distance is 0 or not finite.
 #[inline]

@@ -7,15 +7,15 @@ use glam::{DAffine3, DMat3, DVec3};
 pub enum MotionStep {
     /// A map that does not depend on time.
     Fixed(DAffine3),
-    /// Translation by this vector \[length] times the time in \[0, 1].
+    /// Translation by t times the given vector \[length], at time t in \[0, 1].
     Translate(DVec3),
-    /// Right-handed rotation about a unit axis through the origin.
+    /// Right-handed rotation about the given unit axis through the origin.
     ///
-    /// The angle is this number \[degrees] times the time in \[0, 1].
+    /// The angle at time t in \[0, 1] is t times the given number \[degrees].
     Rotate(DVec3, f64),
-    /// Scaling by a factor along each axis that changes linearly with the time.
+    /// Scaling along the axes by factors that are linear in time.
     ///
-    /// The factors are 1 at time 0, and these numbers, which are above 0, at time 1.
+    /// The factors are 1 at time 0. The given factors, above 0, hold at time 1.
     Scale(DVec3),
 }
 
@@ -37,7 +37,7 @@ impl MotionStep {
 /// The map is a product of steps, so points under a rotation move along true circles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// Factors of the product of maps, from left to right: the last factor is applied to points
+    /// Factors of the product of maps, from left to right. The last factor is applied to points
     /// first.
     ///
     /// Adjacent steps that do not depend on time are merged.
@@ -51,8 +51,9 @@ impl Motion {
         Self::default().preceded_by_steps([MotionStep::Fixed(map)])
     }
 
-    /// This motion with `steps` applied before it: points are mapped by the last step first, and by
-    /// this motion last.
+    /// This motion with `steps` applied before it.
+    ///
+    /// A point is mapped by the last of `steps` first, and by this motion last.
     #[must_use]
     pub fn preceded_by_steps(&self, steps: impl IntoIterator<Item = MotionStep>) -> Self {
         let mut all = self.steps.clone();
@@ -65,8 +66,8 @@ impl Motion {
         Self { steps: all }
     }
 
-    /// This motion with the point `place` as centre of its rotations and scales, instead of the
-    /// origin.
+    /// This motion with the point `place` instead of the origin as centre of its rotations and
+    /// scales.
     #[must_use]
     pub fn pivoted_at_point(&self, place: DVec3) -> Self {
         let back = MotionStep::Fixed(DAffine3::from_translation(-place));

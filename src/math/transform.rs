@@ -18,7 +18,7 @@ pub struct Transform {
     determinant: f64,
 }
 
-/// Largest accepted entry of the inverse matrix, after columns are scaled to about unit length.
+/// Largest accepted entry of the inverse of a matrix whose columns are scaled to about unit length.
 ///
 /// Up to this limit, a rounding error in the matrix changes the inverse by less than 2 %.
 const MAX_INVERSE_ENTRY: f64 = 1e14;

@@ -45,10 +45,10 @@ pub fn square_to_uniform_sphere(u: Vec2) -> Vec3 {
     vector_from_height_and_azimuth(z, 2.0 * (u.x * (1.0 - u.x)).sqrt(), u.y)
 }
 
-/// Maps `u` in \[0, 1)² to a uniform direction of the cone cosθ ≥ 1 − `one_minus_cos` around the z
+/// Maps `u` in \[0, 1)² to a uniform direction of the cone 1 − cosθ ≤ `one_minus_cos` around the z
 /// axis.
 ///
-/// The argument is the maximum of 1 − cosθ, since cosθ itself has too few digits for narrow cones.
+/// The argument is not cosθ, because cosθ has too few digits for narrow cones.
 #[inline]
 #[must_use]
 pub fn square_to_uniform_cone(u: Vec2, one_minus_cos: f32) -> Vec3 {

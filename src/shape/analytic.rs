@@ -64,7 +64,8 @@ pub(super) trait AnalyticShape: Sized {
         SolidAngleSampleResult::Unsupported
     }
 
-    /// Pdf per solid angle \[1/sr] of `sample_solid_angle`, which all visible points share.
+    /// Pdf of `sample_solid_angle` per solid angle \[1/sr]; equal for all points visible from
+    /// `from`.
     ///
     /// It is 0 if the outer side is invisible from `from`, and `None` if the shape must be sampled
     /// by area.
@@ -84,9 +85,10 @@ pub(super) trait AnalyticShape: Sized {
         None
     }
 
-    /// World-space bounding sphere that is tighter than the sphere around the bounding box.
+    /// World-space bounding sphere, if the shape knows a tighter one than that around its bounding
+    /// box.
     ///
-    /// `None` if the shape knows no tighter sphere.
+    /// `None` for shapes that know none.
     fn bounding_sphere(&self) -> Option<BoundingSphere> {
         None
     }

@@ -21,7 +21,8 @@ pub(super) fn round_t_if_in_range(ray: &Ray, t: f64) -> Option<f32> {
     (t > 0.0 && t < ray.t_max).then_some(t)
 }
 
-/// Hit (t, r, `second`) of `ray`: t rounded to f32, and r, the relative error of this rounding.
+/// Hit (t, r, `second`) of `ray`: t rounded to f32, the relative rounding error r, and a given
+/// number.
 ///
 /// [`f64_ray_parameter`] restores t in f64 from t and r. In f32 alone, the error of a distant hit
 /// could exceed the thickness of the shape. `None` if t is outside (0, `ray.t_max`).
@@ -30,10 +31,11 @@ pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, second: f32) -> Opti
     round_t_if_in_range(ray, t).map(|rounded| (rounded, (t / f64::from(rounded) - 1.0) as f32, second))
 }
 
-/// First hit of `ray` with a convex shape, whose surface the line of the ray crosses twice.
+/// First hit of `ray` with a convex shape; `None` if both intersections are outside (0,
+/// `ray.t_max`).
 ///
-/// `near` and `far` each hold the ray parameter t of an intersection and the last number of its
-/// [`ShapeHit`]. The far intersection counts only if the near one is behind the ray's origin.
+/// The ray's line crosses the surface twice. `near` and `far` each hold the ray parameter t of an
+/// intersection and the last number of its [`ShapeHit`].
 #[inline]
 pub(super) fn nearer_hit(ray: &Ray, near: (f64, f32), far: (f64, f32)) -> Option<ShapeHit> {
     hit_with_rounding_residual(ray, near.0, near.1)

@@ -12,7 +12,7 @@ use crate::sampling::DiscreteDistribution;
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::{Arc, OnceLock};
 
-/// Mesh in object space with a bounding volume hierarchy, which several instances share.
+/// Mesh in object space with a bounding volume hierarchy. Several instances can share it.
 pub struct MeshWithBvh {
     mesh: Mesh,
     hierarchy: Hierarchy,
@@ -46,8 +46,7 @@ impl MeshWithBvh {
 /// Triangle mesh under an affine map to world space.
 ///
 /// Object-space ray directions are not normalised, so the ray parameter t of a point is the same in
-/// object space and in world space. The second number of a [`ShapeHit`] holds the bits of the
-/// triangle's index.
+/// object space and in world space. A [`ShapeHit`] is (t, bits of the triangle's index, 0).
 #[derive(Clone, Debug)]
 pub struct Instance {
     mesh: Arc<MeshWithBvh>,
@@ -72,12 +71,12 @@ impl Instance {
         self.mesh.mesh.triangles.len()
     }
 
-    /// The ray in object space, with its origin moved forward towards the mesh.
+    /// The ray in object space, with its origin moved forward to near the mesh.
     ///
-    /// Also returns the ray parameter t of the new origin on the given ray. The new origin is two
-    /// bounding-sphere radii before the point nearest to the mesh's centre. A ray that starts later
-    /// keeps its origin. Rounding errors in f32 are then proportional to the mesh's size, however
-    /// far away the ray starts.
+    /// The new origin is two bounding-sphere radii before the line's point nearest to the mesh's
+    /// centre. A ray that starts beyond this position keeps its origin. Rounding errors in f32 are
+    /// then proportional to the mesh's size, however far away the ray starts. Also returns the ray
+    /// parameter t of the new origin on the given ray.
     #[inline]
     fn object_ray_near_mesh(&self, ray: &Ray) -> (Ray, f64) {
         let (o, d) = object_ray(ray, &self.to_world);

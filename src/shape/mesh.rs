@@ -7,8 +7,8 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 /// Vertex indices of one triangle, counter-clockwise seen from outside.
 pub type Triangle = [u32; 3];
 
-/// Triangle mesh with shared vertices. All vectors are in one space, which the user of the mesh
-/// chooses.
+/// Triangle mesh with shared vertices. All its vectors are in one space, such as an instance's
+/// object space.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// Vertex positions.
@@ -115,12 +115,12 @@ impl Mesh {
     }
 }
 
-/// Barycentric weights of a point that is moved away from the edges of its triangle.
+/// Moves a point of a triangle away from the triangle's edges, if it is too close to one.
 ///
-/// `b` and the result are the weights of the second and third corner. `e1` and `e2` are the vectors
-/// from the first corner to these corners. `room` is the minimum distance to an edge, divided by
-/// twice the triangle's area. The move raises no weight above ¼. [`EDGE_MARGIN`] explains why
-/// points are moved.
+/// `b` and the result are the point's barycentric weights of the second and third corner. `e1` and
+/// `e2` are the vectors from the first corner to these corners. `room` is the minimum distance to
+/// an edge, divided by twice the triangle's area. The move raises no weight above ¼.
+/// [`EDGE_MARGIN`] explains why points are moved.
 #[cold]
 fn move_weights_off_edges(b: DVec2, room: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
     let least = [e2 - e1, e2, e1].map(|edge| (room * edge.length()).min(0.25));

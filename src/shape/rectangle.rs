@@ -38,18 +38,22 @@ pub struct Rectangle {
     is_right_angled: bool,
 }
 
-/// Rectangle as seen from a viewpoint, which is the origin of coordinates x and y along the edges.
+/// Rectangle as seen from a viewpoint.
+///
+/// The viewpoint's projection to the plane is the origin of coordinates x and y along the edges.
 #[derive(Debug)]
 struct RectangleView {
-    /// Range of the rectangle along its first edge, measured from the viewpoint \[length].
+    /// Range of the rectangle along its first edge, relative to the viewpoint's projection
+    /// \[length].
     x: [f64; 2],
-    /// Range of the rectangle along its second edge, measured from the viewpoint \[length].
+    /// Range of the rectangle along its second edge, relative to the viewpoint's projection
+    /// \[length].
     y: [f64; 2],
     /// Distance from the viewpoint to the rectangle's plane \[length].
     z: f64,
     /// Unit vectors along the first and second edge of the rectangle.
     axes: [DVec3; 2],
-    /// Signed solid angle of the strip between x = 0 and the start of the rectangle \[sr].
+    /// Signed solid angle \[sr] between x = 0 and the start of the rectangle, over its range of y.
     start_angle: f64,
     /// Solid angle of the rectangle as seen from the viewpoint \[sr].
     solid_angle: f64,

@@ -16,14 +16,19 @@ pub struct SurfacePoint {
     pub ng: Vec3,
     /// Shading unit normal, in the hemisphere around `ng`.
     pub ns: Vec3,
-    /// Last two numbers of the [`ShapeHit`](super::ShapeHit) at `p`; zero if they are unknown.
+    /// Numbers that locate `p` on the shape, for [`Shape::pdf`](super::Shape::pdf); zero if the
+    /// shape does not need them.
+    ///
+    /// On a mesh, they are the barycentric weights of the triangle's second and third corner. On
+    /// other shapes, they are the last two numbers of the [`ShapeHit`](super::ShapeHit) at `p`.
     pub uv: Vec2,
 }
 
 impl SurfacePoint {
-    /// Surface point at `p`, rounded to f32, with an error bound and `normal` as both unit normals.
+    /// Surface point at `p`, rounded to f32, with an error bound.
     ///
-    /// `scale` bounds the absolute coordinates of the shape.
+    /// The unit vector `normal` is both the geometric and the shading normal. `scale` bounds the
+    /// absolute coordinates of the shape.
     #[inline]
     pub(super) fn from_f64(p: DVec3, normal: DVec3, scale: f64) -> Self {
         let ng = normal.as_vec3();

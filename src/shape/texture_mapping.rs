@@ -81,7 +81,10 @@ impl TextureMappingKind {
         Self::Planar { origin: DVec3::ZERO, rows: upright_texture_axes(normal) }
     }
 
-    /// Mapping of a disc to the disc that is inscribed in the unit square; pictures appear upright.
+    /// Mapping of a disc to the disc inscribed in the unit square of texture coordinates.
+    ///
+    /// A picture appears upright to a viewer on the outer side, as [`upright_texture_axes`] defines
+    /// it.
     #[must_use]
     pub fn disc_mapping(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let [u, v] = upright_texture_axes(normal);

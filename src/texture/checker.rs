@@ -3,7 +3,8 @@
 use crate::color::Rgb;
 use glam::DVec2;
 
-/// Step for the finite differences of bump maps, relative to the side of a checkerboard square.
+/// Step for the finite differences of bump maps, as a fraction of the side of a checkerboard
+/// square.
 pub(super) const BUMP_STEP: f64 = 1e-3;
 
 /// A checkerboard of unit squares: the first colour where ⌊u⌋ + ⌊v⌋ is even, else the second.

@@ -6,9 +6,9 @@ use glam::{DMat2, DVec2, DVec3};
 /// Maximum number of box lookups along a footprint; in longer footprints, each box is longer.
 const MAX_LOOKUPS: f64 = 16.0;
 
-/// Greatest length of a footprint, in periods of the texture; longer ones are shortened to it.
+/// Greatest length of a footprint in periods of the texture. Longer footprints are shortened to it.
 ///
-/// The mean over so long a footprint is the mean of the texture.
+/// The mean over so long a footprint is practically the mean of the texture.
 const MAX_PERIODS: f64 = 1e6;
 
 /// A surface point at which a texture is evaluated, with the footprint over which it is averaged.
@@ -18,8 +18,7 @@ const MAX_PERIODS: f64 = 1e6;
 pub struct TextureEvalContext {
     /// Texture coordinates of the point.
     pub uv: DVec2,
-    /// Full axes of the footprint in texture coordinates: the change of `uv` from one end of an
-    /// axis to the other.
+    /// Full axes of the footprint: the change of `uv` from one end of each axis to the other.
     pub axes: [DVec2; 2],
     /// The point in object space.
     pub p: DVec3,

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-/// Footprint widths at which an octave of noise begins to fade, and at which it vanishes.
+/// Footprint widths at which an octave of noise begins to fade and at which it has vanished.
 ///
-/// The unit is the wavelength of the octave.
+/// Their unit is the wavelength of the octave.
 const FADE_WIDTHS: [f64; 2] = [0.25, 1.0];
 
 /// Offset of the noise position between two octaves, so that their lattices do not align.

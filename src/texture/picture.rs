@@ -19,7 +19,7 @@ pub enum WrapMode {
 /// The reason why a picture cannot be a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PictureError {
-    /// A value below zero.
+    /// A pixel has a channel below zero.
     #[error("pixel {x}, {y} (from the top left) is negative")]
     Negative {
         /// Column of the pixel, from the left.
@@ -27,7 +27,7 @@ pub enum PictureError {
         /// Row of the pixel, from the top.
         y: u32,
     },
-    /// A value that is infinite or NaN.
+    /// A pixel has a channel that is infinite or NaN.
     #[error("pixel {x}, {y} (from the top left) is not finite")]
     NotFinite {
         /// Column of the pixel, from the left.

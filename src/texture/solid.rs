@@ -34,8 +34,10 @@ pub struct SolidTexture {
     pub octaves: u32,
     /// Frequency of the first octave of noise, and of veins and rings \[1/pattern-space length].
     pub frequency: f64,
-    /// Factor on the noise. It sets the contrast of clouds, and how far veins and rings are
-    /// displaced, in wavelengths.
+    /// Factor on the noise.
+    ///
+    /// For clouds it sets the contrast. For veins and rings it sets their displacement, in
+    /// wavelengths.
     pub amplitude: f64,
     /// Affine map from object space to pattern space, in which the pattern is defined.
     pub to_pattern: DAffine3,

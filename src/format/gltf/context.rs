@@ -15,11 +15,11 @@ pub(super) type ReadResult<T> = Result<T, SceneReadError>;
 
 const REMEDY: &str = "export the file again, or repair it: a glTF validator lists all its defects";
 
-/// A glTF file during its import, with the options of the import.
+/// The glTF file that is imported, with access to its further files and the options of the import.
 pub(super) struct FileContext<'a> {
     /// Path of the glTF file.
     pub path: &'a Path,
-    /// Monitor that receives the path of each further file.
+    /// Receives the path of each file that is read after the glTF file.
     pub monitor: &'a dyn MeshReadMonitor,
     /// Memory limit, and permission to read files outside of the folder of the glTF file.
     pub options: &'a ImportOptions,
@@ -33,7 +33,8 @@ impl FileContext<'_> {
         SourceText::new(&self.path.display().to_string(), "")
     }
 
-    /// Returns an error at `place`, a JSON path such as `accessors[3]`, with the usual remedy.
+    /// Returns an error at `place`, a JSON path such as `accessors[3]`, with the general remedy of
+    /// this importer.
     pub fn error(&self, place: impl Display, message: impl Display) -> SceneReadError {
         self.error_with_help(place, message, REMEDY)
     }
@@ -69,7 +70,8 @@ impl FileContext<'_> {
 
     /// Returns the content of a data URI, or of the file that a relative URI names.
     ///
-    /// The file must lie inside the folder of the glTF file, unless the options allow others.
+    /// The file must lie inside the folder of the glTF file, unless the options allow outside
+    /// files.
     pub fn read_uri(&self, place: &str, uri: &str) -> ReadResult<Vec<u8>> {
         if let Some(data) = uri.strip_prefix("data:") {
             let Some((_, digits)) = data.split_once(";base64,") else {

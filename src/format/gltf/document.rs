@@ -30,9 +30,9 @@ const READ_EXTENSIONS: [&str; 7] = [
     "KHR_texture_basisu",
 ];
 
-/// Extensions that only refine materials, animate, or add metadata. A file may require them.
+/// Extensions that a file may require although the importer ignores them, with a message.
 ///
-/// Each is ignored with a message.
+/// They only refine materials, animate, or add metadata.
 const IGNORED_EXTENSIONS: [&str; 7] = [
     "KHR_animation_pointer",
     "KHR_materials_anisotropy",
@@ -109,10 +109,10 @@ fn split_container<'b>(context: &FileContext<'_>, bytes: &'b [u8]) -> ReadResult
     Ok((json, blob))
 }
 
-/// Removes the list of required extensions from the JSON, and checks them.
+/// Removes the list of required extensions from the JSON, and checks it.
 ///
-/// The crate `gltf` would refuse some that this importer supports. Fails if the importer does not
-/// support one of them.
+/// The crate `gltf` would refuse some extensions that this importer supports. Fails if the importer
+/// does not support a required extension.
 fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: &mut ImportNotes) -> ReadResult<()> {
     let Some(Value::Array(required)) = root.as_object_mut().and_then(|root| root.remove("extensionsRequired")) else {
         return Ok(());
@@ -131,9 +131,9 @@ fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: 
     Ok(())
 }
 
-/// Removes animations from the JSON, because the crate `gltf` refuses some.
+/// Prepares the JSON for the crate `gltf`: removes animations, because the crate refuses some.
 ///
-/// Gives scenes without a list of nodes an empty one.
+/// Also gives an empty list of nodes to scenes without one.
 fn remove_animations_and_add_nodes(root: &mut Value, notes: &mut ImportNotes) {
     let Some(root) = root.as_object_mut() else { return };
     if let Some(animations) = root.remove("animations") {
@@ -174,7 +174,7 @@ fn check_defects(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
 
 /// Fails if a primitive refers to an accessor of positions that does not exist.
 ///
-/// The validation by the crate `gltf` would panic on it.
+/// Without this check, the validation by the crate `gltf` would panic.
 fn check_positions(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
     for (i, mesh) in root.meshes.iter().enumerate() {
         for (k, primitive) in mesh.primitives.iter().enumerate() {
@@ -188,7 +188,9 @@ fn check_positions(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
     Ok(())
 }
 
-/// True if an image names its bytes completely. Otherwise, the crate `gltf` would panic on it.
+/// True if an image has a URI, or a buffer view with a MIME type.
+///
+/// The crate `gltf` would panic on any other image.
 fn has_source(image: &Image) -> bool {
     if image.buffer_view.is_some() { image.mime_type.is_some() } else { image.uri.is_some() }
 }

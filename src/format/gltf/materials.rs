@@ -30,7 +30,7 @@ const MIN_PHONG_ALPHA: f64 = 0.01;
 /// infinite k.
 const MAX_METAL_REFLECTANCE: f64 = 0.999_9;
 
-/// Least transmittance of glass, because 0 is not allowed.
+/// Least transmittance of glass. A transmittance of 0 would need infinite absorption.
 const MIN_TRANSMITTANCE: f64 = 1e-6;
 
 /// Least attenuation distance \[length].
@@ -38,10 +38,10 @@ const MIN_TRANSMITTANCE: f64 = 1e-6;
 /// Together with [`MIN_TRANSMITTANCE`], it keeps absorption coefficients below 10¹² per length.
 const MIN_ATTENUATION_DISTANCE: f64 = 1e-10;
 
-/// Least Abbe number of a body with dispersion. The next constant is its greatest index of
-/// refraction.
+/// Least Abbe number that is converted to dispersion.
 ///
-/// Within both limits, the index stays above 0 from 380 to 720 nm.
+/// With this Abbe number and an index of at most [`MAX_DISPERSIVE_INDEX`], the refractive index
+/// stays above 0 from 380 to 720 nm.
 const MIN_ABBE_NUMBER: f64 = 2.0;
 const MAX_DISPERSIVE_INDEX: f64 = 3.0;
 
@@ -75,7 +75,7 @@ struct Surface<'a> {
     /// Base color in \[0, 1], which multiplies `base_texture`.
     base: DVec3,
     base_texture: Option<TextureReference<'a>>,
-    /// Reflectance of the dielectric part at normal incidence.
+    /// Reflectance of the dielectric part at normal incidence, by color channel.
     f0: DVec3,
     /// GGX α, and its mean over the texture.
     alpha: (TexturedValue<f64>, f64),
@@ -86,9 +86,10 @@ struct Conversion<'m, 'a> {
     materials: &'m mut Materials<'a>,
     notes: &'m mut ImportNotes,
     context: &'m FileContext<'a>,
-    /// Name of the material in the imported scene. Messages name it as the place.
+    /// Name of the material in the imported scene. Messages give it as their place.
     name: String,
-    /// Index of the texture coordinates that the first texture uses; `None` before any texture.
+    /// Set of texture coordinates that the material's first texture uses; `None` before any
+    /// texture.
     set: Option<u32>,
     normal: Option<NormalPerturbationDescription>,
 }
@@ -124,7 +125,10 @@ impl<'a> Materials<'a> {
         Ok(imported)
     }
 
-    /// Returns `wanted`, or a similar name that no other material has, without control characters.
+    /// Reserves and returns a material name that is not in use: `wanted`, or `wanted` with a
+    /// number.
+    ///
+    /// Control characters become spaces.
     fn unique_name(&mut self, wanted: &str) -> String {
         let clean: String = wanted.chars().map(|c| if c.is_control() || c == '"' { ' ' } else { c }).collect();
         let clean = clean.trim();
@@ -136,7 +140,8 @@ impl<'a> Materials<'a> {
         name
     }
 
-    /// Removes materials that no object and no mix uses. Then removes unused textures and pictures.
+    /// Keeps only the materials that an object uses, directly or through a mix, and their textures
+    /// and pictures.
     pub fn remove_unused(&mut self, objects: &ObjectGroup) {
         let named = |item: &GroupItem| match item {
             GroupItem::MaterialName(name) => Some(name.value.clone()),
@@ -166,7 +171,7 @@ impl<'a> Materials<'a> {
         self.descriptions.push(Spanned::new(material, Span::default()));
     }
 
-    /// Returns the name of a material that transmits all light unchanged.
+    /// Returns the name of a material that transmits all light unchanged. Adds it at its first use.
     fn clear_material(&mut self) -> String {
         if let Some(name) = &self.clear {
             return name.clone();
@@ -217,7 +222,7 @@ impl Conversion<'_, '_> {
         Ok(ImportedMaterial { name: self.name.clone(), set: self.set, is_invisible, emits })
     }
 
-    /// Converts the reflection and transmission of a material, without its alpha.
+    /// Converts the reflection and transmission of a material. Its alpha is not included.
     ///
     /// `base` and `base_texture` give the base color.
     fn surface<'t>(
@@ -258,7 +263,9 @@ impl Conversion<'_, '_> {
         Ok(mix(first, second, metallic))
     }
 
-    /// Converts the dielectric part of a material: opaque, glass, or a mix of both.
+    /// Converts the dielectric part of the metallic-roughness model.
+    ///
+    /// The result is opaque, transmits as glass, or is a mix of an opaque and a glass material.
     fn dielectric_with_transmission(
         &mut self,
         material: &gltf::Material<'_>,
@@ -281,7 +288,9 @@ impl Conversion<'_, '_> {
         Ok(mix(first, second, amount))
     }
 
-    /// Converts the opaque dielectric part: a diffuse surface with a Phong lobe for the gloss.
+    /// Converts the opaque dielectric part of the metallic-roughness model.
+    ///
+    /// The result is diffuse, with a Phong lobe for the gloss.
     fn coated(&mut self, surface: &Surface<'_>) -> ReadResult<MaterialKindDescription> {
         let Surface { base, base_texture, f0, alpha } = surface;
         let kept = 1.0 - f0.max_element();
@@ -295,7 +304,9 @@ impl Conversion<'_, '_> {
         Ok(MaterialKindDescription::Phong { diffuse, specular: specular.into(), shininess, texture: None })
     }
 
-    /// Converts the metal part, whose reflectance at normal incidence is the base color.
+    /// Converts the metal part of the metallic-roughness model.
+    ///
+    /// Its reflectance at normal incidence is the base color.
     fn metal(&mut self, surface: &Surface<'_>) -> ReadResult<MaterialKindDescription> {
         let Surface { base, base_texture, alpha, .. } = surface;
         if let TexturedValue::Plain(color) = self.color(base_texture.as_ref(), *base)? {
@@ -369,7 +380,9 @@ impl Conversion<'_, '_> {
         1.5
     }
 
-    /// Returns the reflectance of the dielectric part at normal incidence.
+    /// Returns the reflectance of the material's dielectric part at normal incidence.
+    ///
+    /// `index` is the refractive index.
     fn reflectance(&mut self, material: &gltf::Material<'_>, index: f64) -> DVec3 {
         if let Some(glossy) = material.pbr_specular_glossiness() {
             return glossy.specular_factor().map(unit).into();
@@ -383,7 +396,10 @@ impl Conversion<'_, '_> {
         (DVec3::from(color) * root * root).min(DVec3::ONE) * unit(specular.specular_factor())
     }
 
-    /// Returns the opacity in \[0, 1] that the alpha mode gives, as a constant or a texture.
+    /// Returns the opacity in \[0, 1] that the material's alpha mode gives, as a constant or a
+    /// texture.
+    ///
+    /// `factor` multiplies the alpha channel of `texture`.
     fn opacity(
         &mut self,
         material: &gltf::Material<'_>,
@@ -480,9 +496,9 @@ impl Conversion<'_, '_> {
         })
     }
 
-    /// Returns a parameter in \[0, 1], constant or a texture, and its mean.
+    /// Returns a parameter in \[0, 1], as a constant or a texture, and its mean.
     ///
-    /// `wanted` tells how the values of `texture` give the parameter.
+    /// `wanted` selects the conversion from the pixels of `texture` to the parameter.
     fn scalar(
         &mut self,
         texture: Option<&TextureReference<'_>>,
@@ -501,11 +517,11 @@ impl Conversion<'_, '_> {
         })
     }
 
-    /// Converts a texture for the use `wanted`; `None` if there is none or its picture is not
+    /// Converts `texture` to the use `wanted`; `None` without a texture or if its picture is not
     /// readable.
     ///
-    /// All textures of a material must use the same texture coordinates as its first one. A texture
-    /// with others becomes its mean.
+    /// A material of Caustica has one set of texture coordinates: that of its first texture. A
+    /// later texture with another set becomes its mean.
     fn values(
         &mut self,
         texture: Option<&TextureReference<'_>>,
@@ -523,7 +539,7 @@ impl Conversion<'_, '_> {
         Ok(values)
     }
 
-    /// Adds a material of a mix, and returns its name.
+    /// Adds a part of a mix as a material, and returns the material's name.
     fn add_part(&mut self, suffix: &str, kind: MaterialKindDescription) -> String {
         let name = self.materials.unique_name(&format!("{} {suffix}", self.name));
         let normal = if kind.mix_material_names().is_none() { self.normal.clone() } else { None };
@@ -541,13 +557,16 @@ fn mix(first: String, second: String, amount: TexturedValue<f64>) -> MaterialKin
     MaterialKindDescription::Mix { first, second, amount }
 }
 
-/// Returns the Phong exponent 2/α² − 2 for a GGX roughness α, which is limited to \[0.01, 1].
+/// Returns the Phong exponent 2/α² − 2 for the GGX roughness `alpha`, which is clamped to \[0.01,
+/// 1].
 fn phong_exponent(alpha: f64) -> f64 {
     let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
     2.0 / (alpha * alpha) - 2.0
 }
 
-/// Returns the specular color of a Phong lobe that reflects all light at normal incidence.
+/// Returns the specular coefficient with which a Phong lobe reflects all light at normal incidence.
+///
+/// `shininess` is the exponent of the lobe.
 fn phong_gain(shininess: f64) -> f64 {
     0.5 * (shininess + 2.0)
 }

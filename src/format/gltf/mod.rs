@@ -53,7 +53,7 @@ impl SceneImporter for GltfImporter {
 /// Errors name `path`. Files that the scene names are looked up in the folder of `path`.
 ///
 /// # Errors
-/// [`SceneReadError`].
+/// [`SceneReadError`] at the first defect, or at content that cannot be imported.
 pub fn decode(path: &Path, bytes: &[u8], options: &ImportOptions) -> Result<ImportedScene, SceneReadError> {
     import_bytes(&FileContext { path, monitor: &(), options }, bytes)
 }

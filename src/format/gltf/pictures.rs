@@ -20,25 +20,26 @@ use std::sync::Arc;
 pub(super) struct TextureReference<'a> {
     /// The texture.
     pub texture: gltf::Texture<'a>,
-    /// Index of the texture coordinates that it uses (`TEXCOORD_0`, …).
+    /// Index of the texture coordinates that the texture uses (`TEXCOORD_0`, …).
     pub set: u32,
     /// Transform from the texture coordinates of the imported mesh, with v upwards, to those of the
     /// picture.
     pub transform: TexcoordTransformDescription,
 }
 
-/// Quantity that a texture stands for. It tells how pixel values are converted.
+/// Quantity that a texture stands for. It selects the conversion of pixel values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum TextureUse {
-    /// Colors, decoded from sRGB and multiplied by this factor.
+    /// Colors, decoded from sRGB and multiplied by the given factor.
     Color(DVec3),
-    /// One linear channel, from 0 for red to 3 for alpha, multiplied by this factor.
+    /// One linear channel, from 0 for red to 3 for alpha, multiplied by the given factor.
     Channel(usize, f64),
-    /// GGX α. It is the square of the green channel times this factor.
+    /// GGX α: (green channel · given factor)².
     Roughness(f64),
-    /// Mask with the factor and the cutoff: 1 where alpha times factor reaches the cutoff, else 0.
+    /// Mask from the given factor and cutoff: 1 where alpha times factor reaches the cutoff, else
+    /// 0.
     AlphaMask(f64, f64),
-    /// Tangent-space normals. This factor multiplies their x and y.
+    /// Tangent-space normals. The given factor multiplies their x and y.
     Normal(f64),
 }
 
@@ -66,9 +67,9 @@ pub(super) struct Pictures<'a> {
     buffers: &'a Buffers<'a>,
     /// Decoded pictures by image index; `None` for an image in an unsupported format.
     decoded: HashMap<usize, Option<Rc<RgbaLevels>>>,
-    /// Constants or paths of embedded pictures, by image index and use.
+    /// Converted images, as paths of embedded pictures or as constants, by image index and use.
     embedded: HashMap<(usize, String), TextureValues>,
-    /// Names of the imported scene's textures. A key states picture, wrap mode and transform.
+    /// Names of the imported scene's textures. A key combines picture, wrap mode and transform.
     names: HashMap<String, Spanned<String>>,
     /// Textures of the imported scene.
     pub textures: Vec<Spanned<TextureDescription>>,
@@ -118,7 +119,7 @@ impl<'a> Pictures<'a> {
         }))
     }
 
-    /// Removes all textures but those with `names`, and pictures that are no longer used.
+    /// Keeps only the textures called `names`, and the pictures that they show.
     pub fn keep_textures(&mut self, names: &HashSet<String>) {
         self.textures.retain(|texture| names.contains(&texture.name));
         let shown = |path: &str| {
@@ -275,9 +276,9 @@ impl<'a> TextureReference<'a> {
     }
 }
 
-/// Converts a transform of texture coordinates.
+/// Converts a transform of texture coordinates from glTF, where v grows downwards.
 ///
-/// In glTF, v grows downwards. In the result, v of the mesh and of the picture grows upwards.
+/// In the result, v of the mesh and v of the picture grow upwards.
 fn scene_transform(offset: [f64; 2], rotation: f64, scale: [f64; 2]) -> TexcoordTransformDescription {
     let (sin, cos) = (libm::sin(rotation), libm::cos(rotation));
     TexcoordTransformDescription {

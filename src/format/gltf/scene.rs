@@ -19,10 +19,12 @@ use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
-/// Luminous flux of one watt \[lm/W]. The luminous units of the file are divided by it.
+/// Luminous efficacy of radiation at 555 nm \[lm/W]. It converts the file's luminous units to
+/// watts.
 const LUMENS_PER_WATT: f64 = 683.0;
 
-/// Estimated memory of each object: its description and its share of the built scene \[bytes].
+/// Estimated memory of each instance of a primitive \[bytes]: its description and its share of the
+/// built scene.
 const MEMORY_PER_INSTANCE: u64 = 1_500;
 
 /// Objects, lights and camera that the nodes of a scene contain.
@@ -42,7 +44,8 @@ pub(super) struct SceneContent {
     pub has_emitters: bool,
 }
 
-/// A primitive in the imported scene: mesh path, material name, bounds, and true if it emits light.
+/// A primitive in the imported scene: mesh path, material name, bounds, and a flag that is true if
+/// it emits light.
 #[derive(Clone)]
 struct ImportedPrimitive {
     path: String,
@@ -64,8 +67,9 @@ struct NodeWalker<'w, 'a> {
     content: SceneContent,
 }
 
-/// Converts the nodes of the default scene, of the first scene, or of the whole file without
-/// scenes.
+/// Converts the nodes of one scene of the file: the default scene, or else the first scene.
+///
+/// If the file has no scene, converts all its nodes.
 pub(super) fn read_scene<'a>(
     context: &'a FileContext<'a>,
     buffers: &'a Buffers<'a>,
@@ -216,7 +220,9 @@ impl NodeWalker<'_, '_> {
         Ok((0..count).map(transform).collect())
     }
 
-    /// Converts the mesh and material of a primitive; `None` if nothing of it is visible.
+    /// Converts the mesh and material of a primitive, unless this was done before.
+    ///
+    /// `None` if the primitive has no triangles or is fully transparent.
     fn primitive(
         &mut self,
         mesh: &gltf::Mesh<'_>,
@@ -247,8 +253,8 @@ impl NodeWalker<'_, '_> {
         Ok(imported)
     }
 
-    /// Adds a primitive as an object under the transform `to_world`. `place` names the node for
-    /// messages.
+    /// Adds a primitive as an object under the transform `to_world`. Messages refer to the node as
+    /// `place`.
     fn add_object(&mut self, primitive: &ImportedPrimitive, to_world: DAffine3, place: &str) {
         if Transform::new(to_world).is_err() {
             self.notes.add_unsupported("objects that are scaled to nothing are left out", place);

@@ -19,14 +19,14 @@ pub(super) enum ColorValue {
     Daylight(f64),
 }
 
-/// Quantity that a color stands for. It decides how a spectrum becomes RGB.
+/// Quantity that a color stands for. It selects the conversion of a spectrum to RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ColorMeaning {
     /// Reflectance, transmittance or albedo.
     Reflectance,
     /// Radiance, intensity or irradiance.
     Emission,
-    /// Other quantities, such as refractive indices and coefficients of media.
+    /// Any quantity without a range, such as a refractive index or a medium's coefficient.
     Coefficient,
 }
 
@@ -64,9 +64,10 @@ impl ColorValue {
         Spectrum::from_samples(samples).map(Self::Sampled)
     }
 
-    /// Parses a color: three numbers, one number for gray, or `#rrggbb` in sRGB.
+    /// Parses a color: three numbers, one number for gray, or `#rrggbb`.
     ///
-    /// `is_encoded` is true if numbers are sRGB-encoded, too. `None` if the text has another form.
+    /// `#rrggbb` is always sRGB-encoded. Numbers are sRGB-encoded if `is_encoded` is true, else
+    /// linear. `None` if the text has another form.
     pub fn parse_rgb(text: &str, is_encoded: bool) -> Option<Self> {
         let text = text.trim();
         if let Some(digits) = text.strip_prefix('#') {
@@ -85,7 +86,8 @@ impl ColorValue {
         Some(Self::Rgb(if is_encoded { rgb.map(|x| srgb_decode(x.max(0.0))) } else { rgb }))
     }
 
-    /// Returns the common value of all wavelengths or channels; `None` if they differ.
+    /// Returns the value of a uniform spectrum, or of an RGB color with equal channels; else
+    /// `None`.
     pub fn uniform(&self) -> Option<f64> {
         match self {
             Self::Uniform(value) => Some(*value),
@@ -94,7 +96,7 @@ impl ColorValue {
         }
     }
 
-    /// Returns linear RGB values. `meaning` decides how a spectrum becomes RGB.
+    /// Returns linear RGB values. `meaning` selects the conversion of a sampled spectrum.
     pub fn rgb(&self, meaning: ColorMeaning) -> DVec3 {
         let spectrum = match self {
             Self::Rgb(rgb) => return *rgb,
@@ -111,7 +113,7 @@ impl ColorValue {
         }
     }
 
-    /// Returns the value by wavelength; `None` for RGB values, blackbodies and daylight.
+    /// Returns the value as a function of wavelength; `None` for RGB, blackbodies and daylight.
     pub fn spectrum(&self) -> Option<Spectrum> {
         match self {
             Self::Sampled(spectrum) => Some(spectrum.clone()),

@@ -41,7 +41,7 @@ const SILENT_VALUES: [&str; 24] = [
 
 /// Objects, files and messages of a Mitsuba scene during its import.
 pub(super) struct ImportContext<'a> {
-    /// Access to the files that the scene names.
+    /// Access to the files that the scene refers to.
     pub files: &'a SceneFiles<'a>,
     /// All objects of the scene file.
     pub tree: &'a ObjectTree,
@@ -60,15 +60,15 @@ impl ImportContext<'_> {
         self.notes.borrow_mut().add_unsupported(message, place);
     }
 
-    /// Adds a message that all of `object` is ignored or approximated.
+    /// Adds a message that the whole `object` is ignored or approximated.
     ///
-    /// The object's values then give no messages of their own.
+    /// Marks all its values as read, so that they cause no further messages.
     pub fn note_whole(&self, message: &str, object: &SceneObject) {
         object.mark_as_read();
         self.note(message, object);
     }
 
-    /// Returns the nested objects of a class, with the names that they have in `object`.
+    /// Returns the nested objects of class `class`, with their names in `object`.
     ///
     /// References are replaced by the objects that they refer to.
     ///
@@ -90,7 +90,8 @@ impl ImportContext<'_> {
         Ok(found)
     }
 
-    /// Returns the nested object of a class with the name `name`, or else the first without a name.
+    /// Returns the nested object of class `class` that is called `name`, or else the first one
+    /// without a name.
     ///
     /// `None` if there is neither.
     pub fn child(&self, object: &SceneObject, class: ObjectClass, name: &str) -> ReadResult<Option<Rc<SceneObject>>> {
@@ -99,7 +100,7 @@ impl ImportContext<'_> {
         Ok(named.map(|(_, child)| Rc::clone(child)))
     }
 
-    /// Returns the nested object of a class with the name `name`; `None` if there is none.
+    /// Returns the nested object of class `class` that is called `name`; `None` if there is none.
     pub fn named_child(
         &self,
         object: &SceneObject,
@@ -150,8 +151,8 @@ impl ImportContext<'_> {
         })
     }
 
-    /// Returns the spectrum of the plugin `regular` or `irregular`, which states its samples as
-    /// text.
+    /// Returns the spectrum of a `regular` or `irregular` plugin, whose samples are lists of
+    /// numbers.
     fn sampled_spectrum(&self, texture: &SceneObject) -> ReadResult<ColorValue> {
         let numbers = |name: &str| texture.text(name).and_then(super::color::parse_numbers);
         let values = numbers("values").unwrap_or_default();
@@ -174,7 +175,7 @@ impl ImportContext<'_> {
         })
     }
 
-    /// Returns the color `name` of an object as linear RGB; `default` if the object has none.
+    /// Returns the color `name` of an object as linear RGB; gray `default` if the object has none.
     ///
     /// Fails if a component is negative or above 10³⁰.
     pub fn color(&self, object: &SceneObject, name: &str, meaning: ColorMeaning, default: f64) -> ReadResult<DVec3> {
@@ -186,8 +187,9 @@ impl ImportContext<'_> {
         Err(object.place.error(message, "give a color whose values are finite and at least 0"))
     }
 
-    /// Adds a message for each value that the importer has not read, in all objects that it has
-    /// used.
+    /// Adds a message for each value that the importer has not read.
+    ///
+    /// Objects of which the importer has read no value at all cause no message.
     pub fn note_unread_values(&self) {
         let mut pending = vec![&self.tree.root];
         while let Some(object) = pending.pop() {

@@ -34,12 +34,11 @@ const INDICES: [(&str, f64); 23] = [
 /// Greatest refractive index that is taken for air or another gas.
 const MAX_GAS_INDEX: f64 = 1.001;
 
-/// Returns the refractive index of a dielectric, in general that of its inner side over the outer
-/// side.
+/// Returns the relative refractive index of a dielectric: inner index over outer index.
 ///
-/// Exception: an outer index above that of gases may belong to a surrounding body. If a dielectric
-/// of the scene has this index inside, returns the inner index alone, because bodies nest in
-/// Caustica.
+/// Exception: the outer index is above that of gases and equals the inner index of another
+/// dielectric. The other dielectric may then surround this one. In this case, returns the inner
+/// index alone, because nested bodies in Caustica have absolute indices.
 pub(super) fn refractive_index(context: &ImportContext<'_>, bsdf: &SceneObject) -> ReadResult<f64> {
     let inner = named_index(bsdf, "int_ior", if bsdf.plugin.contains("plastic") { 1.49 } else { 1.5046 })?;
     let outer = named_index(bsdf, "ext_ior", 1.000_277)?;

@@ -82,7 +82,7 @@ struct TreeReader<'r, 'a> {
     elements: u64,
 }
 
-/// Values and nested objects that were read for one object so far.
+/// Values and nested objects of one object, collected while the object is read.
 #[derive(Default)]
 struct Contents {
     values: BTreeMap<String, (Value, Cell<bool>)>,
@@ -106,7 +106,8 @@ struct CurrentFile {
 impl CurrentFile {
     /// Returns the position of an element in the file.
     ///
-    /// Counts lines from the element that was read last, which usually stands before this one.
+    /// To save time, counts lines from the element that was read last, which usually stands
+    /// earlier.
     fn place(&self, node: &Node<'_, '_>) -> Place {
         let range = node.range();
         let (offset, line) = self.last.get();
@@ -172,7 +173,7 @@ impl TreeReader<'_, '_> {
         Ok(())
     }
 
-    /// Reads an element and adds it to `contents`, those of the object around it.
+    /// Reads an element and adds it to `contents`, the contents of the enclosing object.
     fn read_element(
         &mut self,
         file: &CurrentFile,
@@ -351,7 +352,7 @@ impl TreeReader<'_, '_> {
 
     /// Returns `text` with each parameter `$name` replaced by its value.
     ///
-    /// If several defined names fit, the longest counts.
+    /// If several parameter names match at one `$`, the longest is used.
     fn expanded(&self, text: &str, place: &Place) -> ReadResult<String> {
         if !text.contains('$') {
             return Ok(text.to_owned());

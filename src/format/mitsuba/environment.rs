@@ -13,7 +13,8 @@ use crate::image::Image;
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// Greatest deviation of a transform from a rotation about y. Maps with larger ones are resampled.
+/// Greatest deviation of a transform from a rotation about y. Beyond it, the environment map is
+/// resampled.
 const MAX_TILT: f64 = 1e-6;
 
 /// Number of samples of the original map along each side of a pixel of a resampled map.
@@ -62,8 +63,8 @@ pub(super) fn read_environment(
 
 /// Returns an environment map that shows `image` turned by the linear transform `to_world`.
 ///
-/// The result has as many pixels as `image`. Each is the mean of [`SAMPLES`]² values of `image`.
-/// Returns `None` if the transform is singular.
+/// The result has as many pixels as `image`. Each pixel is the mean of [`SAMPLES`]² values of
+/// `image`. Returns `None` if the transform is singular.
 fn resampled(image: &Image, to_world: DMat3) -> Option<Image> {
     let inverse = to_world.inverse();
     if !inverse.is_finite() {
@@ -88,8 +89,9 @@ fn resampled(image: &Image, to_world: DMat3) -> Option<Image> {
     Image::from_pixels(width, height, pixels).ok()
 }
 
-/// Returns the value of Mitsuba's map in a unit direction of its own space, interpolated between
-/// pixels.
+/// Returns the radiance of Mitsuba's map `image` in a unit direction of the map's own frame.
+///
+/// The radiance is interpolated between pixels.
 fn value(image: &Image, direction: DVec3) -> Rgb {
     let (width, height) = (i64::from(image.width()), i64::from(image.height()));
     let x = (libm::atan2(direction.x, -direction.z) / TAU).rem_euclid(1.0) * width as f64 - 0.5;

@@ -38,15 +38,15 @@ impl Place {
     }
 }
 
-/// Access to the scene file and the files that it names, within a memory limit.
+/// Access to the scene file and the files that it refers to, within a memory limit.
 pub(super) struct SceneFiles<'a> {
     /// Path of the scene file.
     pub path: &'a Path,
-    /// Monitor that receives the path of each further file.
+    /// Receives the path of each file that is read after the scene file.
     pub monitor: &'a dyn MeshReadMonitor,
     /// Memory limit, and permission to read files outside of the scene's folder.
     pub options: &'a ImportOptions,
-    /// Search folders from the `path` elements so far. The last one is searched first.
+    /// Search folders of the `path` elements that have been read. Later folders are searched first.
     folders: RefCell<Vec<PathBuf>>,
     /// Free memory before the scene is read \[bytes]; `None` without a limit.
     free_at_start: Option<u64>,
@@ -59,7 +59,7 @@ impl<'a> SceneFiles<'a> {
         Self { path, monitor, options, folders: RefCell::default(), free_at_start }
     }
 
-    /// Returns the memory that may still be allocated \[bytes]; `None` without a limit.
+    /// Returns the memory that may still be allocated \[bytes]; `None` if there is no limit.
     pub fn free_memory(&self) -> Option<u64> {
         self.options.memory.available_bytes()
     }
@@ -100,12 +100,11 @@ impl<'a> SceneFiles<'a> {
         self.folders.borrow_mut().push(self.scene_folder().join(portable(name)));
     }
 
-    /// Returns the path of the existing file that `place` calls `name`, and reports it to the
-    /// monitor.
+    /// Returns the path of the existing file to which the element at `place` refers as `name`.
     ///
-    /// Searches the folders of `path` elements, then the folder of the scene, then the folder of
-    /// the file that contains `place`. The file must lie inside the scene's folder, unless the
-    /// options allow others.
+    /// Reports the file to the monitor. Searches the folders of `path` elements, then the folder of
+    /// the scene, then the folder of the file that contains `place`. The file must lie inside the
+    /// scene's folder, unless the options allow outside files.
     pub fn find(&self, name: &str, place: &Place) -> ReadResult<PathBuf> {
         let relative = portable(name);
         let own = Path::new(place.source.name()).parent().map(Path::to_owned);

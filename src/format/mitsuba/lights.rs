@@ -22,13 +22,12 @@ const SPOT_ROWS: u32 = 1_440;
 /// Width and height of the projected picture of a spotlight with a texture \[pixels].
 const SPOT_PICTURE_SIZE: u32 = 512;
 
-/// Greatest half angle of a spotlight with a texture \[degrees].
+/// Greatest half angle of a spotlight's cone, if the light has a texture \[degrees].
 ///
-/// Its intensity becomes a projected picture on a plane, which cannot reach 90 degrees.
+/// The light becomes a picture projected on a plane, which cannot reach 90 degrees.
 const MAX_PICTURE_CUTOFF: f64 = 85.0;
 
-/// Converts an emitter to a light; `None` for one that needs a surface, is black or is not
-/// supported.
+/// Converts an emitter to a light; `None` if it is an area light, is black or is not supported.
 ///
 /// # Errors
 /// If a value is not valid, or if the emitter is a daylight model.
@@ -72,7 +71,9 @@ pub(super) fn read_light(
     Ok(Some(light).filter(|light| !is_black(light)))
 }
 
-/// Returns `strength` times the parameter `scale`, which emitters have before version 2.
+/// Returns `strength` times the emitter's parameter `scale`, or times 1 without this parameter.
+///
+/// Only scenes before version 2 of the format have it.
 fn scaled(emitter: &SceneObject, strength: DVec3) -> DVec3 {
     strength * emitter.number("scale").unwrap_or(1.0).max(0.0)
 }
@@ -162,8 +163,9 @@ fn read_spot(
     Ok(LightDescription::Oriented { position, aim, up: Some(axis), pattern: LightPattern::Map(path), strength })
 }
 
-/// Converts a projector. Mitsuba's texture is the irradiance of a plane at distance 1, divided by
-/// π.
+/// Converts a projector to an oriented light.
+///
+/// The values of Mitsuba's texture are the irradiance on a plane at distance 1, divided by π.
 fn read_projector(
     context: &ImportContext<'_>,
     textures: &mut Textures,

@@ -26,11 +26,11 @@ const MIN_PHONG_ALPHA: f64 = 0.01;
 /// Kind of boundary that a material makes. It decides which surfaces a shape needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MaterialBoundary {
-    /// Surface of a material of none of the following kinds: opaque, or a mix.
+    /// Boundary of an opaque material or of a mix.
     Opaque,
-    /// Surface of a dielectric body.
+    /// Boundary of a dielectric with volume, such as a glass body.
     Body,
-    /// A thin pane, without volume.
+    /// A thin pane without volume.
     Pane,
     /// No surface: a null interface, which may bound a medium.
     Null,
@@ -47,19 +47,22 @@ pub(super) struct ImportedMaterial {
     pub is_textured: bool,
 }
 
-/// Properties of a shape that its material includes. One BSDF becomes a material for each variant.
+/// Properties of a shape on which its converted material depends.
+///
+/// A BSDF becomes one material for each distinct variant.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MaterialVariant {
     /// Name of the medium inside the shape; `None` for vacuum.
     pub medium: Option<String>,
-    /// Emission texture: its name, and the factor from its values to radiance; `None` for other
-    /// emission.
+    /// Emission texture: its name, and the factor from its values to radiance.
+    ///
+    /// `None` if the shape emits constant radiance or nothing.
     pub emission: Option<(Spanned<String>, f64)>,
     /// Convention for the texture coordinates of the shape.
     pub convention: TexcoordConvention,
 }
 
-/// Materials of the imported scene so far, with tables that find those made before.
+/// Materials of the imported scene so far, with tables that find materials for reuse.
 #[derive(Default)]
 pub(super) struct Materials {
     /// Materials of the imported scene. The materials of a mix are listed before it.
@@ -71,7 +74,7 @@ pub(super) struct Materials {
     interfaces: HashMap<String, String>,
 }
 
-/// Reflection and transmission that a BSDF is converted to, and its bump map or normal map.
+/// Result of the conversion of a BSDF: reflection and transmission, and a bump map or normal map.
 struct Surface {
     kind: MaterialKindDescription,
     normal: Option<NormalPerturbationDescription>,
@@ -84,8 +87,7 @@ impl From<MaterialKindDescription> for Surface {
 }
 
 impl Materials {
-    /// Converts the BSDF of a shape to a material, unless this was done before. Returns the
-    /// material.
+    /// Returns the material of a shape. Converts the shape's BSDF if no equal variant exists yet.
     ///
     /// A shape without a BSDF has a gray diffuse material.
     pub fn material(
@@ -141,7 +143,8 @@ impl Materials {
         Ok(imported)
     }
 
-    /// Returns the name of a null interface around the medium `medium`.
+    /// Returns the name of the null-interface material that bounds `medium`. Adds it at its first
+    /// use.
     pub fn interface(&mut self, medium: &str) -> String {
         if let Some(name) = self.interfaces.get(medium) {
             return name.clone();
@@ -154,7 +157,8 @@ impl Materials {
         name
     }
 
-    /// Returns the name of a material that reflects and transmits nothing.
+    /// Returns the name of a material that reflects and transmits nothing. Adds it at its first
+    /// use.
     pub fn black(&mut self) -> String {
         if let Some(name) = &self.black {
             return name.clone();
@@ -165,9 +169,9 @@ impl Materials {
         name
     }
 
-    /// Removes materials that no object and no mix uses.
+    /// Keeps only the materials that an object uses, directly or through a mix.
     ///
-    /// Returns the names of the textures that the other materials use.
+    /// Returns the names of the textures that these materials use.
     pub fn keep_used(&mut self, objects: &ObjectGroup) -> HashSet<String> {
         let mut used = HashSet::new();
         collect_material_names(objects, &mut used);
@@ -192,7 +196,10 @@ impl Materials {
         self.descriptions.push(Spanned::new(material, Span::default()));
     }
 
-    /// Returns `wanted`, or a similar name that no other material has, without control characters.
+    /// Reserves and returns a material name that is not in use: `wanted`, or `wanted` with a
+    /// number.
+    ///
+    /// Control characters and quotes become spaces.
     fn unique_name(&mut self, wanted: &str) -> String {
         let clean: String = wanted.chars().map(|c| if c.is_control() || c == '"' { ' ' } else { c }).collect();
         let clean = clean.trim();
@@ -204,7 +211,7 @@ impl Materials {
         name
     }
 
-    /// Returns the name of a material that transmits all light unchanged.
+    /// Returns the name of a material that transmits all light unchanged. Adds it at its first use.
     fn clear_material(&mut self) -> String {
         if let Some(name) = &self.clear {
             return name.clone();
@@ -217,7 +224,7 @@ impl Materials {
     }
 }
 
-/// Adds the names of the materials in the group to `names`.
+/// Adds the names of the materials that objects in `group` use to `names`.
 fn collect_material_names(group: &ObjectGroup, names: &mut HashSet<String>) {
     for item in &group.items {
         match item {
@@ -331,7 +338,9 @@ impl Conversion<'_, '_> {
         })
     }
 
-    /// Converts the first of the nested BSDFs `sides`; an error if there is none.
+    /// Converts the first of the nested BSDFs `sides`; an error if the list is empty.
+    ///
+    /// `bsdf` is the BSDF around them, at nesting depth `depth`.
     fn nested(
         &mut self,
         bsdf: &Rc<SceneObject>,
@@ -356,7 +365,7 @@ impl Conversion<'_, '_> {
         Ok(MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority: 0 }.into())
     }
 
-    /// Adds a message for each tint of reflection or transmission other than 1, which is ignored.
+    /// Adds a message for each specular tint of a dielectric that is not 1. Tints are ignored.
     fn note_tints(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<()> {
         for name in ["specular_reflectance", "specular_transmittance"] {
             if self.values(bsdf, name, 1.0, TextureUse::Color)?.mean() != DVec3::ONE {
@@ -457,8 +466,9 @@ impl Conversion<'_, '_> {
         Ok(mix_of(names, weight).into())
     }
 
-    /// Returns a mix of `solid` and a fully transparent material, with `opacity` as the share of
-    /// `solid`.
+    /// Returns a mix of `solid`, with the weight `opacity`, and a fully transparent material.
+    ///
+    /// If `opacity` is 1, returns `solid`.
     fn masked(&mut self, solid: Surface, opacity: TexturedValue<f64>) -> Surface {
         if opacity == TexturedValue::Plain(1.0) {
             return solid;
@@ -467,8 +477,9 @@ impl Conversion<'_, '_> {
         mix_of(names, opacity).into()
     }
 
-    /// Removes the bump map or normal map of a mix, with a message, because only its parts can have
-    /// one.
+    /// Returns `surface`; if it is a mix, without its own bump map or normal map.
+    ///
+    /// Only the parts of a mix can have such maps. Adds a message if a map is removed.
     fn perturb_parts(&mut self, bsdf: &SceneObject, surface: Surface) -> Surface {
         if surface.kind.mix_material_names().is_some() && surface.normal.is_some() {
             self.context.note("bump maps and normal maps of mixes are ignored", bsdf);
@@ -490,9 +501,9 @@ impl Conversion<'_, '_> {
         mix_of(names, amount)
     }
 
-    /// Adds a material of a mix, and returns its name.
+    /// Adds a part of a mix as a material, and returns the material's name.
     ///
-    /// A null interface becomes a fully transparent material.
+    /// For a null interface, returns the fully transparent material instead.
     fn add_part(&mut self, suffix: &str, surface: Surface) -> String {
         if surface.kind.is_null_interface() {
             return self.materials.clear_material();
@@ -557,9 +568,9 @@ fn normal_reflectance(index: f64) -> f64 {
     root * root
 }
 
-/// Returns a diffuse surface with a Phong lobe that reflects `specular` in total.
+/// Returns a diffuse surface with a Phong lobe whose total reflectance is `specular`.
 ///
-/// Its exponent is 2/α² − 2 for the GGX roughness α = `alpha`.
+/// The lobe's exponent is 2/α² − 2, where α = `alpha` is a GGX roughness.
 fn glossy(diffuse: TexturedValue<DVec3>, specular: DVec3, alpha: f64) -> MaterialKindDescription {
     let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
     let shininess = 2.0 / (alpha * alpha) - 2.0;
@@ -567,7 +578,9 @@ fn glossy(diffuse: TexturedValue<DVec3>, specular: DVec3, alpha: f64) -> Materia
     MaterialKindDescription::Phong { diffuse, specular, shininess, texture: None }
 }
 
-/// Returns the specular color of a Phong lobe that reflects all light at normal incidence.
+/// Returns the specular coefficient with which a Phong lobe reflects all light at normal incidence.
+///
+/// `shininess` is the exponent of the lobe.
 fn phong_gain(shininess: f64) -> f64 {
     0.5 * (shininess + 2.0)
 }

@@ -38,7 +38,7 @@ pub(super) struct Media {
 }
 
 impl Media {
-    /// Returns the name of a medium in the imported scene. Converts it at its first use.
+    /// Returns the name of a medium in the imported scene. Converts the medium at its first use.
     pub fn name(&mut self, context: &ImportContext<'_>, medium: &Rc<SceneObject>) -> ReadResult<Spanned<String>> {
         let key = Rc::as_ptr(medium);
         if let Some(name) = self.names.get(&key) {

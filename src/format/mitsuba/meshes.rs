@@ -15,16 +15,18 @@ use std::sync::Arc;
 /// Relation between a shape's texture coordinates in Caustica and in Mitsuba.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum TexcoordConvention {
-    /// Equal coordinates. In Mitsuba, v = 0 is the top of a picture.
+    /// Caustica's (u, v) equals Mitsuba's.
+    ///
+    /// Pictures differ nevertheless: v = 0 is their top in Mitsuba, and their bottom in Caustica.
     Same,
-    /// Flipped v: Caustica's v is 1 minus that of Mitsuba.
+    /// Caustica's v is 1 − v of Mitsuba; u is equal.
     Flipped,
 }
 
-/// Distance between a thin wall and its inner copy, as a fraction of the mesh's diagonal.
+/// Distance between a thin wall and its inner copy, relative to the diagonal of the mesh's bounds.
 const INNER_DISTANCE: f64 = 1e-4;
 
-/// Embedded meshes so far. Each file is read once, unless shapes set different flags.
+/// Embedded meshes of the imported scene so far. A mesh is read once per set of reading flags.
 #[derive(Default)]
 pub(super) struct Meshes {
     /// Embedded meshes by path.
@@ -36,7 +38,7 @@ pub(super) struct Meshes {
 }
 
 impl Meshes {
-    /// Reads the mesh file of a shape and embeds the mesh.
+    /// Reads the mesh file of a shape and embeds the mesh, unless this was done before.
     ///
     /// Returns the path of the embedded mesh, and the convention for its texture coordinates.
     pub fn mesh(
@@ -98,8 +100,9 @@ impl Meshes {
         Ok((path, convention))
     }
 
-    /// Returns the path of the cube \[−1, 1]³ as a mesh. Each side shows the whole picture of a
-    /// texture.
+    /// Returns the path of an embedded mesh of the cube \[−1, 1]³. Embeds it at its first use.
+    ///
+    /// Each side has texture coordinates that cover the unit square.
     pub fn cube(&mut self) -> String {
         if let Some(path) = &self.cube {
             return path.clone();
@@ -124,7 +127,9 @@ impl Meshes {
         path
     }
 
-    /// Returns the path of a unit sphere as a mesh, whose normals point inwards.
+    /// Returns the path of an embedded mesh of the unit sphere with inward normals.
+    ///
+    /// Embeds it at its first use.
     pub fn inward_sphere(&mut self) -> String {
         const STACKS: u32 = 128;
         const SLICES: u32 = 2 * STACKS;
@@ -162,9 +167,10 @@ impl Meshes {
         path
     }
 
-    /// Returns the path of a slightly smaller copy of the mesh `path`, which lies just inside it.
+    /// Returns the path of a slightly smaller copy that lies just inside the embedded mesh `path`.
     ///
-    /// It bounds the medium inside a thin wall, whose own surface cannot bound one.
+    /// Embeds the copy at its first use. It bounds the medium inside a thin wall, because the wall
+    /// itself cannot bound a medium.
     pub fn inner_copy(&mut self, path: &str) -> String {
         if let Some(inner) = self.inner.get(path) {
             return inner.clone();

@@ -71,7 +71,7 @@ impl SceneImporter for MitsubaImporter {
 /// Errors name `path`. Files that the scene names are looked up in the folder of `path`.
 ///
 /// # Errors
-/// [`SceneReadError`].
+/// [`SceneReadError`] at the first defect, or at content that cannot be imported.
 pub fn decode(path: &Path, bytes: &[u8], options: &ImportOptions) -> Result<ImportedScene, SceneReadError> {
     import_bytes(&SceneFiles::new(path, &(), options), bytes.to_vec())
 }
@@ -131,7 +131,9 @@ fn import_bytes(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ImportedSc
     Ok(ImportedScene { description, source, assets, notes: notes.into_notes() })
 }
 
-/// Returns the lights that are no surfaces. Adds a white sky if the scene has no emitter at all.
+/// Returns the lights of the scene, without the area lights of shapes.
+///
+/// `has_emitters` is true if a shape emits. Without any emitter, adds a white sky and a message.
 fn read_lights(
     context: &ImportContext<'_>,
     textures: &mut Textures,

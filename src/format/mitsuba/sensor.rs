@@ -93,8 +93,8 @@ fn perspective(
 
 /// Returns half the height of a picture at distance 1, from the field of view or the focal length.
 ///
-/// `size` is the width and height of the picture, of which only the ratio counts. `sensor` may also
-/// be a projector, which has the same parameters.
+/// `size` is the width and height of the picture; only their ratio matters. `sensor` may also be a
+/// projector, which has the same parameters.
 pub(super) fn half_height(sensor: &SceneObject, size: [f64; 2]) -> ReadResult<f64> {
     let [width, height] = size;
     let diagonal = libm::hypot(width, height);

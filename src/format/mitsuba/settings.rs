@@ -22,7 +22,7 @@ const ALGORITHMS: [(&str, &str); 13] = [
     ("pssmlt", "path"),
 ];
 
-/// Pixel filters of Mitsuba, each with its name on the command line.
+/// Pixel filters of Mitsuba, each with its name in `caustica render --filter`.
 const FILTERS: [(&str, &str); 5] =
     [("box", "box"), ("tent", "tent"), ("gaussian", "gaussian"), ("mitchell", "mitchell"), ("catmullrom", "mitchell")];
 

@@ -49,7 +49,7 @@ struct PlacedShape {
     shape: ShapeDescription,
     emission: Option<DVec3>,
     to_world: DAffine3,
-    /// Lower and upper corner of the shape's bounds, before the transform.
+    /// Lower and upper corner of the shape's bounds in its own space, before `to_world`.
     bounds: (DVec3, DVec3),
 }
 
@@ -58,7 +58,7 @@ struct ShapeGeometry {
     surface: ShapeDescription,
     /// Transform from the surface's own space to the space around the shape.
     to_world: DAffine3,
-    /// Lower and upper corner of the surface's bounds, before the transform.
+    /// Lower and upper corner of the surface's bounds in its own space, before `to_world`.
     bounds: (DVec3, DVec3),
 }
 
@@ -70,8 +70,9 @@ struct ShapeEmission {
 }
 
 impl Shapes {
-    /// Converts and adds a shape that is at the top level of the file. A shape group alone adds
-    /// nothing.
+    /// Converts and adds a shape at the top level of the file.
+    ///
+    /// A shape group adds nothing by itself: only its instances do.
     pub fn add(
         &mut self,
         context: &ImportContext<'_>,
@@ -133,10 +134,11 @@ impl Shapes {
         Ok(members)
     }
 
-    /// Converts one shape. A thin wall around a medium becomes two: the wall, and a null interface
-    /// inside.
+    /// Converts one shape. A thin wall around a medium becomes two shapes: the wall, and a null
+    /// interface inside it.
     ///
-    /// Returns an empty list if the shape is left out.
+    /// Returns an empty list if the kind of shape is not supported, or if a null interface contains
+    /// no medium.
     fn single(
         &mut self,
         context: &ImportContext<'_>,
@@ -183,7 +185,9 @@ impl Shapes {
         Ok(placed)
     }
 
-    /// Returns the emission of a shape, given by the area light in it.
+    /// Returns the emission of a shape, as the `area` emitter nested in it states.
+    ///
+    /// Other kinds of emitters are ignored with a message.
     fn emission(
         &mut self,
         context: &ImportContext<'_>,
@@ -213,9 +217,10 @@ impl Shapes {
         })
     }
 
-    /// Returns the geometry and transform of a shape; `None` for shapes that are left out.
+    /// Returns the geometry and transform of a shape; `None` if its kind is not supported.
     ///
-    /// `mesh` is the path of its embedded mesh, if it is read from a file.
+    /// `mesh` is the path of the shape's embedded mesh, if it comes from a file. `is_textured` and
+    /// `boundary` are those of its material.
     fn geometry(
         &mut self,
         context: &ImportContext<'_>,
@@ -301,7 +306,8 @@ impl Shapes {
 
     /// Returns a slightly smaller copy that lies just inside `shape`.
     ///
-    /// Only meshes, spheres and boxes are made smaller.
+    /// Only meshes, spheres and boxes become smaller; any other shape is returned unchanged. The
+    /// smaller copy of a mesh is embedded.
     fn inner_shape(&mut self, shape: ShapeDescription) -> ShapeDescription {
         const SHRINK: f64 = 1.0 - 1e-4;
         match shape {
@@ -324,7 +330,9 @@ impl Shapes {
         }
     }
 
-    /// Adds a shape to the imported scene. `source` is its object in the Mitsuba file.
+    /// Adds a shape to the imported scene. `source` is the shape's object in the Mitsuba file.
+    ///
+    /// A shape with a singular transform is left out with a message.
     fn push(&mut self, context: &ImportContext<'_>, placed: PlacedShape, source: &SceneObject) -> ReadResult<()> {
         let PlacedShape { material, shape, emission, to_world, bounds: (low, high) } = placed;
         if Transform::new(to_world).is_err() {

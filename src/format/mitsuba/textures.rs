@@ -22,7 +22,7 @@ use std::sync::Arc;
 /// Greatest nesting depth of textures.
 const MAX_DEPTH: u32 = 8;
 
-/// Quantity that a texture stands for. It decides how pixel values are converted and limited.
+/// Quantity that a texture stands for. It selects the conversion and the range of pixel values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum TextureUse {
     /// Colors inside \[0, 1].
@@ -42,7 +42,8 @@ pub(super) enum TextureUse {
 pub(super) enum TextureValues {
     /// Equal values everywhere.
     Constant(DVec3),
-    /// Name of a texture in the imported scene, and the mean of its values.
+    /// Name of a texture in the imported scene (or path of a picture in `Textures::embedded`), and
+    /// the mean of its values.
     Texture(Spanned<String>, DVec3),
 }
 
@@ -79,19 +80,22 @@ pub(super) struct Textures {
     pub descriptions: Vec<Spanned<TextureDescription>>,
     /// Embedded pictures, by path.
     pub pictures: BTreeMap<String, Arc<Image>>,
-    /// Decoded picture files. The key's flag is true for raw values, without sRGB decoding.
+    /// Decoded picture files. The key's flag is true for raw values, false for decoded sRGB.
     decoded: HashMap<(PathBuf, bool), Rc<Image>>,
-    /// Paths of embedded pictures. The key is the file, true for raw values, the use, and the
-    /// factor's bits.
+    /// Converted picture files, as paths of embedded pictures or as constants.
+    ///
+    /// The key holds the file, a flag for raw values, the use, and the bits of the factor.
     embedded: HashMap<(PathBuf, bool, TextureUse, u64), TextureValues>,
     /// Names of the textures. A key is a texture's content as text, so equal textures become one.
     names: HashMap<String, String>,
 }
 
 impl Textures {
-    /// Converts the texture or color `name` of an object; `default` if it has none.
+    /// Converts the texture or color `name` of an object; returns `default` if the object has
+    /// neither.
     ///
-    /// `wanted` is the quantity that the values stand for.
+    /// `wanted` is the quantity that the values stand for. `convention` is that of the shape's
+    /// texture coordinates.
     pub fn values(
         &mut self,
         context: &ImportContext<'_>,
@@ -112,7 +116,9 @@ impl Textures {
         Ok(TextureValues::Constant(limited(context.color(object, name, meaning, default)?, wanted)))
     }
 
-    /// Converts a texture object for the use `wanted`, with its values multiplied by `factor`.
+    /// Converts a texture object to the quantity `wanted`, with its values multiplied by `factor`.
+    ///
+    /// `depth` is the number of textures around this one.
     pub fn texture(
         &mut self,
         context: &ImportContext<'_>,
@@ -199,9 +205,9 @@ impl Textures {
         path
     }
 
-    /// Removes all textures but those with `names`, and pictures that are no longer used.
+    /// Keeps only the textures called `names`, and the pictures that these textures or lights show.
     ///
-    /// `others` are paths of pictures that lights use, which are kept.
+    /// `others` are the paths of the pictures that lights show.
     pub fn keep(&mut self, names: &HashSet<String>, others: &HashSet<String>) {
         self.descriptions.retain(|texture| names.contains(&texture.name));
         let shown: HashSet<&str> = self
@@ -215,7 +221,10 @@ impl Textures {
         self.pictures.retain(|path, _| shown.contains(path.as_str()) || others.contains(path));
     }
 
-    /// Converts the picture file that an object names, with its values multiplied by `factor`.
+    /// Converts the picture file of a `bitmap` texture, with its values multiplied by `factor`.
+    ///
+    /// `wanted` is the quantity that the values stand for. Returns a constant if all pixels are
+    /// equal.
     pub fn bitmap(
         &mut self,
         context: &ImportContext<'_>,
@@ -336,10 +345,11 @@ fn used_value(pixel: Rgb, wanted: TextureUse) -> Vec3 {
     }
 }
 
-/// Returns the map from the texture coordinates of a converted shape to those that Mitsuba looks
-/// up.
+/// Returns the affine map from a shape's texture coordinates in Caustica to those of a lookup in
+/// Mitsuba.
 ///
-/// The map is affine: a linear part and an offset.
+/// The result is the linear part and the offset. It includes the `to_uv` transform of `texture`.
+/// Singular transforms are ignored with a message.
 fn mitsuba_transform(
     context: &ImportContext<'_>,
     texture: &SceneObject,
@@ -369,7 +379,7 @@ fn mitsuba_transform(
     }
 }
 
-/// Returns the affine map followed by the flip of v to 1 − v.
+/// Returns the given affine map, followed by a flip that replaces v by 1 − v.
 fn turned((linear, offset): (DMat2, DVec2)) -> (DMat2, DVec2) {
     let flip = DMat2::from_diagonal(DVec2::new(1.0, -1.0));
     (flip * linear, flip * offset + DVec2::Y)

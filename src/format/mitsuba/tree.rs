@@ -18,11 +18,11 @@ pub(super) enum ObjectClass {
     Integrator,
     /// Camera.
     Sensor,
-    /// Light.
+    /// Light, or the emission of a shape.
     Emitter,
-    /// Surface.
+    /// Geometry with a material; also an instance or a group of shapes.
     Shape,
-    /// Reflection and transmission of a surface.
+    /// Reflection and transmission of a surface (its material).
     Bsdf,
     /// Function of a surface point, or a spectrum that the file writes as an object.
     Texture,
@@ -30,21 +30,21 @@ pub(super) enum ObjectClass {
     Medium,
     /// Phase function of a medium.
     Phase,
-    /// Function of a point in space.
+    /// Volume: a value at each point of space, such as the density of a medium.
     Volume,
-    /// Picture of a camera.
+    /// Film of a sensor, which states the size of the picture.
     Film,
-    /// Source of random numbers.
+    /// Sampler: source of random numbers.
     Sampler,
-    /// Pixel filter.
+    /// Reconstruction filter of the film.
     Filter,
     /// Subsurface scattering of a shape.
     Subsurface,
 }
 
 impl ObjectClass {
-    /// Returns the class of objects with the element name `tag`; `None` if such elements are no
-    /// objects.
+    /// Returns the class of objects with the element name `tag`; `None` if such elements define no
+    /// object.
     pub fn from_tag(tag: &str) -> Option<Self> {
         Some(match tag {
             "scene" => Self::Scene,
@@ -105,7 +105,7 @@ pub(super) struct SceneObject {
     pub place: Place,
     /// Values by name, each with a flag that is true if the importer has read it.
     pub values: BTreeMap<String, (Value, Cell<bool>)>,
-    /// Nested objects with the names that they have here, in the order of the file.
+    /// Nested objects, each with its name inside this object, in the order of the file.
     pub children: Vec<(String, ChildObject)>,
     /// True if the importer has looked up a value of the object.
     pub is_used: Cell<bool>,

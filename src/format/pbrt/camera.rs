@@ -80,7 +80,7 @@ fn crop_size(parameters: &Parameters, whole: [f64; 2]) -> Option<[f64; 2]> {
 /// Returns the camera, and the reflection to apply to the whole scene.
 ///
 /// pbrt's camera space is left-handed, and Caustica's is right-handed. So the scene is mirrored. If
-/// the camera's own transform mirrors it already, the reflection is the identity.
+/// the camera's own transform already mirrors the scene, the reflection is the identity.
 pub(super) fn read_camera(
     name: &str,
     parameters: &Parameters,

@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// Meshes, textures, materials and messages collected while the directives of a pbrt scene are
 /// read.
 pub(super) struct SceneContent {
-    /// Embedded meshes, by the paths that shapes name.
+    /// Embedded meshes, by the path to which shapes refer.
     pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
     /// Textures that the pbrt file defines, and textures and pictures of the imported scene.
     pub textures: Textures,

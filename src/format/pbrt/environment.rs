@@ -49,7 +49,7 @@ pub(super) fn equirectangular(image: &Image, layout: MapLayout, to_world: DMat3)
     Image::from_pixels(width, height, pixels).ok()
 }
 
-/// Returns the value of pbrt's map in a unit direction of the light's own space, interpolated
+/// Returns the radiance of pbrt's map in a unit direction of the light's own space, interpolated
 /// between pixels.
 fn value(image: &Image, layout: MapLayout, direction: DVec3) -> Rgb {
     let (width, height) = (i64::from(image.width()), i64::from(image.height()));

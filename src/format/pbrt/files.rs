@@ -34,11 +34,11 @@ impl Place {
     }
 }
 
-/// Access to the scene file and the files that it names, within a memory limit.
+/// Access to the scene file and the files that it refers to, within a memory limit.
 pub(super) struct SceneFiles<'a> {
     /// Path of the scene file.
     pub path: &'a Path,
-    /// Monitor that receives the path of each further file.
+    /// Receives the path of each file that is read after the scene file.
     pub monitor: &'a dyn MeshReadMonitor,
     /// Memory limit, and permission to read files outside of the scene's folder.
     pub options: &'a ImportOptions,
@@ -71,7 +71,7 @@ impl<'a> SceneFiles<'a> {
         }
     }
 
-    /// Returns the content of a file, and counts its memory.
+    /// Returns the content of a file, and adds its size to the scene's memory.
     pub fn read(&self, path: &Path) -> ReadResult<Vec<u8>> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (file, length) = open_file(path).map_err(unreadable)?;
@@ -81,11 +81,10 @@ impl<'a> SceneFiles<'a> {
         Ok(bytes)
     }
 
-    /// Returns the path of the file called `name` in the scene, relative to the folder of the scene
-    /// file.
+    /// Returns the path of the file to which the scene refers as `name`.
     ///
-    /// Reports the file to the monitor. The file must lie inside that folder, unless the options
-    /// allow others.
+    /// `name` is relative to the folder of the scene file. Reports the file to the monitor. The
+    /// file must lie inside that folder, unless the options allow outside files.
     pub fn resolve(&self, place: &Place, name: &str) -> ReadResult<PathBuf> {
         let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let file = folder.join(name);

@@ -42,7 +42,8 @@ const MEMORY_PER_OBJECT: u64 = 2_000;
 /// Estimated memory of each saved graphics state \[bytes].
 const MEMORY_PER_STATE: u64 = 600;
 
-/// Directives that are ignored, because they change only how pbrt samples or stores a picture.
+/// Directives that do not change the imported scene: they concern how pbrt samples or stores
+/// pictures.
 const IGNORED_DIRECTIVES: [&str; 9] = [
     "Accelerator",
     "ColorSpace",
@@ -422,7 +423,10 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    /// Makes the camera from the pending `Camera` directive, and finds the reflection of the scene.
+    /// Makes the camera from the pending `Camera` directive, and sets the scene's reflection
+    /// `mirror`.
+    ///
+    /// Does nothing if no directive is pending.
     fn place_camera(&mut self) -> ReadResult<()> {
         let Some((parameters, name, to_world)) = self.camera_directive.take() else { return Ok(()) };
         let size = self.film.unwrap_or(FilmSize::DEFAULT);
@@ -528,9 +532,9 @@ impl<'a> Interpreter<'a> {
     }
 }
 
-/// Returns `object` under the map `outer` · `transform`.
+/// Returns `object` transformed by `outer` · `transform`.
 ///
-/// The object moves if `transform` differs between the start and the end of the shutter interval.
+/// The object moves if `transform` differs between shutter start and shutter end.
 fn placed(
     object: Spanned<ObjectDescription>,
     outer: DAffine3,
@@ -555,7 +559,8 @@ fn placed(
     under(outer * center, Spanned::new(moving, Span::default()))
 }
 
-/// Returns the next token, which must be a text in quotes, without the quotes.
+/// Reads a text in quotes, and returns it without the quotes; an error if the next token is
+/// another.
 fn quoted(tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<String> {
     match tokens.next()? {
         Some(Token { kind: TokenKind::Quoted(text), .. }) => Ok(text.into_owned()),
@@ -565,7 +570,7 @@ fn quoted(tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<String> {
     }
 }
 
-/// Reads `count` numbers, which may stand in brackets.
+/// Reads exactly `count` numbers, with or without brackets around them.
 fn numbers(tokens: &mut Tokens<'_>, count: usize, place: &Place) -> ReadResult<Vec<f64>> {
     let mut numbers = Vec::with_capacity(count);
     let missing = || place.error(format!("the directive needs {count} numbers"), "add the missing numbers");

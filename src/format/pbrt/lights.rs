@@ -27,13 +27,14 @@ pub(super) struct Lights {
     descriptions: Vec<Spanned<LightDescription>>,
     /// Sum of the radiances of all infinite lights without a picture \[W/(m² sr)].
     sky: DVec3,
-    /// Environment map of the last infinite light with a picture, as an equirectangular map.
+    /// Picture of the last infinite light that has one, as an equirectangular map in world space.
     map: Option<Image>,
 }
 
 impl Lights {
-    /// Converts and adds a light. `kind` is its name in pbrt, and `to_world` maps its own space to
-    /// world space.
+    /// Converts and adds a light.
+    ///
+    /// `kind` is the light's type in pbrt. `to_world` maps the light's own space to world space.
     pub fn add(
         &mut self,
         kind: &str,
@@ -171,7 +172,9 @@ impl Lights {
         Ok(())
     }
 
-    /// Returns all lights. Infinite lights are merged into one environment light.
+    /// Returns all lights of the scene. Merges the infinite lights into one environment light.
+    ///
+    /// If that light has a map, embeds it as a picture in `content`.
     pub fn into_descriptions(
         mut self,
         content: &mut SceneContent,
@@ -193,7 +196,9 @@ impl Lights {
     }
 }
 
-/// Returns the picture of a parameter over all directions, and its layout.
+/// Reads the environment map that a parameter names, and returns it with its layout.
+///
+/// A square map of pbrt-v4 is octahedral; any other is by latitude and longitude.
 fn directional_map(
     parameter: &Parameter,
     place: &Place,
@@ -214,8 +219,10 @@ fn directional_map(
     Ok((image, layout))
 }
 
-/// Returns the map of a goniometric light in world space, with −z at its left edge; `None` if the
-/// light has no picture.
+/// Returns the map of a goniometric light as an equirectangular map in world space; `None` without
+/// a picture.
+///
+/// The left edge of the map is at −z. `axes` maps the light's space to world space.
 fn goniometric_map(
     parameters: &Parameters,
     axes: DMat3,
@@ -238,6 +245,8 @@ fn goniometric_map(
 }
 
 /// Returns the picture of a projection light, and its full vertical angle \[degrees].
+///
+/// `axes` maps the light's space to world space. Right-handed axes flip the picture.
 fn projected_picture(parameters: &Parameters, axes: DMat3, files: &SceneFiles<'_>) -> ReadResult<(Image, f64)> {
     let place = &parameters.place;
     let fov = parameters.number_or("fov", 90.0);
@@ -260,12 +269,12 @@ fn projected_picture(parameters: &Parameters, axes: DMat3, files: &SceneFiles<'_
     Ok((image, 2.0 * libm::atan(half_height).to_degrees()))
 }
 
-/// Returns a pixel without negative and non-finite values.
+/// Returns a pixel with negative channels set to 0; black if a channel is infinite or NaN.
 fn finite_light(pixel: Vec3) -> Vec3 {
     if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO }
 }
 
-/// Returns the parameter `scale` of a light, which is a number, or a color in pbrt-v3.
+/// Returns the parameter `scale` of a light: a number, or a color in pbrt-v3; 1 if it is missing.
 fn light_scale(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<DVec3> {
     match parameters.find("scale") {
         Some(parameter) => color(parameter, ColorUse::Unbounded, &parameters.place, files),
@@ -273,19 +282,19 @@ fn light_scale(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<DV
     }
 }
 
-/// Emission of a shape.
+/// Emission of a shape, as its `AreaLightSource` states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ShapeEmission {
-    /// Radiance in W/(m² sr), or the value before division by the area if `is_power`.
+    /// Radiance \[W/(m² sr)]; if `is_power`, flux \[W] by color, not yet divided by π and the area.
     radiance: DVec3,
-    /// True if the file states the flux of the shape.
+    /// True if the file states the flux of the shape instead of its radiance.
     is_power: bool,
     /// True if both sides emit.
     pub is_two_sided: bool,
 }
 
 impl ShapeEmission {
-    /// Returns the emission of an area light.
+    /// Reads the emission that the parameters of an `AreaLightSource` directive state.
     pub fn read(parameters: &Parameters, files: &SceneFiles<'_>, content: &mut SceneContent) -> ReadResult<Self> {
         let place: &Place = &parameters.place;
         let wanted = ColorUse::Light { is_v3: content.is_v3 };
@@ -302,7 +311,9 @@ impl ShapeEmission {
         Ok(Self { radiance, is_power: power.is_some(), is_two_sided })
     }
 
-    /// Returns the radiance of a shape whose area is computed by `area`.
+    /// Returns the radiance of a shape \[W/(m² sr)].
+    ///
+    /// `area` computes the shape's world-space area. It is called only if the file states a flux.
     pub fn radiance(&self, area: impl FnOnce() -> f64) -> DVec3 {
         if !self.is_power {
             return self.radiance;

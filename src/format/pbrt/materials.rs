@@ -30,10 +30,11 @@ const MIN_PHONG_ALPHA: f64 = 0.01;
 /// infinite k.
 const MAX_METAL_REFLECTANCE: f64 = 0.9999;
 
-/// Index of refraction of pbrt's coats and glossy materials, and default of dielectrics.
+/// Refractive index of pbrt's coats and glossy materials, and the default for dielectrics.
 const COAT_INDEX: f64 = 1.5;
 
-/// Thickness of pbrt's coats, whose extinction is 1.
+/// Default thickness of pbrt's coats. It is also their optical depth, because their extinction is
+/// 1.
 const COAT_THICKNESS: f64 = 0.01;
 
 /// Estimated memory of each material \[bytes].
@@ -59,8 +60,8 @@ struct FileMaterial {
 pub(super) struct Materials {
     numbered: Vec<Option<FileMaterial>>,
     named: HashMap<String, FileMaterial>,
-    /// Names of the imported scene's materials. The key states pbrt's material, inner medium and
-    /// opacity.
+    /// Names of the imported scene's materials. A key combines pbrt's material, the medium inside
+    /// and the opacity.
     used: HashMap<String, String>,
     /// Materials of the imported scene.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
@@ -83,28 +84,31 @@ struct Roughness {
 }
 
 impl Materials {
-    /// Returns the table of materials before the first directive. Number 0 is pbrt's default
-    /// material.
+    /// Returns the table of materials before the first directive.
+    ///
+    /// It holds only pbrt's default material, with the number 0.
     pub fn new() -> Self {
         Self { numbered: vec![None], named: HashMap::new(), used: HashMap::new(), descriptions: Vec::new() }
     }
 
-    /// Adds a pbrt material without a name, and returns its number.
+    /// Adds a material of a `Material` directive, and returns its number.
     pub fn add_numbered(&mut self, kind: &str, parameters: Parameters) -> usize {
         self.numbered.push(Some(FileMaterial { kind: kind.to_owned(), parameters: Rc::new(parameters) }));
         self.numbered.len() - 1
     }
 
-    /// Adds a pbrt material under its name.
+    /// Adds a material of a `MakeNamedMaterial` directive. It replaces an earlier one with this
+    /// name.
     pub fn add_named(&mut self, name: &str, parameters: Parameters) {
         let kind = parameters.text("type").unwrap_or("diffuse").to_owned();
         self.named.insert(name.to_owned(), FileMaterial { kind, parameters: Rc::new(parameters) });
     }
 
-    /// Returns the name of a shape's material in the imported scene. Converts it at its first use.
+    /// Returns the name of a shape's material in the imported scene. Converts the material at its
+    /// first use.
     ///
-    /// `medium` is the name of the medium inside the shape. `alpha` is the parameter for its
-    /// opacity.
+    /// `medium` is the name of the medium inside the shape; `None` for vacuum. `alpha` is the
+    /// shape's opacity parameter.
     pub fn resolve(
         &mut self,
         material: &CurrentMaterial,
@@ -135,7 +139,8 @@ impl Materials {
         Ok(name)
     }
 
-    /// True if a material of the description bounds a body, which may hold a medium.
+    /// True if the imported material `name` is a dielectric or a null interface, so that a medium
+    /// can fill its shape.
     pub fn bounds_body(&self, name: &str) -> bool {
         let material = self.descriptions.iter().find(|material| material.name.as_deref() == Some(name));
         material.is_some_and(|material| material.kind.is_dielectric() || material.kind.is_null_interface())
@@ -188,9 +193,8 @@ impl Conversion<'_> {
         Ok(name)
     }
 
-    /// Returns the name of a mix of the material `name` with a fully transparent one.
-    ///
-    /// `opacity` is the probability of the material.
+    /// Returns the name of a mix of the material `name`, with the weight `opacity`, and a fully
+    /// transparent one.
     fn masked(&mut self, name: &str, opacity: TexturedValue<f64>) -> ReadResult<String> {
         let clear = MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() };
         let clear = self.push(clear, None)?;
@@ -198,7 +202,8 @@ impl Conversion<'_> {
         self.push(MaterialKindDescription::Mix { first: part(&clear), second: part(name), amount: opacity }, None)
     }
 
-    /// Converts a mix of two named materials, and returns its name.
+    /// Converts a mix of two named materials, adds it, and returns its name. `depth` counts outer
+    /// mixes.
     fn mix(&mut self, parameters: &Parameters, depth: usize) -> ReadResult<String> {
         let place = &parameters.place;
         if depth >= MAX_MIX_DEPTH {
@@ -226,8 +231,8 @@ impl Conversion<'_> {
         self.push(MaterialKindDescription::Mix { first, second, amount }, None)
     }
 
-    /// Converts the reflection and transmission of a material. `kind` is its type in pbrt, `p` its
-    /// parameters.
+    /// Converts the reflection and transmission of the pbrt material `kind` with the parameters
+    /// `p`.
     fn surface(&mut self, kind: &str, p: &Parameters) -> ReadResult<MaterialKindDescription> {
         let place = &p.place;
         let diffuse = |reflectance: TexturedValue<DVec3>| MaterialKindDescription::Diffuse { reflectance };
@@ -322,10 +327,10 @@ impl Conversion<'_> {
         })
     }
 
-    /// Returns a conductor with the given reflectance at normal incidence, or else with index η +
-    /// ik.
+    /// Returns a conductor with the given reflectance at normal incidence, or else with the index η
+    /// + ik.
     ///
-    /// The names are those of the parameters for the reflectance, η and k.
+    /// The three texts are the names of the parameters for the reflectance, η and k.
     fn conductor(
         &mut self,
         p: &Parameters,
@@ -364,7 +369,10 @@ impl Conversion<'_> {
         Ok(MaterialKindDescription::Conductor { metal: MetalDescription::with_nearest_index(eta, k), roughness })
     }
 
-    /// Returns the refractive index of a dielectric: a named glass, an Abbe number, or one index.
+    /// Returns the refractive index of a dielectric.
+    ///
+    /// It is a glass that Caustica knows by name, an index with an Abbe number, or a constant
+    /// index.
     fn refraction(&mut self, p: &Parameters) -> ReadResult<RefractiveIndexDescription> {
         let glass = p.find("eta").filter(|eta| eta.kind == "spectrum").and_then(|eta| eta.texts.first());
         if let Some(name) = glass.and_then(|name| name.strip_prefix("glass-")) {
@@ -378,9 +386,10 @@ impl Conversion<'_> {
         self.index(p, &["eta", "index"]).map(RefractiveIndexDescription::Index)
     }
 
-    /// Returns the refractive index from the first parameter with one of `names`; 1.5 without any.
+    /// Returns the refractive index from the first parameter with one of `names`; 1.5 if there is
+    /// none.
     ///
-    /// The index of a spectrum is that of its green channel.
+    /// A spectrum gives its green channel. A texture gives 1.5, with a message.
     fn index(&mut self, p: &Parameters, names: &[&str]) -> ReadResult<f64> {
         let place = &p.place;
         let index = match p.find_any(names) {
@@ -397,14 +406,14 @@ impl Conversion<'_> {
         Ok(index)
     }
 
-    /// Returns GGX α from pbrt's roughness parameters with their usual names.
+    /// Returns GGX α from pbrt's parameters `roughness`, `uroughness` and `vroughness`.
     fn roughness(&mut self, p: &Parameters, default: f64, is_v3: bool) -> ReadResult<Roughness> {
         self.roughness_of(p, ["uroughness", "vroughness"], default, is_v3)
     }
 
-    /// Returns GGX α from the parameters `u` and `v`, or else from the common `roughness`.
+    /// Returns GGX α from the roughness parameters `u` and `v`, or else from the isotropic one.
     ///
-    /// Different roughness in both directions becomes its geometric mean.
+    /// If both directions differ, returns their geometric mean.
     fn roughness_of(&mut self, p: &Parameters, [u, v]: [&str; 2], default: f64, is_v3: bool) -> ReadResult<Roughness> {
         let place = &p.place;
         let prefix = u.strip_suffix("uroughness").unwrap_or_default();
@@ -455,7 +464,7 @@ impl Conversion<'_> {
         self.textures.add(&value, &unit, self.files)
     }
 
-    /// Converts a value to a number: averages its channels and applies `map`.
+    /// Converts a texture to numbers: takes the mean of the channels, and applies `map` to it.
     ///
     /// Returns the number or number texture, and its mean over the texture.
     fn scalar(&mut self, value: &TextureValue, map: &dyn Fn(f64) -> f64) -> ReadResult<(TexturedValue<f64>, f64)> {
@@ -495,9 +504,9 @@ impl Conversion<'_> {
     }
 }
 
-/// Returns a diffuse surface with a Phong lobe that reflects `f0` in total.
+/// Returns a diffuse surface with a Phong lobe whose total reflectance is `f0`.
 ///
-/// Its exponent is 2/α² − 2 for the GGX roughness α = `alpha`.
+/// The lobe's exponent is 2/α² − 2, where α = `alpha` is a GGX roughness.
 fn phong(diffuse: TexturedValue<DVec3>, f0: DVec3, alpha: f64) -> MaterialKindDescription {
     let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
     let shininess = 2.0 / (alpha * alpha) - 2.0;

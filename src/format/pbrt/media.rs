@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Bytes of memory for each cell of a grid: its density, and its majorant.
 const MEMORY_PER_CELL: u64 = 8;
 
-/// Least relative deviation of a color from the mean color of a grid that is worth a message.
+/// Least relative deviation of a cell's color from the grid's mean color that causes a message.
 const COLOR_DEVIATION: f64 = 1e-3;
 
 /// Coefficients, emission and density of a medium.
@@ -29,21 +29,21 @@ struct MediumValues {
 /// Density grids by path.
 type DensityGrids = BTreeMap<String, Arc<DensityGrid>>;
 
-/// Media of a scene, with their density grids.
+/// Media of the imported scene so far, with their density grids.
 #[derive(Default)]
 pub(super) struct Media {
-    /// Media of the description. Boxes of grids are in pbrt's world space.
+    /// Media of the imported scene. Boxes of grids are in pbrt's world space.
     descriptions: Vec<Spanned<MediumDescription>>,
     grids: DensityGrids,
 }
 
 impl Media {
-    /// True if a medium with this name is known.
+    /// True if a medium called `name` has been added.
     pub fn contains(&self, name: &str) -> bool {
         self.descriptions.iter().any(|medium| medium.name == name)
     }
 
-    /// Returns the descriptions, with all boxes transformed by `map`, and the density grids by
+    /// Returns the media, with the boxes of their grids transformed by `map`, and the grids by
     /// path.
     pub fn into_descriptions(mut self, map: DAffine3) -> (Vec<Spanned<MediumDescription>>, DensityGrids) {
         for medium in &mut self.descriptions {
@@ -97,7 +97,7 @@ impl Media {
         Ok(())
     }
 
-    /// Returns a medium with one density for each cell.
+    /// Reads the values of a grid medium with one density per cell, and embeds its grid.
     fn uniform_grid(
         &mut self,
         parameters: &Parameters,
@@ -131,9 +131,10 @@ impl Media {
         Ok(MediumValues { coefficients, emission, density })
     }
 
-    /// Returns a medium with colors of absorption and scattering for each cell.
+    /// Reads the values of a grid medium with an absorption and scattering color per cell.
     ///
-    /// The density is the mean of the extinction's channels. Colors become means over all cells.
+    /// Caustica varies only the density over cells: it is the mean of the extinction's channels.
+    /// The colors become density-weighted means over all cells, with a message.
     fn color_grid(
         &mut self,
         parameters: &Parameters,
@@ -177,7 +178,8 @@ impl Media {
         Ok(MediumValues { coefficients, emission, density })
     }
 
-    /// Embeds a grid in the box of the medium, and returns its density.
+    /// Embeds a density grid that fills the medium's box, and returns the density that refers to
+    /// it.
     fn embed(
         &mut self,
         (size, values): ([u32; 3], Vec<f32>),
@@ -199,7 +201,7 @@ impl Media {
     }
 }
 
-/// Returns a medium that is equal everywhere.
+/// Reads the values of a homogeneous medium.
 fn homogeneous(parameters: &Parameters, files: &SceneFiles<'_>, notes: &mut ImportNotes) -> ReadResult<MediumValues> {
     if let Some(preset) = parameters.text("preset") {
         let message = format!("media by preset have pbrt's default coefficients, not those of `{preset}`");
@@ -212,7 +214,9 @@ fn homogeneous(parameters: &Parameters, files: &SceneFiles<'_>, notes: &mut Impo
     Ok(MediumValues { coefficients, emission, density: DensityDescription::Homogeneous })
 }
 
-/// Returns σa and σs, times the scale. Defaults are 1, or whole milk per millimetre.
+/// Returns σa and σs \[1/length], multiplied by the parameter `scale`.
+///
+/// A missing coefficient is 1 if `defaults_to_one`, else that of whole milk per millimeter.
 fn coefficients(parameters: &Parameters, defaults_to_one: bool, files: &SceneFiles<'_>) -> ReadResult<[DVec3; 2]> {
     let place = &parameters.place;
     let scale = parameters.number_or("scale", 1.0);
@@ -224,7 +228,9 @@ fn coefficients(parameters: &Parameters, defaults_to_one: bool, files: &SceneFil
     Ok([value("sigma_a", DVec3::new(0.0011, 0.0024, 0.014))?, value("sigma_s", DVec3::new(2.55, 3.21, 3.77))?])
 }
 
-/// Returns the emitted radiance per optical depth of absorption, without its factor.
+/// Returns the parameter `Le` of a medium: emitted radiance per optical depth of absorption.
+///
+/// The factor `Lescale` is not included. The result is 0 if the medium does not emit.
 fn emission(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<DVec3> {
     match parameters.find("Le") {
         Some(parameter) => color(parameter, ColorUse::Light { is_v3: false }, &parameters.place, files),

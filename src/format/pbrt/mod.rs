@@ -53,10 +53,10 @@ impl SceneImporter for PbrtImporter {
 
 /// Imports the bytes of a `.pbrt` file.
 ///
-/// Errors name `path`, whose folder holds the files that the bytes name.
+/// Errors name `path`. Files that the scene names are looked up in the folder of `path`.
 ///
 /// # Errors
-/// [`SceneReadError`].
+/// [`SceneReadError`] at the first defect, or at content that cannot be imported.
 pub fn decode(path: &Path, bytes: &[u8], options: &ImportOptions) -> Result<ImportedScene, SceneReadError> {
     import_bytes(&SceneFiles::new(path, &(), options), bytes)
 }

@@ -32,7 +32,7 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// Returns parameters with numbers, by name.
+    /// Returns number parameters from pairs of a name and values.
     #[cfg(test)]
     pub fn of_numbers(place: Place, numbers: &[(&str, &[f64])]) -> Self {
         let parameter = |(name, numbers): &(&str, &[f64])| Parameter {
@@ -71,8 +71,8 @@ impl Parameters {
         self.list.iter().find(|parameter| parameter.name == name)
     }
 
-    /// Returns the parameter with the first of `names` that the directive has; `None` if it has
-    /// none.
+    /// Returns the first parameter, in the order of `names`, that the directive has; `None` if it
+    /// has none of them.
     pub fn find_any(&self, names: &[&str]) -> Option<&Parameter> {
         names.iter().find_map(|name| self.find(name))
     }

@@ -12,16 +12,17 @@ const TURN_SEGMENTS: f64 = 64.0;
 /// Number of segments along a curved generatrix.
 const CURVE_SEGMENTS: u32 = 32;
 
-/// Curve that turns about the z axis, from v = 0 to v = 1.
+/// Curve that turns about the z axis, from v = 0 to v = 1, as a polyline.
 ///
-/// Each point has a tangent of any length in the direction of v.
+/// Each point has a tangent in the direction of increasing v. Tangents may have any length.
 struct Generatrix {
     points: Vec<DVec3>,
     tangents: Vec<DVec3>,
 }
 
 impl Generatrix {
-    /// Returns the curve of `segments`; `at` gives the point and tangent for v in \[0, 1].
+    /// Returns the curve divided into `segments` pieces. `at` gives point and tangent for v in \[0,
+    /// 1].
     fn new(segments: u32, at: impl Fn(f64) -> (DVec3, DVec3)) -> Self {
         let (points, tangents) = (0..=segments).map(|i| at(f64::from(i) / f64::from(segments))).unzip();
         Self { points, tangents }
@@ -32,7 +33,10 @@ impl Generatrix {
         Self::new(segments, |v| (start.lerp(end, v), end - start))
     }
 
-    /// Returns the surface of a turn by `phi_max` \[radians], with normals ∂p/∂u × ∂p/∂v.
+    /// Returns the surface that the curve sweeps when it turns by `phi_max` \[radians] about the z
+    /// axis.
+    ///
+    /// Its normals are ∂p/∂u × ∂p/∂v.
     fn turned(&self, phi_max: f64) -> TriangleMesh {
         let columns = (TURN_SEGMENTS * phi_max / (2.0 * PI)).ceil().max(1.0) as u32;
         let rows = self.points.len() as u32;
@@ -70,7 +74,7 @@ impl Generatrix {
     }
 }
 
-/// Returns the mesh of a quadric with this name; `None` for other shapes.
+/// Returns the mesh of the pbrt quadric `kind`; `None` for any other kind of shape.
 pub(super) fn quadric_mesh(kind: &str, parameters: &Parameters) -> ReadResult<Option<TriangleMesh>> {
     let place = &parameters.place;
     let number = |name: &str, default: f64| parameters.number_or(name, default);

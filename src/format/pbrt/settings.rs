@@ -2,7 +2,8 @@
 
 use super::parameters::Parameters;
 
-/// Integrators of both versions, with the algorithms that find the same light paths.
+/// Integrators of pbrt-v3 and pbrt-v4, each with Caustica's algorithm that finds the same light
+/// paths.
 const ALGORITHMS: [(&str, &str); 13] = [
     ("path", "path"),
     ("volpath", "path"),
@@ -19,14 +20,16 @@ const ALGORITHMS: [(&str, &str); 13] = [
     ("directlighting", "whitted"),
 ];
 
-/// Pixel filters of pbrt, with the names of the command line.
+/// Pixel filters of pbrt, each with its name in `caustica render --filter`.
 const FILTERS: [(&str, &str); 4] =
     [("box", "box"), ("triangle", "tent"), ("gaussian", "gaussian"), ("mitchell", "mitchell")];
 
-/// Number of bounces of pbrt's path tracers by default.
+/// Value of `maxdepth` if a pbrt scene does not state it.
 const DEFAULT_DEPTH: f64 = 5.0;
 
-/// Flags of `render` that stand for the settings of the file. The last of two directives holds.
+/// Flags of `caustica render` that correspond to settings in a pbrt file.
+///
+/// A later directive replaces the flags of an earlier one of its kind.
 #[derive(Default)]
 pub(super) struct SuggestedFlags {
     integrator: Vec<String>,
@@ -35,7 +38,9 @@ pub(super) struct SuggestedFlags {
 }
 
 impl SuggestedFlags {
-    /// Adds a directive of the file with its name and parameters.
+    /// Converts a directive to flags, if it is an integrator, a pixel filter or a sampler.
+    ///
+    /// Other directives are ignored. `name` and `parameters` are those of the directive.
     pub fn add(&mut self, directive: &str, name: &str, parameters: &Parameters) {
         match directive {
             "Integrator" | "SurfaceIntegrator" => {

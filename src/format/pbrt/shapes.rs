@@ -23,10 +23,10 @@ const MAX_QUADRIC_CORNERS: u64 = 16_000;
 /// Number of segments along each side of a bilinear patch that is no parallelogram.
 const PATCH_SEGMENTS: u32 = 16;
 
-/// Converts a `Shape` directive to a shape in object space; `None` for a shape that is left out.
+/// Converts a `Shape` directive to a shape in object space; `None` for curves, with a message.
 ///
-/// `kind` is its type in pbrt. A mesh is embedded under the path `name`. `is_reversed` turns the
-/// shape inside out.
+/// `kind` is the shape's type in pbrt. A mesh is embedded under the path `name`. If `is_reversed`,
+/// the shape is turned inside out.
 pub(super) fn read_shape(
     (kind, name): (&str, &str),
     parameters: &Parameters,
@@ -180,7 +180,8 @@ fn triangle_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<
     Ok(mesh)
 }
 
-/// Flips each triangle whose winding opposes its vertex normals. pbrt also orients faces by them.
+/// Flips each triangle whose winding opposes its vertex normals, because vertex normals orient
+/// pbrt's faces.
 fn face_normals(mesh: &mut TriangleMesh) {
     let TriangleMesh { positions, triangles, normals: Some(normals), .. } = mesh else { return };
     for triangle in triangles {

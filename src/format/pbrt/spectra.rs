@@ -6,17 +6,18 @@ use crate::bsdf::metal_refractive_index;
 use crate::color::{Spectrum, illuminant_rgb, xyz_to_rgb};
 use glam::DVec3;
 
-/// Quantity that a color stands for. It decides how a spectrum becomes RGB.
+/// Quantity that a color stands for. It selects the conversion of a spectrum to RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ColorUse {
     /// Reflectance or transmittance, inside \[0, 1].
     Reflectance,
-    /// Radiance or intensity of a light. pbrt-v4 normalizes its spectra to luminance 1.
+    /// Radiance or intensity of a light. pbrt-v4 normalizes spectra of lights to luminance 1.
     Light {
         /// True for a scene of pbrt-v3, which does not normalize spectra.
         is_v3: bool,
     },
-    /// Other quantity that depends on wavelength, such as an absorption coefficient.
+    /// Any quantity that is neither limited to \[0, 1] nor emission, such as an absorption
+    /// coefficient.
     Unbounded,
 }
 
@@ -29,7 +30,8 @@ pub(super) enum SpectralValue {
 }
 
 impl SpectralValue {
-    /// Returns the values for red, green and blue. Those of a spectrum are means over wavelengths.
+    /// Returns the values for red, green and blue. For a spectrum, these are means over wavelength
+    /// ranges.
     pub fn channels(&self) -> DVec3 {
         match self {
             Self::Spectrum(spectrum) => spectrum.channel_means(),
@@ -38,7 +40,8 @@ impl SpectralValue {
     }
 }
 
-/// Returns the linear RGB value of a color parameter, which stands for the quantity `wanted`.
+/// Converts a color parameter to linear RGB. `wanted` is the quantity that the parameter stands
+/// for.
 pub(super) fn color(
     parameter: &Parameter,
     wanted: ColorUse,
@@ -74,7 +77,7 @@ pub(super) fn color(
     Ok(value)
 }
 
-/// Returns the value of a color parameter, as a spectrum if it is one.
+/// Returns the value of a color parameter: a spectrum if the file gives one, else RGB.
 pub(super) fn spectral_value(
     parameter: &Parameter,
     place: &Place,
@@ -103,7 +106,7 @@ fn sampled(pairs: &[f64], place: &Place) -> ReadResult<Spectrum> {
     })
 }
 
-/// Returns the spectrum that pbrt calls `name`, or that of the file `name`.
+/// Returns the spectrum that pbrt calls `name`, or else the spectrum in the file `name`.
 fn named_spectrum(name: &str, place: &Place, files: &SceneFiles<'_>) -> ReadResult<SpectralValue> {
     if let Some(metal) = name.strip_prefix("metal-") {
         let (metal, is_eta) = match (metal.strip_suffix("-eta"), metal.strip_suffix("-k")) {
@@ -135,9 +138,9 @@ fn named_spectrum(name: &str, place: &Place, files: &SceneFiles<'_>) -> ReadResu
     sampled(&numbers, &Place { file, line: 1 }).map(SpectralValue::Spectrum)
 }
 
-/// Returns η or k of a metal, or of an oxide that pbrt lists among the metals; `None` if unknown.
+/// Returns η, or k if `is_eta` is false, of a metal for red, green and blue; `None` if unknown.
 ///
-/// `is_eta` selects η.
+/// Includes the oxides that pbrt lists among the metals.
 fn metal_index(name: &str, is_eta: bool) -> Option<DVec3> {
     let oxide = match name {
         "MgO" => Some(1.737),

@@ -15,28 +15,28 @@ const LEAST_ROTATION: f64 = 1e-9;
 pub(super) struct MovingTransform(pub [DAffine3; 2]);
 
 impl MovingTransform {
-    /// The identity at both times.
+    /// Identity at shutter start and shutter end.
     pub const IDENTITY: Self = Self([DAffine3::IDENTITY; 2]);
 
-    /// Returns the inverse at both times; `None` if one is singular.
+    /// Returns the inverse transforms; `None` if one of the transforms is singular.
     pub fn inverse(&self) -> Option<Self> {
         let inverse = |map: DAffine3| Transform::new(map).is_ok().then(|| map.inverse());
         Some(Self([inverse(self.0[0])?, inverse(self.0[1])?]))
     }
 
-    /// True if both transforms are equal.
+    /// True if the transforms at shutter start and shutter end are equal.
     pub fn is_still(&self) -> bool {
         self.0[0] == self.0[1]
     }
 }
 
-/// Motion of an object over the shutter interval, as steps about a center.
+/// Motion of an object over the shutter interval: a translation and a rotation about `center`.
 pub(super) struct ObjectMotion {
     /// Center of the rotation in world space: the origin of the object when the shutter opens.
     pub center: DVec3,
-    /// Translation, then rotation if there is any. The first listed step is applied last.
+    /// The translation, then the rotation if there is any. The rotation is applied first.
     pub steps: Vec<TransformStep>,
-    /// True if the object also changes its scale or shear. `steps` omit this change.
+    /// True if the object's scale or shear also changes. `steps` do not include this change.
     pub omits_scale: bool,
 }
 
@@ -74,9 +74,11 @@ pub(super) struct AreaLight {
 /// Material that applies to the shapes that follow.
 #[derive(Clone, Debug)]
 pub(super) enum CurrentMaterial {
-    /// Material of a `Material` directive, which has no name, by its number.
+    /// Number of an unnamed material, which a `Material` directive defines.
     Numbered(usize),
-    /// Name of a material, which may be defined later, with the position that names it.
+    /// Name of a material, and the position of the directive that uses it.
+    ///
+    /// The material may be defined later.
     Named(Rc<str>, Place),
 }
 
@@ -85,15 +87,15 @@ pub(super) enum CurrentMaterial {
 pub(super) struct GraphicsState {
     /// Current transform from object to world space.
     pub transform: MovingTransform,
-    /// True for each of the two transforms (shutter start, shutter end) that directives change.
+    /// For the transforms at shutter start and shutter end: true if transform directives change it.
     pub is_active: [bool; 2],
-    /// True if shapes are turned inside out.
+    /// True if the shapes that follow are turned inside out (`ReverseOrientation`).
     pub is_reversed: bool,
     /// Material of the shapes that follow.
     pub material: CurrentMaterial,
     /// Emission of the shapes that follow; `None` if they emit nothing.
     pub area_light: Option<AreaLight>,
-    /// Names of the media inside and outside of shapes; empty for vacuum.
+    /// Names of the media inside and outside of the shapes that follow; empty for vacuum.
     pub media: [Rc<str>; 2],
 }
 
@@ -110,7 +112,9 @@ impl GraphicsState {
         }
     }
 
-    /// Replaces each active transform T by T · `map`, so that `map` is applied first.
+    /// At each active time (shutter start or end), replaces the current transform T by T · `map`.
+    ///
+    /// So `map` is applied to points first.
     pub fn concatenate(&mut self, map: DAffine3, place: &Place) -> ReadResult<()> {
         for i in 0..2 {
             if self.is_active[i] {
@@ -124,7 +128,8 @@ impl GraphicsState {
         Ok(())
     }
 
-    /// Replaces the active transforms by those of `transform`.
+    /// Replaces the current transform by `transform`, but only at the active times (shutter start
+    /// or end).
     pub fn set_transform(&mut self, transform: MovingTransform) {
         for i in 0..2 {
             if self.is_active[i] {

@@ -97,12 +97,12 @@ fn neighborhoods(positions: &[DVec3], edges: &Edges) -> Vec<Neighborhood> {
     neighbors
 }
 
-/// Returns the weight of each neighbor of an inner vertex (Warren 1995).
+/// Returns the weight of each neighbor of an inner vertex in Loop subdivision (Warren 1995).
 fn neighbor_weight(valence: u32) -> f64 {
     if valence == 3 { 3.0 / 16.0 } else { 3.0 / (8.0 * f64::from(valence)) }
 }
 
-/// Returns the new position of an old vertex after one subdivision.
+/// Returns the position of a vertex of the old mesh after one Loop subdivision.
 fn even_position(position: DVec3, around: &Neighborhood) -> DVec3 {
     match around.boundary_edges {
         0 if around.valence > 0 => {

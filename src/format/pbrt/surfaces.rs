@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-/// Distance between both sides of a lamp, relative to its size.
+/// Distance between a two-sided lamp's front and the added back, relative to the lamp's size.
 const SIDE_DISTANCE: f64 = 1e-4;
 
 /// Bytes of memory for each vertex and each triangle of a copied mesh.
@@ -35,11 +35,11 @@ pub(super) fn is_sheet(shape: &ShapeDescription, meshes: &BTreeMap<String, Arc<T
     }
 }
 
-/// Returns the shape that emits on the back of a sheet; `None` for other shapes.
+/// Returns a second shape that emits on the back of a sheet; `None` if `shape` needs or gets none.
 ///
-/// The new shape faces backwards, and lies behind the sheet by a fraction of its size, because two
-/// coincident surfaces would be one hit. Its mesh gets a name that begins with `name`. The back of
-/// a closed shape is not visible, and that of a tube is left dark.
+/// The second shape faces backwards. It lies behind the sheet by a fraction of the sheet's size,
+/// because two coincident surfaces would be one hit. Its mesh, if any, is added under a name that
+/// begins with `name`. The back of a closed shape is not visible. The back of a tube stays dark.
 pub(super) fn back_side(
     shape: &ShapeDescription,
     name: &str,
@@ -85,10 +85,10 @@ pub(super) fn back_side(
     })
 }
 
-/// Returns the area of a shape under `to_world`.
+/// Returns the area of a shape under `to_world` \[length²].
 ///
-/// It is exact for meshes and discs. Spheres and tubes count as if the transform kept angles. The
-/// importer makes no other shapes; their area is infinite.
+/// It is exact for meshes and discs. For spheres and tubes, it is exact if the transform keeps
+/// angles. The area of any other shape is infinite; the importer makes none.
 pub(super) fn world_area(
     shape: &ShapeDescription,
     meshes: &BTreeMap<String, Arc<TriangleMesh>>,

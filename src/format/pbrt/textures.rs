@@ -25,7 +25,7 @@ pub(super) enum TextureValue {
     Picture {
         /// The picture; its values are linear.
         image: Arc<Image>,
-        /// Factor that multiplies the pixel values.
+        /// Factor on the pixel values.
         factor: DVec3,
         /// Rule for texture coordinates beyond the picture's edges.
         wrap: WrapMode,
@@ -34,14 +34,14 @@ pub(super) enum TextureValue {
     },
     /// A checkerboard of two colors.
     Checker {
-        /// Colors of both kinds of squares.
+        /// Colors of the two kinds of squares.
         colors: [DVec3; 2],
         /// Transform from the surface's texture coordinates to those of the checkerboard.
         coordinates: TexcoordTransformDescription,
     },
     /// A solid texture: noise that blends two colors.
     Solid {
-        /// Function of the position.
+        /// Pattern in space. Its values from 0 to 1 blend the two colors.
         pattern: SolidPatternDescription,
         /// Colors where the pattern has the values 0 and 1.
         colors: [DVec3; 2],
@@ -96,7 +96,8 @@ impl TextureValue {
 /// Textures that the pbrt file defines, and the textures and pictures of the imported scene.
 #[derive(Default)]
 pub(super) struct Textures {
-    /// Textures that the pbrt file defines, by name. The key's flag is true for color textures.
+    /// Textures that the pbrt file defines, by name. The key's flag is true for color textures, and
+    /// false for number textures.
     defined: HashMap<(bool, String), TextureValue>,
     /// Textures of the imported scene.
     pub descriptions: Vec<Spanned<TextureDescription>>,
@@ -105,7 +106,9 @@ pub(super) struct Textures {
 }
 
 impl Textures {
-    /// Defines a texture of pbrt. `class` is its type, such as `imagemap`; `is_color` is false for
+    /// Adds a texture that the pbrt file defines.
+    ///
+    /// `class` is its type, such as `imagemap`. `is_color` is true for colors, and false for
     /// numbers.
     pub fn define(
         &mut self,
@@ -214,6 +217,8 @@ impl Textures {
     }
 
     /// Returns the value of a material parameter, which is a number, a color, or a texture's name.
+    ///
+    /// `is_color` selects whether a name refers to a color texture or a number texture.
     pub fn parameter_value(
         &self,
         parameter: &Parameter,
@@ -298,6 +303,8 @@ fn coordinates(parameters: &Parameters, notes: &mut ImportNotes) -> TexcoordTran
 }
 
 /// Reads the picture file that the scene calls `name`: PNG, OpenEXR, Radiance HDR, JPEG or TGA.
+///
+/// `meaning` is what the pixels stand for.
 pub(super) fn read_picture(
     name: &str,
     meaning: PixelMeaning,

@@ -8,7 +8,7 @@ const ARITY: usize = 8;
 /// Bit of a child reference in a node: set if the child is a leaf.
 const LEAF_BIT: u32 = 1 << 31;
 
-/// Node with eight children; unused slots have inverted boxes.
+/// Node with eight children; the bounds of an unused slot have lower corner +∞ and upper corner −∞.
 #[derive(Debug)]
 struct Node {
     /// Bounds of the children, as `bounds[axis][side][child]` with side 0 lower and side 1 upper.
@@ -32,7 +32,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// Line through `base`, at τ = 0, along the unit vector `direction`.
+    /// Line along the unit vector `direction`, with τ = 0 at its point `base`.
     pub fn new(base: DVec3, direction: DVec3) -> Self {
         let inverse = direction.map(|d| if d.abs() < 1e-300 { 1e300 } else { 1.0 / d });
         Self { base, direction, inverse }
@@ -54,8 +54,10 @@ impl BoxBvh {
         tree
     }
 
-    /// Appends the node over the boxes with the indices `order`, and all nodes below it; returns
-    /// its index.
+    /// Appends the node over `boxes[i]` for all i in `order`, and all nodes below it; returns its
+    /// index.
+    ///
+    /// Every box is expanded by `margin`. Reorders `order`.
     fn build_node(&mut self, boxes: &[BoxCorners], order: &mut [u32], margin: f64) -> u32 {
         let index = self.nodes.len();
         // Unused slots keep this inverted box, which no line hits.
@@ -144,7 +146,8 @@ fn enclosing_box(boxes: &[BoxCorners], part: &[u32]) -> BoxCorners {
         .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], [a, b]| [min.min(a), max.max(b)])
 }
 
-/// Reorders box indices so that each run of `group_size` indices has boxes close together.
+/// Reorders the box indices `part` so that each run of `group_size` indices has boxes close
+/// together.
 ///
 /// It splits recursively at the median along the longest axis.
 fn group_nearby_boxes(boxes: &[BoxCorners], part: &mut [u32], group_size: usize) {

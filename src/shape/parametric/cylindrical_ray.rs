@@ -2,11 +2,11 @@
 
 use glam::{DVec2, DVec3};
 
-/// Squared sine of the angle between ray and y axis, below which a ray is nearly parallel to the
-/// axis.
+/// Squared sine of the angle between ray and y axis, below which a ray counts as nearly parallel to
+/// the axis.
 ///
-/// The τ range of such a ray inside a ring is computed from heights only. The radius only decides
-/// whether the ray misses the ring.
+/// For such a ray, the τ range inside a ring follows from the ring's heights only. The ring's radii
+/// only decide whether the ray misses the ring.
 const MIN_SLANT2: f64 = 1e-2;
 
 /// Interval of the arc length τ along a ray; empty unless `lo <= hi`.
@@ -42,7 +42,7 @@ pub struct CylindricalRay {
 }
 
 impl CylindricalRay {
-    /// Line through `base`, at τ = 0, along the unit vector `direction`.
+    /// Line along the unit vector `direction`, with τ = 0 at its point `base`.
     pub fn new(base: DVec3, direction: DVec3) -> Self {
         let DVec3 { x, z, .. } = base;
         let slant2 = direction.x * direction.x + direction.z * direction.z;

@@ -14,12 +14,12 @@ pub(super) const GAUSS_LEGENDRE: [(f64, f64); 5] = [
     (0.906_179_845_938_664, 0.236_926_885_056_189_1),
 ];
 
-/// Largest relative change of the Jacobian over a parameter box in which Newton's method surely
+/// Largest relative change of the Jacobian J over a parameter box in which Newton's method surely
 /// converges.
 ///
-/// Let q be this change, relative to the Jacobian at the centre of the box. Let J be the Jacobian
-/// at an iterate, and J̄ its mean on the line from the iterate to the root. Then |1 − J⁻¹J̄| ≤
-/// 2q/(1 − q), which is [`NEWTON_CONVERGENCE_RATE`].
+/// Let q be this change, relative to J at the centre of the box. Let J̄ be the mean of J on the
+/// line from an iterate to the root. Then |1 − J⁻¹J̄| ≤ 2q/(1 − q), which is
+/// [`NEWTON_CONVERGENCE_RATE`].
 pub(super) const MAX_DERIVATIVE_CHANGE: f64 = 0.25;
 
 /// Largest factor by which a Newton step multiplies the distance from the iterate to the root.

@@ -284,7 +284,7 @@ impl Patch {
 }
 
 impl SubdividedPatch {
-    /// Polynomials of the leaf with the index `leaf`, as a piece that rays can intersect.
+    /// The leaf with the index `leaf`, with its polynomials, as a piece that rays can intersect.
     fn polynomial_piece_of_leaf(&self, leaf: usize) -> PatchPiece<'_> {
         let [p, q] = self.degree;
         let room = (p + 1) * (q + 1);
@@ -317,7 +317,7 @@ impl SubdividedPatch {
     /// Object-space normal ∂p/∂u × ∂p/∂v of a leaf, not normalised.
     ///
     /// `at` is the position in the leaf, in \[−1, 1]². Where the cross product vanishes, the result
-    /// is its limit from inside the leaf.
+    /// is the cross product at a point further inside the leaf.
     fn leaf_normal(&self, leaf: usize, at: DVec2) -> DVec3 {
         let piece = self.polynomial_piece_of_leaf(leaf);
         let [_, middle_x, middle_y] = piece.point_and_derivatives(DVec2::ZERO);
@@ -334,8 +334,7 @@ impl SubdividedPatch {
     }
 }
 
-/// World-space area of a nearly flat piece under `to_world`, by Gauss–Legendre quadrature
-/// \[length²].
+/// World-space area of the piece `piece` under `to_world` \[length²], by Gauss–Legendre quadrature.
 fn leaf_area(piece: &PatchPiece<'_>, to_world: &Transform) -> f64 {
     let element = |x: f64, y: f64| {
         let [_, along_x, along_y] = piece.point_and_derivatives(DVec2::new(x, y));

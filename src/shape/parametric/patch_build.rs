@@ -8,14 +8,14 @@ use glam::{DVec2, DVec3, Vec2};
 
 /// Largest relative change of the derivatives over a piece that counts as nearly flat.
 ///
-/// Such a piece is not divided further.
+/// A nearly flat piece is not divided further.
 const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 
 /// Maximum number of nested halvings, reached at poles, cusps and collapsed edges, which never
 /// become flat.
 const MAX_HALVINGS: u32 = 14;
 
-/// Size of a piece, relative to the size of its Bézier patch, below which it is not divided.
+/// Size of a piece below which it is not divided, relative to the size of its Bézier patch.
 const MIN_RELATIVE_SIZE: f64 = 1.0 / 256.0;
 
 /// Memory of a leaf \[bytes], including its box and its nodes in the hierarchy and subdivision
@@ -24,7 +24,7 @@ const MIN_RELATIVE_SIZE: f64 = 1.0 / 256.0;
 /// The polynomial coefficients of the leaf are not included.
 const BYTES_PER_LEAF: u64 = 512;
 
-/// Nearly flat piece of a patch: a rectangle of the parameters (u, v).
+/// Leaf of a patch: a nearly flat piece, which covers a rectangle of the parameters (u, v).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PatchLeaf {
     /// Centre of the parameter rectangle, as (u, v).
@@ -40,9 +40,9 @@ pub(super) struct PatchLeaf {
 /// Node of the subdivision tree of a patch, which finds the leaf that contains given parameters.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum SubdivisionNode {
-    /// Index of a leaf in the list of leaves.
+    /// A leaf, by its index in the list of leaves.
     Leaf(u32),
-    /// Index of a [`SubdivisionCut`] in the list of cuts.
+    /// An inner node, by the index of its [`SubdivisionCut`] in the list of cuts.
     Cut(u32),
 }
 
@@ -103,8 +103,9 @@ impl PatchBuilder {
         Self { degree, free, leaves, powers, boxes, roots: Vec::new(), cuts: Vec::new() }
     }
 
-    /// Divides the Bézier patch over the `ranges` of u and v into nearly flat leaves, and adds
-    /// them.
+    /// Divides a Bézier patch into leaves (nearly flat pieces), and adds them to the builder.
+    ///
+    /// The patch covers the intervals `ranges` of u and v of the whole surface.
     ///
     /// # Errors
     ///
@@ -126,8 +127,8 @@ impl PatchBuilder {
 
     /// Divides a Bézier patch recursively into leaves, adds them, and returns the subdivision tree.
     ///
-    /// `ranges` are the intervals of u and v. A piece is not divided if it is smaller than `small`
-    /// \[object-space length], or after `depth` halvings.
+    /// The patch covers the intervals `ranges` of u and v. A piece is not divided if it is smaller
+    /// than `small` \[object-space length], or after `depth` halvings.
     fn subdivide_bezier_patch(
         &mut self,
         controls: &[Coefficients<4>],
@@ -200,7 +201,10 @@ fn control_point_bounds(controls: &[Coefficients<4>]) -> BoxCorners {
     points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], p| [min.min(p), max.max(p)])
 }
 
-/// Parameter (0 for u, 1 for v) along which to halve a piece; `None` if the piece is flat enough.
+/// Parameter along which to halve a piece: 0 for u, 1 for v; `None` if the piece is flat enough.
+///
+/// `a` are the polynomial coefficients of the piece, `columns` for each power of its first
+/// parameter.
 fn axis_to_halve(a: &[Coefficients<4>], columns: usize) -> Option<usize> {
     let (along_x, along_y) = (homogeneous_xyz(&a[columns]), homogeneous_xyz(&a[1]));
     let normal = along_x.cross(along_y);
@@ -231,8 +235,7 @@ fn axis_to_halve(a: &[Coefficients<4>], columns: usize) -> Option<usize> {
     })
 }
 
-/// Divides a Bézier patch at the middle of parameter `axis`; returns the control nets of both
-/// halves.
+/// Divides a Bézier patch at the middle of u (`axis` 0) or v (`axis` 1); returns both control nets.
 fn halve_control_net(
     controls: &[Coefficients<4>],
     columns: usize,

@@ -53,7 +53,9 @@ impl LinearTermsWithBounds {
         bounds
     }
 
-    /// Bounds on w·(p − base), given bounds on the homogeneous coordinates (w·p, w).
+    /// Bound on |w·(p − base)| along each axis, from bounds `sums` on |w·p| and w.
+    ///
+    /// w is the weight of a surface point p.
     #[inline]
     fn offset_bound_from_base(sums: &Coefficients<4>, base: DVec3) -> DVec3 {
         split_homogeneous(sums).0 + base.abs() * sums[3]
@@ -66,7 +68,7 @@ fn split_homogeneous(a: &Coefficients<4>) -> (DVec3, f64) {
     (DVec3::new(a[0], a[1], a[2]), a[3])
 }
 
-/// Converts homogeneous coordinates (w·p, w), or their derivatives, to w·(p − base).
+/// Converts homogeneous coordinates (w·p, w) to w·(p − base). Derivatives are converted equally.
 #[inline]
 fn offset_from_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
     let (p, w) = split_homogeneous(a);
@@ -74,9 +76,10 @@ fn offset_from_base(a: &Coefficients<4>, base: DVec3) -> DVec3 {
 }
 
 impl PatchPiece<'_> {
-    /// Parameters (x, y) of the nearest hit of `line` within `range`, an interval of arc length τ.
+    /// Parameters (x, y) of the nearest hit of `line`; `None` if it misses the piece.
     ///
-    /// Moves the end of `range` to that hit. `size` is the size of the whole surface.
+    /// Only hits within `range`, an interval of arc length τ, count. Moves the end of `range` to
+    /// the hit. `size` is the size of the whole surface \[object-space length].
     #[inline]
     pub fn nearest_hit(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
         // Bounds on the change of weights grow with the distance of the line's base, so the base is
@@ -124,9 +127,10 @@ impl PatchPiece<'_> {
         [p + self.middle, offset_from_base(&along_x, p) / w, offset_from_base(&along_y, p) / w]
     }
 
-    /// Parameters (x, y) of the nearest hit, by recursive halving of the parameter box.
+    /// Parameters (x, y) of the nearest hit within `range`, by recursive halving of the parameter
+    /// box.
     ///
-    /// Moves the end of `range` to that hit. Boxes are halved along their longer side. Halving ends
+    /// Moves the end of `range` to the hit. Boxes are halved along their longer side. Halving ends
     /// when a box has no root, one root, or the size of a rounding error. `ROOM` is at least the
     /// number of coefficients.
     #[cold]
@@ -190,7 +194,8 @@ impl PatchPiece<'_> {
 
     /// Half the edge lengths of the piece's bounding box; `None` if the line misses the box.
     ///
-    /// `range` is the interval of arc length τ on `line` in which hits count.
+    /// `bounds` are those of the piece's polynomial. `range` is the interval of arc length τ on
+    /// `line` in which hits count.
     fn half_extent_if_hit(&self, bounds: &LinearTermsWithBounds, line: &Line, range: [f64; 2]) -> Option<DVec3> {
         let [middle, along_y, along_x] = bounds.linear.map(|a| offset_from_base(&a, line.base));
         let reach = along_x.abs()
@@ -228,10 +233,10 @@ fn is_longer_in_x(a: &[Coefficients<4>], columns: usize) -> bool {
     x.max_element() > y.max_element()
 }
 
-/// Tests whether `line` intersects the piece `a` at parameters x, y in \[−1, 1].
+/// Tests whether `line` intersects the piece with the coefficients `a` at x, y in \[−1, 1].
 ///
-/// `bounds` are the linear terms and bounds of `a`, and `noise` bounds the rounding error of its
-/// points.
+/// `bounds` are the linear terms and bounds of `a`. `noise` bounds the rounding error of points
+/// computed from `a`.
 #[inline]
 fn classify_roots(
     a: &[Coefficients<4>],
@@ -265,7 +270,9 @@ fn classify_roots(
     if least + turn_x + turn_y <= blur { RootClassification::Inside } else { RootClassification::Unclear }
 }
 
-/// Newton step from the parameters `at`, and the arc length τ on the line after the step.
+/// Newton step from the parameters `at` towards the intersection of the piece `a` with `line`.
+///
+/// Also returns the arc length τ on the line after the step.
 #[inline]
 fn newton_step(a: &[Coefficients<4>], columns: usize, line: &Line, at: DVec2) -> (DVec2, f64) {
     let values = evaluate_2d_with_derivatives(a, columns, at.x, at.y);
@@ -279,8 +286,8 @@ fn newton_step(a: &[Coefficients<4>], columns: usize, line: &Line, at: DVec2) ->
 
 /// Parameters (x, y) and arc length τ of the only possible hit, by Newton's method from `start`.
 ///
-/// `None` if there is no hit: the iteration then converges more slowly than
-/// [`NEWTON_CONVERGENCE_RATE`] guarantees for a root.
+/// `None` if there is no hit. The iteration then converges more slowly than
+/// [`NEWTON_CONVERGENCE_RATE`], which it reaches if there is a root.
 fn newton_root(
     a: &[Coefficients<4>],
     columns: usize,

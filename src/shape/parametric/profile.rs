@@ -17,8 +17,8 @@ pub struct ProfilePiece<'a> {
 
 /// Bounds on the terms aₖ xᵏ with k ≥ 2 of a polynomial over \[−1, 1], for each component.
 ///
-/// The first bounds the sum of these terms: Σ |aₖ|. The second bounds the change of the derivative:
-/// Σ k|aₖ|.
+/// The first result bounds the sum of these terms: Σ |aₖ|. The second bounds the change of their
+/// derivative: Σ k|aₖ|.
 #[inline]
 fn higher_term_bounds(a: &[Coefficients<2>]) -> (Coefficients<2>, Coefficients<2>) {
     let (mut rest, mut turn) = ([0.0; 2], [0.0; 2]);
@@ -32,10 +32,12 @@ fn higher_term_bounds(a: &[Coefficients<2>]) -> (Coefficients<2>, Coefficients<2
 }
 
 impl ProfilePiece<'_> {
-    /// Curve parameter x and arc length τ of the nearest hit within the interval `t` of τ.
+    /// Curve parameter x and arc length τ of the nearest hit of `ray`; `None` if it misses the
+    /// piece.
     ///
-    /// Moves the end of `t` to that hit. `size` is the size of the whole surface. Intervals of x
-    /// are halved until each has no root, one root, or the size of a rounding error.
+    /// Only hits within `t`, an interval of τ, count. Moves the end of `t` to the hit. `size` is
+    /// the size of the whole surface \[object-space length]. Intervals of x are halved until each
+    /// has no root, one root, or the size of a rounding error.
     pub fn nearest_hit(&self, ray: &CylindricalRay, t: &mut Interval, size: f64) -> Option<(f64, f64)> {
         let degree = self.powers.len() - 1;
         let mut boxes = [(0.0, 0.0); 64];
@@ -96,11 +98,12 @@ impl ProfilePiece<'_> {
     }
 }
 
-/// Tests whether a ray hits the surface of revolution of a profile piece.
+/// Tests whether a ray hits the surface of revolution of the profile piece with the coefficients
+/// `a`.
 ///
 /// A hit is an x in \[−1, 1] and a τ in `t` at which profile and ray have equal radius and height.
-/// `rest` and `turn` are the [`higher_term_bounds`] of the profile `a`. `noise` bounds its rounding
-/// error.
+/// `rest` and `turn` are the [`higher_term_bounds`] of `a`. `noise` bounds the rounding error of
+/// points computed from `a`.
 #[inline]
 fn classify_roots(
     a: &[Coefficients<2>],
@@ -150,9 +153,9 @@ fn classify_roots(
 
 /// Curve parameter x and arc length τ of the only possible hit, by Newton's method.
 ///
-/// The parameter box is x in \[−1, 1] and τ within `half` of `at`. `start` is the first iterate, as
-/// (x, τ − `at`). `None` if there is no hit. Hits outside the box by at most `tolerance` half
-/// widths count.
+/// The search covers x in \[−1, 1] and τ within `half` of `at`. `start` is the first iterate, as
+/// (x, τ − `at`). A hit counts if it is at most `tolerance` half widths outside of this box. `None`
+/// if there is no hit.
 fn newton_root(
     a: &[Coefficients<2>],
     ray: &CylindricalRay,

@@ -7,7 +7,7 @@ use libm::hypot;
 
 /// Largest relative change of the derivative over a piece that counts as nearly straight.
 ///
-/// Such a piece is not divided further, unless it crosses the axis.
+/// A nearly straight piece is not divided further, unless it crosses the axis.
 const MAX_RELATIVE_BEND: f64 = 1.0 / 16.0;
 
 /// Maximum number of nested halvings of a Bézier curve.
@@ -20,7 +20,7 @@ pub(super) const MAX_HALVINGS: u32 = 9;
 /// The polynomial coefficients of the leaf are not included.
 const BYTES_PER_LEAF: u64 = 256;
 
-/// Nearly straight piece of a profile curve, on one side of the axis.
+/// Leaf of a profile curve: a nearly straight piece on one side of the axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ProfileLeaf {
     /// Index of the leaf's first coefficient in the list of all polynomial coefficients.
@@ -46,10 +46,11 @@ pub(super) struct ProfileBuilder {
 }
 
 impl ProfileBuilder {
-    /// Divides a Bézier curve into leaves that are nearly straight and on one side of the axis.
+    /// Divides a Bézier curve recursively into leaves, and adds them to the builder.
     ///
-    /// Adds the leaves to the builder. `controls` are points (x, y), and the curve covers the
-    /// profile parameters from `start` to `end`. After `depth` halvings, pieces are not divided.
+    /// A leaf is a piece that is nearly straight and on one side of the axis. `controls` are points
+    /// (x, y). The curve covers the profile parameters from `start` to `end`. `depth` is the number
+    /// of halvings that are still allowed.
     ///
     /// # Errors
     ///
@@ -107,7 +108,7 @@ impl ProfileBuilder {
 
 /// Parameter in (0, 1) at which a Bézier curve crosses the axis x = 0.
 ///
-/// `None` unless the x coordinates of its control points change sign exactly once.
+/// `None` unless the x coordinates of the curve's control points change sign exactly once.
 fn axis_crossing_parameter(controls: &[Coefficients<2>]) -> Option<f64> {
     let sides: Vec<bool> = controls.iter().map(|c| c[0]).filter(|x| *x != 0.0).map(|x| x > 0.0).collect();
     let [first, .., _] = sides[..] else { return None };

@@ -43,7 +43,8 @@ pub struct RingBvh {
 }
 
 impl RingBvh {
-    /// Builds a hierarchy over one or more rings; no point is farther than `size` from the origin.
+    /// Builds a hierarchy over one or more rings; `size` bounds the distance of their points from
+    /// the origin.
     pub fn new(rings: &[RingBounds], size: f64) -> Self {
         let mut tree = Self { nodes: Vec::new() };
         tree.build_node(rings, 0, 1e-12 * size);

@@ -38,7 +38,7 @@ pub enum SplineError {
         /// Index of the last knot of the curve's range.
         last: usize,
     },
-    /// The span that begins at the knot with this index is too short for f32 parameters.
+    /// The knot span that begins at the knot with this index is too short for f32 parameters.
     #[error("the stretch that begins at knot {0} (counted from 0) is shorter than 1/4194304 of the curve's range")]
     Narrow(usize),
     /// The number of control points is not the product of rows and columns.
