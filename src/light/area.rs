@@ -26,10 +26,10 @@ pub enum LightSurface {
     Triangles {
         /// Mesh that contains the triangles of the light.
         mesh: Arc<Mesh>,
-        /// Index in `mesh` of the light's first triangle.
+        /// Index of the light's first triangle in `mesh`.
         first: u32,
-        /// Discrete distribution over the triangles by area. Its index 0 stands for the triangle
-        /// `first`.
+        /// Discrete distribution over the light's triangles by area. Its index 0 stands for
+        /// triangle `first` of `mesh`.
         choice: DiscreteDistribution,
     },
 }
@@ -39,9 +39,9 @@ pub enum LightSurface {
 pub struct AreaLight {
     /// The surface that emits light.
     pub surface: LightSurface,
-    /// Emitted radiance \[W/(m² sr)]. With a texture, it is the mean radiance of the surface.
+    /// Emitted radiance \[W/(m² sr)]. If `texture` is set, it is the mean over the surface.
     pub radiance: Rgb,
-    /// Texture of the radiance; `None` if the radiance is uniform.
+    /// Texture that varies the radiance over the surface; `None` if the radiance is uniform.
     pub texture: Option<Arc<EmissionTexture>>,
 }
 
@@ -92,8 +92,8 @@ impl LightSurface {
         self.sample_point_with_coord(u).0
     }
 
-    /// Samples a point of the surface uniformly by area, and returns it with its parametric
-    /// coordinates.
+    /// Samples a point of the surface uniformly by area, by `u` in \[0, 1)². Returns it with its
+    /// parametric coordinates.
     #[inline]
     fn sample_point_with_coord(&self, u: Vec2) -> (ShapeSample, SurfaceCoord) {
         match self {
@@ -114,8 +114,8 @@ impl LightSurface {
         }
     }
 
-    /// Texture coordinates of the surface at its point `p`. `coord` holds the parametric
-    /// coordinates of `p`.
+    /// Texture coordinates of the surface's point `p`. `coord` holds the parametric coordinates of
+    /// `p`.
     fn tex_coord(&self, p: Vec3, coord: SurfaceCoord) -> TexCoord {
         match (self, coord) {
             (Self::Shape(shape), SurfaceCoord::Shape(uv)) => shape.tex_coord(p, uv),
@@ -126,14 +126,15 @@ impl LightSurface {
         }
     }
 
-    /// A point of the surface, offset to the outer side by more than the rounding error of
-    /// positions.
+    /// Returns a world-space point on the outer side of the surface, offset by more than the
+    /// rounding error of positions.
     pub(super) fn emission_point(&self) -> Vec3 {
         let point = self.sample(Vec2::splat(0.5)).point;
         offset_ray_origin(point.p, point.error, point.ng, point.ng)
     }
 
-    /// Center of the bounding box of an analytic shape, or a point of a mesh.
+    /// Center of the bounding box, for an analytic shape; an arbitrary point of the surface, for
+    /// mesh triangles.
     pub(super) fn center(&self) -> Vec3 {
         match self {
             Self::Shape(shape) => shape.bounds().center(),
@@ -141,7 +142,8 @@ impl LightSurface {
         }
     }
 
-    /// A point of a planar analytic shape, with its normal; `None` for curved shapes and meshes.
+    /// Any point of the surface with its normal, if the surface is a planar analytic shape; `None`
+    /// for curved shapes and meshes.
     fn point_if_planar(&self) -> Option<SurfacePoint> {
         match self {
             Self::Shape(shape) => shape.point_if_planar(),
@@ -149,7 +151,7 @@ impl LightSurface {
         }
     }
 
-    /// Bounding box of the surface, and a cone that contains all outer normals.
+    /// Bounding box of the surface, and a cone that contains all its outer normals.
     fn bounds(&self) -> (Bounds, DirectionCone) {
         match self {
             Self::Shape(shape) => {
@@ -191,21 +193,21 @@ impl AreaLight {
         Self { surface, radiance, texture: None }
     }
 
-    /// Emitted flux of the area light \[W].
+    /// Emitted flux of the area light \[W]: π · area · mean radiance.
     fn flux(&self) -> Rgb {
         self.radiance * (PI * self.surface.area() as f32)
     }
 
-    /// Samples a point of the surface uniformly by area, and returns it with the radiance emitted
-    /// there \[W/(m² sr)].
+    /// Samples a point of the surface uniformly by area, by `u` in \[0, 1)². Returns it with the
+    /// radiance emitted there \[W/(m² sr)].
     #[inline]
     fn sample(&self, u: Vec2) -> (ShapeSample, Rgb) {
         let (sample, coord) = self.surface.sample_point_with_coord(u);
         (sample, self.radiance_at(&sample.point, coord))
     }
 
-    /// Emitted radiance at `point` \[W/(m² sr)]. `coord` holds the parametric coordinates of the
-    /// point.
+    /// Emitted radiance at `point` \[W/(m² sr)]. `coord` holds the parametric coordinates of
+    /// `point`.
     #[inline]
     fn radiance_at(&self, point: &SurfacePoint, coord: SurfaceCoord) -> Rgb {
         match &self.texture {
@@ -218,8 +220,8 @@ impl AreaLight {
         }
     }
 
-    /// Samples a point of the surface by area, and returns it with its pdf per solid angle at `p`
-    /// \[1/sr] and its parametric coordinates.
+    /// Samples a point of the surface uniformly by area, by `u` in \[0, 1)². Returns it with its
+    /// pdf per solid angle at `p` \[1/sr], and its parametric coordinates.
     ///
     /// Returns `None` if `p` is behind the surface at the sampled point.
     #[inline]

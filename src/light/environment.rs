@@ -15,26 +15,25 @@ use std::f32::consts::PI;
 #[derive(Clone, Debug)]
 pub struct EnvironmentLight {
     map: EquirectangularMap,
-    /// Sine and cosine, in this order, of the angle by which the map is rotated about +y.
+    /// Sine and cosine, in this order, of the angle by which the map is rotated about +y,
+    /// anticlockwise as seen from +y.
     rotation: [f32; 2],
 }
 
 impl EnvironmentLight {
-    /// Creates a light whose radiance is the value of `map` times `scale` \[W/(m² sr)].
+    /// Creates a light whose radiance \[W/(m² sr)] is the value of `map` times `scale`.
     ///
     /// The map is rotated by `angle` \[radians] about +y, anticlockwise as seen from +y.
     ///
-    /// # Errors
-    /// [`EmissionPictureError::Value`] if a scaled pixel is negative or not finite.
+    /// # Errors [`EmissionPictureError::Value`] if a scaled pixel is negative or not finite.
     pub fn new(map: Image, angle: f64, scale: Rgb) -> Result<Self, EmissionPictureError> {
         let rotation = [libm::sin(angle) as f32, libm::cos(angle) as f32];
         Ok(Self { map: EquirectangularMap::new(map, scale)?, rotation })
     }
 
-    /// Creates a light with equal radiance in all directions \[W/(m² sr)].
+    /// Creates a light with the same radiance \[W/(m² sr)] in all directions.
     ///
-    /// # Errors
-    /// [`EmissionPictureError::Value`] if the radiance is negative or not finite.
+    /// # Errors [`EmissionPictureError::Value`] if the radiance is negative or not finite.
     pub fn with_constant_radiance(radiance: Rgb) -> Result<Self, EmissionPictureError> {
         Self::new(Image::from_pixels(1, 1, vec![radiance])?, 0.0, Rgb::ONE)
     }
@@ -60,8 +59,8 @@ impl EnvironmentLight {
         self.map.pdf(self.world_to_map(direction))
     }
 
-    /// Samples a unit direction from which light arrives, by `u` in \[0, 1)². Returns it with its
-    /// pdf \[1/sr].
+    /// Samples a unit direction from which light arrives, by `u` in \[0, 1)². Returns the direction
+    /// and its pdf \[1/sr].
     ///
     /// The pdf is constant in each pixel, and proportional to the mean radiance over the pixel.
     /// Returns `None` if the map is black, or if rounding gives a direction of pdf 0.
@@ -76,8 +75,8 @@ impl EnvironmentLight {
         (pdf > 0.0).then_some((direction, pdf))
     }
 
-    /// Returns the point u in \[0, 1)² from which [`EnvironmentLight::sample`] makes unit
-    /// `direction`, up to rounding. Returns `None` if the map is black.
+    /// Inverse of [`EnvironmentLight::sample`]: returns the point u in \[0, 1)² that gives unit
+    /// `direction`, up to rounding; `None` if the map is black.
     #[inline]
     #[must_use]
     pub fn inverse_sample(&self, direction: Vec3) -> Option<Vec2> {

@@ -9,7 +9,7 @@ use crate::math::Ray;
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
-/// Number of rows of the map to which an intensity profile is resampled: 4 rows per degree.
+/// Number of rows of the map that [`map_from_intensity_profile`] creates: 4 rows per degree.
 const PROFILE_ROWS: u32 = 720;
 
 /// A point light whose intensity in each direction is the value of an equirectangular map.
@@ -17,20 +17,21 @@ const PROFILE_ROWS: u32 = 720;
 pub struct GoniometricLight {
     /// Position of the light in world space.
     pub position: Vec3,
-    /// Axes x, y and z of the map's frame, as unit vectors in world space.
+    /// Axes x, y and z of the map's frame, as unit vectors in world space. The center of the map
+    /// lies at −z, its top at +y.
     axes: [Vec3; 3],
-    /// Map over all directions, whose values are intensities divided by `scale`.
+    /// Map over all directions. The intensity is the value of the map times `scale`.
     map: Arc<EquirectangularMap>,
     /// Factor from map value to intensity \[W/sr].
     pub scale: Rgb,
 }
 
 impl GoniometricLight {
-    /// Creates a light at `position` in world space. The map value 1 means the intensity `scale`
+    /// Creates a light at `position` in world space. A map value of 1 gives the intensity `scale`
     /// \[W/sr].
     ///
-    /// The center of the map lies along `direction`, its top towards `up`. The two must not be
-    /// parallel.
+    /// The center of the map lies in world direction `direction`, its top towards `up`. These two
+    /// vectors must not be parallel.
     #[must_use]
     pub fn new(position: Vec3, direction: DVec3, up: DVec3, map: Arc<EquirectangularMap>, scale: Rgb) -> Self {
         let forward = direction.normalize();
@@ -55,12 +56,11 @@ impl GoniometricLight {
 
 /// Converts an intensity profile, which is symmetric about +y, to a map over all directions.
 ///
-/// `profile` lists pairs of an angle from +y \[degrees] and the value there. Angles ascend, from 0
-/// or more to 180 or less. The value is linear between listed angles, and 0 beyond the first and
-/// the last.
+/// `profile` lists pairs of an angle from +y \[degrees] and the intensity at this angle, in any
+/// unit. Angles ascend, from 0 or more to 180 or less. The intensity is linear between listed
+/// angles, and 0 beyond the first and the last.
 ///
-/// # Errors
-/// [`EmissionPictureError`] if a value is negative or not finite.
+/// # Errors [`EmissionPictureError`] if an intensity is negative or not finite.
 pub fn map_from_intensity_profile(profile: &[(f64, f64)]) -> Result<EquirectangularMap, EmissionPictureError> {
     let value = |row: u32| {
         let angle = (f64::from(row) + 0.5) * 180.0 / f64::from(PROFILE_ROWS);

@@ -13,8 +13,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub(super) struct LightBounds {
     /// Box around the positions of the lights, in world space.
     pub space: Bounds,
-    /// Cone that contains all surface normals. For a light at a point, it is a cone of emission
-    /// axes: each emitted direction lies within `spread` of one of them.
+    /// Cone that contains the outer normals of all emitting surfaces. For a light at a point, it is
+    /// a cone of emission axes: each emitted direction lies within `spread` of one of them.
     normals: DirectionCone,
     /// Largest angle \[radians] between an emitted direction and the nearest direction in
     /// `normals`, at most π/2.
@@ -67,21 +67,21 @@ pub(super) fn angle_between(a: DVec3, b: DVec3) -> f64 {
 impl LightBounds {
     /// Creates the bounds of one light with the given flux \[W].
     ///
-    /// `normals` contains all surface normals. For a light at a point, it contains the axes from
-    /// which emitted directions are measured. `spread` is the largest angle \[radians] between an
-    /// emitted direction and the nearest direction in `normals`.
+    /// `normals` contains all surface normals of the light. For a light at a point, it contains the
+    /// axes from which emitted directions are measured. `spread` is the largest angle \[radians]
+    /// between an emitted direction and the nearest direction in `normals`.
     pub fn new(space: Bounds, normals: DirectionCone, spread: f64, flux: Rgb) -> Self {
         Self { space, normals, spread, flux: f64::from(color::channel_mean(flux)) }
     }
 
-    /// Returns the bounds with the box expanded by `margin` \[length] and by the rounding errors of
-    /// its coordinates.
+    /// Returns the bounds, with their box expanded by `margin` \[length] and by the rounding errors
+    /// of its coordinates.
     pub fn expanded(self, margin: f32) -> Self {
         let far = self.space.min.abs().max(self.space.max.abs()).max_element();
         Self { space: self.space.expanded(margin + far * 1e-6), ..self }
     }
 
-    /// Bounds of all lights of `self` and `other`.
+    /// Returns bounds that contain all lights of `self` and `other`.
     pub fn union(self, other: Self) -> Self {
         Self {
             space: self.space.union(other.space),
@@ -91,7 +91,8 @@ impl LightBounds {
         }
     }
 
-    /// Solid angle of the emitted directions \[sr], with weights.
+    /// Weighted solid angle of the emitted directions \[sr]: flux divided by this is about the
+    /// intensity along the normals.
     ///
     /// Directions inside the cone of normals have weight 1. A direction outside, within `spread` of
     /// the cone, has the cosine of its angle to the cone as weight.
@@ -113,25 +114,25 @@ impl LightBounds {
 /// Lower bound of the squared distance by which [`LightImportance::importance_at`] divides, as a
 /// multiple of the squared radius r² of the lights' bounding sphere.
 ///
-/// The bound gives a point among the lights about the mean of 1/d² over their box. Over a ball of
-/// radius R, this mean is 3/R², as if d² were R²/3. A cube in the bounding sphere has the volume of
-/// a ball with R² of about r²/2, which gives r²/6.
+/// With this bound, a point among the lights gets about the mean of 1/d² over their box. Over a
+/// ball of radius R, this mean is 3/R², as if d² were R²/3. A cube in the bounding sphere has the
+/// volume of a ball with R² of about r²/2, which gives r²/6.
 const MIN_SQUARED_DISTANCE: f64 = 1.0 / 6.0;
 
-/// Bounds of lights in a form from which their importance at a point is computed fast.
+/// Bounds of one or more lights, in a form from which their importance at a point is computed fast.
 ///
-/// A bounding sphere replaces the box, and cosines replace angles.
+/// A bounding sphere replaces the box of [`LightBounds`], and cosines replace angles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightImportance {
-    /// Center of the lights' bounding sphere.
+    /// Center of the bounding sphere of all lights.
     center: Vec3,
     radius_squared: f64,
-    /// Axis of the cone that contains all surface normals.
+    /// Axis of the cone that contains all surface normals; see [`LightBounds::new`].
     axis: Vec3,
     /// Cosine and sine of the half angle of the cone that contains all surface normals.
     normals: CosSin,
     cos_spread: f64,
-    /// Approximate radiant intensity along the normals \[W/sr].
+    /// Approximate radiant intensity along the surface normals \[W/sr].
     intensity: f64,
 }
 
@@ -144,7 +145,7 @@ impl CosSin {
         Self(cos, (1.0 - cos * cos).max(0.0).sqrt())
     }
 
-    /// Returns the difference of the angles `self` − `other`, or the angle 0 if `other` is larger.
+    /// Returns the angle `self` − `other`, or the angle 0 if `other` is larger.
     #[inline]
     fn subtract_clamped(self, other: Self) -> Self {
         if self.0 >= other.0 {
@@ -173,10 +174,10 @@ impl From<LightBounds> for LightImportance {
 }
 
 impl LightImportance {
-    /// Importance of the lights at `p`: their approximate irradiance \[W/m²].
+    /// Importance of the lights for light sampling at `p`: their approximate irradiance \[W/m²].
     ///
-    /// If a unit normal `n` is given, only light that arrives on its side counts. The result is 0
-    /// only if no light can arrive.
+    /// If a unit normal `n` is given, only light that arrives on the side of `n` counts. The result
+    /// is 0 only if no light can arrive.
     #[inline]
     pub fn importance_at(&self, p: Vec3, n: Option<Vec3>) -> f64 {
         let to = p.as_dvec3() - self.center.as_dvec3();

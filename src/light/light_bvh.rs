@@ -16,11 +16,12 @@ use glam::Vec3;
 pub struct LightBvhSampler {
     /// Nodes in depth-first order: the first child comes directly after its parent.
     nodes: Vec<LightBvhNode>,
-    /// Indices of the lights at infinity.
+    /// Indices of the lights at infinity. They are outside of the tree, and share their probability
+    /// equally.
     infinite: Vec<u32>,
-    /// Place of each light in the sampler, by the light's index.
+    /// Location of each light in the sampler. The list index is the index of the light.
     locations: Vec<LightBvhLocation>,
-    /// Probability of sampling one of the infinite lights instead of the tree.
+    /// Probability of sampling one of the lights at infinity instead of a light of the tree.
     infinite_probability: f64,
 }
 
@@ -38,36 +39,35 @@ enum LightBvhNodeKind {
     Leaf(u32),
 }
 
-/// A light with a position: its index, and the bounds of its positions and directions.
+/// A light at a finite distance: its index, and the bounds of its positions and directions.
 type BoundedLight = (u32, LightBounds);
 
-/// Place of a light in a [`LightBvhSampler`].
+/// Position of a light in a [`LightBvhSampler`]: in its tree, at infinity or absent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum LightBvhLocation {
     /// The sampler does not contain the light, because it has no power.
     Absent,
     /// The light is at infinity, so it is outside of the tree.
     Infinite,
-    /// The light is in the tree, and the bits lead from the root to its leaf, lowest bit first.
-    ///
-    /// A bit 0 leads to the first child, 1 to the second.
+    /// The light is in the tree. The bits lead from the root to its leaf, lowest bit first: a bit 0
+    /// to the first child of a node, a bit 1 to the second.
     Tree(u64),
 }
 
-/// Depth in the tree from which lights are split into halves of equal count. The tree depth then
-/// stays below 64, even for 2³² lights.
+/// Depth of the light BVH from which lights are split into halves of equal count. The depth of the
+/// tree then stays below 64, even for 2³² lights.
 const HALVING_DEPTH: u32 = 31;
 
-/// Number of buckets along each axis, in the search for the split plane of a node.
+/// Number of buckets along each axis in the search for a light BVH node's split plane.
 const BUCKETS: usize = 12;
 
 /// Largest f32 below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 impl LightBvhSampler {
-    /// Creates a sampler of `lights`; `domain` is the bounding sphere of the scene.
+    /// Creates a sampler of those `lights` that have power; `None` if none has.
     ///
-    /// Returns `None` if no light has power.
+    /// `domain` is the bounding sphere of the scene.
     #[must_use]
     pub fn new(lights: &[Light], domain: BoundingSphere) -> Option<Self> {
         let mut locations = vec![LightBvhLocation::Absent; lights.len()];
@@ -97,7 +97,8 @@ impl LightBvhSampler {
         Some(sampler)
     }
 
-    /// Appends a subtree of one or more lights to the nodes. Its root has the given `depth`.
+    /// Appends to `nodes` a subtree that holds `lights`, of which there must be at least one. Its
+    /// root has the given `depth` in the tree.
     ///
     /// The bits of `trail` lead from the root of the tree to the subtree, as in
     /// [`LightBvhLocation::Tree`].
@@ -119,8 +120,9 @@ impl LightBvhSampler {
     /// Samples a light for the point `p` by `u` in \[0, 1).
     ///
     /// Returns the index of the light, its probability, and a remapped `u` that is uniform again.
-    /// If a unit normal `n` is given, lights that cannot illuminate the side of `n` do not count.
-    /// Returns `None` if the descent reaches a node whose lights cannot illuminate `p`.
+    /// If a unit normal `n` is given, lights of the tree that cannot illuminate the side of `n` are
+    /// not sampled. Returns `None` if the descent reaches a node whose lights cannot illuminate
+    /// `p`.
     #[inline]
     #[must_use]
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {
@@ -158,7 +160,7 @@ impl LightBvhSampler {
     /// Probability with which [`LightBvhSampler::sample`] at `p` with normal `n` samples the light
     /// with index `light`.
     ///
-    /// The value equals the probability that `sample` returns, to the bit.
+    /// The value has the same bits as the probability that `sample` returns.
     #[inline]
     #[must_use]
     pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: usize) -> f32 {
@@ -181,10 +183,10 @@ impl LightBvhSampler {
         probability as f32
     }
 
-    /// Probabilities of the two children of the inner node `parent`, for the point `p`; `None` if
-    /// neither child can illuminate `p`.
+    /// Probabilities of the first and the second child of the inner node `parent`, for the point
+    /// `p` with normal `n`; `None` if neither child can illuminate `p`.
     ///
-    /// In the list of nodes, the first child follows directly after `parent`. The second child has
+    /// The first child follows directly after `parent` in the list of nodes. The second child has
     /// the index `second`.
     #[inline]
     fn child_probabilities(&self, parent: usize, second: usize, p: Vec3, n: Option<Vec3>) -> Option<[f64; 2]> {
@@ -195,7 +197,7 @@ impl LightBvhSampler {
     }
 }
 
-/// Splits two or more lights into two non-empty groups for the children of a light BVH node.
+/// Splits two or more lights into two non-empty groups, for the children of a light BVH node.
 ///
 /// The split is at the bucket boundary of least cost. The cost is the sum of
 /// [`LightBounds::bvh_node_cost`] over both groups, times the largest extent over the extent along

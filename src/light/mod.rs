@@ -65,7 +65,8 @@ pub enum Light {
     Environment(Arc<EnvironmentLight>),
 }
 
-/// Binds the light inside `$light`, a [`Light`], to a name, and evaluates the expression `$e`.
+/// Evaluates the expression `$e`, in which a name stands for the light inside `$light`, a
+/// [`Light`].
 macro_rules! dispatch {
     ($self:expr, $light:ident => $e:expr) => {
         match $self {
@@ -101,7 +102,8 @@ impl Light {
         dispatch!(self, light => light.pdf_li(p, wi, hit))
     }
 
-    /// Samples an emitted ray by the sample points `position` and `direction` in \[0, 1)².
+    /// Samples a ray that leaves the light, by `position` and `direction` in \[0, 1)². Either point
+    /// may be unused; see [`Light::emission_dimensions`].
     ///
     /// `domain` is the bounding sphere of the scene. Rays of lights at infinity start on a disc
     /// that touches this sphere. Returns `None` if the ray carries no light.
@@ -110,10 +112,10 @@ impl Light {
         dispatch!(self, light => light.sample_le(domain, position, direction))
     }
 
-    /// Samples an emitted ray that enters one of the spheres of `aim`; `None` if the ray carries no
-    /// light.
+    /// Samples a ray that leaves the light and enters one of the spheres of `aim`; `None` if the
+    /// ray carries no light.
     ///
-    /// The other arguments are those of [`Light::sample_le`].
+    /// The remaining arguments are those of [`Light::sample_le`].
     #[must_use]
     pub fn sample_le_towards(
         &self,
@@ -125,7 +127,7 @@ impl Light {
         dispatch!(self, light => light.sample_le_towards(aim, domain, position, direction))
     }
 
-    /// The arguments of [`Light::sample_le`] on which the emitted ray depends.
+    /// Tells on which arguments of [`Light::sample_le`] the rays of this light depend.
     #[must_use]
     pub fn emission_dimensions(&self) -> EmissionDimensions {
         match self.geometry() {
@@ -137,10 +139,10 @@ impl Light {
         }
     }
 
-    /// Emitted flux \[W]. `domain` is the bounding sphere of the scene.
+    /// Emitted flux \[W].
     ///
     /// For a light at infinity, it is the flux through a disc with the radius of `domain`,
-    /// integrated over the directions of the light.
+    /// integrated over the directions of the light. `domain` is the bounding sphere of the scene.
     #[must_use]
     pub fn power(&self, domain: BoundingSphere) -> Rgb {
         dispatch!(self, light => light.power(domain))
@@ -176,7 +178,7 @@ impl Light {
         }
     }
 
-    /// A world-space point from which light leaves; `None` for lights at infinity.
+    /// A world-space point that emits light; `None` for lights at infinity.
     ///
     /// For an area light, it is a point near the surface, on its outer side.
     #[must_use]
@@ -190,7 +192,7 @@ impl Light {
 
     /// Center of the light in world space; `None` for lights at infinity.
     ///
-    /// If the light consists of mesh triangles, the result is a point of a triangle.
+    /// If the light consists of mesh triangles, the result is an arbitrary point of them.
     #[must_use]
     pub fn center(&self) -> Option<Vec3> {
         match self.geometry() {
@@ -200,7 +202,7 @@ impl Light {
         }
     }
 
-    /// Strength of a delta light; `None` for all other lights.
+    /// Strength of a delta light; `None` for area and environment lights.
     ///
     /// For a directional light, the strength is the irradiance at normal incidence \[W/m²]. For a
     /// point or spot light, it is the largest intensity \[W/sr]. For a projector or goniometric
@@ -210,10 +212,10 @@ impl Light {
         dispatch!(self, light => light.peak_strength())
     }
 
-    /// True if light may enter `sphere`, ignoring occlusion. The test is conservative: only false
-    /// is certain.
+    /// True if light may enter `sphere`, ignoring occlusion; false only if it certainly does not.
     ///
-    /// If `sphere` is `None`, the result is true. `domain` is the bounding sphere of the scene.
+    /// If `sphere` is `None`, which stands for all of space, the result is true. `domain` is the
+    /// bounding sphere of the scene.
     #[must_use]
     pub fn may_illuminate(&self, sphere: Option<BoundingSphere>, domain: BoundingSphere) -> bool {
         let Some(sphere) = sphere else { return true };
@@ -222,10 +224,10 @@ impl Light {
         dispatch!(self, light => light.may_illuminate(BoundingSphere { radius: sphere.radius + margin, ..sphere }))
     }
 
-    /// True if no emitted ray lies in the plane through `p` with unit normal `n`, up to rounding.
+    /// True if the light emits no ray in the plane through `p` with unit normal `n`, up to
+    /// rounding; false for all area and environment lights.
     ///
-    /// If a ray lies in the plane, rounding decides whether an object in the plane occludes it.
-    /// False for area lights and environment lights.
+    /// If it emits such a ray, rounding decides whether an object in the plane occludes the ray.
     #[must_use]
     pub fn emits_nothing_in_plane(&self, p: Vec3, n: Vec3) -> bool {
         match self.geometry() {
@@ -287,8 +289,8 @@ impl Light {
         self.as_area_light().is_some_and(|area| area.texture.is_some())
     }
 
-    /// Returns a copy of the light without texture, whose radiance is the mean radiance of the
-    /// light.
+    /// Returns the light without its emission texture: its radiance is the texture's mean. A light
+    /// without texture is returned as it is.
     #[must_use]
     pub fn with_mean_emission(&self) -> Self {
         dispatch!(self, light => light.untextured_light()).unwrap_or_else(|| self.clone())
@@ -300,15 +302,14 @@ impl Light {
         dispatch!(self, light => light.geometry())
     }
 
-    /// Bounds of the light's positions and emitted directions, with the box expanded by `margin`
-    /// \[length].
+    /// Bounds of the light's positions and emitted directions; `None` for lights at infinity.
     ///
-    /// Returns `None` for lights at infinity.
+    /// The box of positions is expanded by `margin` \[length].
     fn bounds(&self, margin: f32) -> Option<LightBounds> {
         dispatch!(self, light => light.bounds()).map(|bounds| bounds.expanded(margin))
     }
 }
 
-/// Upper bound of the rounding error of an f32 position, divided by the distance of the position
-/// from the origin or from another position.
+/// Upper bound of the relative rounding error of f32 positions: the error, divided by the distance
+/// from the origin or by the distance between two positions.
 const RELATIVE_POSITION_ERROR: f32 = 1e-5;

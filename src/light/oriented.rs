@@ -6,8 +6,7 @@ use crate::math::{BoundingSphere, Transform};
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Radiant intensity of a point light as a function of the direction in the light's own frame, up
-/// to a factor.
+/// Intensity of a point light in each direction of the light's own frame, up to a factor.
 #[derive(Clone, Debug)]
 pub enum IntensityPattern {
     /// The picture of a projector, which emits into a pyramid.
@@ -16,13 +15,14 @@ pub enum IntensityPattern {
     Map(Arc<EquirectangularMap>),
 }
 
-/// A point light with an orientation and an intensity pattern, in the frame of the scene
-/// description.
+/// A projector or goniometric light, in the frame of the scene description. Its strength is not yet
+/// known.
 #[derive(Clone, Debug)]
 pub struct OrientedPointLight {
-    /// Position of the light in the scene description.
+    /// Position of the light in the frame of the scene description.
     pub position: DVec3,
-    /// Direction in which the center of the pattern is projected, of any length above zero.
+    /// Direction in which the center of the pattern is projected, in the frame of the scene
+    /// description. Its length is any number above zero.
     pub direction: DVec3,
     /// Direction towards the top of the pattern, not parallel to `direction`.
     pub up: DVec3,
@@ -31,7 +31,7 @@ pub struct OrientedPointLight {
 }
 
 impl OrientedPointLight {
-    /// Copy of the light, transformed by `map`.
+    /// Returns a copy of the light with position and directions transformed by `map`.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
         let (position, direction, up) =
@@ -39,7 +39,7 @@ impl OrientedPointLight {
         Self { position, direction, up, pattern: self.pattern.clone() }
     }
 
-    /// Creates the light at `position` in world space. The pattern value 1 means the intensity
+    /// Creates the light at `position` in world space. A pattern value of 1 gives the intensity
     /// `scale` \[W/sr].
     #[must_use]
     pub fn to_light(&self, position: Vec3, scale: Rgb) -> Light {
@@ -54,7 +54,8 @@ impl OrientedPointLight {
         }
     }
 
-    /// Factor from the flux of the light \[W] to its intensity at pattern value 1 \[1/sr].
+    /// Returns the factor \[1/sr] that converts the flux of the light \[W] to its intensity at
+    /// pattern value 1 \[W/sr].
     ///
     /// It is 1 over the integral of the pattern over all directions, averaged over the color
     /// channels.

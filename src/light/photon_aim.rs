@@ -4,8 +4,8 @@ use crate::math::{BoundingSphere, Bounds, Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Bounding spheres towards which photons are emitted, in place of the projection maps of Jensen
-/// 2001.
+/// Bounding spheres of the objects that photons are aimed at. They take the place of Jensen's
+/// projection maps (Jensen 2001).
 ///
 /// Each sphere subtends a cone from the emitting point. Sampling chooses a cone in proportion to
 /// its solid angle, and then a direction uniformly in the cone. The pdf is the number of cones that
@@ -15,30 +15,30 @@ pub struct PhotonAim {
     spheres: Vec<BoundingSphere>,
 }
 
-/// Largest number of spheres of a [`PhotonAim`]. It is small, because each emitted photon visits
-/// all spheres.
+/// Largest number of spheres of a [`PhotonAim`]. It is small, because the emission of each photon
+/// loops over all spheres.
 const MAX_SPHERES: usize = 32;
 
-/// The cone of directions that a sphere subtends from a point.
+/// Cone of directions that a sphere subtends from a point outside it.
 #[derive(Clone, Copy)]
 struct SubtendedCone {
-    /// Unit axis of the cone, from the point to the center of the sphere.
+    /// Unit axis of the cone: the direction from the point to the center of the sphere.
     axis: Vec3,
     /// 1 − cosine of the cone's half angle.
     one_minus_cos: f32,
 }
 
-/// The set of directions that lead from a point to a sphere.
+/// Directions that lead from an emitting point to a sphere.
 enum SubtendedDirections {
-    /// The point is outside the sphere, which subtends a cone.
+    /// A cone of directions leads to the sphere, because the point is outside it.
     Cone(SubtendedCone),
-    /// The point is inside the sphere, so all directions lead to it.
+    /// All directions lead to the sphere, because the point is inside it.
     All,
-    /// The sphere is below the plane of the emitting surface, so no direction leads to it.
+    /// No direction leads to the sphere, because it is below the plane of the emitting surface.
     None,
 }
 
-/// Returns the directions from `p` to `sphere`.
+/// Returns the directions from `p` that lead to `sphere`.
 ///
 /// `horizon` is the unit normal of an emitting surface at `p`. No direction leads to a sphere below
 /// the plane of this surface. If `horizon` is `None`, light leaves `p` in all directions.
@@ -57,7 +57,7 @@ fn directions_to_sphere(sphere: &BoundingSphere, p: Vec3, horizon: Option<Vec3>)
 }
 
 impl PhotonAim {
-    /// Creates an aim of photons at `spheres`. If there are more than 32, neighbours are merged.
+    /// Creates an aim at `spheres`. If there are more than 32 spheres, neighbours are merged.
     ///
     /// Each sphere is expanded by the rounding errors of the positions inside.
     #[must_use]
@@ -70,13 +70,13 @@ impl PhotonAim {
         Self { spheres }
     }
 
-    /// Samples a unit direction from `p` towards a sphere by `u` in \[0, 1)². Returns the direction
-    /// and its pdf \[1/sr].
+    /// Samples a unit direction from `p` towards one of the spheres, by `u` in \[0, 1)². Returns
+    /// the direction and its pdf \[1/sr].
     ///
     /// `horizon` is the unit normal of an emitting surface at `p`, or `None` if light leaves `p` in
-    /// all directions. Spheres below the plane of this surface are not sampled; if no other spheres
-    /// exist, the result is `None`. If a sphere contains `p`, all directions above the surface are
-    /// sampled.
+    /// all directions. Spheres below the plane of this surface are not sampled; if all spheres are
+    /// below it, the result is `None`. If a sphere contains `p`, all directions above the surface
+    /// are sampled.
     #[must_use]
     pub fn sample_direction(&self, p: Vec3, horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
         let mut cones = [SubtendedCone { axis: Vec3::Z, one_minus_cos: 0.0 }; MAX_SPHERES];
@@ -105,12 +105,11 @@ impl PhotonAim {
         Some((direction, count as f32 / (TAU * total)))
     }
 
-    /// Samples the origin of a ray that travels along unit `direction` and enters a sphere, by `u`
-    /// in \[0, 1)².
+    /// Samples the origin of a ray that travels along unit `direction` and enters one of the
+    /// spheres, by `u` in \[0, 1)². Returns the origin and its pdf per area \[1/length²].
     ///
-    /// Returns the origin with its pdf per area \[1/length²]; `None` if there are no spheres. All
-    /// origins lie in one plane. It is perpendicular to `direction` and contains the point
-    /// −`upstream`·`direction`.
+    /// All origins lie in the plane that is perpendicular to `direction` and contains the point
+    /// −`upstream`·`direction`. Returns `None` if there are no spheres.
     #[must_use]
     pub fn sample_parallel_ray_start(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
         let areas = || self.spheres.iter().map(|s| PI * s.radius * s.radius);
@@ -126,11 +125,12 @@ impl PhotonAim {
     }
 }
 
-/// Finds the interval that contains `at`, among adjacent intervals of the given widths. The first
-/// interval starts at 0.
+/// Finds the interval that contains `at` ≥ 0, among adjacent intervals of the given `widths`. The
+/// first interval starts at 0.
 ///
 /// Returns the relative position of `at` in the interval, in \[0, 1), and the index of the
-/// interval. Returns `None` if there is no interval.
+/// interval. An `at` beyond the end lies in the last interval. Returns `None` if there is no
+/// interval.
 #[inline]
 fn locate_in_intervals(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)> {
     let mut chosen = None;
@@ -146,9 +146,9 @@ fn locate_in_intervals(widths: impl Iterator<Item = f32>, mut at: f32) -> Option
 
 /// Samples a unit direction by `u` in \[0, 1)², and returns it with its pdf \[1/sr].
 ///
-/// With a unit normal `horizon`, the direction is cosine-weighted around it. If `horizon` is
+/// If `horizon` is a unit normal, the direction is cosine-weighted around it. If `horizon` is
 /// `None`, the direction is uniform over the sphere. Returns `None` if the direction is
-/// perpendicular to `horizon`, where the pdf is 0.
+/// perpendicular to `horizon`, because the pdf is 0 there.
 fn sample_sphere_or_hemisphere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
     match horizon {
         Some(n) => {
@@ -159,7 +159,7 @@ fn sample_sphere_or_hemisphere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, 
     }
 }
 
-/// Merges neighbours in `spheres` until at most `most` spheres remain. A merged sphere bounds a
+/// Merges neighbouring spheres until at most `most` are left in `spheres`. A merged sphere bounds a
 /// group of neighbours.
 ///
 /// Groups are formed by repeated halving at the median along the axis of largest extent.

@@ -33,20 +33,21 @@ pub(super) trait PositionalLight {
     /// Radiant flux of the light \[W].
     fn flux(&self) -> Rgb;
 
-    /// Largest radiant intensity \[W/sr]. For a light with a picture or map, it is the intensity
+    /// Largest radiant intensity \[W/sr]. For a projector or goniometric light, it is the intensity
     /// where the picture or map has the value 1.
     fn peak_intensity(&self) -> Rgb;
 
-    /// Returns the arguments `normals` and `spread` of [`LightBounds::new`].
+    /// Returns a cone of axes and the largest angle \[radians] between an emitted direction and the
+    /// nearest axis in this cone.
     ///
-    /// They are a cone of axes, and the largest angle \[radians] between an emitted direction and
-    /// the nearest axis. The default stands for all directions, so it is correct for every light.
+    /// They are the arguments `normals` and `spread` of [`LightBounds::new`]. The default stands
+    /// for all directions, so it is correct for every light.
     fn emission_cone(&self) -> (DirectionCone, f64) {
         (DirectionCone::ALL, FRAC_PI_2)
     }
 
-    /// True if light may enter `sphere`, ignoring occlusion. Only false is certain, so the default
-    /// `true` is correct for every light.
+    /// True if light may enter `sphere`, ignoring occlusion; false only if it certainly does not.
+    /// The default `true` is correct for every light.
     fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }
@@ -129,8 +130,8 @@ impl<L: PositionalLight> LightSource for L {
     }
 }
 
-/// True if a ray from `position` inside the cone around unit `axis` may enter `sphere`; only false
-/// is certain.
+/// True if a ray from `position` inside the cone around unit `axis` may enter `sphere`; false only
+/// if certainly none does.
 ///
 /// `one_minus_cos` is 1 − cosine of the cone's half angle.
 pub(super) fn cone_may_illuminate(position: Vec3, axis: Vec3, one_minus_cos: f32, sphere: BoundingSphere) -> bool {

@@ -12,20 +12,21 @@ use crate::sampling::PiecewiseConstant2d;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use std::sync::Arc;
 
-/// A point light that projects a picture. Its intensity in each direction is the value of the pixel
-/// there, times a factor.
+/// A point light that projects a picture. Its intensity in a direction is the value of the pixel
+/// there times `scale`.
 #[derive(Clone, Debug)]
 pub struct ProjectorLight {
     /// Position of the pinhole in world space.
     pub position: Vec3,
-    /// Unit vectors in world space: right and up on the picture, and the direction of projection.
+    /// Unit vectors in world space: right on the picture, up on the picture, and direction of
+    /// projection.
     axes: [Vec3; 3],
     picture: Arc<ProjectedPicture>,
     /// Factor from pixel value to radiant intensity \[W/sr].
     pub scale: Rgb,
 }
 
-/// The picture of a projector, which lies in the plane at distance 1 in front of the pinhole.
+/// Picture of a projector, in the plane at distance 1 in front of the pinhole.
 ///
 /// The value is constant in each pixel. A *local* direction has the components right, up and
 /// forward.
@@ -41,13 +42,12 @@ pub struct ProjectedPicture {
 }
 
 impl ProjectedPicture {
-    /// Creates the projection of `picture` with the full vertical angle of view `angle`
+    /// Creates the projected form of `picture`. `angle` is the full vertical angle of view
     /// \[radians], below π.
     ///
     /// Returns `None` if the picture is black.
     ///
-    /// # Errors
-    /// [`EmissionPictureError::Value`] if a pixel is negative or not finite.
+    /// # Errors [`EmissionPictureError::Value`] if a pixel is negative or not finite.
     pub fn new(picture: Image, angle: f64) -> Result<Option<Self>, EmissionPictureError> {
         let picture = scale_emission_picture(picture, Rgb::ONE)?;
         let (width, height) = (picture.width() as usize, picture.height() as usize);
@@ -76,8 +76,10 @@ impl ProjectedPicture {
         self.picture.pixels()[(pixel.y * self.picture.width() + pixel.x) as usize]
     }
 
-    /// Column and row of the pixel in the local direction `local`, which has the components right,
-    /// up and forward; `None` outside of the picture.
+    /// Column and row of the pixel that `local` points to; `None` if the direction misses the
+    /// picture.
+    ///
+    /// `local` is a direction with the components right, up and forward.
     #[inline]
     fn pixel_in_direction(&self, local: Vec3) -> Option<UVec2> {
         let p = DVec2::new(f64::from(local.x), -f64::from(local.y)) / f64::from(local.z) / self.half_size;
@@ -88,7 +90,8 @@ impl ProjectedPicture {
         Some(((0.5 * p + 0.5) * size.as_dvec2()).as_uvec2().min(size - 1))
     }
 
-    /// Samples a unit direction by `u` in \[0, 1)², with the components right, up and forward.
+    /// Samples a unit direction in the local frame (right, up, forward) by `u` in \[0, 1)², in
+    /// proportion to pixel values.
     ///
     /// Returns the direction, the value of its pixel and its pdf \[1/sr]; `None` if the pdf is 0.
     fn sample(&self, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
@@ -124,7 +127,7 @@ impl ProjectedPicture {
 }
 
 impl ProjectorLight {
-    /// Creates a projector at `position` in world space. The pixel value 1 means the intensity
+    /// Creates a projector at `position` in world space. A pixel value of 1 gives the intensity
     /// `scale` \[W/sr].
     ///
     /// `direction` is the axis of projection. The top of the picture lies towards `up`, which must
@@ -137,15 +140,14 @@ impl ProjectorLight {
         Self { position, axes, picture, scale }
     }
 
-    /// Pdf \[1/sr] with which [`Light::sample_le`](super::Light::sample_le) samples the emitted
-    /// unit direction `w`.
+    /// Pdf \[1/sr] with which [`Light::sample_le`](super::Light::sample_le) samples unit direction
+    /// `w`, in world space.
     #[must_use]
     pub fn pdf(&self, w: Vec3) -> f32 {
         self.picture.pdf(self.world_to_picture(w))
     }
 
-    /// Transforms a direction from world space to the components right, up and forward of the
-    /// picture.
+    /// Transforms direction `w` from world space to the picture's components right, up and forward.
     #[inline]
     fn world_to_picture(&self, w: Vec3) -> Vec3 {
         Vec3::from(self.axes.map(|axis| axis.dot(w)))

@@ -17,15 +17,15 @@ pub enum ShadowTarget {
     Infinity,
 }
 
-/// A sampled direction from which direct light arrives at a point; occlusion is not tested yet.
+/// A sampled direction from which direct light arrives at a point. The light may still be occluded.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectLightSample {
     /// Unit direction from the lit point towards the light.
     pub wi: Vec3,
-    /// End of the shadow ray from the lit point.
+    /// End of the shadow ray that starts at the lit point.
     pub target: ShadowTarget,
     /// Arriving radiance divided by `pdf`, without the cosine at the lit surface \[W/m²]. For a
-    /// delta light, it is the irradiance at normal incidence.
+    /// delta light, it is the irradiance on a surface that faces the light.
     pub weight: Rgb,
     /// Pdf of `wi` \[1/sr], equal to [`Light::pdf_li`]; `None` for delta lights.
     pub pdf: Option<f32>,
@@ -36,13 +36,13 @@ pub struct DirectLightSample {
 pub struct EmissionSample {
     /// The emitted ray, with a unit direction.
     pub ray: Ray,
-    /// Flux of the sampled ray, already divided by the pdf of the ray \[W].
+    /// Flux \[W] that the ray carries: the light's flux per pdf of the ray.
     ///
     /// The expected value is the flux of all rays that can be sampled.
     pub flux: Rgb,
 }
 
-/// The arguments of [`Light::sample_le`] on which the emitted ray depends.
+/// Arguments of [`Light::sample_le`] on which the rays of a light depend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EmissionDimensions {
     /// True if the ray depends on the argument `position` of [`Light::sample_le`].
@@ -59,12 +59,12 @@ pub(super) enum LightGeometry<'a> {
     Parallel(Vec3),
     /// An emitting surface at a finite distance.
     Surface(&'a LightSurface),
-    /// Light at infinity that arrives from all directions.
+    /// Light from infinity that arrives from all directions, as from an environment.
     AllDirections,
 }
 
-/// A kind of light. [`Light`] documents the methods of the same name, and derives other methods
-/// from `geometry`.
+/// Interface of one kind of light. [`Light`] documents the methods of the same name, and derives
+/// its other methods from `geometry`.
 ///
 /// `sample_li` and `sample_le` must describe the same emitted radiance: camera paths sample direct
 /// light by `sample_li`, and photon paths start by `sample_le`.
@@ -97,7 +97,7 @@ pub(super) trait LightSource {
     /// Implements [`Light::power`].
     fn power(&self, domain: BoundingSphere) -> Rgb;
 
-    /// Bounds of positions and emitted directions; `None` for lights at infinity.
+    /// Bounds of the light's positions and emitted directions; `None` for lights at infinity.
     fn bounds(&self) -> Option<LightBounds>;
 
     /// Implements [`Light::peak_strength`]. The default `None` is right for all but delta lights.
@@ -105,7 +105,7 @@ pub(super) trait LightSource {
         None
     }
 
-    /// Implements [`Light::may_illuminate`], for a sphere that is already expanded by rounding
+    /// Implements [`Light::may_illuminate`]. The caller has already expanded `sphere` by rounding
     /// errors.
     ///
     /// The default `true` is correct for every light, but photons are then aimed at spheres that
@@ -114,8 +114,8 @@ pub(super) trait LightSource {
         true
     }
 
-    /// Copy of the light that emits its mean radiance; `None`, the default, if no texture varies
-    /// the radiance.
+    /// Returns a copy of the light that emits its mean radiance, without texture. The default
+    /// `None` is right if no texture varies the radiance.
     fn untextured_light(&self) -> Option<Light> {
         None
     }

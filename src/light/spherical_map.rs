@@ -7,15 +7,15 @@ use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
 use std::f64::consts::{PI, TAU};
 
-/// The reason why a picture cannot define the emission of a light.
+/// Reason why a picture cannot define the emission of a light.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EmissionPictureError {
     /// A pixel is negative or not finite after scaling.
     #[error("the value in column {x}, row {y} is {value}: repair the picture so that all are finite and none below 0")]
     Value {
-        /// Column of the invalid pixel, counted from the left.
+        /// Column of the invalid pixel, counted from 0 at the left.
         x: u32,
-        /// Row of the invalid pixel, counted from the top.
+        /// Row of the invalid pixel, counted from 0 at the top.
         y: u32,
         /// Value of the invalid pixel after scaling.
         value: Rgb,
@@ -56,7 +56,7 @@ pub struct EquirectangularMap {
     /// Cosine of the angle from +y to the upper edge of each row. The last element belongs to the
     /// lower edge of the last row.
     row_edge_cosines: Vec<f64>,
-    /// Integral of the map over all directions \[pixel value · sr].
+    /// Integral of the interpolated map over all directions \[pixel value · sr].
     integral: Rgb,
 }
 
@@ -87,7 +87,7 @@ impl EquirectangularMap {
         Ok(Self { distribution, row_edge_cosines, integral, map })
     }
 
-    /// Integral of the map over all directions \[pixel value · sr].
+    /// Integral of the interpolated map over all directions \[pixel value · sr].
     pub(super) fn integral(&self) -> Rgb {
         self.integral
     }
@@ -106,7 +106,8 @@ impl EquirectangularMap {
         row(y as i64).lerp(row(y as i64 + 1), fy)
     }
 
-    /// Position of unit `direction` on the map, right and down from its top left corner \[pixels].
+    /// Continuous pixel coordinates of unit `direction` on the map, right and down from its top
+    /// left corner.
     #[inline]
     fn pixel_coordinates(&self, direction: Vec3) -> DVec2 {
         let [x, y, z] = direction.to_array().map(f64::from);
@@ -125,8 +126,8 @@ impl EquirectangularMap {
         distribution.pdf(pixel) / (TAU * f64::from(self.map.height()) * height) as f32
     }
 
-    /// Returns the pixel (column, row) in unit `direction`, and the horizontal position inside the
-    /// pixel, in \[0, 1).
+    /// Returns the pixel (column, row) that contains unit `direction`, and the direction's
+    /// horizontal position inside the pixel, in \[0, 1).
     #[inline]
     fn pixel_in_direction(&self, direction: Vec3) -> (UVec2, f32) {
         let at = self.pixel_coordinates(direction);
@@ -135,8 +136,8 @@ impl EquirectangularMap {
         (pixel, at.x.fract() as f32)
     }
 
-    /// Returns the point u in \[0, 1)² from which [`EquirectangularMap::sample`] makes unit
-    /// `direction`. Returns `None` if the map is black.
+    /// Inverse of [`EquirectangularMap::sample`]: returns the point u in \[0, 1)² that gives unit
+    /// `direction`; `None` if the map is black.
     #[inline]
     pub(super) fn inverse_sample(&self, direction: Vec3) -> Option<Vec2> {
         let (pixel, x) = self.pixel_in_direction(direction);
@@ -163,7 +164,7 @@ impl EquirectangularMap {
     }
 }
 
-/// Integral over cos θ of the vertical interpolation weight of row `row`, in a map of `rows` rows.
+/// Integral over cos θ of row `row`'s vertical interpolation weight, in a map of `rows` rows.
 ///
 /// θ is the angle to the upper pole of the map. The weight is a hat function of θ. Above the center
 /// of the first row, and below the center of the last row, the weight is 1.

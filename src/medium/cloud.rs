@@ -11,23 +11,25 @@ pub struct Cloud {
     /// Number of noise octaves; each has half the wavelength and half the amplitude of the previous
     /// one.
     pub octaves: u32,
-    /// Number of wavelengths of the first octave along each side of the cube.
+    /// Number of wavelengths of the first noise octave along each side of the unit cube.
     pub scale: f64,
     /// Coverage from 0 to 1: the fraction of the range of noise values that becomes cloud.
     ///
-    /// At 0 the cube is empty; at 1 all of the ball is cloud.
+    /// At 0 the unit cube is empty; at 1 all of the inscribed ball is cloud.
     pub cover: f64,
-    /// Width of the soft edge, as a fraction of the radius from 0 to 1. At 0 the edge is hard.
+    /// Width of the cloud's soft edge, as a fraction of the ball's radius, from 0 to 1. At 0 the
+    /// edge is hard.
     pub softness: f64,
     /// Seed of the noise.
     pub seed: u64,
 }
 
 impl Cloud {
-    /// Returns a function that maps a point of the unit cube to the density there, in \[0, 1].
+    /// Returns a function that maps a point of the unit cube to the cloud's density there, in \[0,
+    /// 1].
     ///
-    /// `width` is the width of the noise filter, as a fraction of the side of the cube; 0 does not
-    /// filter. The filter removes noise finer than its width.
+    /// `width` is the width of the noise filter, as a fraction of the side of the cube. The filter
+    /// removes noise finer than its width; 0 filters nothing.
     pub fn density(&self, width: f64) -> impl Fn(DVec3) -> f32 + Sync + use<> {
         let mut rng = Key::new(self.seed).rng();
         // The shift separates the noise of different seeds. It is small enough for coordinates to

@@ -6,37 +6,36 @@ use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Number of cells along each side of a block. The grid stores one majorant of the density for each
-/// block.
+/// Number of cells along each side of a majorant block.
 pub(super) const BLOCK_SIDE: u32 = 8;
 
 /// Reason why a density grid is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum GridDensityError {
-    /// The grid has no cells along some axis.
+    /// The grid has no cells along some axis. The fields are its numbers of cells along x, y and z.
     #[error("a grid of {0} × {1} × {2} cells is empty: every side needs at least one")]
     Empty(u32, u32, u32),
-    /// The grid does not fit into memory.
+    /// The grid does not fit into memory. The fields are its numbers of cells along x, y and z.
     #[error("a grid of {0} × {1} × {2} cells does not fit into memory: make it coarser")]
     TooLarge(u32, u32, u32),
-    /// The number of densities differs from the number of cells.
+    /// The number of listed densities differs from the number of cells.
     #[error("the grid has {expected} cells, but {found} densities are given")]
     Count {
-        /// Number of cells.
+        /// Number of cells of the grid, which is the number of densities needed.
         expected: usize,
-        /// Number of densities.
+        /// Number of densities that were given.
         found: usize,
     },
     /// A density is negative or not finite.
     #[error("the density of cell ({x}, {y}, {z}), counted from 0, is {value}: it must be finite and at least 0")]
     Cell {
-        /// Column of the cell, along x.
+        /// Column of the invalid cell: its index along x.
         x: u32,
-        /// Row of the cell, along y.
+        /// Row of the invalid cell: its index along y.
         y: u32,
-        /// Layer of the cell, along z.
+        /// Layer of the invalid cell: its index along z.
         z: u32,
-        /// Density of the cell.
+        /// Invalid density of the cell.
         value: f32,
     },
     /// The map from the unit cube to scene coordinates is singular.
@@ -47,7 +46,8 @@ pub enum GridDensityError {
 /// Density of a medium on a regular grid that fills a box; 0 outside the box.
 ///
 /// Values lie at cell centers and are stored with x fastest. The density is trilinear between
-/// centers, and constant in the outer half of the outer cells. Clones share the values.
+/// centers, and constant in the outer half of the outer cells. Clones share the memory of the
+/// values.
 #[derive(Clone, Debug)]
 pub struct GridDensity {
     grid: Arc<SharedGridData>,
@@ -55,24 +55,24 @@ pub struct GridDensity {
     placement: Transform,
 }
 
-/// Densities and majorants, which all copies of a grid share.
+/// Cell densities and block majorants, which all copies of a grid share.
 #[derive(Debug)]
 struct SharedGridData {
     size: [u32; 3],
     values: Vec<f32>,
     /// Number of majorant blocks along each side of the grid.
     blocks: [u32; 3],
-    /// Majorant of each block: an upper bound of the density.
+    /// Majorant of each block, with x fastest: an upper bound of the density in the block.
     majorants: Vec<f32>,
     max_density: f32,
 }
 
 impl GridDensity {
-    /// Creates a grid of `size` cells with densities `values`, x fastest. `placement` maps the unit
-    /// cube to the box of the grid in scene coordinates.
+    /// Creates a grid of `size` cells (along x, y and z) with densities `values`, x fastest.
+    /// `placement` maps the unit cube to the box of the grid in scene coordinates.
     ///
-    /// # Errors
-    /// [`GridDensityError`] if a size, a density or the placement is invalid.
+    /// # Errors [`GridDensityError`] if a size, the number of values, a density or the placement is
+    /// invalid.
     pub fn new(size: [u32; 3], values: Vec<f32>, placement: DAffine3) -> Result<Self, GridDensityError> {
         let expected = checked_cell_count(size)?;
         if values.len() != expected {
@@ -90,11 +90,13 @@ impl GridDensity {
         Ok(Self { grid: Arc::new(SharedGridData { size, values, blocks, majorants, max_density }), placement })
     }
 
-    /// Creates a grid with the values of `density` at the cell centers. The argument of `density`
-    /// is a point of the unit cube, which `placement` maps to scene coordinates.
+    /// Creates a grid of `size` cells (along x, y and z), whose values are those of `density` at
+    /// the cell centers.
     ///
-    /// # Errors
-    /// [`GridDensityError`] if the size, a density or the placement is invalid.
+    /// The argument of `density` is a point of the unit cube, which `placement` maps to scene
+    /// coordinates.
+    ///
+    /// # Errors [`GridDensityError`] if a size, a density or the placement is invalid.
     pub fn from_fn(
         size: [u32; 3],
         placement: DAffine3,
@@ -115,13 +117,13 @@ impl GridDensity {
         Self::new(size, values, placement)
     }
 
-    /// Copy of the grid, translated by `by`.
+    /// Returns a copy of the grid, translated by `by` \[scene coordinates].
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         Self { grid: Arc::clone(&self.grid), placement: self.placement.translated(by) }
     }
 
-    /// Copy of the grid, moved by `map`; `None` if the map is singular.
+    /// Returns a copy of the grid, transformed by `map`; `None` if the map is singular.
     #[must_use]
     pub fn transformed(&self, map: DAffine3) -> Option<Self> {
         let placement = Transform::new(map * *self.placement.forward()).ok()?;
@@ -142,7 +144,7 @@ impl GridDensity {
         self.grid.max_density
     }
 
-    /// Number of cells along each side.
+    /// Number of cells along x, y and z.
     #[must_use]
     pub fn size(&self) -> [u32; 3] {
         self.grid.size
@@ -154,13 +156,13 @@ impl GridDensity {
         self.placement.forward()
     }
 
-    /// Memory of the grid \[bytes].
+    /// Memory of the grid's densities and majorants \[bytes].
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         size_of::<SharedGridData>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
     }
 
-    /// Transforms the part of `ray` from 0 to `distance` to grid space, where cells have side 1.
+    /// Transforms the first `distance` \[length] of `ray` to grid space, where cells have side 1.
     pub(super) fn ray_in_grid(&self, ray: &Ray, distance: f32) -> GridRay<'_> {
         let cells = self.grid.cells_per_axis();
         let inverse = self.placement.inverse();
@@ -180,9 +182,10 @@ pub(super) struct GridRay<'a> {
 }
 
 impl GridRay<'_> {
-    /// Returns the blocks with a positive majorant that the ray crosses, from near to far.
+    /// Returns the majorant blocks along the ray that have a positive majorant, from near to far.
     ///
-    /// Each item holds the distances \[length] of entry and exit, and the majorant.
+    /// Each item holds the distances \[length] where the ray enters and leaves the block, and the
+    /// majorant.
     pub(super) fn blocks_along_ray(&self) -> impl Iterator<Item = (f64, f64, f64)> {
         let SharedGridData { blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK_SIDE);
@@ -195,7 +198,7 @@ impl GridRay<'_> {
         )
     }
 
-    /// Density at distance `t` along the ray. The ray must be inside the grid there.
+    /// Density at distance `t` \[scene length] along the ray, a point that must be inside the grid.
     pub(super) fn density(&self, t: f64) -> f64 {
         f64::from(self.grid.interpolate_density(self.origin + self.step * t))
     }
@@ -233,8 +236,9 @@ fn lerp(t: f32, a: f32, b: f32) -> f32 {
     a * (1.0 - t) + b * t
 }
 
-/// Returns the number of cells of a grid with `size` cells along each side; an error if the number
-/// is 0 or the values do not fit into memory.
+/// Returns the number of cells of a grid with `size` cells along x, y and z.
+///
+/// It returns an error if this number is 0 or if the values do not fit into memory.
 fn checked_cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     let [x, y, z] = size;
     if x.min(y).min(z) == 0 {
@@ -244,7 +248,10 @@ fn checked_cell_count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     cells.filter(|n| n.checked_mul(size_of::<f32>()).is_some()).ok_or(GridDensityError::TooLarge(x, y, z))
 }
 
-/// Returns the majorant of each block: the largest density of its cells and of all adjacent cells.
+/// Returns the majorant of each block: the largest density of its cells and of all cells adjacent
+/// to the block.
+///
+/// `size` is the number of cells along each axis, and `blocks` the number of blocks.
 fn block_majorants(size: [u32; 3], values: &[f32], blocks: [u32; 3]) -> Vec<f32> {
     let [nx, ny, _] = size.map(|n| n as usize);
     let [bx, by, bz] = blocks;

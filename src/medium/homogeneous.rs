@@ -5,13 +5,13 @@ use crate::color::Rgb;
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-/// Optical depth `sigma` · `distance` in each channel; 0 if `sigma` is 0, even at infinite
+/// Optical depth `sigma` · `distance` in each color channel; 0 where `sigma` is 0, even at infinite
 /// distance.
 fn optical_depth(sigma: Rgb, distance: f64) -> DVec3 {
     DVec3::from_array(sigma.to_array().map(|s| if s > 0.0 { f64::from(s) * distance } else { 0.0 }))
 }
 
-/// exp(−depth) in each channel.
+/// exp(−depth) in each color channel.
 fn exp_neg(depth: DVec3) -> DVec3 {
     DVec3::from_array(depth.to_array().map(|x| libm::exp(-x)))
 }
@@ -34,8 +34,8 @@ pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
     exp_neg(optical_depth(sigma, f64::from(distance.max(0.0))))
 }
 
-/// Samples a scattering distance by the extinction of one color channel. The channel is chosen with
-/// a probability proportional to its throughput.
+/// Samples a scattering distance by the extinction of one color channel. The probability of a
+/// channel is proportional to its throughput.
 ///
 /// The weight uses the pdf of the mixture of all channels (balance heuristic). If the chosen
 /// channel has no extinction, the ray passes through.
@@ -71,8 +71,8 @@ pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, r
     }
 }
 
-/// Pdf \[1/length] of scattering at distance `t`. It is the mean of the pdfs of the channels,
-/// weighted by their throughputs.
+/// Pdf \[1/length] of scattering at distance `t`: the mean of the channels' pdfs, weighted by the
+/// channels' throughputs.
 pub(super) fn distance_pdf(sigma: Rgb, t: f32, throughput: Rgb) -> f32 {
     if t < 0.0 {
         return 0.0;
@@ -80,7 +80,8 @@ pub(super) fn distance_pdf(sigma: Rgb, t: f32, throughput: Rgb) -> f32 {
     channel_probabilities(throughput).dot(sigma.as_dvec3() * exp_neg(optical_depth(sigma, f64::from(t)))) as f32
 }
 
-/// Radiance that the medium emits along the distance d: ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ.
+/// Radiance that the medium emits along the distance d: ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ, with
+/// emission ε and extinction σ.
 pub(super) fn emitted_radiance(medium: &Medium, distance: f32) -> Rgb {
     let sigma = medium.extinction();
     let distance = f64::from(distance.max(0.0));

@@ -2,29 +2,33 @@
 
 use glam::DVec3;
 
-/// Iterator over the blocks of a majorant grid along a ray, by 3D-DDA (Amanatides and Woo 1987).
-/// Blocks have side 1.
+/// Iterator over the blocks of a majorant grid along a ray, by 3D-DDA (Amanatides and Woo 1987). A
+/// block is a unit cube in the frame of the iterator.
 ///
 /// Every step enters another block, so the iterator ends.
 pub(super) struct MajorantIterator {
     origin: DVec3,
-    /// Change of the position per unit of distance along the ray.
+    /// Change of the position, in units of blocks, per unit of distance along the ray.
     step: DVec3,
     /// Number of blocks along each axis.
     count: [u32; 3],
     /// Current block: its index along each axis.
     cell: [u32; 3],
-    /// Distance along the ray to the next block face perpendicular to each axis.
+    /// Distance along the ray to the next block face perpendicular to each axis; infinite for an
+    /// axis perpendicular to the ray.
     next: [f64; 3],
-    /// Distance along the ray where it enters the current block.
+    /// Distance along the ray where the ray enters the current block.
     t: f64,
-    /// Distance along the ray where it leaves the grid, or where the iteration ends.
+    /// Distance along the ray where the iteration ends: the ray leaves the grid, or reaches its own
+    /// end.
     end: f64,
 }
 
 impl MajorantIterator {
     /// Creates an iterator over the blocks along the ray `origin + t·step` for 0 < t < `distance`.
-    /// The grid is the box from 0 to `far`. `count` is the number of blocks along each side.
+    ///
+    /// The grid is the box from 0 to `far`, in units of blocks. `count` is the number of blocks
+    /// along each axis.
     pub(super) fn new(origin: DVec3, step: DVec3, far: DVec3, count: [u32; 3], distance: f64) -> Self {
         let (mut t, mut end) = (0.0, distance);
         for axis in 0..3 {
@@ -46,8 +50,8 @@ impl MajorantIterator {
         blocks
     }
 
-    /// Distance along the ray to the face perpendicular to `axis` through which the ray would leave
-    /// the current block; infinite if the ray is parallel to the face.
+    /// Distance along the ray to the face, perpendicular to `axis`, through which the ray would
+    /// leave the current block; infinite if the ray is parallel to the face.
     fn distance_to_block_face(&self, axis: usize) -> f64 {
         let (o, s, cell) = (self.origin[axis], self.step[axis], f64::from(self.cell[axis]));
         if s > 0.0 {
@@ -61,8 +65,8 @@ impl MajorantIterator {
 }
 
 impl Iterator for MajorantIterator {
-    /// Distances along the ray where the ray enters and leaves a block, and the index of the block,
-    /// with x fastest.
+    /// Distances along the ray where it enters and leaves a block, and the block's index (x
+    /// fastest).
     type Item = (f64, f64, usize);
 
     fn next(&mut self) -> Option<Self::Item> {

@@ -20,8 +20,8 @@ use std::sync::Arc;
 
 /// A participating medium: coefficients at density 1, and an optional grid of densities.
 ///
-/// The coefficient at a point is its value at density 1 times the density there. Coefficients are
-/// finite and at least 0; scene import checks this.
+/// The coefficient at a point is the coefficient at density 1 times the density at the point.
+/// Coefficients are finite and at least 0; scene import checks this.
 #[derive(Clone, Debug)]
 pub struct Medium {
     /// Absorption coefficient σa at density 1 \[1/length].
@@ -36,15 +36,17 @@ pub struct Medium {
     density: Option<Arc<GridDensity>>,
 }
 
-/// Result of distance sampling: the distance at which a ray scatters in a medium, if it scatters,
-/// and a weight.
+/// Result of distance sampling in a medium: the distance at which the ray scatters, if it does, and
+/// the factor for the path throughput.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DistanceSample {
     /// Distance of the scattering point; `None` if the ray passes through.
     pub scattered: Option<f32>,
-    /// Factor by which the throughput changes; 0 in channels without throughput. After scattering,
-    /// it is σs·T divided by the pdf of the distance, where T is the transmittance. If the ray
-    /// passes through, it is T divided by the probability of passing through.
+    /// Factor by which the throughput changes; 0 in channels without throughput.
+    ///
+    /// After scattering, it is σs·T divided by the pdf of the distance, where T is the
+    /// transmittance. If the ray passes through, it is T divided by the probability of passing
+    /// through.
     pub weight: Rgb,
 }
 
@@ -53,17 +55,19 @@ pub struct DistanceSample {
 /// Each value is an unbiased estimate. Values at different distances are correlated.
 #[derive(Clone, Debug, Default)]
 pub struct TransmittanceCurve {
-    /// Extinction coefficient of a homogeneous medium \[1/length]; zero for a grid.
+    /// Extinction coefficient of a homogeneous medium \[1/length]; zero for a medium with a density
+    /// grid.
     extinction: Rgb,
-    /// Distances of tentative collisions in a grid \[length], each with the transmittance just
-    /// beyond it.
+    /// Distances \[length] of the tentative collisions in a density grid, each with the
+    /// transmittance just beyond it. Empty for a homogeneous medium.
     steps: Vec<(f32, Rgb)>,
 }
 
 impl TransmittanceCurve {
-    /// Samples a new curve along the first `distance` of `ray`, which has a unit direction.
+    /// Samples a new curve along the first `distance` \[length] of `ray`, which has a unit
+    /// direction.
     ///
-    /// The curve replaces the previous one and reuses its memory.
+    /// The new curve replaces the old one in `self` and reuses its memory.
     pub fn sample(&mut self, medium: &Medium, ray: &Ray, distance: f32, rng: &mut impl Rng) {
         self.steps.clear();
         self.extinction = Rgb::ZERO;
@@ -73,7 +77,8 @@ impl TransmittanceCurve {
         }
     }
 
-    /// Transmittance from the ray origin to distance `t`; exact in a homogeneous medium.
+    /// Transmittance from the ray's origin to distance `t` \[length]; exact in a homogeneous
+    /// medium, else unbiased.
     #[inline]
     #[must_use]
     pub fn transmittance_at(&self, t: f32) -> Rgb {
@@ -94,7 +99,7 @@ impl Medium {
         Self { absorption, scattering, emission, phase, density: None }
     }
 
-    /// Creates a heterogeneous medium with a density grid.
+    /// Creates a heterogeneous medium. Its coefficients are the given ones times `density`.
     #[must_use]
     pub fn heterogeneous(
         absorption: Rgb,
@@ -113,41 +118,42 @@ impl Medium {
         self.absorption + self.scattering
     }
 
-    /// True if the medium has no density grid: its density is 1 everywhere.
+    /// True if the medium has no density grid, so that its density is 1 everywhere.
     #[must_use]
     pub fn is_homogeneous(&self) -> bool {
         self.density.is_none()
     }
 
-    /// True if the medium has no effect on light: no absorption, scattering or emission.
+    /// True if the medium has no effect on light: it neither absorbs, scatters nor emits.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         let nowhere = self.density.as_ref().is_some_and(|grid| grid.max_density() == 0.0);
         nowhere || (self.extinction() == Rgb::ZERO && self.emission == Rgb::ZERO)
     }
 
-    /// True if the medium scatters.
+    /// True if the scattering coefficient is above 0 in a color channel.
     #[must_use]
     pub fn scatters(&self) -> bool {
         self.scattering != Rgb::ZERO && !self.is_empty()
     }
 
-    /// True if the medium emits.
+    /// True if the medium emits radiance in a color channel.
     #[must_use]
     pub fn emits(&self) -> bool {
         self.emission != Rgb::ZERO && !self.is_empty()
     }
 
-    /// Density at point `p` in scene coordinates.
+    /// Density at point `p` in scene coordinates; 1 in a homogeneous medium, 0 outside a density
+    /// grid.
     #[must_use]
     pub fn density_at(&self, p: Vec3) -> f32 {
         self.density.as_ref().map_or(1.0, |grid| grid.density(p))
     }
 
-    /// Transmittance along the first `distance` of `ray`, which has a unit direction.
+    /// Transmittance along the first `distance` \[length] of `ray`, which has a unit direction.
     ///
-    /// Exact in a homogeneous medium, else an unbiased estimate by ratio tracking (Novák, Selle,
-    /// Jarosz 2014). The distance may be infinite.
+    /// It is exact in a homogeneous medium, else an unbiased estimate by ratio tracking (Novák,
+    /// Selle, Jarosz 2014). The distance may be infinite.
     #[must_use]
     pub fn transmittance(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
         match &self.density {
@@ -156,7 +162,7 @@ impl Medium {
         }
     }
 
-    /// Returns [`Medium::transmittance`] in f64, for products over many segments: in f32, a factor
+    /// Returns [`Medium::transmittance`] in f64, for products over many segments. In f32, a factor
     /// near 1 loses digits.
     #[must_use]
     pub fn transmittance_f64(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> DVec3 {
@@ -166,12 +172,12 @@ impl Medium {
         }
     }
 
-    /// Samples the distance of the first scattering within `distance` along `ray`, which has a unit
-    /// direction.
+    /// Samples the distance of the first scattering within the first `distance` \[length] of `ray`,
+    /// which has a unit direction.
     ///
-    /// The weight never increases the channel mean of `throughput`, except through Russian
-    /// roulette. In a homogeneous grey medium, the weight is σs/σt after scattering, and 1 if the
-    /// ray passes through.
+    /// The weight of the sample never increases the channel mean of `throughput`, except through
+    /// Russian roulette. In a homogeneous grey medium, the weight is σs/σt after scattering, and 1
+    /// if the ray passes through.
     ///
     /// In a medium that does not scatter, the ray always passes through, and the weight is the
     /// [`transmittance`](Self::transmittance). The distance may be infinite.
@@ -198,10 +204,10 @@ impl Medium {
         self.is_homogeneous().then(|| homogeneous::distance_pdf(self.extinction(), t, throughput))
     }
 
-    /// Radiance \[W/(m² sr)] that the medium emits towards the origin of `ray`, from the first
-    /// `distance` of the ray. The ray has a unit direction.
+    /// Radiance \[W/(m² sr)] that the medium emits, along the first `distance` of `ray`, towards
+    /// the ray's origin. The ray has a unit direction.
     ///
-    /// Exact in a homogeneous medium, else an unbiased estimate. Over an infinite distance, a
+    /// It is exact in a homogeneous medium, else an unbiased estimate. Over an infinite distance, a
     /// homogeneous medium gives infinite radiance in a channel that emits without extinction.
     #[must_use]
     pub fn emitted_radiance(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
@@ -214,14 +220,15 @@ impl Medium {
         }
     }
 
-    /// Copy of the medium, translated by `by`.
+    /// Returns a copy of the medium, whose density grid is translated by `by` \[scene coordinates].
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         let density = self.density.as_ref().map(|grid| Arc::new(grid.translated(by)));
         Self { density, ..self.clone() }
     }
 
-    /// Copy of the medium, whose density grid is moved by `map`; `None` if the map is singular.
+    /// Returns a copy of the medium, whose density grid is transformed by `map`; `None` if a grid
+    /// exists and the map is singular.
     ///
     /// Coefficients and density values stay the same, even if the map scales.
     #[must_use]
@@ -231,7 +238,7 @@ impl Medium {
     }
 }
 
-/// Probabilities with which distance sampling chooses each RGB channel, proportional to
+/// Returns the probabilities with which distance sampling chooses the RGB channels, proportional to
 /// `throughput`. They are equal if the throughput is zero or its sum is infinite.
 fn channel_probabilities(throughput: Rgb) -> DVec3 {
     // `max` turns NaN into 0.
@@ -241,7 +248,8 @@ fn channel_probabilities(throughput: Rgb) -> DVec3 {
     if sum > 0.0 && sum.is_finite() { part / sum } else { DVec3::splat(1.0 / 3.0) }
 }
 
-/// Converts the weight `w` of a distance sample to f32. Channels with probability 0 get weight 0.
+/// Converts the weight `w` of a distance sample to f32, and sets it to 0 in channels whose sampling
+/// probability is 0.
 fn zero_unsampled_channels(w: DVec3, probabilities: DVec3) -> Rgb {
     let most = f64::from(f32::MAX);
     DVec3::select(probabilities.cmpgt(DVec3::ZERO), w.min(DVec3::splat(most)), DVec3::ZERO).as_vec3()

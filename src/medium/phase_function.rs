@@ -9,7 +9,7 @@ use std::f32::consts::PI;
 pub enum PhaseFunction {
     /// Isotropic scattering: equal in all directions.
     Isotropic,
-    /// The function of Henyey and Greenstein 1941. Its parameter is the mean cosine g in (−1, 1);
+    /// Phase function of Henyey and Greenstein 1941. Its parameter is the mean cosine g in (−1, 1);
     /// positive g scatters forwards.
     HenyeyGreenstein(f32),
     /// Rayleigh scattering, by particles much smaller than the wavelength.
@@ -36,11 +36,11 @@ impl PhaseFunction {
         }
     }
 
-    /// Samples the unit direction of travel after scattering by `u` in \[0, 1)². Returns the
-    /// direction and its pdf \[1/sr]. `direction` is the unit direction of travel before
-    /// scattering.
+    /// Samples the unit direction of travel after scattering, by `u` in \[0, 1)². Returns this
+    /// direction and its pdf \[1/sr].
     ///
-    /// The pdf equals [`evaluate`](Self::evaluate), so the weight of a sample is 1.
+    /// `direction` is the unit direction of travel before scattering. The pdf equals
+    /// [`evaluate`](Self::evaluate), so the weight of a sample is 1.
     #[inline]
     #[must_use]
     pub fn sample(&self, direction: Vec3, u: Vec2) -> (Vec3, f32) {
@@ -65,8 +65,8 @@ impl PhaseFunction {
     }
 }
 
-/// Samples the cosine and the sine of the scattering angle of the Henyey–Greenstein function, by
-/// inversion.
+/// Samples the scattering angle of the Henyey–Greenstein function by inversion; returns its cosine
+/// and its sine.
 ///
 /// With D = 1 − g + 2gu, the inverse (Witt 1977) gives 1 − cos = 2(1−g)²(1−u)(1+gu)/D² and 1 + cos
 /// = 2(1+g)²u(1−g(1−u))/D². Neither formula suffers cancellation for g from 0 to 1.
@@ -81,8 +81,8 @@ fn sample_henyey_greenstein(g: f32, u: f32) -> (f32, f32) {
     (cos, (drop * rise).max(0.0).sqrt())
 }
 
-/// Samples the cosine and the sine of the angle of Rayleigh scattering, by inversion. The cosine is
-/// the real root of cos³ + 3 cos = 8u − 4.
+/// Samples the scattering angle of Rayleigh scattering by inversion; returns its cosine and its
+/// sine. The cosine is the real root of cos³ + 3 cos = 8u − 4.
 fn sample_rayleigh(u: f32) -> (f32, f32) {
     let q = 4.0 * f64::from(u) - 2.0;
     let root = libm::cbrt(q.abs() + (q * q + 1.0).sqrt());

@@ -14,26 +14,29 @@ use rand::{Rng, RngExt};
 /// Path weight below which Russian roulette may end the tracking of collisions.
 const ROULETTE_THRESHOLD: f64 = 0.1;
 
-/// Interval, in tentative collisions, at which Russian roulette ends tracking with probability ½.
+/// Number of tentative collisions after which Russian roulette ends tracking with probability ½,
+/// again and again.
 ///
 /// It bounds the mean time of tracking at high majorants.
 const COLLISIONS_PER_ROULETTE: u32 = 1 << 14;
 
-/// Smallest mean number of tentative collisions along a ray in an estimate of emission.
+/// Smallest mean number of tentative collisions along a ray for an estimate of its emitted
+/// radiance. In thin media, it raises the rate of collisions.
 const MIN_EMISSION_COLLISIONS: f64 = 4.0;
 
-/// Smallest mean number of tentative collisions along a ray for a [`TransmittanceCurve`].
+/// Smallest mean number of tentative collisions along a ray for a [`TransmittanceCurve`]. In thin
+/// media, it raises the rate of collisions.
 const MIN_CURVE_COLLISIONS: f64 = 16.0;
 
-/// A tentative collision, which may be real or null.
+/// A tentative collision of delta tracking, which may be real or null.
 struct TentativeCollision {
     /// Distance along the ray \[length].
     t: f64,
     /// Density of the medium divided by the mean number of tentative collisions per length
     /// \[length].
     ///
-    /// Its product with σs is the probability that the collision scatters. The same holds for other
-    /// coefficients and events.
+    /// Its product with σs \[1/length] is the probability that the collision scatters, its product
+    /// with σa the probability that the collision absorbs.
     density_over_rate: f64,
 }
 
@@ -42,10 +45,11 @@ enum TrackingDecision {
     Stop,
 }
 
-/// Samples tentative collisions along `line` and calls `visit` for each.
+/// Samples tentative collisions along `line`, from near to far, and calls `visit` for each. Returns
+/// false if `visit` stopped the tracking, true at the end of the line.
 ///
-/// Returns false if `visit` stopped the tracking. The mean number of tentative collisions per
-/// length is `rate` times the majorant of the block.
+/// The mean number of tentative collisions per length is `rate` \[1/length] times the majorant
+/// density of the block.
 fn track_collisions<R: Rng>(
     line: &GridRay,
     rate: f64,
@@ -82,14 +86,15 @@ fn sample_exponential(rng: &mut impl Rng) -> f64 {
 
 /// Plays Russian roulette on a path of weight `left` after `steps` tentative collisions.
 ///
-/// Returns the factor by which the weight changes, or `None` if tracking ends.
+/// Returns the factor by which the caller must multiply the weight, or `None` if tracking ends.
 fn russian_roulette(left: f64, steps: u32, rng: &mut impl Rng) -> Option<f64> {
     let faint = if left < ROULETTE_THRESHOLD { left / ROULETTE_THRESHOLD } else { 1.0 };
     let stay = if steps.is_multiple_of(COLLISIONS_PER_ROULETTE) { 0.5 * faint } else { faint };
     if stay >= 1.0 { Some(1.0) } else { (rng.random::<f64>() < stay).then(|| 1.0 / stay) }
 }
 
-/// Estimates transmittance by ratio tracking: the product of the null-collision probabilities.
+/// Estimates the transmittance of the first `distance` of `ray` by ratio tracking: the product of
+/// the null-collision probabilities.
 pub(super) fn transmittance(medium: &Medium, grid: &GridDensity, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
     let sigma = medium.extinction().as_dvec3();
     let rate = sigma.max_element();
@@ -104,8 +109,8 @@ pub(super) fn transmittance(medium: &Medium, grid: &GridDensity, ray: &Ray, dist
     if through { left.as_vec3() } else { Rgb::ZERO }
 }
 
-/// Estimates the transmittance at all distances up to `distance` by one run of ratio tracking, and
-/// writes it to `curve`.
+/// Estimates the transmittance from the start of `ray` to all distances up to `distance`, by one
+/// run of ratio tracking; appends its steps to `curve`.
 pub(super) fn transmittance_curve(
     medium: &Medium,
     grid: &GridDensity,
@@ -135,8 +140,9 @@ pub(super) fn transmittance_curve(
 }
 
 /// Increments the collision count `steps`, and plays Russian roulette on the transmittance `left`.
+/// Tells whether tracking continues.
 ///
-/// Scales `left` if tracking continues.
+/// If tracking continues, `left` is divided by the probability of this.
 fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng) -> TrackingDecision {
     *left = left.max(DVec3::ZERO);
     *steps = steps.wrapping_add(1);
@@ -151,9 +157,9 @@ fn transmittance_roulette(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng)
 
 /// Samples a scattering distance by spectral tracking (Kutz, Habel, Li, Novák 2017, section 4.3).
 ///
-/// Each tentative collision scatters or is null. The probability of each event is proportional to
-/// the channel mean of the throughput after it. This mean never increases, except through Russian
-/// roulette.
+/// Each tentative collision scatters or is null. The probability of each of these two events is
+/// proportional to the channel mean of the throughput after the event. This mean never increases,
+/// except through Russian roulette.
 pub(super) fn distance_sample(
     medium: &Medium,
     grid: &GridDensity,
@@ -196,8 +202,8 @@ pub(super) fn distance_sample(
     DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { zero_unsampled_channels(left, probabilities) } }
 }
 
-/// Estimates emitted radiance as a sum over tentative collisions: the transmittance up to each
-/// collision times its emission.
+/// Estimates the radiance that `medium` emits along the first `distance` of `ray`: the sum over
+/// tentative collisions of transmittance times emission.
 pub(super) fn emitted_radiance(
     medium: &Medium,
     grid: &GridDensity,

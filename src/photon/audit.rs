@@ -16,7 +16,7 @@ pub struct EnergyAudit {
     pub absorbed: [f64; 3],
     /// Flux that escaped from the scene \[W].
     pub escaped: [f64; 3],
-    /// Flux \[W] of paths that were stopped: at the bounce limit, or because the pass would store
+    /// Flux \[W] of paths that the pass stopped: at the bounce limit, or because it would store
     /// none of their further photons.
     pub stopped: [f64; 3],
     /// Flux removed by Russian roulette minus flux added by it \[W].
@@ -38,7 +38,7 @@ impl AddAssign for EnergyAudit {
     }
 }
 
-/// Adds `flux` \[W] to `account`, one of the sums of an [`EnergyAudit`].
+/// Adds `flux` \[W] to `account`, which is one field of an [`EnergyAudit`].
 pub(super) fn add_flux(account: &mut [f64; 3], flux: Rgb) {
     *account = (DVec3::from(*account) + flux.as_dvec3()).to_array();
 }

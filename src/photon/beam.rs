@@ -23,8 +23,8 @@ pub struct PhotonBeam {
     pub flux: Rgb,
     /// Index of the beam's medium in [`Scene::media`](crate::scene::Scene::media).
     pub medium: u32,
-    /// Wavelength as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 if the beam
-    /// carries all wavelengths.
+    /// Wavelength of the photon as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code);
+    /// 0 if it carries all wavelengths.
     pub wavelength: u8,
 }
 
@@ -52,7 +52,8 @@ impl PhotonBeam {
     }
 }
 
-/// Closest approach of a camera ray and a photon beam: distances, angle and weight.
+/// Closest approach of a camera ray and a photon beam, with the weight of the beam in the beam
+/// estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamIntersection {
     /// Distance \[length] from the ray's origin to the point on the ray that is closest to the
@@ -71,7 +72,7 @@ pub struct BeamIntersection {
     pub x2: f32,
 }
 
-/// Sine of the angle up to which a ray and a photon beam count as parallel: twice the rounding
+/// Largest sine of the angle at which a ray and a photon beam count as parallel: twice the rounding
 /// error of a normalised direction.
 const MIN_SINE: f64 = 2.0 * rounding_error_bound(4) as f64;
 
@@ -160,7 +161,7 @@ impl PhotonBeamMap {
     }
 
     /// Calls `visitor` once for each beam whose closest approach to `ray` is within the kernel
-    /// radius.
+    /// radius, with the beam and that approach.
     ///
     /// `ray` must have a unit direction. A beam is skipped if one of the two closest points lies
     /// beyond an end of the ray or of the beam.
@@ -183,7 +184,8 @@ impl PhotonBeamMap {
 }
 
 impl BeamPiece {
-    /// True if this piece of `beam` contains the point at distance `s` along the beam.
+    /// True if this piece of `beam` contains the beam's point at distance `s` \[length] from the
+    /// beam's start.
     ///
     /// Each point of a beam belongs to exactly one piece.
     #[inline]
@@ -191,7 +193,7 @@ impl BeamPiece {
         s >= self.from && (s < self.to || self.to >= beam.length)
     }
 
-    /// Bounding box of the piece, expanded by `radius` and rounded outwards.
+    /// Bounding box of this piece of `beam`, expanded by `radius` \[length] and rounded outwards.
     fn expanded_bounds(&self, beam: &PhotonBeam, radius: f32) -> Bounds {
         let (a, b, r) = (beam.point_at(self.from.into()), beam.point_at(self.to.into()), f64::from(radius));
         let down = (a.min(b) - r).as_vec3().to_array().map(f32::next_down);
@@ -200,7 +202,7 @@ impl BeamPiece {
     }
 }
 
-/// Splits each beam into pieces of equal length, because short pieces have small bounding boxes.
+/// Splits each beam into pieces of equal length. Short pieces have small bounding boxes.
 ///
 /// A beam of length L is split into ⌈L·g/`length`⌉ pieces, with g = [`sqrt_half_box_area`]. A beam
 /// along a coordinate axis has g = 0 and stays whole, because its box is thin. A beam along a space
@@ -215,21 +217,22 @@ fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
     beams.par_iter().enumerate().flat_map_iter(pieces_of).collect()
 }
 
-/// √(A/2), where A is the surface area of the bounding box of a segment of length 1 along the beam.
+/// Returns g = √(A/2), where A is the surface area of the bounding box of a unit-length segment of
+/// the beam.
 ///
-/// The value g ranges from 0 along a coordinate axis to 1 along a space diagonal. Let a beam of
-/// length L be split into n pieces, whose boxes are expanded by r. Half the area of all boxes is
-/// then L²g²/n + 12nr² + constant, which is least for n = Lg/(√12 r).
+/// g ranges from 0 along a coordinate axis to 1 along a space diagonal. Let a beam of length L be
+/// split into n pieces, whose boxes are expanded by r. Half the area of all boxes is then L²g²/n +
+/// 12nr² + constant, which is least for n = Lg/(√12 r).
 fn sqrt_half_box_area(beam: &PhotonBeam) -> f64 {
     let b = beam.direction.abs();
     f64::from(b.x * b.y + b.y * b.z + b.z * b.x).sqrt()
 }
 
-/// Returns the argument `length` of [`split_beams`] that minimises the total surface area of the
+/// Returns the piece length for [`split_beams`] that minimises the total surface area of the
 /// bounding boxes of all pieces.
 ///
-/// `radius` is the kernel radius \[length]. The mean number of pieces per beam stays below
-/// [`MAX_PIECES`].
+/// `radius` is the kernel radius \[length], by which boxes are expanded. The mean number of pieces
+/// per beam stays below [`MAX_PIECES`].
 fn optimal_beam_piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
     let total: f64 = beams.iter().map(|b| f64::from(b.length) * sqrt_half_box_area(b)).sum();
     let most = (MAX_PIECES - 1.0) * beams.len().max(1) as f64;

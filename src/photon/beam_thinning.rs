@@ -5,8 +5,8 @@ use super::PhotonBeam;
 /// Keeps about the fraction `share` of `beams`, each with a probability proportional to its flux.
 /// The flux of a kept beam is divided by its probability.
 ///
-/// `start` in \[0, 1) is the only random number (systematic sampling, Kitagawa 1996). The expected
-/// flux of each beam stays the same. A beam with more flux than the mean of the kept beams is
+/// The expected flux of each beam stays the same. `start` in \[0, 1) is the only random number
+/// (systematic sampling, Kitagawa 1996). A beam with more flux than the mean of the kept beams is
 /// always kept. Beams keep their order. A `share` of 1 or more keeps all beams unchanged.
 #[must_use]
 pub fn thin_beams(mut beams: Vec<PhotonBeam>, share: f32, start: f32) -> Vec<PhotonBeam> {

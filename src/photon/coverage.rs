@@ -11,28 +11,26 @@ use glam::Vec3;
 /// Number of probe rays that measure which fraction of a gather disc is surface.
 const PROBES: u32 = 16;
 
-/// Lower bound of the coverage: the fraction of a gather disc that is surface.
+/// Lower bound of a coverage, the visible fraction of a kernel.
 ///
 /// Density estimates are divided by the coverage, so the correction brightens them at most 20
 /// times.
 pub(super) const MIN_COVERAGE: f32 = 0.05;
 
-/// Returns the kernel's integral over the surface around `p`, divided by its integral over a flat
-/// disc.
+/// Returns the coverage: the kernel's integral over the real surface around `p`, divided by its
+/// integral over a flat disc.
 ///
-/// A density estimate assumes that the whole disc of `radius` \[length] around `p` is surface.
-/// Where the surface ends, bends or is occluded, the estimate is too dark (boundary bias, Jensen
-/// 2001, section 7.2.3). Division by the coverage corrects this bias. Probe rays along −`normal`
-/// measure the coverage. It is at least 0.05, exactly 1 on a flat surface, and may exceed 1 on a
-/// slope.
+/// A density estimate assumes that the whole disc of `radius` \[length] around `p` is surface. If
+/// the surface ends, bends or is occluded, the estimate is too dark (boundary bias, Jensen 2001,
+/// section 7.2.3). Division by the coverage corrects this bias. Probe rays along −`normal` measure
+/// the coverage. It is at least 0.05, exactly 1 on a flat surface, and may exceed 1 on a slope.
 #[must_use]
 pub fn disc_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let primitives = NearPrimitives::new(scene, &probe_bounds(p, normal, radius));
     coverage_by_probes(scene, &primitives, p, normal, radius, kernel, key)
 }
 
-/// Box around all probe rays that measure the coverage of the disc of `radius` \[length] around
-/// `p`.
+/// Box that contains all probe rays of [`disc_coverage`] at `p`.
 fn probe_bounds(p: Vec3, normal: Vec3, radius: f32) -> Bounds {
     let height = normal.abs() * (radius * MAX_RELATIVE_HEIGHT);
     let around = (Vec3::ONE - normal * normal).max(Vec3::ZERO).map(f32::sqrt) * radius;
@@ -41,7 +39,8 @@ fn probe_bounds(p: Vec3, normal: Vec3, radius: f32) -> Bounds {
     Bounds { min: p - half, max: p + half }
 }
 
-/// Returns [`disc_coverage`] by probe rays against `primitives`, which lie near the disc.
+/// Computes [`disc_coverage`] from probe rays. The rays are intersected only with `primitives`, the
+/// scene's primitives near the disc.
 fn coverage_by_probes(
     scene: &Scene,
     primitives: &NearPrimitives<'_>,

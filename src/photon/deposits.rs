@@ -6,8 +6,8 @@ use crate::math::Ray;
 use crate::scene::SurfaceInteraction;
 use glam::{Vec2, Vec3};
 
-/// Optical depth at which an infinitely long photon beam is cut. The beam's flux there is 2·10⁻⁹ of
-/// the flux at its start.
+/// Optical depth at which a photon beam along an infinite ray is cut. The beam's flux there is
+/// 2·10⁻⁹ of the flux at its start.
 const MAX_OPTICAL_DEPTH: f32 = 20.0;
 
 /// Photon beams and photon points stored in participating media.
@@ -39,7 +39,7 @@ impl VolumePhotons {
     }
 }
 
-/// All photons and splats that a photon pass stored, in the order of path indices.
+/// Photons and splats that a photon pass stored, in the order of path indices.
 #[derive(Debug, Default)]
 pub struct Deposits {
     /// Photons on surfaces, except the photons in `after_caustic`.
@@ -58,21 +58,23 @@ pub struct Deposits {
     /// If [`StoreMask::separates_after_caustic`](super::StoreMask) is not set, `volume` holds these
     /// photons instead, and this list is empty.
     pub after_caustic_volume: VolumePhotons,
-    /// Number of photons and splats that were not stored, because their flux or position was not
-    /// finite, or their flux was negative.
+    /// Number of deposits that were not stored because their flux or position was invalid.
+    ///
+    /// Invalid values are not finite; the flux of a photon is also invalid if it is negative.
+    /// Deposits of zero flux do not count.
     pub rejected: u64,
-    /// Splats of caustic photons on the film; empty without light tracing.
+    /// Splats of caustic photons on the film; the list is empty without light tracing.
     pub splats: Vec<Splat>,
 }
 
 impl Deposits {
-    /// Total number of stored photons.
+    /// Total number of stored photons and beams, on surfaces and in media; splats do not count.
     #[must_use]
     pub fn len(&self) -> usize {
         self.photons.len() + self.after_caustic.len() + self.volume.len() + self.after_caustic_volume.len()
     }
 
-    /// True if the pass stored no photon.
+    /// True if the pass stored no photon and no beam; it may have stored splats.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -95,8 +97,8 @@ impl Deposits {
         all
     }
 
-    /// Stores one deposit of a photon path of `pass`; if it is invalid, counts it in `rejected`
-    /// instead.
+    /// Stores one deposit of a photon path of `pass` in the list for its place and kind. An invalid
+    /// deposit increments `rejected` instead.
     #[inline]
     pub(super) fn store_deposit(&mut self, pass: &PhotonPass<'_>, deposit: &Deposit<'_>) {
         let is_separate = pass.mask.separates_after_caustic && deposit.kind == PhotonKind::AfterCaustic;
@@ -133,10 +135,10 @@ impl Deposits {
     }
 }
 
-/// Light that light tracing adds to the film: a connection of one photon to the camera.
+/// Light of one caustic photon that light tracing adds to the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
-    /// Film position \[pixels from the top left].
+    /// Film position that receives the light \[pixels from the top left].
     pub film: Vec2,
     /// Radiance integrated over the film area in square pixels \[W/(m² sr)·pixel²].
     pub radiance: Rgb,
@@ -144,9 +146,9 @@ pub struct Splat {
 
 /// Flux that a photon path deposits on a surface, in a medium or on the film.
 pub(super) struct Deposit<'a> {
-    /// Kind of the photon, which the earlier vertices of its path determine.
+    /// Kind of the photon that carries the flux.
     pub kind: PhotonKind,
-    /// Surface, medium or film position that receives the flux.
+    /// Surface point, medium or film position that receives the flux.
     pub place: DepositPlace<'a>,
     /// Flux \[W]; on the film, the integrated radiance of a [`Splat`].
     pub flux: Rgb,
@@ -159,33 +161,33 @@ pub(super) enum DepositPlace<'a> {
     /// A point on a surface, and the share of the photon's flux that density estimates use, in
     /// steps of 1/[`SHARE_STEPS`](super::record::SHARE_STEPS).
     ///
-    /// Light tracing adds the remaining flux to the film. The share is `None` without light
+    /// Light tracing splats the remaining flux on the film. The share is `None` without light
     /// tracing, and for photons that are not caustic.
     Surface(&'a SurfaceInteraction<'a>, Option<u8>),
     /// A film position \[pixels from the top left], where a splat is recorded.
     Film(Vec2),
     /// A photon beam: a ray segment in a homogeneous medium.
     Beam {
-        /// The ray segment, with unit direction.
+        /// The segment of the photon path in the medium, with unit direction.
         ray: &'a Ray,
-        /// Index of the medium in the scene.
+        /// Index of the medium in [`Scene::media`](crate::scene::Scene::media).
         medium: u32,
     },
     /// A scattering point in a medium.
     Point {
         /// Position of the scattering point.
         position: Vec3,
-        /// Unit direction of travel before scattering.
+        /// Unit direction in which the photon travels before it scatters.
         direction: Vec3,
-        /// Index of the medium in the scene.
+        /// Index of the medium in [`Scene::media`](crate::scene::Scene::media).
         medium: u32,
     },
 }
 
-/// Length of the photon beam along `ray` in the medium with index `medium` \[length].
+/// Length \[length] of the photon beam along `ray` in the medium with index `medium`.
 ///
-/// The beam of an infinite ray ends at [`MAX_OPTICAL_DEPTH`], or outside the scene's bounding
-/// sphere if that is nearer.
+/// The beam of a finite ray ends at the ray's end. The beam of an infinite ray ends at
+/// [`MAX_OPTICAL_DEPTH`], or outside the scene's bounding sphere if that is nearer.
 fn beam_length(pass: &PhotonPass<'_>, ray: &Ray, medium: u32) -> f32 {
     if ray.t_max.is_finite() {
         return ray.t_max;

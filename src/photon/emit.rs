@@ -11,15 +11,14 @@ use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
-/// Number of emission samples that estimate the power of one light towards casters, such as glass
-/// or mirrors.
+/// Number of emission samples that estimate the power of one light towards the casters.
 const POWER_SAMPLES: u32 = 256;
 
-/// Weight of a light's total power in the probability of sampling it, for photon paths aimed at
-/// casters such as glass or mirrors (defensive sampling).
+/// Weight of a light's total power in the probability of sampling the light, for photon paths aimed
+/// at casters (defensive sampling).
 ///
 /// The other 90 % of the weight is on the light's estimated power towards the casters. So a light
-/// keeps a probability above zero even if this estimate is zero.
+/// that can reach a caster keeps a probability above zero even if this estimate is zero.
 const DEFENSIVE_FRACTION: f64 = 0.1;
 
 /// Source of photon paths: samples a light of the scene, and the ray that leaves it.
@@ -28,11 +27,11 @@ pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     /// Discrete distribution from which the light of a photon path is sampled.
     pub(super) light_distribution: DiscreteDistribution,
-    /// Bounding spheres of the casters (such as glass or mirrors), towards which photons are
-    /// emitted. `None` emits in all directions.
+    /// Bounding spheres of the [casters](super::PhotonKind), towards which photons are emitted.
+    /// `None` emits in all directions.
     aim: Option<PhotonAim>,
-    /// Distribution of positions and directions for each light, from emission guiding; `None` for
-    /// an unguided light. The list is empty without guiding.
+    /// Guided distribution of each light's positions and directions; `None` for an unguided light.
+    /// The list is empty without emission guiding.
     pub(super) guiding: Vec<Option<EmissionGuidingDistribution>>,
     /// Effects that photon paths simulate.
     effects: Effects,
@@ -42,9 +41,9 @@ pub struct PhotonSource<'a> {
 /// direction of the emitted ray (Kelemen et al. 2002).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimaryEmissionSample {
-    /// Index of the light.
+    /// Index of the sampled light in [`Scene::lights`].
     pub light: usize,
-    /// Probability of sampling this light.
+    /// Probability with which the source samples light number `light`.
     pub probability: f32,
     /// Primary sample in \[0, 1)² that determines the position on the light.
     pub position: Vec2,
@@ -66,10 +65,10 @@ impl<'a> PhotonSource<'a> {
         Some(Self { scene, light_distribution, aim: None, guiding: Vec::new(), effects })
     }
 
-    /// Creates a source that emits only towards the bounding spheres of casters, such as glass or
-    /// mirrors.
+    /// Creates a source that emits only towards the bounding spheres of
+    /// [casters](super::PhotonKind), such as glass or mirrors.
     ///
-    /// Lights are chosen mainly in proportion to their power towards the spheres, which is
+    /// The probability of a light is mainly proportional to its power towards the spheres, which is
     /// estimated by sampling. If a caster is unbounded, the source emits in all directions. Returns
     /// `None` if no light can reach a caster.
     #[must_use]
@@ -122,11 +121,10 @@ impl<'a> PhotonSource<'a> {
         Some(Self { light_distribution, ..self })
     }
 
-    /// Returns a copy of the source for `scene`, which must be the same scene at another shutter
-    /// time.
+    /// Returns a copy of the source for `scene`, which must be this source's scene at another
+    /// shutter time.
     ///
-    /// If the source is aimed at casters (such as glass or mirrors), it aims at their positions at
-    /// that time.
+    /// A source that is aimed at casters then aims at their positions at that time.
     #[must_use]
     pub fn for_scene_at_time<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
         let spheres = if self.aim.is_some() { scene.caster_bounding_spheres() } else { None };
@@ -135,21 +133,22 @@ impl<'a> PhotonSource<'a> {
         PhotonSource { scene, light_distribution, aim, guiding, ..*self }
     }
 
-    /// Returns the source with `effects` as the effects of light that its photon paths simulate.
+    /// Returns the source, whose photon paths now simulate only `effects`.
     #[must_use]
     pub fn with_effects(self, effects: Effects) -> Self {
         Self { effects, ..self }
     }
 
-    /// Returns the kind of [`Interior`](crate::scene::Interior) that photon paths need for the
-    /// simulated effects. An `Interior` tracks the nested bodies, the medium and the wavelength of
-    /// a path.
+    /// Returns the kind of [`Interior`](crate::scene::Interior) that photon paths carry. The
+    /// simulated effects determine it.
+    ///
+    /// An `Interior` tracks the nested bodies, the medium and the wavelength of a path.
     pub(super) fn interior_kind(&self) -> InteriorKind {
         self.effects.interior_kind()
     }
 
-    /// Lights from which photons are emitted: those of the scene. If textures are not simulated,
-    /// each light has the mean radiance of its emission texture.
+    /// Lights of the scene, from which photons are emitted. If [`Effect::Textures`] is not
+    /// simulated, each light emits the mean radiance of its emission texture.
     pub(super) fn lights(&self) -> &'a [Light] {
         if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_emission_lights() }
     }
@@ -169,7 +168,8 @@ impl<'a> PhotonSource<'a> {
         Some((ray, flux / (point.probability * paths as f32 * point.pdf)))
     }
 
-    /// Samples the light, position and direction of photon path `index` in a pass of `paths` paths.
+    /// Samples the light, and the primary samples of position and direction, for photon path
+    /// `index` in a pass of `paths` paths.
     #[inline]
     pub(super) fn primary_emission_sample(&self, pass_key: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
         let (light, probability) = self.light_distribution.sample(systematic_light_sample(pass_key, index, paths));
@@ -183,19 +183,19 @@ impl<'a> PhotonSource<'a> {
     }
 
     /// Returns the primary sample in \[0, 1) that selects the wavelength of photon path `index`.
-    /// The path starts at light number `light`, in a pass of `paths` paths.
     ///
-    /// Path indices of one light are consecutive, and the sample grows in equal steps along them.
-    /// One random number per pass is added modulo 1 (Cranley and Patterson 1976), which makes the
-    /// wavelength of each path uniform. Runs of Sobol' points fill the unit square evenly. So
-    /// positions and directions are spread evenly in each range of wavelengths, as in a Hammersley
-    /// set.
+    /// The path starts at light number `light`, in a pass of `paths` paths. Path indices of one
+    /// light are consecutive, and the sample grows in equal steps along them. One random number per
+    /// pass is added modulo 1 (Cranley and Patterson 1976), so each path has a uniform sample. Runs
+    /// of Sobol' points fill the unit square evenly. So positions and directions are spread evenly
+    /// in each range of wavelengths, as in a Hammersley set.
     fn wavelength_sample(&self, pass_key: Key, index: u32, paths: u32, light: usize) -> f32 {
         let u = systematic_light_sample(pass_key, index, paths);
         (self.light_distribution.remapped_sample(u, light) + pass_key.uniform_1d(Dimension::Wavelength)).fract()
     }
 
-    /// Starts the photon path that `point` determines; returns its ray and flux \[W].
+    /// Starts the photon path that the emission sample `point` determines. Returns its ray and its
+    /// flux \[W] before division by any probability.
     ///
     /// Returns `None` if the sample carries no flux. The caller must divide the flux by the
     /// probability of the light, the pdf of `point` and the number of paths.
@@ -228,7 +228,8 @@ fn systematic_light_sample(pass_key: Key, index: u32, paths: u32) -> f32 {
     (u as f32).min(1.0 - f32::EPSILON / 2.0)
 }
 
-/// All effects of light, except [`Effect::Interiors`] if no object of `scene` has an interior.
+/// Effects that photon paths in `scene` simulate by default: all, but without [`Effect::Interiors`]
+/// if no object has an interior.
 fn effects_of_scene(scene: &Scene) -> Effects {
     if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without_effect(Effect::Interiors) }
 }
@@ -238,8 +239,8 @@ fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
     scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.photon_domain()))))
 }
 
-/// Estimates the power \[W] that light number `light` emits towards the bounding spheres of casters
-/// in `aim`, averaged over RGB.
+/// Estimates the power \[W], averaged over RGB, that light number `light` emits towards the spheres
+/// of `aim`.
 fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
     let key = Key::new(0).purpose_key(Purpose::LightWeights).light_power_pilot_key(light);
     let flux = |i| {

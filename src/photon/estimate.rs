@@ -17,12 +17,12 @@ pub struct Bandwidth {
     pub k: u32,
 }
 
-/// A radiance estimate from the photons in a disc.
+/// Reflected radiance, estimated from the photons in a disc.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RadianceEstimate {
     /// Radiance \[W/(m² sr)].
     pub radiance: Rgb,
-    /// Radius of the disc that was used \[length].
+    /// Radius of the disc over which photons were summed \[length].
     pub radius: f32,
     /// Number of photons in the disc.
     pub count: u32,
@@ -42,13 +42,13 @@ pub struct NestedRadianceEstimate {
     pub radiance: [Rgb; LEVELS],
 }
 
-/// Buffers of nearest-neighbour searches, reused to avoid allocations.
+/// Buffers of k-nearest-photon searches, which the caller keeps from one search to the next.
 #[derive(Debug, Default)]
 pub struct PhotonSearchBuffers {
     /// Photons that the last search found, each with its squared distance from the query point.
     found: Vec<(f32, PhotonData)>,
-    /// Distance of the k-th neighbour in the last search \[length]. It is the search radius if
-    /// fewer than k photons were found.
+    /// Distance of the k-th photon in the last search \[length]; the search radius if fewer than k
+    /// photons were found.
     ///
     /// The next search begins with 1.25 times this radius.
     last_radius: f32,
@@ -62,12 +62,12 @@ impl PhotonSearchBuffers {
     }
 }
 
-/// Lower bound of the radius of an estimate's disc, divided by the distance of the query point from
-/// the origin. The bound is about 100 rounding errors of a position.
+/// Lower bound of a disc's radius, divided by the distance of the query point from the origin:
+/// about 100 rounding errors of a position.
 const MIN_RELATIVE_RADIUS: f32 = 1e-5;
 
-/// Lower bound of the radius of a k-nearest-neighbour estimate, divided by the largest radius. It
-/// keeps radiance finite if photons coincide.
+/// Lower bound of the disc's radius in a k-nearest-neighbour estimate, divided by
+/// [`Bandwidth::radius`]. It keeps radiance finite if photons coincide.
 const MIN_RADIUS_FRACTION: f32 = 1.0 / 1_048_576.0;
 
 /// Number of photons that are summed in f32 before their sum is added to a total in f64.
@@ -78,8 +78,8 @@ const BLOCK: u32 = 64;
 /// A photon below this bound does not count in an estimate, because it lies on another surface.
 pub(super) const MIN_NORMAL_COSINE: f32 = 0.5;
 
-/// Upper bound of the distance between the query point and a photon's tangent plane, as a fraction
-/// of the radius of the largest disc.
+/// Upper bound of the distance from the query point to a photon's tangent plane, as a fraction of
+/// [`Bandwidth::radius`].
 ///
 /// A photon above this bound does not count in an estimate, because it lies on another surface.
 pub(super) const MAX_RELATIVE_HEIGHT: f32 = 0.25;
@@ -88,9 +88,10 @@ impl PhotonMap {
     /// Estimates the reflected radiance at `p`: Σ f·ΔΦ·K over the photons in a disc, with BRDF f,
     /// photon flux ΔΦ and kernel K (Jensen 2001, section 7.2).
     ///
-    /// `brdf` returns f \[1/sr] for the incident direction of a photon. `normal` is the unit
-    /// geometric normal on the viewer's side. Photons on other surfaces are left out: their normal
-    /// differs from `normal` by more than 60°, or their tangent plane is far from `p`.
+    /// `brdf` returns f \[1/sr] for a photon's incident direction. `normal` is the unit geometric
+    /// normal on the viewer's side. Photons on other surfaces are left out: their normal differs
+    /// from `normal` by more than 60°, or their tangent plane is farther from `p` than a quarter of
+    /// the radius. `scratch` keeps the found photons and the start radius for the next search.
     pub fn estimate_radiance(
         &self,
         p: Vec3,
@@ -103,10 +104,10 @@ impl PhotonMap {
         self.estimate_radiance_in_discs::<1>(p, normal, bandwidth, kernel, scratch, brdf).0
     }
 
-    /// Estimates the reflected radiance at `p` from [`LEVELS`] nested discs.
+    /// Estimates the reflected radiance at `p` by [`PhotonMap::estimate_radiance`] in [`LEVELS`]
+    /// nested discs, to measure how radiance depends on the disc.
     ///
-    /// The parameters are those of [`PhotonMap::estimate_radiance`]. The result of the largest disc
-    /// equals the result of that function to the bit.
+    /// The largest disc gives the same bits as [`PhotonMap::estimate_radiance`].
     pub fn estimate_radiance_in_nested_discs(
         &self,
         p: Vec3,
@@ -181,12 +182,13 @@ impl PhotonMap {
         sums.into_radiance(radius, count)
     }
 
-    /// Finds the k photons nearest to `p` on the surface of `p`, and returns the squared distance
-    /// of the k-th.
+    /// Writes the k photons nearest to `p` to `scratch`, and returns the squared distance of the
+    /// k-th.
     ///
-    /// The photons are written to `scratch`. If fewer than k photons lie within the largest radius,
-    /// the function writes all of them and returns `None`. The search radius grows from a first
-    /// guess, because the kd-tree of crate kiddo cannot shrink a radius during a query.
+    /// Only photons on the surface of `p` count; see [`is_on_query_surface`]. If fewer than k lie
+    /// within `bandwidth.radius`, the function writes all of them and returns `None`. The search
+    /// radius grows from a first guess, because the kd-tree of crate kiddo cannot shrink a radius
+    /// during a query.
     fn find_k_nearest(
         &self,
         p: Vec3,
@@ -244,11 +246,12 @@ struct KernelSums<const N: usize> {
     /// Squared radius of the largest disc.
     r2: f32,
     inverse_r2: f32,
-    /// Sums in f32 over the last photons, at most [`BLOCK`] of them; one sum for each disc.
+    /// Partial sums in f32 since the last flush, over fewer than [`BLOCK`] photons; one sum for
+    /// each disc.
     block: [Rgb; N],
     /// Number of photons that are summed in `block`.
     block_count: u32,
-    /// Sums in f64 over all earlier photons, one sum for each disc.
+    /// Sums in f64 over all photons before those of `block`, one sum for each disc.
     total: [DVec3; N],
 }
 
@@ -257,10 +260,10 @@ impl<const N: usize> KernelSums<N> {
         Self { kernel, r2, inverse_r2: 1.0 / r2, block: [Rgb::ZERO; N], block_count: 0, total: [DVec3::ZERO; N] }
     }
 
-    /// Adds a photon at squared distance `d2` with `reflected` = BRDF · flux.
+    /// Adds a photon at squared distance `d2` from the query point, with `reflected` = BRDF · flux.
     ///
     /// `height` is the distance between the query point and the photon's tangent plane, divided by
-    /// the largest distance at which the photon counts.
+    /// the largest distance at which a photon counts in the largest disc.
     #[inline]
     fn add(&mut self, d2: f32, height: f32, reflected: Rgb) {
         let x = d2 * self.inverse_r2;
@@ -294,10 +297,11 @@ impl<const N: usize> KernelSums<N> {
     }
 }
 
-/// True if a photon lies on the surface of a query point with tangent plane `plane`.
+/// True if a photon lies on the same surface as the query point, whose tangent plane is `plane`.
 ///
-/// The photon's normal must be similar, and the photon's tangent plane must pass near the query
-/// point. `radius` is the largest radius of the estimate \[length].
+/// The photon's normal must be within 60° of the plane's normal. The photon's tangent plane must
+/// pass within [`MAX_RELATIVE_HEIGHT`] · `radius` of the query point. `radius` is the largest
+/// radius of the estimate \[length].
 #[inline]
 pub(super) fn is_on_query_surface(data: &PhotonData, plane: &TangentPlane, radius: f32) -> bool {
     let (cosine, height) = data.normal_cosine_and_height(plane);

@@ -58,8 +58,8 @@ impl Kernel {
         if x < 1.0 { self.unnormalized_value(x) } else { 0.0 }
     }
 
-    /// Factor \[1/length²] that normalizes [`Kernel::unnormalized_value`]: with it, the kernel has
-    /// integral 1 over a disc of squared radius `r2`.
+    /// Returns the factor \[1/length²] that makes the integral of [`Kernel::unnormalized_value`]
+    /// over a disc of squared radius `r2` equal to 1.
     #[inline]
     #[must_use]
     pub fn normalization_factor(self, r2: f32) -> f32 {
@@ -73,19 +73,17 @@ impl Kernel {
 
     /// True if the kernel is zero at the edge of its disc.
     ///
-    /// In a k-nearest-neighbour estimate, the k-th photon lies at the edge. This photon must have
-    /// no weight, or the estimate is biased. If this function returns false, the caller must leave
-    /// out the k-th photon.
+    /// In a k-nearest-neighbour estimate, the k-th photon lies at the edge, and must have no
+    /// weight, or the estimate is biased. If this function returns false, the caller must leave out
+    /// the k-th photon.
     #[must_use]
     pub fn vanishes_at_edge(self) -> bool {
         self != Self::Box
     }
 
-    /// Relative variance of the difference between two nested density estimates.
+    /// Returns Var(E(r) − E(r/√2)) / Var(E(r)), where E(r) is the density estimate with radius r.
     ///
-    /// Let E(r) be the density estimate with radius r. The difference E(r) − E(r/√2), from the same
-    /// photons, measures the bias of E(r). The result is the variance of this difference, divided
-    /// by the variance of E(r).
+    /// Both estimates use the same photons. Their difference measures the bias of E(r).
     #[must_use]
     pub fn nested_difference_variance(self) -> f32 {
         match self {

@@ -20,14 +20,14 @@ use crate::scene::{Interior, PathRay, Scene, SurfaceInteraction};
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 
-/// Number of caustic photons per pixel and pass at which a density estimate and a splat each get
-/// half of a photon's flux.
+/// Number of caustic photons per pixel and pass at which the density estimate and the splat of a
+/// photon each get half of its flux.
 ///
-/// With fewer photons, splats are noisier than density estimates, so they get less than half.
+/// In pixels with fewer photons, splats are noisier, so density estimates get more than half.
 const EQUAL_SHARE_COUNT: f64 = 10.0;
 
-/// For each pixel, the fraction of a caustic photon's flux that density estimates use. A splat by
-/// light tracing carries the remaining flux.
+/// Fraction of a caustic photon's flux that density estimates use, for each pixel of the film. A
+/// splat by light tracing carries the remaining flux.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DensityEstimateShares {
     width: u32,
@@ -38,13 +38,13 @@ pub struct DensityEstimateShares {
 }
 
 impl DensityEstimateShares {
-    /// Computes the share of density estimates at each pixel from the splats of a pilot.
+    /// Computes the share of density estimates at each pixel from the `splats` of a pilot.
     ///
-    /// The share is 1/(1 + n²/10²), where n estimates the number of photons per pixel and pass. It
-    /// is the effective number of `splats` per pixel, measured over 3 × 3 pixels, times `ratio`.
-    /// `ratio` is the number of photon paths of a pass, divided by the number of paths of the
-    /// pilot. The square reduces the share quickly at foci, where density estimates have rare large
-    /// errors.
+    /// The share is 1/(1 + n²/10²), where n estimates the number of caustic photons per pixel and
+    /// pass. The estimate n is the effective number of `splats` per pixel, measured over 3 × 3
+    /// pixels, times `ratio`. `ratio` is the number of photon paths of a pass, divided by that of
+    /// the pilot. The square reduces the share quickly at foci, where density estimates have rare
+    /// large errors.
     #[must_use]
     pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64) -> Self {
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
@@ -71,8 +71,8 @@ impl DensityEstimateShares {
         Self { width, height, steps }
     }
 
-    /// Gives all pixels the same share of caustic flux for density estimates:
-    /// `steps`/[`SHARE_STEPS`].
+    /// Creates shares that are `steps`/[`SHARE_STEPS`] in all pixels of a film of the given width
+    /// and height.
     #[must_use]
     pub fn with_uniform_share(steps: u8, (width, height): (u32, u32)) -> Self {
         Self { width, height, steps: vec![steps.min(SHARE_STEPS); width as usize * height as usize] }
@@ -104,29 +104,32 @@ pub struct LightTracer<'a> {
     lens: bool,
     /// True if some bodies are null interfaces, which do not block connections.
     has_null_interfaces: bool,
-    /// For each pixel, the fraction of flux that density estimates use; splats get the remaining
-    /// flux. `None`, for a pilot, gives the whole flux to both.
+    /// Fraction of a photon's flux that density estimates use, for each pixel; splats get the
+    /// remaining flux. `None`, for a pilot, gives the whole flux to density estimates and to
+    /// splats.
     shares: Option<&'a DensityEstimateShares>,
 }
 
 impl<'a> LightTracer<'a> {
     /// Creates a light tracer for the camera of `scene`.
     ///
-    /// `lens` is true if camera rays start at random points of the lens. `shares` divides the flux
-    /// of photons between density estimates and splats; `None` gives the whole flux to both.
+    /// `lens` is true if camera rays start at random points of the lens, false if at its center.
+    /// `shares` divides the flux of photons between density estimates and splats. If `shares` is
+    /// `None`, density estimates and splats each get the whole flux.
     #[must_use]
     pub fn new(scene: &'a Scene, lens: bool, shares: Option<&'a DensityEstimateShares>) -> Self {
         let has_null_interfaces = scene.bodies().any(|body| body.is_null_interface);
         Self { scene, camera: scene.camera(), lens, has_null_interfaces, shares }
     }
 
-    /// Calls `deposit` with the splat of a caustic photon that arrives at `surface` with `flux`
-    /// \[W].
-    ///
+    /// Connects a caustic photon at `surface` to the camera, and passes the splat to `deposit`.
     /// Returns the share of the photon's flux that density estimates use, in steps of
-    /// 1/[`SHARE_STEPS`]. `path_ray` has arrived at the surface. `key` gives the random numbers of
-    /// this path vertex. The function is not inlined, which keeps passes without light tracing
-    /// fast.
+    /// 1/[`SHARE_STEPS`].
+    ///
+    /// `flux` \[W] is the photon's whole flux. `path_ray` is the path's ray that hit `surface`.
+    /// `key` gives the random numbers of the path vertex. The function adds its shadow ray to
+    /// `rays`. There is no splat if the camera does not see the point or if `surface` stores no
+    /// photons. The function is not inlined, which keeps passes without light tracing fast.
     #[inline(never)]
     pub(super) fn splat_and_return_share<I: Interior>(
         &self,
@@ -167,10 +170,10 @@ impl<'a> LightTracer<'a> {
         share
     }
 
-    /// Radiance of a splat, integrated over the film, per watt of the photon at `surface`
+    /// Radiance of a splat, integrated over the film, per watt of a photon at `surface`
     /// \[pixel²/(m² sr)].
     ///
-    /// Transmittance and occlusion are not included.
+    /// The factor ignores transmittance and occlusion. It is 0 if the camera is behind the surface.
     fn splat_per_flux(&self, surface: &SurfaceInteraction<'_>, connection: &CameraConnection) -> Rgb {
         let cosine = connection.direction.dot(surface.facing_normal());
         if cosine <= 0.0 {
@@ -206,10 +209,11 @@ impl<'a> LightTracer<'a> {
     }
 }
 
-/// Filters `splats` with the pixel filter, and adds their radiance \[W/(m² sr)] to `image`, stored
-/// by rows from the top.
+/// Filters `splats` with the pixel filter, and adds their radiance \[W/(m² sr)] to the pixels of
+/// `image`, which are stored by rows from the top.
 ///
-/// The sums do not depend on the number of threads: each row adds its splats in a fixed order.
+/// `width` is the number of pixels per row. The sums do not depend on the number of threads: each
+/// row adds its splats in a fixed order.
 pub fn add_splats(mut splats: Vec<Splat>, filter: &Filter, width: u32, image: &mut [Rgb]) {
     let row_of = |splat: &Splat| splat.film.y.floor() as i32;
     splats.par_sort_by_key(row_of);

@@ -12,10 +12,10 @@ const BUCKET: usize = 32;
 
 type Tree = KdTree<f32, PhotonData, Eytzinger, VecOfArenas<f32, PhotonData, 3, BUCKET>, 3, BUCKET>;
 
-/// Surface photons in a kd-tree.
+/// Surface photons in a kd-tree, for density estimates.
 ///
-/// The tree splits x, y and z in turn, so every third split is useless for photons on an
-/// axis-aligned wall. All positions, in the tree and in queries, are therefore rotated by a fixed
+/// The tree splits x, y and z in turn, so every third split would be useless for photons on an
+/// axis-aligned wall. The map therefore turns all positions, of photons and of queries, by a fixed
 /// oblique rotation.
 pub struct PhotonMap {
     tree: Option<Tree>,
@@ -30,18 +30,18 @@ impl std::fmt::Debug for PhotonMap {
     }
 }
 
-/// Fixed oblique rotation of positions, so that no axis-aligned wall is parallel to a split of the
-/// kd-tree.
+/// Fixed oblique rotation of all positions before they enter the kd-tree. It makes no axis-aligned
+/// wall parallel to a split of the tree.
 ///
-/// It is the rotation about (1, 2, 3)/√14 by 0.7 rad, rounded to f32.
+/// The rotation is about (1, 2, 3)/√14 by 0.7 rad, rounded to f32.
 const ROTATION: Mat3 = Mat3::from_cols(
     Vec3::new(0.781_639_2, 0.550_117_2, -0.293_957_9),
     Vec3::new(-0.482_929_3, 0.832_030_1, 0.272_956_3),
     Vec3::new(0.394_739_8, -0.071_392_5, 0.916_015_1),
 );
 
-/// Largest number of photons at one position, because the kd-tree must hold them in one leaf. If
-/// there are more, they are merged.
+/// Largest number of photons at one position; if there are more, they are merged. The kd-tree must
+/// hold photons of one position in one leaf.
 const MAX_COINCIDENT: usize = BUCKET;
 
 impl PhotonMap {
@@ -97,7 +97,7 @@ impl PhotonMap {
     }
 }
 
-/// Merges photons of equal position and normal, at positions with more than [`MAX_COINCIDENT`]
+/// Merges photons of equal position and normal, at each position with more than [`MAX_COINCIDENT`]
 /// photons.
 ///
 /// A merged photon has the sum of the fluxes and the mean direction, weighted by flux.

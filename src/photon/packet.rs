@@ -46,8 +46,8 @@ pub(super) struct LineQuery {
 }
 
 impl LineQuery {
-    /// Query for points or beams near the infinite line through `ray`, at most `radius` \[length]
-    /// away.
+    /// Creates the query for points or beams at most `radius` \[length] away from the infinite line
+    /// through `ray`.
     pub fn new(ray: &Ray, radius: f32) -> Self {
         Self {
             origin: broadcast_to_lanes(ray.origin),
@@ -57,7 +57,7 @@ impl LineQuery {
     }
 }
 
-/// Indices of the set bits of `mask`, lowest first.
+/// Iterates over the positions of the bits that are 1 in `mask`, lowest first.
 #[inline]
 pub(super) fn indices_of_set_bits(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -84,10 +84,13 @@ impl PointPacket {
         Self(packet)
     }
 
-    /// Bit mask of the points in the packet that may lie within the search radius of the line.
+    /// Returns a bit mask: bit i is set if point i of the packet may lie within `query`'s radius of
+    /// its line.
     ///
-    /// γ(n) bounds the relative error of n roundings. The error bound γ(24) covers the difference
-    /// (γ(1)), the projection (γ(4)) and the perpendicular part (γ(3)), times √3 for three axes.
+    /// The test is conservative: rounding never clears the bit of a point inside the radius. The
+    /// bound γ(24) on the relative error covers the vector from the line's origin (γ(1)), its
+    /// projection on the line (γ(4)) and its perpendicular component (γ(3)), times √3 for three
+    /// axes. γ(n) bounds the relative error of n roundings.
     #[inline]
     pub fn points_near_line(&self, query: &LineQuery) -> u32 {
         let to = subtract(self.0, query.origin);
@@ -98,10 +101,10 @@ impl PointPacket {
         dot(off, off).simd_le(reach * reach).to_bitmask()
     }
 
-    /// Returns the bit mask of the points closer to `center` than a radius, and d²/radius² for each
+    /// Returns a bit mask of the points closer to `center` than a radius r, and d²/r² for each
     /// lane, where d is the distance from `center`.
     ///
-    /// `per_radius` is 1/radius.
+    /// Bit i of the mask stands for point i of the packet. `per_radius` is 1/r \[1/length].
     #[inline]
     pub fn points_within_radius(&self, center: Vec3, per_radius: f32) -> (u32, f32x8) {
         let scale = f32x8::splat(per_radius);
@@ -129,7 +132,8 @@ pub(super) struct BeamPiecePacket {
     direction: Vectors,
     from: f32x8,
     to: f32x8,
-    /// Index of the beam of each piece.
+    /// Index in [`PhotonBeamMap`](super::PhotonBeamMap) of the beam of each piece; the index in an
+    /// unused lane has no meaning.
     pub beams: [u32; LANES],
 }
 
@@ -156,9 +160,11 @@ impl BeamPiecePacket {
         BeamPiece { beam: self.beams[slot], from: self.from.as_array()[slot], to: self.to.as_array()[slot] }
     }
 
-    /// Bit mask of the beam pieces in the packet that may lie within the search radius of the line.
+    /// Returns a bit mask: bit i is set if beam piece i of the packet may come within `query`'s
+    /// radius of its line.
     ///
-    /// The error bound γ(16) covers all rounding errors, where γ(n) bounds the relative error of n
+    /// The test is conservative: rounding never clears the bit of a piece inside the radius. The
+    /// error bound γ(16) covers all rounding errors, where γ(n) bounds the relative error of n
     /// roundings. The vector normal to line and beam has error √3 γ(2) ≤ γ(4). Distances along this
     /// normal have error γ(8), relative to the distance of the origins. Positions along the beam
     /// have error γ(14), relative to that distance plus the position.

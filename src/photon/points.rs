@@ -20,10 +20,10 @@ pub struct VolumePhoton {
     /// Index of the medium in [`Scene::media`](crate::scene::Scene::media).
     pub medium: u32,
     flux: PackedFlux,
-    /// Direction of travel before scattering, in octahedral coordinates.
+    /// Direction in which the photon travels before it scatters, in octahedral coordinates.
     direction: [u16; 2],
-    /// Wavelength as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 if the
-    /// photon carries all wavelengths.
+    /// Wavelength of the photon as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code);
+    /// 0 if it carries all wavelengths.
     pub wavelength: u8,
 }
 
@@ -39,14 +39,14 @@ impl VolumePhoton {
         Some(Self { position, medium, flux, direction: encode_octahedral(direction), wavelength })
     }
 
-    /// Scattered flux \[W].
+    /// Flux of the photon \[W], which scatters at the point.
     #[inline]
     #[must_use]
     pub fn flux(&self) -> Rgb {
         self.flux.flux()
     }
 
-    /// Unit direction of travel before scattering.
+    /// Unit direction in which the photon travels before it scatters.
     #[inline]
     #[must_use]
     pub fn direction(&self) -> Vec3 {
@@ -54,9 +54,10 @@ impl VolumePhoton {
     }
 }
 
-/// Volume photons in a bounding volume hierarchy.
+/// Volume photons at scattering points, in a bounding volume hierarchy. Density estimates use a
+/// kernel of fixed radius.
 pub struct VolumePhotonMap {
-    /// Photons in Morton order.
+    /// Photons of the map in Morton order.
     photons: Vec<VolumePhoton>,
     /// Positions of the photons, eight in a packet.
     packets: Vec<PointPacket>,
@@ -105,10 +106,10 @@ impl VolumePhotonMap {
     /// unit vector.
     ///
     /// `visitor` receives the photon and four numbers: the distance t along the ray, the cosine
-    /// between ray and photon direction, the 2D kernel K₂ \[1/length²], and squared distance over
-    /// squared radius. The radiance that arrives at the ray's origin is Σ flux · p(cos) · T(t) ·
-    /// K₂, with phase function p and transmittance T. This is the beam radiance estimate (Jarosz,
-    /// Zwicker and Jensen 2008, section 5).
+    /// between the directions of ray and photon, the 2D kernel K₂ \[1/length²], and d²/r², with
+    /// distance d from the ray and kernel radius r. The radiance that arrives at the ray's origin
+    /// is Σ flux · p(cos) · T(t) · K₂, with phase function p and transmittance T. This is the beam
+    /// radiance estimate (Jarosz, Zwicker and Jensen 2008, section 5).
     #[inline]
     pub fn visit_near_ray(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32, f32)) {
         let query = LineQuery::new(ray, self.radius);
@@ -132,9 +133,9 @@ impl VolumePhotonMap {
 
     /// Calls `visitor` for each photon within the kernel radius of the point `p`.
     ///
-    /// `visitor` receives the photon, the 3D kernel K₃ \[1/length³], and the squared distance over
-    /// the squared radius. The in-scattered radiance per length is Σ flux · p(cos) · K₃, with phase
-    /// function p (Jensen and Christensen 1998, section 3.2).
+    /// `visitor` receives the photon, the 3D kernel K₃ \[1/length³], and d²/r², with distance d
+    /// from `p` and kernel radius r. The in-scattered radiance per length is Σ flux · p(cos) · K₃,
+    /// with phase function p (Jensen and Christensen 1998, section 3.2).
     #[inline]
     pub fn visit_near_point(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32, f32)) {
         let per_radius = 1.0 / self.radius;

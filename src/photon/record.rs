@@ -27,10 +27,11 @@ impl PackedFlux {
         Some(Self { sum, red: fraction(flux.x), green: fraction(flux.y) })
     }
 
-    /// Returns the flux with a share stored in the lowest four bits of its channel sum.
+    /// Returns the flux with a density estimate share stored in the lowest four bits of its channel
+    /// sum.
     ///
     /// The share is the fraction of the flux that density estimates use: `steps`/[`SHARE_STEPS`],
-    /// with `steps` < 16. It changes the flux by less than the factor 1 ± 2⁻¹⁹.
+    /// with `steps` < 16. Storing it changes the flux by less than the factor 1 ± 2⁻¹⁹.
     #[inline]
     fn with_packed_share(self, steps: u8) -> Self {
         Self { sum: f32::from_bits(self.sum.to_bits() & !15 | u32::from(steps)), ..self }
@@ -53,8 +54,8 @@ pub struct PhotonData {
     incident: [u16; 2],
     /// Geometric normal times [`NORMAL_SCALE`], rounded.
     normal: [i8; 3],
-    /// Wavelength as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 if the
-    /// photon carries all wavelengths.
+    /// Wavelength of the photon as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code);
+    /// 0 if it carries all wavelengths.
     wavelength: u8,
     /// Signed distance of the photon's tangent plane from the origin: normal · position \[length].
     plane_offset: f32,
@@ -90,7 +91,7 @@ impl Photon {
         Some(Self { position, data })
     }
 
-    /// Returns the photon with a wavelength given as
+    /// Returns the photon with `wavelength`, a
     /// [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 means all wavelengths.
     #[inline]
     #[must_use]
@@ -107,15 +108,15 @@ impl Photon {
     }
 }
 
-/// Integer that stands for a share of 1: a photon stores [`PhotonData::density_estimate_share`] in
-/// steps of 1/15.
+/// Number of steps of a stored [`PhotonData::density_estimate_share`]: the integer `SHARE_STEPS`
+/// stands for a share of 1.
 pub(super) const SHARE_STEPS: u8 = 15;
 
 /// Factor from a unit normal to its stored components, which are 8-bit integers.
 const NORMAL_SCALE: f32 = 127.0;
 
-/// Tangent plane at the query point of a density estimate, scaled for comparison with the quantized
-/// normals of photons.
+/// Tangent plane at the query point of a density estimate. Its normal is scaled for comparison with
+/// the quantized normals of photons.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentPlane {
     point: Vec3,
@@ -123,7 +124,7 @@ pub struct TangentPlane {
 }
 
 impl TangentPlane {
-    /// The plane through `point` with unit `normal`.
+    /// Creates the plane through `point` that is perpendicular to the unit vector `normal`.
     #[inline]
     #[must_use]
     pub fn new(point: Vec3, normal: Vec3) -> Self {
@@ -132,10 +133,10 @@ impl TangentPlane {
 }
 
 impl PhotonData {
-    /// Compares the photon with the tangent plane of a query point.
+    /// Returns the cosine between the photon's normal and the normal of `plane`, and the signed
+    /// height \[length] of the query point over the photon's tangent plane.
     ///
-    /// Returns the cosine between the two normals, and the signed height \[length] of the query
-    /// point over the photon's tangent plane.
+    /// `plane` is the tangent plane at the query point.
     #[inline]
     #[must_use]
     pub fn normal_cosine_and_height(&self, plane: &TangentPlane) -> (f32, f32) {
@@ -160,8 +161,8 @@ impl PhotonData {
         (self.flux.sum.to_bits() & 15) as f32 * (1.0 / SHARE_STEPS as f32)
     }
 
-    /// Wavelength as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 if the
-    /// photon carries all wavelengths.
+    /// Wavelength of the photon as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code);
+    /// 0 if it carries all wavelengths.
     #[inline]
     #[must_use]
     pub fn wavelength(&self) -> u8 {
@@ -175,14 +176,16 @@ impl PhotonData {
         decode_octahedral(self.incident)
     }
 
-    /// Geometric normal on the side where the photon arrived; within 0.01 of the unit normal.
+    /// Geometric normal on the side where the photon arrived. It differs from the unit normal by at
+    /// most 0.01, because it is quantized.
     #[inline]
     #[must_use]
     pub fn normal(&self) -> Vec3 {
         Vec3::from(self.normal.map(f32::from)) / NORMAL_SCALE
     }
 
-    /// Returns this data with the `plane_offset` of `other`, whose quantized normal must be equal.
+    /// Returns this data with the `plane_offset` of `other`. The quantized normals of both must be
+    /// equal.
     pub(super) fn with_plane_offset_of(self, other: &Self) -> Self {
         Self { plane_offset: other.plane_offset, ..self }
     }
@@ -193,7 +196,7 @@ impl PhotonData {
     }
 }
 
-/// Octahedral encoding of a unit vector in two 16-bit coordinates (Cigolle et al. 2014, JCGT 3(2)).
+/// Encodes a unit vector as two 16-bit octahedral coordinates (Cigolle et al. 2014, JCGT 3(2)).
 #[inline]
 pub(super) fn encode_octahedral(v: Vec3) -> [u16; 2] {
     let p = Vec2::new(v.x, v.y) / (v.x.abs() + v.y.abs() + v.z.abs());
@@ -210,7 +213,8 @@ pub(super) fn decode_octahedral(e: [u16; 2]) -> Vec3 {
     p.extend(z).normalize()
 }
 
-/// Maps octahedral coordinates of the upper hemisphere to those of the lower one, and back.
+/// Maps octahedral coordinates of a vector in the upper hemisphere to those of its mirror image in
+/// the lower one, and back.
 #[inline]
 fn fold_octahedron(p: Vec2) -> Vec2 {
     Vec2::new((1.0 - p.y.abs()) * 1f32.copysign(p.x), (1.0 - p.x.abs()) * 1f32.copysign(p.y))

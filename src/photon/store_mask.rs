@@ -9,14 +9,13 @@
 pub enum PhotonKind {
     /// Direct light: the path has no vertex between the light and the photon.
     Direct,
-    /// Caustic: the path has one or more vertices between the light and the photon, all on casters
-    /// such as glass or mirrors.
+    /// Caustic: the path has one or more vertices between the light and the photon, all on casters.
     Caustic,
-    /// Indirect light of a caustic: the path has reached a receiver (diffuse surface or medium)
-    /// over one or more casters, and has scattered there.
+    /// Indirect light of a caustic: the path has reached a receiver over one or more casters, and
+    /// has scattered there.
     AfterCaustic,
-    /// Other indirect light: the path has reached a receiver (diffuse surface or medium) straight
-    /// from the light, and has scattered there.
+    /// Indirect light without a caustic: the path has reached a receiver straight from the light,
+    /// and has scattered there.
     AfterDirect,
 }
 
@@ -30,15 +29,15 @@ pub struct StoreMask {
     /// True to store photons that receivers have scattered after a caustic
     /// ([`PhotonKind::AfterCaustic`]).
     pub after_caustic: bool,
-    /// True to store photons of other indirect light ([`PhotonKind::AfterDirect`]).
+    /// True to store photons of indirect light without a caustic ([`PhotonKind::AfterDirect`]).
     pub after_direct: bool,
     /// True to store photons of kind [`PhotonKind::AfterCaustic`] in separate lists, and to thin
     /// them.
     ///
-    /// `hybrid` builds its map of indirect light from these photons, so it needs no further photon
-    /// pass. Few photons suffice, because their density is smooth. Russian roulette therefore
-    /// continues one in [`AFTER_CAUSTIC_THINNING`] paths after a caustic, and multiplies its flux
-    /// by that number.
+    /// `hybrid` builds its indirect map from these photons, and so traces no second photon pass.
+    /// Few photons suffice, because their density is smooth. Russian roulette therefore continues
+    /// one in [`AFTER_CAUSTIC_THINNING`] paths after a caustic photon, and multiplies the path's
+    /// flux by that number.
     pub separates_after_caustic: bool,
     /// True to store photon beams in homogeneous media; false to store photons at scattering
     /// points.
@@ -48,12 +47,12 @@ pub struct StoreMask {
 impl StoreMask {
     /// Stores direct photons only.
     pub const DIRECT: Self = Self { direct: true, ..Self::NONE };
-    /// Stores caustic photons only. A path then ends at its first receiver: a surface that stores
-    /// photons, or a scattering medium.
+    /// Stores caustic photons only. Each path then ends at its first receiver.
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
     /// Stores only indirect light: photons of paths that have scattered at one or more receivers.
     pub const INDIRECT: Self = Self { after_caustic: true, after_direct: true, ..Self::NONE };
-    /// Stores no photons. The flag `beams` is true, as in all constants of this type.
+    /// Stores no photons. [`StoreMask::beams`] is true here and in all other constants of this
+    /// type, so media that store photons store beams.
     pub const NONE: Self = Self {
         direct: false,
         caustic: false,
@@ -62,7 +61,7 @@ impl StoreMask {
         separates_after_caustic: false,
         beams: true,
     };
-    /// Stores all kinds of photons.
+    /// Stores photons of all four kinds.
     pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, after_direct: true, ..Self::NONE };
 
     /// True if the mask stores photons of `kind` on surfaces.
@@ -82,8 +81,8 @@ impl StoreMask {
         kind != PhotonKind::Direct && self.stores_on_surfaces(kind)
     }
 
-    /// True if the mask stores the path's next photon, which has the given `kind`, or may store a
-    /// later photon of the path.
+    /// True if the mask stores a photon of kind `kind`, or may store a later photon of the same
+    /// path.
     pub(super) fn can_reach_stored_kind(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => true,
@@ -94,21 +93,21 @@ impl StoreMask {
     }
 }
 
-/// Thinning factor: one in 8 photon paths continues after its caustic photon, with 8 times the
-/// flux, if [`StoreMask::separates_after_caustic`] is set.
+/// Thinning factor of [`StoreMask::separates_after_caustic`]: one in 8 photon paths continues after
+/// its caustic photon, with 8 times the flux.
 pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 
 impl PhotonKind {
-    /// Kind of the path's next photon, if the path has crossed the boundary of a caster, such as
-    /// glass, without scattering. `self` is the kind before the crossing.
+    /// Kind of the path's next photon after the path crossed the boundary of a caster without
+    /// scattering. `self` is the kind before the crossing.
     pub(super) fn kind_after_crossed_caster(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }
     }
 
-    /// Kind of the path's next photon, if a photon of kind `self` scatters.
+    /// Kind of the path's next photon after a photon of kind `self` has scattered.
     ///
-    /// `is_receiver` is true if it scatters at a receiver: a surface that stores photons, or a
-    /// medium. Otherwise it scatters at a caster, such as glass or a mirror.
+    /// `is_receiver` is true if the photon scattered at a receiver, false if it scattered at a
+    /// caster.
     pub(super) fn kind_after_scattering(self, is_receiver: bool) -> Self {
         match (is_receiver, self) {
             (false, Self::Direct) => Self::Caustic,

@@ -20,7 +20,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub struct PhotonPassResult {
     /// Photons and splats that the pass stored.
     pub deposits: Deposits,
-    /// Sums of emitted, absorbed, escaped and otherwise lost flux \[W].
+    /// Flux \[W] that the paths emitted, and that they lost by absorption, escape, stopping and
+    /// Russian roulette.
     pub audit: EnergyAudit,
     /// Number of traced rays: path segments between vertices, and connections to the camera.
     pub rays: u64,
@@ -28,12 +29,13 @@ pub struct PhotonPassResult {
     pub paths: u64,
 }
 
-/// Energy audit and number of rays, summed over several photon paths.
+/// Energy audit and number of rays, summed over several photon paths while they are traced.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PhotonTracingTotals {
-    /// Sums of emitted, absorbed, escaped and otherwise lost flux \[W].
+    /// Flux \[W] that the paths emitted, and that they lost by absorption, escape, stopping and
+    /// Russian roulette.
     pub audit: EnergyAudit,
-    /// Number of traced rays of these paths.
+    /// Number of rays that these paths traced, including connections to the camera.
     pub rays: u64,
 }
 
@@ -55,7 +57,8 @@ pub struct PhotonPass<'a> {
 const CHUNK: u32 = 4096;
 
 impl PhotonPass<'_> {
-    /// Traces `paths` photon paths with random numbers from `pass_key`.
+    /// Traces `paths` photon paths with random numbers from `pass_key`; returns their photons,
+    /// energy audit and counts.
     ///
     /// After each chunk of paths, calls `done` with the number of paths in the chunk, from any
     /// thread. The result does not depend on the number of threads: chunks have a fixed size and
@@ -68,8 +71,8 @@ impl PhotonPass<'_> {
         self.trace_and_connect(pass_key, paths, None, &done)
     }
 
-    /// Traces photon paths like [`PhotonPass::trace`]. If there is a `light_tracer`, it connects
-    /// caustic photons to the camera, which adds splats to the result.
+    /// Traces photon paths as [`PhotonPass::trace`] does, and connects their caustic photons to the
+    /// camera if there is a `light_tracer`. The connections add splats to the result.
     ///
     /// If `done` returns [`ControlFlow::Break`], all chunks of paths that have not begun are
     /// skipped.
@@ -83,8 +86,8 @@ impl PhotonPass<'_> {
         for_interior!(self.source, <I> self.trace_with_interior::<I>(pass_key, paths, light_tracer, done))
     }
 
-    /// Implements [`PhotonPass::trace_and_connect`] for paths whose nested bodies, medium and
-    /// wavelength are tracked by a value of type `I`.
+    /// Implements [`PhotonPass::trace_and_connect`] for one type `I` of path interior, which tracks
+    /// nested bodies, medium and wavelength.
     fn trace_with_interior<I: Interior>(
         &self,
         pass_key: Key,
@@ -126,11 +129,11 @@ impl PhotonPass<'_> {
         PhotonPassResult { deposits: Deposits::concatenate(chunks), audit, rays, paths: u64::from(paths) }
     }
 
-    /// Follows one photon path until it is absorbed, escapes or is stopped; adds its flux and rays
-    /// to `tally`.
+    /// Follows one photon path until it is absorbed, escapes or is stopped; adds its flux and its
+    /// number of rays to `tally`.
     ///
-    /// Calls `deposit` for each surface point, beam and medium point where `mask` stores photons,
-    /// and for each splat. `flux` \[W] is the flux at emission.
+    /// Calls `deposit` for each photon that `mask` stores, on a surface or in a medium, and for
+    /// each splat on the film. `flux` \[W] is the flux at emission.
     #[inline]
     pub(super) fn follow_photon_path<I: Interior>(
         &self,
@@ -244,12 +247,12 @@ impl PhotonPass<'_> {
         }
     }
 
-    /// Samples the distance \[length] at which a path scatters in a medium segment; `None` if it
-    /// passes through.
+    /// Samples the distance \[length] at which a path scatters in a medium segment; `None` if the
+    /// path passes through.
     ///
-    /// `flux` \[W] is the flux at the last vertex. `weight` is the product of the distance sampling
-    /// weights of all segments since that vertex; the function multiplies `weight` by the weight of
-    /// this segment. It deposits a beam or a point if `mask` stores `kind` in media.
+    /// Calls `deposit` with a beam or a point if `mask` stores `kind` in media. `flux` \[W] is the
+    /// flux at the last vertex. `weight` is the product of the distance sampling weights of all
+    /// segments since that vertex; the function multiplies it by the weight of this segment.
     #[inline]
     fn sample_medium_segment<I: Interior>(
         &self,

@@ -5,22 +5,22 @@ use crate::color::Rgb;
 use crate::math::Bounds;
 use glam::Vec3;
 
-/// A surface point that a camera path reaches, with its importance for the picture.
+/// Surface point that a camera path reaches, with its importance for the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VisiblePoint {
-    /// Position on the surface.
+    /// World-space position of the point on the surface.
     pub position: Vec3,
-    /// Bound on the error of the position along each axis \[length].
+    /// Upper bound of the rounding error of `position` along each axis \[length].
     pub error: Vec3,
-    /// Unit geometric normal on the visible side.
+    /// Unit geometric normal on the side that the camera path sees.
     pub normal: Vec3,
-    /// Path throughput times BRDF: radiance of the pixel per irradiance at the point. Only ratios
-    /// between points matter.
+    /// Importance of the point: camera path throughput times BRDF, so the pixel's radiance per
+    /// irradiance at the point. Only ratios between points matter.
     pub weight: f32,
 }
 
-/// Visible points in a kd-tree. Photons are important where many visible points of large weight
-/// lie.
+/// Visible points in a kd-tree, which give the importance of a photon for the picture. It is large
+/// near many visible points of large weight.
 ///
 /// Visible points correspond to the importons of Peter and Pietrek 1998, "Importance Driven
 /// Construction of Photon Maps".
@@ -29,25 +29,25 @@ pub struct VisiblePointMap {
     /// Visible points, stored as photons whose flux is the squared weight.
     points: PhotonMap,
     bandwidth: Bandwidth,
-    /// Radius \[length] at which a search begins: the tenth percentile of the distances from
-    /// visible points to their 16th neighbours.
+    /// Radius \[length] with which a search begins: the tenth percentile of the distances from a
+    /// visible point to its 16th neighbour.
     first_search_radius: f32,
 }
 
 /// Number of nearest visible points from which the importance of a photon is estimated.
 const NEIGHBOURS: u32 = 16;
 
-/// Largest number of visible points at which the distance to the 16th neighbour is measured, to
-/// find a search radius.
+/// Largest number of visible points at which the distance to the 16th neighbour is measured. These
+/// distances determine the search radii.
 const PROBES: usize = 256;
 
 impl VisiblePointMap {
     /// Builds the map of visible `points`.
     ///
-    /// `radius` \[length] is the radius of the render's photon estimates. A photon has importance
+    /// `radius` \[length] is the radius of the render's density estimates. A photon has importance
     /// if a visible point lies within this radius, on the photon's side of the surface. If the
-    /// points are too sparse to cover the visible surfaces, a larger radius is used. Points with
-    /// zero weight or non-finite position are left out.
+    /// visible points are sparse, the radius grows to the median distance of their 16th neighbours.
+    /// Points with zero weight or non-finite position are left out.
     #[must_use]
     pub fn new(points: impl IntoIterator<Item = VisiblePoint>, radius: f32) -> Self {
         let point = |p: VisiblePoint| Photon::new(p.position, Rgb::splat(p.weight * p.weight), p.normal, p.normal);
@@ -64,8 +64,8 @@ impl VisiblePointMap {
         Self { points, bandwidth: Bandwidth { radius: radius.max(typical), k: NEIGHBOURS }, first_search_radius }
     }
 
-    /// Importance of photons at `p`: the sum of squared weights of visible points per area
-    /// \[1/length²].
+    /// Importance of photons at `p`: the sum of squared weights of the visible points near `p`, per
+    /// area \[1/length²].
     ///
     /// Only visible points on the side of the unit geometric `normal` count. The squared
     /// contribution of a photon of flux Φ to the picture is proportional to Φ² times this

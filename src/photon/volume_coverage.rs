@@ -7,11 +7,14 @@ use crate::scene::Scene;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_SQRT_2;
 
-/// Largest number of probe rays that measure which part of a kernel surfaces hide.
+/// Largest number of probe rays of a [`KernelProbes`]; a kernel in three dimensions has this many.
 const MAX_PROBES: usize = 12;
 
-/// Distances to the nearest surfaces around a point in a medium, in the directions over which a
-/// kernel of one to three dimensions spreads.
+/// Probe rays from the center of a kernel in a medium, each with the distance to the first surface
+/// it hits. Surfaces may hide a part of the kernel from its center.
+///
+/// A kernel of a density estimate spreads over one, two or three dimensions. The probe rays lie in
+/// these dimensions.
 #[derive(Clone, Copy, Debug)]
 pub struct KernelProbes {
     distances: [f32; MAX_PROBES],
@@ -20,14 +23,14 @@ pub struct KernelProbes {
 }
 
 impl KernelProbes {
-    /// Traces probe rays of length `radius` from the center of a kernel. The first one is
-    /// `towards`, cut to this length.
+    /// Traces probe rays of length `radius` \[length] from the kernel's center, the origin of
+    /// `towards`. The first probe ray has the direction of `towards`.
     ///
     /// A kernel in `dimensions` dimensions has these probe rays:
-    /// - One: two rays in opposite directions.
+    /// - One: two rays in opposite directions; `axis` is not used.
     /// - Two: eight rays at equal angles about the unit vector `axis`, which is perpendicular to
     ///   `towards`.
-    /// - Three: twelve rays to the corners of an icosahedron.
+    /// - Three: twelve rays to the corners of an icosahedron; `axis` is not used.
     #[must_use]
     pub fn trace(scene: &Scene, towards: &Ray, axis: Vec3, dimensions: u32, radius: f32) -> Self {
         let mut probes = Self { distances: [f32::INFINITY; MAX_PROBES], count: 0, dimensions };
@@ -58,10 +61,11 @@ impl KernelProbes {
         self.distances[0] > distance
     }
 
-    /// Returns the fraction of the integral of a kernel of radius `radius` \[length] that no
-    /// surface hides from its center; at least 1/20.
+    /// Returns the coverage: the fraction, in \[1/20, 1], of the kernel's integral that is visible
+    /// from the kernel's center.
     ///
-    /// It is a mean over the probe rays, and exactly 1 if none of them hits a surface.
+    /// The kernel has radius `radius` \[length]. The result is a mean over the probe rays, and
+    /// exactly 1 if none of them hits a surface within `radius`.
     #[must_use]
     pub fn coverage(&self, radius: f32) -> f32 {
         let parts = self.distances[..self.count].iter().map(|d| part_within(d / radius, self.dimensions));
@@ -69,10 +73,10 @@ impl KernelProbes {
     }
 }
 
-/// Fraction of a kernel's integral that lies within `x` ≥ 0 times its radius, for a kernel in
-/// `dimensions` dimensions.
+/// Fraction of a kernel's integral within the distance `x`·r of its center, where r is the kernel's
+/// radius and `x` ≥ 0.
 ///
-/// The kernels are proportional to 1 − x² in one and three dimensions, and to (1 − x²)² in two.
+/// Kernels in one and three `dimensions` are proportional to 1 − x², kernels in two to (1 − x²)².
 fn part_within(x: f32, dimensions: u32) -> f32 {
     let x = x.min(1.0);
     let x2 = x * x;
@@ -83,8 +87,8 @@ fn part_within(x: f32, dimensions: u32) -> f32 {
     }
 }
 
-/// Unit vectors from the center of a regular icosahedron to six of its corners. The first is
-/// `first`; the other six corners lie opposite.
+/// Returns unit vectors from the center of a regular icosahedron to six of its twelve corners, no
+/// two of them opposite. The first vector is `first`.
 fn icosahedron(first: Vec3) -> [Vec3; 6] {
     // cos 72°, sin 72°, cos 144° and sin 144°.
     const TURNS: [(f32, f32); 5] = [

@@ -5,7 +5,8 @@ use crate::light::{EmissionDimensions, Light};
 use crate::sampling::SquareGridDistribution;
 use glam::Vec2;
 
-/// Primary sample of one pilot path, with the squared contributions of its photons to the picture.
+/// One photon path of a pilot: the primary sample that determines its emission, and its squared
+/// contribution to the picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EmissionGuidingSample {
     /// Index of the light that emits the path.
@@ -18,27 +19,29 @@ pub(super) struct EmissionGuidingSample {
     pub weight: f64,
     /// Sum of the squared contributions of the path's photons to the picture.
     ///
-    /// It is computed with the flux at emission, which is not divided by the pdf or by the
-    /// probability of the light.
+    /// The path starts with the emitted flux, not divided by the pdf, the probability of the light
+    /// or the number of paths.
     pub squared_contribution: f64,
 }
 
-/// Smallest mean number of pilot samples per cell of a guiding grid. The grid is refined only if
-/// the finer grid still has as many.
+/// Smallest mean number of pilot samples per cell of a guiding grid. A grid is not refined if the
+/// finer grid would have fewer.
 const MIN_SAMPLES_PER_CELL: usize = 4;
 
-/// Largest number of subdivisions of the grid over primary samples of one light. A subdivision
-/// splits each cell into four, so the grid has at most 4096 cells.
+/// Largest number of subdivisions of the guiding grid of one light. Each subdivision splits each
+/// cell into four, so the grid has at most 4096 cells.
 const MAX_SUBDIVISIONS: u32 = 6;
 
-/// Weight of the mean of the coarser cell around a cell in the estimated mean of the cell, in units
-/// of one sample (shrinkage estimator).
+/// Weight of the parent cell's mean in the estimated mean of a cell, in units of one sample
+/// (shrinkage estimator).
+///
+/// The parent is the cell of the next coarser grid that contains the cell.
 const PARENT_WEIGHT: f64 = 8.0;
 
-/// Numbers of subdivisions of a grid over \[0, 1)⁴: of the unit square of positions, and of the
-/// unit square of directions.
+/// Subdivisions of a guiding grid over \[0, 1)⁴: the number for the unit square of positions, and
+/// the number for that of directions.
 ///
-/// n subdivisions give 2ⁿ cells along each side of the square.
+/// n subdivisions give 2ⁿ cells along each side of a square.
 type CellResolution = (u32, u32);
 
 /// Grid over \[0, 1)⁴ that holds, for each cell, the mean squared contribution of a photon path to
@@ -92,19 +95,22 @@ impl EmissionGuidingCells {
         self.squares.iter().map(|s| s.sqrt()).sum::<f64>() / self.squares.len() as f64
     }
 
-    /// Guided pdf in each cell: the constant `uniform` in \[0, 1], plus (1 − `uniform`) times a pdf
-    /// proportional to √(mean squared contribution).
+    /// Guided pdf in each cell: `uniform`, plus (1 − `uniform`) times a pdf proportional to √(mean
+    /// squared contribution).
+    ///
+    /// `uniform`, in \[0, 1], is the weight of the uniform pdf. The result is 1 in all cells if no
+    /// sample contributes.
     fn cell_pdfs(&self, uniform: f64) -> Vec<f64> {
         let mean = self.guided_root_mean_square();
         let pdf = |s: &f64| if mean > 0.0 { uniform + (1.0 - uniform) * s.sqrt() / mean } else { 1.0 };
         self.squares.iter().map(pdf).collect()
     }
 
-    /// Estimates the sum of the squared contributions of `samples` to the picture, as if these
-    /// cells had guided the emission of the samples.
+    /// Estimates the second moment of path contributions under the guided pdf of these cells, times
+    /// the number of `samples`.
     ///
-    /// `uniform` is the fraction of the uniform pdf in the guided pdf. The estimate is unbiased
-    /// only if the cells were fitted to other samples.
+    /// `uniform` is the weight of the uniform pdf in the guided pdf. The estimate is unbiased only
+    /// if the cells were fitted to other samples.
     fn second_moment<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s EmissionGuidingSample>) -> f64 {
         let cell_pdfs = self.cell_pdfs(uniform);
         samples
@@ -135,9 +141,9 @@ impl EmissionGuidingFit {
     /// Fits a grid of cells to the pilot samples of `light`.
     ///
     /// Each step subdivides the unit square of positions or that of directions, whichever gives the
-    /// smaller second moment. The best grid of all steps is used. To avoid overfitting, second
-    /// moments are cross-validated between two halves of the samples. `uniform` is the fraction of
-    /// the uniform pdf in the guided pdf.
+    /// smaller second moment of a path's contribution to the picture. The best grid of all steps is
+    /// used. To avoid overfitting, second moments are cross-validated between two halves of the
+    /// samples. `uniform` is the weight of the uniform pdf in the guided pdf.
     pub fn new(light: &Light, samples: &[&EmissionGuidingSample], uniform: f64) -> Self {
         let EmissionDimensions { uses_position, uses_direction } = light.emission_dimensions();
         let most =
@@ -171,13 +177,13 @@ impl EmissionGuidingFit {
         Self { cells: best.1 }
     }
 
-    /// Returns √(second moment) of the contributions of ideally guided paths of this light. Guiding
-    /// makes the probability of the light proportional to this root.
+    /// Returns √(second moment) of the contribution that an ideally guided path of this light makes
+    /// to the picture. Guiding makes the probability of the light proportional to this root.
     pub fn guided_root_mean_square(&self) -> f64 {
         self.cells.guided_root_mean_square()
     }
 
-    /// Returns the guided pdf, in which the uniform pdf has the fraction `uniform`; `None` if the
+    /// Returns the guided pdf, in which the uniform pdf has the weight `uniform`; `None` if the
     /// grid has a single cell.
     pub fn to_distribution(&self, uniform: f64) -> Option<EmissionGuidingDistribution> {
         let (p, d) = self.cells.resolution;
@@ -197,20 +203,21 @@ impl EmissionGuidingFit {
     }
 }
 
-/// Piecewise constant pdf over primary samples of position and direction, in \[0, 1)⁴.
+/// Guided pdf of one light: a piecewise constant pdf over \[0, 1)⁴, the primary samples of position
+/// and direction.
 #[derive(Clone, Debug)]
 pub(in crate::photon) struct EmissionGuidingDistribution {
-    /// Number of cells of the marginal pdf along each side of the unit square of positions.
+    /// Number of cells of the marginal pdf `positions` along each side of its unit square.
     side: usize,
     /// Marginal pdf of the position's primary sample.
     positions: SquareGridDistribution,
-    /// Conditional pdf of the direction's primary sample, for each cell of the marginal pdf.
+    /// Conditional pdf of the direction's primary sample, for each cell of `positions`.
     directions: Vec<SquareGridDistribution>,
 }
 
 impl EmissionGuidingDistribution {
-    /// Maps two uniform points of \[0, 1)² to guided primary samples of position and direction.
-    /// Returns the samples and their joint pdf.
+    /// Warps two uniform points of \[0, 1)² to a position and a direction sample that follow the
+    /// guided pdf. Returns these two samples and their joint pdf.
     #[inline]
     pub fn sample(&self, position: Vec2, direction: Vec2) -> (Vec2, Vec2, f32) {
         let (position, pdf) = self.positions.sample(position);
@@ -219,7 +226,8 @@ impl EmissionGuidingDistribution {
         (position, direction, pdf * conditional)
     }
 
-    /// Joint pdf of the primary samples `position` and `direction`.
+    /// Joint pdf with which [`Self::sample`] returns the primary samples `position` and
+    /// `direction`.
     #[cfg(test)]
     pub fn pdf(&self, position: Vec2, direction: Vec2) -> f32 {
         self.positions.pdf(position)

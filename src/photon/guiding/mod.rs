@@ -16,15 +16,15 @@ use crate::scene::{Interior, for_interior};
 use distribution::{EmissionGuidingFit, EmissionGuidingSample};
 use rayon::prelude::*;
 
-/// Number of rounds of photon paths in a pilot (small simulation before the render). Each round is
-/// guided by the samples of all earlier rounds.
+/// Number of rounds of photon paths in a pilot of emission guiding. The samples of all earlier
+/// rounds guide the emission of a round.
 const ROUNDS: u32 = 2;
 
 /// Number of photon paths that one Rayon task traces in a pilot.
 const CHUNK: u32 = 4096;
 
-/// Weight of the unguided pdf in the guided pdf, which is a mixture of two pdfs (defensive
-/// sampling).
+/// Weight of the unguided pdf in the guided pdf (defensive sampling). The remaining weight is on
+/// the pdf that was fitted to pilot samples.
 ///
 /// A guided path has at most 5 times the flux of the same path without guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
@@ -33,7 +33,8 @@ const DEFENSIVE_FRACTION: f64 = 0.2;
 /// photons contribute to the picture.
 #[derive(Clone, Copy, Debug)]
 pub struct EmissionGuidingPilot<'a> {
-    /// Kinds of photons that the render stores. Only these photons contribute to the picture.
+    /// Kinds of photons that the render stores. Photons of other kinds contribute nothing to the
+    /// picture.
     pub mask: StoreMask,
     /// Largest number of scattering events per path.
     pub max_bounces: u32,
@@ -60,23 +61,25 @@ pub struct EmissionGuidingReport {
     pub paths: u64,
     /// Number of rays that the pilot of emission guiding traced.
     pub rays: u64,
-    /// Fraction of the unguided pilot paths that stored a photon near a visible point.
+    /// Fraction of the unguided paths of the pilot that contribute to the picture: those with a
+    /// photon near a visible point.
     pub useful: f64,
-    /// Ratio of unguided to guided photon paths that give the picture equal variance; 1 without
-    /// guiding.
+    /// Number of unguided photon paths that are worth one guided path, because they give the
+    /// picture equal variance; 1 without guiding.
     ///
-    /// It is estimated as the second moment of unguided pilot paths, divided by that of guided
-    /// pilot paths.
+    /// The estimate is the second moment of unguided pilot paths, divided by that of guided pilot
+    /// paths.
     pub gain: f64,
 }
 
 impl PhotonSource<'_> {
-    /// Returns the source with emission guided to the visible points of `pilot`, and a report.
+    /// Returns the source with its emission guided towards the visible points of `pilot`, and a
+    /// report of the pilot.
     ///
-    /// The pdf of lights, positions and directions becomes proportional to a path's root mean
-    /// squared contribution to the picture, which minimises the variance. A mixture with the
-    /// unguided pdf bounds the weights. If no pilot photon reaches a visible point, the source
-    /// stays unguided. The result depends only on the scene, this source and `pilot`.
+    /// The guided pdf of lights, positions and directions is a mixture. Its main part is
+    /// proportional to a path's root mean squared contribution to the picture, which minimises the
+    /// variance. The unguided pdf bounds the weights. If no pilot photon reaches a visible point,
+    /// the source stays unguided. The result depends only on the scene, this source and `pilot`.
     #[must_use]
     pub fn with_guided_emission(mut self, pilot: &EmissionGuidingPilot<'_>) -> (Self, EmissionGuidingReport) {
         let unguided = self.light_distribution.clone();
@@ -100,7 +103,8 @@ impl PhotonSource<'_> {
         (self, report)
     }
 
-    /// Traces the photon paths of pilot round number `round`, and returns their samples.
+    /// Traces the photon paths of the pilot's round number `round` (0 or 1), and returns them with
+    /// their contributions to the picture.
     fn trace_pilot_round(&self, pilot: &EmissionGuidingPilot<'_>, round: u32) -> PilotRoundSamples {
         let key = Key::new(pilot.seed).purpose_key(Purpose::GuidingTraining).training_round_key(round);
         let paths = pilot.paths / ROUNDS;
@@ -168,9 +172,11 @@ impl PhotonSource<'_> {
         found
     }
 
-    /// Fits the light probabilities and the guided pdfs of all lights to `samples`.
+    /// Fits the probabilities of the lights, and the guided pdf of each light, to `samples` of the
+    /// pilot; updates `self` with them.
     ///
-    /// `unguided` holds the light probabilities before guiding.
+    /// `unguided` holds the probabilities of the lights before guiding. If no sample contributes to
+    /// the picture, `self` stays the same.
     fn fit_guiding(&mut self, samples: &[EmissionGuidingSample], unguided: &DiscreteDistribution) {
         let lights = self.scene.lights();
         let mut samples_by_light: Vec<Vec<&EmissionGuidingSample>> = vec![Vec::new(); lights.len()];
@@ -198,12 +204,12 @@ impl PhotonSource<'_> {
     }
 }
 
-/// Samples of one round of the pilot: what its photon paths contribute to the picture.
+/// Photon paths of one round of a pilot, with their contributions to the picture.
 #[derive(Debug, Default)]
 struct PilotRoundSamples {
     samples: Vec<EmissionGuidingSample>,
-    /// Sum over paths of the squared contribution to the picture, divided by the squared pdf.
+    /// Sum over the round's paths of (contribution to the picture / pdf of the path)².
     second_moment: f64,
-    /// Number of traced rays.
+    /// Number of rays that the round traced.
     rays: u64,
 }
