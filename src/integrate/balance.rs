@@ -15,7 +15,7 @@ pub struct RayPhotonBalance {
     pub samples: u32,
     /// Number of photon paths that start in all directions; `None` without such paths.
     pub photons: Option<u32>,
-    /// Number of photon paths aimed at caustic casters; `None` without such paths.
+    /// Number of photon paths aimed at casters; `None` without such paths.
     pub caustic_photons: Option<u32>,
 }
 
@@ -102,8 +102,8 @@ pub(super) fn photon_storage_work(photons: u64) -> f64 {
     STORED_PHOTON_WORK * photons as f64
 }
 
-/// Returns the relative variance of one radiance estimate, as a mean over points of the film; 0 if
-/// all points are black.
+/// Returns the mean relative variance, over points of the film, of a radiance estimate that was
+/// made twice; 0 if all points are black.
 ///
 /// `one` and `other` are independent estimates at the same points. `light` is the mean radiance at
 /// each point. The squared difference at a point is divided by the squared radiance there plus the

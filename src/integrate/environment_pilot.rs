@@ -38,8 +38,8 @@ const RAYS_PER_POINT: u32 = 6;
 const MIN_GAIN: f64 = 1.5;
 
 /// Largest fraction of unguided shadow rays that reach the environment, for which the pilot goes
-/// on. Above it, the pilot ends after the first round, without a guide: camera paths that sample
-/// the BSDF find such a widely visible sky too.
+/// on. Above it, the pilot ends after the first round without a guide, because camera paths that
+/// sample the BSDF find such a widely visible sky well.
 const MAX_UNOCCLUDED: f64 = 0.25;
 
 /// Work and estimated benefit of the pilot that guides shadow rays to the environment light.

@@ -79,7 +79,7 @@ const BIAS_FACTOR: f64 = 2.0;
 /// Parts of the light of one camera path, averaged over RGB \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
 struct LightParts {
-    /// Direct light at the first receiver (surface that stores photons).
+    /// Direct light at the first receiver.
     direct: f64,
     /// Emission that the path finds up to its first receiver, and the caustics there. The pilot
     /// ignores their noise, because other pilots reduce it.
@@ -88,7 +88,7 @@ struct LightParts {
     paths: f64,
     /// Indirect light found by the photon estimate at the first receiver.
     photons: f64,
-    /// Estimated bias of the photon estimate; it is noisy.
+    /// Noisy estimate of the bias of `photons`.
     bias: f64,
 }
 
@@ -97,11 +97,9 @@ struct LightParts {
 struct PassCost {
     /// Relative variance of the direct light that one camera path finds.
     direct_variance: f64,
-    /// Work of one camera path up to its first receiver (surface that stores photons), relative to
-    /// tracing one photon ray.
+    /// Work of one camera path up to its first receiver, relative to tracing one photon ray.
     prefix: f64,
-    /// Work of one camera path after its first receiver (surface that stores photons), relative to
-    /// tracing one photon ray.
+    /// Work of one camera path after its first receiver, relative to tracing one photon ray.
     continuation: f64,
     /// Work per pixel of tracing, storing and gathering photons, relative to tracing one photon
     /// ray.
@@ -110,8 +108,8 @@ struct PassCost {
     lookup: f64,
 }
 
-/// Returns the division of indirect light with the least error times work; `None` if camera paths
-/// alone are as good.
+/// Runs the pilot. Returns the division of indirect light with the least error times work; `None`
+/// if camera paths alone are about as good.
 pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<IndirectDivision> {
     let photons = renderer.map_builder.counts.unaimed;
     let mut pilot = renderer.with_one_sample();
@@ -181,8 +179,8 @@ fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
 struct TrialWork {
     /// Work of all camera paths of the trial, relative to tracing one photon ray.
     paths: f64,
-    /// Work of all camera paths of the trial up to their first receiver (surface that stores
-    /// photons), relative to tracing one photon ray.
+    /// Work of all camera paths of the trial up to their first receiver, relative to tracing one
+    /// photon ray.
     prefixes: f64,
     /// Work of tracing and storing the photons of the interreflection map, relative to tracing one
     /// photon ray.
@@ -192,8 +190,7 @@ struct TrialWork {
     gathering: f64,
 }
 
-/// Photon maps of one trial of the pilot, and the report on their photons. The pilot makes two
-/// independent trials.
+/// One of the pilot's two independent trials: its photon maps, and the report on their photons.
 struct Trial<'a> {
     maps: PhotonMaps<'a>,
     report: Pass,
@@ -223,7 +220,7 @@ impl<'a> Trial<'a> {
         map_paths_through_film_points(&paths, points, nests_estimates, LightParts::take_from)
     }
 
-    /// Measures the work of camera paths through `points` and of the photons of the interreflection
+    /// Returns the work of camera paths through `points`, and of the photons of the interreflection
     /// map.
     ///
     /// `both` holds the counters of these paths from [`IndirectTechnique::Comparison`], in which

@@ -38,12 +38,12 @@ use rayon::prelude::*;
 /// Number of pictures that the pilot traces with whole camera paths, one path per pixel each.
 const WHOLE_PICTURES: u32 = 2;
 
-/// Number of pictures that the pilot traces with prefix rays, one ray per pixel each. Prefix rays
-/// are camera paths that end at their first receiver.
+/// Number of pictures that the pilot traces with [prefix rays](super::prefix_rays), one ray per
+/// pixel each.
 const PREFIX_PICTURES: u32 = 4;
 
-/// Number of the pilot's prefix-ray pictures in which rays read photon maps, in the pixels that may
-/// need it.
+/// Number of the pilot's prefix-ray pictures in which rays read photon maps, at the pixels that
+/// [`find_lookup_candidates`] selects.
 const LOOKUP_PICTURES: u32 = 2;
 
 /// Least divisor of the number of photon paths of a pass: the pilot traces at most a quarter of
@@ -99,13 +99,12 @@ impl RunningVariance {
 /// Light of one pixel in the pilot's pictures, averaged over RGB \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
 struct PixelLight {
-    /// Light that camera paths find after their first receiver (surface that stores photons), as
-    /// mean and variance.
+    /// Light that camera paths find after their first receiver, as mean and variance.
     rest: RunningVariance,
-    /// Emission and direct light that camera paths find up to their first receiver (surface that
-    /// stores photons), as mean and variance.
+    /// Emission and direct light that camera paths find up to their first receiver, as mean and
+    /// variance.
     found: RunningVariance,
-    /// Photon estimate at the first receiver (surface that stores photons), as mean and variance.
+    /// Photon estimate at the first receiver, as mean and variance.
     photons: RunningVariance,
     /// Sum over whole camera paths of (`rest` − its mean) times (`found` − its mean), from which
     /// their covariance follows.
@@ -115,22 +114,21 @@ struct PixelLight {
 /// Relative variances of the light that one ray of a pixel finds; see [`pixel_variances`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct PixelVariance {
-    /// Variance of the light after the first receiver (surface that stores photons).
+    /// Variance of the light after the first receiver.
     rest: f64,
-    /// Variance of emission and direct light that the prefix found: the path up to its first
-    /// receiver.
+    /// Variance of the emission and direct light that the path finds up to its first receiver.
     ///
-    /// If the covariance with `rest` is negative, twice the covariance is added: a ray near an edge
-    /// finds either one light or the other.
+    /// If the covariance of this light and the light of `rest` is negative, twice the covariance is
+    /// added: a ray near an edge finds either one light or the other.
     found: f64,
-    /// Variance of the photon estimate at the first receiver (surface that stores photons).
+    /// Variance of the photon estimate at the first receiver.
     photons: f64,
 }
 
-/// Returns the number of prefix rays of each pixel: extra camera paths that end at their first
-/// receiver. `None` if they do not pay, or if media scatter or emit.
+/// Returns the number of [prefix rays](super::prefix_rays) that each pixel should get; `None` if
+/// they do not pay, or if media scatter or emit.
 ///
-/// In such media, prefix rays also find light of the media, which this pilot does not model. The
+/// The pilot does not model the light that prefix rays find in scattering or emitting media. The
 /// numbers suit the camera rays and photons of a pass by `renderer`.
 pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<PrefixRayCounts> {
     let (scene, effects) = (renderer.scene, renderer.policy.effects);
@@ -224,10 +222,9 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
 enum PathParts {
     /// The whole path.
     Whole,
-    /// The path up to its first receiver (surface that stores photons), with the photon estimate
-    /// there.
+    /// The path up to its first receiver, with the photon estimate there.
     PrefixWithLookup,
-    /// The path up to its first receiver (surface that stores photons), without photon estimate.
+    /// The path up to its first receiver, without photon estimate.
     Prefix,
 }
 

@@ -23,7 +23,8 @@ pub(super) struct ScatterPointGuide {
     values: Vec<f32>,
 }
 
-/// Numbers of pilot rays, and sums of the squared radiance that they found, by light and cell.
+/// Data to which [`ScatterPointGuide`] is fitted: by light and cell, the number of pilot rays and
+/// the sum of the squared radiance that they found.
 pub(super) struct ScatterPointFit {
     grid: Grid,
     counts: Vec<f64>,
@@ -93,16 +94,16 @@ impl ScatterPointFit {
         Some(Self { grid, counts: vec![0.0; len], squares: vec![0.0; len] })
     }
 
-    /// Adds a shadow ray of the pilot.
+    /// Adds what one shadow ray of the pilot found.
     pub fn add(&mut self, sample: &InScatteringSample) {
         let i = sample.light * self.grid.len() + self.grid.cell_index(sample.p);
         self.counts[i] += 1.0;
         self.squares[i] += sample.radiance * sample.radiance;
     }
 
-    /// Returns the guide that follows from the added rays.
+    /// Returns the guide fitted to the added rays.
     ///
-    /// The mean of a cell is drawn towards the mean of the 27 cells around it.
+    /// The mean of a cell is drawn towards the mean of the 3×3×3 cells around and including it.
     pub fn guide(self) -> ScatterPointGuide {
         let len = self.grid.len();
         let mean = |i: usize| {
