@@ -18,7 +18,8 @@ const MAX_SHAPES: usize = 4096;
 /// Number of film points along each side of the film at which camera motion is measured.
 const FILM_POINTS: u32 = 5;
 
-/// Measures how far a point moves while the shutter is open, in pixels.
+/// Cameras and pixel sizes with which the motion of points while the shutter is open is measured in
+/// pixels.
 struct FilmMeasure {
     /// The camera at times 0, 1/[`STEPS`], …, 1 of the shutter interval.
     cameras: Vec<Camera>,

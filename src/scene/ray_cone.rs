@@ -3,7 +3,8 @@
 use super::Effects;
 use crate::bsdf::{Bsdf, DIFFUSE_CONE_SPREAD};
 
-/// Width of the cone of a camera ray \[pixels]. It is below 1 because the pixel filter blurs too.
+/// Width of the cone of a camera ray \[pixels]. It is below 1 because the pixel filter adds its own
+/// blur.
 const CAMERA_CONE_PIXELS: f32 = 0.5;
 
 /// The cone around a ray over which textures are filtered (Amanatides 1984, "Ray tracing with
@@ -53,7 +54,7 @@ impl RayCone {
         self.width += self.spread * distance;
     }
 
-    /// Widens the cone for scattering by `bsdf`.
+    /// Adds the spread that scattering by `bsdf` causes, unless the cone never widens.
     #[inline]
     pub(super) fn widen_at_surface(&mut self, bsdf: &Bsdf) {
         if self.widens {
@@ -62,7 +63,7 @@ impl RayCone {
         self.scattered |= !bsdf.is_specular();
     }
 
-    /// Widens the cone for scattering in a medium.
+    /// Adds the spread that scattering in a medium causes, unless the cone never widens.
     #[inline]
     pub(super) fn widen_in_medium(&mut self) {
         if self.widens {
