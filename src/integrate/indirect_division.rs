@@ -110,8 +110,8 @@ impl IndirectTechnique<'_> {
         }
     }
 
-    /// Returns the weights of camera paths and photon estimates at a film position \[pixels from
-    /// the top left].
+    /// Returns the weights of camera paths and photon estimates for indirect light at a film
+    /// position \[pixels from the top left].
     #[inline]
     pub fn technique_weights(&self, film: Vec2) -> IndirectWeights {
         match self {

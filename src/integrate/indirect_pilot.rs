@@ -24,21 +24,23 @@ use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::stats::Counters;
 use glam::Vec2;
 
-/// Number of cells of the film grid along the longer side of the film. The pilot measures noise and
-/// bias in each cell.
+/// Number of cells of the film grid along the longer side of the film. The indirect-light pilot
+/// measures noise and bias in each cell.
 const CELLS: u32 = 24;
 
-/// Number of camera paths through each cell of the film grid, in each of the pilot's two trials.
+/// Number of camera paths through each cell of the film grid, in each of the indirect-light pilot's
+/// two trials.
 const CELL_POINTS: u32 = 16;
 
-/// Least divisor of the number of photon paths of a pass: each of the pilot's two trials traces at
-/// most 1/8 of them.
+/// Least divisor of the number of photon paths of a pass: each of the indirect-light pilot's two
+/// trials traces at most 1/8 of them.
 const MIN_DIVISOR: u32 = 8;
 
-/// Largest number of photon paths in each of the pilot's two trials.
+/// Largest number of photon paths in each of the indirect-light pilot's two trials.
 const MAX_PATHS: u32 = 1 << 17;
 
-/// Number of the pass, counted from 1, for which the pilot minimizes error times work.
+/// Number of the pass, counted from 1, for which the indirect-light pilot minimizes error times
+/// work.
 const TYPICAL_PASS: u32 = 4;
 
 /// Largest number of passes in which photon estimates carry a part of the indirect light.
@@ -48,11 +50,12 @@ const MAX_PASSES: u32 = 1 << 16;
 /// it.
 const MAX_COST: f64 = 0.8;
 
-/// Candidate numbers of photon paths per pass, relative to the number in the settings. The pilot
-/// chooses the best one.
+/// Candidate numbers of photon paths per pass, relative to the number in the settings. The
+/// indirect-light pilot chooses the best one.
 const PHOTON_PARTS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
 
-/// Stride over the film points at which the pilot measures work: every eighth point is used.
+/// Stride over the film points at which the indirect-light pilot measures work: every eighth point
+/// is used.
 const WORK_STEP: usize = 8;
 
 /// Number of iterations of the search for [`IndirectDivision::path_price`].
@@ -62,8 +65,9 @@ const SEARCH_STEPS: u32 = 12;
 /// ray.
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
-/// Largest fraction of a cell's indirect light that photon estimates of the pilot may miss. If they
-/// miss more, the pilot has too few photons there to measure their variance, and assumes one.
+/// Largest fraction of a cell's indirect light that photon estimates of the indirect-light pilot
+/// may miss. If they miss more, the pilot has too few photons there to measure their variance, and
+/// assumes one.
 const MOST_MISSED: f64 = 0.9;
 
 /// Variance, relative to the squared indirect light, that is assumed for photon estimates in a cell
@@ -108,8 +112,8 @@ struct PassCost {
     lookup: f64,
 }
 
-/// Runs the pilot. Returns the division of indirect light with the least error times work; `None`
-/// if camera paths alone are about as good.
+/// Runs the indirect-light pilot. Returns the division of indirect light with the least error times
+/// work; `None` if camera paths alone are about as good.
 pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<IndirectDivision> {
     let photons = renderer.map_builder.counts.unaimed;
     let mut pilot = renderer.with_one_sample();
@@ -175,7 +179,7 @@ fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
     (size, (cells(width), cells(height)))
 }
 
-/// Work of the parts of one trial of the pilot, relative to tracing one photon ray.
+/// Work of the parts of one trial of the indirect-light pilot, relative to tracing one photon ray.
 struct TrialWork {
     /// Work of all camera paths of the trial, relative to tracing one photon ray.
     paths: f64,
@@ -190,7 +194,8 @@ struct TrialWork {
     gathering: f64,
 }
 
-/// One of the pilot's two independent trials: its photon maps, and the report on their photons.
+/// One of the indirect-light pilot's two independent trials: its photon maps, and the report on
+/// their photons.
 struct Trial<'a> {
     maps: PhotonMaps<'a>,
     report: Pass,

@@ -96,7 +96,7 @@ pub(super) enum PhotonLookups {
     /// The pixel's other paths would read almost the same photons. Some prefix rays may read the
     /// maps as well.
     FewPerPixel,
-    /// Each path reads the caustic map and the indirect map at the first receiver.
+    /// Each path reads the caustic map and the indirect map at its first receiver.
     FirstReceiver,
     /// Each path reads the caustic map at the start of a final-gathering ray, and the caustic map
     /// and the indirect map at its end.

@@ -21,7 +21,8 @@ pub(super) struct PrefixLight {
     /// Number of camera paths of the pixel, or of its prefix rays, that read photon maps: those
     /// with the lowest sample indices.
     pub lookups: u32,
-    /// Factor on the photon estimate, in addition to the number of samples.
+    /// Factor on a photon estimate, which is also multiplied by the number of the pixel's camera
+    /// paths or prefix rays.
     ///
     /// Of the pixel's n camera paths, k read photon maps. Of its m prefix rays, l read photon maps.
     /// The factor is 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.

@@ -98,8 +98,8 @@ pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
     paths.saturating_mul(PILOT_PASSES).max(MIN_PATHS).min(most)
 }
 
-/// Runs a pilot. Returns the gather radius \[length] within which three of four stored photons have
-/// `k` neighbours; `None` if the pilot stores no photon.
+/// Runs a gather-radius pilot. Returns the gather radius \[length] within which three of four
+/// stored photons have `k` neighbours; `None` if the pilot stores no photon.
 ///
 /// The radius is for a pass of `paths` photon paths, and at least `min_radius`. The pilot traces at
 /// most `max_pilot_paths` paths.

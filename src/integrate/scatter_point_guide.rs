@@ -53,7 +53,7 @@ pub(super) struct GuidedDistances {
     start: f32,
     /// Distance along the ray at which each piece ends \[length].
     ends: Vec<f32>,
-    /// Sum of the weights of all pieces up to each piece.
+    /// Sum of the weights of all pieces up to and including each piece.
     cumulative: Vec<f32>,
 }
 

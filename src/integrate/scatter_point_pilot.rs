@@ -20,14 +20,15 @@ use glam::Vec2;
 use std::sync::Arc;
 
 /// Smallest and largest number of camera paths that find the lit parts of media. Between these
-/// limits, the pilot traces one path per pixel.
+/// limits, the scatter-point pilot traces one path per pixel.
 const PATHS: (u32, u32) = (2000, 6000);
 
-/// Mean numbers of guided points per camera path whose noise and work the pilot compares.
+/// Mean numbers of guided points per camera path whose noise and work the scatter-point pilot
+/// compares.
 const TRIAL_POINTS: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 
-/// Largest ratio of noise times work, relative to the best number of points, at which the pilot
-/// prefers a smaller number.
+/// Largest ratio of noise times work, relative to the best number of points, at which the
+/// scatter-point pilot prefers a smaller number.
 ///
 /// It exceeds 1, because a shadow ray from a medium takes longer than the mean ray of a camera
 /// path.
@@ -38,7 +39,7 @@ const NEGLIGIBLE_LOSS: f64 = 1.15;
 /// It exceeds 1, because the work counts rays only, and guided points take longer to sample.
 const MIN_GAIN: f64 = 1.3;
 
-/// Work of the pilot that guides the scattering points of shadow rays, and its estimated benefit.
+/// Work and estimated benefit of the pilot that guides the scattering points of shadow rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ScatterPointGuidingReport {
     /// Number of shadow rays from which the pilot learned the lit parts of media.
@@ -49,8 +50,8 @@ pub struct ScatterPointGuidingReport {
     pub used: bool,
 }
 
-/// Runs the pilot. Returns how the passes of `renderer` choose the points of homogeneous media from
-/// which shadow rays start, and a report.
+/// Runs the scatter-point pilot. Returns how the passes of `renderer` choose the points of
+/// homogeneous media from which shadow rays start, and a report.
 ///
 /// The result depends only on the scene, the policy and the settings. The report is `None` in
 /// scenes without homogeneous scattering media, with so many lights that shadow rays go to chosen
