@@ -87,12 +87,14 @@ pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
     numbers(low)
 }
 
-/// Returns the work of tracing camera paths; tracing one photon ray is the unit.
+/// Returns the work of tracing the camera paths that `counters` count; tracing one photon ray is
+/// the unit.
 pub(super) fn camera_path_work(counters: &Counters) -> f64 {
     CAMERA_RAY_WORK * (counters.camera_rays + counters.continuation_rays + counters.shadow_rays) as f64
 }
 
-/// Returns the work of photon density estimates; tracing one photon ray is the unit.
+/// Returns the work of the photon density estimates that `counters` count; tracing one photon ray
+/// is the unit.
 pub(super) fn gathering_work(counters: &Counters) -> f64 {
     GATHERED_PHOTON_WORK * counters.gathered_photons as f64
 }

@@ -35,7 +35,7 @@ pub(super) struct PassRenderer<'a> {
     pub relative_ray_counts: Option<Arc<[f32]>>,
     /// Number of prefix rays of each pixel, and their work; `None` traces none.
     ///
-    /// Prefix rays are extra camera paths that end at the first receiver.
+    /// Prefix rays are extra camera paths that end at their first receiver.
     pub prefix_rays: Option<PrefixRayCounts>,
 }
 

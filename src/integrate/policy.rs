@@ -31,8 +31,8 @@ pub(super) struct PathPolicy {
     /// True if camera paths add the light that they find over casters after a receiver. False
     /// leaves this light, the caustics, to photons.
     pub counts_caustics: bool,
-    /// Mean throughput of the RGB channels below which a path ends without compensation. 0 ends
-    /// none so, and plays Russian roulette before a receiver is shaded.
+    /// Mean throughput of the RGB channels below which a path ends without compensation. If it is
+    /// 0, Russian roulette may end a faint path before a receiver is shaded.
     pub min_throughput: f32,
     /// Vertices at which camera paths read photon maps.
     pub photons: PhotonLookups,

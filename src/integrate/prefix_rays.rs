@@ -38,7 +38,7 @@ pub(super) struct PrefixLight {
 
 /// Number of prefix rays of a pixel, and the number of those that read photon maps.
 ///
-/// Prefix rays are extra camera paths that end at the first receiver.
+/// Prefix rays are extra camera paths that end at their first receiver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PrefixRayCount {
     pub rays: u8,
@@ -84,7 +84,7 @@ impl PrefixLight {
 
 /// Number of prefix rays of each pixel, which a pilot chose, and their work.
 ///
-/// Prefix rays are extra camera paths that end at the first receiver.
+/// Prefix rays are extra camera paths that end at their first receiver.
 #[derive(Clone, Debug)]
 pub(super) struct PrefixRayCounts {
     /// Number of prefix rays of each pixel, and how many of them read photon maps, by rows from the

@@ -83,8 +83,8 @@ pub struct GatherRadii {
 /// tried to guide them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EmissionGuidingReportPerMap {
-    /// Report for the paths that start in all directions. They fill the indirect map, and in
-    /// `hybrid` the interreflection map.
+    /// Report for the paths that start in all directions. They fill the indirect map or, in
+    /// `hybrid`, the interreflection map.
     #[serde(rename = "global")]
     pub indirect: Option<EmissionGuidingReport>,
     /// Report for the paths aimed at casters, such as glass or mirrors. They fill the caustic map,
@@ -137,8 +137,8 @@ pub(super) fn find_gather_radius(
     Some(scaled.max(min_radius).clamp(size.min(far) * MIN_RADIUS, size * MAX_RADIUS))
 }
 
-/// Returns the smallest gather radius of the first pass \[length]: 1/8 of the width of a pixel's
-/// footprint on the closest visible surface.
+/// Returns the lower bound on gather radii in the first pass \[length]: 1/8 of the width of a
+/// pixel's footprint on the closest visible surface.
 pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint();
     let (columns, rows) = scene.camera().size();

@@ -15,7 +15,8 @@ const MAX_CELLS: f32 = 24_000.0;
 /// expressed as a number of shadow rays.
 const NEIGHBORHOOD_WEIGHT: f64 = 1.0;
 
-/// Strength of the light from each light source in each cell of a grid.
+/// Learned strength of the light that each light sends to each cell of a grid over the visible
+/// media. Start points of shadow rays are sampled in proportion to it.
 #[derive(Debug)]
 pub(super) struct ScatterPointGuide {
     grid: Grid,

@@ -78,7 +78,8 @@ pub(super) fn guide_scatter_points(
     (sampling, Some(ScatterPointGuidingReport { rays, gain, used }))
 }
 
-/// Guide that a pilot learned, with the light and the shadow rays from which it learned.
+/// Guide that the scatter-point pilot learned, with the mean radiance and the number of the shadow
+/// rays from which it learned.
 struct LearnedGuide {
     guide: Arc<ScatterPointGuide>,
     /// Mean radiance that media scatter to a camera path, straight from lights \[W/(m² sr)].

@@ -14,7 +14,7 @@ use crate::scene::{Interior, PathEvent, PathRay, Scene, SurfaceInteraction, for_
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Number of rays of each pixel.
+/// Number of camera rays per pixel that find the surface AOVs.
 const RAYS: u32 = 32;
 
 /// Number of directions that are sampled at each hit to estimate its albedo.

@@ -49,7 +49,7 @@ pub(super) struct FilmSampling<'a> {
 
 /// Number of prefix rays of each pixel of a picture, and the key of their random numbers.
 ///
-/// Prefix rays are extra camera paths that end at the first receiver.
+/// Prefix rays are extra camera paths that end at their first receiver.
 #[derive(Clone, Copy)]
 pub(super) struct PrefixRays<'a> {
     /// Number of prefix rays of each pixel, and how many of them read photon maps, by rows from the
@@ -472,14 +472,16 @@ struct GroupSums {
 }
 
 impl GroupSums {
-    /// Adds the light of one camera path, which `light` holds, and resets `light`.
+    /// Adds the light of one camera path, which `light` holds, with its filter weight `weight`.
+    /// Resets `light`.
     fn add_camera_ray(&mut self, light: &mut GroupedLight, weight: f32) {
         if light.is_wanted {
             self.paths.iter_mut().zip(light.take()).for_each(|(sum, value)| sum.add(value, weight));
         }
     }
 
-    /// Adds the light of one prefix ray, which `light` holds, and resets `light`.
+    /// Adds the light of one prefix ray, which `light` holds, times its filter weight `weight`.
+    /// Resets `light`.
     fn add_prefix_ray(&mut self, light: &mut GroupedLight, weight: f32) {
         if light.is_wanted {
             let weight = f64::from(weight);

@@ -186,7 +186,7 @@ impl<'a> PhotonMapBuilder<'a> {
         self.density_estimate_shares = Some(Arc::new(shares));
     }
 
-    /// Estimates how many photons a pass stores, by tracing at most 4096 paths per map.
+    /// Estimates how many photons a pass stores, by tracing at most 4096 photon paths per map.
     pub fn expected_photons(&self) -> ExpectedPhotons {
         let settings = &self.settings;
         let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);

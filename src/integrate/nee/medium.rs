@@ -19,9 +19,11 @@ use glam::{Vec2, Vec3};
 /// A guided point has at most 4 times the weight of the same point without guiding.
 const DEFENSIVE_FRACTION: f32 = 0.25;
 
-/// Smallest and largest expected number of guided points on a segment, for each shadow ray that a
-/// surface point would send. Russian roulette decides about numbers below 1.
+/// Smallest expected number of guided points on a segment, for each shadow ray that a surface point
+/// would send. Russian roulette decides about numbers below 1.
 const MIN_POINTS: f32 = 0.125;
+/// Largest expected number of guided points on a segment, for each shadow ray that a surface point
+/// would send.
 const MAX_POINTS: f32 = 16.0;
 
 /// Number of points on a segment from which a pilot records shadow rays.
