@@ -11,8 +11,8 @@ const CAMERA_CONE_PIXELS: f32 = 0.5;
 /// cones"; Akenine-Möller et al. 2021, "Improved shader and texture level of detail using ray
 /// cones").
 ///
-/// A camera path starts with the width of a pixel. The cone grows with distance, and faster after
-/// scattering. Light paths have no width.
+/// A camera path starts with half the width of a pixel. The cone grows with distance, and faster
+/// after scattering. Light paths have no width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCone {
     /// Diameter of the cone at the current end of the ray \[length].
