@@ -24,8 +24,8 @@ pub trait Integrator: Send + Sync {
     /// Estimates the ray and photon counts of the first pass, if only `effects` are simulated.
     fn expected_work(&self, effects: Effects) -> Counters;
 
-    /// Estimates how many photons a pass stores, by tracing a few photon paths; all 0 without
-    /// photons.
+    /// Returns how many photon paths a pass traces, and estimates how many photons it stores by
+    /// tracing a few paths. All numbers are 0 without photons.
     fn expected_photons(&self) -> ExpectedPhotons {
         ExpectedPhotons::default()
     }

@@ -23,8 +23,8 @@ struct FilmPointEstimates {
     counters: Counters,
 }
 
-/// Returns the numbers of camera rays and photon paths that give least noise for the same work as
-/// the default numbers.
+/// Runs the ray-photon-balance pilot. Returns the numbers of camera rays and photon paths that give
+/// least noise for the same work as the default numbers.
 ///
 /// Returns `None` without photons. The result depends only on the scene and the settings.
 pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<RayPhotonBalance> {

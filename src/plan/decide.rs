@@ -153,8 +153,8 @@ impl Plan {
         Self { features, decisions }
     }
 
-    /// Returns the effects that the scene needs and that the render simulates. They exclude effects
-    /// that the user only forced on.
+    /// Returns the effects that the scene needs and that the render simulates. Effects that only
+    /// the user wants are left out.
     #[must_use]
     pub fn needed_and_simulated_effects(&self) -> Effects {
         self.decisions

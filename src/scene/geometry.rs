@@ -212,7 +212,8 @@ impl Geometry {
         self.nearest_plane_hit(&Hit::limit_ray(hit, ray)).or(hit)
     }
 
-    /// The nearest intersection of `ray` with an unbounded plane.
+    /// The nearest intersection of `ray` with an unbounded plane, for 0 < t < `ray.t_max`; `None`
+    /// if the ray hits no plane.
     #[inline]
     pub fn nearest_plane_hit(&self, ray: &Ray) -> Option<Hit> {
         let mut hit: Option<Hit> = None;

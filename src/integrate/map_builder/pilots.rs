@@ -186,7 +186,8 @@ impl<'a> PhotonMapBuilder<'a> {
         self.density_estimate_shares = Some(Arc::new(shares));
     }
 
-    /// Estimates how many photons a pass stores, by tracing at most 4096 photon paths per map.
+    /// Returns how many photon paths a pass traces, and estimates how many photons it stores.
+    /// Traces at most 4096 photon paths per map for the estimate.
     pub fn expected_photons(&self) -> ExpectedPhotons {
         let settings = &self.settings;
         let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);

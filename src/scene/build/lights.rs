@@ -12,7 +12,7 @@ use crate::texture::Texture;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
-/// A delta light (point, spot or directional) with its strength and motion, in world coordinates.
+/// A delta light with its strength and motion, in world coordinates.
 #[derive(Debug)]
 pub(super) struct DeltaLight {
     pub kind: DeltaLightKind,
