@@ -96,7 +96,7 @@ fn boxes_from_bounds(run: &[Bounds]) -> Boxes8 {
     boxes
 }
 
-/// The box `b` expanded by `margin` on every side, and then to the next f32.
+/// The box `b` with each side moved outwards by `margin`, and then on to the next f32.
 fn padded_box(b: &Bounds, margin: f32) -> Bounds {
     let wider = b.expanded(margin);
     let down = wider.min.to_array().map(f32::next_down);

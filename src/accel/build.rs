@@ -119,7 +119,7 @@ impl PrimitiveCounts {
         Self { triangles: 1 - others, others }
     }
 
-    /// Cost of intersecting all these primitives, relative to the cost of visiting a node.
+    /// Cost of intersecting the counted primitives, relative to the cost of visiting a node.
     fn intersection_cost(self) -> f32 {
         let packets = self.triangles.div_ceil(LANES as u32);
         packets as f32 * PACKET_COST + self.others as f32 * OTHER_COST

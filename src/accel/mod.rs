@@ -108,9 +108,10 @@ impl Hierarchy {
         best.to_primitive_hit(ray, &precalc)
     }
 
-    /// Nearest hit of a ray that stays in the box from which `leaves` was made.
+    /// Nearest hit of a ray that stays in the box for which [`Hierarchy::leaves_near`] found
+    /// `leaves`.
     ///
-    /// The result and the arguments are those of [`Hierarchy::closest_hit`].
+    /// The other arguments and the result are as in [`Hierarchy::closest_hit`].
     #[inline]
     pub fn closest_hit_near<F>(&self, leaves: &LeafList, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where

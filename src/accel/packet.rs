@@ -39,7 +39,8 @@ impl LeafHit {
         Self { t: t * precalc.inverse_direction_scale, weights: [u, v].map(f64::from), total: 1.0 }
     }
 
-    /// Barycentric weights of the second and third corner.
+    /// Barycentric weights of a triangle's second and third corner, or the two numbers of another
+    /// primitive.
     #[inline]
     pub fn barycentric(&self) -> (f32, f32) {
         ((self.weights[0] / self.total) as f32, (self.weights[1] / self.total) as f32)

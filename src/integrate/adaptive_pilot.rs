@@ -16,11 +16,12 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::for_interior;
 use std::sync::Arc;
 
-/// Number of pictures from which the pilot measures the noise of each pixel, with one camera ray
-/// per pixel each.
+/// Number of pictures from which the adaptive-sampling pilot measures the noise of each pixel, with
+/// one camera ray per pixel each.
 const PILOT_PICTURES: u32 = 4;
 
-/// Divisor of the number of photon paths: this pilot traces 1/16 of the paths of a pass.
+/// Divisor of the number of photon paths: the adaptive-sampling pilot traces 1/16 of the paths of a
+/// pass.
 const PILOT_DIVISOR: u32 = 16;
 
 /// Smallest number of camera rays of a pixel, relative to the mean over all pixels.

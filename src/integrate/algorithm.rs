@@ -99,10 +99,10 @@ impl Algorithm {
         }
     }
 
-    /// Makes the integrator that renders `scene` with this algorithm.
+    /// Makes the integrator that renders `scene` with this algorithm. Runs its pilots, small
+    /// simulations before the first pass.
     ///
-    /// Settings that are `None` get the algorithm's default, or a value that a pilot (small
-    /// simulation) finds.
+    /// Settings that are `None` get the algorithm's default, or a value that a pilot finds.
     #[must_use]
     pub fn prepare(self, scene: &Scene, settings: Settings) -> Box<dyn Integrator + '_> {
         let plan = Plan::new(scene, self.supported_effects(), settings.camera_paths.effects);

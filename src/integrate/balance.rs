@@ -15,7 +15,7 @@ pub struct RayPhotonBalance {
     pub samples: u32,
     /// Number of photon paths that start in all directions; `None` without such paths.
     pub photons: Option<u32>,
-    /// Number of photon paths aimed at caustic casters; `None` without such paths.
+    /// Number of photon paths aimed at casters; `None` without such paths.
     pub caustic_photons: Option<u32>,
 }
 
@@ -87,12 +87,14 @@ pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
     numbers(low)
 }
 
-/// Returns the work of tracing camera paths; tracing one photon ray is the unit.
+/// Returns the work of tracing the camera paths that `counters` count; tracing one photon ray is
+/// the unit.
 pub(super) fn camera_path_work(counters: &Counters) -> f64 {
     CAMERA_RAY_WORK * (counters.camera_rays + counters.continuation_rays + counters.shadow_rays) as f64
 }
 
-/// Returns the work of photon density estimates; tracing one photon ray is the unit.
+/// Returns the work of the photon density estimates that `counters` count; tracing one photon ray
+/// is the unit.
 pub(super) fn gathering_work(counters: &Counters) -> f64 {
     GATHERED_PHOTON_WORK * counters.gathered_photons as f64
 }
@@ -102,8 +104,8 @@ pub(super) fn photon_storage_work(photons: u64) -> f64 {
     STORED_PHOTON_WORK * photons as f64
 }
 
-/// Returns the relative variance of one radiance estimate, as a mean over points of the film; 0 if
-/// all points are black.
+/// Returns the mean relative variance, over points of the film, of a radiance estimate that was
+/// made twice; 0 if all points are black.
 ///
 /// `one` and `other` are independent estimates at the same points. `light` is the mean radiance at
 /// each point. The squared difference at a point is divided by the squared radiance there plus the

@@ -26,10 +26,10 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Interior, PathEvent, PathRay, Scene, SurfaceInteraction, SurfaceVertex};
 use glam::Vec3;
 
-/// Throughput above which a camera path splits into a reflected and a refracted branch at a smooth
-/// dielectric.
+/// Least throughput of the fainter branch, as a mean over RGB, for which a camera path splits into
+/// a reflected and a refracted branch at a smooth dielectric.
 ///
-/// The throughput of the fainter branch must exceed it.
+/// Below it, the path samples one of the two.
 const MIN_SPLIT_THROUGHPUT: f32 = 0.001;
 
 /// Mean throughput of the RGB channels below which Russian roulette may end a path.
@@ -42,7 +42,7 @@ const ROULETTE_BOUNCE: u32 = 8;
 /// Largest number of branches of one camera path that wait on the stack to be traced.
 const MAX_BRANCHES: usize = 16;
 
-/// Gather radius \[length] that sets the least length of final-gathering rays if a pass has no
+/// Gather radius \[length] from which [`PathContext::min_gather_distance`] follows if a pass has no
 /// photon maps.
 const NO_MAP_RADIUS: f32 = 1.0;
 
@@ -77,14 +77,14 @@ pub(super) struct PathState<I> {
     throughput: Rgb,
     bounce: u32,
     history: PathHistory,
-    /// Weight of indirect light that this path finds, if photon estimates find it too; 1 if they do
-    /// not.
+    /// Weight of the indirect light that this path finds; 1 unless photon estimates find the same
+    /// light.
     ///
-    /// The throughput is multiplied by this weight after the emission at the next vertex is added:
-    /// that emission is direct light of the last vertex.
+    /// It multiplies the throughput only after the emission at the next vertex is added, because
+    /// that emission is direct light of the previous vertex.
     indirect_weight: f32,
-    /// True once the path has left its first receiver (surface that stores photons, or medium), if
-    /// a photon estimate there finds indirect light too.
+    /// True after the path's first receiver, if this path and a photon estimate share the indirect
+    /// light of that receiver.
     shares_indirect: bool,
     /// Previous vertex if next-event estimation there could have sampled the light that the path
     /// hits now. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
@@ -94,7 +94,8 @@ pub(super) struct PathState<I> {
     sampler: Sampler,
 }
 
-/// Traces the camera path that starts with `ray`, and returns its radiance \[W/(m² sr)].
+/// Traces the camera path that starts with `ray`, and returns its radiance \[W/(m² sr)]. Adds ray
+/// counts, light groups and records of pilots to `worker`.
 ///
 /// `stack` holds branches of the path that are still to be traced; it is empty before and after.
 pub(super) fn trace_camera_path<I: Interior>(
@@ -169,8 +170,8 @@ pub(super) fn trace_camera_path<I: Interior>(
     radiance
 }
 
-/// Adds direct light and the photon estimate at a receiver (a surface that stores photons) to
-/// `radiance`, and continues `path` from there. Returns false if the path ends.
+/// Adds direct light and the photon estimate at `receiver`, times the throughput, to `radiance`.
+/// Continues `path` from there, or returns false if the path ends.
 #[inline(always)]
 fn shade_receiver<I: Interior>(
     paths: &PathContext<'_>,
@@ -238,8 +239,8 @@ fn shade_receiver<I: Interior>(
     true
 }
 
-/// Adds direct light at a caster (such as glass or a mirror) to `radiance`, and continues `path`
-/// from there. Returns false if the path ends.
+/// Adds direct light at `caster`, such as glass or a mirror, to `radiance`. Continues `path` from
+/// there, or returns false if the path ends.
 ///
 /// If a smooth dielectric splits the path, the reflected branch goes to `stack`. The function is
 /// not inlined, so that [`trace_camera_path`] stays small for scenes without casters.
@@ -315,8 +316,8 @@ fn continue_path<I: Interior>(
 /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from photon
 /// maps \[W/(m² sr)].
 ///
-/// Returns 0 where the policy reads no map. For some pilots, the function records `vertex` as a
-/// visible point instead.
+/// Returns 0 if the policy reads no map at `vertex`. With [`PhotonLookups::RecordVisible`], records
+/// `vertex` as a visible point instead. Adds the estimate to the sums of `worker`.
 #[inline]
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
@@ -354,8 +355,8 @@ fn photon_radiance<I: Interior>(
     estimate
 }
 
-/// True if photon estimates find part or all of the indirect light at a receiver (surface that
-/// stores photons, or medium). They do so only at the first receiver of a camera path.
+/// True if photon estimates find part or all of the indirect light at a receiver. They do so only
+/// at the first receiver of a camera path.
 ///
 /// `history` counts the receivers and casters on the path before this receiver.
 #[inline]
@@ -363,8 +364,8 @@ fn shares_indirect_light(indirect: IndirectWeights, history: PathHistory) -> boo
     indirect.photons > 0.0 && history.receivers == 0
 }
 
-/// True if the camera path continues at its first receiver (surface that stores photons, or
-/// medium). `sampler` is the sampler of the vertex there.
+/// True if the camera path continues at its first receiver. `sampler` is the sampler of the vertex
+/// there.
 ///
 /// If photon estimates find part of the indirect light at the receiver, only some of a pixel's
 /// paths continue.
@@ -376,8 +377,8 @@ fn is_path_continued(indirect: IndirectWeights, sampler: Sampler) -> bool {
 /// Returns `light` times its weight, for `light` that `path` found: emission that it hit, or direct
 /// light at a caster. Also adds the weighted light to sums of `worker`.
 ///
-/// Up to the first receiver (surface that stores photons), extra prefix rays find the same light,
-/// so it has the weight of [`PrefixLight`](super::prefix_rays::PrefixLight). Later the weight is 1.
+/// Up to the first receiver, extra prefix rays find the same light, so it has the weight of
+/// [`PrefixLight`](super::prefix_rays::PrefixLight). Later the weight is 1.
 #[inline]
 fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, worker: &mut PathWorker) -> Rgb {
     if path.history.receivers > 0 {
@@ -412,15 +413,15 @@ fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bo
         && vertex.distance > paths.min_gather_distance
 }
 
-/// True if a camera path may add light that it finds after the receivers and casters of `history`.
+/// True if a camera path with the vertices of `history` may add the light that it finds next.
 ///
-/// False if this light forms a caustic and only photons carry caustics.
+/// False if that light forms a caustic and the policy leaves caustics to photons.
 #[inline]
 fn may_add_found_light(policy: &PathPolicy, history: PathHistory) -> bool {
     policy.counts_caustics || !history.is_caustic()
 }
 
-/// True if the path may add the emission of the light that it hits now.
+/// True if `path` may add the emission of the surface or environment that it hits now.
 ///
 /// False for caustics that photons carry. Also false after next-event estimation if soft shadows
 /// are off, because next-event estimation then samples only the centers of area lights.
@@ -439,8 +440,11 @@ fn emission_mis_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &Su
     prev.pdf / (prev.pdf + nee.pdf(prev, light as usize, -hit.wo, Some(&hit.point)))
 }
 
-/// Returns the radiance of the environment or background that a path meets when it leaves the scene
-/// \[W/(m² sr)].
+/// Returns the radiance \[W/(m² sr)] that `path` adds as it leaves the scene: that of the
+/// environment times its MIS weight, or that of the background.
+///
+/// Returns 0 for the background after a receiver, and for environment light that photons or
+/// next-event estimation carry.
 fn escaped_radiance<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let direction = path.path_ray.ray.direction;
@@ -472,8 +476,8 @@ impl<'a> PathContext<'a> {
         Self { scene, policy, nee, maps, pass, max_bounces, indirect, min_gather_distance: MIN_GATHER_RADII * radius }
     }
 
-    /// Returns this context with `technique` for indirect light at first receivers (surfaces that
-    /// store photons).
+    /// Returns this context with `technique` for the indirect light at the first receiver of a
+    /// path.
     pub fn with_indirect_technique(self, technique: IndirectTechnique<'a>) -> Self {
         Self { indirect: technique, ..self }
     }
@@ -491,7 +495,7 @@ impl<I: Interior> PathState<I> {
         self.shares_indirect = true;
     }
 
-    /// Starts a path with camera ray `ray`.
+    /// Returns the state of a new path that starts with camera ray `ray`.
     fn from_camera_ray(paths: &PathContext<'_>, ray: &Ray, sampler: Sampler) -> Self {
         let mut path_ray: PathRay<I> = paths.scene.start_camera_path(*ray, paths.policy.effects);
         path_ray.interior.set_wavelength_sample(paths.scene, || sampler.get_1d(Dimension::Wavelength));

@@ -102,10 +102,11 @@ impl EnvironmentGuideFit {
         self.squares[bin] += square;
     }
 
-    /// Returns the guide that follows from the added rays; `None` if no ray contributed.
+    /// Returns the guide fitted to the added pilot rays; `None` if none of them contributed to the
+    /// picture.
     ///
-    /// The squared contributions are averaged in each bin. The average is drawn towards that of the
-    /// larger bin of the next coarser level, and so on up to the whole scene.
+    /// The squared contributions are averaged in each bin. Each average is drawn towards that of
+    /// the larger bin of the next coarser level, and that towards the next, up to the whole scene.
     pub fn guide(&self) -> Option<EnvironmentGuide> {
         let mean = self.squares.iter().sum::<f64>() / self.counts.iter().sum::<f64>().max(1.0);
         let mut means = vec![mean; Level(0).bin_count()];

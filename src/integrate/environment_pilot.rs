@@ -17,18 +17,19 @@ use crate::scene::{Scene, for_interior};
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Smallest and largest number of camera paths that find points for shadow rays of the pilot.
-/// Between these limits, there is one path per pixel.
+/// Smallest and largest number of camera paths that find points for shadow rays of the
+/// environment-guiding pilot. Between these limits, there is one path per pixel.
 const PATHS: (u32, u32) = (4000, 8000);
 
-/// Largest number of bounces of the camera paths that find points for shadow rays of the pilot.
+/// Largest number of bounces of the camera paths that find points for shadow rays of the
+/// environment-guiding pilot.
 const MAX_BOUNCES: u32 = 2;
 
-/// Number of rounds of shadow rays of the pilot. Each round is guided by the rays of all earlier
-/// rounds.
+/// Number of rounds of shadow rays of the environment-guiding pilot. Each round is guided by the
+/// rays of all earlier rounds.
 const ROUNDS: u32 = 4;
 
-/// Number of shadow rays of the pilot from each point in each round.
+/// Number of shadow rays of the environment-guiding pilot from each point in each round.
 const RAYS_PER_POINT: u32 = 6;
 
 /// Least ratio of unguided to guided variance at which passes use guided shadow rays.
@@ -37,9 +38,9 @@ const RAYS_PER_POINT: u32 = 6;
 /// find a widely visible environment without shadow rays.
 const MIN_GAIN: f64 = 1.5;
 
-/// Largest fraction of unguided shadow rays that reach the environment, for which the pilot goes
-/// on. Above it, the pilot ends after the first round, without a guide: camera paths that sample
-/// the BSDF find such a widely visible sky too.
+/// Largest fraction of unguided shadow rays that reach the environment, for which the
+/// environment-guiding pilot goes on. Above it, the pilot ends after the first round without a
+/// guide, because camera paths that sample the BSDF find such a widely visible sky well.
 const MAX_UNOCCLUDED: f64 = 0.25;
 
 /// Work and estimated benefit of the pilot that guides shadow rays to the environment light.
@@ -47,7 +48,7 @@ const MAX_UNOCCLUDED: f64 = 0.25;
 pub struct EnvironmentGuidingReport {
     /// Number of shadow rays that the pilot traced.
     pub rays: u64,
-    /// Fraction of unguided shadow rays that reach the environment.
+    /// Fraction in \[0, 1] of unguided shadow rays that reach the environment.
     pub unoccluded: f64,
     /// Ratio of the second moments of unguided and guided shadow rays' contributions to the
     /// picture; 1 if no ray contributes.
@@ -56,7 +57,7 @@ pub struct EnvironmentGuidingReport {
     pub used: bool,
 }
 
-/// Shadow ray towards the environment, traced by the pilot that guides such rays.
+/// Shadow ray towards the environment that the environment-guiding pilot traced.
 struct PilotRay {
     /// Index of the recorded surface point from which the ray starts.
     point: usize,
@@ -108,8 +109,8 @@ pub(super) fn guide_environment_light(
     (guide.filter(|_| report.used), report)
 }
 
-/// Traces the shadow rays of one round of the pilot. Returns them in the order of the points from
-/// which they start.
+/// Traces the shadow rays of one round of the environment-guiding pilot. Returns them in the order
+/// of the points from which they start.
 fn trace_round(
     scene: &Scene,
     light: &EnvironmentLight,

@@ -32,8 +32,8 @@ impl GatherGuide {
         self.directions.push(direction);
     }
 
-    /// Samples a unit direction: `choice` in \[0, 1) selects a cone, `u` in \[0, 1)² a direction in
-    /// it.
+    /// Samples a unit direction. `choice` in \[0, 1) selects the cone around one photon direction,
+    /// and `u` in \[0, 1)² a direction in this cone.
     ///
     /// Returns `None` if the guide has no photon directions.
     #[inline]

@@ -29,8 +29,8 @@ pub(super) struct IndirectWeights {
     pub samples: u32,
 }
 
-/// Indirect light along one camera path of a pilot (small simulation before the render), found by
-/// each of two techniques. It is counted as its contribution to the pixel.
+/// Indirect light of one camera path of a pilot: once as the continued path finds it, and once as
+/// the photon estimate at the first receiver does. Values are contributions to the pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct IndirectLight {
     /// Light found by the camera path after its first receiver \[W/(m² sr)].
@@ -79,8 +79,7 @@ pub(super) struct IndirectDivision {
     pub passes: u32,
 }
 
-/// Technique that finds indirect light at first receivers (surfaces that store photons) in one
-/// pass.
+/// Technique that finds, in one pass, the indirect light at the first receiver of each camera path.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) enum IndirectTechnique<'a> {
     /// Camera paths that continue at their first receiver.
@@ -111,8 +110,8 @@ impl IndirectTechnique<'_> {
         }
     }
 
-    /// Returns the weights of camera paths and photon estimates at a film position \[pixels from
-    /// the top left].
+    /// Returns the weights of camera paths and photon estimates for indirect light at a film
+    /// position \[pixels from the top left].
     #[inline]
     pub fn technique_weights(&self, film: Vec2) -> IndirectWeights {
         match self {
@@ -129,8 +128,7 @@ impl IndirectWeights {
     /// light then counts twice.
     const COMPARISON: Self = Self { photons: 1.0, continued: u32::MAX, samples: u32::MAX };
 
-    /// True if camera path `index` of a pixel's `count` paths continues at its first receiver
-    /// (surface that stores photons, or medium).
+    /// True if camera path `index` of a pixel's `count` paths continues at its first receiver.
     ///
     /// A pilot traces a single path per pixel (`count` is 1). It continues with the probability
     /// `continued`/`samples`, by the random number `u` in \[0, 1).

@@ -24,21 +24,23 @@ use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::stats::Counters;
 use glam::Vec2;
 
-/// Number of cells of the film grid along the longer side of the film. The pilot measures noise and
-/// bias in each cell.
+/// Number of cells of the film grid along the longer side of the film. The indirect-light pilot
+/// measures noise and bias in each cell.
 const CELLS: u32 = 24;
 
-/// Number of camera paths through each cell of the film grid, in each of the pilot's two trials.
+/// Number of camera paths through each cell of the film grid, in each of the indirect-light pilot's
+/// two trials.
 const CELL_POINTS: u32 = 16;
 
-/// Least divisor of the number of photon paths of a pass: each of the pilot's two trials traces at
-/// most 1/8 of them.
+/// Least divisor of the number of photon paths of a pass: each of the indirect-light pilot's two
+/// trials traces at most 1/8 of them.
 const MIN_DIVISOR: u32 = 8;
 
-/// Largest number of photon paths in each of the pilot's two trials.
+/// Largest number of photon paths in each of the indirect-light pilot's two trials.
 const MAX_PATHS: u32 = 1 << 17;
 
-/// Number of the pass, counted from 1, for which the pilot minimizes error times work.
+/// Number of the pass, counted from 1, for which the indirect-light pilot minimizes error times
+/// work.
 const TYPICAL_PASS: u32 = 4;
 
 /// Largest number of passes in which photon estimates carry a part of the indirect light.
@@ -48,11 +50,12 @@ const MAX_PASSES: u32 = 1 << 16;
 /// it.
 const MAX_COST: f64 = 0.8;
 
-/// Candidate numbers of photon paths per pass, relative to the number in the settings. The pilot
-/// chooses the best one.
+/// Candidate numbers of photon paths per pass, relative to the number in the settings. The
+/// indirect-light pilot chooses the best one.
 const PHOTON_PARTS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
 
-/// Stride over the film points at which the pilot measures work: every eighth point is used.
+/// Stride over the film points at which the indirect-light pilot measures work: every eighth point
+/// is used.
 const WORK_STEP: usize = 8;
 
 /// Number of iterations of the search for [`IndirectDivision::path_price`].
@@ -62,8 +65,9 @@ const SEARCH_STEPS: u32 = 12;
 /// ray.
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
-/// Largest fraction of a cell's indirect light that photon estimates of the pilot may miss. If they
-/// miss more, the pilot has too few photons there to measure their variance, and assumes one.
+/// Largest fraction of a cell's indirect light that photon estimates of the indirect-light pilot
+/// may miss. If they miss more, the pilot has too few photons there to measure their variance, and
+/// assumes one.
 const MOST_MISSED: f64 = 0.9;
 
 /// Variance, relative to the squared indirect light, that is assumed for photon estimates in a cell
@@ -79,7 +83,7 @@ const BIAS_FACTOR: f64 = 2.0;
 /// Parts of the light of one camera path, averaged over RGB \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
 struct LightParts {
-    /// Direct light at the first receiver (surface that stores photons).
+    /// Direct light at the first receiver.
     direct: f64,
     /// Emission that the path finds up to its first receiver, and the caustics there. The pilot
     /// ignores their noise, because other pilots reduce it.
@@ -88,7 +92,7 @@ struct LightParts {
     paths: f64,
     /// Indirect light found by the photon estimate at the first receiver.
     photons: f64,
-    /// Estimated bias of the photon estimate; it is noisy.
+    /// Noisy estimate of the bias of `photons`.
     bias: f64,
 }
 
@@ -97,11 +101,9 @@ struct LightParts {
 struct PassCost {
     /// Relative variance of the direct light that one camera path finds.
     direct_variance: f64,
-    /// Work of one camera path up to its first receiver (surface that stores photons), relative to
-    /// tracing one photon ray.
+    /// Work of one camera path up to its first receiver, relative to tracing one photon ray.
     prefix: f64,
-    /// Work of one camera path after its first receiver (surface that stores photons), relative to
-    /// tracing one photon ray.
+    /// Work of one camera path after its first receiver, relative to tracing one photon ray.
     continuation: f64,
     /// Work per pixel of tracing, storing and gathering photons, relative to tracing one photon
     /// ray.
@@ -110,8 +112,8 @@ struct PassCost {
     lookup: f64,
 }
 
-/// Returns the division of indirect light with the least error times work; `None` if camera paths
-/// alone are as good.
+/// Runs the indirect-light pilot. Returns the division of indirect light with the least error times
+/// work; `None` if camera paths alone are about as good.
 pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<IndirectDivision> {
     let photons = renderer.map_builder.counts.unaimed;
     let mut pilot = renderer.with_one_sample();
@@ -177,12 +179,12 @@ fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
     (size, (cells(width), cells(height)))
 }
 
-/// Work of the parts of one trial of the pilot, relative to tracing one photon ray.
+/// Work of the parts of one trial of the indirect-light pilot, relative to tracing one photon ray.
 struct TrialWork {
     /// Work of all camera paths of the trial, relative to tracing one photon ray.
     paths: f64,
-    /// Work of all camera paths of the trial up to their first receiver (surface that stores
-    /// photons), relative to tracing one photon ray.
+    /// Work of all camera paths of the trial up to their first receiver, relative to tracing one
+    /// photon ray.
     prefixes: f64,
     /// Work of tracing and storing the photons of the interreflection map, relative to tracing one
     /// photon ray.
@@ -192,8 +194,8 @@ struct TrialWork {
     gathering: f64,
 }
 
-/// Photon maps of one trial of the pilot, and the report on their photons. The pilot makes two
-/// independent trials.
+/// One of the indirect-light pilot's two independent trials: its photon maps, and the report on
+/// their photons.
 struct Trial<'a> {
     maps: PhotonMaps<'a>,
     report: Pass,
@@ -223,7 +225,7 @@ impl<'a> Trial<'a> {
         map_paths_through_film_points(&paths, points, nests_estimates, LightParts::take_from)
     }
 
-    /// Measures the work of camera paths through `points` and of the photons of the interreflection
+    /// Returns the work of camera paths through `points`, and of the photons of the interreflection
     /// map.
     ///
     /// `both` holds the counters of these paths from [`IndirectTechnique::Comparison`], in which

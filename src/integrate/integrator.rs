@@ -9,7 +9,8 @@ use super::scatter_point_pilot::ScatterPointGuidingReport;
 use crate::plan::{Effects, Plan};
 use crate::stats::Counters;
 
-/// A rendering algorithm, prepared to render passes of one scene.
+/// A rendering algorithm, prepared to render passes of one scene. *Pilots* are small simulations
+/// that run when it is made, before the first pass.
 ///
 /// The picture is the mean of all passes. Pass `i` depends only on the scene, the settings and
 /// `i`, so any pass can be computed alone.
@@ -23,21 +24,22 @@ pub trait Integrator: Send + Sync {
     /// Estimates the ray and photon counts of the first pass, if only `effects` are simulated.
     fn expected_work(&self, effects: Effects) -> Counters;
 
-    /// Estimates how many photons a pass stores, by tracing a few photon paths; all 0 without
-    /// photons.
+    /// Returns how many photon paths a pass traces, and estimates how many photons it stores by
+    /// tracing a few paths. All numbers are 0 without photons.
     fn expected_photons(&self) -> ExpectedPhotons {
         ExpectedPhotons::default()
     }
 
-    /// Returns the numbers of camera rays and photon paths that a pilot (small simulation before
-    /// the render) chose; `None` if no pilot chose them.
+    /// Returns the numbers of camera rays and photon paths that a pilot chose; `None` if no pilot
+    /// chose them.
     fn ray_photon_balance(&self) -> Option<RayPhotonBalance> {
         None
     }
 
     /// Returns the mean number of prefix rays per pixel and pass.
     ///
-    /// Prefix rays are extra camera paths that end at the first surface that stores photons.
+    /// Prefix rays are extra camera paths that end at their first receiver (see
+    /// [`PhotonKind`](crate::photon::PhotonKind)).
     fn prefix_rays_per_pixel(&self) -> f64 {
         0.0
     }
@@ -45,8 +47,7 @@ pub trait Integrator: Send + Sync {
     /// Returns the share in \[0, 1] of indirect light that photon estimates carry in pass `pass`,
     /// as a mean over the picture. Camera paths carry the rest.
     ///
-    /// Only indirect light at the first receiver (surface that stores photons, or medium) of each
-    /// camera path counts.
+    /// Only indirect light at the first receiver of each camera path counts.
     fn indirect_photon_share(&self, _pass: u32) -> f64 {
         0.0
     }
@@ -62,8 +63,8 @@ pub trait Integrator: Send + Sync {
         None
     }
 
-    /// True if passes return what error estimation needs:
-    /// [`NestedEstimates`](super::NestedEstimates), if the algorithm uses photons.
+    /// True if passes return the data from which the error of the picture is estimated. With
+    /// photons, these are [`NestedEstimates`](super::NestedEstimates).
     fn returns_nested_estimates(&self) -> bool {
         false
     }
@@ -73,13 +74,13 @@ pub trait Integrator: Send + Sync {
         false
     }
 
-    /// True if passes return the light that clamping removes.
+    /// True if passes clamp the light of camera paths, and return the light that this removes.
     fn clamps_light(&self) -> bool {
         false
     }
 
     /// Returns the work and benefit of guiding shadow rays to the environment light; `None` if no
-    /// pilot (small simulation before the render) tried to guide them.
+    /// pilot tried to guide them.
     fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {
         None
     }

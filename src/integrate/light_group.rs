@@ -79,7 +79,7 @@ impl GroupedLight {
         }
     }
 
-    /// Multiplies all sums by `factor`.
+    /// Multiplies the light of each group by `factor`, channel by channel.
     pub fn scale(&mut self, factor: Rgb) {
         self.sums.iter_mut().for_each(|sum| *sum *= factor);
     }

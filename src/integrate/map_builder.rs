@@ -40,7 +40,8 @@ const WAVELENGTH_BAND: f32 = 20.0;
 /// Lower bound of the photon limit k of density estimates, which shrinks over the passes.
 const MIN_K: f64 = 8.0;
 
-/// Photon paths to trace for one map.
+/// Source, number and random key of the photon paths to trace for one map, and the kinds of photons
+/// to store.
 struct PhotonTracingTask<'a> {
     /// Photon source that samples the emission; `None` traces nothing.
     source: Option<&'a PhotonSource<'a>>,
@@ -75,7 +76,7 @@ struct DensityEstimateLimits {
     k: u32,
 }
 
-/// Results of the photon paths aimed at casters (such as glass or mirrors), except the caustic map.
+/// Results of the photon paths aimed at casters, except the caustic map.
 struct AimedPathResults {
     /// Photons that a receiver has scattered after a caustic, for the indirect map of `hybrid`.
     /// Empty for other algorithms.
@@ -105,11 +106,10 @@ pub(super) struct PhotonMapBuilder<'a> {
     /// Photon source that emits in all directions; `None` if no map needs it, or if no light has
     /// power.
     unaimed_source: Option<PhotonSource<'a>>,
-    /// Photon source aimed at casters (such as glass or mirrors); `None` if no map needs it, or if
-    /// no light has power.
+    /// Photon source aimed at casters; `None` if no map needs it, or if no light has power.
     aimed_source: Option<PhotonSource<'a>>,
     pub counts: PhotonPathCounts,
-    /// Largest gather radii of the first pass; `None` without maps.
+    /// Largest gather radii of the first pass \[length]; `None` if passes trace no photons.
     pub radii: Option<GatherRadii>,
     /// Gather radius of the interreflection map in the first pass \[length]. Only `hybrid` builds
     /// this map.
@@ -133,8 +133,8 @@ pub(super) struct PhotonMapBuilder<'a> {
 impl<'a> PhotonMapBuilder<'a> {
     /// Makes a builder for the maps that `policy` reads.
     ///
-    /// Pilots (small simulations) guide photon emission, and find gather radii if `settings` give
-    /// none.
+    /// Runs the pilots that guide photon emission, and the pilots that find gather radii if
+    /// `settings` give none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         let mut request = policy.photon_map_request();
         if policy.indirect_photons != IndirectPhotons::Off && has_emitting_media(scene, policy.effects) {
@@ -237,8 +237,8 @@ impl<'a> PhotonMapBuilder<'a> {
         self.request.aimed.separates_after_caustic || self.may_build_interreflection_map()
     }
 
-    /// True if passes may build an interreflection map, which holds light that receivers (surfaces
-    /// that store photons) reflect. Only `hybrid` builds one.
+    /// True if passes may build an interreflection map, which holds light that receivers reflect.
+    /// Only `hybrid` builds one.
     pub fn may_build_interreflection_map(&self) -> bool {
         self.policy.indirect_photons != IndirectPhotons::Off && self.unaimed_source.is_some()
     }
@@ -262,8 +262,8 @@ impl<'a> PhotonMapBuilder<'a> {
         self.indirect_division = division.map(Arc::new);
     }
 
-    /// Returns the technique that finds indirect light in pass `pass`, at the first receiver
-    /// (surface that stores photons) of a camera path.
+    /// Returns the technique that finds indirect light in pass `pass`, at the first receiver of a
+    /// camera path.
     pub fn indirect_technique(&self, pass: u32) -> IndirectTechnique<'_> {
         if !self.may_build_interreflection_map() {
             return IndirectTechnique::Paths;
@@ -291,7 +291,7 @@ impl<'a> PhotonMapBuilder<'a> {
         media && self.traces_photons() && self.scene.media_in_use().iter().any(|medium| medium.scatters())
     }
 
-    /// Returns `mask` with `beams` set if the estimator for media reads photon beams, else cleared.
+    /// Returns `mask` with a new `beams`: true if the estimator for media reads photon beams.
     fn with_beams_if_read(&self, mask: StoreMask) -> StoreMask {
         StoreMask { beams: self.settings.volume == VolumeEstimator::Beams, ..mask }
     }
@@ -352,8 +352,11 @@ impl<'a> PhotonMapBuilder<'a> {
         PhotonMaps { guides, caustic, indirect, interreflection, splats: aimed.splats }
     }
 
-    /// Traces the photon paths aimed at casters. Returns the caustic map and the other results of
-    /// the paths.
+    /// Traces the photon paths aimed at casters, and builds the caustic map from their photons.
+    /// Also returns the paths' other photons and splats.
+    ///
+    /// Reports progress to `monitor`. Adds ray counts, times and the report on these paths to
+    /// `out`.
     fn build_caustic_map(
         &self,
         options: &MapBuildOptions,
@@ -388,8 +391,8 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// Builds the indirect map.
     ///
-    /// In `hybrid`, it holds `after_caustic`: photons of the paths aimed at casters, stored after
-    /// the caustic. Other algorithms trace paths in all directions for it.
+    /// In `hybrid`, the map holds `after_caustic`: photons that aimed paths stored after a caustic.
+    /// Other algorithms trace paths in all directions to fill the map.
     fn build_indirect_map(
         &self,
         after_caustic: MapPhotons,
@@ -425,7 +428,8 @@ impl<'a> PhotonMapBuilder<'a> {
         Some(self.index_photons(photons, DensityEstimateLimits { radii, k }, options, monitor, out))
     }
 
-    /// Traces the photon paths that start in all directions, and returns their photons.
+    /// Traces the photon paths that start in all directions, and returns their photons. Adds ray
+    /// counts, time and the report on these paths to `out`.
     fn trace_unaimed_photons(
         &self,
         options: &MapBuildOptions,

@@ -20,8 +20,8 @@ use std::sync::Arc;
 /// Point of the unit square that maps to the center of a light.
 const CENTER: Vec2 = Vec2::splat(0.5);
 
-/// Largest number of lights for which vertices up to a path's first receiver (surface that stores
-/// photons) send a shadow ray to every light.
+/// Largest number of lights for which vertices up to a path's first receiver send a shadow ray to
+/// every light.
 const FEW_LIGHTS: usize = 4;
 
 /// Targets and number of the shadow rays of one vertex.
@@ -33,18 +33,19 @@ enum ShadowRayScheme {
     Chosen(u32),
 }
 
-/// Guides of shadow rays, which pilots find.
+/// Guides of shadow rays that pilots have learned: directions to the environment, and start points
+/// in media.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ShadowRayGuides {
-    /// Guide of shadow rays to the environment light; `None` lets the light sample directions.
+    /// Guide of shadow rays to the environment light; `None` samples directions from the light's
+    /// own distribution.
     pub environment: Option<Arc<EnvironmentGuide>>,
     /// Choice of the points of homogeneous media from which shadow rays start.
     pub scatter_points: ScatterPointSampling,
 }
 
 /// Choice of the scattering points of a homogeneous medium from which shadow rays start, on
-/// segments of camera paths up to the first receiver (surface that stores photons, or scattering
-/// event).
+/// segments of camera paths up to the first receiver.
 #[derive(Clone, Debug, Default)]
 pub(super) enum ScatterPointSampling {
     /// One point for each shadow ray that a surface point would send.
@@ -74,8 +75,8 @@ pub(super) struct NextEventEstimator<'a> {
     centers: bool,
     /// Sampler that chooses lights; `None` if every vertex sends shadow rays to all lights.
     light_sampler: Option<LightBvhSampler>,
-    /// Shadow rays of a vertex. The first scheme is for vertices up to the path's first receiver
-    /// (surface that stores photons), the second for later vertices.
+    /// Shadow rays of a vertex. The first scheme is for vertices up to the path's first receiver,
+    /// the second for later vertices.
     schemes: [ShadowRayScheme; 2],
     guides: ShadowRayGuides,
 }
@@ -115,8 +116,8 @@ impl<'a> NextEventEstimator<'a> {
         Self { scene, lights, effects, directions, has_null_interfaces, centers, light_sampler, schemes, guides }
     }
 
-    /// Returns the number of lights to each of which every segment up to the first receiver
-    /// (surface that stores photons) sends shadow rays; 0 if rays go to chosen lights.
+    /// Returns the number of lights if each vertex and medium segment up to the first receiver
+    /// sends shadow rays to all of them; 0 if these rays go to chosen lights.
     pub fn light_count_of_first_scheme(&self) -> usize {
         match self.schemes[0] {
             ShadowRayScheme::All(_) => self.lights.len(),
@@ -124,15 +125,15 @@ impl<'a> NextEventEstimator<'a> {
         }
     }
 
-    /// Returns the environment light whose shadow rays a guide could improve: `None` if there is
-    /// none, if shadow rays go to the centers of lights, or if nothing blocks them.
+    /// Returns the environment light whose shadow rays a guide could improve: `None` if the scene
+    /// has none, if shadow rays go to the centers of lights, or if the effect of shadows is off.
     pub fn guidable_environment_light(&self) -> Option<&EnvironmentLight> {
         let Light::Environment(environment) = self.lights.last()? else { return None };
         (!self.centers && self.effects.has(Effect::Shadows)).then_some(environment)
     }
 
-    /// Samples the direct light at `p` from the light with index `light`, by `u` in \[0, 1)²;
-    /// `None` if no light reaches `p`.
+    /// Samples the direct light at `p` from the light with index `light`, by the uniform sample `u`
+    /// in \[0, 1)²; `None` if no light reaches `p`.
     #[inline]
     fn sample_li(&self, light: usize, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
         match (&self.lights[light], &self.guides.environment) {
@@ -157,8 +158,8 @@ impl<'a> NextEventEstimator<'a> {
 
     /// Estimates the direct light that `vertex` scatters towards the previous vertex \[W/(m² sr)].
     ///
-    /// If the path `continues`, its next ray may hit a light too. The balance heuristic then
-    /// weights the estimate against this second technique.
+    /// If the path `continues`, its next ray may hit the same light. The estimate is then
+    /// multiplied by its MIS weight (balance heuristic) against that ray.
     pub fn estimate_direct_light<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
@@ -230,11 +231,11 @@ impl<'a> NextEventEstimator<'a> {
         rays * self.pdf_li(light, prev.p, wi, hit)
     }
 
-    /// Returns the radiance that one shadow ray to the light with index `light` adds at `vertex`
-    /// \[W/(m² sr)].
+    /// Returns the radiance \[W/(m² sr)] that one shadow ray to the light with index `light` adds
+    /// at `vertex`, including its MIS weight if the path `continues`.
     ///
-    /// `rays` is the expected number of shadow rays to that light. `u` samples a point of the
-    /// light.
+    /// `rays` is the expected number of shadow rays to that light, by which the radiance is
+    /// divided. `u` in \[0, 1)² samples a point of the light.
     #[inline]
     fn shadow_ray_contribution<I: Interior>(
         &self,

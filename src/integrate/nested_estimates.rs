@@ -83,8 +83,8 @@ impl NestedEstimateSum {
         }
     }
 
-    /// Adds the sums of the current camera ray to the pixel with filter weight `weight`; `None`
-    /// drops the ray.
+    /// Adds the sums of the current camera ray, times its filter weight `weight`, to the pixel, and
+    /// resets them. `None`, or a sum that is not finite, drops the ray.
     #[inline]
     pub fn finish_camera_ray(&mut self, weight: Option<f32>) {
         if let Some(weight) = weight.filter(|_| self.ray.iter().all(|step| step.is_finite())) {

@@ -22,7 +22,7 @@ pub enum PassStage {
 pub trait ProgressMonitor: Sync {
     /// Reports the start of a stage of `total` units; see [`PassStage`] for the unit.
     fn begin_stage(&self, stage: PassStage, total: u64);
-    /// Reports that `units` further units of the stage are done.
+    /// Reports that `units` more units of the current stage are done.
     fn report_progress(&self, units: u64);
     /// True to abandon the pass: its remaining photons and pixels are skipped, and its result is
     /// discarded.

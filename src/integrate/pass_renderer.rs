@@ -30,19 +30,20 @@ pub(super) struct PassRenderer<'a> {
     pub map_builder: PhotonMapBuilder<'a>,
     /// Mean number of camera rays per pixel and pass.
     pub samples: u32,
-    /// Number of camera rays of each pixel relative to `samples`; `None` gives all pixels the mean.
+    /// Number of camera rays of each pixel relative to `samples`; `None` gives each pixel `samples`
+    /// rays.
     pub relative_ray_counts: Option<Arc<[f32]>>,
     /// Number of prefix rays of each pixel, and their work; `None` traces none.
     ///
-    /// Prefix rays are extra camera paths that end at the first surface that stores photons.
+    /// Prefix rays are extra camera paths that end at their first receiver.
     pub prefix_rays: Option<PrefixRayCounts>,
 }
 
 impl<'a> PassRenderer<'a> {
     /// Makes a renderer with the numbers of camera rays and photon paths of `settings`.
     ///
-    /// Pilots (small simulations) guide photon emission, and find gather radii if `settings` give
-    /// none.
+    /// Runs the pilots that guide photon emission, and the pilots that find gather radii if
+    /// `settings` give none.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         Self {
             scene,
@@ -160,8 +161,7 @@ impl<'a> PassRenderer<'a> {
         if self.policy.shares_paths { key.shared_paths_key() } else { key.pass_key(pass) }
     }
 
-    /// Returns the random key of the prefix rays of pass `pass`: extra camera paths that end at the
-    /// first surface that stores photons.
+    /// Returns the random key of the [prefix rays](super::prefix_rays) of pass `pass`.
     pub fn prefix_ray_key(&self, pass: u32) -> Key {
         Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::PrefixRays).pass_key(pass)
     }

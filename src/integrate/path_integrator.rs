@@ -193,8 +193,8 @@ impl Integrator for PathIntegrator<'_> {
 impl<'a> PathIntegrator<'a> {
     /// Makes an integrator for `scene`.
     ///
-    /// Pilots (small simulations) guide photon emission, find gather radii, and balance camera rays
-    /// against photons.
+    /// Runs the pilots. They guide photon emission and shadow rays, find gather radii, and divide
+    /// the work between camera rays and photons.
     pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, make_policy: PolicyFn) -> Self {
         let (effects, needed) = (plan.simulated_effects(), plan.needed_and_simulated_effects());
         let policy = make_policy(effects, &settings);
@@ -260,8 +260,9 @@ impl<'a> PathIntegrator<'a> {
     }
 }
 
-/// Runs `pilot` with `renderer`, or, if there is a `policy`, with a renderer for that policy. It
-/// must be the same policy with fewer effects.
+/// Returns the result of `pilot` for `renderer`, under `policy` if it is given.
+///
+/// `policy` must be the renderer's policy with fewer effects.
 fn run_pilot<'a, T>(
     renderer: &PassRenderer<'a>,
     policy: Option<PathPolicy>,
@@ -273,8 +274,8 @@ fn run_pilot<'a, T>(
     }
 }
 
-/// Returns the cameras of the slices of the shutter interval of pass `pass`. `renderers` render the
-/// slices.
+/// Returns the cameras of the slices of the shutter interval in pass `pass`. `renderers` holds one
+/// renderer for each slice.
 fn sliced_cameras<'b>(renderers: &'b [PassRenderer<'_>], pass: u32) -> SlicedCameras<'b> {
     let seed = renderers[0].settings.camera_paths.seed;
     SlicedCameras {

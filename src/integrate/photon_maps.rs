@@ -22,8 +22,8 @@ pub(super) struct PhotonEstimator<'a> {
     pub kernel: Kernel,
     /// Photon beams and photon points in media.
     pub volume: BeamAndPointMaps,
-    /// True if photons store the share of their flux that density estimates use at directly visible
-    /// surfaces. Light tracing carries the rest of the flux there.
+    /// True if each photon stores the share of its flux that counts in density estimates at
+    /// directly visible surfaces. Light tracing carries the rest.
     pub has_density_estimate_shares: bool,
 }
 
@@ -56,9 +56,8 @@ pub(super) struct PhotonMaps<'a> {
     /// In `hybrid`, it holds only light that a receiver has reflected from a caustic. If
     /// final-gathering rays read the map, it also holds direct light.
     pub indirect: PhotonEstimator<'a>,
-    /// Interreflection map of `hybrid`: photons that went straight from a light to a receiver
-    /// (surface that stores photons) and scattered there. `None` if camera paths carry all of this
-    /// light.
+    /// Interreflection map of `hybrid`: photons that went straight from a light to a receiver and
+    /// scattered there. `None` if camera paths carry all of this light.
     pub interreflection: Option<PhotonEstimator<'a>>,
     /// Map of photons whose directions guide final-gathering rays.
     pub guides: PhotonMap,
@@ -72,7 +71,7 @@ impl PhotonMaps<'_> {
     /// maps that `lookup` names, times `samples` \[W/(m² sr)].
     ///
     /// One camera path may read the maps for all paths of its pixel. `samples` is then the number
-    /// of these paths, times a weight.
+    /// of these paths, times a weight. Also adds the estimates to the light groups of `worker`.
     #[inline]
     pub fn radiance<I: Interior>(
         &self,
@@ -94,7 +93,8 @@ impl PhotonMaps<'_> {
     }
 
     /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from the
-    /// interreflection map, times `samples` \[W/(m² sr)]. Adds it to `worker.indirect_light` too.
+    /// interreflection map, times `samples` \[W/(m² sr)]; 0 without that map. Also adds it, times
+    /// the throughput, to `worker.indirect_light` and the light groups.
     ///
     /// One camera path may read the map for all paths of its pixel. `samples` is then the number of
     /// these paths, times a weight.
@@ -114,11 +114,11 @@ impl PhotonMaps<'_> {
         radiance * samples
     }
 
-    /// Returns the radiance that a medium scatters to the start of a segment, estimated from
-    /// photons, times `samples` \[W/(m² sr)].
+    /// Returns the radiance that a medium scatters to the start of a segment, estimated from the
+    /// caustic and the indirect map, times `samples` \[W/(m² sr)].
     ///
-    /// One camera path may read the maps for all paths of its pixel. `samples` is then the number
-    /// of these paths.
+    /// One camera path may read the maps for all paths of its pixel; `samples` is then the number
+    /// of these paths. Also adds the estimates to the light groups of `worker`.
     #[inline]
     pub fn radiance_in_medium<I: Interior>(
         &self,
@@ -135,7 +135,8 @@ impl PhotonMaps<'_> {
     }
 
     /// Returns the radiance that a medium scatters to the start of a segment, estimated from the
-    /// interreflection map, times `samples` \[W/(m² sr)]. Adds it to `worker.indirect_light` too.
+    /// interreflection map, times `samples` \[W/(m² sr)]; 0 without that map. Also adds it, times
+    /// the throughput, to `worker.indirect_light` and the light groups.
     ///
     /// One camera path may read the map for all paths of its pixel. `samples` is then the number of
     /// these paths, times a weight.

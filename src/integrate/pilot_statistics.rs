@@ -1,7 +1,7 @@
 //! Statistics that several pilots (small simulations before a render) compute.
 
-/// Returns the median of the positive `values`, the upper one of two; `None` if no value is
-/// positive.
+/// Returns the median of the positive `values`; the upper of the two middle ones if their number is
+/// even. `None` if no value is positive.
 pub(super) fn positive_median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut sorted: Vec<f64> = values.filter(|value| *value > 0.0).collect();
     sorted.sort_by(f64::total_cmp);

@@ -24,14 +24,15 @@ pub(super) struct PathPolicy {
     pub direct_light: bool,
     /// Number and targets of the shadow rays of next-event estimation.
     pub light_sampling: LightSampling,
-    /// Set of receivers (surfaces that store photons, or media) from which a camera path continues.
+    /// Set of receivers from which a camera path continues.
     pub continuation: PathContinuation,
-    /// Strategy by which a camera path samples its next direction at surfaces that store photons.
+    /// Strategy by which a camera path samples its next direction at receivers.
     pub directions: DirectionSampling,
-    /// True if camera paths also find caustics; false leaves caustics to photons.
+    /// True if camera paths add the light that they find over casters after a receiver. False
+    /// leaves this light, the caustics, to photons.
     pub counts_caustics: bool,
-    /// Mean throughput of the RGB channels below which a path ends; 0 uses Russian roulette
-    /// instead.
+    /// Mean throughput of the RGB channels below which a path ends without compensation. If it is
+    /// 0, Russian roulette may end a faint path before a receiver is shaded.
     pub min_throughput: f32,
     /// Vertices at which camera paths read photon maps.
     pub photons: PhotonLookups,
@@ -39,30 +40,30 @@ pub(super) struct PathPolicy {
     pub shrinking_radii: bool,
     /// Division of directly visible caustics between photon estimates and light tracing.
     pub light_tracing: LightTracing,
-    /// Division of indirect light between camera paths and photon estimates, at the first surface
-    /// of a path that stores photons.
+    /// Division of indirect light between camera paths and photon estimates, at the first receiver
+    /// of a camera path.
     pub indirect_photons: IndirectPhotons,
 }
 
 /// Number and targets of the shadow rays of next-event estimation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LightSampling {
-    /// About this many shadow rays per vertex.
+    /// About this many shadow rays per vertex. If there are more lights than rays, each ray goes to
+    /// a randomly chosen light.
     Rays(u32),
     /// One shadow ray per vertex. In a scene with at most four lights, vertices up to the first
-    /// surface that stores photons send one to each light.
+    /// receiver send one to each light.
     OneRay,
     /// One shadow ray to the center of every light.
     Centers,
 }
 
-/// Receivers (surfaces that store photons, or scattering media) from which a camera path continues.
+/// Receivers from which a camera path continues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PathContinuation {
     /// The path ends at its first receiver.
     Never,
-    /// The path continues from receivers (surfaces that store photons) whose sampled BSDF lobe is
-    /// not diffuse.
+    /// The path continues from receivers whose sampled BSDF lobe is not diffuse.
     Glossy,
     /// The path continues from its first receiver, by a final-gathering ray. It also continues from
     /// the end of a gather ray that is too short to read photon maps there.
@@ -72,14 +73,15 @@ pub(super) enum PathContinuation {
     Always,
 }
 
-/// Strategy by which a camera path samples its next direction at a surface that stores photons.
+/// Strategy by which a camera path samples its next direction at receivers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum DirectionSampling {
     /// Sampling from the BSDF.
     Bsdf,
     /// Sampling from one randomly chosen lobe, which replaces the whole BSDF at this vertex.
     OneLobe,
-    /// Sampling from the BSDF or from the directions of nearby photons, with equal probability.
+    /// Sampling from the BSDF or from the directions from which nearby photons arrived, with equal
+    /// probability.
     Guided,
 }
 
@@ -91,29 +93,28 @@ pub(super) enum PhotonLookups {
     /// A few camera paths of each pixel read the photon maps at their first receiver: on surfaces
     /// one path per slice of the shutter interval, in media one path.
     ///
-    /// The pixel's other paths would read almost the same photons. Prefix rays may read the maps
-    /// too.
+    /// The pixel's other paths would read almost the same photons. Some prefix rays may read the
+    /// maps as well.
     FewPerPixel,
-    /// Each path reads the caustic map and the indirect map at the first surface that stores
-    /// photons.
+    /// Each path reads the caustic map and the indirect map at its first receiver.
     FirstReceiver,
     /// Each path reads the caustic map at the start of a final-gathering ray, and the caustic map
     /// and the indirect map at its end.
     GatherRays,
-    /// Camera paths read no photon maps. They record the first surface that stores photons as a
-    /// visible point, for a pilot.
+    /// Camera paths read no photon maps. They record the first receiver as a visible point, for a
+    /// pilot.
     RecordVisible,
 }
 
 /// Kinds of photons that a pass must store for the maps that a policy reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct PhotonMapRequest {
-    /// Photons to store from paths aimed at casters, such as glass or mirrors.
+    /// Kinds of photons to store from paths aimed at casters.
     pub aimed: StoreMask,
-    /// Photons to store from paths in all directions.
+    /// Kinds of photons to store from paths in all directions.
     pub unaimed: StoreMask,
-    /// True if passes build a further photon map, which guides the directions of final-gathering
-    /// rays.
+    /// True if passes build a separate photon map whose photons guide the directions of
+    /// final-gathering rays.
     pub guides: bool,
 }
 
@@ -126,13 +127,14 @@ impl PathPolicy {
         }
     }
 
-    /// True if every camera path reads photon maps; false if only few paths per pixel and pass do.
+    /// True if every camera path reads photon maps, false if only few paths per pixel and pass do.
+    /// Meaningless if [`PathPolicy::reads_photons`] is false.
     pub fn reads_photons_each_sample(&self) -> bool {
         self.photons != PhotonLookups::FewPerPixel
     }
 
-    /// True if a pilot may add prefix rays: extra camera paths that end at the first surface that
-    /// stores photons.
+    /// True if a pilot may add [prefix rays](super::prefix_rays): camera paths that end at their
+    /// first receiver.
     pub fn allows_prefix_rays(&self) -> bool {
         self.photons == PhotonLookups::FewPerPixel
     }

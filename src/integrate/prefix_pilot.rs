@@ -35,22 +35,23 @@ use crate::stats::Counters;
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Number of pictures that the pilot traces with whole camera paths, one path per pixel each.
+/// Number of pictures that the prefix-ray pilot traces with whole camera paths, one path per pixel
+/// each.
 const WHOLE_PICTURES: u32 = 2;
 
-/// Number of pictures that the pilot traces with prefix rays, one ray per pixel each. Prefix rays
-/// are camera paths that end at their first receiver.
+/// Number of pictures that the prefix-ray pilot traces with [prefix rays](super::prefix_rays), one
+/// ray per pixel each.
 const PREFIX_PICTURES: u32 = 4;
 
-/// Number of the pilot's prefix-ray pictures in which rays read photon maps, in the pixels that may
-/// need it.
+/// Number of the prefix-ray pilot's pictures whose prefix rays read photon maps, at the pixels that
+/// [`find_lookup_candidates`] selects.
 const LOOKUP_PICTURES: u32 = 2;
 
-/// Least divisor of the number of photon paths of a pass: the pilot traces at most a quarter of
-/// them.
+/// Least divisor of the number of photon paths of a pass: the prefix-ray pilot traces at most a
+/// quarter of them.
 const MIN_DIVISOR: u32 = 4;
 
-/// Largest number of photon paths that the pilot traces for one photon map.
+/// Largest number of photon paths that the prefix-ray pilot traces for one photon map.
 const MAX_PATHS: u32 = 1 << 20;
 
 /// Number of iterations of each search for the numbers of prefix rays with the least variance times
@@ -59,14 +60,15 @@ const SEARCH_STEPS: u32 = 20;
 
 /// Largest work of prefix rays, relative to the work of the rest of a pass.
 ///
-/// It limits the waste of work on a pixel where the pilot found a rare bright ray by chance.
+/// It limits the waste of work on a pixel where the prefix-ray pilot found a rare bright ray by
+/// chance.
 const MAX_WORK: f64 = 0.3;
 
 /// Mean number of prefix rays per pixel below which a pass traces no prefix rays at all.
 const MIN_MEAN_COUNT: f64 = 1e-3;
 
-/// Least noise of a pixel's photon estimate for which the pilot's prefix rays read photon maps
-/// there.
+/// Least noise of a pixel's photon estimate at which prefix rays of the prefix-ray pilot read
+/// photon maps in that pixel.
 ///
 /// Let v be the variance of the estimate, and n the number of camera paths per pixel. Let V be the
 /// mean variance of one camera path over all pixels. The pilot compares v·n²/V with this threshold.
@@ -96,16 +98,15 @@ impl RunningVariance {
     }
 }
 
-/// Light of one pixel in the pilot's pictures, averaged over RGB \[W/(m² sr)].
+/// Light of one pixel in the prefix-ray pilot's pictures, averaged over RGB \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
 struct PixelLight {
-    /// Light that camera paths find after their first receiver (surface that stores photons), as
-    /// mean and variance.
+    /// Light that camera paths find after their first receiver, as mean and variance.
     rest: RunningVariance,
-    /// Emission and direct light that camera paths find up to their first receiver (surface that
-    /// stores photons), as mean and variance.
+    /// Emission and direct light that camera paths find up to their first receiver, as mean and
+    /// variance.
     found: RunningVariance,
-    /// Photon estimate at the first receiver (surface that stores photons), as mean and variance.
+    /// Photon estimate at the first receiver, as mean and variance.
     photons: RunningVariance,
     /// Sum over whole camera paths of (`rest` − its mean) times (`found` − its mean), from which
     /// their covariance follows.
@@ -115,23 +116,22 @@ struct PixelLight {
 /// Relative variances of the light that one ray of a pixel finds; see [`pixel_variances`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct PixelVariance {
-    /// Variance of the light after the first receiver (surface that stores photons).
+    /// Variance of the light after the first receiver.
     rest: f64,
-    /// Variance of emission and direct light that the prefix found: the path up to its first
-    /// receiver.
+    /// Variance of the emission and direct light that the path finds up to its first receiver.
     ///
-    /// If the covariance with `rest` is negative, twice the covariance is added: a ray near an edge
-    /// finds either one light or the other.
+    /// If the covariance of this light and the light of `rest` is negative, twice the covariance is
+    /// added: a ray near an edge finds either one light or the other.
     found: f64,
-    /// Variance of the photon estimate at the first receiver (surface that stores photons).
+    /// Variance of the photon estimate at the first receiver.
     photons: f64,
 }
 
-/// Returns the number of prefix rays of each pixel: extra camera paths that end at their first
-/// receiver. `None` if they do not pay, or if media scatter or emit.
+/// Returns the number of [prefix rays](super::prefix_rays) that each pixel should get; `None` if
+/// they do not pay, or if media scatter or emit.
 ///
-/// In such media, prefix rays also find light of the media, which this pilot does not model. The
-/// numbers suit the camera rays and photons of a pass by `renderer`.
+/// The prefix-ray pilot does not model the light that prefix rays find in scattering or emitting
+/// media. The numbers suit the camera rays and photons of a pass by `renderer`.
 pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<PrefixRayCounts> {
     let (scene, effects) = (renderer.scene, renderer.policy.effects);
     if effects.has(Effect::Media) && scene.media_in_use().iter().any(|medium| medium.scatters() || medium.emits()) {
@@ -219,19 +219,19 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     Some(PrefixRayCounts { counts: counts.into(), expected_work })
 }
 
-/// Parts of a camera path that the pilot traces.
+/// Parts of a camera path that the prefix-ray pilot traces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PathParts {
     /// The whole path.
     Whole,
-    /// The path up to its first receiver (surface that stores photons), with the photon estimate
-    /// there.
+    /// The path up to its first receiver, with the photon estimate there.
     PrefixWithLookup,
-    /// The path up to its first receiver (surface that stores photons), without photon estimate.
+    /// The path up to its first receiver, without photon estimate.
     Prefix,
 }
 
-/// Returns for each pixel true if the pilot's prefix rays should read photon maps there.
+/// Returns for each pixel true if prefix rays of the prefix-ray pilot should read photon maps in
+/// that pixel.
 ///
 /// `variances` are those of single whole camera paths. A pass traces n = `samples` camera paths in
 /// each pixel, and only one of them reads photon maps. A second photon estimate pays if the
@@ -243,8 +243,8 @@ fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool
     variances.iter().map(|v| v.photons * n * n > least).collect()
 }
 
-/// Renders picture `i` of the pilot, with one ray per pixel. `parts` returns which parts of a
-/// camera path are traced in a pixel, given the center of the pixel.
+/// Renders picture `i` of the prefix-ray pilot, with one ray per pixel. `parts` returns which parts
+/// of a camera path are traced in a pixel, given the center of the pixel.
 ///
 /// The channels of a pixel hold three parts of its light. First comes the light after the first
 /// receiver, then emission and direct light up to it, then the photon estimate. Each is averaged

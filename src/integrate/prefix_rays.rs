@@ -5,7 +5,7 @@ use crate::stats::Counters;
 use std::sync::Arc;
 
 /// Weights and sums of the light that camera paths or prefix rays of a pixel find up to their first
-/// receiver (surface that stores photons).
+/// receiver.
 ///
 /// The *prefix* of a camera path is its part up to the first receiver. *Prefix rays* trace only
 /// prefixes. A pixel's n camera paths and m prefix rays find the same emission, so they share it by
@@ -16,19 +16,18 @@ pub(super) struct PrefixLight {
     /// Weight n/(n + m) of light that camera paths and prefix rays both find: emission, environment
     /// light, and direct light at casters such as glass or mirrors.
     ///
-    /// n is the number of the pixel's camera paths. m is the number of its prefix rays: extra
-    /// camera paths that end at their first receiver.
+    /// The pixel has n camera paths and m prefix rays.
     pub found_weight: f32,
     /// Number of camera paths of the pixel, or of its prefix rays, that read photon maps: those
     /// with the lowest sample indices.
     pub lookups: u32,
-    /// Factor on the photon estimate, in addition to the number of samples.
+    /// Factor on a photon estimate, which is also multiplied by the number of the pixel's camera
+    /// paths or prefix rays.
     ///
-    /// Of the pixel's n camera paths, k read photon maps. Of its m prefix rays (extra camera paths
-    /// that end at their first receiver), l read photon maps. The factor is 1/(k + l) for camera
-    /// paths and n/(m·(k + l)) for prefix rays.
+    /// Of the pixel's n camera paths, k read photon maps. Of its m prefix rays, l read photon maps.
+    /// The factor is 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.
     pub lookup_weight: f32,
-    /// True for prefix rays: extra camera paths that end at the first surface that stores photons.
+    /// True for prefix rays, which end at their first receiver; false for camera paths.
     pub ends_at_receiver: bool,
     /// Weighted sum of the light found up to the first receiver: emission, environment light and
     /// direct light at casters \[W/(m² sr)].
@@ -39,7 +38,7 @@ pub(super) struct PrefixLight {
 
 /// Number of prefix rays of a pixel, and the number of those that read photon maps.
 ///
-/// Prefix rays are extra camera paths that end at the first surface that stores photons.
+/// Prefix rays are extra camera paths that end at their first receiver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PrefixRayCount {
     pub rays: u8,
@@ -47,8 +46,7 @@ pub(super) struct PrefixRayCount {
 }
 
 impl Default for PrefixLight {
-    /// Returns the weights of camera paths in a pixel without prefix rays (extra camera paths that
-    /// end at their first receiver).
+    /// Returns the weights of camera paths in a pixel without prefix rays.
     fn default() -> Self {
         Self {
             found_weight: 1.0,
@@ -62,8 +60,8 @@ impl Default for PrefixLight {
 }
 
 impl PrefixLight {
-    /// Returns the weights of light that a pixel's `samples` camera paths find. `prefix` counts the
-    /// prefix rays of the pixel: extra camera paths that end at their first receiver.
+    /// Returns the weights of the light that each of a pixel's `samples` camera paths finds.
+    /// `prefix` counts the prefix rays of the pixel.
     ///
     /// The first `lookups` camera paths read photon maps.
     pub fn camera_path_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
@@ -72,8 +70,8 @@ impl PrefixLight {
         Self { found_weight: n / (n + m), lookups, lookup_weight, ..Self::default() }
     }
 
-    /// Returns the weights of light that a pixel's prefix rays find: extra camera paths that end at
-    /// their first receiver. `prefix` counts these rays, at least one.
+    /// Returns the weights of the light that each prefix ray of a pixel finds. `prefix` counts the
+    /// pixel's prefix rays, at least one.
     ///
     /// The pixel has `samples` camera paths; the first `lookups` of them read photon maps.
     pub fn prefix_ray_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
@@ -84,9 +82,9 @@ impl PrefixLight {
     }
 }
 
-/// Number of prefix rays of each pixel as chosen by a pilot, and their work.
+/// Number of prefix rays of each pixel, which a pilot chose, and their work.
 ///
-/// Prefix rays are extra camera paths that end at the first surface that stores photons.
+/// Prefix rays are extra camera paths that end at their first receiver.
 #[derive(Clone, Debug)]
 pub(super) struct PrefixRayCounts {
     /// Number of prefix rays of each pixel, and how many of them read photon maps, by rows from the

@@ -38,9 +38,9 @@ const RADIUS_QUANTILE: f64 = 0.75;
 /// scene.
 const MAX_RADIUS: f32 = 0.1;
 
-/// Smallest gather radius relative to the radius of the scene, because single precision cannot
-/// resolve smaller radii. If most photons are closer to the origin than that radius, it is relative
-/// to their distance from the origin.
+/// Smallest gather radius, relative to the radius of the scene, that single precision resolves. If
+/// most photons are closer to the origin than the radius of the scene, it is relative to their
+/// distance from the origin.
 const MIN_RADIUS: f32 = 1e-6;
 
 /// Smallest gather radius, relative to the width of a pixel's footprint on the closest visible
@@ -53,8 +53,7 @@ const DISTANCE_RAYS: u32 = 8;
 /// Number of camera rays with which a pilot measures the density of photons in media.
 const MEDIA_RAYS: u32 = 512;
 
-/// Largest number of casters (such as glass or mirrors) on a camera path that measures the density
-/// of photons in media.
+/// Largest number of casters on a camera path that measures the density of photons in media.
 const MAX_CASTERS: u32 = 8;
 
 /// Target for the number of beams or photons within the kernel radius of a camera ray, as a median.
@@ -84,8 +83,8 @@ pub struct GatherRadii {
 /// tried to guide them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EmissionGuidingReportPerMap {
-    /// Report for the paths that start in all directions. They fill the indirect map, and in
-    /// `hybrid` the interreflection map.
+    /// Report for the paths that start in all directions. They fill the indirect map or, in
+    /// `hybrid`, the interreflection map.
     #[serde(rename = "global")]
     pub indirect: Option<EmissionGuidingReport>,
     /// Report for the paths aimed at casters, such as glass or mirrors. They fill the caustic map,
@@ -99,8 +98,8 @@ pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
     paths.saturating_mul(PILOT_PASSES).max(MIN_PATHS).min(most)
 }
 
-/// Returns the gather radius \[length] within which three of four stored photons have `k`
-/// neighbours; `None` if the pilot stores no photon.
+/// Runs a gather-radius pilot. Returns the gather radius \[length] within which three of four
+/// stored photons have `k` neighbours; `None` if the pilot stores no photon.
 ///
 /// The radius is for a pass of `paths` photon paths, and at least `min_radius`. The pilot traces at
 /// most `max_pilot_paths` paths.
@@ -138,8 +137,8 @@ pub(super) fn find_gather_radius(
     Some(scaled.max(min_radius).clamp(size.min(far) * MIN_RADIUS, size * MAX_RADIUS))
 }
 
-/// Returns the smallest gather radius of the first pass \[length]: 1/8 of the width of a pixel's
-/// footprint on the closest visible surface.
+/// Returns the lower bound on gather radii in the first pass \[length]: 1/8 of the width of a
+/// pixel's footprint on the closest visible surface.
 pub(super) fn min_gather_radius(scene: &Scene) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint();
     let (columns, rows) = scene.camera().size();
@@ -245,8 +244,7 @@ fn median_footprint(scene: &Scene, camera_paths: &[Vec<Ray>]) -> f32 {
     distances.get(distances.len() / 2).map_or(0.0, |distance| width + spread * distance)
 }
 
-/// Returns the segments in scattering media of each of 512 camera paths, up to the first surface
-/// that stores photons.
+/// Returns the segments in scattering media of each of 512 camera paths, up to the first receiver.
 fn trace_medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<Ray>> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);

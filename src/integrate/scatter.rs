@@ -69,7 +69,7 @@ pub(super) fn pdf<I: Interior>(
 /// True if directions at `vertex` are sampled from the BSDF and from the gather guide.
 ///
 /// False at casters (such as glass or mirrors): the guide holds directions of photons at the last
-/// surface that stores photons.
+/// receiver.
 #[inline]
 fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool {
     match sampling {

@@ -15,7 +15,8 @@ const MAX_CELLS: f32 = 24_000.0;
 /// expressed as a number of shadow rays.
 const NEIGHBORHOOD_WEIGHT: f64 = 1.0;
 
-/// Strength of the light from each light source in each cell of a grid.
+/// Learned strength of the light that each light sends to each cell of a grid over the visible
+/// media. Start points of shadow rays are sampled in proportion to it.
 #[derive(Debug)]
 pub(super) struct ScatterPointGuide {
     grid: Grid,
@@ -23,7 +24,8 @@ pub(super) struct ScatterPointGuide {
     values: Vec<f32>,
 }
 
-/// Numbers of pilot rays, and sums of the squared radiance that they found, by light and cell.
+/// Data to which [`ScatterPointGuide`] is fitted: by light and cell, the number of pilot rays and
+/// the sum of the squared radiance that they found.
 pub(super) struct ScatterPointFit {
     grid: Grid,
     counts: Vec<f64>,
@@ -52,7 +54,7 @@ pub(super) struct GuidedDistances {
     start: f32,
     /// Distance along the ray at which each piece ends \[length].
     ends: Vec<f32>,
-    /// Sum of the weights of all pieces up to each piece.
+    /// Sum of the weights of all pieces up to and including each piece.
     cumulative: Vec<f32>,
 }
 
@@ -93,16 +95,16 @@ impl ScatterPointFit {
         Some(Self { grid, counts: vec![0.0; len], squares: vec![0.0; len] })
     }
 
-    /// Adds a shadow ray of the pilot.
+    /// Adds what one shadow ray of the pilot found.
     pub fn add(&mut self, sample: &InScatteringSample) {
         let i = sample.light * self.grid.len() + self.grid.cell_index(sample.p);
         self.counts[i] += 1.0;
         self.squares[i] += sample.radiance * sample.radiance;
     }
 
-    /// Returns the guide that follows from the added rays.
+    /// Returns the guide fitted to the added rays.
     ///
-    /// The mean of a cell is drawn towards the mean of the 27 cells around it.
+    /// The mean of a cell is drawn towards the mean of the 3×3×3 cells around and including it.
     pub fn guide(self) -> ScatterPointGuide {
         let len = self.grid.len();
         let mean = |i: usize| {

@@ -20,24 +20,26 @@ use glam::Vec2;
 use std::sync::Arc;
 
 /// Smallest and largest number of camera paths that find the lit parts of media. Between these
-/// limits, the pilot traces one path per pixel.
+/// limits, the scatter-point pilot traces one path per pixel.
 const PATHS: (u32, u32) = (2000, 6000);
 
-/// Mean numbers of guided points per camera path whose noise and work the pilot compares.
+/// Mean numbers of guided points per camera path whose noise and work the scatter-point pilot
+/// compares.
 const TRIAL_POINTS: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 
-/// Factor of noise times work that a smaller number of points may lose against the best number.
+/// Largest ratio of noise times work, relative to the best number of points, at which the
+/// scatter-point pilot prefers a smaller number.
 ///
 /// It exceeds 1, because a shadow ray from a medium takes longer than the mean ray of a camera
 /// path.
 const NEGLIGIBLE_LOSS: f64 = 1.15;
 
-/// Factor between noise times work without and with guide above which passes use the guide.
+/// Ratio of noise times work, without guide over with guide, above which passes use the guide.
 ///
 /// It exceeds 1, because the work counts rays only, and guided points take longer to sample.
 const MIN_GAIN: f64 = 1.3;
 
-/// Work of the pilot that guides the scattering points of shadow rays, and its estimated benefit.
+/// Work and estimated benefit of the pilot that guides the scattering points of shadow rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ScatterPointGuidingReport {
     /// Number of shadow rays from which the pilot learned the lit parts of media.
@@ -48,11 +50,12 @@ pub struct ScatterPointGuidingReport {
     pub used: bool,
 }
 
-/// Finds from which points of homogeneous media the passes of `renderer` send shadow rays.
+/// Runs the scatter-point pilot. Returns how the passes of `renderer` choose the points of
+/// homogeneous media from which shadow rays start, and a report.
 ///
-/// The result depends only on the scene, the policy and the settings. The report is `None` without
-/// pilot: in scenes without such media, and in scenes with so many lights that rays go to chosen
-/// ones.
+/// The result depends only on the scene, the policy and the settings. The report is `None` in
+/// scenes without homogeneous scattering media, with so many lights that shadow rays go to chosen
+/// ones, or whose media get no direct light. The settings may also forbid the pilot.
 pub(super) fn guide_scatter_points(
     renderer: &PassRenderer<'_>,
 ) -> (ScatterPointSampling, Option<ScatterPointGuidingReport>) {
@@ -75,7 +78,8 @@ pub(super) fn guide_scatter_points(
     (sampling, Some(ScatterPointGuidingReport { rays, gain, used }))
 }
 
-/// Guide that a pilot learned, with the light and the shadow rays from which it learned.
+/// Guide that the scatter-point pilot learned, with the mean radiance and the number of the shadow
+/// rays from which it learned.
 struct LearnedGuide {
     guide: Arc<ScatterPointGuide>,
     /// Mean radiance that media scatter to a camera path, straight from lights \[W/(m² sr)].
@@ -105,8 +109,8 @@ fn learn_lit_parts(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Opti
     Some(LearnedGuide { guide: Arc::new(fit.guide()), mean_radiance, rays: samples().count() as u64 })
 }
 
-/// Returns the numbers of guided points that have little noise for the same work, and the ratio of
-/// noise times work without guide and with it.
+/// Returns the guided sampling whose number of points has little noise for its work. Also returns
+/// the ratio of noise times work, without guide over with guide.
 fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGuide) -> (ScatterPointSampling, f64) {
     let LearnedGuide { guide, mean_radiance, .. } = learned;
     let guided = TRIAL_POINTS.map(|points| ScatterPointSampling::Guided {

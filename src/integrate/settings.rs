@@ -19,7 +19,8 @@ pub struct CameraPathSettings {
     pub filter: Filter,
     /// True if a pilot gives noisier pixels more camera rays.
     pub adaptive: bool,
-    /// True if passes also return photon estimates of smaller radii, for error estimation.
+    /// True if passes return the data from which the error of the picture is estimated, such as
+    /// photon estimates with smaller nested discs.
     ///
     /// A render can end at an estimated error only if this is true.
     pub estimate_error: bool,
@@ -30,8 +31,8 @@ pub struct CameraPathSettings {
     /// Window of pixels that passes render; `None` for the whole picture. Each pixel has the bits
     /// that it has in the whole picture.
     pub crop: Option<CropWindow>,
-    /// Radiance \[W/(m² sr)] to which the largest channel of a camera path's light is clamped;
-    /// `None` for no limit. Photon estimates are not clamped.
+    /// Upper bound \[W/(m² sr)] on the largest channel of the light that a camera path finds
+    /// without photon estimates; `None` for no bound.
     pub clamp: Option<f32>,
     /// Effects of light that are forced on or off, whatever the plan decides.
     pub effects: EffectOverrides,
@@ -81,8 +82,8 @@ pub struct Settings {
     pub balance: bool,
     /// Largest number of photons of a density estimate; 0 for no limit.
     ///
-    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the indirect
-    /// map. The farthest photon only sets the radius, so a limit of 1 acts like 2.
+    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in other maps.
+    /// The farthest photon only sets the radius, so a limit of 1 acts like 2.
     pub gather_k: Option<u32>,
     /// Largest gather radius of the first pass \[length]. `None` lets a pilot choose one for each
     /// map.
@@ -93,8 +94,7 @@ pub struct Settings {
     /// Kernel of photon density estimates.
     pub kernel: Kernel,
     /// True if [`Algorithm::Hybrid`](super::Algorithm::Hybrid) may trace prefix rays: extra camera
-    /// paths that end at the first surface that stores photons. A pilot finds how many each pixel
-    /// needs.
+    /// paths that end at their first receiver. A pilot finds how many each pixel needs.
     pub prefix_rays: bool,
     /// True if a pilot may guide shadow rays to the environment light: towards the directions from
     /// which the light reaches each part of the scene.
@@ -129,8 +129,8 @@ pub enum FinalGathering {
     Importance,
 }
 
-/// Division of indirect light between camera paths and photon estimates, at the first surface of a
-/// path that stores photons.
+/// Division of indirect light between camera paths and photon estimates, at the first receiver of a
+/// camera path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum IndirectPhotons {
     /// Camera paths carry all indirect light.

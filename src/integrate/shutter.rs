@@ -32,7 +32,7 @@ pub(super) struct ShutterSlice {
 }
 
 impl ShutterSlice {
-    /// The whole shutter interval.
+    /// The whole shutter interval as a single slice.
     pub const WHOLE: Self = Self { index: 0, count: 1 };
 
     /// Returns the time of the slice in pass `pass`, as a fraction in \[0, 1) of the shutter

@@ -14,7 +14,7 @@ use crate::scene::{Interior, PathEvent, PathRay, Scene, SurfaceInteraction, for_
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Number of rays of each pixel.
+/// Number of camera rays per pixel that find the surface AOVs.
 const RAYS: u32 = 32;
 
 /// Number of directions that are sampled at each hit to estimate its albedo.
@@ -26,7 +26,7 @@ const MAX_SPECULAR_BOUNCES: u32 = 16;
 /// Weight, as the mean of its channels, below which a branch of a ray is not followed.
 const MIN_WEIGHT: f32 = 0.01;
 
-/// Surface of a camera ray whose properties are written.
+/// Choice of the surface along a camera ray that the AOVs describe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AovSurface {
     /// The first surface that is not specular. Rays follow mirrors and smooth glass up to it.
@@ -58,7 +58,7 @@ pub struct SurfaceAovs {
     pub material: Vec<u32>,
 }
 
-/// Properties of one pixel.
+/// AOVs of one pixel; see [`SurfaceAovs`] for units.
 #[derive(Clone, Copy, Default)]
 struct PixelAovs {
     albedo: Rgb,
@@ -69,7 +69,7 @@ struct PixelAovs {
     material: u32,
 }
 
-/// Properties that one ray finds.
+/// AOVs that one camera ray finds over all its branches.
 #[derive(Clone, Copy, Default)]
 struct RayAovs {
     /// Albedo, as a weighted sum over the branches of the ray.
@@ -92,7 +92,8 @@ struct SeenSurface {
     material: u32,
 }
 
-/// Branch of a camera ray between two specular surfaces.
+/// State of one branch of a camera ray between two specular surfaces. Smooth dielectrics split a
+/// ray into a reflected and a refracted branch.
 #[derive(Clone, Copy)]
 struct Branch<I> {
     path_ray: PathRay<I>,
@@ -104,9 +105,10 @@ struct Branch<I> {
     sampler: Sampler,
 }
 
-/// Finds the surface AOVs of the pixels of `scene` that `settings` render.
+/// Renders the surface AOVs of `scene` in the pixel window of `settings`, at the surfaces that
+/// `surface` chooses.
 ///
-/// Simulates `effects` without media and dispersion. Returns `None` if `monitor` is cancelled.
+/// Media and dispersion are left out of `effects`. Returns `None` if `monitor` is cancelled.
 #[must_use]
 pub fn render_surface_aovs(
     scene: &Scene,
@@ -161,8 +163,8 @@ pub fn render_surface_aovs(
     })
 }
 
-/// Follows a camera ray over specular surfaces, if `follows_specular` is true, and returns what it
-/// finds.
+/// Traces a camera ray and returns its AOVs. If `follows_specular` is true, the ray goes on over
+/// specular surfaces, else it ends at its first hit.
 fn trace_ray<I: Interior>(
     scene: &Scene,
     path_ray: PathRay<I>,
@@ -237,7 +239,8 @@ impl<I: Interior> Branch<I> {
 }
 
 impl RayAovs {
-    /// Adds the surface at the end of `branch`.
+    /// Adds albedo and normal of the `surface` at the end of `branch`. Also sets `seen` if no other
+    /// branch has a larger weight.
     fn add_surface<I: Interior>(&mut self, scene: &Scene, branch: &Branch<I>, surface: &SurfaceInteraction<'_>) {
         let albedo = directional_albedo(surface, branch.sampler).max(surface.emission);
         self.albedo += branch.weight * clip_to_albedo(albedo);
@@ -265,8 +268,10 @@ fn directional_albedo(surface: &SurfaceInteraction<'_>, sampler: Sampler) -> Rgb
 }
 
 impl PixelAovs {
-    /// Combines what the rays of a pixel find. Each comes with its filter weight; rays of negative
-    /// weight are left out, so that all values stay in their ranges.
+    /// Returns the means of the rays' AOVs, and the most frequent object and material.
+    ///
+    /// Each ray comes with its filter weight. Rays without positive weight are left out, so that
+    /// all values stay in their ranges; the others count equally.
     fn from_rays(rays: impl Iterator<Item = (RayAovs, f32)>) -> Self {
         let (mut albedo, mut normal) = (DVec3::ZERO, DVec3::ZERO);
         let (mut depth, mut position) = (0.0, DVec3::ZERO);

@@ -28,17 +28,16 @@ pub(super) struct FilmSampling<'a> {
     pub lens: bool,
     /// Number of rays of each pixel relative to the mean; `None` gives all pixels the mean.
     pub relative_ray_counts: Option<&'a [f32]>,
-    /// Prefix rays: extra camera paths that end at the first surface that stores photons. `None`
-    /// traces none.
+    /// Numbers of [prefix rays](super::prefix_rays); `None` traces none.
     pub prefix_rays: Option<PrefixRays<'a>>,
-    /// True if photon estimates are also made with smaller nested discs, to measure their bias.
+    /// True if each photon estimate is repeated with smaller nested discs, to measure its bias.
     pub nested: bool,
     /// True if the light of each pixel is divided into direct, indirect and caustic light.
     pub groups_light: bool,
     /// Window of pixels to render.
     pub window: CropWindow,
-    /// Radiance \[W/(m² sr)] to which the largest channel of a camera path's light is clamped,
-    /// without photon estimates; `None` for no limit.
+    /// Upper bound \[W/(m² sr)] on the largest channel of the light that a camera path finds
+    /// without photon estimates; `None` for no bound.
     pub clamp: Option<f32>,
     /// Slices of the shutter interval among which camera rays are divided; `None` sends all rays
     /// through `camera`.
@@ -50,7 +49,7 @@ pub(super) struct FilmSampling<'a> {
 
 /// Number of prefix rays of each pixel of a picture, and the key of their random numbers.
 ///
-/// Prefix rays are extra camera paths that end at the first surface that stores photons.
+/// Prefix rays are extra camera paths that end at their first receiver.
 #[derive(Clone, Copy)]
 pub(super) struct PrefixRays<'a> {
     /// Number of prefix rays of each pixel, and how many of them read photon maps, by rows from the
@@ -77,7 +76,7 @@ pub(super) struct FilmImage {
 }
 
 impl FilmImage {
-    /// Returns the part in the window `inner` of this picture of the window `outer`.
+    /// Crops this picture, which shows the window `outer`, to the window `inner`.
     fn cut(self, outer: CropWindow, inner: CropWindow) -> Self {
         let Self { image, nested, groups, clamped, pixels, counters } = self;
         let pixels = pixels.into_iter().filter_map(|i| {
@@ -96,8 +95,7 @@ impl FilmImage {
     }
 }
 
-/// Returns the values in the window `inner` of a picture of the window `outer`; none if the picture
-/// has no values.
+/// Crops `pixels`, which show the window `outer`, to the window `inner`; empty pixels stay empty.
 fn cut_pixels<T: Copy>(pixels: &[T], outer: CropWindow, inner: CropWindow) -> Vec<T> {
     let columns = (inner.left - outer.left) as usize..(inner.right - outer.left) as usize;
     let rows = pixels.chunks(outer.size().0 as usize).skip((inner.top - outer.top) as usize);
@@ -114,7 +112,7 @@ struct Tile<'a> {
     nested: Vec<&'a mut [NestedEstimates]>,
     /// Rows of each light group in the tile; empty unless [`FilmSampling::groups_light`] is true.
     groups: Vec<Vec<&'a mut [Rgb]>>,
-    /// Rows of removed radiance in the tile; empty unless light is clamped.
+    /// Rows of the radiance that clamping removes, in the tile; empty unless light is clamped.
     clamped: Vec<&'a mut [Rgb]>,
 }
 
@@ -157,9 +155,10 @@ fn cut_rows_at_tiles<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (
 }
 
 impl<'a> FilmSampling<'a> {
-    /// Returns the sampling of `camera` with `samples` rays per pixel and no further work.
+    /// Returns the sampling of the whole picture of `camera` with `samples` rays per pixel; all
+    /// other options are off.
     ///
-    /// `filter` and `lens` are the fields of these names.
+    /// `filter` and `lens` set the fields of these names.
     pub fn of_camera(camera: &'a Camera, filter: Option<&'a Filter>, samples: u32, lens: bool) -> Self {
         Self {
             camera,
@@ -186,8 +185,8 @@ impl FilmSampling<'_> {
         self.relative_ray_counts.map_or(self.samples, exact)
     }
 
-    /// Returns how many prefix rays a pixel has: extra camera paths that end at the first surface
-    /// that stores photons. `pixel` is an index by rows from the top.
+    /// Returns the number of [prefix rays](super::prefix_rays) of a pixel. `pixel` is an index by
+    /// rows from the top.
     fn prefix_ray_count(&self, pixel: usize) -> PrefixRayCount {
         self.prefix_rays.map_or(PrefixRayCount::default(), |rays| rays.counts[pixel])
     }
@@ -229,11 +228,10 @@ impl FilmSampling<'_> {
     }
 }
 
-/// Renders the pixels of a picture's window by tiles, in parallel.
+/// Renders the pixels in the window of `sampling` by tiles, in parallel.
 ///
-/// `radiance` returns the radiance along a camera ray \[W/(m² sr)]. It gets the sampler of the ray,
-/// and the counters and buffers of the tile. It also gets a value of type `T` that all rays of a
-/// tile share.
+/// `radiance` returns the radiance along a camera ray \[W/(m² sr)]. Its arguments are the ray, the
+/// sampler of the ray, the worker of the tile, and a `T` that all rays of a tile share.
 pub(super) fn render_tiles<T: Default>(
     sampling: &FilmSampling<'_>,
     key: Key,
@@ -423,11 +421,11 @@ impl PixelSum {
     }
 }
 
-/// Scales the light that a camera path found without photon estimates, so that no channel exceeds
-/// `limit` \[W/(m² sr)]. Returns the radiance that this removes from `value`.
+/// Scales the part of `value` that does not come from photon estimates, so that none of its
+/// channels exceeds `limit` \[W/(m² sr)]. Returns the radiance that this removes from `value`.
 ///
-/// All light groups of the ray lose in the proportion in which `value` does. The removed radiance
-/// of a ray that is not finite is 0, because its value does not count.
+/// Each channel of the ray's light groups in `worker` shrinks by the same factor as that channel of
+/// `value`. A `value` that is not finite stays as it is, because the caller rejects it.
 fn clamp_path_light(value: &mut Rgb, limit: f32, worker: &mut PathWorker) -> Rgb {
     let found = *value - worker.photon_light;
     let largest = found.max_element();
@@ -474,14 +472,16 @@ struct GroupSums {
 }
 
 impl GroupSums {
-    /// Adds the light of one camera path, which `light` holds, and resets `light`.
+    /// Adds the light of one camera path, which `light` holds, with its filter weight `weight`.
+    /// Resets `light`.
     fn add_camera_ray(&mut self, light: &mut GroupedLight, weight: f32) {
         if light.is_wanted {
             self.paths.iter_mut().zip(light.take()).for_each(|(sum, value)| sum.add(value, weight));
         }
     }
 
-    /// Adds the light of one prefix ray, which `light` holds, and resets `light`.
+    /// Adds the light of one prefix ray, which `light` holds, times its filter weight `weight`.
+    /// Resets `light`.
     fn add_prefix_ray(&mut self, light: &mut GroupedLight, weight: f32) {
         if light.is_wanted {
             let weight = f64::from(weight);

@@ -13,13 +13,12 @@ pub(super) struct PathHistory {
     /// Number of receivers since the camera: surfaces that store photons, and scattering events in
     /// media.
     pub receivers: u32,
-    /// Number of casters (such as glass or mirrors) since the last receiver, or since the camera.
+    /// Number of casters since the last receiver; since the camera if there is none.
     pub casters: u32,
 }
 
 impl PathHistory {
-    /// True if a light that the path hits now would form a caustic on the path's last receiver
-    /// (surface that stores photons, or medium).
+    /// True if a light that the path hits now would form a caustic on the path's last receiver.
     #[inline]
     pub fn is_caustic(self) -> bool {
         self.receivers > 0 && self.casters > 0
@@ -32,8 +31,7 @@ pub(super) struct PathVertex<'a, I> {
     pub surface: &'a SurfaceInteraction<'a>,
     /// Nested bodies and medium on the side of the surface from which the path arrived.
     pub interior: &'a I,
-    /// Numbers of receivers and casters before this vertex. If the vertex is a caster, it is
-    /// counted too.
+    /// Numbers of receivers and casters before this vertex, plus this vertex if it is a caster.
     pub history: PathHistory,
     /// Factor from radiance that leaves the vertex to radiance of the pixel.
     pub throughput: Rgb,
@@ -64,8 +62,8 @@ impl<I: Interior> PathVertex<'_, I> {
         path_ray
     }
 
-    /// Returns the unbiased transmittance of the medium or body around the vertex, over `distance`
-    /// \[length] in unit direction `wi`. Surfaces are ignored.
+    /// Returns an unbiased estimate of the transmittance of the medium or body around the vertex,
+    /// over `distance` \[length] in unit direction `wi`. Surfaces are ignored.
     #[inline]
     pub fn transmittance(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
         let path_ray = self.outgoing_path_ray(wi);

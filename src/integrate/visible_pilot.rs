@@ -21,8 +21,8 @@ const RAYS: (u32, u32) = (2000, 20_000);
 /// diagonal of the bounding box of all visible points.
 const MAX_RADIUS: f32 = 0.1;
 
-/// Returns a map of the surface points that the camera sees directly or over casters, such as glass
-/// or mirrors. All points lie on surfaces that store photons.
+/// Returns a map of the points on receivers that the camera sees directly or over casters, such as
+/// glass or mirrors.
 ///
 /// A photon within `radius` \[length] of such a point counts as visible. The radius is smaller if
 /// the visible part of the scene is small.
@@ -41,10 +41,10 @@ pub(super) fn find_visible_points(
     VisiblePointMap::new(visible, radius)
 }
 
-/// Traces `rays` camera paths, and returns the points where they reach receivers (surfaces that
-/// store photons), in the order of the paths.
+/// Traces `rays` camera paths, and returns the points where they reach receivers, in the order of
+/// the paths.
 ///
-/// A path goes on from the receivers of `continuation`, for at most `max_bounces` bounces.
+/// `continuation` says from which receivers a path continues; it ends after `max_bounces` bounces.
 pub(super) fn record_receiver_points(
     scene: &Scene,
     effects: Effects,

@@ -27,7 +27,8 @@ pub enum VolumeEstimator {
 }
 
 impl VolumeEstimator {
-    /// Returns the number of dimensions of the kernel in homogeneous and in heterogeneous media.
+    /// Returns the kernel's number of dimensions in homogeneous media, and that in heterogeneous
+    /// media.
     pub(super) fn kernel_dimensions(self) -> (u32, u32) {
         match self {
             Self::Beams => (1, 2),
@@ -61,8 +62,7 @@ struct NestedKernelSums {
     chosen: Option<ChosenPhoton>,
 }
 
-/// Photon chosen to measure which part of the kernel surfaces hide, with its contribution to the
-/// sums.
+/// Photon chosen from all photons of a kernel, to measure which part of the kernel surfaces hide.
 struct ChosenPhoton {
     /// Radiance of the photon times the kernel value for the full radius.
     radiance: Rgb,
@@ -120,7 +120,7 @@ impl NestedKernelSums {
     }
 }
 
-/// Values of the kernels of all nested radii at one photon, relative to the kernel of the full
+/// Returns the kernel values of all nested radii at one photon, relative to the kernel of the full
 /// radius.
 ///
 /// At the fraction x of its radius, a kernel is proportional to 1 − x² in one and three dimensions,

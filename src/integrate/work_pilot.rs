@@ -12,17 +12,19 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 use crate::stats::Counters;
 
-/// Divisor of the number of photon paths: this pilot traces 1/16 of the paths of a pass.
+/// Divisor of the number of photon paths: the ray-photon-balance pilot traces 1/16 of the paths of
+/// a pass.
 const PILOT_DIVISOR: u32 = 16;
 
-/// Radiance at the pilot's film points, and counts of the rays of their camera paths.
+/// Radiance at the ray-photon-balance pilot's film points, and counts of the rays of their camera
+/// paths.
 struct FilmPointEstimates {
     radiance: Vec<Rgb>,
     counters: Counters,
 }
 
-/// Returns the numbers of camera rays and photon paths that give least noise for the same work as
-/// the default numbers.
+/// Runs the ray-photon-balance pilot. Returns the numbers of camera rays and photon paths that give
+/// least noise for the same work as the default numbers.
 ///
 /// Returns `None` without photons. The result depends only on the scene and the settings.
 pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<RayPhotonBalance> {
@@ -120,7 +122,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     })
 }
 
-/// Estimates the ray and photon counts of a pass from few camera rays and few photons.
+/// Estimates the ray and photon counts of a pass by tracing few camera rays and few photons.
 pub(super) fn measure_pass_work(renderer: &PassRenderer<'_>) -> Counters {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let mut out = Pass::default();

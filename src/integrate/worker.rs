@@ -26,36 +26,36 @@ pub(super) struct PathWorker {
     pub interreflection: PhotonSearchBuffers,
     /// Buffers of searches for photons that guide final-gathering rays.
     pub guide_lookup: PhotonSearchBuffers,
-    /// Distribution of final-gathering directions at the last surface that stores photons.
+    /// Distribution of final-gathering directions at the last receiver.
     pub gather_guide: GatherGuide,
-    /// True if photon estimates are also made with smaller nested discs, to measure their bias.
+    /// True if each photon estimate is repeated with smaller nested discs, to measure its bias.
     pub nests_estimates: bool,
     /// Sums of nested photon estimates over the rays of the current pixel.
     pub nested: NestedEstimateSum,
-    /// Difference between the last photon estimate and the same estimate with half its disc area
-    /// \[W/(m² sr)].
+    /// Last photon estimate minus the estimate at the same point with half the disc area \[W/(m²
+    /// sr)].
     pub photon_step: Rgb,
     /// Transmittance along the current segment of a medium.
     pub transmittance: TransmittanceCurve,
-    /// Guided distances along the current segment of a medium.
+    /// Distribution of guided scattering distances along the current medium segment; a reused
+    /// buffer.
     pub guided_distances: GuidedDistances,
     /// Shadow rays from media that a pilot records.
     pub in_scattering: Vec<InScatteringSample>,
     /// Points visible to the camera that a pilot records.
     pub visible: Vec<VisiblePoint>,
-    /// Weights and sums of the light that paths find up to their first receiver (surface that
-    /// stores photons).
+    /// Weights and sums of the light that paths find up to their first receiver.
     pub prefix: PrefixLight,
-    /// Film position of the current camera ray, or of the center of its pixel \[pixels from the top
-    /// left].
+    /// Film position \[pixels from the top left]: in a render, the center of the current pixel; in
+    /// a pilot that traces film points, the current point.
     pub film_position: Vec2,
     /// Index of the slice of the shutter interval in which the current camera ray is traced.
     pub slice: usize,
     /// Weights that divide the indirect light of the current camera path between camera paths and
     /// photon estimates.
     pub indirect_weights: IndirectWeights,
-    /// Indirect light along the current camera path of a pilot, found by each of two techniques. It
-    /// is counted as its contribution to the pixel.
+    /// Indirect light of the current camera path of a pilot: once as the continued path finds it,
+    /// and once as the photon estimate does. Values are contributions to the pixel.
     pub indirect_light: IndirectLight,
     /// Radiance of the current camera ray that photon estimates found \[W/(m² sr)].
     pub photon_light: Rgb,

@@ -4,7 +4,7 @@ use super::{Effect, EffectOverrides, Effects, SceneFeatures};
 use crate::scene::Scene;
 use std::fmt;
 
-/// Reason why a render needs an effect, or does not need it.
+/// Reason why a render needs an effect of light, or does not need it or cannot simulate it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EffectReason {
     /// Objects need the effect. Holds their number, and words that describe them.
@@ -101,11 +101,12 @@ impl fmt::Display for EffectReason {
 pub struct EffectDecision {
     /// Effect of light to which the decision applies.
     pub effect: Effect,
-    /// True if the scene needs the effect.
+    /// True if the scene needs the effect and the algorithm can simulate it.
     pub is_needed: bool,
-    /// Reason why the scene needs the effect, or does not need it.
+    /// Reason why `is_needed` is true or false.
     pub reason: EffectReason,
-    /// True if the render simulates the effect.
+    /// True if the render simulates the effect. It equals `is_needed` unless the user forces the
+    /// effect on or off.
     pub is_simulated: bool,
 }
 
@@ -152,8 +153,8 @@ impl Plan {
         Self { features, decisions }
     }
 
-    /// Returns the effects that the scene needs and that the render simulates. They exclude effects
-    /// that the user only forced on.
+    /// Returns the effects that the scene needs and that the render simulates. Effects that only
+    /// the user wants are left out.
     #[must_use]
     pub fn needed_and_simulated_effects(&self) -> Effects {
         self.decisions

@@ -6,7 +6,7 @@ use crate::math::BoundingSphere;
 use crate::scene::{ObjectSummary, Scene};
 use glam::Vec3;
 
-/// Scene features that determine which effects a render needs.
+/// Scene features that determine which effects of light a render needs.
 ///
 /// An uncertain feature has the value for which the plan simulates more effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

@@ -73,7 +73,8 @@ pub enum Purpose {
     Shutter,
     /// Pilot simulation that divides caustics between photon density estimates and light tracing.
     DensityEstimateShares,
-    /// Camera rays that end at their first surface that stores photons, for example a diffuse one.
+    /// Prefix rays of `hybrid`: extra camera paths that end at the first surface that stores
+    /// photons.
     PrefixRays,
     /// Pilot simulation that divides indirect light between camera paths and photons.
     IndirectDivision,
@@ -113,8 +114,9 @@ pub enum Dimension {
     /// Position of a probe ray in the gather disc of a photon density estimate. Probe rays measure
     /// how much of the disc is surface.
     Probe,
-    /// Choice at a surface that stores photons: between its diffuse and glossy lobe in the
-    /// algorithm `distributed`, between the end and the continuation of a camera path in `hybrid`.
+    /// Choice at a surface that stores photons. In the algorithm `distributed`, it is between the
+    /// diffuse and the glossy lobe. In `hybrid`, it is between the end and the continuation of a
+    /// camera path.
     ReceiverChoice,
     /// Russian roulette before a vertex of low throughput is shaded, and for photon paths that
     /// continue after a caustic.
@@ -292,7 +294,7 @@ impl Key {
     }
 }
 
-/// Converts a 24-bit integer to a number in \[0, 1) without rounding.
+/// Returns `bits`·2⁻²⁴, which is in \[0, 1) and exact for `bits` below 2²⁴.
 #[inline]
 pub(super) fn uniform_from_24_bits(bits: u32) -> f32 {
     bits as f32 * (1.0 / 16_777_216.0)

@@ -20,8 +20,8 @@ pub(super) const MID_SHUTTER: f64 = 0.5;
 /// The moving shapes, planes, lights, camera, texture mappings and media of a scene, each with its
 /// motion.
 ///
-/// Each part is stored before its motion is applied, except media. The motion gives the transform
-/// from there to coordinates relative to [`Scene::origin`], for each time.
+/// Each part is stored before its motion is applied, except media. For each time, the motion gives
+/// the transform from the stored part to coordinates relative to [`Scene::origin`].
 #[derive(Clone, Debug, Default)]
 pub(super) struct Animation {
     /// Moving shapes, which the scene lists after the shapes at rest.

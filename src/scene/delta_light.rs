@@ -28,7 +28,8 @@ pub enum LightStrength {
     Power(Rgb),
 }
 
-/// A light at one point or from one direction, in world coordinates.
+/// Kind and placement of a delta light, which emits from one point or from one direction.
+/// Coordinates are world coordinates.
 #[derive(Clone, Debug)]
 pub enum DeltaLightKind {
     /// A point light, which emits equally in all directions.

@@ -30,7 +30,8 @@ pub struct Hit {
 }
 
 impl Hit {
-    /// Converts an intersection with a triangle or with a shape at rest.
+    /// Converts an intersection that [`Geometry::hierarchy`] found: with a triangle or a shape at
+    /// rest.
     #[inline]
     pub(super) fn of_resting(hit: PrimitiveHit) -> Self {
         let uv = Vec2::new(hit.u, hit.v);
@@ -41,8 +42,8 @@ impl Hit {
         Self { t: hit.t, primitive }
     }
 
-    /// Converts an intersection with a moving shape. `first_moving` is the index of the first
-    /// moving shape in the list of all shapes.
+    /// Converts an intersection that [`Geometry::moving`] found: with a moving shape.
+    /// `first_moving` is the index of the first moving shape in the list of all shapes.
     #[inline]
     pub(super) fn of_moving(hit: PrimitiveHit, first_moving: u32) -> Self {
         let (PrimitiveIndex::Triangle(i) | PrimitiveIndex::Other(i)) = hit.primitive;
@@ -211,7 +212,8 @@ impl Geometry {
         self.nearest_plane_hit(&Hit::limit_ray(hit, ray)).or(hit)
     }
 
-    /// The nearest intersection of `ray` with an unbounded plane.
+    /// The nearest intersection of `ray` with an unbounded plane, for 0 < t < `ray.t_max`; `None`
+    /// if the ray hits no plane.
     #[inline]
     pub fn nearest_plane_hit(&self, ray: &Ray) -> Option<Hit> {
         let mut hit: Option<Hit> = None;

@@ -189,7 +189,8 @@ impl Material {
         Self { kind, normals: NormalPerturbation::None, mean_bsdf, textured, may_store_photons }
     }
 
-    /// This material; if it is a mix, with the properties that depend on its components.
+    /// Returns this material with the properties that a mix inherits from its components; unchanged
+    /// if it is no mix.
     ///
     /// `materials` is the list that the component indices of the mix refer to.
     pub(super) fn with_mix_components(self, materials: &[Self]) -> Self {

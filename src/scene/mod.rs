@@ -102,8 +102,8 @@ impl Scene {
         &self.camera
     }
 
-    /// Returns a copy of the scene with another camera, in the coordinates of the scene
-    /// description.
+    /// Returns a copy of the scene with `camera` in place of its camera. `camera` is in the
+    /// coordinates of the scene description.
     ///
     /// The camera rests while the shutter is open. The copy shares geometry, hierarchies and
     /// textures with this scene, and keeps its origin.

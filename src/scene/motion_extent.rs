@@ -11,14 +11,15 @@ use glam::{DVec3, Vec2};
 /// each step.
 const STEPS: u32 = 16;
 
-/// Largest number of moving shapes that are measured. If there are more, every n-th shape is
+/// Largest number of moving shapes whose motion is measured. If there are more, every n-th shape is
 /// measured.
 const MAX_SHAPES: usize = 4096;
 
 /// Number of film points along each side of the film at which camera motion is measured.
 const FILM_POINTS: u32 = 5;
 
-/// Measures how far a point moves while the shutter is open, in pixels.
+/// Cameras and pixel sizes with which the motion of points while the shutter is open is measured in
+/// pixels.
 struct FilmMeasure {
     /// The camera at times 0, 1/[`STEPS`], …, 1 of the shutter interval.
     cameras: Vec<Camera>,
@@ -73,7 +74,7 @@ impl FilmMeasure {
     }
 }
 
-/// Shutter time after `step` steps, from 0 to 1.
+/// Shutter time after `step` of [`STEPS`] steps, from 0 (shutter opens) to 1 (shutter closes).
 fn step_time(step: u32) -> f64 {
     f64::from(step) / f64::from(STEPS)
 }
@@ -86,8 +87,8 @@ fn box_corners((min, max): (DVec3, DVec3)) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Returns a function that gives the position of a moving point after a number of steps. `point` is
-/// its position at mid-shutter.
+/// Returns a function from a number of steps (see [`STEPS`]) to the position of a moving point, in
+/// scene coordinates. `point` is its position at mid-shutter.
 fn moved_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec3 + use<'_> {
     let before = motion.at_time(MID_SHUTTER).inverse().transform_point3(point);
     move |step| motion.at_time(step_time(step)).transform_point3(before)

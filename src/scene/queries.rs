@@ -181,7 +181,7 @@ impl Scene {
     }
 
     /// Returns the first ray of a camera path: `ray`, with the interior around its origin and the
-    /// texture filter cone of a pixel.
+    /// ray cone over which textures are filtered.
     ///
     /// The path simulates `effects`.
     #[inline]

@@ -3,15 +3,16 @@
 use super::Effects;
 use crate::bsdf::{Bsdf, DIFFUSE_CONE_SPREAD};
 
-/// Width of the cone of a camera ray \[pixels]. It is below 1 because the pixel filter blurs too.
+/// Width of the cone of a camera ray \[pixels]. It is below 1 because the pixel filter adds its own
+/// blur.
 const CAMERA_CONE_PIXELS: f32 = 0.5;
 
 /// The cone around a ray over which textures are filtered (Amanatides 1984, "Ray tracing with
 /// cones"; Akenine-Möller et al. 2021, "Improved shader and texture level of detail using ray
 /// cones").
 ///
-/// A camera path starts with the width of a pixel. The cone grows with distance, and faster after
-/// scattering. Light paths have no width.
+/// A camera path starts with half the width of a pixel. The cone grows with distance, and faster
+/// after scattering. Light paths have no width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCone {
     /// Diameter of the cone at the current end of the ray \[length].
@@ -53,7 +54,7 @@ impl RayCone {
         self.width += self.spread * distance;
     }
 
-    /// Widens the cone for scattering by `bsdf`.
+    /// Adds the spread that scattering by `bsdf` causes, unless the cone never widens.
     #[inline]
     pub(super) fn widen_at_surface(&mut self, bsdf: &Bsdf) {
         if self.widens {
@@ -62,7 +63,7 @@ impl RayCone {
         self.scattered |= !bsdf.is_specular();
     }
 
-    /// Widens the cone for scattering in a medium.
+    /// Adds the spread that scattering in a medium causes, unless the cone never widens.
     #[inline]
     pub(super) fn widen_in_medium(&mut self) {
         if self.widens {

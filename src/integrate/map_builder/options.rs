@@ -8,8 +8,7 @@ use crate::sampling::{Key, Purpose};
 /// The k-th photon only sets the radius, so k = 1 gives no density.
 const MIN_PHOTON_LIMIT: u32 = 2;
 
-/// Numbers of photon paths of a pass: in all directions, and aimed at casters (such as glass or
-/// mirrors).
+/// Numbers of photon paths of a pass: those in all directions, and those aimed at casters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::integrate) struct PhotonPathCounts {
     /// Number of paths that start in all directions.
@@ -33,16 +32,16 @@ pub(super) fn photon_limit(k: u32, divisor: u32) -> u32 {
     if k == 0 { 0 } else { k.div_ceil(divisor).max(MIN_PHOTON_LIMIT) }
 }
 
-/// Options for building photon maps, for a pass or for a pilot (small simulation before the
-/// render): random key, pass number and number of photon paths.
+/// Options for building photon maps, for a pass or for a pilot: random key, pass number and number
+/// of photon paths.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::integrate) struct MapBuildOptions {
     /// Random key from which the keys of all photon paths derive.
     pub key: Key,
     /// Number of the pass, counted from 0.
     pub pass: u32,
-    /// Divisor of the number of photon paths: 1 for a pass. It is larger for a pilot (small
-    /// simulation before the render), and for a slice of the shutter interval.
+    /// Divisor of the number of photon paths: 1 for a pass. It is larger for a pilot, and for a
+    /// slice of the shutter interval.
     pub divisor: u32,
     /// Slice of the shutter interval in which photons are traced.
     pub slice: ShutterSlice,
@@ -54,8 +53,8 @@ pub(in crate::integrate) struct MapBuildOptions {
 }
 
 impl MapBuildOptions {
-    /// Returns the options of a pilot (small simulation before the render). It traces 1/`divisor`
-    /// of the photon paths of the first pass, without light tracing.
+    /// Returns the options of a pilot. It traces 1/`divisor` of the photon paths of the first pass,
+    /// without light tracing.
     pub fn for_pilot(key: Key, divisor: u32) -> Self {
         Self { key, pass: 0, divisor, slice: ShutterSlice::WHOLE, has_photon_limit: true, connects_to_camera: false }
     }

@@ -54,7 +54,9 @@ const PROBE_PATHS: u32 = 4096;
 
 impl<'a> PhotonMapBuilder<'a> {
     /// Guides photon emission towards points that the camera sees, if a pilot finds that more
-    /// efficient.
+    /// efficient. Sets the reports on these pilots.
+    ///
+    /// Does nothing if media store photons, because the points that guide emission lie on surfaces.
     pub(super) fn guide_emission(&mut self) {
         // Visible points lie on surfaces, so they cannot guide photons that are stored in media.
         if !self.traces_photons() || self.stores_volume_photons() {
@@ -90,8 +92,8 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Returns the gather radii of the caustic and the indirect map \[length], and sets the gather
     /// radius of the interreflection map.
     ///
-    /// Pilots find them if the settings give none: most density estimates should find enough
-    /// photons.
+    /// Pilots find radii within which most photons have enough neighbours, if the settings give
+    /// none.
     pub(super) fn find_gather_radii(&mut self) -> GatherRadii {
         let settings = &self.settings;
         let radius = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: (u32, u32), default_k: u32| {
@@ -130,7 +132,8 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// Returns the kernel radii \[length] of photon estimates in media, for each map.
     ///
-    /// Pilots find them if the settings give none: most camera rays should find enough photons.
+    /// Pilots find radii within which the median camera ray finds enough photons, if the settings
+    /// give none.
     pub(super) fn find_volume_kernel_radii(&self) -> VolumeKernelRadiiPerMap {
         let settings = &self.settings;
         let found = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
@@ -183,7 +186,8 @@ impl<'a> PhotonMapBuilder<'a> {
         self.density_estimate_shares = Some(Arc::new(shares));
     }
 
-    /// Estimates how many photons a pass stores, by tracing at most 4096 paths per map.
+    /// Returns how many photon paths a pass traces, and estimates how many photons it stores.
+    /// Traces at most 4096 photon paths per map for the estimate.
     pub fn expected_photons(&self) -> ExpectedPhotons {
         let settings = &self.settings;
         let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);

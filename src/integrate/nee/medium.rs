@@ -19,9 +19,11 @@ use glam::{Vec2, Vec3};
 /// A guided point has at most 4 times the weight of the same point without guiding.
 const DEFENSIVE_FRACTION: f32 = 0.25;
 
-/// Smallest and largest expected number of guided points on a segment, for each shadow ray that a
-/// surface point would send. Russian roulette decides about numbers below 1.
+/// Smallest expected number of guided points on a segment, for each shadow ray that a surface point
+/// would send. Russian roulette decides about numbers below 1.
 const MIN_POINTS: f32 = 0.125;
+/// Largest expected number of guided points on a segment, for each shadow ray that a surface point
+/// would send.
 const MAX_POINTS: f32 = 16.0;
 
 /// Number of points on a segment from which a pilot records shadow rays.
@@ -39,8 +41,8 @@ impl NextEventEstimator<'_> {
     /// Estimates the direct light that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
     /// `distance_sample` holds the distance at which the path itself scatters. If the path
-    /// `continues` from there, its next ray may hit a light too. The balance heuristic then weights
-    /// the estimate against this second technique.
+    /// `continues` from there, its next ray may hit the same light. The estimate is then multiplied
+    /// by its MIS weight (balance heuristic) against that ray.
     pub fn estimate_direct_light_in_medium<I: Interior>(
         &self,
         path_segment: &MediumPathSegment<'_, I>,
@@ -109,9 +111,9 @@ impl NextEventEstimator<'_> {
         sum
     }
 
-    /// Estimates the light from the light with index `light` that a homogeneous medium scatters to
-    /// the start of a segment \[W/(m² sr)], by shadow rays from several points. Returns `None` if
-    /// points are neither guided nor recorded.
+    /// Estimates the radiance of light `light` (an index) that a homogeneous medium scatters to the
+    /// start of a segment \[W/(m² sr)], by shadow rays from several points. Returns `None` if
+    /// [`ScatterPointSampling`] is `Unguided`.
     ///
     /// `rays` is the number of shadow rays that a surface point sends to the light.
     fn estimate_at_guided_points<I: Interior>(
@@ -177,10 +179,11 @@ impl NextEventEstimator<'_> {
         Some(sum / expected_count)
     }
 
-    /// Returns the radiance that one shadow ray from `point` to the light with index `light` adds
-    /// at the start of the segment \[W/(m² sr)].
+    /// Returns the radiance \[W/(m² sr)] that one shadow ray from `point` to the light with index
+    /// `light` adds at the start of the segment, including its MIS weight if the path `continues`.
     ///
-    /// `rays` is the expected number of shadow rays to that light.
+    /// `rays` is the expected number of shadow rays to that light, by which the radiance is
+    /// divided.
     #[expect(clippy::too_many_arguments, reason = "one call's inputs, all of different kinds")]
     fn shadow_ray_contribution_in_medium<I: Interior>(
         &self,
@@ -228,8 +231,8 @@ impl NextEventEstimator<'_> {
     }
 }
 
-/// Samples a scattering point on a segment in a homogeneous medium, for light that leaves the point
-/// `pivot`.
+/// Samples a scattering point on a segment in a homogeneous medium, for a shadow ray to a light at
+/// or around `pivot`.
 ///
 /// Returns `None` if the sampled distance is beyond the segment.
 fn sample_scatter_point_near<I: Interior>(
@@ -278,8 +281,8 @@ impl<I: Interior> ScatterPointDistribution<'_, I> {
     }
 }
 
-/// Distribution of distances along a ray that is uniform in the angle, seen from a pivot point such
-/// as a point light.
+/// Equiangular distribution of distances along a ray: uniform in the angle seen from a pivot point,
+/// such as a point light (Kulla and Fajardo 2012).
 struct EquiangularDistribution {
     /// Distance along the ray from its origin to the position closest to the pivot \[length].
     closest: f32,

@@ -12,7 +12,7 @@ use crate::texture::Texture;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
-/// A light at one point or from one direction, in world coordinates.
+/// A delta light with its strength and motion, in world coordinates.
 #[derive(Debug)]
 pub(super) struct DeltaLight {
     pub kind: DeltaLightKind,
@@ -28,7 +28,8 @@ pub(super) struct CollectedLights {
     /// Index of the environment light in `lights`; `None` if there is none.
     pub environment_light_index: Option<usize>,
     pub legacy_lights: Vec<LegacyLight>,
-    /// Moving delta lights: index in `lights`, light before its motion, strength and motion.
+    /// Moving delta lights: index in `lights`, light before its motion is applied, strength and
+    /// motion.
     pub moving: Vec<(usize, DeltaLightKind, LightStrength, Motion)>,
     /// Index of the area light of each object; `None` if the object does not emit light.
     pub of_object: Vec<Option<u32>>,

@@ -105,7 +105,7 @@ impl SceneBuilder {
         self.add_object(ObjectGeometry::Shape(shape), None, material, emission)
     }
 
-    /// Adds an unbounded plane. `emission` must be zero.
+    /// Adds an unbounded plane. `emission` must be zero, else [`SceneBuilder::build`] fails.
     pub fn add_plane(&mut self, plane: Plane, material: u32, emission: Rgb) -> &mut Self {
         self.add_object(ObjectGeometry::Plane(plane), None, material, emission)
     }

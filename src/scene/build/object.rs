@@ -6,11 +6,11 @@ use crate::shape::{Mesh, Plane, Shape, TextureMappingKind, Triangle};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::ops::Range;
 
-/// Minimum and maximum corner of a box, in double precision.
+/// Minimum and maximum corner of an axis-aligned box, in double precision.
 pub(super) type Extent = (DVec3, DVec3);
 
-/// A shape, mesh or plane in world coordinates. A moving object is stored as it is before its
-/// motion.
+/// A shape, mesh or plane with its material, in world coordinates. A moving object is stored before
+/// its motion is applied.
 #[derive(Debug)]
 pub(super) struct SceneObject {
     pub geometry: ObjectGeometry,
@@ -20,9 +20,11 @@ pub(super) struct SceneObject {
     pub material: u32,
     /// Mean radiance that the object emits \[W/(m² sr)].
     pub emission: Rgb,
-    /// Index of the emission texture, and the factor from texture values to radiance \[W/(m² sr)].
+    /// Index of the emission texture, and the factor from texture values to radiance \[W/(m² sr)];
+    /// `None` if the object emits uniformly or not at all.
     pub emission_texture: Option<(u32, Rgb)>,
-    /// Kind of the texture mapping, and the motion from its object space to the world.
+    /// Kind of the texture mapping, and the motion from its object space to the world; `None` for
+    /// the default mapping.
     pub mapping: Option<(TextureMappingKind, Motion)>,
 }
 

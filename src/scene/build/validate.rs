@@ -17,7 +17,8 @@ const MAX_COORDINATE: f32 = 1e12;
 /// normal f32.
 const MIN_EXTENT: f32 = 1.0 / 549_755_813_888.0;
 
-/// Checks that no unbounded plane emits, and that triangle indices fit 31 bits.
+/// Checks that no unbounded plane emits, and that triangle indices fit 31 bits. Else the error is
+/// [`BuildError::EmissivePlane`] or [`BuildError::TooManyTriangles`].
 pub(super) fn validate_objects(objects: &[SceneObject], mesh: &MeshData) -> Result<(), BuildError> {
     let emits = |object: &SceneObject| matches!(object.geometry, ObjectGeometry::Plane(_)) && object.emits();
     if objects.iter().any(emits) {
@@ -28,7 +29,8 @@ pub(super) fn validate_objects(objects: &[SceneObject], mesh: &MeshData) -> Resu
 }
 
 /// Checks that the farthest coordinate lies between [`MIN_EXTENT`] and [`MAX_COORDINATE`], at
-/// mid-shutter and at both ends of the shutter interval.
+/// mid-shutter and at both ends of the shutter interval. Else the error is [`BuildError::TooSmall`]
+/// or [`BuildError::TooLarge`].
 pub(super) fn validate_coordinate_range(geometry: &PlacedGeometry, animation: &Animation) -> Result<(), BuildError> {
     let at = |time| {
         animation.shapes.iter().filter_map(move |(shape, motion)| Some(shape_at_time(shape, motion, time)?.bounds()))
@@ -48,7 +50,8 @@ pub(super) fn validate_coordinate_range(geometry: &PlacedGeometry, animation: &A
     }
 }
 
-/// Checks that the power of each light, averaged over the channels, is finite.
+/// Checks that the power of each light, averaged over the channels, is finite. Else the error is
+/// [`BuildError::TooBright`].
 pub(super) fn validate_light_power(scene: &Scene) -> Result<(), BuildError> {
     let domain = scene.photon_domain();
     match scene.lights.iter().position(|light| !color::channel_mean(light.power(domain)).is_finite()) {

@@ -7,7 +7,8 @@ use crate::texture::Texture;
 use glam::{DVec3, Vec3};
 use std::sync::Arc;
 
-/// Smallest accepted cosine between shading normal and geometric normal.
+/// Least cosine between shading normal and geometric normal. A perturbed normal that tilts farther
+/// is turned back to it.
 const MIN_COS: f32 = 0.05;
 
 /// The way in which a material perturbs shading normals.

@@ -74,9 +74,10 @@ pub(super) struct BoundarySides<'a> {
     /// The body that gives the refractive index on the other side, with its material index; `None`
     /// is air.
     pub far: Option<(u32, &'a Body)>,
-    /// True if all these boundaries are null interfaces.
+    /// True if the boundary and all that coincide with it are null interfaces.
     pub is_null_interface: bool,
-    /// Greatest roughness α of those boundaries that are not null interfaces.
+    /// Greatest roughness α of the boundary and all that coincide with it, null interfaces left
+    /// out.
     pub roughness: f32,
 }
 
@@ -127,7 +128,8 @@ pub(super) fn boundary_sides<'a>(
     BoundarySides { near, far, is_null_interface, roughness }
 }
 
-/// The boundaries of other dielectric bodies within the position error of `surface`.
+/// Returns the boundaries of other dielectric bodies that coincide with `surface`: those within its
+/// position error.
 #[inline]
 pub(in crate::scene) fn coincident_faces_at(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
     if surface.coincidence_group.is_some() { find_coincident_faces(scene, surface) } else { CoincidentFaces::NONE }

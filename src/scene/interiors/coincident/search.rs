@@ -32,7 +32,7 @@ pub(in crate::scene) struct CoincidentFlags {
 }
 
 impl CoincidentFlags {
-    /// True if another boundary may coincide with this primitive.
+    /// True if a boundary of another object may coincide with `primitive`.
     #[inline]
     pub fn may_coincide(&self, primitive: HitPrimitive) -> bool {
         let flag = |flags: &[bool], i: u32| flags.get(i as usize).copied().unwrap_or(false);
@@ -231,7 +231,8 @@ impl<'a> SpatialSelfJoin<'a> {
         index
     }
 
-    /// Tests all pairs of faces within a node; `None` if the number of tests exceeds `budget`.
+    /// Flags the faces below `node` that are near a face of another object below it. Returns `None`
+    /// if that takes more than `budget` tests.
     fn join_node_with_itself(&mut self, node: usize) -> Option<()> {
         if self.nodes[node].object.is_some() {
             return Some(());
@@ -246,8 +247,8 @@ impl<'a> SpatialSelfJoin<'a> {
         }
     }
 
-    /// Tests all faces of one node against all faces of another; `None` if the number of tests
-    /// exceeds `budget`.
+    /// Flags the faces below nodes `a` and `b` that are near a face of another object below the
+    /// other node. Returns `None` if that takes more than `budget` tests.
     fn join_node_pair(&mut self, a: usize, b: usize) -> Option<()> {
         let (first, second) = (&self.nodes[a], &self.nodes[b]);
         if first.object.is_some() && first.object == second.object || !first.bounds.overlaps(&second.bounds) {
