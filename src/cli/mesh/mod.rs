@@ -19,7 +19,7 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Error: the extension of the output path names no mesh format.
+/// Error: the extension of the output path is not that of a mesh format.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` has no extension of a mesh format that can be written", path.display())]
 #[diagnostic(help("give it the extension .obj or .ply"))]
@@ -161,8 +161,8 @@ fn apply_mesh_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Res
 
 /// Writes the mesh to `path`. Returns `None` if the mesh file could not be written.
 ///
-/// If `path` is an OBJ file in another folder than the source mesh, writes a copy of its materials
-/// too.
+/// If `path` is an OBJ file in another folder than the source mesh, also writes a copy of the
+/// source's material file beside it. Collects errors in `failures`.
 fn write_mesh_and_materials(
     arguments: &MeshArguments,
     loaded: &LoadedMesh,
