@@ -363,7 +363,7 @@ fn find_surface_aovs(
     render_surface_aovs(scene, integrator.plan().simulated_effects(), settings, surface, progress)
 }
 
-/// What is written after a render has ended: picture, layers, film and statistics.
+/// Outputs that are written after a render has ended: picture, layers, film and statistics.
 struct RenderOutputs<'a> {
     arguments: &'a RenderArguments,
     rendered: &'a RenderResult,

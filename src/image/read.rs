@@ -20,7 +20,7 @@ const HDR_SIGNATURE: [u8; 3] = *b"#?R";
 /// Picture file format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// PNG, which holds display levels.
+    /// PNG, whose levels encode display values, by the sRGB curve or a gamma.
     Png,
     /// OpenEXR, which holds linear radiance.
     Exr,
@@ -84,22 +84,21 @@ pub enum PixelMeaning {
     Data,
 }
 
-/// Reads a picture of the given `meaning`, if that needs at most `free` bytes of memory; `None` is
-/// no limit.
+/// Reads a picture of the given `meaning`, if that needs at most `free` bytes of memory. For
+/// `free`, `None` is no limit.
 ///
-/// # Errors
-/// [`ReadError`], see [`read`]; also if the memory does not suffice.
+/// # Errors [`ReadError`], see [`read`]; also if the memory does not suffice.
 pub fn read_with_memory_limit(path: &Path, meaning: PixelMeaning, free: Option<u64>) -> Result<Image, ReadError> {
     let file = read_file_bytes(path, free)?;
     Ok(decode(path, &file, meaning, free.map(|free| free.saturating_sub(file.len() as u64)))?.0)
 }
 
-/// Decodes the bytes of a picture file, and returns its file format. Errors name `path`.
+/// Decodes the bytes `file` of a picture. Returns the picture and its file format. Errors name
+/// `path`.
 ///
 /// Fails if decoding needs more than `free` bytes of memory; `None` is no limit.
 ///
-/// # Errors
-/// [`ReadError`], see [`read_with_memory_limit`].
+/// # Errors [`ReadError`], see [`read_with_memory_limit`].
 pub fn decode(
     path: &Path,
     file: &[u8],
@@ -117,10 +116,9 @@ pub fn decode(
     Ok((image.map_err(|failure| failure.into_read_error(path.to_owned()))?, format))
 }
 
-/// Reads the levels of an 8-bit PNG without a transfer function, for exact comparisons.
+/// Reads the 8-bit levels that a PNG file stores, not linearised, for exact comparisons.
 ///
-/// # Errors
-/// [`ReadError`], see [`read`]; also if the file is not an 8-bit PNG.
+/// # Errors [`ReadError`], see [`read`]; also if the file is not an 8-bit PNG.
 pub fn read_bytes(path: &Path) -> Result<RgbBytes, ReadError> {
     let file = read_file_bytes(path, None)?;
     let bytes = match PictureFormat::from_signature(&file) {

@@ -19,7 +19,7 @@ pub struct RelativeErrorWeights {
 }
 
 impl RelativeErrorWeights {
-    /// Weights for errors against the reference `picture`.
+    /// Makes the weights for errors against the reference `picture`.
     ///
     /// Pixels that are not finite do not count in neighbourhoods.
     #[must_use]
@@ -27,11 +27,10 @@ impl RelativeErrorWeights {
         Self::from_pixels((picture.width(), picture.height()), picture.pixels())
     }
 
-    /// Weights for errors against a reference of `size` (width, height), with `pixels` in rows from
-    /// the top.
+    /// Makes the weights for errors against a reference of `size` (width, height), with `pixels` in
+    /// rows from the top.
     ///
-    /// # Panics
-    /// If the number of pixels is not width · height.
+    /// # Panics If the number of pixels is not width · height.
     #[must_use]
     pub fn from_pixels(size: (u32, u32), pixels: &[Vec3]) -> Self {
         let (width, height) = (size.0 as usize, size.1 as usize);

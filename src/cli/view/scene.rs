@@ -76,10 +76,10 @@ pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScen
     }
 }
 
-/// Returns the scene of `previous` with the camera of `file`; `None` if the scene must be built
-/// anew.
+/// Returns the scene of `previous` with the camera of `file`; `None` if that does not give the
+/// scene of `file`.
 ///
-/// It must if more than the camera differs, if a file that the scene names has changed, if the
+/// It does not if more than the camera differs, if a file that the scene names has changed, if the
 /// camera moves while the shutter is open, or if `file` embeds meshes or pictures.
 fn reused_scene(file: &SceneFile, previous: &LoadedScene) -> Option<Scene> {
     let mut old = previous.description.clone();

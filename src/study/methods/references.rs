@@ -71,10 +71,9 @@ pub struct ReferencePictures {
 impl ReferencePictures {
     /// Makes reference pictures from `a` and `b`. Without `b`, `a` is taken as exact.
     ///
-    /// `source` describes their origin in reports.
+    /// `source` says in reports where the pictures come from.
     ///
-    /// # Errors
-    /// [`ReferenceError::Metric`] if sizes differ or a pixel is not finite.
+    /// # Errors [`ReferenceError::Metric`] if sizes differ or a pixel is not finite.
     pub fn new(source: String, a: Image, b: Option<Image>) -> Result<Self, ReferenceError> {
         let exact = b.is_none();
         let b = b.unwrap_or_else(|| a.clone());
@@ -155,7 +154,7 @@ impl ReferencePictures {
         Self::new(source, a?, Some(b?)).map(Some)
     }
 
-    /// Returns both reference pictures. They are equal if a single reference is taken as exact.
+    /// Returns the two reference pictures. They are equal if a single reference is taken as exact.
     #[must_use]
     pub fn both_reference_pictures(&self) -> &[Image; 2] {
         &self.pair
@@ -170,7 +169,7 @@ impl ReferencePictures {
         GroundTruth { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
     }
 
-    /// Mean of both reference pictures.
+    /// Mean of the two reference pictures, or the single reference picture.
     pub(super) fn mean(&self) -> &Image {
         &self.mean
     }

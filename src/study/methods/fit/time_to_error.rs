@@ -4,9 +4,9 @@ use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
-/// Limit of extrapolation: the largest ratio of a predicted time to the measured time.
+/// Largest ratio of a predicted time to the measured time. Beyond it, a time counts as unknown.
 ///
-/// The ends of a predicted time's confidence interval are limited by the same ratio to that time.
+/// The ends of the confidence interval of a predicted time lie within the same factor of that time.
 pub const MAX_EXTRAPOLATION: f64 = 1000.0;
 
 /// Slope of noise over time that is assumed if there is no fitted slope.
@@ -44,7 +44,7 @@ impl RenderEffort {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(tag = "how", rename_all = "lowercase")]
 pub enum TimeToError {
-    /// At most this time and work: the first checkpoint has reached the error already.
+    /// At most this time and work: the error is already reached at the first checkpoint.
     Within(RenderEffort),
     /// Time and work, interpolated between two checkpoints.
     Measured(RenderEffort),
@@ -69,6 +69,8 @@ pub enum TimeToError {
 }
 
 /// Returns the time and work after which the relative error of `method` stays at or below `error`.
+///
+/// `fit` and `verdict` are those of `method`.
 #[must_use]
 pub fn time_to_error(
     method: &MethodResult,
@@ -214,7 +216,8 @@ pub struct MethodRecommendation {
     pub method: usize,
     /// Relative error that the method is expected to have after the time budget.
     pub error: f64,
-    /// Indices of the other methods whose expected error is at most 10 % larger than `error`.
+    /// Indices of the methods, other than `method`, whose expected error is at most 10 % larger
+    /// than `error`.
     pub alike: Vec<usize>,
 }
 
