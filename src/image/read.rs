@@ -87,7 +87,8 @@ pub enum PixelMeaning {
 /// Reads a picture of the given `meaning`, if that needs at most `free` bytes of memory. For
 /// `free`, `None` is no limit.
 ///
-/// # Errors [`ReadError`], see [`read`]; also if the memory does not suffice.
+/// # Errors
+/// [`ReadError`], see [`read`]; also if the memory does not suffice.
 pub fn read_with_memory_limit(path: &Path, meaning: PixelMeaning, free: Option<u64>) -> Result<Image, ReadError> {
     let file = read_file_bytes(path, free)?;
     Ok(decode(path, &file, meaning, free.map(|free| free.saturating_sub(file.len() as u64)))?.0)
@@ -98,7 +99,8 @@ pub fn read_with_memory_limit(path: &Path, meaning: PixelMeaning, free: Option<u
 ///
 /// Fails if decoding needs more than `free` bytes of memory; `None` is no limit.
 ///
-/// # Errors [`ReadError`], see [`read_with_memory_limit`].
+/// # Errors
+/// [`ReadError`], see [`read_with_memory_limit`].
 pub fn decode(
     path: &Path,
     file: &[u8],
@@ -118,7 +120,8 @@ pub fn decode(
 
 /// Reads the 8-bit levels that a PNG file stores, not linearised, for exact comparisons.
 ///
-/// # Errors [`ReadError`], see [`read`]; also if the file is not an 8-bit PNG.
+/// # Errors
+/// [`ReadError`], see [`read`]; also if the file is not an 8-bit PNG.
 pub fn read_bytes(path: &Path) -> Result<RgbBytes, ReadError> {
     let file = read_file_bytes(path, None)?;
     let bytes = match PictureFormat::from_signature(&file) {

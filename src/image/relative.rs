@@ -30,7 +30,8 @@ impl RelativeErrorWeights {
     /// Makes the weights for errors against a reference of `size` (width, height), with `pixels` in
     /// rows from the top.
     ///
-    /// # Panics If the number of pixels is not width · height.
+    /// # Panics
+    /// If the number of pixels is not width · height.
     #[must_use]
     pub fn from_pixels(size: (u32, u32), pixels: &[Vec3]) -> Self {
         let (width, height) = (size.0 as usize, size.1 as usize);

@@ -34,8 +34,9 @@ impl Film {
 
     /// Adds the passes of `other`. The caller ensures that no pass is in both films.
     ///
-    /// # Errors [`MergeError`] if the sizes differ, or if the number of passes exceeds `u32::MAX`.
-    /// The film then stays as it is.
+    /// # Errors
+    /// [`MergeError`] if the sizes differ, or if the number of passes exceeds `u32::MAX`. The film
+    /// then stays as it is.
     pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
         if self.size() != other.size() {
             return Err(MergeError::Size { own: self.size(), other: other.size() });

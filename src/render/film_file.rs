@@ -145,8 +145,8 @@ impl FilmFile {
 
     /// Reads a film file from `input`.
     ///
-    /// # Errors [`FilmFileError`] if `input` is not a complete, undamaged film file of this
-    /// version.
+    /// # Errors
+    /// [`FilmFileError`] if `input` is not a complete, undamaged film file of this version.
     pub fn read(mut input: impl Read) -> Result<Self, FilmFileError> {
         let mut magic = [0; MAGIC.len()];
         let read = input.read_exact(&mut magic);

@@ -114,8 +114,8 @@ const PHOTON_MEMORY_REMEDY: &str = "choose fewer --photons or --caustic-photons 
 /// `size` is the width and height of a picture \[pixels]. `free` is the free memory \[bytes];
 /// `None` if unknown.
 ///
-/// # Errors [`MemoryError`] if the pictures need more than `free` bytes, or one has too many
-/// pixels.
+/// # Errors
+/// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
 pub fn check_picture_memory(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
     check_pixel_memory(count, size, BYTES_PER_PIXEL, free)
 }
@@ -125,8 +125,8 @@ pub fn check_picture_memory(count: usize, size: (u32, u32), free: Option<u64>) -
 /// `size` is the width and height of a picture \[pixels]. `free` is the free memory \[bytes];
 /// `None` if unknown.
 ///
-/// # Errors [`MemoryError`] if the pictures need more than `free` bytes, or one has too many
-/// pixels.
+/// # Errors
+/// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
 pub fn check_error_estimate_memory(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
     check_pixel_memory(count, size, BYTES_PER_PIXEL + BYTES_PER_ESTIMATED_PIXEL, free)
 }
@@ -151,7 +151,8 @@ pub struct RenderedLayers {
 ///
 /// `free` is the free memory \[bytes]; `None` if unknown.
 ///
-/// # Errors [`MemoryError`] if the picture needs more than `free` bytes, or has too many pixels.
+/// # Errors
+/// [`MemoryError`] if the picture needs more than `free` bytes, or has too many pixels.
 pub fn check_layered_picture_memory(
     size: (u32, u32),
     layers: RenderedLayers,

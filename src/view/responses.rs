@@ -34,7 +34,7 @@ const SCRIPTS: [&str; 8] = [
     include_str!("page/main.js"),
 ];
 
-/// Returns the HTML page with its style and scripts. Both carry the number `nonce`, because the
+/// Returns the HTML page with its style and scripts. Both carry the text `nonce`, because the
 /// browser refuses styles and scripts without it.
 pub(super) fn page_html(nonce: &str) -> String {
     let script = format!("(() => {{\n\"use strict\";\n{}\n}})();", SCRIPTS.join("\n"));

@@ -132,8 +132,9 @@ impl ErrorEstimator {
 
     /// Adds the passes of `other`. The caller ensures that no pass is in both estimators.
     ///
-    /// # Errors [`MergeError`] if the estimators belong to different pictures or integrators, or
-    /// have too many passes. This estimator then stays as it is.
+    /// # Errors
+    /// [`MergeError`] if the estimators belong to different pictures or integrators, or have too
+    /// many passes. This estimator then stays as it is.
     pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
         let passes = total_pass_count(self.passes, other.passes)?;
         if self.radius_law != other.radius_law {

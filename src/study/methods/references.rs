@@ -73,7 +73,8 @@ impl ReferencePictures {
     ///
     /// `source` says in reports where the pictures come from.
     ///
-    /// # Errors [`ReferenceError::Metric`] if sizes differ or a pixel is not finite.
+    /// # Errors
+    /// [`ReferenceError::Metric`] if sizes differ or a pixel is not finite.
     pub fn new(source: String, a: Image, b: Option<Image>) -> Result<Self, ReferenceError> {
         let exact = b.is_none();
         let b = b.unwrap_or_else(|| a.clone());
@@ -111,7 +112,8 @@ impl ReferencePictures {
     /// time each, on average. After each pass, `after` is called with the number of passes and the
     /// elapsed fraction of this time. Returns `None` if `interrupted` becomes true.
     ///
-    /// # Errors [`ReferenceError`] if a pixel is not finite.
+    /// # Errors
+    /// [`ReferenceError`] if a pixel is not finite.
     pub fn render(
         scene: &Scene,
         like: &CameraPathSettings,

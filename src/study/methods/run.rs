@@ -180,7 +180,8 @@ impl<'a> MethodStudy<'a> {
     ///
     /// Stops early if `interrupted` becomes true. Calls `after` for each progress event.
     ///
-    /// # Errors [`StudyError`] if a pixel is not finite, or the references have another size.
+    /// # Errors
+    /// [`StudyError`] if a pixel is not finite, or the references have another size.
     pub fn run(
         mut self,
         subject: &StudiedScene,

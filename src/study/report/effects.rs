@@ -47,7 +47,8 @@ pub struct ReportContext {
 
 /// Report of a study of effects as an HTML page, which is also well-formed XML.
 ///
-/// # Errors [`StudyError`] if a picture cannot be encoded.
+/// # Errors
+/// [`StudyError`] if a picture cannot be encoded.
 pub fn effects_html_page(about: &ReportContext, findings: &EffectStudyResult) -> Result<String, StudyError> {
     let scene = escape_html(&about.scene);
     let mut page = format!(
