@@ -394,7 +394,7 @@ pub struct EstimateArguments {
     #[arg(long, value_parser = parse_relative_error, value_delimiter = ',', default_value = "10%,5%,3%,2%,1%", value_name = "ERROR,…")]
     pub errors: Vec<f64>,
 
-    /// Further algorithms to estimate the cost of; a table shows which is the fastest
+    /// Algorithms to compare with --integrator; a table shows which is the fastest
     #[arg(long, value_enum, value_delimiter = ',', value_name = "METHOD,…")]
     pub compare: Vec<Algorithm>,
 

@@ -3,7 +3,8 @@
 use super::Image;
 use glam::{DVec3, Vec3};
 
-/// Half width of the 5 × 5 neighbourhood that is averaged \[pixels].
+/// Half width of the 5 × 5 neighbourhood over which [`RelativeErrorWeights`] averages the radiance
+/// L \[pixels].
 const HALF_WIDTH: usize = 2;
 
 /// Per-pixel weights that turn squared errors into relative squared errors.

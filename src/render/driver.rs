@@ -83,7 +83,7 @@ pub struct RenderResult {
     pub groups: Vec<Film>,
     /// Film of the radiance that clamping removed; `None` without clamping.
     pub clamped: Option<Film>,
-    /// Reason why the render ended.
+    /// Reason why the render ended; without meaning while it goes on.
     pub ended: EndReason,
     /// Counts of rays and density estimates of all passes.
     pub counters: Counters,

@@ -94,7 +94,7 @@ pub struct EffectCost {
     pub gathered_photons: f64,
 }
 
-/// Light that an effect adds to and removes from the picture, as means over the picture.
+/// Light that an effect adds to and removes from the picture, as figures for the whole picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectContribution {
     /// Root mean square, over pixels and channels, of the difference between the pictures with and

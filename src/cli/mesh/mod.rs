@@ -96,7 +96,7 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, CommandFailure> {
     failures.into_result(Exit::Success)
 }
 
-/// Memory of a mesh and its report or repair \[bytes per triangle].
+/// Memory that inspecting or repairing a mesh needs, including the mesh \[bytes per triangle].
 ///
 /// Measured on a grid of a million triangles: 165.
 const BYTES_PER_TRIANGLE: u64 = 200;

@@ -117,7 +117,7 @@ fn is_positive_finite(value: f64) -> bool {
     value > 0.0 && value.is_finite()
 }
 
-/// CSS colour of the series with index `style`.
+/// CSS colour of the data series with index `style` in a plot.
 pub(super) fn series_color(style: usize) -> &'static str {
     SERIES_COLORS[style % SERIES_COLORS.len()]
 }

@@ -9,7 +9,8 @@ use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResu
 /// The ends of the confidence interval of a predicted time lie within the same factor of that time.
 pub const MAX_EXTRAPOLATION: f64 = 1000.0;
 
-/// Slope of noise over time that is assumed if there is no fitted slope.
+/// Log-log slope of noise over time that is assumed if no slope could be fitted: that of
+/// independent passes.
 const NOISE_SLOPE: f64 = -0.5;
 
 /// Time and work that a method takes to reach an error.
