@@ -444,7 +444,8 @@ pub struct StudyModeArguments {
     #[arg(long, value_parser = parse_duration, default_value = "60s", value_name = "TIME")]
     pub budget: Duration,
 
-    /// Number of pictures per method, with seeds from --seed upwards. They separate noise from bias
+    /// Number of pictures per method, with seeds from --seed upwards. Several pictures separate
+    /// noise from bias
     #[arg(long, value_parser = parse_seed_count, default_value = "8", value_name = "N")]
     pub seeds: u32,
 

@@ -4,7 +4,8 @@ use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
-/// Largest ratio of a predicted time to the measured time. Beyond it, a time counts as unknown.
+/// Largest ratio of a predicted time to the measured time of a study. If the ratio would be larger,
+/// the time counts as unknown.
 ///
 /// The ends of the confidence interval of a predicted time lie within the same factor of that time.
 pub const MAX_EXTRAPOLATION: f64 = 1000.0;
