@@ -73,7 +73,7 @@ pub enum Command {
     Convert(ConvertArguments),
     /// Print a completion script for a shell
     Completions {
-        /// The shell
+        /// Shell for which the script is printed
         shell: Shell,
     },
     /// Print the manual page in roff, for `man -l -`
@@ -134,7 +134,7 @@ pub struct MethodArguments {
     #[arg(long)]
     pub no_environment_guiding: bool,
 
-    /// Choose the points of fog from which shadow rays start without a pilot. By default, a pilot
+    /// Choose without a pilot the points in fog from which shadow rays start. By default, a pilot
     /// finds the lit parts of homogeneous media, and how many points a camera ray needs
     #[arg(long)]
     pub no_scatter_point_guiding: bool,
@@ -296,7 +296,7 @@ pub struct RenderArguments {
     #[arg(long, requires = "aov")]
     pub aov_first_hit: bool,
 
-    /// Keep direct, indirect and caustic light apart too, as layers of --aov that add up to the
+    /// Also write direct, indirect and caustic light as layers of --aov, which add up to the
     /// picture
     #[arg(long)]
     pub light_groups: bool,
@@ -327,7 +327,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "ADDR:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:0")]
     pub listen: Option<ListenAddress>,
 
-    /// Send the picture to the viewer tev while it grows  [default: 127.0.0.1:14158]
+    /// Send the picture to the viewer tev during the render  [default: 127.0.0.1:14158]
     #[cfg(feature = "view")]
     #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1")]
     pub tev: Option<TevAddress>,
@@ -350,7 +350,8 @@ pub struct RenderArguments {
 }
 
 impl RenderArguments {
-    /// Returns the time between two updates of the pictures; `None` to write them at the end only.
+    /// Returns the time between two updates of the picture files; `None` to write them only at the
+    /// end.
     pub(super) fn update_interval(&self) -> Option<Duration> {
         Some(self.update).filter(|interval| *interval > Duration::ZERO)
     }
@@ -393,7 +394,7 @@ pub struct EstimateArguments {
     #[arg(long, value_parser = parse_relative_error, value_delimiter = ',', default_value = "10%,5%,3%,2%,1%", value_name = "ERROR,…")]
     pub errors: Vec<f64>,
 
-    /// Further algorithms to estimate the cost of; a table shows which is the fastest
+    /// Algorithms to compare with --integrator; a table shows which is the fastest
     #[arg(long, value_enum, value_delimiter = ',', value_name = "METHOD,…")]
     pub compare: Vec<Algorithm>,
 
@@ -443,7 +444,8 @@ pub struct StudyModeArguments {
     #[arg(long, value_parser = parse_duration, default_value = "60s", value_name = "TIME")]
     pub budget: Duration,
 
-    /// Number of pictures per method, with seeds from --seed upwards. They separate noise from bias
+    /// Number of pictures per method, with seeds from --seed upwards. Several pictures separate
+    /// noise from bias
     #[arg(long, value_parser = parse_seed_count, default_value = "8", value_name = "N")]
     pub seeds: u32,
 
@@ -464,11 +466,11 @@ pub struct StudyModeArguments {
 /// Source of the reference pictures that errors are measured against: value of `--truth`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ReferenceSource {
-    /// Two independent references that the study renders.
+    /// Two independent references, which the study renders first.
     Auto,
-    /// File of an exact reference.
+    /// File of one reference picture, which is taken as exact.
     One(PathBuf),
-    /// Files of two independent references.
+    /// Files of two reference pictures with independent noise.
     Two(PathBuf, PathBuf),
 }
 

@@ -62,7 +62,8 @@ fn is_interrupted() -> bool {
     INTERRUPTED.load(std::sync::atomic::Ordering::Relaxed)
 }
 
-/// Renders a pilot by the algorithm of `method`, and returns the costs of all requested errors.
+/// Renders a pilot by the algorithm of `method`, and estimates the cost of a render for each error
+/// that the command line names.
 ///
 /// `load_seconds` is the time that loading the scene took \[s].
 fn estimate_method(
@@ -96,7 +97,8 @@ fn estimate_method(
 
 /// Renders the pilot: a short render from which costs are extrapolated.
 ///
-/// Returns the pilot's result, and the expected time of each later pass \[s].
+/// Returns the pilot's result, and the time that each pass after the first is expected to take
+/// \[s].
 fn render_pilot(
     arguments: &EstimateArguments,
     integrator: &dyn Integrator,

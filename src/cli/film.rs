@@ -173,7 +173,7 @@ fn file_digest(path: &Path) -> io::Result<String> {
     }))
 }
 
-/// Writer that adds all bytes to a digest.
+/// Writer that adds all written bytes to a SHA-256 digest.
 struct HashWriter<'a>(&'a mut Sha256);
 
 impl io::Write for HashWriter<'_> {
@@ -241,7 +241,7 @@ impl<'a> SavedFilm<'a> {
         write_film(self.path, &self.header, rendered)
     }
 
-    /// Returns a line about the passes that the film held before the render.
+    /// Returns a line that says how many passes the film file already held when this render began.
     pub fn continuation_line(&self, rendered: &RenderResult) -> String {
         let passes = count_with_noun(rendered.film.passes() as usize, "pass", "passes");
         format!("continuing {}: {passes}", self.path.display())

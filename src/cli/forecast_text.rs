@@ -4,7 +4,7 @@ use crate::render::ErrorTarget;
 use crate::render::error_estimate::{ErrorEstimate, StopForecast};
 use crate::study::text::percent_text;
 
-/// Help text for an error that more passes cannot lower.
+/// Advice for a target error that more passes cannot reach, because bias remains.
 pub(super) const BIAS_REMEDY: &str =
     "the rest is bias of this method: choose a smaller --radius, or --integrator sppm or hybrid, whose radii shrink";
 

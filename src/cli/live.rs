@@ -20,7 +20,7 @@ struct ReferenceError {
     source: image::ReadError,
 }
 
-/// Reads the reference picture at `path`, if there is one.
+/// Reads the reference picture at `path`; returns `None` if `path` is `None`.
 pub(super) fn read_reference(path: Option<&Path>) -> Result<Option<Frame>, CommandFailure> {
     let Some(path) = path else { return Ok(None) };
     let image = image::read(path)
@@ -28,8 +28,8 @@ pub(super) fn read_reference(path: Option<&Path>) -> Result<Option<Frame>, Comma
     Ok(Some(Frame::from_image(&image)))
 }
 
-/// Prints the address of a live page. It is printed even if the command is quiet, because its token
-/// is nowhere else.
+/// Prints the URL of a live page. It is printed even if the command is quiet, because the secret
+/// token in the URL is shown nowhere else.
 pub(super) fn print_page_address(server: &PageServer) {
     print_message(&format!("live page: {}", server.url()));
 }
@@ -53,19 +53,19 @@ impl LiveOutput {
         Ok(Some(Self { page, server }))
     }
 
-    /// Begins a render on the page. Loading of its scene began at the time `start`.
+    /// Begins a render on the page. `start` is the time at which loading of its scene began.
     pub fn begin_render(&self, start: Instant) -> LiveRender<'_> {
         LiveRender::begin(&self.page, start)
     }
 
-    /// Ends the page, after the last picture has reached it.
+    /// Ends the server of the page, after browsers have had time to fetch the last picture.
     pub fn finish(self) {
         self.server.finish();
     }
 }
 
-/// Takes a request of the page; returns false if it has no effect. A request to stop acts like the
-/// first Ctrl-C.
+/// Handles a request of the page. [`Request::Stop`] acts like the first Ctrl-C; for other requests,
+/// returns false, because a page of `caustica render` cannot do them.
 fn take_request(request: Request) -> bool {
     match request {
         Request::Stop => {

@@ -71,7 +71,7 @@ pub(super) fn parse_seed(text: &str) -> Result<u64, String> {
 /// Largest accepted number of seeds of a study.
 const MAX_SEEDS: u32 = 1000;
 
-/// Parses the number of seeds of a study.
+/// Parses the number of seeds of a study, from 2 to [`MAX_SEEDS`].
 pub(super) fn parse_seed_count(text: &str) -> Result<u32, String> {
     match parse_count(text)? {
         0 | 1 => Err("it must be at least 2: one picture cannot separate noise from bias".to_owned()),

@@ -42,7 +42,7 @@ pub(super) fn check_distinct_files(outputs: &[FileWithRole], inputs: &[FileWithR
     Ok(())
 }
 
-/// Errors of several outputs. An output that fails does not prevent the others.
+/// Errors of outputs that could not be written. A failed output does not prevent the next ones.
 #[derive(Debug, Default)]
 pub(super) struct OutputFailures(Vec<Report>);
 
@@ -62,8 +62,8 @@ impl OutputFailures {
         result.map_err(|report| self.0.push(report)).ok()
     }
 
-    /// Returns `exit` if no output failed, else a failure with all collected errors and
-    /// [`Exit::Output`].
+    /// Returns `exit` if no output failed, else a failure with all collected errors and the exit
+    /// code [`Exit::Output`].
     pub fn into_result(self, exit: Exit) -> Result<Exit, CommandFailure> {
         if self.0.is_empty() { Ok(exit) } else { Err(CommandFailure { reports: self.0, exit: Exit::Output }) }
     }

@@ -61,8 +61,8 @@ pub(super) fn finds_caustics_only_by_chance(integrator: &dyn Integrator) -> bool
     integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none()
 }
 
-/// Returns lines about the work of a pass: its rays and photons, the indirect light that photons
-/// carry, and guided shadow rays.
+/// Returns lines that describe the work of a pass: numbers of rays and photons, the share of
+/// indirect light that photon estimates carry, and the guiding of shadow rays.
 pub(super) fn pass_work_lines(integrator: &dyn Integrator) -> Vec<String> {
     let counts = integrator.ray_photon_balance().map(|balance| pass_counts_line(&balance));
     let prefix_rays = prefix_rays_line(integrator.prefix_rays_per_pixel());
@@ -105,8 +105,8 @@ fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
     (integrator.indirect_photon_share(0) > 0.0).then_some(text)
 }
 
-/// Returns a line about the guiding of shadow rays to the environment; `None` if they are not
-/// guided.
+/// Returns a line about the benefit of guiding shadow rays to the environment; `None` if passes do
+/// not guide them.
 fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     let report = integrator.environment_guiding_report().filter(|report| report.used)?;
     let percent = percent_text(report.unoccluded);
@@ -117,7 +117,8 @@ fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     ))
 }
 
-/// Returns a line about the guiding of shadow rays from fog; `None` if they are not guided.
+/// Returns a line about the benefit of guiding shadow rays from fog to its lit parts; `None` if
+/// passes do not guide them.
 fn scatter_point_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     let report = integrator.scatter_point_guiding_report().filter(|report| report.used)?;
     Some(format!(
@@ -209,8 +210,8 @@ pub(super) struct EffectDecisionReport {
     /// True if the scene needs the effect.
     needed: bool,
     reason: String,
-    /// Flaw that the missing effect causes; `None` unless the scene needs the effect and the plan
-    /// omits it.
+    /// Visible flaw of a picture without the effect; `None` unless the scene needs the effect and
+    /// the plan omits it.
     flaw: Option<&'static str>,
 }
 

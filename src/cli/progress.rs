@@ -27,7 +27,7 @@ pub(super) fn print_message(line: &str) {
     }
 }
 
-/// Removes the progress bar from the terminal.
+/// Removes the progress bar of the process from the terminal, if there is one.
 pub(super) fn clear_progress_bar() {
     if let Some(bar) = PROGRESS_BAR.get() {
         bar.finish_and_clear();
@@ -53,7 +53,7 @@ pub(super) enum ProgressDisplay {
     Bar(ProgressBar, Mutex<ProgressBarLabels>),
 }
 
-/// Texts and times that the labels of the progress bar show.
+/// Texts, times and counts that a progress display shows.
 #[derive(Debug, Default)]
 pub(super) struct ProgressBarLabels {
     /// Text about the current pass, such as `pass 3/20`.
@@ -75,7 +75,7 @@ impl ProgressDisplay {
         }
     }
 
-    /// True if nothing is shown.
+    /// True for [`Self::Quiet`]: neither progress nor lines are shown.
     pub fn is_quiet(&self) -> bool {
         matches!(self, Self::Quiet)
     }
@@ -102,7 +102,7 @@ impl ProgressDisplay {
         self.lock_progress_labels().into_iter().for_each(|mut labels| labels.pass.clone_from(&label));
     }
 
-    /// Sets the time that the whole render still needs; `None` if unknown.
+    /// Sets the remaining time of the whole render that the bar shows; `None` if unknown.
     pub fn set_time_left(&self, left: Option<Duration>) {
         let end = left.and_then(|left| Instant::now().checked_add(left));
         self.lock_progress_labels().into_iter().for_each(|mut labels| labels.end = end);
@@ -115,7 +115,7 @@ impl ProgressDisplay {
         }
     }
 
-    /// Removes the bar from the terminal.
+    /// Removes this display's bar from the terminal; does nothing for other displays.
     pub fn remove_progress_bar(&self) {
         if let Self::Bar(bar, _) = self {
             bar.finish_and_clear();
@@ -232,7 +232,8 @@ impl MeshReadMonitor for ProgressDisplay {
     }
 }
 
-/// Collects the paths of all files that a scene names, and passes progress on to a monitor.
+/// Monitor that collects the paths of all files that a scene names, and passes the progress of
+/// reading on to another monitor.
 pub(super) struct InputFileCollector<'a> {
     progress: &'a dyn MeshReadMonitor,
     files: Mutex<Vec<PathBuf>>,

@@ -214,7 +214,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     written
 }
 
-/// Returns the layers of a render, which need memory.
+/// Returns which layers beside the picture the command line asks for. Each of them needs memory.
 fn rendered_layers(arguments: &RenderArguments, estimates_error: bool) -> RenderedLayers {
     RenderedLayers {
         error: estimates_error,
@@ -325,8 +325,8 @@ fn render_passes(
     })
 }
 
-/// Returns the expected time until the first stop criterion holds; `None` if the time is unknown,
-/// as with a target after a pass without an error estimate.
+/// Returns the expected remaining time until the first stop criterion holds; `None` if it is
+/// unknown, as with an error target after a pass without an error estimate.
 ///
 /// `passes` is the number of passes so far. `forecast` predicts the passes until the target of
 /// `stop`; it is ignored if `stop` has no target.
@@ -363,7 +363,7 @@ fn find_surface_aovs(
     render_surface_aovs(scene, integrator.plan().simulated_effects(), settings, surface, progress)
 }
 
-/// Outputs of a render that has ended.
+/// Outputs that are written after a render has ended: picture, layers, film and statistics.
 struct RenderOutputs<'a> {
     arguments: &'a RenderArguments,
     rendered: &'a RenderResult,
@@ -375,6 +375,8 @@ struct RenderOutputs<'a> {
 
 impl RenderOutputs<'_> {
     /// Writes all outputs and prints a summary. An output that fails does not stop the others.
+    ///
+    /// `powerless` is true if the scene has lights, but none has any power.
     fn write(
         &self,
         progress: &ProgressDisplay,
@@ -407,7 +409,7 @@ impl RenderOutputs<'_> {
         failures.into_result(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
     }
 
-    /// Writes the files of `-o` and `--aov`.
+    /// Writes the files of `-o` and `--aov`. Collects errors in `failures`.
     fn write_pictures(&self, progress: &ProgressDisplay, picture: &Image, failures: &mut OutputFailures) {
         let Self { arguments, rendered, ref aovs, .. } = *self;
         let options = write_options(arguments);
@@ -432,7 +434,7 @@ impl RenderOutputs<'_> {
     }
 }
 
-/// Returns the options of the files of `-o` and `--aov`.
+/// Returns the options with which the files of `-o` and `--aov` are written.
 fn write_options(arguments: &RenderArguments) -> WriteOptions {
     arguments.pictures.write_options(match arguments.method.integrator {
         Algorithm::Raycast => ToneCurve::Course,
@@ -489,7 +491,8 @@ fn print_render_summary(
     }
 }
 
-/// Returns a line that says which of the default limits ended a render; `None` if none of them did.
+/// Returns a line that says which default limit ended a render: error, time or bias. `None` if the
+/// number of passes or the user ended it, or if `stop` lacks a target or a time limit.
 fn default_end_line(stop: &StopCriteria<'_>, ended: EndReason) -> Option<String> {
     let (target, time) = (stop.target?, stop.time?);
     let error = percent_text(target.error);

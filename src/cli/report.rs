@@ -60,7 +60,7 @@ pub(super) struct LimitsReport {
     seconds: Option<f64>,
     /// Relative error at which the render ends; `None` without this limit.
     error: Option<f64>,
-    /// Confidence with which the true error must be at most `error`; `None` without that limit.
+    /// Confidence with which the true error must be at most `error`; `None` if `error` is `None`.
     confidence: Option<Confidence>,
 }
 
@@ -83,10 +83,12 @@ pub(super) struct EstimatedErrorReport {
     pub estimate: ErrorEstimate,
     /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
     pub confidence: Confidence,
-    /// Total number of passes after which the error is expected to be half (median of the
-    /// forecast); `None` if it is unknown, or if no number of passes halves the error.
+    /// Total number of passes after which the estimated error is expected to be half of its present
+    /// value (median of the forecast); `None` if it is unknown, or if no number of passes halves
+    /// it.
     halving_passes: Option<u32>,
-    /// Further time until `halving_passes` is reached \[s].
+    /// Expected time of the passes still missing to `halving_passes` \[s]; `None` if that is
+    /// `None`.
     halving_seconds: Option<f64>,
 }
 
@@ -108,9 +110,10 @@ impl EstimatedErrorReport {
 
 #[derive(Debug, Serialize)]
 pub(super) struct GatherRadiiReport {
-    /// Gather radius of the indirect map, which Jensen 2001 calls the global map \[length].
+    /// Largest gather radius of the indirect map in the first pass \[length]. Jensen 2001 calls it
+    /// the global map.
     pub global: f32,
-    /// Gather radius of the caustic map \[length].
+    /// Largest gather radius of the caustic map in the first pass \[length].
     pub caustic: f32,
 }
 
@@ -151,7 +154,7 @@ pub(super) struct RenderSetup {
     pub scatter_point_guiding: Option<ScatterPointGuidingReport>,
     pub effects: Vec<EffectDecisionReport>,
     pub balance: Option<RayPhotonBalance>,
-    /// Time that the preparation took \[s].
+    /// Time from the start of loading to the end of the pilots \[s].
     pub seconds: f64,
 }
 

@@ -11,7 +11,7 @@ use crate::stats::MemoryLimit;
 use miette::Report;
 use std::path::{Path, PathBuf};
 
-/// Loads the scene of the command line, with the picture size of `--size` if given.
+/// Reads and builds the scene that the command line names. `--size` replaces its picture size.
 ///
 /// If a picture or an input does not fit into memory, returns a failure before memory is allocated.
 /// `monitor` receives the progress of reading.
@@ -48,7 +48,7 @@ pub(super) fn read_scene_file(
     if reports.is_empty() { Ok(file) } else { Err(CommandFailure { reports, exit: Exit::Input }) }
 }
 
-/// Returns the warnings of the importer, one line each.
+/// Returns the warnings of the scene importer about ignored or approximated content, one line each.
 pub(super) fn import_warnings(file: &SceneFile) -> Vec<String> {
     file.import_warnings().iter().map(|line| replace_control_characters(line)).collect()
 }
@@ -58,7 +58,7 @@ pub(super) fn replace_control_characters(line: &str) -> String {
     line.replace(char::is_control, "\u{fffd}")
 }
 
-/// Loads the scene of the command line. Returns its parsed file and the resolved scene.
+/// Reads and builds the scene that the command line names. Returns its parsed file and the scene.
 pub(super) fn load_scene_and_file(
     arguments: &SceneArguments,
     monitor: &dyn MeshReadMonitor,
@@ -68,7 +68,7 @@ pub(super) fn load_scene_and_file(
     Ok((file, scene))
 }
 
-/// Reads the scene file of the command line, and sets the picture size of `--size` if given.
+/// Reads the scene file that the command line names. `--size` replaces its picture size.
 ///
 /// If the picture does not fit into memory, returns a failure.
 pub(super) fn read_sized_scene_file(
@@ -87,7 +87,7 @@ pub(super) fn read_sized_scene_file(
     Ok(file)
 }
 
-/// Builds the scene of a file within the memory limit of the command line.
+/// Builds the scene that `file` describes, within the memory limit of the command line.
 pub(super) fn resolve_scene_file(
     file: &SceneFile,
     arguments: &SceneArguments,

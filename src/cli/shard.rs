@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::str::FromStr;
 
-/// One of several parts of the passes of a render, such as `3/16`.
+/// Part of the passes of a render that one process makes, such as `3/16`: the third of 16 parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
     /// Number of this part, counted from 1.
@@ -13,10 +13,10 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Returns the numbers of the passes, counted from 0, that this shard makes of `passes` in
-    /// total.
+    /// Returns the indices (from 0) of the passes that this part makes in a render of `passes`
+    /// passes.
     ///
-    /// The sizes of shards differ by at most one pass.
+    /// The sizes of parts differ by at most one pass.
     #[must_use]
     pub fn passes(self, passes: u32) -> Range<u32> {
         let end_of = |number: u32| (u64::from(passes) * u64::from(number) / u64::from(self.count)) as u32;

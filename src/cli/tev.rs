@@ -6,28 +6,31 @@ use crate::integrate::{LightGroup, SurfaceAovs};
 use crate::render::{Film, RenderResult, picture_layers, rgb_layer, surface_layers};
 use crate::view::{TevAddress, TevClient};
 
-/// Picture of a render in the viewer.
+/// Connection that shows the picture of a render in the viewer tev.
 pub(super) struct TevOutput {
     client: TevClient,
-    /// Name of the image.
+    /// Name of the image in the viewer: the path of the scene file.
     name: String,
 }
 
 impl TevOutput {
-    /// Connects to the viewer at `address`. `scene` names the image.
+    /// Connects to the viewer at `address`. The image gets the name `scene`.
     pub fn start(address: &TevAddress, scene: &str) -> Self {
         let place = address.to_string();
         let report = move |error| print_message(&format!("warning: the picture is not sent to {place}: {error}"));
         Self { client: TevClient::start(address.clone(), report), name: scene.to_owned() }
     }
 
-    /// Sends the picture and its light groups, unless the last time was too short a time ago.
+    /// Sends the picture and its light groups, unless they were sent only a short time ago, see
+    /// [`TevClient::send_if_due`].
     pub fn send_if_due(&mut self, rendered: &RenderResult) {
         self.client.send_if_due(&self.name, rendered.film.size(), || growing_layers(rendered));
     }
 
-    /// Sends the last picture. If `has_layers` is true, sends the layers of `--aov` as a further
-    /// image. Waits until the viewer has read them, but not for long.
+    /// Sends the final picture. If `has_layers` is true, also sends the layers of `--aov`, as a
+    /// second image.
+    ///
+    /// Waits a limited time for the viewer to read them, and prints a warning if it does not.
     pub fn finish(self, rendered: &RenderResult, aovs: Option<&SurfaceAovs>, has_layers: bool) {
         let size = rendered.film.size();
         self.client.send(&self.name, size, growing_layers(rendered));
@@ -42,7 +45,8 @@ impl TevOutput {
     }
 }
 
-/// Returns the picture and its light groups.
+/// Returns the layers that the viewer shows during the render: the mean of the passes so far, and
+/// its light groups.
 fn growing_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     let layer = |(name, film): (&str, &Film)| rgb_layer(name, &film.mean());
     let groups = LightGroup::ALL.iter().map(|group| group.name()).zip(&rendered.groups);

@@ -52,7 +52,7 @@ pub enum WriteError {
     /// An operation on the file failed with an error of the operating system.
     #[error("cannot {action} `{}`: {source}", path.display())]
     Io {
-        /// The operation that failed, such as `create a file in`.
+        /// Words for the operation that failed, such as `create a file in`; a path follows them.
         action: &'static str,
         /// Path of the file or folder on which the operation failed.
         path: PathBuf,
@@ -62,9 +62,9 @@ pub enum WriteError {
     /// The file format cannot store a pair of metadata, which is a key and a text.
     #[error("metadata `{key}` cannot be stored: {reason}")]
     Metadata {
-        /// Key of the pair of metadata.
+        /// Key of the refused metadata.
         key: String,
-        /// The rule of the file format that the key or text violates.
+        /// The rule of the file format that the key or the text violates.
         reason: &'static str,
     },
     /// The exposure is NaN or outside ±[`MAX_EXPOSURE_STOPS`](super::MAX_EXPOSURE_STOPS).
@@ -152,8 +152,8 @@ impl DecodeFailure {
     }
 }
 
-/// Fails if a file of `file` bytes cannot hold the `uncompressed` bytes of data that its header
-/// claims.
+/// Fails if a file of `file` bytes is too short for the `uncompressed` bytes of pixels that its
+/// header claims.
 ///
 /// DEFLATE compresses at most 1032 bytes into one (zlib technical details). The check prevents
 /// allocations for a wrong header.
@@ -172,7 +172,8 @@ pub(super) fn check_compression_ratio(uncompressed: u64, file: usize) -> Result<
 /// pyramid takes 28 bytes, and one with the tables of light sampling 36 bytes.
 const PEAK_BYTES_PER_PIXEL: u64 = 48;
 
-/// Fails if reading a picture of `pixels` pixels needs more than `free` bytes; `None` is no limit.
+/// Fails if reading a picture of `pixels` pixels needs more than `free` bytes of memory; for
+/// `free`, `None` is no limit.
 pub(super) fn check_memory(pixels: usize, free: Option<u64>) -> Result<(), DecodeFailure> {
     let needed = PEAK_BYTES_PER_PIXEL * pixels as u64;
     match free {

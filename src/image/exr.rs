@@ -94,7 +94,7 @@ impl From<exr::error::Error> for DecodeFailure {
 
 /// Decodes the first layer with channels R, G and B of any sample type. Other channels are ignored.
 ///
-/// Fails if reading needs more than `free` bytes.
+/// Fails if reading needs more than `free` bytes of memory; for `free`, `None` is no limit.
 pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     for header in &MetaData::read_from_buffered(Cursor::new(file), false)?.headers {
         let Vec2(width, height) = header.layer_size;

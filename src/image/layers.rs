@@ -20,7 +20,7 @@ const MAX_NAME: usize = 255;
 pub struct ExrLayer {
     /// Name of the layer; empty for the one layer that picture viewers show.
     pub name: String,
-    /// Channels: the name, and one value per pixel in rows from the top.
+    /// Channels of the layer: the name of each, and one value per pixel in rows from the top.
     ///
     /// The unnamed layer should have channels `R`, `G` and `B`.
     pub channels: Vec<(String, Vec<f32>)>,

@@ -20,17 +20,17 @@ pub enum MetricError {
     NonFinite {
         /// The picture that contains the pixel: `first` or `second`.
         which: &'static str,
-        /// Column of the pixel that is not finite, from the left, from 0.
+        /// Column of the pixel that is not finite, counted from 0 at the left.
         x: u32,
-        /// Row of the pixel that is not finite, from the top, from 0.
+        /// Row of the pixel that is not finite, counted from 0 at the top.
         y: u32,
     },
     /// An option of the metric is out of range.
     #[error("{name} is {value}, which is out of range")]
     Parameter {
-        /// Name of the option: `epsilon`, `clip`, `exposure` or `pixels per degree`.
+        /// Name of the refused option: `epsilon`, `clip`, `exposure` or `pixels per degree`.
         name: &'static str,
-        /// The given value of the option.
+        /// Refused value of the option.
         value: f64,
     },
 }
@@ -79,9 +79,9 @@ pub fn relative_mse(a: &Image, reference: &Image, epsilon: f64, clip: Option<f64
 pub struct LargestDifference {
     /// Absolute difference \[W/(m² sr)].
     pub difference: f64,
-    /// Column of the pixel with this difference, from the left, from 0.
+    /// Column of the pixel with this difference, counted from 0 at the left.
     pub x: u32,
-    /// Row of the pixel with this difference, from the top, from 0.
+    /// Row of the pixel with this difference, counted from 0 at the top.
     pub y: u32,
 }
 
@@ -169,7 +169,8 @@ pub(super) fn check_comparable(a: &Image, b: &Image) -> Result<(), MetricError> 
     Ok(())
 }
 
-/// Pairs of corresponding pixels; fails if the sizes differ or a pixel is not finite.
+/// Pairs of the pixels of `a` and `b` at equal positions; fails if the sizes differ or a pixel is
+/// not finite.
 fn pixel_pairs<'a>(
     a: &'a Image,
     b: &'a Image,

@@ -40,7 +40,7 @@ pub struct WriteOptions {
     pub metadata: Vec<(String, String)>,
 }
 
-/// Checks that keys follow the rules of PNG keywords, restricted to ASCII (ISO/IEC 15948,
+/// Checks that metadata keys follow the rules of PNG keywords, restricted to ASCII (ISO/IEC 15948,
 /// 11.3.4.2).
 ///
 /// The rules also apply to OpenEXR, so both formats accept the same metadata.

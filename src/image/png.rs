@@ -85,8 +85,8 @@ struct DecodedPng {
     gamma: Option<f64>,
 }
 
-/// Decodes the samples of a PNG file. Fails if that needs more than `free` bytes of memory; `None`
-/// is no limit.
+/// Decodes the samples of a PNG file. Fails if that needs more than `free` bytes of memory; for
+/// `free`, `None` is no limit.
 fn decode_png_samples(file: &[u8], free: Option<u64>) -> Result<DecodedPng, DecodeFailure> {
     let mut decoder = Decoder::new(Cursor::new(file));
     decoder.set_transformations(png::Transformations::EXPAND);
@@ -144,7 +144,8 @@ pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailur
     }
 }
 
-/// Decodes a PNG file as numbers from 0 to 1, without a transfer function.
+/// Decodes a PNG file of data such as roughness: its levels become numbers from 0 to 1, without a
+/// transfer function.
 pub(super) fn read_data(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     apply_transfer_function(decode_png_samples(file, free)?, |signal| signal as f32)
 }

@@ -20,7 +20,7 @@ const HDR_SIGNATURE: [u8; 3] = *b"#?R";
 /// Picture file format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// PNG, which holds display levels.
+    /// PNG, whose levels encode display values, by the sRGB curve or a gamma.
     Png,
     /// OpenEXR, which holds linear radiance.
     Exr,
@@ -84,8 +84,8 @@ pub enum PixelMeaning {
     Data,
 }
 
-/// Reads a picture of the given `meaning`, if that needs at most `free` bytes of memory; `None` is
-/// no limit.
+/// Reads a picture of the given `meaning`, if that needs at most `free` bytes of memory. For
+/// `free`, `None` is no limit.
 ///
 /// # Errors
 /// [`ReadError`], see [`read`]; also if the memory does not suffice.
@@ -94,7 +94,8 @@ pub fn read_with_memory_limit(path: &Path, meaning: PixelMeaning, free: Option<u
     Ok(decode(path, &file, meaning, free.map(|free| free.saturating_sub(file.len() as u64)))?.0)
 }
 
-/// Decodes the bytes of a picture file, and returns its file format. Errors name `path`.
+/// Decodes the bytes `file` of a picture. Returns the picture and its file format. Errors name
+/// `path`.
 ///
 /// Fails if decoding needs more than `free` bytes of memory; `None` is no limit.
 ///
@@ -117,7 +118,7 @@ pub fn decode(
     Ok((image.map_err(|failure| failure.into_read_error(path.to_owned()))?, format))
 }
 
-/// Reads the levels of an 8-bit PNG without a transfer function, for exact comparisons.
+/// Reads the 8-bit levels that a PNG file stores, not linearised, for exact comparisons.
 ///
 /// # Errors
 /// [`ReadError`], see [`read`]; also if the file is not an 8-bit PNG.
@@ -153,7 +154,7 @@ fn read_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     Ok(Image::from_pixels(header.width, header.height, pixels)?)
 }
 
-/// Reads all bytes of a file; fails if they are more than `free`.
+/// Reads all bytes of a file; fails if they are more than `free`. For `free`, `None` is no limit.
 fn read_file_bytes(path: &Path, free: Option<u64>) -> Result<Vec<u8>, ReadError> {
     let refused = |source| ReadError::Io { path: path.to_owned(), source };
     let (mut file, needed) = open_file(path).map_err(refused)?;

@@ -3,7 +3,8 @@
 use super::Image;
 use glam::{DVec3, Vec3};
 
-/// Half width of the 5 × 5 neighbourhood that is averaged \[pixels].
+/// Half width of the 5 × 5 neighbourhood over which [`RelativeErrorWeights`] averages the radiance
+/// L \[pixels].
 const HALF_WIDTH: usize = 2;
 
 /// Per-pixel weights that turn squared errors into relative squared errors.
@@ -19,7 +20,7 @@ pub struct RelativeErrorWeights {
 }
 
 impl RelativeErrorWeights {
-    /// Weights for errors against the reference `picture`.
+    /// Makes the weights for errors against the reference `picture`.
     ///
     /// Pixels that are not finite do not count in neighbourhoods.
     #[must_use]
@@ -27,8 +28,8 @@ impl RelativeErrorWeights {
         Self::from_pixels((picture.width(), picture.height()), picture.pixels())
     }
 
-    /// Weights for errors against a reference of `size` (width, height), with `pixels` in rows from
-    /// the top.
+    /// Makes the weights for errors against a reference of `size` (width, height), with `pixels` in
+    /// rows from the top.
     ///
     /// # Panics
     /// If the number of pixels is not width · height.

@@ -64,10 +64,12 @@ fn parent_folder(file: &Path) -> &Path {
 /// Prefix and suffix of the names of the temporary files of [`replace_file`].
 const TEMPORARY_NAME: (&str, &str) = (".caustica-", ".tmp");
 
-/// Age at which a temporary file counts as left by a killed process.
+/// Age from which a temporary file counts as left behind by a killed process, so that it is
+/// removed.
 const ABANDONED_AGE: Duration = Duration::from_secs(3600);
 
-/// Removes temporary files that killed processes left in `folder`. Failures are ignored.
+/// Removes temporary files in `folder` that are older than [`ABANDONED_AGE`], because killed
+/// processes left them. Failures are ignored.
 fn remove_abandoned_files(folder: &Path) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
@@ -90,13 +92,13 @@ struct ReplaceTarget {
     /// Path of the target, with symbolic links resolved.
     file: PathBuf,
     folder: PathBuf,
-    /// Permissions of the existing file; `None` if there is none.
+    /// Permissions of the file to replace; `None` if there is no file yet.
     existing: Option<fs::Permissions>,
 }
 
 impl ReplaceTarget {
-    /// Finds the file to replace at `path`; fails if the folder is missing or the file is not
-    /// writable.
+    /// Finds the file at `path` to replace or create; fails if the folder is missing or the file is
+    /// not writable.
     fn find_replaceable_file(path: &Path) -> Result<Self, WriteError> {
         let file = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let folder = parent_folder(&file).to_owned();

@@ -7,7 +7,7 @@ use ::image::{DynamicImage, ImageError, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
 
-/// Levels of a picture with alpha, without a transfer function.
+/// Integer levels of an RGBA picture as its file stores them, not linearised.
 #[derive(Clone, Debug)]
 pub(crate) struct RgbaLevels {
     /// Picture width in pixels.
@@ -16,12 +16,13 @@ pub(crate) struct RgbaLevels {
     pub height: u32,
     /// Levels of red, green, blue and alpha from 0 to `greatest`, in rows from the top.
     pub pixels: Vec<[u16; 4]>,
-    /// Level that stands for full intensity: 255 or 65,535.
+    /// Largest level, which stands for 1: 255 or 65,535.
     pub greatest: u16,
 }
 
 impl RgbaLevels {
-    /// Returns the linear value of each level by the sRGB transfer function.
+    /// Returns the linear value in \[0, 1] of each level from 0 to `greatest`, by the sRGB transfer
+    /// function.
     pub fn srgb_table(&self) -> Vec<f32> {
         (0..=self.greatest).map(|level| srgb_decode(f64::from(level) / f64::from(self.greatest)) as f32).collect()
     }

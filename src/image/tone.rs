@@ -109,7 +109,8 @@ pub(super) struct Quantizer {
 }
 
 impl Quantizer {
-    /// A quantizer for levels from 0 to `white`; fails if the exposure is out of range.
+    /// Makes a quantizer for levels from 0 to `white`; fails if the exposure of `tone` is out of
+    /// range.
     pub(super) fn new(tone: ToneMap, white: u16) -> Result<Self, WriteError> {
         if tone.exposure_stops.abs() <= MAX_EXPOSURE_STOPS {
             Ok(Self { curve: tone.curve, scale: libm::exp2f(tone.exposure_stops), white })
@@ -118,8 +119,8 @@ impl Quantizer {
         }
     }
 
-    /// Returns the integer levels of a pixel's channels. Counts the pixel in `report` if a value is
-    /// outside the range of levels.
+    /// Returns the integer levels of a pixel's channels. Counts the pixel in `report` if a channel
+    /// had to be clamped, or is not finite.
     pub(super) fn quantize_pixel(&self, pixel: Vec3, report: &mut ClippedPixelReport) -> [u16; 3] {
         let exposed = pixel * self.scale;
         // A finite value that overflows by the exposure is too bright, but not a defect.

@@ -11,7 +11,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Conditions that end a render. They are checked after each pass, and the first that holds ends
+/// Conditions that end a render. They are checked after each pass; the first one that holds ends
 /// the render.
 #[derive(Clone, Copy, Debug)]
 pub struct StopCriteria<'a> {
@@ -21,17 +21,20 @@ pub struct StopCriteria<'a> {
     pub passes: Option<u32>,
     /// Wall time after which the render ends; `None` for no limit. The last pass is completed.
     pub time: Option<Duration>,
-    /// Error at which the render ends; `None` for no target.
+    /// Estimated error at which the render ends; `None` for no target.
     pub target: Option<ErrorTarget>,
-    /// True to give up `target` once the noise is below its error, if bias keeps the total error
-    /// above it after any number of passes. A render without limits of passes and time gives up in
-    /// any case, even before its noise is that low.
+    /// True to give up `target` if bias keeps the error above it after any number of passes, but
+    /// not before the noise is at most the target error.
+    ///
+    /// A render without limits of passes and time gives up such a target in any case, even with
+    /// more noise.
     pub ends_at_bias: bool,
     /// Flag that another thread sets to true to end the render after the current pass.
     pub interrupted: &'a AtomicBool,
 }
 
-/// Error at which a render ends, with the confidence that the picture has reached it.
+/// Error target of a render: the render ends once it estimates, with this confidence, that the
+/// error is at most this.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorTarget {
     /// Relative error, see [`ErrorEstimate`]; 0.01 is 1 %.
@@ -49,7 +52,7 @@ impl ErrorTarget {
     }
 }
 
-/// Why a render ended.
+/// Reason why a render ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EndReason {
@@ -65,7 +68,7 @@ pub enum EndReason {
     Interrupted,
 }
 
-/// Result of a render, or of its passes so far: film, error estimator, counts and times.
+/// Result of a render, or its state after some passes: film, error estimator, counts and times.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct RenderResult {
     /// Numbers of the passes in `film`, counted from 0.
@@ -80,7 +83,7 @@ pub struct RenderResult {
     pub groups: Vec<Film>,
     /// Film of the radiance that clamping removed; `None` without clamping.
     pub clamped: Option<Film>,
-    /// Reason why the render ended.
+    /// Reason why the render ended; without meaning while it goes on.
     pub ended: EndReason,
     /// Counts of rays and density estimates of all passes.
     pub counters: Counters,
@@ -90,8 +93,8 @@ pub struct RenderResult {
     pub unaimed: PhotonReport,
     /// Counts and flux of the photon paths that are aimed at casters, such as glass or mirrors.
     pub aimed: PhotonReport,
-    /// Wall time of all passes, from the start of the first one. Times of continued and of merged
-    /// renders are added.
+    /// Wall time of all passes, from the start of the first one. The times of a continued render,
+    /// and of merged renders, add up.
     pub wall: Duration,
 }
 
@@ -102,18 +105,18 @@ pub struct PassProgress<'a> {
     pub passes: u32,
     /// Film, error estimator, counts and times of the passes so far.
     pub rendered: &'a RenderResult,
-    /// Why the render ends after this pass; `None` if another pass follows.
+    /// Reason why the render ends after this pass; `None` if another pass follows.
     pub ended: Option<EndReason>,
     /// Estimated error, and a forecast of the error after more passes; `None` if the error was not
     /// estimated after this pass.
     pub error: Option<(ErrorEstimate, ErrorForecast)>,
 }
 
-/// Smallest number of passes after which a render may give up its error target.
+/// Number of passes before which a render does not give up its error target.
 pub(super) const GIVE_UP_PASSES: u32 = 16;
 
-/// A render gives up its error target if this fraction of its permanent bias exceeds the target.
-/// The permanent bias is the bias that more passes do not remove.
+/// Factor on the permanent bias of a render, the bias that more passes do not remove. A render
+/// gives up its error target only if the product exceeds the target.
 pub(super) const GIVE_UP_MARGIN: f64 = 0.8;
 
 /// Renders a picture of `size` (width, height) pixels, pass by pass, until a criterion of `stop`
@@ -132,12 +135,12 @@ pub fn render(
     continue_render(RenderResult::without_passes(integrator, size), 0..u32::MAX, integrator, stop, monitor, after_pass)
 }
 
-/// Renders the passes with numbers in `numbers` that `rendered` lacks, and adds them to it. Ends
+/// Renders those passes of `numbers` that `rendered` lacks, and returns `rendered` with them. Ends
 /// when a criterion of `stop` holds or no pass is left.
 ///
-/// The criteria count all passes of `rendered`, but only the time of this call. Picture and error
-/// estimate have the same bits as after one render without interruption. Calls `after_pass` after
-/// each pass.
+/// The pass limit of `stop` counts all passes of `rendered`, but its time limit only the time of
+/// this call. Picture and error estimate have the same bits as after one render without
+/// interruption. Calls `after_pass` after each pass.
 pub fn continue_render(
     mut rendered: RenderResult,
     numbers: Range<u32>,
@@ -194,7 +197,8 @@ pub fn continue_render(
 }
 
 impl RenderResult {
-    /// Returns the empty result with which a render of `size` (width, height) pixels begins.
+    /// Returns a result without passes, with which a render of `size` (width, height) pixels
+    /// begins.
     #[must_use]
     pub fn without_passes(integrator: &dyn Integrator, size: (u32, u32)) -> Self {
         let groups = if integrator.groups_light() { LightGroup::ALL.len() } else { 0 };
@@ -317,7 +321,8 @@ impl<'a> StopCriteria<'a> {
         by_error.or(is_time_up.then_some(EndReason::Time))
     }
 
-    /// Returns the reason to end the render because of its estimated error; `None` to go on.
+    /// Returns [`EndReason::Target`] if the error target is reached, [`EndReason::Floor`] if bias
+    /// keeps the render from reaching it, and `None` to go on.
     fn end_reason_by_error(&self, estimate: &ErrorEstimate, forecast: &ErrorForecast) -> Option<EndReason> {
         let target = self.target?;
         if estimate.high <= target.error {

@@ -6,11 +6,11 @@ use super::error_estimate::{ErrorForecast, StopForecast};
 /// Prediction of when and why a render ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExpectedEnd {
-    /// Criterion that is expected to hold first.
+    /// Criterion of [`StopCriteria`] that is expected to end the render.
     pub ended: EndReason,
-    /// Expected number of passes.
+    /// Expected number of passes at the end.
     pub passes: u32,
-    /// Expected relative error of the picture, see
+    /// Expected relative error of the picture at the end, see
     /// [`ErrorEstimate`](super::error_estimate::ErrorEstimate).
     pub error: f64,
 }

@@ -6,7 +6,7 @@ use crate::math::BinnedSums;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Sums of the pass images by pixel.
+/// Sums over passes of the radiance of each pixel; see [`Film::mean`] for the picture.
 ///
 /// The sums depend only on the set of passes, to the bit; see [`BinnedSums`]. Neither the order of
 /// passes nor the merging of films changes them. A sum with infinite values is infinite, or NaN if
@@ -32,11 +32,11 @@ impl Film {
         self.passes += 1;
     }
 
-    /// Adds the passes of `other`. No pass may be in both films.
+    /// Adds the passes of `other`. The caller ensures that no pass is in both films.
     ///
     /// # Errors
-    /// [`MergeError`] if the sizes differ or there are too many passes. The film then stays as it
-    /// is.
+    /// [`MergeError`] if the sizes differ, or if the number of passes exceeds `u32::MAX`. The film
+    /// then stays as it is.
     pub fn merge(&mut self, other: &Self) -> Result<(), MergeError> {
         if self.size() != other.size() {
             return Err(MergeError::Size { own: self.size(), other: other.size() });
@@ -79,7 +79,7 @@ impl Film {
         u64::from(self.width) * u64::from(self.height) == self.sums.len() as u64
     }
 
-    /// Returns the sums of radiance over the passes.
+    /// Returns the sums over the passes of the radiance of each pixel.
     pub(super) fn radiance_sums(&self) -> &BinnedSums<3> {
         &self.sums
     }

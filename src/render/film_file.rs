@@ -15,14 +15,14 @@ use std::io::{self, Read, Write};
 /// First line of a film file, with the version number of the format.
 const MAGIC: &[u8; 16] = b"CAUSTICA FILM 2\n";
 
-/// Largest uncompressed content of a block \[bytes].
+/// Largest uncompressed content of a block of a film file \[bytes].
 const BLOCK: usize = 1 << 20;
 
-/// Largest size of the sums in a film file, apart from the part that grows with the pixels
+/// Largest size of those contents of a film file that do not grow with the number of pixels
 /// \[bytes].
 const MAX_FIXED_BYTES: u64 = 1 << 20;
 
-/// Largest size of the sums in a film file for each pixel \[bytes].
+/// Largest size of the contents of a film file for each pixel \[bytes].
 ///
 /// The format of the crate `postcard` stores a 64-bit integer in at most 10 bytes.
 const MAX_BYTES_PER_PIXEL: u64 = 1024;
@@ -46,15 +46,16 @@ pub struct FilmHeader {
     pub scene: String,
     /// The scene file and all files that it names, sorted by name and digest.
     pub inputs: Vec<InputDigest>,
-    /// Width of the picture \[pixels].
+    /// Width of the rendered picture or crop window \[pixels].
     pub width: u32,
-    /// Height of the picture \[pixels].
+    /// Height of the rendered picture or crop window \[pixels].
     pub height: u32,
-    /// Flags of all settings that differ from their default, except the seed.
+    /// Command-line flags of all settings that differ from their default, except the seed.
     pub settings: Vec<String>,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Number of passes of the whole render, if this one makes only a part of them; else `None`.
+    /// Number of passes of the whole render, if this film is to hold only a part of them
+    /// (`--shard`); else `None`.
     pub planned_passes: Option<u32>,
 }
 
@@ -70,16 +71,16 @@ pub struct FilmFile {
 /// Error of reading a film file.
 #[derive(Debug, thiserror::Error)]
 pub enum FilmFileError {
-    /// The first line is not that of a film file of this version.
+    /// The file does not begin with the first line of a film file of this version.
     #[error("it is no film of this version of the program")]
     NoFilm,
     /// The file ends before its last block.
     #[error("it is cut off: copy it again, or delete it to begin anew")]
     CutOff,
-    /// The content contradicts its checksum or itself.
+    /// The content of the file contradicts its checksum or itself.
     #[error("it is damaged ({what}): copy it again, or delete it to begin anew")]
     Damaged {
-        /// The damaged part.
+        /// Name of the damaged part for the message, such as `its header`.
         what: &'static str,
     },
     /// The system could not read the file.
@@ -118,9 +119,9 @@ impl FilmHeader {
         lines
     }
 
-    /// Returns the passes that the whole render still needs if `done` are done.
+    /// Returns the passes that are missing to a whole render if `done` are done.
     ///
-    /// They are the missing ones of the planned passes, and of the passes before the last one of
+    /// The whole render has the planned passes, and at least all passes up to the last one of
     /// `done`.
     #[must_use]
     pub fn missing_passes(&self, done: &PassSet) -> PassSet {
@@ -142,7 +143,7 @@ impl FilmFile {
         write_block(out, &[])
     }
 
-    /// Reads a file from `input`.
+    /// Reads a film file from `input`.
     ///
     /// # Errors
     /// [`FilmFileError`] if `input` is not a complete, undamaged film file of this version.

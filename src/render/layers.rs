@@ -8,9 +8,10 @@ use glam::Vec3;
 
 /// Returns the layers of a picture file: the picture, whose layer has no name; its light groups if
 /// it has them; the radiance that clamping removed if light is clamped; and maps of its estimated
-/// error if the error is estimated.
+/// error.
 ///
-/// Layers `bias`, `radius` and `photons` exist only for algorithms with density estimates.
+/// There are no maps if the error is not estimated, or before [`MIN_PASSES`] passes. Layers `bias`,
+/// `radius` and `photons` exist only for algorithms with density estimates.
 #[must_use]
 pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     let mut layers = vec![rgb_layer("", &rendered.film.mean())];
@@ -35,8 +36,8 @@ pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
 
 /// Returns the layers `albedo`, `normal`, `depth`, `position`, `object` and `material`.
 ///
-/// Colours have channels R, G and B, vectors X, Y and Z. Depth has the channel Z, as OpenEXR
-/// recommends, and identifiers have the channel X, as those of Blender.
+/// Colours have channels R, G and B; vectors have X, Y and Z. Depth has the channel Z, as OpenEXR
+/// recommends. Object and material numbers have the channel X, as in Blender.
 #[must_use]
 pub fn surface_layers(aovs: &SurfaceAovs) -> Vec<ExrLayer> {
     let numbers = |name: &str, channel: &str, values: Vec<f32>| ExrLayer {

@@ -6,10 +6,10 @@ use crate::integrate::{Algorithm, Integrator};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// Relative error at which a render without limits ends.
+/// Estimated relative error at which a render without limits ends.
 pub const DEFAULT_ERROR: f64 = 0.03;
 
-/// Relative error at which a preview ends.
+/// Estimated relative error at which a preview ends.
 pub const PREVIEW_ERROR: f64 = 0.1;
 
 /// Wall time after which a render without limits ends.
@@ -24,11 +24,11 @@ pub const DEFAULT_TIME: Duration = Duration::from_secs(5 * 60);
 /// Without limits and without error estimates, a render makes [`Algorithm::default_passes`] passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RenderLimits {
-    /// Largest number of passes.
+    /// Largest number of passes; `None` for no limit.
     pub passes: Option<u32>,
-    /// Wall time after which the render ends. The last pass is completed.
+    /// Wall time after which the render ends; `None` for no limit. The last pass is completed.
     pub time: Option<Duration>,
-    /// Relative error at which the render ends, see [`ErrorTarget`].
+    /// Estimated relative error at which the render ends; `None` for no limit. See [`ErrorTarget`].
     pub target_error: Option<f64>,
     /// Required probability that the true error is at most the error at which the render ends.
     pub confidence: Confidence,

@@ -4,41 +4,46 @@ use crate::image::{MAX_PIXELS, PictureSizeError};
 use crate::integrate::ExpectedPhotons;
 use crate::stats::format_bytes;
 
-/// Memory of a render without an error estimate \[bytes per pixel].
+/// Memory per pixel of a render without an error estimate and further layers \[bytes].
 ///
 /// The film takes 50 bytes, the current pass 13, and the ray distribution of `--adaptive` 20. After
 /// the last pass, the mean and the encoded file reuse the memory of the pass.
 const BYTES_PER_PIXEL: u64 = 88;
 
-/// Memory that an error estimate adds to [`BYTES_PER_PIXEL`] \[bytes per pixel].
+/// Memory per pixel that a render needs beside [`BYTES_PER_PIXEL`] if it estimates the error
+/// \[bytes].
 ///
 /// The estimate keeps 284 bytes per pixel, for noise and for density estimates with smaller radii.
 /// Both constants together are 470 bytes: 445 were measured, error maps take 17, and 8 are spare.
 const BYTES_PER_ESTIMATED_PIXEL: u64 = 382;
 
-/// Memory that light groups add to [`BYTES_PER_PIXEL`] \[bytes per pixel].
+/// Memory per pixel that a render needs beside [`BYTES_PER_PIXEL`] for light groups \[bytes].
 ///
 /// The films of the three groups take 150 bytes, and those of the current pass 36. Layers to write
 /// reuse the memory of the pass.
 const BYTES_PER_GROUPED_PIXEL: u64 = 210;
 
-/// Memory that the light that clamping removes adds to [`BYTES_PER_PIXEL`] \[bytes per pixel].
+/// Memory per pixel that a render needs beside [`BYTES_PER_PIXEL`] if it clamps light, to store the
+/// removed light \[bytes].
 ///
-/// Its film takes 50 bytes, its sums in the error estimate 67, and the current pass 12.
+/// The film of the removed light takes 50 bytes, its sums in the error estimate 67, and the current
+/// pass 12.
 const BYTES_PER_CLAMPED_PIXEL: u64 = 140;
 
-/// Memory of pictures that wait to be sent to a viewer \[bytes per pixel].
+/// Memory per pixel that a render needs beside [`BYTES_PER_PIXEL`] for pictures that wait to be
+/// sent to the viewer tev \[bytes].
 ///
-/// Two pictures and a packet take 40 bytes. Those with light groups take 80 more.
+/// Two pictures and a packet take 40 bytes. Pictures with light groups take 80 more.
 const BYTES_PER_SENT_PIXEL: u64 = 120;
 
-/// Memory that surface AOVs take after the last pass \[bytes per pixel].
+/// Memory per pixel that a render needs beside [`BYTES_PER_PIXEL`] for surface AOVs after the last
+/// pass \[bytes].
 ///
-/// The AOVs take 48 bytes. All layers of the picture and their copy in the file take the rest:
-/// 303 bytes were measured in all.
+/// The AOVs take 48 bytes. All layers of the picture and their copy in the file take the rest: 303
+/// bytes were measured in all.
 const BYTES_PER_AOV_PIXEL: u64 = 340;
 
-/// Memory of a stored photon while the photon map is built \[bytes].
+/// Memory of each stored photon while the photon map is built \[bytes].
 ///
 /// A photon takes 32 bytes, its sorted copy 32 and its splat 20. The sort key takes 16, and the
 /// tree that replaces it 33. The rest is unused capacity of growing lists.
@@ -51,7 +56,7 @@ pub enum MemoryError {
     #[error(transparent)]
     #[diagnostic(help("choose a smaller --size"))]
     Pixels(#[from] PictureSizeError),
-    /// The pictures need more memory (`needed`) than there is (`free`) \[bytes].
+    /// The pictures of a render need more memory (`needed`) than there is (`free`) \[bytes].
     #[error(
         "{} of {width} × {height} pixels {} of memory, and {} are free",
         if *count == 1 { "a picture".to_owned() } else { format!("{count} pictures") },
@@ -79,7 +84,7 @@ pub enum MemoryError {
     Indices {
         /// Number of photon paths of the pass.
         paths: u64,
-        /// Expected number of stored photons.
+        /// Number of photons that the pass is expected to store.
         stored: u64,
     },
     /// The photons of one pass need more memory (`needed`) than there is (`free`) \[bytes].
@@ -92,7 +97,7 @@ pub enum MemoryError {
     Photons {
         /// Number of photon paths of the pass.
         paths: u64,
-        /// Expected number of stored photons.
+        /// Number of photons that the pass is expected to store.
         stored: u64,
         /// Memory that the photons need \[bytes].
         needed: u64,
@@ -104,7 +109,10 @@ pub enum MemoryError {
 const PHOTON_MEMORY_REMEDY: &str = "choose fewer --photons or --caustic-photons and more --passes: only one pass of photons is in memory at a time; \
      or allow more --memory";
 
-/// Returns the memory of rendering `count` pictures \[bytes]. `free` is the free memory \[bytes].
+/// Returns the memory that rendering `count` pictures without error estimates needs \[bytes].
+///
+/// `size` is the width and height of a picture \[pixels]. `free` is the free memory \[bytes];
+/// `None` if unknown.
 ///
 /// # Errors
 /// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
@@ -112,8 +120,10 @@ pub fn check_picture_memory(count: usize, size: (u32, u32), free: Option<u64>) -
     check_pixel_memory(count, size, BYTES_PER_PIXEL, free)
 }
 
-/// Returns the memory of rendering `count` pictures with error estimates \[bytes]. `free` is the
-/// free memory \[bytes].
+/// Returns the memory that rendering `count` pictures with error estimates needs \[bytes].
+///
+/// `size` is the width and height of a picture \[pixels]. `free` is the free memory \[bytes];
+/// `None` if unknown.
 ///
 /// # Errors
 /// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
@@ -121,23 +131,25 @@ pub fn check_error_estimate_memory(count: usize, size: (u32, u32), free: Option<
     check_pixel_memory(count, size, BYTES_PER_PIXEL + BYTES_PER_ESTIMATED_PIXEL, free)
 }
 
-/// Layers of a render that need memory beside its picture.
+/// Choice of the layers that a render stores beside its picture, each of which needs memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RenderedLayers {
-    /// True if the error is estimated.
+    /// True if the render estimates the error of its picture.
     pub error: bool,
-    /// True if light is divided into light groups.
+    /// True if the render stores a picture for each light group.
     pub groups: bool,
-    /// True if light is clamped.
+    /// True if the render clamps light, and stores the light that clamping removes.
     pub clamped: bool,
-    /// True if pictures are sent to a viewer.
+    /// True if the render sends pictures to the viewer tev.
     pub sent: bool,
-    /// True if surface AOVs follow the last pass.
+    /// True if surface AOVs are rendered after the last pass.
     pub aovs: bool,
 }
 
-/// Returns the memory of rendering a picture of `size` (width, height) pixels with `layers`
-/// \[bytes]. `free` is the free memory \[bytes].
+/// Returns the memory that rendering a picture of `size` (width, height) pixels with `layers` needs
+/// \[bytes].
+///
+/// `free` is the free memory \[bytes]; `None` if unknown.
 ///
 /// # Errors
 /// [`MemoryError`] if the picture needs more than `free` bytes, or has too many pixels.

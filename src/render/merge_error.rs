@@ -21,13 +21,14 @@ pub enum MergeError {
         /// Number of passes of the film whose passes are added.
         other: u32,
     },
-    /// The renders have common passes.
+    /// Both renders hold some of the same passes.
     #[error("both renders have passes {common}: a sum would count them twice")]
     CommonPasses {
-        /// The common passes.
+        /// The passes that both renders hold.
         common: PassSet,
     },
-    /// One render has light groups or clamps light, and the other does not.
+    /// One render has light groups and the other has none, or one clamps light and the other does
+    /// not.
     #[error("a film with light groups or clamped light cannot be added to one without")]
     Layers,
     /// The error estimates come from different integrators or pictures.

@@ -12,19 +12,19 @@ pub struct PassSet {
 }
 
 impl PassSet {
-    /// Returns the number of passes.
+    /// Returns the number of passes in the set.
     #[must_use]
     pub fn len(&self) -> u64 {
         self.ranges.iter().map(|range| u64::from(range.end - range.start)).sum()
     }
 
-    /// True if there are no passes.
+    /// True if the set is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.ranges.is_empty()
     }
 
-    /// Adds the passes of `range`.
+    /// Adds the pass numbers of `range`, which may be in the set already.
     pub fn insert(&mut self, range: Range<u32>) {
         if range.is_empty() {
             return;
@@ -37,12 +37,12 @@ impl PassSet {
         self.ranges.splice(first..last, [joined]);
     }
 
-    /// Adds the passes of `other`.
+    /// Adds the pass numbers of `other`, which may be in the set already.
     pub fn insert_all(&mut self, other: &Self) {
         other.ranges.iter().for_each(|range| self.insert(range.clone()));
     }
 
-    /// Returns the first pass of `range` that is not in the set.
+    /// Returns the lowest pass number of `range` that is not in the set; `None` if all are.
     #[must_use]
     pub fn first_missing(&self, range: Range<u32>) -> Option<u32> {
         let next = self.ranges.iter().find(|own| own.contains(&range.start)).map_or(range.start, |own| own.end);
@@ -80,7 +80,8 @@ impl PassSet {
         self.ranges.last().map_or(0, |range| range.end)
     }
 
-    /// True if the ranges are in ascending order with gaps between them.
+    /// True if the ranges are in ascending order with gaps between them, as the other functions
+    /// assume.
     ///
     /// False for some sets that were read from damaged files.
     pub(super) fn is_consistent(&self) -> bool {
@@ -89,7 +90,7 @@ impl PassSet {
     }
 }
 
-/// Numbers count from 1, as in messages: `1–20, 31`.
+/// Formats the pass numbers as ranges that count from 1, such as `1–20, 31`.
 impl fmt::Display for PassSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, Range { start, end }) in self.ranges.iter().enumerate() {

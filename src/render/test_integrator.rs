@@ -7,16 +7,17 @@ use crate::plan::{Effects, Plan};
 use crate::sampling::{Dimension, Key, Purpose};
 use crate::stats::Counters;
 
-/// Width and height of the pictures.
+/// Width and height of the passes of [`NoisyIntegrator`] \[pixels].
 pub(super) const SIZE: (u32, u32) = (40, 40);
 
 /// Integrator whose passes have radiance 1 with noise and a bias that no pass removes.
 pub(super) struct NoisyIntegrator {
     /// Standard deviation of each channel of a pixel.
     pub sigma: f32,
-    /// Bias of each channel. It behaves like the blur of fixed gather radii in smooth light.
+    /// Error of each channel that no pass removes. It behaves like the blur of fixed gather radii
+    /// in smooth light.
     pub bias: f32,
-    /// True if the error of the passes is estimated.
+    /// True if the render estimates its error: value of [`Integrator::returns_nested_estimates`].
     pub estimates_error: bool,
 }
 

@@ -81,7 +81,8 @@ pub struct EffectCost {
     pub seconds: f64,
     /// Standard error of `seconds` \[s], from the scatter between passes; `None` with one pass.
     pub seconds_error: Option<f64>,
-    /// Time of all passes with the effect, divided by the time of all passes without it.
+    /// Time of all passes of the picture with all effects, divided by that of the picture without
+    /// this effect.
     pub ratio: f64,
     /// Time that the effect adds to the preparation of the integrator \[s].
     pub setup: f64,
@@ -93,17 +94,18 @@ pub struct EffectCost {
     pub gathered_photons: f64,
 }
 
-/// Change that an effect makes to the picture.
+/// Light that an effect adds to and removes from the picture, as figures for the whole picture.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectContribution {
-    /// Root mean square over pixels and channels of the change \[W/(m² sr)].
+    /// Root mean square, over pixels and channels, of the difference between the pictures with and
+    /// without the effect \[W/(m² sr)].
     pub rmse: f64,
     /// `rmse` divided by the mean radiance of the picture with all effects; `None` if that mean is
     /// 0.
     pub relative_rmse: Option<f64>,
-    /// Mean over pixels and channels of the radiance that the effect adds \[W/(m² sr)].
+    /// Radiance that the effect adds, as a mean over pixels and channels \[W/(m² sr)].
     pub adds: f64,
-    /// Mean over pixels and channels of the radiance that the effect removes \[W/(m² sr)].
+    /// Radiance that the effect removes, as a positive mean over pixels and channels \[W/(m² sr)].
     pub takes: f64,
 }
 
@@ -116,9 +118,9 @@ pub struct EffectResult {
     pub without: PictureCost,
     /// Time and work that the effect adds.
     pub cost: EffectCost,
-    /// Change that the effect makes to the picture.
+    /// Light that the effect adds to and removes from the picture.
     pub gain: EffectContribution,
-    /// Picture with all effects minus picture without the effect \[W/(m² sr)].
+    /// Picture with all effects minus the picture without this effect \[W/(m² sr)].
     pub difference: Image,
 }
 
@@ -141,8 +143,8 @@ pub struct EffectStudyResult {
     pub interrupted: bool,
 }
 
-/// Study of effects that is ready to run: one picture with all effects, and one without each of
-/// them.
+/// Study of effects that is ready to run: one picture with all effects of the plan, and for each
+/// effect one picture without it.
 ///
 /// All pictures share the seed and the numbers of rays and photons. Each random decision has a
 /// random number of its own, so leaving out an effect does not change the other decisions. Each

@@ -16,7 +16,7 @@ impl Default for ListenAddress {
     }
 }
 
-/// Error: a text is no address to listen at.
+/// Error: a text is not an address at which a server can listen.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no address: write ADDR:PORT, such as 127.0.0.1:8080, or only a port")]
 pub struct ListenAddressError(String);

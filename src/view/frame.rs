@@ -10,7 +10,7 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 use std::sync::OnceLock;
 
-/// Number of bytes before the pixel values in the encoding of a [`Layer`].
+/// Number of bytes of the header before the pixel values in the encoding of a [`Layer`].
 pub(super) const HEADER_BYTES: usize = 20;
 
 /// Binary exponent that bounds the scaled values of an encoded layer: they are below 2¹⁵.
@@ -18,7 +18,7 @@ pub(super) const HEADER_BYTES: usize = 20;
 /// Half floats hold values below 2¹⁶. Values below 2⁻¹⁴ lose digits.
 const MAX_EXPONENT: i32 = 15;
 
-/// Number of pixel values that are converted to half floats at once.
+/// Number of channel values that are converted to half floats at once.
 const CHUNK: usize = 1024;
 
 /// Kind of layer that the live page can show: the picture, or a map of its estimated error.
@@ -32,11 +32,13 @@ pub enum LayerKind {
     Bias,
     /// Mean gather radius of density estimates from the caustic map \[length].
     CausticRadius,
-    /// Mean gather radius of density estimates from the maps of other indirect light \[length].
+    /// Mean gather radius \[length] of density estimates from the indirect map, and from the
+    /// interreflection map of `hybrid`.
     GlobalRadius,
     /// Mean number of photons in density estimates from the caustic map.
     CausticPhotons,
-    /// Mean number of photons in density estimates from the maps of other indirect light.
+    /// Mean number of photons in density estimates from the indirect map, and from the
+    /// interreflection map of `hybrid`.
     GlobalPhotons,
 }
 
@@ -52,8 +54,8 @@ impl LayerKind {
         Self::GlobalPhotons,
     ];
 
-    /// Returns the name of the layer in the URL of its pixels. Error maps have the names of `--aov`
-    /// in EXR files, such as `radius.caustic`.
+    /// Returns the name of the layer in the URL of its pixels. Error maps have their layer names in
+    /// the EXR file of `--aov`, such as `radius.caustic`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -74,7 +76,7 @@ impl LayerKind {
     }
 }
 
-/// Pixels of one layer of a frame. They are encoded when a client first asks for them, and the
+/// Pixels of one layer of a frame. They are encoded when a browser first asks for them, and the
 /// encoding is kept.
 #[derive(Debug)]
 pub struct Layer {
@@ -90,7 +92,7 @@ pub struct Layer {
 /// Picture of a render at one moment, or maps of its estimated error. All layers have one size.
 #[derive(Debug)]
 pub struct Frame {
-    /// Number of the frame. A later frame has a larger number.
+    /// Sequence number of the publication that made the frame. A later frame has a larger number.
     pub sequence: u32,
     /// Width and height \[pixels].
     pub size: (u32, u32),
@@ -98,7 +100,7 @@ pub struct Frame {
     pub passes: u32,
     /// True if the frame shows a preview of reduced size.
     pub is_preview: bool,
-    /// The layers.
+    /// The layers: the picture alone, or error maps.
     pub layers: Vec<Layer>,
 }
 
@@ -116,7 +118,7 @@ impl Layer {
         Self { kind, channels: 1, values, encoded: OnceLock::new() }
     }
 
-    /// Returns the RGB colours of a layer with three channels.
+    /// Returns the RGB colour of each pixel of a layer with three channels.
     #[must_use]
     pub fn colors(&self) -> Vec<Vec3> {
         self.values.as_chunks().0.iter().map(|channels| Vec3::from_array(*channels)).collect()
@@ -137,7 +139,8 @@ impl Frame {
         Self::from_picture(0, (image.width(), image.height()), 0, image.pixels())
     }
 
-    /// Makes a frame of the maps of the estimated error; `None` if the error is not estimated.
+    /// Makes a frame of the maps of the estimated error; `None` if the error is not estimated, or
+    /// before [`MIN_PASSES`] passes.
     #[must_use]
     pub fn from_error_maps(sequence: u32, rendered: &RenderResult) -> Option<Self> {
         let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES)?;
@@ -163,7 +166,7 @@ impl Frame {
         self.layers.iter().find(|layer| layer.kind == kind)
     }
 
-    /// Returns the encoding of a layer; `None` if the frame lacks it.
+    /// Returns the bytes that encode a layer for a browser; `None` if the frame lacks the layer.
     ///
     /// Four 32-bit integers come first: sequence number, width, height and number of channels. A
     /// 32-bit float follows, the scale. The pixel values follow as half floats, divided by the

@@ -4,13 +4,13 @@ use axum::http::header::{HOST, ORIGIN};
 use axum::http::{HeaderMap, HeaderValue};
 use std::net::IpAddr;
 
-/// Number of random bytes of a token.
+/// Number of random bytes of the secret token in the URL of a page.
 const TOKEN_BYTES: usize = 16;
 
 /// Why a request is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Refusal {
-    /// The path does not begin with the token.
+    /// The path of the request does not begin with the token of the page.
     Token,
     /// The header `Host` names no address of this server.
     Host,
@@ -59,7 +59,8 @@ pub(super) fn check_request(path: &str, headers: &HeaderMap, token: &str, port: 
     if equal_in_constant_time(first.as_bytes(), token.as_bytes()) { Ok(()) } else { Err(Refusal::Token) }
 }
 
-/// Returns the text of a header; `None` unless the request has it exactly once, in ASCII.
+/// Returns the text of the header `name`; `None` unless the request has that header exactly once,
+/// in ASCII.
 fn single_header<'a>(headers: &'a HeaderMap, name: &str) -> Option<&'a str> {
     let mut values = headers.get_all(name).iter();
     let value: &HeaderValue = values.next()?;

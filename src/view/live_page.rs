@@ -6,16 +6,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use tokio::sync::watch;
 
-/// State of a render at one moment.
+/// State of a render at one moment: status, picture, error maps and scene text.
 #[derive(Clone, Debug, Default)]
 pub struct LiveState {
-    /// Facts about the render.
+    /// Progress, limits and error of the render, as browsers receive them.
     pub status: LiveStatus,
-    /// The newest picture.
+    /// The newest picture or preview; `None` before the first one.
     pub picture: Option<Arc<Frame>>,
-    /// The newest maps of the estimated error.
+    /// The newest maps of the estimated error; `None` before the first ones.
     pub maps: Option<Arc<Frame>>,
-    /// Text of the scene file, with its errors.
+    /// Text of the scene file, with its errors and warnings.
     pub source: Arc<SceneSource>,
 }
 
@@ -27,30 +27,33 @@ pub(super) struct PublishedState {
 }
 
 impl PublishedState {
-    /// Returns the status as JSON. It is encoded once for all browsers.
+    /// Returns the [`LiveStatus`] as JSON. It is encoded once for all browsers.
     pub fn json(&self) -> Arc<str> {
         let encode = || serde_json::to_string(&self.state.status).unwrap_or_default().into();
         self.json.get_or_init(encode).clone()
     }
 }
 
-/// Board on which a render publishes its newest state.
+/// Newest state of a render: the render publishes it here, and the web server reads it.
 ///
 /// A reader takes the newest state whenever it is ready for one, and misses those in between. So
 /// neither a slow reader nor many readers delay the render: publishing replaces one pointer.
 #[derive(Debug)]
 pub struct LivePage {
-    /// Newest state. A publication changes it, and gives readers a copy.
+    /// State that a publication changes. Readers get a copy of it.
     newest: Mutex<LiveState>,
     sender: watch::Sender<Arc<PublishedState>>,
     /// True if a browser has asked for error maps since the render last made them.
     wants_maps: AtomicBool,
-    /// Reference picture for comparisons.
+    /// Reference picture that the page compares with the render; `None` without `--reference`.
     reference: Option<Arc<Frame>>,
 }
 
 impl LivePage {
-    /// Makes a page of the scene file `scene`. `interactive` is true for `caustica view`.
+    /// Makes a page for renders of the scene file `scene` by the algorithm `integrator`.
+    ///
+    /// `interactive` is true for `caustica view`, whose page can move the camera. `reference` is a
+    /// picture that the page compares with the render.
     #[must_use]
     pub fn new(scene: String, integrator: &'static str, interactive: bool, reference: Option<Frame>) -> Self {
         let status = LiveStatus {
@@ -94,10 +97,10 @@ impl LivePage {
         render
     }
 
-    /// Applies `change` to the newest state and publishes it. Does nothing if a render with a
-    /// number above `render` has begun.
+    /// Applies `change` to the newest state and publishes it. Does nothing if a newer render than
+    /// number `render` has begun.
     ///
-    /// `change` also gets a sequence number, for a frame that it may add.
+    /// `change` also receives the sequence number of the publication, for a frame that it may add.
     pub fn publish(&self, render: u32, change: impl FnOnce(&mut LiveState, u32)) {
         let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
         if newest.status.render == render {
@@ -115,7 +118,8 @@ impl LivePage {
         self.sender.send_replace(Arc::new(PublishedState { state: newest.clone(), json: OnceLock::new() }));
     }
 
-    /// Returns true if a browser has asked for error maps since the last call of this function.
+    /// Returns true if a browser has asked for error maps since the last call, and forgets the
+    /// request.
     pub fn take_wish_for_maps(&self) -> bool {
         self.wants_maps.swap(false, Ordering::Relaxed)
     }
@@ -135,12 +139,13 @@ impl LivePage {
         self.sender.borrow().clone()
     }
 
-    /// Returns the reference picture for comparisons; `None` without one.
+    /// Returns the reference picture that the page compares with the render; `None` without
+    /// `--reference`.
     pub(super) fn reference(&self) -> Option<&Frame> {
         self.reference.as_deref()
     }
 
-    /// Returns the number of browsers that receive the state.
+    /// Returns the number of browsers that follow the state of the render.
     #[must_use]
     pub fn reader_count(&self) -> usize {
         self.sender.receiver_count()

@@ -13,7 +13,8 @@ use std::time::Instant;
 /// become rarer as passes go on.
 const MAX_CURVE_POINTS: usize = 400;
 
-/// Publisher of one render on a live page. The thread of the render calls it after each pass.
+/// Publisher of one render on a live page. The render's thread calls it when the render begins,
+/// after each pass, and at the end.
 #[derive(Debug)]
 pub struct LiveRender<'a> {
     page: &'a LivePage,
@@ -28,20 +29,20 @@ pub struct LiveRender<'a> {
 }
 
 impl<'a> LiveRender<'a> {
-    /// Begins a new render on `page`. Loading of its scene began at the time `start`.
+    /// Begins a new render on `page`. `start` is the time at which loading of its scene began.
     #[must_use]
     pub fn begin(page: &'a LivePage, start: Instant) -> Self {
         let (picture_pace, map_pace) = (Pace::default(), Pace::default());
         Self { page, number: page.begin_render(), start, picture_pace, map_pace, curve: Arc::default(), forecast: None }
     }
 
-    /// Returns the number of the render on its page.
+    /// Returns the number that the page gave to this render, counted from 1.
     #[must_use]
     pub fn number(&self) -> u32 {
         self.number
     }
 
-    /// Applies `change` to the state of this render, and publishes it.
+    /// Applies `change` to the state on the page and publishes it, unless a newer render has begun.
     pub fn publish(&self, change: impl FnOnce(&mut LiveState, u32)) {
         self.page.publish(self.number, change);
     }
@@ -51,7 +52,7 @@ impl<'a> LiveRender<'a> {
         self.publish(|state, _| state.status.phase = phase);
     }
 
-    /// Publishes a preview of reduced size.
+    /// Publishes a preview of `size` (width, height) pixels as the newest picture.
     pub fn show_preview(&self, size: (u32, u32), pixels: &[Vec3]) {
         let seconds = self.start.elapsed().as_secs_f64();
         self.publish(|state, sequence| {
@@ -102,7 +103,8 @@ impl<'a> LiveRender<'a> {
         }
     }
 
-    /// Publishes the final result of a render. `phase` is [`Phase::Stopped`] or [`Phase::Ended`].
+    /// Publishes the result of a render that has ended or paused. `phase` is [`Phase::Stopped`] or
+    /// [`Phase::Ended`].
     pub fn end(&mut self, rendered: &RenderResult, phase: Phase) {
         self.publish_result(rendered);
         self.publish_maps(rendered);
@@ -131,7 +133,7 @@ impl<'a> LiveRender<'a> {
         });
     }
 
-    /// Publishes maps of the estimated error, if it is estimated.
+    /// Publishes maps of the estimated error; does nothing if the error is not estimated yet.
     fn publish_maps(&self, rendered: &RenderResult) {
         if let Some(maps) = Frame::from_error_maps(0, rendered) {
             self.publish(|state, sequence| state.maps = Some(Arc::new(Frame { sequence, ..maps })));

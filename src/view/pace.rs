@@ -9,7 +9,7 @@ const MIN_INTERVAL_FACTOR: u32 = 100;
 /// Least pause after a publication, even if it took almost no time.
 const MIN_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Schedule of publications: tells when the next one is due.
+/// Schedule of publications of a growing picture: says when the next one is due.
 #[derive(Debug, Default)]
 pub(super) struct Pace {
     /// Earliest time of the next publication; `None` before the first one.

@@ -18,11 +18,11 @@ pub struct Orbit {
 /// Request of a browser to the render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Request {
-    /// End the render after the current pass.
+    /// Stop after the current pass. `caustica view` pauses its render; `caustica render` ends.
     Stop,
-    /// Continue a render that was stopped.
+    /// Continue a paused render of `caustica view`.
     Resume,
-    /// Move the camera.
+    /// Move the camera of `caustica view` to this position.
     Orbit(Orbit),
 }
 

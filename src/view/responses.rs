@@ -21,7 +21,8 @@ use tokio_stream::wrappers::WatchStream;
 
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/page.css");
-/// Scripts of the page. Each script uses only itself and earlier ones.
+/// Scripts of the live page in the order of inclusion: each script uses only itself and earlier
+/// ones.
 const SCRIPTS: [&str; 8] = [
     include_str!("page/text.js"),
     include_str!("page/pixels.js"),
@@ -33,14 +34,14 @@ const SCRIPTS: [&str; 8] = [
     include_str!("page/main.js"),
 ];
 
-/// Returns the HTML page with its style and scripts. Both carry `nonce`, because the browser
-/// refuses styles and scripts without it.
+/// Returns the HTML page with its style and scripts. Both carry the text `nonce`, because the
+/// browser refuses styles and scripts without it.
 pub(super) fn page_html(nonce: &str) -> String {
     let script = format!("(() => {{\n\"use strict\";\n{}\n}})();", SCRIPTS.join("\n"));
     PAGE.replace("{nonce}", nonce).replace("{style}", STYLE).replace("{script}", &script)
 }
 
-/// Stream of the newest states of a render for one browser. It ends when the server ends.
+/// Stream of the newest states of a render for one browser. The stream ends when the server ends.
 struct StateEvents {
     states: WatchStream<Arc<PublishedState>>,
     end: Pin<Box<dyn Future<Output = ()> + Send>>,
@@ -61,10 +62,11 @@ impl Stream for StateEvents {
     }
 }
 
-/// Returns the response that sends each new state to a browser until `end`.
+/// Returns the response that streams each new state of the render to a browser, until `end`
+/// resolves.
 ///
 /// A state is taken only when the connection accepts it. So a slow browser misses states, and
-/// nothing queues up.
+/// nothing queues up. `permit` is held until the stream ends.
 pub(super) fn state_events(
     page: &LivePage,
     end: impl Future<Output = ()> + Send + 'static,
@@ -84,8 +86,8 @@ pub(super) fn busy() -> Response {
     response
 }
 
-/// Encoded pixels that are being sent to a browser. Until sent, they count towards the limit of
-/// simultaneous responses.
+/// Encoded pixels that are being sent to a browser. They hold a permit, so that they count towards
+/// `MAX_PIXEL_RESPONSES` until they are sent.
 struct BytesInProgress {
     bytes: Bytes,
     _permit: OwnedSemaphorePermit,
@@ -97,10 +99,10 @@ impl AsRef<[u8]> for BytesInProgress {
     }
 }
 
-/// Query of a pixel request: the frame that the browser already shows.
+/// Query of a request for pixels. It says which frame the browser already shows.
 #[derive(Debug, Default, Deserialize)]
 pub(super) struct KnownFrame {
-    /// Sequence number of that frame; 0 if the browser shows none.
+    /// Sequence number of the frame that the browser shows; 0 if it shows none.
     #[serde(default)]
     after: u32,
 }
@@ -109,7 +111,7 @@ pub(super) struct KnownFrame {
 /// stands for the reference picture.
 ///
 /// The response has no content if the browser already shows the frame. A request for an error map
-/// also asks the render to make new maps.
+/// also asks the render to make new maps. `permit` is held until the response is sent.
 pub(super) async fn layer_pixels(
     page: Arc<LivePage>,
     name: String,
@@ -165,7 +167,8 @@ pub(super) struct SaveOptions {
     tone: Option<String>,
 }
 
-/// Returns the response with the newest picture as a file. `file` ends with `.png` or `.exr`.
+/// Returns the response with the newest picture as a file to save. `file` ends with `.png` or
+/// `.exr`, which selects the format.
 pub(super) async fn saved_picture(page: Arc<LivePage>, file: String, options: SaveOptions) -> Response {
     let newest = page.newest();
     let Some(frame) = newest.state.picture.clone().filter(|frame| !frame.is_preview) else {
@@ -195,8 +198,8 @@ pub(super) async fn saved_picture(page: Arc<LivePage>, file: String, options: Sa
     }
 }
 
-/// Returns the name of a saved file: the name of the scene, the number of passes, and the extension
-/// of the format.
+/// Returns the name of a saved file, made from the name of the scene, the number of passes, and the
+/// extension of the format.
 fn saved_file_name(scene: &str, frame: &Frame, format: OutputFormat) -> String {
     let stem = Path::new(scene).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let stem: String =
@@ -208,7 +211,8 @@ fn saved_file_name(scene: &str, frame: &Frame, format: OutputFormat) -> String {
     format!("{stem}-{}.{extension}", frame.passes)
 }
 
-/// Returns the content of a picture file; `None` if encoding fails, as with an invalid exposure.
+/// Returns the picture of `frame` as the bytes of a file; `None` if encoding fails, as with an
+/// invalid exposure.
 fn encoded_picture(frame: &Frame, format: OutputFormat, tone: ToneMap) -> Option<Vec<u8>> {
     let pixels = frame.layer(LayerKind::Picture)?.colors();
     let image = Image::from_pixels(frame.size.0, frame.size.1, pixels).ok()?;

@@ -22,7 +22,7 @@ use std::thread::JoinHandle;
 use std::time::Duration;
 use tokio::sync::{Semaphore, watch};
 
-/// Largest number of browsers that receive the render's state at one time.
+/// Largest number of browsers that may follow the state of the render at one time.
 const MAX_READERS: usize = 64;
 
 /// Largest number of simultaneous responses with pixels. Each may hold the memory of one frame.
@@ -31,15 +31,15 @@ const MAX_PIXEL_RESPONSES: usize = 32;
 /// Largest size of the body of an HTTP request \[bytes].
 const MAX_BODY_BYTES: usize = 4096;
 
-/// Time for which the server stays open after a render, so that browsers can fetch the last
-/// picture.
+/// Time for which the server stays open after the end of a render, so that browsers can fetch the
+/// last picture.
 const FAREWELL: Duration = Duration::from_millis(500);
 
-/// Time after the end of the server at which open connections are cut.
+/// Time that open connections get to finish after the server has ended. They are cut then.
 const CUT: Duration = Duration::from_millis(500);
 
-/// Function that handles the requests of browsers. It returns false if it refuses a request. It
-/// must not block.
+/// Function that handles the requests of browsers. It returns false for a request that it refuses.
+/// It must not block.
 pub type RequestHandler = Box<dyn Fn(Request) -> bool + Send + Sync>;
 
 /// Web server of the live page. Dropping it ends the server.
@@ -98,14 +98,14 @@ impl PageServer {
         Ok(Self { url, page, end, thread: Some(thread) })
     }
 
-    /// Returns the address of the page, with its token.
+    /// Returns the URL of the page, which contains the secret token.
     #[must_use]
     pub fn url(&self) -> &str {
         &self.url
     }
 
-    /// Ends the server. If a browser shows the page, it first has half a second to fetch the last
-    /// picture.
+    /// Ends the server. If a browser follows the page, the browser first has half a second to fetch
+    /// the last picture.
     pub fn finish(self) {
         if self.page.reader_count() > 0 {
             std::thread::sleep(FAREWELL);
@@ -158,13 +158,14 @@ async fn serve(listener: TcpListener, shared: Arc<Shared>) {
     }
 }
 
-/// Waits until `end` becomes true, or until the server is dropped.
+/// Waits until `end` becomes true, or until the server that would set it is dropped.
 async fn until_end(mut end: watch::Receiver<bool>) {
     // An error means that the sender was dropped with the server.
     let _ = end.wait_for(|end| *end).await;
 }
 
-/// Refuses requests that do not come from the page, and adds headers to all responses.
+/// Middleware that refuses requests which do not come from the page ([`check_request`]), and adds
+/// security headers to all responses.
 async fn guard(State(shared): State<Arc<Shared>>, request: HttpRequest, next: Next) -> Response {
     let checked = check_request(request.uri().path(), request.headers(), &shared.token, shared.port);
     let mut response = match checked {

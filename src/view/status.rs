@@ -19,16 +19,16 @@ const FORECAST_POINTS: u32 = 24;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Phase {
-    /// The scene is read, and its bounding volume hierarchy is built.
+    /// The scene is being read, and its bounding volume hierarchy built.
     #[default]
     Loading,
     /// The scene has errors, so nothing is rendered.
     Failed,
-    /// A preview of reduced size is rendered.
+    /// A preview of reduced size is being rendered.
     Preview,
     /// Pilots (small simulations before the first pass) find gather radii and the division of work.
     Pilots,
-    /// Passes are rendered.
+    /// Passes are being rendered.
     Passes,
     /// The user stopped the render. It can be resumed.
     Stopped,
@@ -58,16 +58,18 @@ pub struct CurvePoint {
 /// Forecast of the relative error after more passes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ForecastReport {
-    /// Relative error whose pass is forecast: the target of the render, or half of the current
-    /// error if the render has no target.
+    /// Relative error for which the number of passes is forecast: the target of the render, or half
+    /// of the present error if the render has no target.
     pub target: f64,
-    /// True if `target` is the error target that ends the render.
+    /// True if `target` is the error target of the render; false if it is half of the present
+    /// error.
     pub ends_render: bool,
-    /// Predicted number of passes at which the error is `target`: 10 % quantile, median and 90 %
-    /// quantile. `None` where it is too far to predict, or never reached.
+    /// Predicted number of passes at which the error falls to `target`: 10 % quantile, median and
+    /// 90 % quantile. Each is `None` if it is too far to predict, or if the target is never
+    /// reached.
     pub passes: [Option<u32>; 3],
-    /// Relative bias that keeps the error above `target` after any number of passes; `None` if the
-    /// target can be reached.
+    /// Relative bias, which keeps the error above `target` after any number of passes; `None` if
+    /// `target` can be reached.
     pub floor: Option<f64>,
     /// Probability that the number of passes lies between the first and last value of `passes`.
     pub probability: f64,
@@ -80,18 +82,19 @@ pub struct ForecastReport {
 pub struct PlanReport {
     /// Decisions about effects of light.
     pub effects: Vec<EffectReport>,
-    /// Remarks on the work of a pass, one line each.
+    /// Remarks on the rays and photons of a pass, one line each.
     pub notes: Vec<String>,
 }
 
-/// Decision of the plan about one effect of light.
+/// Decision of the plan whether the render simulates one effect of light, with its reason.
 #[derive(Clone, Debug, Serialize)]
 pub struct EffectReport {
-    /// Name of the effect.
+    /// Name of the effect, as in `--effects`.
     pub name: &'static str,
     /// True if the render simulates the effect.
     pub on: bool,
-    /// True if the user forced the effect on or off, against the plan.
+    /// True if the user forced the effect on although the scene does not need it, or off although
+    /// it does.
     pub forced: bool,
     /// Why the scene needs the effect, or does not need it.
     pub reason: String,
@@ -100,20 +103,20 @@ pub struct EffectReport {
     pub flaw: Option<&'static str>,
 }
 
-/// Text of the scene file, with its errors.
+/// Text of the scene file, with its errors and warnings.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct SceneSource {
-    /// Name of the file.
+    /// Path of the scene file, as the user named it.
     pub name: String,
-    /// Text of the file; empty for a binary format.
+    /// Text of the file; empty if it is binary, or too long to show.
     pub text: Arc<str>,
-    /// Errors in the scene file.
+    /// Errors in the scene file; empty if it could be read.
     pub problems: Vec<SceneProblem>,
     /// Warnings about the scene, one line each.
     pub warnings: Vec<String>,
 }
 
-/// Error in the scene file, with its place.
+/// Error in the scene file, with its position in the text.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SceneProblem {
     /// Number of the line, from 1; 0 if the error has no position.
@@ -122,14 +125,15 @@ pub struct SceneProblem {
     pub column: usize,
     /// Message that describes the error.
     pub message: String,
-    /// Advice on how to correct it.
+    /// Advice on how to correct the error; may be empty.
     pub remedy: String,
 }
 
-/// Sequence number, size and passes of a published frame.
+/// Description of a published [`Frame`] without its pixels: sequence number, size, passes and
+/// layers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FrameReport {
-    /// Sequence number of the frame; later frames have larger numbers.
+    /// Sequence number of the publication that made the frame. Later frames have larger numbers.
     pub sequence: u32,
     /// Width \[pixels].
     pub width: u32,
@@ -150,50 +154,52 @@ pub struct LiveStatus {
     pub version: &'static str,
     /// Scene file, as the user named it.
     pub scene: String,
-    /// Name of the algorithm.
+    /// Name of the rendering algorithm, such as `hybrid`.
     pub integrator: &'static str,
-    /// True if the page belongs to `caustica view`: it then can move the camera and resume.
+    /// True for a page of `caustica view`, which can move the camera and resume a render. False for
+    /// a page of `caustica render`.
     pub interactive: bool,
     /// Number of the render, counted from 1. It rises when the scene or the camera changes.
     pub render: u32,
-    /// Sequence number of the publication.
+    /// Sequence number of the publication. It rises with each publication on the page.
     pub sequence: u32,
     /// Phase that the render has reached.
     pub phase: Phase,
-    /// Why the render ended; `None` while it goes on.
+    /// Reason why the render ended; `None` while it goes on.
     pub ended: Option<EndReason>,
     /// Width and height of the full picture \[pixels]; 0 before the scene is read.
     pub size: (u32, u32),
-    /// Camera position that the user has chosen on the page, relative to the scene file.
+    /// Movement of the camera that the user has chosen on the page, relative to the camera of the
+    /// scene file.
     pub orbit: Orbit,
     /// Size and passes of the newest picture; `None` before the first one.
     pub picture: Option<FrameReport>,
     /// Size and passes of the newest maps of the estimated error, which may be older than the
-    /// picture.
+    /// picture; `None` before the first maps.
     pub maps: Option<FrameReport>,
-    /// Size of the reference picture \[pixels]; `None` without one.
+    /// Width and height of the reference picture \[pixels]; `None` without `--reference`.
     pub reference: Option<(u32, u32)>,
     /// Number of passes so far.
     pub passes: u32,
     /// Wall time of the passes so far \[s].
     pub seconds: f64,
-    /// Time from the start of loading to the first pixels \[s].
+    /// Time from the start of loading to the first pixels on the page \[s]; `None` before them.
     pub first_pixels_seconds: Option<f64>,
-    /// Largest number of passes; `None` for no limit.
+    /// Largest number of passes of the render; `None` for no limit.
     pub pass_limit: Option<u32>,
     /// Wall time after which the render ends \[s]; `None` for no limit.
     pub time_limit: Option<f64>,
     /// Relative error at which the render ends; `None` for no error target.
     pub error_limit: Option<f64>,
-    /// Confidence of the error intervals in `curve`; `None` for no error target.
+    /// Confidence of the intervals from `low` to `high` in `curve`; `None` without an error target.
     pub confidence: Option<Confidence>,
-    /// Curve of the estimated error over the passes.
+    /// Points of the curve of the estimated error over the passes so far.
     pub curve: Arc<Vec<CurvePoint>>,
     /// Forecast of the error from the last point of `curve`; `None` before the first estimate.
     pub forecast: Option<Arc<ForecastReport>>,
     /// Plan of the render; `None` before pilots have ended.
     pub plan: Option<Arc<PlanReport>>,
-    /// Counts of rays and density estimates.
+    /// Counts of rays and density estimates in all passes so far.
     pub counters: Counters,
     /// Counts and flux of the photon paths that start in all directions.
     pub unaimed: PhotonReport,
@@ -201,7 +207,7 @@ pub struct LiveStatus {
     pub aimed: PhotonReport,
     /// Number that rises whenever the text or the errors of the scene file change.
     pub source_revision: u32,
-    /// Number of errors in the scene file. The page fetches their text separately.
+    /// Number of errors in the scene file. The page fetches the texts of the errors separately.
     pub problems: usize,
 }
 
@@ -215,7 +221,8 @@ impl CurvePoint {
 }
 
 impl ForecastReport {
-    /// Forecasts the error that `estimate` gives, up to the target of `stop` or to half the error.
+    /// Forecasts how the error falls from `estimate` to the error target of `stop`; without a
+    /// target, to half of its present value.
     #[must_use]
     pub fn new(estimate: &ErrorEstimate, forecast: &ErrorForecast, stop: &StopCriteria<'_>) -> Self {
         let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
@@ -245,7 +252,8 @@ impl ForecastReport {
 }
 
 impl PlanReport {
-    /// Makes the report of `plan`. `notes` are remarks on the work of a pass.
+    /// Makes the report of `plan`. `notes` are remarks on the rays and photons of a pass, one line
+    /// each.
     #[must_use]
     pub fn new(plan: &Plan, notes: Vec<String>) -> Self {
         let effects = plan.decisions.iter().map(|decision| EffectReport {
@@ -260,7 +268,7 @@ impl PlanReport {
 }
 
 impl FrameReport {
-    /// Makes the report of a frame.
+    /// Makes the description of `frame`.
     #[must_use]
     pub fn new(frame: &Frame) -> Self {
         Self {

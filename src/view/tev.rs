@@ -17,26 +17,28 @@ use std::time::{Duration, Instant};
 /// Port on which tev listens.
 const TEV_PORT: u16 = 14158;
 
-/// Kind of the packet that creates an image.
+/// Type byte of tev's packet that creates an image.
 const CREATE_IMAGE: u8 = 4;
 
-/// Kind of the packet that sets pixels of several channels, each with an offset and a stride.
+/// Type byte of tev's packet that sets pixels of several channels, each with an offset and a
+/// stride.
 const UPDATE_IMAGE: u8 = 6;
 
 /// Largest number of values in a packet of pixels, except that a packet has at least one row.
 const MAX_VALUES: usize = 1 << 18;
 
-/// Longest time to wait for a connection, and for a viewer that stops reading.
+/// Longest time to wait for a connection, for a viewer that has stopped reading, and for the last
+/// images at the end.
 const TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Address of a viewer: a host and a port.
+/// Address of the viewer tev: a host and a port.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TevAddress {
     host: String,
     port: u16,
 }
 
-/// Error: a text is no address of a viewer.
+/// Error: a text is not the address of a viewer.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no address: write HOST or HOST:PORT, such as 127.0.0.1:14158")]
 pub struct TevAddressError(String);
@@ -44,7 +46,7 @@ pub struct TevAddressError(String);
 impl FromStr for TevAddress {
     type Err = TevAddressError;
 
-    /// Reads `HOST:PORT` or `HOST`. An IPv6 address stands in brackets.
+    /// Parses `HOST:PORT`, or `HOST` with tev's own port. An IPv6 address stands in brackets.
     fn from_str(text: &str) -> Result<Self, TevAddressError> {
         let is_bracketed = text.starts_with('[') && text.ends_with(']');
         let (host, port) = match text.rsplit_once(':').filter(|_| !is_bracketed) {
@@ -77,13 +79,13 @@ struct SentImage {
 #[derive(Debug, Default)]
 struct Waiting {
     images: Vec<SentImage>,
-    /// True if no further images come.
+    /// True after the render has handed over its last image.
     is_closed: bool,
-    /// True after an error. Further images are dropped.
+    /// True after an error of the connection. Further images are dropped.
     has_failed: bool,
 }
 
-/// State that a render and its sending thread share.
+/// State that the thread of a render and the thread that sends its images share.
 #[derive(Debug, Default)]
 struct Shared {
     waiting: Mutex<Waiting>,
@@ -96,7 +98,7 @@ impl Shared {
         self.changed.notify_one();
     }
 
-    /// Waits for an image and takes it; `None` after the last one.
+    /// Waits for the next image to send and takes it; returns `None` after the last one.
     fn next_image(&self) -> Option<SentImage> {
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         loop {
@@ -111,15 +113,15 @@ impl Shared {
     }
 }
 
-/// Connection of a render to a viewer.
+/// Connection of a render to the viewer tev.
 ///
-/// A thread of its own connects and sends. A render never waits for it before its end: a newer
-/// image replaces one of the same name that still waits.
+/// A thread of its own connects and sends. The render waits for this thread only in
+/// [`finish`](Self::finish): before, a newer image replaces one of the same name that still waits.
 #[derive(Debug)]
 pub struct TevClient {
     shared: Arc<Shared>,
     pace: Pace,
-    /// Receiver whose sender is dropped when the thread ends.
+    /// Receiver whose sender is dropped when the sending thread ends.
     ended: Receiver<()>,
 }
 
@@ -140,8 +142,8 @@ impl TevClient {
         client
     }
 
-    /// Sends the layers that `layers` returns as image `name` of `size` (width, height) pixels,
-    /// unless the last image was sent too short a time ago.
+    /// Sends the layers that the callback `layers` returns as image `name` of `size` (width,
+    /// height) pixels, unless the last call that did so was too recent.
     ///
     /// Making the layers takes at most 1 % of the time.
     pub fn send_if_due(&mut self, name: &str, size: (u32, u32), layers: impl FnOnce() -> Vec<ExrLayer>) {
@@ -152,7 +154,8 @@ impl TevClient {
         }
     }
 
-    /// Sends `layers` as image `name` of `size` (width, height) pixels.
+    /// Hands `layers` over to the sending thread, as image `name` of `size` (width, height) pixels.
+    /// Does not wait.
     pub fn send(&self, name: &str, size: (u32, u32), layers: Vec<ExrLayer>) {
         self.shared.change(|waiting| {
             if !waiting.has_failed {
@@ -162,7 +165,8 @@ impl TevClient {
         });
     }
 
-    /// Waits until all images are sent. Returns false if the viewer does not read them in time.
+    /// Waits a few seconds until all images are sent. Returns false if the viewer does not read
+    /// them in time.
     #[must_use]
     pub fn finish(self) -> bool {
         self.shared.change(|waiting| waiting.is_closed = true);
@@ -197,7 +201,7 @@ fn send_images(address: &TevAddress, shared: &Shared) -> io::Result<()> {
     stream.flush()
 }
 
-/// Connects to the first address of a host that answers.
+/// Connects to the host of `address`: tries all its IP addresses until one answers.
 fn connect(address: &TevAddress) -> io::Result<TcpStream> {
     let mut last = io::Error::new(io::ErrorKind::NotFound, "the host has no address");
     for socket in (address.host.as_str(), address.port).to_socket_addrs()? {
@@ -217,7 +221,8 @@ fn channel_names(layers: &[ExrLayer]) -> Vec<String> {
     layers.iter().flat_map(names).collect()
 }
 
-/// Returns the packet that creates an image of `size` (width, height) pixels, and shows it.
+/// Returns the packet that creates an image of `width` × `height` pixels, and makes the viewer show
+/// it.
 fn create_image_packet(name: &str, (width, height): (u32, u32), channels: &[String]) -> Vec<u8> {
     let mut packet = Packet::new(CREATE_IMAGE, true, name);
     packet.push_numbers(&[width, height, channels.len() as u32]);
@@ -225,7 +230,7 @@ fn create_image_packet(name: &str, (width, height): (u32, u32), channels: &[Stri
     packet.finish()
 }
 
-/// Returns the packet that sets the pixels of `rows` of an image of `width` columns.
+/// Returns the packet that sets the pixels in the rows `rows` of an image of `width` columns.
 ///
 /// `values` holds all pixels of each of the `channels`, by rows from the top.
 fn update_image_packet(
@@ -249,13 +254,14 @@ fn update_image_packet(
     packet.finish()
 }
 
-/// Packet in the making.
+/// Packet of tev's protocol that is being assembled.
 struct Packet {
     bytes: Vec<u8>,
 }
 
 impl Packet {
-    /// Begins a packet about image `name`. If `grabs_focus` is true, the viewer shows the image.
+    /// Begins a packet of the type `kind` about image `name`. If `grabs_focus` is true, the viewer
+    /// shows the image.
     fn new(kind: u8, grabs_focus: bool, name: &str) -> Self {
         let mut packet = Self { bytes: vec![0, 0, 0, 0, kind, u8::from(grabs_focus)] };
         packet.push_text(name);
@@ -271,7 +277,7 @@ impl Packet {
         numbers.iter().for_each(|number| self.bytes.extend(number.to_le_bytes()));
     }
 
-    /// Returns the bytes, which begin with their number.
+    /// Returns the bytes of the packet. The first four bytes hold the length of the packet.
     fn finish(mut self) -> Vec<u8> {
         let length = self.bytes.len() as u32;
         self.bytes[..4].copy_from_slice(&length.to_le_bytes());

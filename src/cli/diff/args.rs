@@ -9,7 +9,7 @@ use std::path::PathBuf;
 pub enum ErrorMapKind {
     /// FLIP, from 0 to 1
     Flip,
-    /// Error relative to the mean luminance of the neighbourhood
+    /// Error relative to about the mean radiance of the reference around the pixel
     Relative,
     /// A minus B
     Signed,

@@ -18,7 +18,7 @@ pub(super) struct ColorScale {
     pub to: f64,
 }
 
-/// Returns the pixels of an error map, and its colour scale.
+/// Returns the pixels of an error map, and the colour scale of a PNG map.
 ///
 /// For PNG, the pixels are colours. For OpenEXR, they are errors by channel, and the scale is
 /// `None`. `flip` holds the FLIP error of each pixel. It must have as many values as `a` and `b`

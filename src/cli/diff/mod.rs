@@ -161,7 +161,7 @@ fn exceeded_limits(arguments: &DiffArguments, report: &DiffReport) -> Vec<(&'sta
     exceeded
 }
 
-/// Writes the error map to the file of `--output`.
+/// Writes the error map of `kind` to `path`, the file of `--output`. Returns what the map shows.
 fn write_error_map(
     path: &Path,
     kind: ErrorMapKind,

@@ -7,8 +7,8 @@ use crate::study::text::percent_text;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Usage error: an algorithm leaves out some light by design, so its estimated error does not tell
-/// its true error.
+/// Usage error: an algorithm leaves out some light by design, so its estimated error does not
+/// contain its whole error.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("--compare cannot compare {name}, which leaves light out by design")]
 #[diagnostic(help("choose among hybrid, path, sppm, ppm and pm"))]
@@ -16,7 +16,8 @@ pub(super) struct IncompleteAlgorithmError {
     name: &'static str,
 }
 
-/// Returns an error if one of `algorithms` leaves out some light by design.
+/// Returns an error if one of `algorithms` leaves out some light by design, because its estimated
+/// error does not contain that light.
 pub(super) fn check_comparable(algorithms: &[Algorithm]) -> Result<(), IncompleteAlgorithmError> {
     let is_complete = |algorithm: Algorithm| match algorithm {
         Algorithm::Hybrid | Algorithm::Path | Algorithm::Sppm | Algorithm::Ppm | Algorithm::Pm => true,
@@ -28,7 +29,7 @@ pub(super) fn check_comparable(algorithms: &[Algorithm]) -> Result<(), Incomplet
     }
 }
 
-/// Estimated costs by the algorithm of the command line, and by the algorithms of `--compare`.
+/// Estimated costs by the algorithm of `--integrator`, and by the algorithms of `--compare`.
 #[derive(Debug, Serialize)]
 pub(super) struct Comparison {
     #[serde(flatten)]
@@ -38,7 +39,8 @@ pub(super) struct Comparison {
 }
 
 impl Comparison {
-    /// Creates a comparison without reports of other algorithms.
+    /// Creates a comparison that holds only `report`, the report of the algorithm of
+    /// `--integrator`.
     pub(super) fn new(report: CostEstimateReport) -> Self {
         Self { report, compared: Vec::new() }
     }

@@ -20,7 +20,7 @@ pub(super) struct PilotTooShortError {
     passes: u32,
 }
 
-/// Estimated costs of all requested errors by one algorithm.
+/// Estimated costs of a render by one algorithm, for each error that the command line names.
 #[derive(Debug, Serialize)]
 pub(super) struct CostEstimateReport {
     schema: u32,
@@ -31,7 +31,7 @@ pub(super) struct CostEstimateReport {
     height: u32,
     threads: usize,
     /// True if the algorithm finds caustics of the scene only by chance. The estimated error then
-    /// leaves out what the pilot did not find.
+    /// leaves out the caustics that the pilot did not find.
     pub(super) misses_caustics: bool,
     /// Estimated error of the pilot's picture.
     pilot: ErrorEstimate,
@@ -44,18 +44,18 @@ pub(super) struct CostEstimateReport {
     range_probability: f64,
     #[serde(rename = "prices")]
     pub(super) estimates: Vec<CostEstimate>,
-    /// Expected end of a render for which the command line sets no limit.
+    /// Expected end of a render without flags that set a limit; `None` if it is unknown.
     default: Option<ExpectedEndReport>,
-    /// Expected end of a render for which the command line sets no limit but `--preview`.
+    /// Expected end of a render whose only limit is `--preview`; `None` if it is unknown.
     preview: Option<ExpectedEndReport>,
 }
 
-/// Expected end of a render.
+/// Expected reason, passes, time and error with which a render ends.
 #[derive(Debug, Serialize)]
 struct ExpectedEndReport {
     ended: EndReason,
     passes: u32,
-    /// Expected time of the render, with preparation \[s].
+    /// Expected time of the render, including preparation \[s].
     seconds: f64,
     /// Expected relative error of the picture at the end.
     error: f64,
@@ -65,12 +65,12 @@ struct ExpectedEndReport {
 #[derive(Debug, Serialize)]
 pub(super) struct CostEstimate {
     pub(super) error: f64,
-    /// Median of the expected number of passes; `None` if it is unknown, or if no number of passes
-    /// reaches the error.
+    /// Predicted number of passes, the median of the forecast; `None` if it is unknown, or if no
+    /// number of passes reaches the target error.
     passes: Option<u32>,
-    /// Expected time of the render, with preparation \[s]; `None` if `passes` is.
+    /// Expected time of the render, including preparation \[s]; `None` if `passes` is `None`.
     pub(super) seconds: Option<f64>,
-    /// Lower end of the range of likely times of the render \[s].
+    /// Lower end of the range of likely times of the render \[s]; `None` if it is unknown.
     seconds_low: Option<f64>,
     /// Upper end of the range of likely times of the render \[s]; `None` if it is unknown.
     seconds_high: Option<f64>,
@@ -78,7 +78,7 @@ pub(super) struct CostEstimate {
     /// Relative error that bias keeps in the picture after any number of passes; `None` if the
     /// target error can be reached.
     pub(super) floor: Option<f64>,
-    /// Flags of `caustica render` that reach this error; `None` if the error cannot be reached.
+    /// Flags of `caustica render` that reach the target error; `None` if it cannot be reached.
     flags: Option<String>,
 }
 
@@ -87,8 +87,8 @@ impl CostEstimateReport {
     ///
     /// `misses_caustics` is true if that algorithm finds caustics of the scene only by chance.
     /// `setup` is the time of preparation, and `pass_seconds` the time of each pass after the first
-    /// \[s]. `default` and `preview` are the stop criteria of a render without limits, and with
-    /// `--preview` alone.
+    /// \[s]. `default` holds the stop criteria of a render without limits, and `preview` those of a
+    /// render with `--preview` alone.
     pub(super) fn new(
         arguments: &EstimateArguments,
         (method, misses_caustics): (&MethodArguments, bool),

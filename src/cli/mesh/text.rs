@@ -3,7 +3,8 @@
 use crate::format::mesh::{MeshReport, RepairCounts};
 use std::fmt::Write;
 
-/// Returns a table with one column of figures, or with two (before, after) for a changed mesh.
+/// Returns a text table of mesh reports: one column of figures, or two (before, after) if `after`
+/// is given.
 pub(super) fn mesh_report_table(
     name: &str,
     before: &MeshReport,

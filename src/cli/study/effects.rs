@@ -188,7 +188,7 @@ struct EffectResultReport<'f> {
     without: Option<PictureCostReport<'f>>,
     /// Additional time and rays for the effect; `None` if the effect is off.
     cost: Option<EffectCost>,
-    /// Change that the effect makes to the picture; `None` if the effect is off.
+    /// Light that the effect adds to and removes from the picture; `None` if the effect is off.
     gain: Option<EffectContribution>,
 }
 

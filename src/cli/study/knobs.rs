@@ -9,19 +9,20 @@ use crate::plan::EffectOverrides;
 use crate::scene::Scene;
 use clap::ValueEnum;
 
-/// Values of `--gather-k` to try.
+/// Values of `--gather-k` that `--knobs` tries, one variant each.
 const GATHER_COUNTS: [u32; 5] = [10, 20, 50, 100, 200];
 
-/// Values of `--radius` to try, as multiples of the gather radius that a pilot found.
+/// Values of `--radius` that `--knobs` tries, as multiples of the gather radius that a pilot found.
 const RADIUS_FACTORS: [f32; 3] = [0.5, 1.0, 2.0];
 
-/// Numbers of photon paths to try, as multiples of the numbers that a pilot chose.
+/// Numbers of photon paths that `--knobs` tries, as multiples of the numbers that a pilot chose.
 const PHOTON_FACTORS: [f64; 2] = [0.25, 4.0];
 
-/// Values of `--alpha` to try besides the default of ⅔.
+/// Values of `--alpha` that `--knobs` tries, besides the default of ⅔.
 const ALPHAS: [f64; 3] = [0.5, 0.8, 1.0];
 
-/// Numbers of camera rays per pixel to try, as multiples of the number that a pilot chose.
+/// Numbers of camera rays per pixel that `--knobs` tries, as multiples of the number that a pilot
+/// chose.
 const CAMERA_RAY_FACTORS: [f64; 2] = [0.5, 2.0];
 
 /// Settings that pilot passes chose for a method.

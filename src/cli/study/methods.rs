@@ -167,7 +167,8 @@ fn run_method_study(
     outputs.write_reports(arguments, &found, text, progress, exit)
 }
 
-/// Returns the variants to measure, in the order of the flags.
+/// Returns the variants to measure: first those of `--methods`, then those of `--variant`, then
+/// those of `--knobs`. Without these flags, chooses the methods that differ in the scene.
 fn study_variants(arguments: &StudyArguments, named: Vec<VariantArguments>, scene: &Scene) -> Vec<MethodVariant> {
     let (kind, shared, overrides) = (&arguments.kind, &arguments.method, arguments.simulate);
     let by_default = kind.methods.is_empty() && kind.variants.is_empty() && kind.knobs.is_none();
@@ -178,7 +179,8 @@ fn study_variants(arguments: &StudyArguments, named: Vec<VariantArguments>, scen
     plain.chain(named).chain(around).map(|named| named.into_study_variant(overrides)).collect()
 }
 
-/// Renders two references and writes them to `--save-truth`. Returns `None` if interrupted.
+/// Renders two references, and writes them to the files of `--save-truth` if given. Returns `None`
+/// if interrupted.
 fn render_references(
     arguments: &StudyArguments,
     scene: &Scene,

@@ -28,14 +28,14 @@ struct VariantFlags {
     method: MethodArguments,
 }
 
-/// A variant of a method: its label and its arguments.
+/// A method of a study: a label, and the arguments that select the algorithm and its settings.
 pub(super) struct VariantArguments {
     pub label: String,
     pub method: MethodArguments,
 }
 
 impl VariantArguments {
-    /// Makes a variant of `algorithm` that has only the flags that all methods share.
+    /// Makes a variant of `algorithm` with the `shared` flags of the study and no flags of its own.
     pub fn from_algorithm(algorithm: Algorithm, shared: &MethodArguments) -> Self {
         let method = MethodArguments { integrator: algorithm, ..shared.clone() };
         Self { label: algorithm.name().to_owned(), method }
@@ -78,7 +78,7 @@ impl VariantArguments {
         })
     }
 
-    /// Converts the arguments to a method of the study. `overrides` forces effects on or off.
+    /// Converts the arguments to a [`MethodVariant`]. `overrides` forces effects on or off.
     pub fn into_study_variant(self, overrides: EffectOverrides) -> MethodVariant {
         MethodVariant {
             label: self.label,

@@ -6,25 +6,26 @@ use crate::view::Request;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-/// Largest number of events that wait for the session. Further ones are refused.
+/// Largest number of events that wait for the session. If the queue is full, an event is dropped.
 const MAX_EVENTS: usize = 64;
 
-/// Event that the session reacts to.
+/// Event to which the session of `caustica view` reacts.
 pub(super) enum Event {
-    /// Request of a page.
+    /// Request of a browser that shows the live page.
     Request(Request),
     /// A job has read the scene file, with or without errors.
     Read {
-        /// Number of the render to which the job belongs.
+        /// Number of the job's render on the page, see
+        /// [`LiveRender::number`](crate::view::LiveRender::number).
         render: u32,
-        /// The scene file and all files that it names.
+        /// The scene file and the files that it names, with their stamps before reading.
         files: WatchedFiles,
         /// The scene that was read; `None` if it has errors.
         loaded: Option<Arc<LoadedScene>>,
     },
 }
 
-/// Sending end of the queue of events.
+/// Sending end of the queue of [`Event`]s for the session.
 #[derive(Clone)]
 pub(super) struct EventQueue(SyncSender<Event>);
 

@@ -21,15 +21,15 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-/// Time without another movement of the camera, after which pilots begin.
+/// Time that the camera must rest after the user has moved it, before pilots begin.
 const SETTLING_TIME: Duration = Duration::from_millis(300);
 
 /// Flags by which the session controls a job.
 #[derive(Debug, Default)]
 struct JobControl {
-    /// True if the render must pause after the current pass.
+    /// True if the render must pause after the current pass; false again on resume.
     interrupted: AtomicBool,
-    /// True if the job must end.
+    /// True if the job must end for good, without finishing the current pass.
     cancelled: AtomicBool,
 }
 
@@ -37,7 +37,7 @@ struct JobControl {
 #[derive(Debug)]
 pub(super) struct JobHandle {
     control: Arc<JobControl>,
-    /// Wakes a paused job. A paused job ends once this is dropped.
+    /// Sender that wakes a paused job. If it is dropped, a paused job ends.
     resume: SyncSender<()>,
 }
 
@@ -75,25 +75,24 @@ impl ProgressMonitor for JobMonitor<'_> {
 
 /// The scene that a job renders.
 pub(super) enum JobScene {
-    /// The scene file is to be read. The given scene is reused if the file differs from it in the
-    /// camera only.
+    /// Read the scene file. The given scene is reused if only its camera differs from the file.
     File(Option<Arc<LoadedScene>>),
     /// A scene that an earlier job has read.
     Loaded(Arc<LoadedScene>),
 }
 
-/// Data that all jobs of a session share.
+/// Data of the session that each of its jobs receives.
 #[derive(Clone, Copy)]
 pub(super) struct JobContext<'a> {
     pub arguments: &'a ViewArguments,
     pub pool: &'a ThreadPool,
     pub events: &'a EventQueue,
-    /// Lock that a job holds while it runs pilots and passes. So the memory of two renders is never
-    /// in use at a time.
+    /// Lock that a job holds while it runs pilots and passes, so that two renders never use memory
+    /// at the same time.
     pub turn: &'a Mutex<()>,
 }
 
-/// A render, from reading its scene to its end.
+/// A render of `caustica view` in its own thread, from reading its scene to its end.
 pub(super) struct Job<'a> {
     context: JobContext<'a>,
     live: LiveRender<'a>,
@@ -103,8 +102,8 @@ pub(super) struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    /// Makes a job that publishes to `live`, and the handle that controls it. `orbit` moves the
-    /// camera.
+    /// Makes a job that publishes to `live`, and the handle that controls it. `orbit` is the
+    /// movement of the camera relative to that of the scene file.
     pub fn new(context: JobContext<'a>, live: LiveRender<'a>, orbit: Orbit) -> (JobHandle, Self) {
         let (resume, resumed) = sync_channel(1);
         let control = Arc::<JobControl>::default();
@@ -144,7 +143,7 @@ impl<'a> Job<'a> {
         self.control.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Publishes the reason why the scene does not fit into memory.
+    /// Shows on the page why the scene does not fit into memory, and sets the phase to failed.
     fn publish_memory_error(&self, error: MemoryError) {
         let problem = problem_of_report(&Report::new(error));
         self.live.publish(|state, _| {
@@ -154,7 +153,7 @@ impl<'a> Job<'a> {
         });
     }
 
-    /// Renders a preview of `scene`, and then the picture.
+    /// Renders a preview of `scene`, then runs pilots and renders the picture pass by pass.
     fn render(&mut self, scene: &Scene) {
         let JobContext { arguments, pool, turn, .. } = self.context;
         let (algorithm, size) = (arguments.method.integrator, scene.camera().size());
@@ -197,8 +196,8 @@ impl<'a> Job<'a> {
         self.render_passes(integrator.as_ref(), algorithm, size);
     }
 
-    /// Renders passes until the job is cancelled. The render pauses when it reaches its limits.
-    /// Once it is resumed, it has no limits.
+    /// Renders passes until the job is cancelled. The render pauses on [`JobHandle::stop`], or when
+    /// it reaches the limits of the command line. If it is resumed after a limit, it has no limits.
     fn render_passes(&mut self, integrator: &dyn Integrator, algorithm: Algorithm, size: (u32, u32)) {
         let control = self.control.clone();
         let JobContext { arguments, pool, .. } = self.context;

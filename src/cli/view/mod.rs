@@ -64,7 +64,7 @@ pub struct ViewArguments {
 }
 
 impl ViewArguments {
-    /// Returns the limits at which a render pauses.
+    /// Returns the limits of the command line, at which a render pauses.
     fn limits(&self) -> RenderLimits {
         let Self { passes, time, target_error, confidence, .. } = *self;
         RenderLimits { passes, time, target_error, confidence, preview: false }

@@ -5,17 +5,17 @@ use crate::scene::Scene;
 use crate::view::Orbit;
 use glam::{DVec3, Vec2};
 
-/// Smallest angle between the view direction and the up axis or its opposite \[radians]. Pitch
-/// stops there.
+/// Smallest angle between the view direction and the up axis, or the opposite of the up axis
+/// \[radians]. Pitch stops there.
 const MIN_POLE_ANGLE: f64 = 0.05;
 
-/// Largest absolute natural logarithm of the factor by which zoom changes the camera's distance.
+/// Largest zoom, in or out: natural logarithm of the ratio of the new to the old camera distance.
 const MAX_ZOOM: f64 = 8.0;
 
 /// Returns the camera of `scene`, moved by `orbit` around the point in the center of the picture;
-/// `None` if the orbit moves nothing, or is not finite.
+/// `None` if `orbit` is zero or not finite.
 ///
-/// `up` is the up vector of the scene description. All coordinates are those of the description.
+/// `up` is the up vector of the scene file. All coordinates are those of the scene file.
 pub(super) fn orbited_camera(scene: &Scene, up: DVec3, orbit: Orbit) -> Option<Camera> {
     let Orbit { yaw, pitch, zoom } = orbit;
     if orbit == Orbit::default() || ![yaw, pitch, zoom].iter().all(|number| number.is_finite()) {
@@ -32,9 +32,11 @@ pub(super) fn orbited_camera(scene: &Scene, up: DVec3, orbit: Orbit) -> Option<C
     Some(camera.orbited(pivot(scene), axis, yaw, pitch, distance))
 }
 
-/// Returns the point about which the camera orbits: the surface point in the center of the picture.
+/// Returns the point about which the camera orbits: the surface point in the center of the picture,
+/// in the coordinates of the scene file.
 ///
-/// If there is no surface, the point lies on the same ray, as far away as the middle of the scene.
+/// If the central camera ray hits no surface, the point lies on that ray, as far away as the middle
+/// of the scene.
 fn pivot(scene: &Scene) -> DVec3 {
     let camera = scene.camera();
     let (width, height) = camera.size();

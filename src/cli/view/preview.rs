@@ -7,10 +7,12 @@ use crate::scene::Scene;
 /// Largest number of pixels of a preview.
 const MAX_PIXELS: f64 = 20_000.0;
 
-/// Number of camera paths per pixel.
+/// Number of camera paths per pixel of a preview.
 const SAMPLES: u32 = 2;
 
-/// Returns the size of a preview for a picture of `size`: the same shape, with fewer pixels.
+/// Returns the width and height of a preview for a picture of `width` × `height` pixels.
+///
+/// A preview has about the same shape and at most about [`MAX_PIXELS`] pixels.
 fn preview_size((width, height): (u32, u32)) -> (u32, u32) {
     let pixels = f64::from(width) * f64::from(height);
     let factor = (MAX_PIXELS / pixels).sqrt().min(1.0);
@@ -20,9 +22,11 @@ fn preview_size((width, height): (u32, u32)) -> (u32, u32) {
     (width.min(MAX_PIXELS as u32), height.min(MAX_PIXELS as u32))
 }
 
-/// Renders a preview of `scene` by path tracing. Returns its size and its radiance \[W/(m² sr)].
+/// Renders a preview of `scene` by path tracing. Returns its width and height, and the radiance of
+/// its pixels \[W/(m² sr)].
 ///
-/// It lacks the caustics that only photons find. `settings` are those of the render that follows.
+/// The preview lacks the caustics that only photons find. `settings` are those of the render that
+/// follows.
 pub(super) fn render_preview(
     scene: &Scene,
     settings: &Settings,

@@ -15,19 +15,19 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Longest text of a scene file that the page shows \[bytes].
+/// Largest length of a scene text that the page shows; longer texts are hidden \[bytes].
 const MAX_SOURCE_BYTES: u64 = 1 << 20;
 
 /// A scene that was read without an error, with its files.
 pub(super) struct LoadedScene {
     pub scene: Arc<Scene>,
     pub description: SceneDescription,
-    /// The scene file and the files that it names, as they were before reading.
+    /// The scene file and the files that it names, with their stamps before reading.
     pub files: WatchedFiles,
 }
 
 impl LoadedScene {
-    /// Returns the up vector of the camera, in the coordinates of the description.
+    /// Returns the up vector of the camera, in the coordinates of the scene file.
     pub fn up(&self) -> DVec3 {
         self.description.camera.up
     }
@@ -40,9 +40,10 @@ pub(super) struct ReadScene {
     pub loaded: Option<Arc<LoadedScene>>,
 }
 
-/// Reads the scene of the command line.
+/// Reads and builds the scene that the command line names.
 ///
-/// If only the camera differs from `previous`, the new scene shares everything else with it.
+/// If [`reused_scene`] finds that only the camera differs from `previous`, the new scene shares
+/// everything else with it.
 pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScene>) -> ReadScene {
     let path = &arguments.scene.scene;
     let name = path.display().to_string();
@@ -75,8 +76,11 @@ pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScen
     }
 }
 
-/// Returns the scene of `previous` with the camera of `file`; `None` if more than the camera
-/// differs, or a file that the scene names has changed.
+/// Returns the scene of `previous` with the camera of `file`; `None` if that does not give the
+/// scene of `file`.
+///
+/// It does not if more than the camera differs, if a file that the scene names has changed, if the
+/// camera moves while the shutter is open, or if `file` embeds meshes or pictures.
 fn reused_scene(file: &SceneFile, previous: &LoadedScene) -> Option<Scene> {
     let mut old = previous.description.clone();
     old.camera.clone_from(&file.description.camera);
@@ -89,13 +93,14 @@ fn reused_scene(file: &SceneFile, previous: &LoadedScene) -> Option<Scene> {
     Some(previous.scene.with_camera(&camera))
 }
 
-/// Returns the text of a file; empty if it is too long, or no text.
+/// Returns the text of a file; empty if it is longer than [`MAX_SOURCE_BYTES`], or not UTF-8.
 fn text_of_file(path: &Path) -> String {
     let is_short = fs::metadata(path).is_ok_and(|data| data.is_file() && data.len() <= MAX_SOURCE_BYTES);
     if is_short { fs::read_to_string(path).unwrap_or_default() } else { String::new() }
 }
 
-/// Returns the errors of a scene file that a report holds.
+/// Returns one [`SceneProblem`] for each error that `report` holds. Errors of other kinds than
+/// those of the scene language have no position in the file.
 fn problems_of_report(report: &Report) -> Vec<SceneProblem> {
     let error = match report.downcast_ref::<SceneReadError>() {
         Some(SceneReadError::Language(error)) => Some(error),
@@ -112,7 +117,7 @@ fn problems_of_report(report: &Report) -> Vec<SceneProblem> {
     std::iter::once(first).chain(first.further_errors()).map(problem).collect()
 }
 
-/// Returns an error of a report as a problem of the scene without a position in the file.
+/// Converts an error report to a [`SceneProblem`] that has no position in the scene file.
 pub(super) fn problem_of_report(report: &Report) -> SceneProblem {
     let causes: Vec<String> = report.chain().map(ToString::to_string).collect();
     let remedy = report.help().map_or(String::new(), |help| help.to_string());

@@ -15,10 +15,10 @@ use std::sync::{Arc, Mutex};
 use std::thread::{self, Scope};
 use std::time::{Duration, Instant};
 
-/// Longest time between two looks at signals and files.
+/// Longest time between two checks for signals and for changed files.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
-/// Session of `caustica view`.
+/// One run of `caustica view`: it starts a [`Job`] whenever the scene or the camera changes.
 pub(super) struct Session<'a> {
     arguments: &'a ViewArguments,
     page: &'a LivePage,
@@ -30,15 +30,14 @@ pub(super) struct Session<'a> {
 /// The current job, and the state that later jobs take over from it.
 struct SessionState {
     job: JobHandle,
-    /// Number of the current job's render.
+    /// Number of the current job's render on the page, as [`Session::start_job`] returned it.
     render: u32,
     /// The scene that was read last without an error.
     loaded: Option<Arc<LoadedScene>>,
     watch: FileWatch,
-    /// Movement of the camera that the page has asked for, relative to the camera of the scene
-    /// file.
+    /// Movement of the camera that the user has chosen on the page, relative to the scene file.
     orbit: Orbit,
-    /// True if the camera has moved since the current job was started.
+    /// True if the user has moved the camera since the current job was started.
     orbit_changed: bool,
 }
 
@@ -49,7 +48,8 @@ impl<'a> Session<'a> {
         Self { arguments, page, pool, queue, turn: Mutex::new(()) }
     }
 
-    /// Renders until the first interrupting signal. `events` is the other end of the queue.
+    /// Renders until the first interrupting signal. `events` is the receiving end of the session's
+    /// queue.
     pub fn run(&self, events: &Receiver<Event>) {
         thread::scope(|scope| {
             let mut watch = FileWatch::default();
@@ -80,7 +80,7 @@ impl<'a> Session<'a> {
         });
     }
 
-    /// Starts the render thread of a new job. Returns the number of its render and its handle.
+    /// Starts a thread that runs a new job. Returns the number of its render, and its handle.
     fn start_job<'scope>(
         &'scope self,
         scope: &'scope Scope<'scope, '_>,
@@ -97,7 +97,7 @@ impl<'a> Session<'a> {
 }
 
 impl SessionState {
-    /// Reacts to an event.
+    /// Passes a request of the page on to the job, or takes over the scene that a job has read.
     fn apply(&mut self, event: Event) {
         match event {
             Event::Request(Request::Stop) => self.job.stop(),
@@ -115,8 +115,8 @@ impl SessionState {
         }
     }
 
-    /// Returns the scene to render again because the camera has moved; `None` if the camera has not
-    /// moved, or no scene has been read.
+    /// Returns the scene to render with the moved camera; `None` if the camera has not moved, or no
+    /// scene has been read.
     fn moved_scene(&self) -> Option<JobScene> {
         self.loaded.clone().filter(|_| self.orbit_changed).map(JobScene::Loaded)
     }

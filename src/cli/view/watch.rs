@@ -15,17 +15,18 @@ fn file_stamp(path: &Path) -> FileStamp {
     Some((data.modified().ok()?, data.len()))
 }
 
-/// Files of a scene, each with the time of its last change and its length, before it was read.
+/// Files of a scene, each with its [`FileStamp`]: time of its last change and length, taken before
+/// the file was read.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct WatchedFiles(Vec<(PathBuf, FileStamp)>);
 
 impl WatchedFiles {
-    /// Makes a list with one file, in its present state.
+    /// Makes a list with one file and its present stamp.
     pub fn new(path: &Path) -> Self {
         Self(vec![(path.to_owned(), file_stamp(path))])
     }
 
-    /// Adds the files of `other` that the list lacks, in the state in which `other` knows them.
+    /// Adds the files of `other` that this list lacks, with the stamps that they have in `other`.
     pub fn add_all(&mut self, other: &Self) {
         for (path, stamp) in &other.0 {
             if self.0.iter().all(|(known, _)| known != path) {
@@ -34,14 +35,14 @@ impl WatchedFiles {
         }
     }
 
-    /// Adds the file at `path` in its present state, unless the list has it.
+    /// Adds the file at `path` with its present stamp, unless the list already has it.
     fn add(&mut self, path: &Path) {
         if self.0.iter().all(|(known, _)| known != path) {
             self.0.push((path.to_owned(), file_stamp(path)));
         }
     }
 
-    /// Returns the list with the present states of its files.
+    /// Returns a list of these files with their present stamps.
     fn refreshed(&self) -> Self {
         Self(self.0.iter().map(|(path, _)| (path.clone(), file_stamp(path))).collect())
     }
@@ -53,7 +54,7 @@ impl WatchedFiles {
     }
 }
 
-/// Collects the files that a scene names while they are read.
+/// Monitor that collects the files that a scene names, just before each is read.
 pub(super) struct WatchingMonitor(Mutex<WatchedFiles>);
 
 impl WatchingMonitor {
@@ -78,25 +79,25 @@ impl MeshReadMonitor for WatchingMonitor {
     fn on_read_end(&self, _: &Path, _: &TriangleMesh) {}
 }
 
-/// Detects changes of files; it looks at them when the session asks.
+/// Detects changes of files. It reads their states only when the session calls [`Self::look`].
 ///
 /// A change is reported once two looks in a row find the same new state. So a half-written file is
-/// not read.
+/// not reported.
 #[derive(Debug, Default)]
 pub(super) struct FileWatch {
     files: WatchedFiles,
-    /// State of the files at the last look, if it differs from `files`.
+    /// State of the files at the last look; `None` if it equals `files`.
     changed: Option<WatchedFiles>,
 }
 
 impl FileWatch {
-    /// Watches `files` from now on. A change is a difference from the state that their stamps
-    /// record.
+    /// Watches `files` from now on. A difference from their stamps counts as a change.
     pub fn set_files(&mut self, files: WatchedFiles) {
         (self.files, self.changed) = (files, None);
     }
 
-    /// Looks at the files. Returns true once after each settled change.
+    /// Takes the stamps of all files. Returns true once after each change, when two calls in a row
+    /// have found the same new stamps.
     pub fn look(&mut self) -> bool {
         let now = self.files.refreshed();
         if now == self.files {

@@ -8,9 +8,10 @@ use std::f64::consts::PI;
 ///
 /// The filter is a·√(π/b)·exp(−π²x²/b) at a distance of x degrees (Andersson et al. 2020, table 1).
 const LUMINANCE: (f64, f64) = (1.0, 0.0047);
-/// Parameters (a, b) of the filter of channel Cx, red-green, as in [`LUMINANCE`].
+/// Parameters (a, b) of the filter of channel Cx, red-green; see [`LUMINANCE`] for the formula.
 const RED_GREEN: (f64, f64) = (1.0, 0.0053);
-/// Parameters (a, b) of two Gaussians whose sum is the filter of channel Cz, blue-yellow.
+/// Parameters (a, b) of two Gaussians whose sum is the filter of channel Cz, blue-yellow; see
+/// [`LUMINANCE`] for the formula.
 const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
 
 /// Width of the edge detector from peak to trough \[degrees] (Andersson et al. 2020, section 4.2).
@@ -57,7 +58,7 @@ impl FlipMetricFilters {
         }
     }
 
-    /// Greatest radius of the filters \[pixels].
+    /// Largest radius of all filters \[pixels].
     fn max_radius(&self) -> usize {
         self.luminance.len().max(self.detector[0].len()) / 2
     }
@@ -101,7 +102,7 @@ fn to_single_precision(weights: impl Iterator<Item = f64>) -> FilterWeights {
 
 /// Filter results for one row of a picture, with the buffers to compute them.
 pub(super) struct FlipRowFilter {
-    /// Row after vertical filtering, extended by its end pixels on both sides.
+    /// Buffer for one row after vertical filtering, with its end pixels repeated on both sides.
     padded: Vec<f32>,
     /// Blurred channels: Y, Cx, Cz by the first Gaussian, and Cz by the second one.
     blurred: [Vec<f32>; 4],
@@ -166,9 +167,9 @@ fn feature_magnitude(across: f32, down: f32) -> f64 {
     scale * (a * a + d * d).sqrt()
 }
 
-/// Filters one row of a plane vertically by `down` and horizontally by `across`.
+/// Filters row `row` of `plane` vertically by `down` and horizontally by `across`, into `out`.
 ///
-/// Border pixels are repeated outside the picture.
+/// Border pixels are repeated outside the picture. `padded` is a buffer.
 fn filter_row(plane: &[f32], row: usize, down: &[f32], across: &[f32], padded: &mut [f32], out: &mut [f32]) {
     let width = out.len();
     let height = plane.len() / width;

@@ -121,7 +121,8 @@ struct OpponentColorImage {
 }
 
 impl OpponentColorImage {
-    /// Converts `image` to YCxCz; `shown` maps radiance to linear display values in \[0, 1].
+    /// Converts `image` to YCxCz. The callback `shown` maps radiance to linear display values in
+    /// \[0, 1].
     fn from_image(image: &Image, shown: impl Fn(Vec3) -> Vec3 + Sync) -> Self {
         let triples: Vec<Vec3> = image.pixels().par_iter().map(|&p| rgb_to_ycxcz(shown(p))).collect();
         let plane = |channel: usize| triples.iter().map(|t| t[channel]).collect();
@@ -129,7 +130,7 @@ impl OpponentColorImage {
     }
 }
 
-/// Compares two pictures by ꟻLIP; raises each pixel of `map` to its error if that is larger.
+/// Compares two pictures by ꟻLIP. Raises each pixel of `map` to its error if the error is larger.
 fn accumulate_max_error(
     reference: &OpponentColorImage,
     test: &OpponentColorImage,

@@ -29,34 +29,33 @@ const ROUGH: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 /// a straight edge of light.
 const MAX_RATIO: f64 = 0.841;
 
-/// Relative standard deviation of the part of the blur (bias of density estimates) that is
+/// Relative standard deviation of that part of the blur (bias of density estimates) that is
 /// extrapolated instead of measured.
 ///
 /// Edges and bands of light may give similar density estimates with discs of full, half and quarter
 /// area, although their blur differs by this fraction.
 const EXTRAPOLATION_ERROR: f64 = 0.5;
 
-/// Mean squares and products over the picture of the differences D₀ = L(r) − L(r/√2) and D₁ =
-/// L(r/√2) − L(r/2), where L(r) is the density estimate with disc radius r. Products are taken
-/// between different passes, so noise adds no bias.
+/// Means over the picture of squares and products of D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2),
+/// where L(r) is the density estimate with disc radius r.
+///
+/// Each pixel is weighted for relative errors by
+/// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights). Products are taken between
+/// different passes, so noise adds no bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NestedDifferenceMoments {
-    /// ‖D₀‖²: mean square over the picture of D₀ = L(r) − L(r/√2), where L(r) is the density
-    /// estimate with disc radius r.
+    /// ‖D₀‖²: mean square of D₀ over the picture.
     pub d0: f64,
-    /// D₀·D₁: mean product over the picture of D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where
-    /// L(r) is the density estimate with disc radius r.
+    /// D₀·D₁: mean product of D₀ and D₁ over the picture.
     pub d0_d1: f64,
-    /// ‖D₁‖²: mean square over the picture of D₁ = L(r/√2) − L(r/2), where L(r) is the density
-    /// estimate with disc radius r.
+    /// ‖D₁‖²: mean square of D₁ over the picture.
     pub d1: f64,
-    /// Relative variance, in one pass, of the difference between density estimates with full and
-    /// half disc area.
+    /// Variance of D₀ in one pass, as a mean over the picture.
     pub variance: f64,
     /// Variance of the estimate `d0`, due to the noise of the passes.
     pub d0_variance: f64,
-    /// Relative variance of the squared noise of D₀ = L(r) − L(r/√2): 2 / effective sample count.
-    /// The count is the number of independent values that scatter as much as the noise.
+    /// Relative variance of the squared noise of D₀: 2 / effective sample count. The count is the
+    /// number of independent values that scatter as much as the noise.
     pub scatter: f64,
 }
 
@@ -71,8 +70,8 @@ impl NestedDifferenceMoments {
         variance * variance * scatter / (passes * (passes - 1.0)) + 2.0 * d0.max(0.0) * variance * scatter / passes
     }
 
-    /// Weight in \[0, 1] of the measured ratios ‖D₁‖² / ‖D₀‖² and D₀·D₁ / ‖D₀‖². The rest of the
-    /// weight is on their values in smooth light.
+    /// Weight in \[0, 1] of the measured ratios ‖D₁‖² / ‖D₀‖² and D₀·D₁ / ‖D₀‖², against their
+    /// values in smooth light.
     ///
     /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
     /// radius r. The weight is 1 if the measured ‖D₀‖² is positive without noise, and 0 if it is
@@ -101,10 +100,10 @@ pub(super) struct BlurEstimate {
     pub square: f64,
     /// Variance of the estimate `square`.
     pub variance: f64,
-    /// Ratio of the blur of estimates with discs of half the area to the blur with full discs.
+    /// Ratio of the blur with discs of half the area to the blur with full discs.
     pub ratio: f64,
-    /// Ratio of the extrapolated blur to the measured difference between density estimates with
-    /// full and quarter disc area.
+    /// Ratio of the extrapolated blur to the measured difference D₀ + D₁ = L(r) − L(r/2), where
+    /// L(r) is the density estimate with disc radius r.
     pub extrapolation: f64,
 }
 

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 /// Sums over passes of the radiance that clamping removed from each pixel.
 ///
-/// Its mean is the bias of the picture, up to the sign.
+/// The mean removed radiance is the bias of the picture, up to the sign.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct ClampedLightSums {
     /// Sum of the removed radiance, for each pixel and channel.
@@ -21,25 +21,25 @@ impl ClampedLightSums {
         Self { removed: BinnedSums::new(pixels), squares: BinnedSums::new(pixels) }
     }
 
-    /// Adds a pass that removed this radiance from each pixel.
+    /// Adds a pass. `removed` is the radiance that clamping removed from each pixel in it.
     pub fn add(&mut self, removed: &[Rgb]) {
         self.removed.add(removed.iter().map(|value| value.as_dvec3().to_array()));
         self.squares.add(removed.iter().map(|value| [value.as_dvec3().length_squared()]));
     }
 
-    /// Adds the passes of `other`, which has as many pixels.
+    /// Adds the passes of `other`, which must have the same number of pixels.
     pub fn merge(&mut self, other: &Self) {
         self.removed.merge(&other.removed);
         self.squares.merge(&other.squares);
     }
 
-    /// Returns the number of pixels; `None` if the sums belong to different numbers of pixels.
+    /// Returns the number of pixels; `None` if the two sums disagree on it, as in damaged files.
     pub fn pixels(&self) -> Option<usize> {
         (self.removed.len() == self.squares.len()).then(|| self.removed.len())
     }
 
-    /// Returns the squared relative bias that clamping causes, as a mean over the picture after `n`
-    /// passes, and the variance of this estimate.
+    /// Returns the squared relative bias that clamping causes in the mean of `n` passes, averaged
+    /// over the picture, and the variance of this estimate.
     ///
     /// The square of each pixel combines two different passes, so its noise has mean zero.
     pub fn squared_bias(&self, error_weights: &RelativeErrorWeights, n: f64) -> (f64, f64) {

@@ -19,7 +19,7 @@ pub(super) struct DiscAreaSums {
     power: f64,
     /// Number of summed passes.
     pub passes: u32,
-    /// Gather disc area of the pass after the summed ones, relative to the first pass.
+    /// Gather disc area of the next pass, which is not summed yet, relative to the first pass.
     area: f64,
     /// Sum over passes of the inverse gather disc area, relative to the first pass.
     pub inverse_area: f64,
@@ -33,14 +33,14 @@ impl DiscAreaSums {
         Self { alpha, power, passes: 0, area: squared_radius_ratio(alpha, 0), inverse_area: 0.0, blur: 0.0 }
     }
 
-    /// Returns the sums over the first `passes` passes, to a relative error below 10⁻³.
+    /// Returns the sums over the first `passes` passes, with a relative error below 10⁻³.
     pub fn of_passes(alpha: f64, power: f64, passes: u32) -> Self {
         let mut sums = Self::new(alpha, power);
         sums.advance_to(passes);
         sums
     }
 
-    /// Adds passes until the sums hold `passes` passes. Does nothing if they already hold as many.
+    /// Adds passes until the sums hold `passes` passes. Does nothing if they hold as many or more.
     pub fn advance_to(&mut self, passes: u32) {
         while self.passes < passes {
             if self.passes + self.group() > passes { self.add_pass() } else { self.add_group() }
@@ -53,7 +53,7 @@ impl DiscAreaSums {
         if self.group() > 1 { self.add_passes_by_midpoint(self.group()) } else { self.add_pass() }
     }
 
-    /// Number of passes in the next group that is summed at once.
+    /// Number of passes that the next [`add_group`](Self::add_group) adds.
     fn group(&self) -> u32 {
         if self.passes < EXACT_PASSES { 1 } else { self.passes / GROUP_DIVISOR }
     }

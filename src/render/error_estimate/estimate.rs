@@ -11,9 +11,9 @@ use serde::Serialize;
 /// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights); 0.01 means 1 %.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorEstimate {
-    /// Number of passes of the picture.
+    /// Number of passes whose mean is the picture.
     pub passes: u32,
-    /// Total error: √(noise² + bias²).
+    /// Total relative error: √(noise² + bias²); infinite after too few passes.
     pub error: f64,
     /// Lower end of the interval that contains the true error with the requested confidence.
     pub low: f64,
@@ -21,20 +21,21 @@ pub struct ErrorEstimate {
     pub high: f64,
     /// Relative standard error of the picture, which is the mean of the passes.
     pub noise: f64,
-    /// Error that averaging does not reduce: √(blur² + shared_paths² + clamping²).
+    /// Relative bias, the error that is not noise: √(blur² + shared_paths² + clamping²).
     pub bias: f64,
-    /// Bias of photon density estimates, due to the radius of their discs.
+    /// Relative bias of photon density estimates, due to the radius of their discs.
     pub blur: f64,
-    /// Error of camera paths that all passes share; 0 if each pass has its own paths.
+    /// Relative error of camera paths that all passes share; 0 if each pass has its own paths.
     pub shared_paths: f64,
-    /// Bias of clamped camera paths, due to the light that clamping removes; 0 without clamping.
+    /// Relative bias of clamped camera paths, due to the light that clamping removes; 0 without
+    /// clamping.
     pub clamping: f64,
     /// Ratio of the blur with discs of half the area to the blur with full discs: ½ in smooth
     /// light, larger at edges.
     #[serde(skip)]
     pub(super) blur_ratio: f64,
-    /// Ratio of the extrapolated blur to the measured difference between density estimates with
-    /// full and quarter disc area.
+    /// Ratio of the extrapolated blur to the measured difference L(r) − L(r/2), where L(r) is the
+    /// density estimate with disc radius r.
     #[serde(skip)]
     pub(super) extrapolation: f64,
     /// Parts of the squared error, with their variances.

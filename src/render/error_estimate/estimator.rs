@@ -64,11 +64,11 @@ struct NestedEstimateSums {
     /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
     /// radius r.
     products: BinnedSums<3>,
-    /// Sums over passes of gather radius and photon count of each pixel. The first is for the
-    /// caustic map, the second for the indirect map and the interreflection map of `hybrid`.
+    /// Sums over passes of gather radius and photon count of each pixel: first for the caustic map,
+    /// then for the indirect map and the interreflection map of `hybrid` together.
     discs: Vec<[GatherDiscTotals; 2]>,
-    /// D₀ of each pixel in the passes with the lowest numbers. D₀ is the difference between density
-    /// estimates with full and half disc area.
+    /// D₀ = L(r) − L(r/√2) of each pixel in the passes with the lowest numbers, where L(r) is the
+    /// density estimate with disc radius r.
     leading: LeadingPasses,
 }
 
@@ -86,7 +86,8 @@ struct GatherDiscTotals {
 pub struct ErrorMaps {
     /// Standard error of the mean of the passes, by channel \[W/(m² sr)].
     pub noise: Vec<Vec3>,
-    /// Signed estimate of the blur of the mean of the passes, by channel \[W/(m² sr)]. It is noisy.
+    /// Estimated blur of the mean of the passes, by channel, signed \[W/(m² sr)]. The estimate is
+    /// noisy.
     pub bias: Vec<Vec3>,
     /// Mean radius and photon count of each pixel's density estimates from the caustic map.
     pub caustic: Vec<MeanGatherDisc>,
@@ -113,7 +114,7 @@ impl ErrorEstimator {
         }
     }
 
-    /// Adds the pass with number `number`. No two added passes may have the same number.
+    /// Adds `pass`, whose pass number is `number`. Each number may be added only once.
     pub fn add(&mut self, number: u32, pass: &Pass) {
         self.variances.add(&pass.image);
         self.leading.add(number, LEADING_PASSES, pass.image.iter().copied());
@@ -129,7 +130,7 @@ impl ErrorEstimator {
         self.passes += 1;
     }
 
-    /// Adds the passes of `other`. No pass may be in both estimators.
+    /// Adds the passes of `other`. The caller ensures that no pass is in both estimators.
     ///
     /// # Errors
     /// [`MergeError`] if the estimators belong to different pictures or integrators, or have too
@@ -177,7 +178,7 @@ impl ErrorEstimator {
             })
     }
 
-    /// True if the sums of both estimators belong to the same pixels.
+    /// True if both estimators hold sums of the same kinds for the same pixels.
     fn has_same_pixels(&self, other: &Self) -> bool {
         let photon_pixels =
             |estimator: &Self| estimator.photon_estimates.as_ref().map(|estimates| estimates.discs.len());
@@ -321,7 +322,7 @@ impl NestedEstimateSums {
         self.leading.add(number, LEADING_PASSES_OF_DIFFERENCES, pixels.iter().map(|pixel| pixel.steps[0]));
     }
 
-    /// Adds the passes of `other`, which has as many pixels.
+    /// Adds the passes of `other`, which must have the same number of pixels.
     fn merge(&mut self, other: &Self) {
         for (sums, other) in self.differences.iter_mut().zip(&other.differences) {
             sums.merge(other);
@@ -372,7 +373,7 @@ impl GatherDiscTotals {
         }
     }
 
-    /// Adds the totals of other passes.
+    /// Adds the totals of `other`, which belong to other passes of the same pixel.
     fn merge(&mut self, other: Self) {
         self.radius += other.radius;
         self.photons += other.photons;

@@ -10,14 +10,15 @@ pub(super) const MAX_PASSES: u32 = 10_000_000;
 ///
 /// Let aᵢ be the disc area of photon estimates in pass i, divided by that in pass 0. The variance
 /// of photon estimates falls as Σ(1/aᵢ)/n², all other variance as 1/n. Blur is proportional to the
-/// mean of aᵢ^p, with a measured exponent p. The shared-path error is constant.
+/// mean of aᵢ^p, with a measured exponent p. The shared-path error and the bias of clamping are
+/// constant.
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorForecast {
     /// Error estimate from which the forecast starts.
     pub(super) estimate: ErrorEstimate,
     /// Exponent α by which gather radii shrink from pass to pass (radius law); 1 for fixed radii.
     pub(super) alpha: f64,
-    /// Relative variance of one pass, without the variance of photon estimates and fireflies.
+    /// Relative variance of one pass, except the variance of photon estimates and fireflies.
     path_variance: f64,
     /// Relative variance of photon estimates in the first pass.
     photon_variance: f64,
@@ -64,8 +65,8 @@ impl ErrorForecast {
 
     /// Returns the relative bias that remains after any number of passes; `None` if it is 0.
     ///
-    /// Gather radii that shrink from pass to pass remove blur, but not the error of camera paths
-    /// that all passes share.
+    /// The error of shared camera paths and the bias of clamping remain. Blur remains only if
+    /// gather radii do not shrink from pass to pass.
     #[must_use]
     pub fn bias_floor(&self) -> Option<f64> {
         let constant = self.constant_bias();
@@ -73,7 +74,8 @@ impl ErrorForecast {
         (floor > 0.0).then_some(floor)
     }
 
-    /// Returns the relative bias that is the same after any number of passes.
+    /// Returns the relative bias of shared camera paths and of clamping, which no number of passes
+    /// changes.
     fn constant_bias(&self) -> f64 {
         self.estimate.shared_paths.hypot(self.estimate.clamping)
     }

@@ -48,8 +48,8 @@ impl LeadingPasses {
         self.pictures.truncate(most);
     }
 
-    /// True if there are at most `most` pictures, in the order of their passes, each of `pixels`
-    /// pixels.
+    /// True if there are at most `most` pictures, each of `pixels` pixels, in ascending order of
+    /// pass numbers.
     pub fn has_pixels(&self, pixels: usize, most: usize) -> bool {
         let ordered = self.pictures.windows(2).all(|pair| pair[0].0 < pair[1].0);
         ordered && self.pictures.len() <= most && self.pictures.iter().all(|(_, picture)| picture.len() == pixels)
@@ -58,8 +58,10 @@ impl LeadingPasses {
     /// Returns the relative variance of the squared error of a picture: 2 / effective sample count.
     /// The count is the number of independent values that scatter as much as the noise.
     ///
-    /// The formula holds for Gaussian noise. `weights` holds a factor on the square of each pixel's
-    /// deviation from the mean of the leading passes. The weighted square is clamped to `max`.
+    /// Few passes measure the count badly, so [`PRIOR_SAMPLES`] has a weight against the
+    /// measurement. The formula holds for Gaussian noise. `weights` holds a factor on the square of
+    /// each pixel's deviation from the mean of the leading passes. The weighted square is clamped
+    /// to `max`.
     pub fn squared_error_variance(&self, weights: &[f64], max: f64) -> f64 {
         let n = self.pictures.len();
         if n < 2 {
@@ -73,8 +75,9 @@ impl LeadingPasses {
         2.0 * ((relative * count + PRIOR_PRODUCTS / PRIOR_SAMPLES) / (count + PRIOR_PRODUCTS)).min(1.0)
     }
 
-    /// Returns three values for the differences between two leading passes: their mean square, the
-    /// mean squared scalar product of two differences, and the number of independent products.
+    /// Returns three values for the differences of two leading passes, divided by √2: their mean
+    /// square, the mean squared scalar product of two differences, and the number of independent
+    /// products.
     ///
     /// Only products of differences without a common pass count.
     fn variance_and_squared_product(&self, weights: &[f64], max: f64) -> (f64, f64, f64) {

@@ -39,7 +39,7 @@ impl PixelVarianceSums {
         }
     }
 
-    /// Adds the passes of `other`, which has as many pixels.
+    /// Adds the passes of `other`, which must have the same number of pixels.
     pub fn merge(&mut self, other: &Self) {
         self.squares.merge(&other.squares);
         for (peak, other) in self.peaks.iter_mut().zip(&other.peaks) {
@@ -47,7 +47,7 @@ impl PixelVarianceSums {
         }
     }
 
-    /// True if there are sums for each of `pixels` pixels.
+    /// True if the sums belong to `pixels` pixels.
     pub fn has_pixels(&self, pixels: usize) -> bool {
         self.squares.len() == pixels && self.peaks.len() == pixels
     }
@@ -57,7 +57,8 @@ impl PixelVarianceSums {
         self.peaks.len()
     }
 
-    /// Returns the deviations of each pixel's passes, in rows from the top; none without passes.
+    /// Returns the deviations of each pixel's passes from their mean, in rows from the top; empty
+    /// without passes.
     ///
     /// `film` must hold the same passes as these sums.
     pub fn deviations(&self, film: &Film) -> impl Iterator<Item = PixelDeviations> {

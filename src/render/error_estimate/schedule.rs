@@ -4,11 +4,11 @@
 /// of a pass.
 const INTERVAL_FACTOR: f64 = 1.05;
 
-/// Schedule of error estimates: after each of the first passes, then each time that the number of
-/// passes has grown by a twentieth.
+/// Schedule that says after which passes the error is estimated: after each of the first, and then
+/// each time that the number of passes has grown by a twentieth.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EstimateSchedule {
-    /// Number of passes from which the next error estimate is due.
+    /// Number of passes at which the next error estimate is due.
     next: f64,
 }
 

@@ -41,14 +41,14 @@ impl SharedPathErrorSums {
         self.squares.add(pass.fresh.iter().map(|fresh| [difference(fresh).length_squared()]));
     }
 
-    /// Adds the passes of `other`, which has the same pixels.
+    /// Adds the passes of `other`, which must belong to the same pixels.
     pub(super) fn merge(&mut self, other: &Self) {
         self.sums.merge(&other.sums);
         self.squares.merge(&other.squares);
     }
 
-    /// True if there is a sum for each recorded pixel, and if each recorded index is below
-    /// `pixels`.
+    /// True if there is a sum for each recorded pixel, and if each pixel index is below `pixels`,
+    /// the number of pixels of the picture.
     pub(super) fn is_consistent(&self, pixels: usize) -> bool {
         let count = self.pixels.len();
         let are_pixels = self.pixels.iter().all(|pixel| (*pixel as usize) < pixels);
@@ -61,8 +61,8 @@ impl SharedPathErrorSums {
         &self.pixels
     }
 
-    /// Returns the mean relative squared error of the shared paths, and its variance; 0 without
-    /// shared paths.
+    /// Returns the squared relative error of the camera paths that all passes share, as a mean over
+    /// pixels, and the variance of this estimate. Both are 0 without shared paths.
     ///
     /// `columns` is the width of the picture \[pixels], and `n` the number of passes. The variance
     /// is measured between blocks of [`BLOCK`] × [`BLOCK`] pixels.

@@ -5,22 +5,22 @@
 /// Errors are relative, see [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct SquaredErrorParts {
-    /// Squared noise of the picture: the variance of the mean of the passes.
+    /// Squared relative noise of the picture: the variance of the mean of the passes.
     pub noise: f64,
     /// Relative variance of one picture's squared noise about its expectation: 2 / effective sample
     /// count. The count is the number of independent values that scatter as much as the noise.
     pub noise_scatter: f64,
     /// Relative variance of the estimate `noise` about the expected squared noise.
     pub noise_uncertainty: f64,
-    /// Squared blur of the picture: the squared bias of photon density estimates.
+    /// Squared relative blur of the picture: the squared bias of photon density estimates.
     pub blur: f64,
     /// Variance of the estimate `blur`.
     pub blur_variance: f64,
-    /// Squared error of camera paths that all passes share.
+    /// Squared relative error of camera paths that all passes share.
     pub shared_paths: f64,
     /// Variance of the estimate `shared_paths`.
     pub shared_paths_variance: f64,
-    /// Squared bias of clamped camera paths.
+    /// Squared relative bias of clamped camera paths.
     pub clamping: f64,
     /// Variance of the estimate `clamping`.
     pub clamping_variance: f64,

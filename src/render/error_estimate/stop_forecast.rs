@@ -15,10 +15,10 @@ use super::schedule::EstimateSchedule;
 use super::squared_error::SquaredErrorParts;
 use std::sync::LazyLock;
 
-/// Probability that a render ends within a [`PassRange`].
+/// Probability that the number of passes at which a render ends lies in the forecast [`PassRange`].
 pub const RANGE_PROBABILITY: f64 = 0.8;
 
-/// Largest number of passes that is forecast, relative to the number of passes made.
+/// Largest ratio of a forecast number of passes to the number of passes made.
 const MAX_EXTRAPOLATION: u32 = 1000;
 
 /// Number of draws of the unknown quantities, for each of which a forecast simulates the render.
@@ -39,21 +39,21 @@ const PRIOR_EXPONENT: f64 = 0.5;
 /// at edges, 1 in smooth light. All are equally likely before measurement.
 const POWERS: [f64; 5] = [0.25, 0.4375, 0.625, 0.8125, 1.0];
 
-/// Least probability of an exponent of [`POWERS`] after measurement, relative to the most likely
-/// one.
+/// Least probability of an exponent of [`POWERS`], given the measured blur, relative to the most
+/// likely exponent.
 const LEAST_POWER_WEIGHT: f64 = 1e-3;
 
 /// Forecast of the number of passes after which a render reaches its error target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StopForecast {
-    /// After a number of passes in this range.
+    /// The target is reached after a number of passes in this range.
     Passes(PassRange),
-    /// Never: this relative bias remains after any number of passes.
+    /// The target is never reached, because bias keeps the error above it.
     Never {
         /// Relative bias that remains after any number of passes.
         floor: f64,
     },
-    /// After more passes than can be predicted from the passes made.
+    /// The target is reached after more passes than can be predicted from the passes made.
     TooFar {
         /// Number of passes before which the render ends with a probability of at most 10 %.
         at_least: u32,
@@ -72,8 +72,7 @@ pub struct PassRange {
     pub high: Option<u32>,
 }
 
-/// One draw of the quantities that are unknown in a forecast: each is determined by a standard
-/// normal or a uniform variate.
+/// Random variates for one simulated render of a forecast, one for each unknown quantity.
 struct Draw {
     /// Standard normal variate that determines the expected noise of the picture.
     noise: f64,
@@ -85,8 +84,9 @@ struct Draw {
     later_blur: f64,
 }
 
-/// Draws with stratified noise. The other dimensions are an additive recurrence (Roberts 2018, "The
-/// unreasonable effectiveness of quasirandom sequences").
+/// The [`DRAWS`] draws of every forecast. Their `noise` is stratified; their other quantities
+/// follow an additive recurrence (Roberts 2018, "The unreasonable effectiveness of quasirandom
+/// sequences").
 static ALL_DRAWS: LazyLock<Vec<Draw>> = LazyLock::new(|| {
     // Positive root of x⁴ = x + 1.
     let root: f64 = 1.220_744_084_605_759_5;
@@ -127,7 +127,7 @@ impl ErrorForecast {
         }
     }
 
-    /// Largest number of passes for which a render is simulated.
+    /// Largest number of passes for which a forecast simulates the render.
     fn horizon(&self) -> u32 {
         self.estimate.passes.saturating_mul(MAX_EXTRAPOLATION).min(MAX_PASSES)
     }
@@ -234,8 +234,8 @@ impl ErrorForecast {
         })
     }
 
-    /// Returns the cumulative probabilities of [`POWERS`] after measurement. They are not
-    /// normalized.
+    /// Returns the cumulative probabilities of the exponents [`POWERS`], given the measured blur.
+    /// They are not normalized.
     ///
     /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
     /// radius r. An exponent p predicts ‖D₁‖² = 2^(−2p) ‖D₀‖². The difference between this

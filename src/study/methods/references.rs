@@ -71,7 +71,7 @@ pub struct ReferencePictures {
 impl ReferencePictures {
     /// Makes reference pictures from `a` and `b`. Without `b`, `a` is taken as exact.
     ///
-    /// `source` describes their origin in reports.
+    /// `source` says in reports where the pictures come from.
     ///
     /// # Errors
     /// [`ReferenceError::Metric`] if sizes differ or a pixel is not finite.
@@ -112,7 +112,8 @@ impl ReferencePictures {
     /// time each, on average. After each pass, `after` is called with the number of passes and the
     /// elapsed fraction of this time. Returns `None` if `interrupted` becomes true.
     ///
-    /// # Errors [`ReferenceError`] if a pixel is not finite.
+    /// # Errors
+    /// [`ReferenceError`] if a pixel is not finite.
     pub fn render(
         scene: &Scene,
         like: &CameraPathSettings,
@@ -155,7 +156,7 @@ impl ReferencePictures {
         Self::new(source, a?, Some(b?)).map(Some)
     }
 
-    /// Returns both reference pictures. They are equal if a single reference is taken as exact.
+    /// Returns the two reference pictures. They are equal if a single reference is taken as exact.
     #[must_use]
     pub fn both_reference_pictures(&self) -> &[Image; 2] {
         &self.pair
@@ -170,7 +171,7 @@ impl ReferencePictures {
         GroundTruth { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
     }
 
-    /// Mean of both reference pictures.
+    /// Mean of the two reference pictures, or the single reference picture.
     pub(super) fn mean(&self) -> &Image {
         &self.mean
     }

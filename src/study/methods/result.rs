@@ -23,7 +23,7 @@ pub struct ConvergenceCheckpoint {
     /// The noise of the references cancels in the estimate, so a small error may be estimated as
     /// negative.
     pub squares: Vec<f64>,
-    /// Relative squared noise: variance between seeds, weighted like `squares`.
+    /// Relative squared noise: variance between the seeds' pictures, weighted like `squares`.
     pub noise2: f64,
     /// Estimate of the relative squared noise from each seed; the mean over seeds is `noise2`.
     ///
@@ -80,21 +80,22 @@ pub struct MethodResult {
     pub checkpoints: Vec<ConvergenceCheckpoint>,
     /// Picture of the first seed at the last checkpoint.
     pub picture: Image,
-    /// Relative error of each pixel at the last checkpoint: root mean square over seeds.
+    /// Relative error of each pixel at the last checkpoint, in rows from the top: root mean square
+    /// over seeds.
     pub error: Vec<f32>,
     /// Mean over seeds of the pictures at the last checkpoint, minus the reference \[W/(m² sr)].
     pub difference: Image,
 }
 
-/// Picture that errors are measured against.
+/// Reference that the errors of a study are measured against: a picture with its origin and error.
 #[derive(Clone, Debug)]
 pub struct GroundTruth {
     /// Origin of the references, such as `auto: 256 passes of hybrid, twice`.
     pub source: String,
-    /// Relative error of `picture` due to the noise of both references; `None` for a single
+    /// Relative error of `picture`, due to the noise of the two references; `None` for a single
     /// reference, which is taken as exact.
     pub error: Option<f64>,
-    /// Mean of both reference pictures, against which errors are shown.
+    /// Mean of the two reference pictures, or the single reference picture.
     pub picture: Image,
 }
 
@@ -113,7 +114,8 @@ pub struct MethodStudyResult {
     pub seeds: u32,
     /// Limit of processor time for each seed of a method \[s].
     pub budget: f64,
-    /// Processor time divided by the product of wall time and threads; the minimum over methods.
+    /// Share of the threads' time that the program got: processor time divided by the product of
+    /// wall time and threads; the minimum over methods.
     ///
     /// Below 0.9, other programs disturbed the measurement. It is 1 if processor time is unknown.
     pub share: f64,

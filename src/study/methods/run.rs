@@ -41,14 +41,14 @@ pub struct StudyLimits {
 /// Progress event of a study that compares rendering methods.
 #[derive(Clone, Copy, Debug)]
 pub enum MethodStudyEvent<'s> {
-    /// Each method that still runs has made one more pass with each seed. Holds the number of
-    /// passes.
+    /// Each method that has not reached a limit has made one more pass with each seed. Holds the
+    /// number of passes that each seed has now.
     Round(u32),
     /// A method was measured at a checkpoint. Holds the method's label and the checkpoint.
     Checkpoint(&'s str, &'s ConvergenceCheckpoint),
 }
 
-/// Function that prepares an integrator with the given seed.
+/// Function that prepares the integrator of a method for the given seed.
 pub(super) type IntegratorFactory<'a> = Box<dyn Fn(u64) -> Box<dyn Integrator + 'a> + 'a>;
 
 /// Study that is ready to measure the convergence of rendering methods.
@@ -88,7 +88,7 @@ struct SeedRun<'a> {
     estimator: Option<ErrorEstimator>,
 }
 
-/// Pictures of a rendering method at its last checkpoint; see [`MethodResult`].
+/// Final pictures of a rendering method, made at its last checkpoint; see [`MethodResult`].
 struct FinalPictures {
     passes: u32,
     picture: Image,
@@ -176,7 +176,7 @@ impl<'a> MethodStudy<'a> {
         u64::from(width) * u64::from(height) * pixel
     }
 
-    /// Runs all methods in turns, pass by pass, until each reaches `limits`.
+    /// Runs all methods in turns, pass by pass, until each reaches one of the `limits`.
     ///
     /// Stops early if `interrupted` becomes true. Calls `after` for each progress event.
     ///
@@ -210,7 +210,7 @@ impl<'a> MethodStudy<'a> {
         Ok(self.into_result(subject, limits, references, cut))
     }
 
-    /// Makes one pass of each seed of each method that still runs.
+    /// Makes one pass of each seed of each method that has not reached a limit.
     ///
     /// Each call starts at another method and seed. So a temporary slowdown of the machine affects
     /// all methods equally.

@@ -11,8 +11,8 @@ use crate::image::Image;
 use crate::study::{ClockKind, EffectResult, EffectStudyResult, StudyError};
 use std::fmt::Write;
 
-/// Smallest ratio of two amounts, the smaller to the larger, at which a report shows both. They are
-/// the light that an effect adds and the light that it removes.
+/// Smallest ratio, the smaller to the larger, of the light that an effect adds and the light that
+/// it removes, at which a report shows pictures of both.
 ///
 /// Below this ratio, the smaller amount is mostly noise.
 const MIN_SHOWN_PART: f64 = 0.1;
@@ -47,7 +47,8 @@ pub struct ReportContext {
 
 /// Report of a study of effects as an HTML page, which is also well-formed XML.
 ///
-/// # Errors [`StudyError`] if a picture cannot be encoded.
+/// # Errors
+/// [`StudyError`] if a picture cannot be encoded.
 pub fn effects_html_page(about: &ReportContext, findings: &EffectStudyResult) -> Result<String, StudyError> {
     let scene = escape_html(&about.scene);
     let mut page = format!(

@@ -4,13 +4,14 @@ use crate::image::{Image, PictureSizeError, RelativeErrorWeights};
 use crate::study::methods::MethodResult;
 use glam::{DVec3, Vec3};
 
-/// Lowest error that a logarithmic colour ramp distinguishes, as a fraction of the highest error.
+/// Error at the dark end of a logarithmic colour ramp, as a fraction of the error at its bright
+/// end.
 pub(super) const MIN_RAMP_FRACTION: f64 = 0.01;
 
 /// Quantile of the pixel errors at the upper end of a colour scale. Larger errors are clamped.
 const SCALE_QUANTILE: f64 = 0.99;
 
-/// Side length of an enlarged window of a picture \[pixels].
+/// Side length of a crop, a window of a picture that a report enlarges \[pixels].
 pub(super) const CROP_SIZE: u32 = 64;
 
 /// Converts a colour in polar OKLab coordinates (Ottosson 2020) to linear RGB, clamped to \[0, 1].

@@ -24,7 +24,8 @@ const SCRIPT: &str = include_str!("methods/flip.js");
 /// The page contains its pictures, styles and a short script, and needs no other file. If scripts
 /// are disabled, the pictures stand below each other.
 ///
-/// # Errors [`StudyError`] if a picture cannot be encoded, or differs in size from the reference.
+/// # Errors
+/// [`StudyError`] if a picture cannot be encoded, or differs in size from the reference.
 pub fn methods_html_page(found: &MethodStudyResult) -> Result<String, StudyError> {
     let analysis = MethodStudyAnalysis::new(found);
     let scene = escape_html(&found.scene);

@@ -11,10 +11,10 @@ const SERIES_COLORS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#
 /// Height of a series label \[px].
 const LABEL_HEIGHT: f64 = 16.0;
 
-/// Upper bound of the width of a letter \[px].
+/// Upper bound of the width of a letter in a series label \[px].
 const MAX_LETTER_WIDTH: f64 = 6.9;
 
-/// Largest number of letters of a label; longer labels are cut, and their tooltip is complete.
+/// Largest number of letters of a series label. Longer labels are cut; their tooltip is complete.
 const MAX_LABEL_LETTERS: usize = 30;
 
 /// Line style of a series in a plot.
@@ -117,7 +117,7 @@ fn is_positive_finite(value: f64) -> bool {
     value > 0.0 && value.is_finite()
 }
 
-/// CSS colour of the series with index `style`.
+/// CSS colour of the data series with index `style` in a plot.
 pub(super) fn series_color(style: usize) -> &'static str {
     SERIES_COLORS[style % SERIES_COLORS.len()]
 }
@@ -329,8 +329,8 @@ fn shortened_label(label: &str) -> String {
     label.chars().take(MAX_LABEL_LETTERS - 1).chain(['…']).collect()
 }
 
-/// Returns label positions that do not overlap, from the sorted positions `heights` \[px,
-/// downwards].
+/// Returns vertical positions of labels that do not overlap, made from the sorted positions
+/// `heights` \[px, downwards].
 ///
 /// Labels are first moved down, to `top` or below and apart from each other. Then they are moved
 /// up, until none is below `bottom`. If there is too little room, some labels end above `top`.

@@ -4,12 +4,14 @@ use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
-/// Limit of extrapolation: the largest ratio of a predicted time to the measured time.
+/// Largest ratio of a predicted time to the measured time of a study. If the ratio would be larger,
+/// the time counts as unknown.
 ///
-/// The ends of a predicted time's confidence interval are limited by the same ratio to that time.
+/// The ends of the confidence interval of a predicted time lie within the same factor of that time.
 pub const MAX_EXTRAPOLATION: f64 = 1000.0;
 
-/// Slope of noise over time that is assumed if there is no fitted slope.
+/// Log-log slope of noise over time that is assumed if no slope could be fitted: that of
+/// independent passes.
 const NOISE_SLOPE: f64 = -0.5;
 
 /// Time and work that a method takes to reach an error.
@@ -44,7 +46,7 @@ impl RenderEffort {
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(tag = "how", rename_all = "lowercase")]
 pub enum TimeToError {
-    /// At most this time and work: the first checkpoint has reached the error already.
+    /// At most this time and work: the error is already reached at the first checkpoint.
     Within(RenderEffort),
     /// Time and work, interpolated between two checkpoints.
     Measured(RenderEffort),
@@ -69,6 +71,8 @@ pub enum TimeToError {
 }
 
 /// Returns the time and work after which the relative error of `method` stays at or below `error`.
+///
+/// `fit` and `verdict` are those of `method`.
 #[must_use]
 pub fn time_to_error(
     method: &MethodResult,
@@ -214,7 +218,8 @@ pub struct MethodRecommendation {
     pub method: usize,
     /// Relative error that the method is expected to have after the time budget.
     pub error: f64,
-    /// Indices of the other methods whose expected error is at most 10 % larger than `error`.
+    /// Indices of the methods, other than `method`, whose expected error is at most 10 % larger
+    /// than `error`.
     pub alike: Vec<usize>,
 }
 

@@ -28,14 +28,14 @@ pub enum ConvergenceVerdict {
         /// Relative error of the reference; `None` if the reference is taken as exact.
         truth: Option<f64>,
     },
-    /// The slope has no confidence interval: there are too few seeds, or their errors scatter too
-    /// much.
+    /// The slope of the error has no confidence interval: there are too few seeds, or their errors
+    /// scatter too much.
     Wide {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
     },
-    /// The slope agrees with theory, but its confidence interval is so wide that other slopes agree
-    /// too.
+    /// The slope of the error agrees with theory, but its confidence interval is too wide to
+    /// exclude other slopes.
     Undecided {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
@@ -44,7 +44,7 @@ pub enum ConvergenceVerdict {
     },
     /// The error does not fall any more, because bias dominates it.
     Plateau {
-        /// Relative bias at the last checkpoint, below which the error does not fall.
+        /// Relative bias at the last checkpoint. The error does not fall below it.
         floor: f64,
         /// Cause of the bias.
         cause: BiasCause,
@@ -60,8 +60,8 @@ pub enum ConvergenceVerdict {
     Expected {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
-        /// Relative bias that the error approaches; `None` if the bias falls too or is not
-        /// significant.
+        /// Relative bias at which the error will stop falling; `None` if the bias falls with the
+        /// error, or is not significant.
         ahead: Option<f64>,
     },
     /// The error falls more slowly than theory predicts.

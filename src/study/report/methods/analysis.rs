@@ -88,7 +88,7 @@ pub(super) fn slope_interval_text(slopes: Option<ConvergenceSlopes>) -> String {
     format!("{}{interval}", text::slope_text(by_passes.value))
 }
 
-/// Text of predicted slopes, such as `−0.50` or `−0.50 … 0.00`.
+/// Text of the range of predicted slopes, such as `−0.50` or `−0.50 … 0.00`; see [`SlopeRange`].
 pub(super) fn slope_range_text(law: Option<SlopeRange>) -> String {
     law.map_or("none".to_owned(), |law| law.to_string())
 }

@@ -131,7 +131,8 @@ struct TimeToErrorJson {
 
 /// Report of a study of methods as JSON: everything but pixels. Infinite values are `null`.
 ///
-/// # Errors [`serde_json::Error`] if encoding fails, which is not known to happen.
+/// # Errors
+/// [`serde_json::Error`] if encoding fails, which is not known to happen.
 pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
     let analysis = MethodStudyAnalysis::new(found);
     let methods = found.methods.iter().zip(&analysis.methods).map(|(method, judged)| {

@@ -19,14 +19,14 @@ use crate::study::report::text::{duration_text, error_percent_text, slope_text, 
 use glam::Vec3;
 use std::fmt::Write;
 
-/// Number of windows with large errors that the page shows.
+/// Number of crops that the page shows of each picture: windows with large errors.
 const CROP_COUNT: usize = 2;
 
-/// Factor by which the page enlarges each window with large errors.
+/// Factor by which the page enlarges each crop: a window of a picture with large errors.
 const CROP_MAGNIFICATION: u32 = 4;
 
-/// Makes an HTML figure of the element `what`, with a caption and the shell command that repeats
-/// it.
+/// Makes an HTML figure that contains the element `what`, a caption, and the shell command that
+/// renders the same picture.
 fn figure_html(class: &str, label: &str, what: &str, caption: &str, command: &str) -> String {
     let label = if label.is_empty() { String::new() } else { format!(" data-label=\"{}\"", escape_html(label)) };
     format!(
