@@ -38,7 +38,7 @@ pub use args::{Arguments, Command, EstimateArguments, PlanArguments, RenderArgum
 pub use convert::ConvertArguments;
 pub use diff::{DiffArguments, ErrorMapKind, FlipMetricModeArgument};
 pub use failure::{CommandFailure, Exit};
-pub use farm::{FarmArguments, FarmEngine, SlurmArguments};
+pub use farm::{FarmArguments, FarmEngine, RefusedArguments, SlurmArguments};
 pub use film::FilmArguments;
 pub use merge::MergeArguments;
 pub use mesh::MeshArguments;

@@ -1,7 +1,7 @@
 //! Arguments of `caustica farm`.
 
-use crate::cli::args::{EffectsArguments, MethodArguments, SceneArguments};
 use crate::camera::CropWindow;
+use crate::cli::args::{EffectsArguments, MethodArguments, SceneArguments};
 use crate::cli::film::FilmSettings;
 use crate::cli::number::{
     parse_confidence, parse_count, parse_duration, parse_positive_count, parse_radiance_limit, parse_relative_error,
@@ -227,7 +227,8 @@ mod tests {
         let slurm = arguments.find_subcommand("farm").unwrap().find_subcommand("slurm").unwrap();
         let render = flags(arguments.find_subcommand("render").unwrap(), false);
         let refused: BTreeSet<String> = REFUSED.iter().map(|(name, _)| (*name).to_owned()).collect();
-        let unknown: Vec<_> = render.difference(&flags(slurm, false)).filter(|name| !refused.contains(*name)).collect();
+        let taken = flags(slurm, false);
+        let unknown: Vec<_> = render.difference(&taken).filter(|name| !refused.contains(*name)).collect();
         assert!(unknown.is_empty(), "neither taken nor refused: {unknown:?}");
         assert_eq!(flags(slurm, true), refused);
         let needed = ["caustica", "farm", "slurm", "a.txt", "-o", "a.exr", "--shards", "2", "--passes", "4"];

@@ -23,8 +23,8 @@ impl ClampedLightSums {
 
     /// Adds a pass that removed this radiance from each pixel.
     pub fn add(&mut self, removed: &[Rgb]) {
-        self.removed.add(removed.iter().map(|value| value.as_dvec3().to_array()));
-        self.squares.add(removed.iter().map(|value| [value.as_dvec3().length_squared()]));
+        self.removed.add(|i| removed[i].as_dvec3().to_array());
+        self.squares.add(|i| [removed[i].as_dvec3().length_squared()]);
     }
 
     /// Adds the passes of `other`, which has as many pixels.

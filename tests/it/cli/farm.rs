@@ -109,7 +109,7 @@ fn farm(sandbox: &CliSandbox, path: &str, words: &str) -> ProgramRun {
 #[test]
 fn farm_renders_have_the_bits_of_one_render() {
     let slurm = FakeSlurm::new(4);
-    let settings = "--seed 3 --spp 2 --size 32x24 --effects -caustics";
+    let settings = "--seed 3 --spp 2 --size 40x30 --effects -caustics --crop 4,2,36,26 --clamp 2 --light-groups";
     let words = format!("--shards 5 --passes 12 -o out.exr -o all.film {settings}");
     let parts = ["submitted 5 shards as jobs 1, 2, and the merge as job 3", "12 passes", "estimated error"];
     slurm.farm(&words).expect(0, &parts);
@@ -118,14 +118,29 @@ fn farm_renders_have_the_bits_of_one_render() {
     let sandbox = &slurm.sandbox;
     sandbox.render("box.txt", &format!("-o whole.exr --passes 12 --film whole.film {settings}")).expect(0, &[]);
     assert_eq!(sandbox.bytes("out.exr"), sandbox.bytes("whole.exr"));
+    let [sum, whole] = ["all.film", "whole.film"].map(|film| {
+        let text = sandbox.run(&["film", film]).stdout;
+        text.lines()
+            .filter(|line| !line.starts_with("time") && !line.starts_with("scene"))
+            .collect::<Vec<_>>()
+            .join("\n")
+    });
+    assert_eq!(sum, whole);
     slurm.farm(&words).expect(0, &["submitted the merge as job 4", "12 passes"]);
     assert_eq!(slurm.calls("--array").len(), 2);
 
     slurm
         .farm(&words.replace("--spp 2", "--spp 3"))
-        .expect(2, &["holds another render", "--spp 2 --effects -caustics` there"]);
+        .expect(2, &["holds another render", "--spp 2 --effects -caustics --light-groups --clamp 2 --crop 4,2,36,26"]);
     let other_shards = words.replace("--shards 5", "--shards 4");
     slurm.farm(&other_shards).expect(2, &["12 passes in 4 shards here, 12 passes in 5 shards there"]);
+
+    // What a farm refuses, a render from the merged film gives.
+    slurm.farm(&format!("{words} --aov layers.exr")).expect(2, &["a farm does not take --aov", "merged.film"]);
+    let layers = format!("--film out.exr.farm/merged.film --passes 12 --aov layers.exr --stats stats.json {settings}");
+    let run = sandbox.render("box.txt", &layers);
+    run.expect(0, &["continuing out.exr.farm/merged.film: 12 passes", "wrote layers.exr", "12 passes in"]);
+    assert!(!run.stderr.contains("pass 13"), "{}", run.stderr);
 }
 
 #[test]
@@ -184,6 +199,11 @@ fn farms_refuse_before_they_submit() {
     slurm.farm(&format!("{all} -o a.exr --work-dir .")).expect(2, &["is not empty", "choose another --work-dir"]);
     let raycast = format!("{all} -o a.exr --integrator raycast --target-error 1%");
     slurm.farm(&raycast).expect(2, &["--target-error needs an error estimate"]);
+    let raycast = format!("{all} -o a.exr --integrator raycast --light-groups");
+    slurm.farm(&raycast).expect(2, &["--light-groups needs light that is simulated"]);
+    slurm
+        .farm(&format!("{all} -o a.exr --crop 0,0,99,9"))
+        .expect(2, &["0,0,99,9 exceeds the picture of 40 × 30 pixels"]);
     sandbox.put("copy.exr", super::BOX);
     fs::remove_file(sandbox.path("box.txt")).unwrap();
     std::os::unix::fs::symlink("copy.exr", sandbox.path("box.txt")).unwrap();
