@@ -5,7 +5,7 @@
 //! cargo run --release --example sharding -- cost [EDGE …]
 //! ```
 //!
-//! `error` renders the room with few photons per pass, in shards that share nothing but their film
+//! `error` renders the room with one camera ray per pixel and few photons per pass, in shards that share nothing but their film
 //! files. It compares the estimated error of the sum with the true error against the reference
 //! picture of another renderer. `cost` measures the work that each shard repeats, by the edge of
 //! the picture in pixels. Times are processor seconds of all threads.
@@ -104,7 +104,8 @@ fn shard(settings: &Settings, passes: std::ops::Range<u32>, work: &mut Work) -> 
 
 /// Renders in shards, and prints estimated and true error.
 fn compare_errors(photons: u32, passes: u32, shards: u32) -> Result<(), Box<dyn Error>> {
-    let settings = Settings { photons, caustic_photons: photons / 2, balance: false, ..settings() };
+    let mut settings = Settings { photons, caustic_photons: photons / 2, balance: false, ..settings() };
+    settings.camera_paths.samples = Some(1);
     let mut work = Work::default();
     let mut total: Option<RenderResult> = None;
     let size = passes / shards;
