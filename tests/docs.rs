@@ -7,7 +7,7 @@ mod it {
     }
 }
 
-use caustica::cli::{Arguments, Command, Exit};
+use caustica::cli::{Arguments, Command, Exit, FarmEngine};
 use caustica::format::grid::{self, DensityGrid, GridEncoding};
 use caustica::format::mesh::{self, MeshFormat};
 use caustica::format::{SourceText, parse, resolve};
@@ -135,6 +135,12 @@ fn run_documented_command(page: &str, line: &[String], folder: &Path) {
             Some(Command::Convert(convert)) => (Some(&convert.scene), convert.output_file().into_iter().collect()),
             Some(Command::Merge(merge)) => (None, merge.output.iter().collect()),
             Some(Command::Film(_)) => (None, Vec::new()),
+            Some(Command::Farm(farm)) => {
+                // The machine of this test has no Slurm.
+                arguments.push("--dry-run".to_owned());
+                let FarmEngine::Slurm(slurm) = &farm.engine;
+                (Some(&slurm.scene.scene), Vec::new())
+            }
             Some(Command::Completions { .. } | Command::Man) | None => (None, Vec::new()),
         };
         // Scenes that the page asks the reader to save are in the folder, others in the project.
@@ -317,8 +323,25 @@ fn assert_flags_are_listed(command: &str, section: &str) {
 #[test]
 fn docs_list_every_exit_code() {
     let codes: Vec<String> = guide_table_rows("Exit codes").iter().map(|row| row[0].replace('`', "")).collect();
-    let known = [Exit::Success, Exit::Input, Exit::Usage, Exit::Output, Exit::Differ, Exit::Interrupted];
+    let known = [Exit::Success, Exit::Input, Exit::Usage, Exit::Output, Exit::Differ, Exit::Farm, Exit::Interrupted];
     assert_eq!(codes, known.map(|exit| (exit as u8).to_string()));
+}
+
+/// The page about farms lists each flag that `farm slurm` has beyond those of `render`.
+#[test]
+fn farm_page_lists_its_flags() {
+    let page = std::fs::read_to_string(repository_root().join("docs/guide/farm.md")).unwrap();
+    let arguments = Arguments::command();
+    let flags = |command: &clap::Command| -> BTreeSet<String> {
+        command.get_arguments().filter_map(|argument| argument.get_long()).map(|long| format!("--{long}")).collect()
+    };
+    let slurm = arguments.find_subcommand("farm").unwrap().find_subcommand("slurm").unwrap();
+    let render = flags(arguments.find_subcommand("render").unwrap());
+    let same = ["--passes", "--target-error", "--threads", "--memory"].map(str::to_owned);
+    let own: BTreeSet<String> = flags(slurm).difference(&render).cloned().chain(same).collect();
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| `--"));
+    let listed: BTreeSet<String> = rows.map(|row| format!("--{}", row.split([' ', '`']).next().unwrap())).collect();
+    assert_eq!(listed, own);
 }
 
 /// Returns the anchor that GitHub gives a heading.

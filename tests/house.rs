@@ -479,6 +479,23 @@ fn source_has_no_todo() {
     assert_at_most(0, "nothing is left for later", &offences);
 }
 
+/// Files that may read the wall clock, which can go backwards: the ages of temporary files, and the
+/// stamps of scene files. All else measures time by the monotonic clock.
+const WALL_CLOCK: [&str; 3] = ["image/replace.rs", "image/replace/tests.rs", "cli/view/watch.rs"];
+
+#[test]
+fn time_is_measured_by_the_monotonic_clock() {
+    let mut offences = Vec::new();
+    for file in sources().iter().filter(|file| !WALL_CLOCK.contains(&file.name.as_str())) {
+        for (i, line) in file.without_comments().lines().enumerate() {
+            if line.contains("SystemTime") || line.contains("UNIX_EPOCH") {
+                offences.push(format!("src/{}:{}", file.name, i + 1));
+            }
+        }
+    }
+    assert_at_most(0, "only files of the list read the wall clock", &offences);
+}
+
 #[test]
 fn use_paths_are_read_in_every_form() {
     let text = "use crate::math::Ray;\nuse crate::{cli, scene::{Scene, Hit as H}, image};\n\

@@ -9,7 +9,7 @@ use super::number::{
 };
 use super::pictures::PictureArguments;
 use super::shard::Shard;
-use super::{ConvertArguments, DiffArguments, FilmArguments, MergeArguments, MeshArguments};
+use super::{ConvertArguments, DiffArguments, FarmArguments, FilmArguments, MergeArguments, MeshArguments};
 use crate::camera::{CropWindow, FilterKind};
 use crate::format::{IMPORTERS, ImportOptions};
 use crate::integrate::{Algorithm, FinalGathering, IndirectPhotons, LightTracing, VolumeEstimator};
@@ -41,6 +41,7 @@ Exit codes:
   2    the command line is wrong, or asks for more memory than there is
   3    at least one output cannot be written; all others are written
   4    pictures differ by more than the limits of `caustica diff`
+  5    the engine of a farm is missing or refuses, or parts of a render failed on it
   130  interrupted by Ctrl-C, SIGTERM or SIGHUP: after the first one the picture so far is written, \
 a second one stops at once";
 
@@ -69,6 +70,8 @@ pub enum Command {
     Merge(MergeArguments),
     /// Describe a film file: its scene, settings, passes and estimated error
     Film(FilmArguments),
+    /// Render on the machines of a farm
+    Farm(FarmArguments),
     /// Write a scene as scene text, with the meshes and pictures that it holds beside it
     Convert(ConvertArguments),
     /// Print a completion script for a shell

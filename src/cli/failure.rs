@@ -19,6 +19,8 @@ pub enum Exit {
     Output = 3,
     /// Pictures differ by more than `caustica diff` allows.
     Differ = 4,
+    /// The engine of a farm is missing or refuses a job, or parts of the render failed on it.
+    Farm = 5,
     /// A signal such as Ctrl-C interrupted the command. The first signal still writes the outputs;
     /// a second one ends the program without them.
     Interrupted = 130,

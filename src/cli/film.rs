@@ -1,16 +1,25 @@
 //! Film files of the command line: `caustica film`, and the film that a render saves and continues.
 
-use super::number::count_with_noun;
+use super::args::MethodArguments;
+use super::file_lock::FileLock;
+use super::number::{count_with_noun, parse_bytes};
 use super::progress::print_message;
 use super::settings::method_flags;
-use super::{CommandFailure, Exit, RenderArguments, forecast_text};
+use super::{CommandFailure, Exit, forecast_text};
+use crate::camera::CropWindow;
 use crate::image::{WriteError, replace_file_with};
+use crate::integrate::Algorithm;
+use crate::plan::EffectOverrides;
 use crate::render::error_estimate::MIN_PASSES;
-use crate::render::{FilmFile, FilmFileError, FilmHeader, InputDigest, PassSet, RenderResult};
+use crate::render::{
+    FilmFile, FilmFileError, FilmHeader, InputDigest, PassSet, RenderResult, RenderedLayers, check_films_memory,
+    read_film_header,
+};
+use crate::stats::MemoryLimit;
 use clap::Args;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
-use std::fs::{self, File, TryLockError};
+use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Write as _};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -20,11 +29,24 @@ use std::time::{Duration, Instant};
 /// most 1 % of a render.
 const MIN_INTERVAL_FACTOR: u32 = 100;
 
+/// Flag of renders whose films have no sums of the error.
+const NO_ERROR_ESTIMATE: &str = "--no-error-estimate";
+
+/// Flag of renders whose films have light groups.
+const LIGHT_GROUPS: &str = "--light-groups";
+
+/// Flag of renders whose films have clamped light.
+const CLAMP: &str = "--clamp";
+
 /// Arguments of `film`.
 #[derive(Debug, Args)]
 pub struct FilmArguments {
     /// Film file
     pub film: PathBuf,
+
+    /// Memory limit of the program, such as 4G or 512M  [default: the free memory]
+    #[arg(long, value_parser = parse_bytes, value_name = "SIZE")]
+    pub memory: Option<u64>,
 }
 
 /// Error: a film file cannot be read.
@@ -68,14 +90,8 @@ pub(super) struct SavedFilm<'a> {
     _lock: FileLock,
 }
 
-/// Lock of a film file: a locked file beside it.
-struct FileLock {
-    path: PathBuf,
-    /// Open file that holds the lock. The system releases the lock when the process ends.
-    _file: File,
-}
-
 pub(super) fn run(arguments: &FilmArguments) -> Result<Exit, CommandFailure> {
+    check_film_memory(std::slice::from_ref(&arguments.film), 1, arguments.memory)?;
     let film = read_film(&arguments.film)?;
     let written = io::stdout().write_all(film_text(&film).as_bytes());
     written.map_err(CommandFailure::output_error)?;
@@ -85,6 +101,25 @@ pub(super) fn run(arguments: &FilmArguments) -> Result<Exit, CommandFailure> {
 /// Reads the film file at `path`.
 pub(super) fn read_film(path: &Path) -> Result<FilmFile, CommandFailure> {
     let read = || FilmFile::read(BufReader::new(File::open(path)?));
+    read().map_err(|source| CommandFailure::new(Exit::Input, FilmReadError { path: path.to_owned(), source }))
+}
+
+/// Returns a failure if `count` of the films at `paths` do not fit into memory at a time.
+///
+/// `memory` is the limit of `--memory` \[bytes]. Reads only the headers.
+pub(super) fn check_film_memory(paths: &[PathBuf], count: usize, memory: Option<u64>) -> Result<(), CommandFailure> {
+    let free = memory.map_or(MemoryLimit::System, MemoryLimit::Limit).available_bytes();
+    for path in paths {
+        let header = read_header(path)?;
+        let size = (header.width, header.height);
+        check_films_memory(count, size, film_layers(&header), free).map_err(CommandFailure::usage_error)?;
+    }
+    Ok(())
+}
+
+/// Reads the header of a film file.
+fn read_header(path: &Path) -> Result<FilmHeader, CommandFailure> {
+    let read = || read_film_header(BufReader::new(File::open(path)?));
     read().map_err(|source| CommandFailure::new(Exit::Input, FilmReadError { path: path.to_owned(), source }))
 }
 
@@ -121,29 +156,72 @@ fn film_text(FilmFile { header, rendered }: &FilmFile) -> String {
     text
 }
 
+/// Scene and settings of a render, on which its passes depend.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FilmSettings<'a> {
+    /// Path of the scene file.
+    pub scene: &'a Path,
+    pub method: &'a MethodArguments,
+    pub effects: EffectOverrides,
+    /// True if the flag `--no-error-estimate` is given.
+    pub no_error_estimate: bool,
+    /// True if the flag `--light-groups` is given.
+    pub light_groups: bool,
+    /// Largest radiance of a camera path \[W/(m² sr)]; `None` without `--clamp`.
+    pub clamp: Option<f32>,
+    /// Window of the picture to render; `None` for the whole picture.
+    pub crop: Option<CropWindow>,
+    /// Number of passes of the whole render, if the film holds only a part of them; else `None`.
+    pub planned_passes: Option<u32>,
+}
+
+impl FilmSettings<'_> {
+    /// Returns the flags of all settings that differ from their default, except the seed and the
+    /// size of the picture.
+    pub fn flags(&self) -> Vec<String> {
+        let mut flags = method_flags(self.method, "--effects", self.effects);
+        if self.no_error_estimate {
+            flags.push(NO_ERROR_ESTIMATE.to_owned());
+        }
+        if self.light_groups {
+            flags.push(LIGHT_GROUPS.to_owned());
+        }
+        if let Some(limit) = self.clamp {
+            flags.extend([CLAMP.to_owned(), limit.to_string()]);
+        }
+        if let Some(window) = self.crop {
+            flags.extend(["--crop".to_owned(), window.to_string()]);
+        }
+        flags
+    }
+}
+
+/// Returns the layers of a render whose film has this header.
+fn film_layers(header: &FilmHeader) -> RenderedLayers {
+    let has = |flag: &str| header.settings.iter().any(|word| word == flag);
+    RenderedLayers {
+        error: !has(NO_ERROR_ESTIMATE) && !has(Algorithm::Raycast.name()),
+        groups: has(LIGHT_GROUPS),
+        clamped: has(CLAMP),
+        sent: false,
+        aovs: false,
+    }
+}
+
 /// Returns the header of the film of a render of `size` (width, height) pixels, which may be a
 /// window of a `whole` picture. `inputs` are the files that the scene names.
 pub(super) fn film_header(
-    arguments: &RenderArguments,
+    render: &FilmSettings<'_>,
     size: (u32, u32),
     whole: (u32, u32),
     inputs: &[PathBuf],
 ) -> Result<FilmHeader, CommandFailure> {
-    let mut settings = method_flags(&arguments.method, "--effects", arguments.effects.effects);
-    if arguments.no_error_estimate {
-        settings.push("--no-error-estimate".to_owned());
+    let mut settings = render.flags();
+    if render.crop.is_some() {
+        // The same window of another picture shows something else.
+        settings.extend(["--size".to_owned(), format!("{}x{}", whole.0, whole.1)]);
     }
-    if arguments.light_groups {
-        settings.push("--light-groups".to_owned());
-    }
-    if let Some(limit) = arguments.clamp {
-        settings.push(format!("--clamp {limit}"));
-    }
-    if let Some(window) = arguments.crop {
-        settings.push(format!("--crop {window} --size {}x{}", whole.0, whole.1));
-    }
-    let scene = &arguments.scene.scene;
-    let digests = std::iter::once(scene).chain(inputs).map(|path| {
+    let digests = std::iter::once(render.scene).chain(inputs.iter().map(PathBuf::as_path)).map(|path| {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         Ok(InputDigest { name, digest: file_digest(path)? })
     });
@@ -153,13 +231,13 @@ pub(super) fn film_header(
     digests.dedup();
     Ok(FilmHeader {
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        scene: scene.display().to_string(),
+        scene: render.scene.display().to_string(),
         inputs: digests,
         width: size.0,
         height: size.1,
         settings,
-        seed: arguments.method.seed,
-        planned_passes: arguments.shard.and(arguments.passes),
+        seed: render.method.seed,
+        planned_passes: render.planned_passes,
     })
 }
 
@@ -197,16 +275,18 @@ impl<'a> SavedFilm<'a> {
         header: FilmHeader,
         interval: Duration,
     ) -> Result<(Self, Option<RenderResult>), CommandFailure> {
-        let lock = FileLock::acquire(path)?;
+        let lock = FileLock::acquire(path).map_err(CommandFailure::output_error)?;
+        let in_use = || CommandFailure::usage_error(FilmInUseError(path.to_owned()));
+        let lock = lock.ok_or_else(in_use)?;
         let mut rendered = None;
         if path.exists() {
-            let film = read_film(path)?;
-            let differences = header.differences(&film.header);
+            // Equal sizes also tell that the film fits into memory.
+            let differences = header.differences(&read_header(path)?);
             if !differences.is_empty() {
                 let error = OtherRenderError { path: path.to_owned(), differences };
                 return Err(CommandFailure::usage_error(error));
             }
-            rendered = Some(film.rendered);
+            rendered = Some(read_film(path)?.rendered);
         }
         Ok((Self { path, header, interval, next: Instant::now() + interval, _lock: lock }, rendered))
     }
@@ -246,49 +326,4 @@ impl<'a> SavedFilm<'a> {
         let passes = count_with_noun(rendered.film.passes() as usize, "pass", "passes");
         format!("continuing {}: {passes}", self.path.display())
     }
-}
-
-impl FileLock {
-    /// Locks the film file at `path`.
-    fn acquire(path: &Path) -> Result<Self, CommandFailure> {
-        let mut name = path.as_os_str().to_owned();
-        name.push(".lock");
-        let lock = PathBuf::from(name);
-        loop {
-            let file = File::create(&lock).map_err(CommandFailure::output_error)?;
-            match file.try_lock() {
-                Ok(()) => {}
-                Err(TryLockError::WouldBlock) => {
-                    return Err(CommandFailure::usage_error(FilmInUseError(path.to_owned())));
-                }
-                Err(TryLockError::Error(error)) => return Err(CommandFailure::output_error(error)),
-            }
-            // If a process that just ended has removed the lock file, try again.
-            if is_file_at(&file, &lock) {
-                return Ok(Self { path: lock, _file: file });
-            }
-        }
-    }
-}
-
-impl Drop for FileLock {
-    fn drop(&mut self) {
-        // If this fails and the lock file stays, the next render locks it again.
-        let _ = fs::remove_file(&self.path);
-    }
-}
-
-/// True if `path` leads to the open `file`.
-#[cfg(unix)]
-fn is_file_at(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let (open, named) = (file.metadata(), fs::metadata(path));
-    open.is_ok_and(|open| named.is_ok_and(|named| (open.dev(), open.ino()) == (named.dev(), named.ino())))
-}
-
-/// True if `path` leads to the open `file`. Systems other than Unix do not remove open files, so an
-/// existing file at `path` is `file`.
-#[cfg(not(unix))]
-fn is_file_at(_: &File, path: &Path) -> bool {
-    path.exists()
 }

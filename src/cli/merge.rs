@@ -1,6 +1,7 @@
 //! `caustica merge`: adds the film files of parts of a render.
 
-use super::film::{OtherRenderError, read_film, write_film};
+use super::film::{OtherRenderError, check_film_memory, read_film, write_film};
+use super::number::parse_bytes;
 use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
 use super::pictures::{PictureArguments, write_pictures};
 use super::progress::{ProgressDisplay, print_message};
@@ -28,6 +29,10 @@ pub struct MergeArguments {
     #[command(flatten)]
     pub pictures: PictureArguments,
 
+    /// Memory limit of the program, such as 4G or 512M  [default: the free memory]
+    #[arg(long, value_parser = parse_bytes, value_name = "SIZE")]
+    pub memory: Option<u64>,
+
     /// Print only errors and warnings
     #[arg(short, long)]
     pub quiet: bool,
@@ -53,6 +58,7 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, CommandFailure> {
     let outputs: Vec<FileWithRole> = arguments.output.iter().map(|path| FileWithRole::new("-o", path)).collect();
     let inputs: Vec<FileWithRole> = arguments.films.iter().map(|path| FileWithRole::new("the film", path)).collect();
     check_distinct_files(&outputs, &inputs)?;
+    check_film_memory(&arguments.films, arguments.films.len().min(2), arguments.memory)?;
     let progress = ProgressDisplay::new(arguments.quiet);
     let FilmFile { header, rendered } = merged_film(&arguments.films, &progress)?;
 
@@ -82,7 +88,7 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, CommandFailure> {
 }
 
 /// True if `path` has the extension of film files.
-fn is_film(path: &Path) -> bool {
+pub(super) fn is_film(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(FILM_EXTENSION))
 }
 

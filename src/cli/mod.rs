@@ -7,6 +7,8 @@ mod diagnostics;
 mod diff;
 mod estimate;
 mod failure;
+mod farm;
+mod file_lock;
 mod film;
 mod forecast_text;
 mod interrupt;
@@ -36,6 +38,7 @@ pub use args::{Arguments, Command, EstimateArguments, PlanArguments, RenderArgum
 pub use convert::ConvertArguments;
 pub use diff::{DiffArguments, ErrorMapKind, FlipMetricModeArgument};
 pub use failure::{CommandFailure, Exit};
+pub use farm::{FarmArguments, FarmEngine, RefusedArguments, SlurmArguments};
 pub use film::FilmArguments;
 pub use merge::MergeArguments;
 pub use mesh::MeshArguments;
@@ -63,6 +66,7 @@ pub fn run(arguments: Arguments) -> Result<Exit, CommandFailure> {
         Command::Check(arguments) => check::run(&arguments),
         Command::Merge(arguments) => merge::run(&arguments),
         Command::Film(arguments) => film::run(&arguments),
+        Command::Farm(arguments) => farm::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
         Command::Completions { shell } => shell::print_completions(shell),
         Command::Man => shell::print_manual(),

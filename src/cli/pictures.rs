@@ -43,6 +43,26 @@ impl PictureArguments {
     }
 }
 
+/// Returns the flags that reproduce `arguments`. Leaves out default values.
+pub(super) fn picture_flags(arguments: &PictureArguments) -> Vec<String> {
+    let mut flags = Vec::new();
+    if let Some(tone) = arguments.tone {
+        flags.extend(["--tone".to_owned(), tone.to_string()]);
+    }
+    if arguments.exposure != 0.0 {
+        flags.push(format!("--exposure={}", arguments.exposure));
+    }
+    match arguments.png_bits {
+        BitDepth::Eight => {}
+        BitDepth::Sixteen => flags.extend(["--png-bits", "16"].map(str::to_owned)),
+    }
+    match arguments.exr_bits {
+        ExrPrecision::Half => flags.extend(["--exr-bits", "16"].map(str::to_owned)),
+        ExrPrecision::Single => {}
+    }
+    flags
+}
+
 /// Writes `picture` to `paths`, and prints which files were written. Collects errors in `failures`.
 pub(super) fn write_pictures<'a>(
     paths: impl Iterator<Item = &'a PathBuf>,

@@ -2,7 +2,7 @@
 
 use super::check::quick_scene_warnings;
 use super::diagnostics::{all_lights_are_black, black_picture_note, no_photon_stored_note};
-use super::film::{SavedFilm, film_header};
+use super::film::{FilmSettings, SavedFilm, film_header};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
 #[cfg(feature = "view")]
 use super::live::LiveOutput;
@@ -65,18 +65,7 @@ struct CropWindowTooLargeError {
 }
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
-    if arguments.method.integrator == Algorithm::Raycast {
-        if arguments.clamp.is_some() {
-            return Err(CommandFailure::usage_error(UnsupportedByRaycastError { flag: "--clamp" }));
-        }
-        if arguments.target_error.is_some() {
-            let flag = "--target-error";
-            return Err(CommandFailure::usage_error(forecast_text::ErrorEstimateUnsupportedError { flag }));
-        }
-        if arguments.light_groups {
-            return Err(CommandFailure::usage_error(UnsupportedByRaycastError { flag: "--light-groups" }));
-        }
-    }
+    check_raycast_flags(&film_settings(arguments), arguments.target_error)?;
     // Everything that can fail without rendering is checked before rendering.
     for path in &arguments.output {
         image::check_writable(path).map_err(CommandFailure::output_error)?;
@@ -91,6 +80,37 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
     listen_for_signals("the picture so far is written after this pass");
     let progress = ProgressDisplay::new(arguments.quiet);
     with_thread_pool(&arguments.scene, || load_scene_and_render(arguments, &progress))
+}
+
+/// Returns an error if `settings` or `--target-error` need light that `raycast` does not simulate.
+pub(super) fn check_raycast_flags(
+    settings: &FilmSettings<'_>,
+    target_error: Option<f64>,
+) -> Result<(), CommandFailure> {
+    if settings.method.integrator != Algorithm::Raycast {
+        return Ok(());
+    }
+    if settings.clamp.is_some() {
+        return Err(CommandFailure::usage_error(UnsupportedByRaycastError { flag: "--clamp" }));
+    }
+    if target_error.is_some() {
+        let flag = "--target-error";
+        return Err(CommandFailure::usage_error(forecast_text::ErrorEstimateUnsupportedError { flag }));
+    }
+    if settings.light_groups {
+        return Err(CommandFailure::usage_error(UnsupportedByRaycastError { flag: "--light-groups" }));
+    }
+    Ok(())
+}
+
+/// Returns the size (width, height) of the picture to render \[pixels]: that of the window `crop`
+/// of a `whole` picture, or that of the whole picture.
+pub(super) fn window_size(crop: Option<CropWindow>, whole: (u32, u32)) -> Result<(u32, u32), CommandFailure> {
+    match crop {
+        Some(window) if window.fits_into(whole) => Ok(window.size()),
+        Some(window) => Err(CommandFailure::usage_error(CropWindowTooLargeError { window, size: whole })),
+        None => Ok(whole),
+    }
 }
 
 /// Returns all output files of `caustica render` that the command line names.
@@ -142,10 +162,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     (settings.camera_paths.crop, settings.camera_paths.clamp) = (arguments.crop, arguments.clamp);
     let camera_paths = settings.camera_paths.clone();
     let (memory, whole) = (arguments.scene.memory_limit(), scene.camera().size());
-    if let Some(window) = arguments.crop.filter(|window| !window.fits_into(whole)) {
-        return Err(CommandFailure::usage_error(CropWindowTooLargeError { window, size: whole }));
-    }
-    let size = camera_paths.window(whole).size();
+    let size = window_size(arguments.crop, whole)?;
     let layers = rendered_layers(arguments, estimates_error);
     let pictures = check_layered_picture_memory(size, layers, memory.available_bytes());
     let pictures = pictures.map_err(CommandFailure::usage_error)?;
@@ -165,19 +182,20 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let stop = render_limits(arguments).stop_criteria(algorithm, integrator.as_ref(), &INTERRUPTED);
     let (numbers, stop) = passes_of_shard(arguments, stop)?;
     let mut film = None;
-    let mut before = RenderResult::without_passes(integrator.as_ref(), size);
+    let mut before = None;
     if let Some(path) = &arguments.film {
-        let header = film_header(arguments, size, whole, &input_paths)?;
+        let header = film_header(&film_settings(arguments), size, whole, &input_paths)?;
         let (saved, rendered) = SavedFilm::open(path, header, arguments.save_every)?;
         if let Some(rendered) = rendered {
             if arguments.shard.is_some() {
                 saved.check_shard(&rendered, numbers.clone())?;
             }
             progress.print_line(&saved.continuation_line(&rendered));
-            before = rendered;
+            before = Some(rendered);
         }
         film = Some(saved);
     }
+    let before = before.unwrap_or_else(|| RenderResult::without_passes(integrator.as_ref(), size));
     let options = write_options(arguments);
     let mut updates =
         arguments.update_interval().map(|interval| PictureUpdates::new(&arguments.output, &options, interval));
@@ -243,6 +261,20 @@ fn passes_of_shard<'a>(
     }
     let count = numbers.end - numbers.start;
     Ok((numbers, StopCriteria { passes: Some(count), ..stop }))
+}
+
+/// Returns the scene and the settings that the film file names.
+fn film_settings(arguments: &RenderArguments) -> FilmSettings<'_> {
+    FilmSettings {
+        scene: &arguments.scene.scene,
+        method: &arguments.method,
+        effects: arguments.effects.effects,
+        no_error_estimate: arguments.no_error_estimate,
+        light_groups: arguments.light_groups,
+        clamp: arguments.clamp,
+        crop: arguments.crop,
+        planned_passes: arguments.shard.and(arguments.passes),
+    }
 }
 
 /// Returns the limits of the render that the command line sets.

@@ -68,9 +68,11 @@ const TEMPORARY_NAME: (&str, &str) = (".caustica-", ".tmp");
 /// removed.
 const ABANDONED_AGE: Duration = Duration::from_secs(3600);
 
-/// Removes temporary files in `folder` that are older than [`ABANDONED_AGE`], because killed
-/// processes left them. Failures are ignored.
-fn remove_abandoned_files(folder: &Path) {
+/// Removes temporary files that killed processes left in `folder` before the time `now`. Failures
+/// are ignored.
+///
+/// A file that is newer than `now`, because the clock was set back, stays.
+fn remove_abandoned_files(folder: &Path, now: SystemTime) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {
         let name = entry.file_name();
@@ -78,7 +80,7 @@ fn remove_abandoned_files(folder: &Path) {
             name.to_str().is_some_and(|name| name.starts_with(TEMPORARY_NAME.0) && name.ends_with(TEMPORARY_NAME.1));
         let abandoned = || {
             let metadata = entry.metadata().ok().filter(fs::Metadata::is_file)?;
-            let age = SystemTime::now().duration_since(metadata.modified().ok()?).ok()?;
+            let age = now.duration_since(metadata.modified().ok()?).ok()?;
             (age > ABANDONED_AGE).then_some(())
         };
         if ours && abandoned().is_some() {
@@ -120,7 +122,7 @@ impl ReplaceTarget {
     /// Creates a temporary file in the target's folder, with the target's permissions.
     fn create_temporary_file(&self) -> Result<NamedTempFile, WriteError> {
         let refused = |source| WriteError::Io { action: "create a file in", path: self.folder.clone(), source };
-        remove_abandoned_files(&self.folder);
+        remove_abandoned_files(&self.folder, SystemTime::now());
         let mut builder = tempfile::Builder::new();
         builder.prefix(TEMPORARY_NAME.0).suffix(TEMPORARY_NAME.1);
         #[cfg(unix)]

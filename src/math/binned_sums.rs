@@ -1,5 +1,6 @@
 //! Binned sums: sums of floating-point numbers that depend on no order or grouping.
 
+use rayon::prelude::*;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -40,6 +41,9 @@ const ROUNDER: f64 = (3u64 << 51) as f64;
 /// Number of low bits of a tag that hold the level. Above these bits, two bits of each channel mark
 /// sums of +∞, −∞ or NaN.
 const LEVEL_BITS: u16 = 5;
+
+/// Smallest number of pixels of a task of a parallel loop.
+const MIN_PIXELS: usize = 2048;
 
 /// Sums of N channels, for each pixel of a picture. They do not depend on the order of the values.
 ///
@@ -83,10 +87,12 @@ impl<const N: usize> BinnedSums<N> {
         self.tags.is_empty()
     }
 
-    /// Adds one value per channel to each pixel. `values` yields the pixels in order.
+    /// Adds one value of each channel to each pixel: `value(i)` to pixel `i`.
     #[inline]
-    pub fn add(&mut self, values: impl Iterator<Item = [f64; N]>) {
-        for ((bins, tag), values) in self.bins.iter_mut().zip(&mut self.tags).zip(values) {
+    pub fn add(&mut self, value: impl Fn(usize) -> [f64; N] + Sync) {
+        let pixels = self.bins.par_iter_mut().zip(&mut self.tags).enumerate();
+        pixels.with_min_len(MIN_PIXELS).for_each(|(i, (bins, tag))| {
+            let values = value(i);
             let level = level_of(*tag);
             let limit = LIMITS[level];
             if values.iter().fold(true, |fit, value| fit & (value.abs() < limit)) {
@@ -94,13 +100,14 @@ impl<const N: usize> BinnedSums<N> {
             } else {
                 add_beyond_limit(bins, tag, values);
             }
-        }
+        });
     }
 
     /// Adds the sums of `other`, which has the same number of pixels.
     pub fn merge(&mut self, other: &Self) {
-        let own = self.bins.iter_mut().zip(&mut self.tags);
-        for ((bins, tag), (other_bins, other_tag)) in own.zip(other.bins.iter().zip(&other.tags)) {
+        let own = self.bins.par_iter_mut().zip(&mut self.tags);
+        let pixels = own.zip(other.bins.par_iter().zip(&other.tags));
+        pixels.with_min_len(MIN_PIXELS).for_each(|((bins, tag), (other_bins, other_tag))| {
             let mut other_bins = *other_bins;
             let level = level_of(*tag).max(level_of(*other_tag));
             raise_level(&mut other_bins, &mut other_tag.clone(), level);
@@ -109,7 +116,7 @@ impl<const N: usize> BinnedSums<N> {
             for (sums, others) in bins.iter_mut().zip(other_bins) {
                 (0..N).for_each(|channel| sums[channel] += others[channel]);
             }
-        }
+        });
     }
 
     /// Returns the sums of pixel `i`, rounded to f64.

@@ -154,7 +154,7 @@ pub fn continue_render(
     let mut schedule = EstimateSchedule::default();
     (1..=rendered.film.passes()).for_each(|passes| _ = schedule.is_due(passes));
     if rendered.film.passes() > 0 {
-        let error = estimate_error(&rendered, stop);
+        let error = rendered.estimate_error(stop.target);
         if let Some(ended) = stop.end_reason(rendered.film.passes(), error.as_ref(), Duration::ZERO) {
             rendered.ended = ended;
             return rendered;
@@ -183,7 +183,7 @@ pub fn continue_render(
         rendered.aimed += pass.aimed;
         let passes = rendered.film.passes();
         rendered.wall = wall + start.elapsed();
-        let error = if schedule.is_due(passes) { estimate_error(&rendered, stop) } else { None };
+        let error = if schedule.is_due(passes) { rendered.estimate_error(stop.target) } else { None };
         let no_pass_is_left = || rendered.numbers.first_missing(numbers.clone()).is_none().then_some(EndReason::Passes);
         let ended = stop.end_reason(passes, error.as_ref(), start.elapsed()).or_else(no_pass_is_left);
         after_pass(&PassProgress { passes, rendered: &rendered, ended, error });
@@ -262,6 +262,18 @@ impl RenderResult {
         Ok(())
     }
 
+    /// Returns the estimated error of the picture, and a forecast of the error after more passes.
+    ///
+    /// The interval of the error has the confidence that `target` needs. `None` if there is no
+    /// error estimator, or there are too few passes.
+    #[must_use]
+    pub fn estimate_error(&self, target: Option<ErrorTarget>) -> Option<(ErrorEstimate, ErrorForecast)> {
+        let estimator = self.estimator.as_ref()?;
+        let confidence = target.map_or(Confidence::default(), ErrorTarget::interval_confidence);
+        let estimate = estimator.estimate_with_confidence(&self.film, confidence);
+        Some((estimate, estimator.forecast(&estimate)?))
+    }
+
     /// True if the film, the error estimator and `numbers` agree on the passes and the pixels.
     ///
     /// False for some results that were read from damaged files.
@@ -282,16 +294,6 @@ impl RenderResult {
     }
 }
 
-/// Returns the estimated error of the picture, and a forecast of the error after more passes.
-///
-/// `None` if `rendered` has no error estimator, or has too few passes.
-fn estimate_error(rendered: &RenderResult, stop: &StopCriteria<'_>) -> Option<(ErrorEstimate, ErrorForecast)> {
-    let estimator = rendered.estimator.as_ref()?;
-    let confidence = stop.target.map_or(Confidence::default(), ErrorTarget::interval_confidence);
-    let estimate = estimator.estimate_with_confidence(&rendered.film, confidence);
-    Some((estimate, estimator.forecast(&estimate)?))
-}
-
 impl<'a> StopCriteria<'a> {
     /// Returns criteria under which only `interrupted` ends a render.
     #[must_use]
@@ -301,7 +303,8 @@ impl<'a> StopCriteria<'a> {
 
     /// Returns the reason to end the render after `passes` passes and after the time `elapsed`;
     /// `None` to go on. `error` is the estimated error, if it was estimated now.
-    fn end_reason(
+    #[must_use]
+    pub fn end_reason(
         &self,
         passes: u32,
         error: Option<&(ErrorEstimate, ErrorForecast)>,

@@ -27,6 +27,9 @@ const MAX_FIXED_BYTES: u64 = 1 << 20;
 /// The format of the crate `postcard` stores a 64-bit integer in at most 10 bytes.
 const MAX_BYTES_PER_PIXEL: u64 = 1024;
 
+/// Size of the buffer for single numbers of the sums \[bytes].
+const SCRATCH: usize = 16;
+
 /// Name of an input file of a scene, and the SHA-256 digest of its content.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct InputDigest {
@@ -148,31 +151,101 @@ impl FilmFile {
     /// # Errors
     /// [`FilmFileError`] if `input` is not a complete, undamaged film file of this version.
     pub fn read(mut input: impl Read) -> Result<Self, FilmFileError> {
-        let mut magic = [0; MAGIC.len()];
-        let read = input.read_exact(&mut magic);
-        if read.is_err() || magic != *MAGIC {
-            return Err(FilmFileError::NoFilm);
-        }
+        let header = read_header(&mut input)?;
         let damaged = |what| FilmFileError::Damaged { what };
-        let header: FilmHeader = serde_json::from_slice(&read_block(&mut input)?).map_err(|_| damaged("its header"))?;
         let pixels = u64::from(header.width) * u64::from(header.height);
         let most = pixels.saturating_mul(MAX_BYTES_PER_PIXEL) + MAX_FIXED_BYTES;
-        let mut content = Vec::new();
-        loop {
-            let block = read_block(&mut input)?;
-            if block.is_empty() {
-                break;
-            }
-            content.extend_from_slice(&block);
-            if content.len() as u64 > most {
-                return Err(damaged("it is too long"));
-            }
+        let mut blocks = BlockReader { input, block: Vec::new(), next: 0, left: most, failure: None };
+        let mut scratch = [0; SCRATCH];
+        let read = postcard::from_io((&mut blocks, &mut scratch)).map(|(rendered, _)| rendered);
+        if let Some(error) = blocks.failure.take() {
+            return Err(error);
         }
-        let rendered: RenderResult = postcard::from_bytes(&content).map_err(|_| damaged("its sums"))?;
+        let rendered: RenderResult = read.map_err(|_| damaged("its sums"))?;
+        blocks.check_end()?;
         if !rendered.is_consistent() || rendered.film.size() != (header.width, header.height) {
             return Err(damaged("its sums contradict each other"));
         }
         Ok(Self { header, rendered })
+    }
+}
+
+/// Returns the header of a film file, without reading the sums.
+///
+/// # Errors
+/// [`FilmFileError`] if `input` does not begin as a film file of this version.
+pub fn read_film_header(mut input: impl Read) -> Result<FilmHeader, FilmFileError> {
+    read_header(&mut input)
+}
+
+/// Returns the numbers of the passes in a film file, without reading the sums.
+///
+/// # Errors
+/// [`FilmFileError`] if `input` does not begin as a film file of this version.
+pub fn read_pass_numbers(mut input: impl Read) -> Result<PassSet, FilmFileError> {
+    read_header(&mut input)?;
+    // The numbers are the first field of the stored `RenderResult`.
+    let numbers = postcard::take_from_bytes(&read_block(&mut input)?).map(|(numbers, _)| numbers);
+    let numbers: PassSet = numbers.map_err(|_| FilmFileError::Damaged { what: "the numbers of its passes" })?;
+    if numbers.is_consistent() {
+        Ok(numbers)
+    } else {
+        Err(FilmFileError::Damaged { what: "the numbers of its passes" })
+    }
+}
+
+/// Reads the first line and the header of a film file.
+fn read_header(input: &mut impl Read) -> Result<FilmHeader, FilmFileError> {
+    let mut magic = [0; MAGIC.len()];
+    let read = input.read_exact(&mut magic);
+    if read.is_err() || magic != *MAGIC {
+        return Err(FilmFileError::NoFilm);
+    }
+    serde_json::from_slice(&read_block(input)?).map_err(|_| FilmFileError::Damaged { what: "its header" })
+}
+
+/// Reader of the contents of the blocks of a film file. Holds one block at a time.
+struct BlockReader<R> {
+    input: R,
+    block: Vec<u8>,
+    /// Index in `block` of the next byte.
+    next: usize,
+    /// Number of bytes that further blocks may hold.
+    left: u64,
+    /// Error of the last block, which [`io::Error`] cannot carry through `postcard`.
+    failure: Option<FilmFileError>,
+}
+
+impl<R: Read> BlockReader<R> {
+    /// Reads the next block. An empty block ends the file.
+    fn read_next_block(&mut self) -> Result<(), FilmFileError> {
+        self.block = read_block(&mut self.input)?;
+        self.next = 0;
+        let size = self.block.len() as u64;
+        self.left = self.left.checked_sub(size).ok_or(FilmFileError::Damaged { what: "it is too long" })?;
+        Ok(())
+    }
+
+    /// Fails unless all bytes were read and an empty block follows.
+    fn check_end(&mut self) -> Result<(), FilmFileError> {
+        let is_read = self.next == self.block.len();
+        self.read_next_block()?;
+        if is_read && self.block.is_empty() { Ok(()) } else { Err(FilmFileError::Damaged { what: "it is too long" }) }
+    }
+}
+
+impl<R: Read> Read for BlockReader<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        if self.next == self.block.len() {
+            self.read_next_block().map_err(|error| {
+                self.failure = Some(error);
+                io::ErrorKind::InvalidData
+            })?;
+        }
+        let taken = bytes.len().min(self.block.len() - self.next);
+        bytes[..taken].copy_from_slice(&self.block[self.next..][..taken]);
+        self.next += taken;
+        Ok(taken)
     }
 }
 

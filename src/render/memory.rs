@@ -78,6 +78,27 @@ pub enum MemoryError {
         /// Free memory \[bytes].
         free: u64,
     },
+    /// Reading films needs more memory (`needed`) than there is (`free`) \[bytes].
+    #[error(
+        "{} of {width} × {height} pixels take{} {} of memory, and {} are free",
+        if *count == 1 { "a film".to_owned() } else { format!("{count} films at a time") },
+        if *count == 1 { "s" } else { "" },
+        format_bytes(*needed),
+        format_bytes(*free)
+    )]
+    #[diagnostic(help("allow more --memory"))]
+    Films {
+        /// Number of films in memory at a time.
+        count: usize,
+        /// Width of the picture \[pixels].
+        width: u32,
+        /// Height of the picture \[pixels].
+        height: u32,
+        /// Memory that the films need \[bytes].
+        needed: u64,
+        /// Free memory \[bytes].
+        free: u64,
+    },
     /// One photon map would store more photons (`stored`) than 32-bit indices can address.
     #[error("a pass of {paths} photon paths would store about {stored} photons, and {} can be indexed", u32::MAX)]
     #[diagnostic(help("{PHOTON_MEMORY_REMEDY}"))]
@@ -146,6 +167,19 @@ pub struct RenderedLayers {
     pub aovs: bool,
 }
 
+impl RenderedLayers {
+    /// Returns the memory of the picture and these layers \[bytes per pixel].
+    fn bytes_per_pixel(self) -> u64 {
+        let bytes_if = |is_wanted: bool, bytes: u64| if is_wanted { bytes } else { 0 };
+        BYTES_PER_PIXEL
+            + bytes_if(self.error, BYTES_PER_ESTIMATED_PIXEL)
+            + bytes_if(self.groups, BYTES_PER_GROUPED_PIXEL)
+            + bytes_if(self.clamped, BYTES_PER_CLAMPED_PIXEL)
+            + bytes_if(self.sent, BYTES_PER_SENT_PIXEL)
+            + bytes_if(self.aovs, BYTES_PER_AOV_PIXEL)
+    }
+}
+
 /// Returns the memory that rendering a picture of `size` (width, height) pixels with `layers` needs
 /// \[bytes].
 ///
@@ -158,14 +192,32 @@ pub fn check_layered_picture_memory(
     layers: RenderedLayers,
     free: Option<u64>,
 ) -> Result<u64, MemoryError> {
-    let bytes_if = |is_wanted: bool, bytes: u64| if is_wanted { bytes } else { 0 };
-    let bytes = BYTES_PER_PIXEL
-        + bytes_if(layers.error, BYTES_PER_ESTIMATED_PIXEL)
-        + bytes_if(layers.groups, BYTES_PER_GROUPED_PIXEL)
-        + bytes_if(layers.clamped, BYTES_PER_CLAMPED_PIXEL)
-        + bytes_if(layers.sent, BYTES_PER_SENT_PIXEL)
-        + bytes_if(layers.aovs, BYTES_PER_AOV_PIXEL);
-    check_pixel_memory(1, size, bytes, free)
+    check_pixel_memory(1, size, layers.bytes_per_pixel(), free)
+}
+
+/// Checks that `count` film files of `size` (width, height) pixels with `layers` can be in memory
+/// at a time.
+///
+/// `free` is the free memory \[bytes]; `None` if unknown. While a film is read, its sums take no
+/// more memory than a render.
+///
+/// # Errors
+/// [`MemoryError`] if the films need more than `free` bytes, or have too many pixels.
+pub fn check_films_memory(
+    count: usize,
+    size: (u32, u32),
+    layers: RenderedLayers,
+    free: Option<u64>,
+) -> Result<(), MemoryError> {
+    check_pixel_memory(count, size, layers.bytes_per_pixel(), free).map(drop).map_err(|error| match error {
+        MemoryError::Picture { count, width, height, needed, free } => {
+            MemoryError::Films { count, width, height, needed, free }
+        }
+        other @ (MemoryError::Pixels(_)
+        | MemoryError::Films { .. }
+        | MemoryError::Indices { .. }
+        | MemoryError::Photons { .. }) => other,
+    })
 }
 
 fn check_pixel_memory(
@@ -228,6 +280,11 @@ mod tests {
         assert_eq!(check_picture_memory(4, (500, 500), Some(88_000_000)), Ok(88_000_000));
         let refused = check_picture_memory(5, (500, 500), Some(88_000_000)).unwrap_err().to_string();
         assert!(refused.contains("5 pictures of 500 × 500 pixels take 110.0 MB"), "{refused}");
+        let film = RenderedLayers { error: true, groups: true, clamped: true, ..RenderedLayers::default() };
+        let check = |free| check_films_memory(2, (1000, 1000), film, Some(free));
+        assert_eq!(check(2 * (88 + 382 + 210 + 140) * 1_000_000), Ok(()));
+        let refused = check(2 * (88 + 382 + 210 + 140) * 1_000_000 - 1).unwrap_err().to_string();
+        assert!(refused.contains("2 films at a time of 1000 × 1000 pixels take 1.6 GB"), "{refused}");
     }
 
     #[test]

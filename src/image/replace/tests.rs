@@ -59,6 +59,23 @@ fn only_old_temporary_files_are_removed() {
     assert_eq!(sorted_file_names(folder.path()), [".caustica-new.tmp", ".other-old.tmp", "a.png"]);
 }
 
+/// If the clock goes back by a day, files of now are from the future. They may be in use.
+#[test]
+fn clocks_that_go_back_remove_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(".caustica-new.tmp");
+    File::create(&path).unwrap();
+    let day = Duration::from_secs(86_400);
+    remove_abandoned_files(folder.path(), SystemTime::now() - day);
+    assert!(path.exists());
+    replace_file(&folder.path().join("a.png"), b"x").unwrap();
+    File::open(folder.path().join("a.png")).unwrap().set_modified(SystemTime::now() + day).unwrap();
+    replace_file(&folder.path().join("a.png"), b"y").unwrap();
+    assert_eq!(fs::read(folder.path().join("a.png")).unwrap(), b"y");
+    remove_abandoned_files(folder.path(), SystemTime::now() + day);
+    assert!(!path.exists());
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_folder_without_write_permission_is_refused() {

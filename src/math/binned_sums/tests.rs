@@ -21,7 +21,7 @@ fn wide_values(count: u64) -> Vec<[f64; 2]> {
 
 fn sum_of<'a, const N: usize>(values: impl IntoIterator<Item = &'a [f64; N]>) -> BinnedSums<N> {
     let mut sums = BinnedSums::new(1);
-    values.into_iter().for_each(|value| sums.add(std::iter::once(*value)));
+    values.into_iter().for_each(|value| sums.add(|_| *value));
     sums
 }
 
@@ -33,7 +33,7 @@ fn merged_sum<const N: usize>(values: &[[f64; N]], parts: u64, seed: u64) -> Bin
     order.sort_by(|a, b| rank(a).total_cmp(&rank(b)));
     for i in order {
         let part = (parts as f64 * uniform(i as u64, seed)) as usize;
-        dealt[part].add(std::iter::once(values[i]));
+        dealt[part].add(|_| values[i]);
     }
     // Pairs are merged, so that sums of different numbers of values meet.
     while dealt.len() > 1 {

@@ -23,8 +23,8 @@ impl ClampedLightSums {
 
     /// Adds a pass. `removed` is the radiance that clamping removed from each pixel in it.
     pub fn add(&mut self, removed: &[Rgb]) {
-        self.removed.add(removed.iter().map(|value| value.as_dvec3().to_array()));
-        self.squares.add(removed.iter().map(|value| [value.as_dvec3().length_squared()]));
+        self.removed.add(|i| removed[i].as_dvec3().to_array());
+        self.squares.add(|i| [removed[i].as_dvec3().length_squared()]);
     }
 
     /// Adds the passes of `other`, which must have the same number of pixels.

@@ -309,12 +309,12 @@ impl NestedEstimateSums {
 
     fn add(&mut self, number: u32, pixels: &[NestedEstimates]) {
         for (step, sums) in self.differences.iter_mut().enumerate() {
-            sums.add(pixels.iter().map(|pixel| pixel.steps[step].as_dvec3().to_array()));
+            sums.add(|i| pixels[i].steps[step].as_dvec3().to_array());
         }
-        self.products.add(pixels.iter().map(|pixel| {
-            let [a, b] = pixel.steps.map(|step| step.as_dvec3());
+        self.products.add(|i| {
+            let [a, b] = pixels[i].steps.map(|step| step.as_dvec3());
             [a.dot(a), a.dot(b), b.dot(b)]
-        }));
+        });
         for ([caustic, indirect], pixel) in self.discs.iter_mut().zip(pixels) {
             caustic.add(pixel.caustic);
             indirect.add(pixel.indirect);

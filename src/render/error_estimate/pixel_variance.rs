@@ -32,8 +32,8 @@ impl PixelVarianceSums {
         if self.squares.is_empty() {
             *self = Self { squares: BinnedSums::new(image.len()), peaks: vec![0.0; image.len()] };
         }
-        let square = |value: &Rgb| value.as_dvec3() * value.as_dvec3();
-        self.squares.add(image.iter().map(|value| square(value).to_array()));
+        let square = |value: Rgb| value.as_dvec3() * value.as_dvec3();
+        self.squares.add(|i| square(image[i]).to_array());
         for (peak, value) in self.peaks.iter_mut().zip(image) {
             *peak = peak.max(value.abs().max_element());
         }

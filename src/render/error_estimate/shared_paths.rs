@@ -1,6 +1,5 @@
 //! Error of camera paths that all passes share, as in algorithm `ppm`.
 
-use crate::color::Rgb;
 use crate::image::RelativeErrorWeights;
 use crate::integrate::Pass;
 use crate::math::BinnedSums;
@@ -36,9 +35,12 @@ impl SharedPathErrorSums {
             self.sums = BinnedSums::new(self.pixels.len());
             self.squares = BinnedSums::new(self.pixels.len());
         }
-        let difference = |(at, fresh): &(u32, Rgb)| pass.image[*at as usize].as_dvec3() - fresh.as_dvec3();
-        self.sums.add(pass.fresh.iter().map(|fresh| difference(fresh).to_array()));
-        self.squares.add(pass.fresh.iter().map(|fresh| [difference(fresh).length_squared()]));
+        let difference = |i: usize| {
+            let (at, fresh) = pass.fresh[i];
+            pass.image[at as usize].as_dvec3() - fresh.as_dvec3()
+        };
+        self.sums.add(|i| difference(i).to_array());
+        self.squares.add(|i| [difference(i).length_squared()]);
     }
 
     /// Adds the passes of `other`, which must belong to the same pixels.

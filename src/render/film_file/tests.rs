@@ -38,6 +38,7 @@ fn films_are_read_as_they_were_written() {
     assert_eq!(film.header, header());
     assert_eq!(film.rendered.film, rendered.film);
     assert_eq!(film.rendered.numbers, rendered.numbers);
+    assert_eq!(read_pass_numbers(&bytes(&rendered)[..]).unwrap(), rendered.numbers);
     assert_eq!(film.rendered.counters, rendered.counters);
     let [read, written] = [&film.rendered, &rendered].map(|rendered| {
         let estimator = rendered.estimator.as_ref().unwrap();

@@ -172,6 +172,60 @@ fn full_disks_leave_the_film_whole() {
     assert_eq!(sandbox.bytes("a.film"), before);
 }
 
+/// A render survives a clock that was set back: its files are then from the future.
+#[cfg(unix)]
+#[test]
+fn clocks_that_go_back_lose_no_film() {
+    let sandbox = CliSandbox::new();
+    sandbox.render("box.txt", &flags("whole", 6, "")).expect(0, &[]);
+    sandbox.render("box.txt", &flags("a", 2, "--film a.film")).expect(0, &[]);
+    sandbox.put("a.film.lock", "");
+    sandbox.put(".caustica-x.tmp", "");
+    let tomorrow = std::time::SystemTime::now() + Duration::from_secs(86_400);
+    for name in ["a.film", "a.exr", "a.film.lock", ".caustica-x.tmp", "box.txt"] {
+        std::fs::File::open(sandbox.path(name)).unwrap().set_modified(tomorrow).unwrap();
+    }
+    let rest = flags("a", 6, "--film a.film --save-every 0");
+    sandbox.render("box.txt", &rest).expect(0, &["continuing a.film: 2 passes", "pass 6/6", "wrote a.film"]);
+    assert_eq!(sandbox.bytes("a.exr"), sandbox.bytes("whole.exr"));
+    // A temporary file that seems new may be that of a running process.
+    assert!(sandbox.path(".caustica-x.tmp").exists());
+}
+
+/// Films that exceed `--memory` are refused before their sums are read. The limit that a command
+/// names is enough for it.
+#[test]
+fn films_count_in_the_memory_limit() {
+    let sandbox = CliSandbox::new();
+    let size = "--size 400x300 --spp 1 --photons 1k --no-prefix-rays";
+    for part in 1..=2 {
+        let more = format!("{size} --passes 2 --shard {part}/2 --film part{part}.film");
+        sandbox.render("box.txt", &more).expect(0, &["wrote part"]);
+    }
+    // A film takes 470 bytes for each pixel, and the program 14 MB.
+    let refused = ["take 112.8 MB of memory", "allow more --memory"];
+    let merge = ["merge", "part1.film", "part2.film", "-o", "sum.exr", "-o", "sum.film", "--memory"];
+    sandbox.run(&[&merge[..], &["120M"]].concat()).expect(2, &refused);
+    sandbox.run(&[&merge[..], &["130M"]].concat()).expect(0, &["wrote sum.film"]);
+    sandbox.run(&["film", "sum.film", "--memory", "60M"]).expect(2, &["takes 56.4 MB", "allow more --memory"]);
+    sandbox.run(&["film", "sum.film", "--memory", "75M"]).expect(0, &[]);
+    let more = |limit: &str| format!("{size} --passes 4 --film sum.film --memory {limit} --threads 1");
+    let before = sandbox.bytes("sum.film");
+    sandbox.render("box.txt", &more("60M")).expect(2, &["takes 56.4 MB"]);
+    assert_eq!(sandbox.bytes("sum.film"), before);
+    // The peak is that of the allocations. The limit also covers the 14 MB of the program itself.
+    sandbox.render("box.txt", &format!("{} --save-every 0 --stats stats.json", more("90M"))).expect(0, &[]);
+    let stats: serde_json::Value = serde_json::from_slice(&sandbox.bytes("stats.json")).unwrap();
+    let peak = stats["peak_memory_bytes"].as_u64().unwrap();
+    assert!(peak < 76_000_000, "{peak}");
+    // Light groups take 210 bytes more, and clamped light 140; without an error estimate, 88 are left.
+    for (more, refused) in [("--light-groups --clamp 5", "takes 98.4 MB"), ("--no-error-estimate", "takes 10.6 MB")] {
+        sandbox.render("box.txt", &format!("{size} {more} --film more.film")).expect(0, &[]);
+        sandbox.run(&["film", "more.film", "--memory", "20M"]).expect(2, &[refused]);
+        std::fs::remove_file(sandbox.path("more.film")).unwrap();
+    }
+}
+
 /// The films of all parts of a render add up to the bits of one render, in any order.
 #[test]
 fn merged_parts_have_the_bits_of_one_render() {

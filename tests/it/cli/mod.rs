@@ -4,6 +4,7 @@ mod check;
 mod diff;
 mod errors;
 mod exits;
+mod farm;
 mod files;
 mod film;
 mod interrupt;

@@ -1,0 +1,108 @@
+//! Division of a render into shards of equal size, and lists of their numbers.
+
+use crate::cli::shard::Shard;
+use serde::{Deserialize, Serialize};
+use std::ops::Range;
+
+/// A number of passes, divided into shards.
+///
+/// Shard k makes the same passes in every division with the same number of passes per shard, so
+/// that a render can grow by further shards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Division {
+    /// Number of shards, which count from 1.
+    pub shards: u32,
+    /// Number of passes of all shards.
+    pub passes: u32,
+}
+
+/// Tasks of one job array.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct ArrayTasks {
+    /// Difference between the number of a shard and the number of its task.
+    pub offset: u32,
+    /// Numbers of the tasks in the form of sbatch, such as `1-3,7`.
+    pub tasks: String,
+}
+
+impl Division {
+    /// Returns the number of the passes of shard `number`, counted from 0.
+    pub fn shard_passes(self, number: u32) -> Range<u32> {
+        Shard { number, count: self.shards }.passes(self.passes)
+    }
+
+    /// True if each shard makes the same passes in both divisions, as far as both have it.
+    pub fn agrees_with(self, other: Self) -> bool {
+        u64::from(self.passes) * u64::from(other.shards) == u64::from(other.passes) * u64::from(self.shards)
+    }
+
+    /// Returns a division with `more` further shards of the same size; `None` if it would have more
+    /// than `most` passes, or if shards have unequal sizes.
+    pub fn with_more_shards(self, more: u32, most: u32) -> Option<Self> {
+        let size = self.passes / self.shards;
+        if size * self.shards != self.passes {
+            return None;
+        }
+        let shards = self.shards.checked_add(more)?;
+        let passes = shards.checked_mul(size).filter(|passes| *passes <= most)?;
+        Some(Self { shards, passes })
+    }
+}
+
+/// Returns the job arrays that run `shards`, whose numbers ascend. Tasks count from 1 to `most` at
+/// most.
+pub(super) fn job_arrays(shards: &[u32], most: u32) -> Vec<ArrayTasks> {
+    let array_of = |shard: u32| (shard - 1) / most;
+    let arrays = shards.chunk_by(|a, b| array_of(*a) == array_of(*b));
+    let array = |shards: &[u32]| {
+        let offset = array_of(shards[0]) * most;
+        let tasks: Vec<u32> = shards.iter().map(|shard| shard - offset).collect();
+        ArrayTasks { offset, tasks: number_list(&tasks) }
+    };
+    arrays.map(array).collect()
+}
+
+/// Returns ascending numbers as a list of ranges, such as `1-3,7`.
+pub(super) fn number_list(numbers: &[u32]) -> String {
+    let ranges = numbers.chunk_by(|a, b| a + 1 == *b);
+    let range = |range: &[u32]| match range {
+        [one] => one.to_string(),
+        [first, .., last] => format!("{first}-{last}"),
+        [] => String::new(),
+    };
+    ranges.map(range).collect::<Vec<_>>().join(",")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arrays_hold_all_shards_within_the_limit() {
+        let arrays = |shards: &[u32], most| {
+            job_arrays(shards, most).into_iter().map(|array| (array.offset, array.tasks)).collect::<Vec<_>>()
+        };
+        let own = |array: &[(u32, &str)]| array.iter().map(|(n, text)| (*n, (*text).to_owned())).collect::<Vec<_>>();
+        assert_eq!(arrays(&[1, 2, 3, 7], 1000), own(&[(0, "1-3,7")]));
+        assert_eq!(arrays(&[2, 4, 5, 8, 9], 4), own(&[(0, "2,4"), (4, "1,4"), (8, "1")]));
+        let all: Vec<u32> = (1..=2500).collect();
+        assert_eq!(arrays(&all, 1000), own(&[(0, "1-1000"), (1000, "1-1000"), (2000, "1-500")]));
+        assert_eq!(arrays(&[], 1000), []);
+    }
+
+    /// Shards of a grown division begin with those of the smaller one and continue it.
+    #[test]
+    fn grown_divisions_keep_their_shards() {
+        let first = Division { shards: 6, passes: 24 };
+        let grown = first.with_more_shards(3, 100).unwrap();
+        assert_eq!(grown, Division { shards: 9, passes: 36 });
+        assert!(first.agrees_with(grown) && !first.agrees_with(Division { shards: 6, passes: 25 }));
+        for shard in 1..=6 {
+            assert_eq!(first.shard_passes(shard), grown.shard_passes(shard));
+        }
+        assert_eq!((grown.shard_passes(7), grown.shard_passes(9)), (24..28, 32..36));
+        assert_eq!(first.with_more_shards(3, 35), None);
+        assert_eq!(first.with_more_shards(u32::MAX, u32::MAX), None);
+        assert_eq!(Division { shards: 3, passes: 7 }.with_more_shards(1, 100), None);
+    }
+}

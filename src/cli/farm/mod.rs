@@ -1,0 +1,129 @@
+//! `caustica farm`: renders the parts of a picture by the jobs of a farm's engine.
+
+mod args;
+mod division;
+mod script;
+mod slurm;
+mod slurm_render;
+mod waves;
+mod work_folder;
+
+pub use args::{FarmArguments, FarmEngine, RefusedArguments, SlurmArguments};
+
+use super::film::film_header;
+use super::interrupt::listen_for_signals;
+use super::merge::is_film;
+use super::outputs::{FileWithRole, check_distinct_files};
+use super::progress::{InputFileCollector, ProgressDisplay};
+use super::render::{check_raycast_flags, window_size};
+use super::scene::{load_scene_and_file, with_thread_pool};
+use super::{CommandFailure, Exit};
+use crate::image::{check_replaceable, check_writable};
+use crate::render::FilmHeader;
+use division::{Division, job_arrays};
+use script::{Scripts, command_line};
+use slurm_render::{SlurmRender, merge_arguments, shard_arguments};
+use std::io::Write as _;
+use std::path::PathBuf;
+use work_folder::{MERGE_SCRIPT, MERGED_FILM, SHARD_SCRIPT, WorkFolder};
+
+/// Error: there are more shards than passes.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{shards} shards are too many for {passes} passes: some would have none")]
+#[diagnostic(help("choose at most {passes} --shards"))]
+struct EmptyShardsError {
+    shards: u32,
+    passes: u32,
+}
+
+pub(super) fn run(arguments: &FarmArguments) -> Result<Exit, CommandFailure> {
+    match &arguments.engine {
+        FarmEngine::Slurm(arguments) => run_slurm(arguments),
+    }
+}
+
+/// Renders by Slurm; with `--dry-run`, prints the scripts.
+fn run_slurm(arguments: &SlurmArguments) -> Result<Exit, CommandFailure> {
+    check_raycast_flags(&arguments.film_settings(), arguments.target_error)?;
+    let division = first_division(arguments)?;
+    for path in &arguments.output {
+        if is_film(path) { check_replaceable(path) } else { check_writable(path) }
+            .map_err(CommandFailure::output_error)?;
+    }
+    let folder = WorkFolder::new(&work_folder_path(arguments)).map_err(CommandFailure::output_error)?;
+    let scripts = Scripts::new(arguments, &folder, division).map_err(CommandFailure::usage_error)?;
+    let progress = ProgressDisplay::new(arguments.quiet);
+    let header = with_thread_pool(&arguments.scene, || checked_film_header(arguments, &folder, &progress))?;
+    if arguments.dry_run {
+        return print_scripts(&folder, &scripts, division);
+    }
+    listen_for_signals("the jobs go on, and the same command follows them again");
+    SlurmRender::new(arguments, &folder, header, &progress).run(division)
+}
+
+/// Returns the division of the first wave.
+///
+/// With `--target-error`, all shards have the same number of passes, so that others can follow.
+fn first_division(arguments: &SlurmArguments) -> Result<Division, CommandFailure> {
+    let SlurmArguments { shards, passes, .. } = *arguments;
+    if shards > passes {
+        return Err(CommandFailure::usage_error(EmptyShardsError { shards, passes }));
+    }
+    let equal = passes.div_ceil(shards).checked_mul(shards).filter(|_| arguments.target_error.is_some());
+    Ok(Division { shards, passes: equal.unwrap_or(passes) })
+}
+
+/// Returns the folder of `--work-dir`, or its default.
+fn work_folder_path(arguments: &SlurmArguments) -> PathBuf {
+    let beside_output = || {
+        let mut name = arguments.output.first().map(|path| path.as_os_str().to_owned()).unwrap_or_default();
+        name.push(".farm");
+        PathBuf::from(name)
+    };
+    arguments.work_dir.clone().unwrap_or_else(beside_output)
+}
+
+/// Loads the scene, and returns the header of the films of its shards.
+///
+/// Errors of the scene are reported before any job is submitted, and so are outputs that would
+/// replace inputs.
+fn checked_film_header(
+    arguments: &SlurmArguments,
+    folder: &WorkFolder,
+    progress: &ProgressDisplay,
+) -> Result<FilmHeader, CommandFailure> {
+    let inputs = InputFileCollector::new(progress);
+    let (_, scene) = load_scene_and_file(&arguments.scene, &inputs)?;
+    progress.remove_progress_bar();
+    let input_paths = inputs.into_input_paths();
+    let mut outputs: Vec<FileWithRole> = arguments.output.iter().map(|path| FileWithRole::new("-o", path)).collect();
+    outputs.push(FileWithRole::new("the film of --work-dir", &folder.file(MERGED_FILM)));
+    let mut inputs = vec![FileWithRole::new("the scene file", &arguments.scene.scene)];
+    inputs.extend(input_paths.iter().map(|path| FileWithRole::new("the input", path)));
+    check_distinct_files(&outputs, &inputs)?;
+    let whole = scene.camera().size();
+    let size = window_size(arguments.crop, whole)?;
+    film_header(&arguments.film_settings(), size, whole, &input_paths)
+}
+
+/// Prints the scripts of the first round, and the commands that submit them.
+fn print_scripts(folder: &WorkFolder, scripts: &Scripts, division: Division) -> Result<Exit, CommandFailure> {
+    // Without Slurm, arrays have the size of a fresh installation.
+    let most = slurm::max_task_number().unwrap_or(slurm::DEFAULT_MAX_ARRAY_SIZE - 1);
+    let shards: Vec<u32> = (1..=division.shards).collect();
+    let line = |arguments: Vec<String>| {
+        let words: Vec<String> = std::iter::once("sbatch".to_owned()).chain(arguments).collect();
+        command_line(&words).map_err(CommandFailure::usage_error)
+    };
+    let mut text = format!("# {}\n{}\n", folder.file(SHARD_SCRIPT).display(), scripts.shard);
+    text += &format!("# {}\n{}\n", folder.file(MERGE_SCRIPT).display(), scripts.merge);
+    let arrays = job_arrays(&shards, most);
+    for array in &arrays {
+        text += &format!("{}\n", line(shard_arguments(folder, array))?);
+    }
+    // The numbers of the jobs are not known yet.
+    let jobs: Vec<String> = (1..=arrays.len()).map(|n| format!("ARRAY{n}")).collect();
+    text += &format!("{}\n", line(merge_arguments(folder, &jobs))?);
+    std::io::stdout().write_all(text.as_bytes()).map_err(CommandFailure::output_error)?;
+    Ok(Exit::Success)
+}

@@ -1,0 +1,182 @@
+//! Shell scripts of the jobs.
+
+use super::args::SlurmArguments;
+use super::division::Division;
+use super::work_folder::{MERGE_DONE, MERGED_FILM, WorkFolder};
+use crate::cli::pictures::picture_flags;
+use std::fmt::Write as _;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Number of bytes in a mebibyte, the unit of Slurm's `--mem`.
+const MEBIBYTE: u64 = 1 << 20;
+
+/// Error: a path or option cannot stand in a shell script.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("`{text}` cannot stand in a script of Slurm: it has a line break or is not UTF-8")]
+#[diagnostic(help("choose another name"))]
+pub(super) struct UnfitWordError {
+    text: String,
+}
+
+/// Error of writing a script.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub(super) enum ScriptError {
+    /// A word cannot stand in a script.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Unfit(#[from] UnfitWordError),
+    /// The system does not tell an absolute path.
+    #[error("cannot find the absolute path of a file: {0}")]
+    Path(#[from] io::Error),
+}
+
+/// Scripts of a job array and of the merge after it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Scripts {
+    /// Script of one shard. Its argument is the offset of its job array, to which it adds the
+    /// number of the task.
+    pub shard: String,
+    /// Script that merges all films.
+    pub merge: String,
+}
+
+impl Scripts {
+    /// Returns the scripts of a render with `arguments` that is divided by `division`.
+    pub fn new(arguments: &SlurmArguments, folder: &WorkFolder, division: Division) -> Result<Self, ScriptError> {
+        let program = match &arguments.program {
+            Some(program) => absolute_text(program)?,
+            None => absolute_text(&std::env::current_exe()?)?,
+        };
+        let folder = absolute_text(folder.path())?;
+        let enter = format!("cd {} || exit\n", quoted(&folder)?);
+        Ok(Self {
+            shard: shard_script(arguments, &program, &enter, division)?,
+            merge: merge_script(arguments, &program, &enter)?,
+        })
+    }
+}
+
+/// Returns the script of a shard.
+fn shard_script(
+    arguments: &SlurmArguments,
+    program: &str,
+    enter: &str,
+    Division { shards, passes }: Division,
+) -> Result<String, ScriptError> {
+    let scene = &arguments.scene;
+    let mut words = vec![program.to_owned(), "render".to_owned(), absolute_text(&scene.scene)?];
+    let mut add = |flag: &str, value: String| words.extend([flag.to_owned(), value]);
+    add("--passes", passes.to_string());
+    add("--threads", threads(arguments).to_string());
+    add("--seed", arguments.method.seed.to_string());
+    add("--save-every", format!("{}s", arguments.save_every.as_secs_f64()));
+    if let Some((width, height)) = scene.size {
+        add("--size", format!("{width}x{height}"));
+    }
+    if let Some(memory) = scene.memory {
+        add("--memory", memory.to_string());
+    }
+    if let Some(format) = &scene.import.format {
+        add("--format", format.clone());
+    }
+    words.extend(arguments.film_settings().flags());
+    let switches = [("--strict", scene.import.strict), ("--allow-outside", scene.import.allow_outside)];
+    words.extend(switches.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag.to_owned()));
+    let command = command_line(&words)?;
+    let head = head(arguments, "shards", threads(arguments), "log/%A_%a.log")?;
+    Ok(format!(
+        "{head}{enter}shard=$((${{1:-0}} + SLURM_ARRAY_TASK_ID))\n\
+         echo \"shard $shard of {shards}, start ${{SLURM_RESTART_COUNT:-0}}\"\n\
+         exec {command} --shard \"$shard/{shards}\" --film \"$(printf 'shard-%06d.film' \"$shard\")\"\n"
+    ))
+}
+
+/// Returns the script that merges the films of all shards.
+fn merge_script(arguments: &SlurmArguments, program: &str, enter: &str) -> Result<String, ScriptError> {
+    let mut words = Vec::new();
+    for path in &arguments.output {
+        words.extend(["-o".to_owned(), absolute_text(path)?]);
+    }
+    words.extend(picture_flags(&arguments.pictures));
+    if let Some(memory) = arguments.scene.memory {
+        words.extend(["--memory".to_owned(), memory.to_string()]);
+    }
+    let (program, outputs) = (quoted(program)?, command_line(&words)?);
+    let head = head(arguments, "merge", 1, "log/%j.log")?;
+    Ok(format!(
+        "{head}{enter}{program} merge shard-*.film -o {MERGED_FILM} {outputs} || exit\necho done >{MERGE_DONE}\n"
+    ))
+}
+
+/// Returns the first lines of a script, with options for sbatch. `log` is the file of messages.
+fn head(arguments: &SlurmArguments, kind: &str, threads: u32, log: &str) -> Result<String, UnfitWordError> {
+    let scene = arguments.scene.scene.file_stem().unwrap_or_default().to_string_lossy();
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    let scene = scene.replace(|c| !is_plain(c), "_");
+    let mut options = vec![
+        format!("--job-name={scene}-{kind}"),
+        "--ntasks=1".to_owned(),
+        format!("--cpus-per-task={threads}"),
+        // A job that is requeued, for example after its node failed, adds to its log.
+        "--requeue".to_owned(),
+        "--open-mode=append".to_owned(),
+        format!("--output={log}"),
+    ];
+    options.extend(arguments.scene.memory.map(|bytes| format!("--mem={}M", bytes.div_ceil(MEBIBYTE))));
+    options.extend(arguments.partition.as_ref().map(|name| format!("--partition={name}")));
+    options.extend(arguments.account.as_ref().map(|name| format!("--account={name}")));
+    options.extend(arguments.time_limit.as_ref().map(|time| format!("--time={time}")));
+    options.extend(arguments.sbatch.iter().cloned());
+    let mut head = "#!/bin/sh\n".to_owned();
+    for option in &options {
+        let _ = writeln!(head, "#SBATCH {}", quoted(option)?);
+    }
+    Ok(head)
+}
+
+/// Returns the number of threads of a shard.
+fn threads(arguments: &SlurmArguments) -> u32 {
+    arguments.scene.threads.unwrap_or(1)
+}
+
+/// Returns an absolute path as text.
+fn absolute_text(path: &Path) -> Result<String, ScriptError> {
+    let absolute: PathBuf = std::path::absolute(path)?;
+    let unfit = || UnfitWordError { text: absolute.display().to_string() };
+    Ok(absolute.to_str().ok_or_else(unfit)?.to_owned())
+}
+
+/// Returns words as one line for a shell.
+pub(super) fn command_line(words: &[String]) -> Result<String, UnfitWordError> {
+    let words: Result<Vec<String>, UnfitWordError> = words.iter().map(|word| quoted(word)).collect();
+    Ok(words?.join(" "))
+}
+
+/// Returns a word in single quotes, if a shell would not take it as it is.
+fn quoted(word: &str) -> Result<String, UnfitWordError> {
+    if word.contains(['\n', '\r', '\0']) {
+        return Err(UnfitWordError { text: word.escape_debug().to_string() });
+    }
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return Ok(word.to_owned());
+    }
+    Ok(format!("'{}'", word.replace('\'', r"'\''")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn shells_read_quoted_words_unchanged() {
+        let words = ["a b", "it's", "$HOME `x` \"q\" \\", "", "--flag=ä*?", "plain/path-1.txt", "a;b&c|d>e#f ~"];
+        let words: Vec<String> = words.map(str::to_owned).to_vec();
+        let script = format!("printf '%s\\n' {}", command_line(&words).unwrap());
+        let output = std::process::Command::new("sh").args(["-c", &script]).output().unwrap();
+        assert_eq!(String::from_utf8(output.stdout).unwrap(), words.join("\n") + "\n");
+        assert!(quoted("a\nb").is_err());
+    }
+}

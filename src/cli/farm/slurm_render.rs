@@ -1,0 +1,412 @@
+//! A render by job arrays of Slurm, from the first submission to the picture.
+//!
+//! The films in the work folder tell which passes are made. Slurm is only asked whether jobs are
+//! still active. So a command that was interrupted can be given again.
+
+use super::args::SlurmArguments;
+use super::division::{ArrayTasks, Division, job_arrays, number_list};
+use super::script::Scripts;
+use super::slurm::{self, SlurmError, Task};
+use super::waves::{NextWave, next_wave};
+use super::work_folder::{FarmState, MERGE_SCRIPT, MERGED_FILM, SHARD_SCRIPT, WorkFolder};
+use crate::cli::film::{check_film_memory, read_film};
+use crate::cli::interrupt::INTERRUPTED;
+use crate::cli::number::count_with_noun;
+use crate::cli::progress::{ProgressDisplay, print_message};
+use crate::cli::{CommandFailure, Exit, forecast_text};
+use crate::render::error_estimate::MIN_PASSES;
+use crate::render::{ErrorTarget, FilmHeader, RenderResult};
+use crate::study::text::percent_text;
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// Largest number of passes of all waves, relative to that of the first wave.
+const MAX_GROWTH: u32 = 100;
+
+/// Time for which Slurm may fail to answer before the command gives up.
+const SILENCE: Duration = Duration::from_secs(600);
+
+/// Time for which a file of a finished job may stay invisible on a network file system.
+const FILE_DELAY: Duration = Duration::from_secs(60);
+
+/// Longest sleep between two checks for an interrupting signal.
+const NAP: Duration = Duration::from_millis(50);
+
+/// Error: the work folder holds another render.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("the folder `{}` holds another render:\n{}", path.display(), differences.join("\n"))]
+#[diagnostic(help("render with the same settings, or choose another --work-dir"))]
+struct OtherFarmError {
+    path: PathBuf,
+    differences: Vec<String>,
+}
+
+/// Error: rounds of jobs made no further passes.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{what} after {rounds} without a new pass; the last messages of one job are:\n{log}")]
+#[diagnostic(help("remove the cause and give the same command again: finished passes are kept in `{}`", folder.display()))]
+struct FailedJobsError {
+    what: String,
+    rounds: String,
+    log: String,
+    folder: PathBuf,
+}
+
+/// Error: somebody cancelled jobs of the render.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{jobs} cancelled; incomplete shards: {shards}")]
+#[diagnostic(help("give the same command again to continue: finished passes are kept in `{}`", folder.display()))]
+struct CancelledJobsError {
+    jobs: String,
+    shards: String,
+    folder: PathBuf,
+}
+
+/// How a time of following jobs ended.
+enum Followed {
+    /// All jobs ended. Holds the tasks as Slurm knew them last.
+    Ended(Vec<Task>),
+    /// A signal interrupted the command.
+    Interrupted,
+}
+
+/// A render by Slurm.
+pub(super) struct SlurmRender<'a> {
+    arguments: &'a SlurmArguments,
+    folder: &'a WorkFolder,
+    header: FilmHeader,
+    progress: &'a ProgressDisplay,
+}
+
+/// Returns the arguments of sbatch for a job array of shards.
+pub(super) fn shard_arguments(folder: &WorkFolder, array: &ArrayTasks) -> Vec<String> {
+    let script = folder.file(SHARD_SCRIPT).display().to_string();
+    vec![
+        "--parsable".to_owned(),
+        format!("--chdir={}", folder.path().display()),
+        format!("--array={}", array.tasks),
+        script,
+        array.offset.to_string(),
+    ]
+}
+
+/// Returns the arguments of sbatch for the merge, which begins when all `jobs` have ended.
+pub(super) fn merge_arguments(folder: &WorkFolder, jobs: &[String]) -> Vec<String> {
+    let mut words = vec!["--parsable".to_owned(), format!("--chdir={}", folder.path().display())];
+    if !jobs.is_empty() {
+        words.push(format!("--dependency=afterany:{}", jobs.join(":")));
+    }
+    words.push(folder.file(MERGE_SCRIPT).display().to_string());
+    words
+}
+
+impl<'a> SlurmRender<'a> {
+    pub fn new(
+        arguments: &'a SlurmArguments,
+        folder: &'a WorkFolder,
+        header: FilmHeader,
+        progress: &'a ProgressDisplay,
+    ) -> Self {
+        Self { arguments, folder, header, progress }
+    }
+
+    /// Renders until the picture of `division` is written, or the error of `--target-error` is
+    /// reached.
+    pub fn run(&self, division: Division) -> Result<Exit, CommandFailure> {
+        let most_tasks = slurm::max_task_number().map_err(slurm_failure)?;
+        let (_lock, earlier) = self.folder.open().map_err(CommandFailure::usage_error)?;
+        let mut state = self.initial_state(division, earlier)?;
+        loop {
+            if let Some(exit) = self.complete(&mut state, most_tasks)? {
+                return Ok(exit);
+            }
+            let merged = self.folder.file(MERGED_FILM);
+            check_film_memory(std::slice::from_ref(&merged), 1, self.arguments.scene.memory)?;
+            let film = read_film(&merged)?;
+            let Some(target) = self.target() else { return Ok(self.print_summary(&film.rendered)) };
+            let most = self.arguments.max_passes.unwrap_or(self.arguments.passes.saturating_mul(MAX_GROWTH));
+            match next_wave(&film.rendered, state.division, target, most) {
+                NextWave::Grow(larger) => {
+                    let error = film.rendered.estimate_error(Some(target));
+                    let error = error.map_or("unknown".to_owned(), |(error, _)| forecast_text::error_text(&error));
+                    let more = count_with_noun((larger.shards - state.division.shards) as usize, "shard", "shards");
+                    self.progress.print_line(&format!("estimated error {error}; the next wave has {more}"));
+                    state.division = larger;
+                }
+                end @ (NextWave::Reached | NextWave::Hopeless | NextWave::TooMany) => {
+                    let exit = self.print_summary(&film.rendered);
+                    self.print_wave_end(end, target, most);
+                    return Ok(exit);
+                }
+            }
+        }
+    }
+
+    /// Returns the state from which to continue: that of an earlier command, or a new one.
+    fn initial_state(&self, division: Division, earlier: Option<FarmState>) -> Result<FarmState, CommandFailure> {
+        let new = FarmState { header: self.header.clone(), division, jobs: Vec::new() };
+        let Some(mut state) = earlier else { return Ok(new) };
+        let mut differences = new.header.differences(&state.header);
+        let size = |d: Division| format!("{} passes in {} shards", d.passes, d.shards);
+        if !division.agrees_with(state.division) {
+            differences.push(format!("{} here, {} there", size(division), size(state.division)));
+        }
+        if !differences.is_empty() {
+            let error = OtherFarmError { path: self.folder.path().to_owned(), differences };
+            return Err(CommandFailure::usage_error(error));
+        }
+        if state.division.shards > division.shards {
+            self.progress.print_line(&format!("the folder already has {}", size(state.division)));
+        } else {
+            state.division = division;
+        }
+        Ok(state)
+    }
+
+    /// Submits rounds of jobs until all shards of `state` are complete and merged. Returns the exit
+    /// code if a signal interrupts that.
+    fn complete(&self, state: &mut FarmState, most_tasks: u32) -> Result<Option<Exit>, CommandFailure> {
+        let mut failures = 0;
+        let mut known = slurm_tasks(&state.jobs)?;
+        if known.iter().any(Task::is_active) {
+            let jobs = jobs_text(&state.jobs);
+            self.progress.print_line(&format!("following {jobs} of an earlier command"));
+            match self.follow(&state.jobs)? {
+                Followed::Ended(tasks) => known = tasks,
+                Followed::Interrupted => return Ok(Some(Exit::Interrupted)),
+            }
+            self.wait_for_files(state.division, &known);
+            if self.is_complete(state.division) {
+                return Ok(None);
+            }
+        }
+        loop {
+            let before = self.pass_count(state.division);
+            self.submit_round(state, most_tasks)?;
+            match self.follow(&state.jobs)? {
+                Followed::Ended(tasks) => known = tasks,
+                Followed::Interrupted => return Ok(Some(Exit::Interrupted)),
+            }
+            self.wait_for_files(state.division, &known);
+            if self.is_complete(state.division) {
+                return Ok(None);
+            }
+            let missing = self.incomplete_shards(state.division);
+            let cancelled = known.iter().filter(|task| task.state == "CANCELLED").count();
+            if cancelled > 0 {
+                return Err(CommandFailure::new(
+                    Exit::Farm,
+                    CancelledJobsError {
+                        jobs: count_with_noun(cancelled, "job was", "jobs were"),
+                        shards: number_list(&missing),
+                        folder: self.folder.path().to_owned(),
+                    },
+                ));
+            }
+            failures = if self.pass_count(state.division) > before { 0 } else { failures + 1 };
+            if failures > self.arguments.retries {
+                return Err(self.failed_jobs(&missing, failures, state, &known));
+            }
+            if !missing.is_empty() {
+                let list = number_list(&missing);
+                self.progress.print_line(&format!("incomplete shards: {list}; they are submitted again"));
+            }
+        }
+    }
+
+    /// Submits the incomplete shards and the merge after them. If sbatch refuses one of the jobs,
+    /// cancels the others.
+    fn submit_round(&self, state: &mut FarmState, most_tasks: u32) -> Result<(), CommandFailure> {
+        let scripts = Scripts::new(self.arguments, self.folder, state.division).map_err(CommandFailure::usage_error)?;
+        let folder = self.folder;
+        state.jobs.clear();
+        let written = folder
+            .save(state)
+            .and_then(|()| folder.write(SHARD_SCRIPT, scripts.shard.as_bytes()))
+            .and_then(|()| folder.write(MERGE_SCRIPT, scripts.merge.as_bytes()))
+            .and_then(|()| folder.forget_merge());
+        written.map_err(CommandFailure::output_error)?;
+        let shards = self.incomplete_shards(state.division);
+        let mut submit = |arguments: Vec<String>| match slurm::submit(&arguments) {
+            Ok(job) => {
+                state.jobs.push(job.clone());
+                folder.save(state).map_err(CommandFailure::output_error)?;
+                Ok(job)
+            }
+            Err(error) => {
+                slurm::cancel(&state.jobs);
+                Err(slurm_failure(error))
+            }
+        };
+        let mut arrays = Vec::new();
+        for array in job_arrays(&shards, most_tasks) {
+            arrays.push(submit(shard_arguments(folder, &array))?);
+        }
+        let merge = submit(merge_arguments(folder, &arrays))?;
+        let count = count_with_noun(shards.len(), "shard", "shards");
+        match arrays.as_slice() {
+            [] => self.progress.print_line(&format!("submitted the merge as job {merge}")),
+            _ => {
+                let arrays = jobs_text(&arrays);
+                self.progress.print_line(&format!("submitted {count} as {arrays}, and the merge as job {merge}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Waits until no job is active, and prints a line whenever the states of tasks change.
+    fn follow(&self, jobs: &[String]) -> Result<Followed, CommandFailure> {
+        let start = Instant::now();
+        let mut shown = String::new();
+        let mut last: Vec<Task> = Vec::new();
+        let mut silent_since: Option<Instant> = None;
+        loop {
+            match slurm::tasks(jobs) {
+                Ok(tasks) => {
+                    silent_since = None;
+                    let text = slurm::tasks_text(&tasks);
+                    if text != shown && !text.is_empty() {
+                        let time = forecast_text::duration_text(start.elapsed().as_secs_f64());
+                        self.progress.print_line(&format!("{time}: {text}"));
+                        shown = text;
+                    }
+                    if !tasks.iter().any(Task::is_active) {
+                        // Slurm forgets ended jobs, but their last states tell why they ended.
+                        return Ok(Followed::Ended(if tasks.is_empty() { last } else { tasks }));
+                    }
+                    last = tasks;
+                }
+                Err(error) => {
+                    let since = *silent_since.get_or_insert_with(|| {
+                        print_message(&format!("warning: {error}; asking again"));
+                        Instant::now()
+                    });
+                    if since.elapsed() > SILENCE {
+                        return Err(slurm_failure(error));
+                    }
+                }
+            }
+            if is_interrupted_within(self.arguments.poll) {
+                return Ok(Followed::Interrupted);
+            }
+        }
+    }
+
+    /// Waits for files that completed jobs must have written, but that a network file system does
+    /// not show yet.
+    fn wait_for_files(&self, division: Division, tasks: &[Task]) {
+        let start = Instant::now();
+        let all_completed = !tasks.is_empty() && tasks.iter().all(|task| task.state == "COMPLETED");
+        while all_completed && !self.is_complete(division) && start.elapsed() < FILE_DELAY {
+            if is_interrupted_within(Duration::from_secs(1)) {
+                return;
+            }
+        }
+    }
+
+    /// True if all shards are complete and merged.
+    fn is_complete(&self, division: Division) -> bool {
+        self.folder.is_merged() && self.incomplete_shards(division).is_empty()
+    }
+
+    /// Returns the numbers of the shards whose films lack passes.
+    fn incomplete_shards(&self, division: Division) -> Vec<u32> {
+        let is_incomplete = |shard: &u32| {
+            let passes = division.shard_passes(*shard);
+            self.folder.shard_passes(*shard).first_missing(passes).is_some()
+        };
+        (1..=division.shards).filter(is_incomplete).collect()
+    }
+
+    /// Returns the number of passes in the films of all shards.
+    fn pass_count(&self, division: Division) -> u64 {
+        (1..=division.shards).map(|shard| self.folder.shard_passes(shard).len()).sum()
+    }
+
+    /// Returns the failure after too many rounds without progress.
+    fn failed_jobs(&self, missing: &[u32], rounds: u32, state: &FarmState, tasks: &[Task]) -> CommandFailure {
+        let failed = tasks.iter().find(|task| task.state != "COMPLETED").map(|task| task.id.clone());
+        let log = failed.or_else(|| state.jobs.last().cloned()).unwrap_or_default();
+        let what = if missing.is_empty() {
+            "the merge failed".to_owned()
+        } else {
+            format!("there are incomplete shards ({})", number_list(missing))
+        };
+        CommandFailure::new(
+            Exit::Farm,
+            FailedJobsError {
+                what,
+                rounds: count_with_noun(rounds as usize, "round", "rounds"),
+                log: self.folder.log_end(&format!("{log}.log")),
+                folder: self.folder.path().to_owned(),
+            },
+        )
+    }
+
+    /// Returns the error target; `None` without `--target-error`.
+    fn target(&self) -> Option<ErrorTarget> {
+        let error = self.arguments.target_error?;
+        Some(ErrorTarget { error, confidence: self.arguments.confidence })
+    }
+
+    /// Prints the outputs, passes and estimated error of the finished picture.
+    fn print_summary(&self, rendered: &RenderResult) -> Exit {
+        for path in &self.arguments.output {
+            self.progress.print_line(&format!("wrote {}", path.display()));
+        }
+        let passes = rendered.film.passes();
+        self.progress.print_line(&count_with_noun(passes as usize, "pass", "passes"));
+        let estimate = rendered.estimate_error(self.target()).filter(|_| passes >= MIN_PASSES);
+        if let Some((estimate, _)) = estimate {
+            self.progress.print_line(&format!("estimated error {}", forecast_text::error_text(&estimate)));
+        }
+        Exit::Success
+    }
+
+    /// Prints why no further wave follows.
+    fn print_wave_end(&self, end: NextWave, target: ErrorTarget, most: u32) {
+        let error = percent_text(target.error);
+        match end {
+            NextWave::Reached => self.progress.print_line(&format!(
+                "the error is at most {error} with {} confidence",
+                percent_text(target.confidence.probability())
+            )),
+            NextWave::Hopeless => print_message(&format!("warning: {}", forecast_text::BIAS_REMEDY)),
+            NextWave::TooMany => print_message(&format!(
+                "warning: the error is above {error}, and a further wave would exceed {most} passes; --max-passes allows more"
+            )),
+            NextWave::Grow(_) => {}
+        }
+    }
+}
+
+/// Waits for `time`, or until an interrupting signal. Returns true if there was a signal.
+fn is_interrupted_within(time: Duration) -> bool {
+    let start = Instant::now();
+    loop {
+        if INTERRUPTED.load(Ordering::Relaxed) {
+            return true;
+        }
+        let left = time.saturating_sub(start.elapsed());
+        if left.is_zero() {
+            return false;
+        }
+        sleep(left.min(NAP));
+    }
+}
+
+/// Returns the tasks of the jobs of an earlier command; none without such jobs.
+fn slurm_tasks(jobs: &[String]) -> Result<Vec<Task>, CommandFailure> {
+    if jobs.is_empty() { Ok(Vec::new()) } else { slurm::tasks(jobs).map_err(slurm_failure) }
+}
+
+fn slurm_failure(error: SlurmError) -> CommandFailure {
+    CommandFailure::new(Exit::Farm, error)
+}
+
+/// Returns the numbers of jobs as text, such as `job 12` or `jobs 12, 13`.
+fn jobs_text(jobs: &[String]) -> String {
+    format!("{} {}", if jobs.len() == 1 { "job" } else { "jobs" }, jobs.join(", "))
+}

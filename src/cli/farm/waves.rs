@@ -1,0 +1,48 @@
+//! Size of the next wave of shards of a render with an error target.
+
+use super::division::Division;
+use crate::cli::interrupt::INTERRUPTED;
+use crate::render::error_estimate::StopForecast;
+use crate::render::{EndReason, ErrorTarget, RenderResult, StopCriteria};
+use std::time::Duration;
+
+/// Step that follows after a wave of shards.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NextWave {
+    /// Another wave, after which the render has this division.
+    Grow(Division),
+    /// The error is low enough.
+    Reached,
+    /// More passes cannot reach the target, because of bias.
+    Hopeless,
+    /// Another wave would exceed the largest number of passes.
+    TooMany,
+}
+
+/// Returns the step after the passes of `rendered`, which has `division`. At most `most` passes
+/// are made.
+///
+/// A wave is at most as large as all earlier ones together, because the forecast of few passes is
+/// uncertain.
+pub(super) fn next_wave(rendered: &RenderResult, division: Division, target: ErrorTarget, most: u32) -> NextWave {
+    let estimated = rendered.estimate_error(Some(target));
+    let stop = StopCriteria { target: Some(target), ..StopCriteria::unlimited(&INTERRUPTED) };
+    match stop.end_reason(rendered.film.passes(), estimated.as_ref(), Duration::ZERO) {
+        Some(EndReason::Target) => return NextWave::Reached,
+        Some(EndReason::Floor) => return NextWave::Hopeless,
+        Some(EndReason::Passes | EndReason::Time | EndReason::Interrupted) | None => {}
+    }
+    let forecast = estimated.map(|(_, forecast)| forecast.stop(target.error, target.interval_confidence()));
+    let wanted = match forecast {
+        Some(StopForecast::Passes(range)) => range.median.saturating_sub(division.passes),
+        Some(StopForecast::Never { .. } | StopForecast::TooFar { .. }) | None => u32::MAX,
+    };
+    let size = division.passes / division.shards;
+    let shards = wanted.div_ceil(size).clamp(1, division.shards);
+    // Near the limit, a smaller wave may fit.
+    let fitting = shards.min(most.saturating_sub(division.passes) / size);
+    match division.with_more_shards(fitting, most) {
+        Some(larger) if fitting > 0 => NextWave::Grow(larger),
+        _ => NextWave::TooMany,
+    }
+}

@@ -1,0 +1,156 @@
+//! Folder of a farm render: its scripts, films, logs and the numbers of its jobs.
+
+use super::division::Division;
+use crate::cli::file_lock::FileLock;
+use crate::image::replace_file;
+use crate::render::{FilmHeader, PassSet, read_pass_numbers};
+use serde::{Deserialize, Serialize};
+use std::fs::{self, File};
+use std::io::{self, BufReader};
+use std::path::{Path, PathBuf};
+
+/// Name of the film of all shards.
+pub(super) const MERGED_FILM: &str = "merged.film";
+
+/// Name of the file that a successful merge leaves.
+pub(super) const MERGE_DONE: &str = "merge.done";
+
+/// Name of the file that describes the render.
+const STATE: &str = "farm.json";
+
+/// Name of the script of a shard.
+pub(super) const SHARD_SCRIPT: &str = "shard.sh";
+
+/// Name of the script that merges the films.
+pub(super) const MERGE_SCRIPT: &str = "merge.sh";
+
+/// Folder of a farm render, whose path is absolute.
+#[derive(Clone, Debug)]
+pub(super) struct WorkFolder {
+    path: PathBuf,
+}
+
+/// Description of a farm render, which outlives the command that follows it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct FarmState {
+    /// Scene and settings on which the passes depend.
+    pub header: FilmHeader,
+    /// Shards that were submitted so far.
+    pub division: Division,
+    /// Numbers of the jobs of the last round.
+    pub jobs: Vec<String>,
+}
+
+/// Error of the folder of a farm render.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub(super) enum WorkFolderError {
+    /// The folder holds files of the user.
+    #[error("the folder `{}` is not empty, and is not of an earlier farm render", .0.display())]
+    #[diagnostic(help("choose another --work-dir"))]
+    Foreign(PathBuf),
+    /// Another process uses the folder.
+    #[error("another `caustica farm` works in the folder `{}`", .0.display())]
+    #[diagnostic(help("wait for its end, or choose another --work-dir"))]
+    InUse(PathBuf),
+    /// The file that describes the render is damaged.
+    #[error("the file `{}` is damaged", .0.display())]
+    #[diagnostic(help("choose another --work-dir"))]
+    Damaged(PathBuf),
+    /// The system refused an operation.
+    #[error("cannot use the folder `{}`: {source}", path.display())]
+    Io {
+        /// Path of the folder.
+        path: PathBuf,
+        /// Error of the system.
+        source: io::Error,
+    },
+}
+
+impl WorkFolder {
+    /// Returns the folder at `path`, which need not exist.
+    pub fn new(path: &Path) -> io::Result<Self> {
+        Ok(Self { path: std::path::absolute(path)? })
+    }
+
+    /// Returns the absolute path of the folder.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns the path of a file in the folder.
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.path.join(name)
+    }
+
+    /// Creates the folder if needed and locks it. Returns the lock, and the description of the
+    /// render that the folder holds; `None` for a new render.
+    pub fn open(&self) -> Result<(FileLock, Option<FarmState>), WorkFolderError> {
+        let failed = |source| WorkFolderError::Io { path: self.path.clone(), source };
+        let is_known = self.file(STATE).is_file();
+        if !is_known && self.has_files().map_err(failed)? {
+            return Err(WorkFolderError::Foreign(self.path.clone()));
+        }
+        fs::create_dir_all(self.file("log")).map_err(failed)?;
+        let lock = FileLock::acquire(&self.file("farm")).map_err(failed)?;
+        let lock = lock.ok_or_else(|| WorkFolderError::InUse(self.path.clone()))?;
+        let state = match fs::read(self.file(STATE)) {
+            Ok(bytes) => Some(serde_json::from_slice(&bytes).map_err(|_| WorkFolderError::Damaged(self.file(STATE)))?),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(error) => return Err(failed(error)),
+        };
+        Ok((lock, state))
+    }
+
+    /// True if the folder exists and holds files other than those of a command that ended early.
+    fn has_files(&self) -> io::Result<bool> {
+        let entries = match fs::read_dir(&self.path) {
+            Ok(entries) => entries,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
+            Err(error) => return Err(error),
+        };
+        let names: io::Result<Vec<_>> = entries.map(|entry| Ok(entry?.file_name())).collect();
+        Ok(names?.iter().any(|name| name != "log" && name != "farm.lock"))
+    }
+
+    /// Writes the description of the render.
+    pub fn save(&self, state: &FarmState) -> Result<(), WorkFolderError> {
+        let json = serde_json::to_vec_pretty(state).map_err(|e| self.error(io::Error::other(e)))?;
+        self.write(STATE, &json)
+    }
+
+    /// Writes a file of the folder.
+    pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), WorkFolderError> {
+        replace_file(&self.file(name), bytes).map_err(|e| self.error(io::Error::other(e)))
+    }
+
+    /// Removes the mark of an earlier merge.
+    pub fn forget_merge(&self) -> Result<(), WorkFolderError> {
+        match fs::remove_file(self.file(MERGE_DONE)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(self.error(error)),
+            _ => Ok(()),
+        }
+    }
+
+    /// True if the last merge succeeded.
+    pub fn is_merged(&self) -> bool {
+        self.file(MERGE_DONE).is_file()
+    }
+
+    /// Returns the passes in the film of shard `number`; none if there is no readable film.
+    pub fn shard_passes(&self, number: u32) -> PassSet {
+        let file = File::open(self.file(&format!("shard-{number:06}.film")));
+        file.ok().and_then(|file| read_pass_numbers(BufReader::new(file)).ok()).unwrap_or_default()
+    }
+
+    /// Returns the last lines of a log; empty if there is none.
+    pub fn log_end(&self, name: &str) -> String {
+        let text = fs::read(self.file("log").join(name)).unwrap_or_default();
+        let text = String::from_utf8_lossy(&text);
+        let lines: Vec<&str> = text.lines().collect();
+        lines[lines.len().saturating_sub(8)..].join("\n")
+    }
+
+    fn error(&self, source: io::Error) -> WorkFolderError {
+        WorkFolderError::Io { path: self.path.clone(), source }
+    }
+}

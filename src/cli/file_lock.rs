@@ -1,0 +1,56 @@
+//! Locks of files against use by two processes.
+
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Lock of a file: a locked file beside it, whose name ends with `.lock`.
+pub(super) struct FileLock {
+    path: PathBuf,
+    /// Open file that holds the lock. The system releases the lock when the process ends.
+    _file: File,
+}
+
+impl FileLock {
+    /// Locks the file at `path`, which need not exist. Returns `None` if another process holds the
+    /// lock.
+    pub fn acquire(path: &Path) -> io::Result<Option<Self>> {
+        let mut name = path.as_os_str().to_owned();
+        name.push(".lock");
+        let lock = PathBuf::from(name);
+        loop {
+            let file = File::create(&lock)?;
+            match file.try_lock() {
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => return Ok(None),
+                Err(TryLockError::Error(error)) => return Err(error),
+            }
+            // If a process that just ended has removed the lock file, try again.
+            if is_file_at(&file, &lock) {
+                return Ok(Some(Self { path: lock, _file: file }));
+            }
+        }
+    }
+}
+
+impl Drop for FileLock {
+    fn drop(&mut self) {
+        // If this fails and the lock file stays, the next process locks it again.
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// True if `path` leads to the open `file`.
+#[cfg(unix)]
+fn is_file_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let (open, named) = (file.metadata(), fs::metadata(path));
+    open.is_ok_and(|open| named.is_ok_and(|named| (open.dev(), open.ino()) == (named.dev(), named.ino())))
+}
+
+/// True if `path` leads to the open `file`. Systems other than Unix do not remove open files, so an
+/// existing file at `path` is `file`.
+#[cfg(not(unix))]
+fn is_file_at(_: &File, path: &Path) -> bool {
+    path.exists()
+}
