@@ -22,7 +22,7 @@ use super::{CommandFailure, Exit, RenderArguments, forecast_text};
 use crate::camera::CropWindow;
 use crate::image::{self, Image, ToneCurve, WriteOptions};
 use crate::integrate::{
-    Algorithm, AovSurface, CameraPathSettings, EmissionGuidingReportPerMap, Integrator, SurfaceAovs,
+    Algorithm, AovSurface, CameraPathSettings, EmissionGuidingReportPerMap, Integrator, SURFACE_AOV_RAYS, SurfaceAovs,
     render_surface_aovs,
 };
 use crate::render::error_estimate::{Confidence, MIN_PASSES, StopForecast};
@@ -37,6 +37,10 @@ use crate::view::{Phase, PlanReport};
 use glam::Vec3;
 use std::ops::Range;
 use std::time::{Duration, Instant};
+
+/// Number of rays of each pixel for surface AOVs of the live page.
+#[cfg(feature = "view")]
+const LIVE_SURFACE_RAYS: u32 = 4;
 
 /// Error: the requested shard, one of N parts of a render, has no passes.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -194,7 +198,14 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
             film.iter_mut().for_each(|film| film.save_if_due(standing.rendered));
         }
         #[cfg(feature = "view")]
-        live.iter_mut().for_each(|live| live.after_pass(standing, &stop));
+        live.iter_mut().for_each(|live| {
+            live.after_pass(standing, &stop);
+            live.publish_wanted_surfaces(size, || {
+                let effects = integrator.plan().simulated_effects();
+                let surface = aov_surface(arguments);
+                render_surface_aovs(&scene, effects, &camera_paths, surface, LIVE_SURFACE_RAYS, progress)
+            });
+        });
         #[cfg(feature = "view")]
         tev.iter_mut().for_each(|tev| tev.send_if_due(standing.rendered));
     });
@@ -224,6 +235,9 @@ fn rendered_layers(arguments: &RenderArguments, estimates_error: bool) -> Render
         sent: arguments.tev.is_some(),
         #[cfg(not(feature = "view"))]
         sent: false,
+        #[cfg(feature = "view")]
+        aovs: arguments.aov.is_some() || arguments.listen.is_some(),
+        #[cfg(not(feature = "view"))]
         aovs: arguments.aov.is_some(),
     }
 }
@@ -359,8 +373,13 @@ fn find_surface_aovs(
     settings: &CameraPathSettings,
     progress: &ProgressDisplay,
 ) -> Option<SurfaceAovs> {
-    let surface = if arguments.aov_first_hit { AovSurface::First } else { AovSurface::FirstNonSpecular };
-    render_surface_aovs(scene, integrator.plan().simulated_effects(), settings, surface, progress)
+    let (effects, surface) = (integrator.plan().simulated_effects(), aov_surface(arguments));
+    render_surface_aovs(scene, effects, settings, surface, SURFACE_AOV_RAYS, progress)
+}
+
+/// Returns the surface whose properties the command line asks for.
+fn aov_surface(arguments: &RenderArguments) -> AovSurface {
+    if arguments.aov_first_hit { AovSurface::First } else { AovSurface::FirstNonSpecular }
 }
 
 /// Outputs of a render that has ended.

@@ -171,6 +171,8 @@ pub struct LiveStatus {
     /// Size and passes of the newest maps of the estimated error, which may be older than the
     /// picture.
     pub maps: Option<FrameReport>,
+    /// Size of the surface AOVs; `None` until a browser asks for them.
+    pub surfaces: Option<FrameReport>,
     /// Size of the reference picture \[pixels]; `None` without one.
     pub reference: Option<(u32, u32)>,
     /// Number of passes so far.
