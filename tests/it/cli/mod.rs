@@ -6,6 +6,7 @@ mod errors;
 mod exits;
 mod files;
 mod film;
+mod frames;
 mod interrupt;
 mod limits;
 mod mesh;
