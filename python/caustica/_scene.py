@@ -62,6 +62,19 @@ def _memory(value: Any) -> Optional[int]:
     return _optional_whole("memory", value, 1, 10**15)
 
 
+def _window(values: Any, size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Returns a window of columns and rows of a picture of `size`, or raises an error."""
+    try:
+        left, top, right, bottom = values
+    except (TypeError, ValueError):
+        raise TypeError(f"crop is {values!r}: give (x0, y0, x1, y1) in pixels") from None
+    width, height = size
+    x0 = _whole("x0 of crop", left, 0, width - 1)
+    y0 = _whole("y0 of crop", top, 0, height - 1)
+    x1, y1 = _whole("x1 of crop", right, x0 + 1, width), _whole("y1 of crop", bottom, y0 + 1, height)
+    return (x0, y0, x1, y1)
+
+
 @dataclass(frozen=True)
 class Forecast:
     """Number of passes after which a render is expected to reach an error.
@@ -93,12 +106,14 @@ class ErrorEstimate:
     high: float
     #: Standard error of the mean of the passes.
     noise: float
-    #: Error that averaging does not reduce: the root of blur² + shared_paths².
+    #: Error that averaging does not reduce: the root of blur² + shared_paths² + clamping².
     bias: float
     #: Bias of photon density estimates.
     blur: float
     #: Error of camera paths that all passes share; 0 if each pass has its own.
     shared_paths: float
+    #: Bias due to the light that `clamp` removes; 0 without it.
+    clamping: float
     #: Confidence of the interval.
     confidence: float
     _forecast: _native.NativeForecast = field(repr=False, compare=False)
@@ -127,8 +142,8 @@ class ErrorEstimate:
 def _estimate(values: Optional[tuple[int, list[float], float, _native.NativeForecast]]) -> Optional[ErrorEstimate]:
     if values is None:
         return None
-    passes, (error, low, high, noise, bias, blur, shared_paths), confidence, forecast = values
-    return ErrorEstimate(passes, error, low, high, noise, bias, blur, shared_paths, confidence, forecast)
+    passes, errors, confidence, forecast = values
+    return ErrorEstimate(passes, *errors, confidence, forecast)
 
 
 @dataclass(frozen=True)
@@ -211,12 +226,12 @@ class Result:
         """New float32 arrays: the layers that ``caustica render --aov`` writes.
 
         ``image`` and other colors and vectors have 3 channels, such as ``noise``, ``bias``, ``albedo`` and
-        ``normal``. Layers of one channel have none, such as ``depth``. Other channels are apart, such as
-        ``radius.caustic``. Maps of the error exist once it is estimated, after 4 passes.
+        ``normal``; ``motion`` has 2. Layers of one channel have none, such as ``depth``. Other channels are apart,
+        such as ``radius.caustic``. Maps of the error exist once it is estimated, after 4 passes.
         """
         layers = {}
         for name, channels in self._native.layers():
-            if len(channels) == 3:
+            if len(channels) > 1 and all(len(channel) == 1 for channel, _ in channels):
                 parts = [self._array(values) for _, values in channels]
                 layers[name or "image"] = np.stack(parts, axis=-1)
             elif len(channels) == 1:
@@ -253,6 +268,11 @@ class Result:
         ``interrupted``: the callback returned False.
         """
         return self._native.ended()
+
+    @property
+    def clamped_fraction(self) -> Optional[float]:
+        """Light that `clamp` removed, as a fraction of the light without it; None without `clamp`."""
+        return self._native.clamped_fraction()
 
     def save(
         self,
@@ -368,6 +388,8 @@ class Scene:
         aovs: bool = False,
         aov_first_hit: bool = False,
         light_groups: bool = False,
+        crop: Optional[tuple[int, int, int, int]] = None,
+        clamp: Optional[float] = None,
     ) -> Result:
         """Renders the scene, and returns the picture with its estimated error.
 
@@ -378,8 +400,13 @@ class Scene:
         the current pass and raises `KeyboardInterrupt`. Other Python threads run meanwhile.
 
         `aovs` adds the layers ``albedo``, ``normal``, ``depth``, ``position``, ``object`` and ``material`` of
-        the first surface that is not specular, or with `aov_first_hit` of the first one. `light_groups` adds
-        ``direct``, ``indirect`` and ``caustic``, whose sum is the picture.
+        the first surface that is not specular, or with `aov_first_hit` of the first one, and ``motion``.
+        `light_groups` adds ``direct``, ``indirect`` and ``caustic``, whose sum is the picture.
+
+        `crop` renders only the columns ``x0`` to before ``x1`` and the rows ``y0`` to before ``y1``, given as
+        ``(x0, y0, x1, y1)``, with the bits of the whole picture. `clamp` limits the radiance of each camera path,
+        against fireflies: `Result.clamped_fraction` says how much light this removes, the layer ``clamped`` holds
+        it, and the bias of the error includes it.
 
         Other arguments are those of ``caustica render``, which gives the same bits. `threads` changes no bit.
         Lists of values are in docs/guide/command-line.md.
@@ -398,6 +425,10 @@ class Scene:
             raise ValueError("raycast makes one pass, whose error cannot be estimated: leave out target_error")
         if integrator == "raycast" and light_groups:
             raise ValueError("raycast only shades surfaces: light_groups needs another integrator")
+        if integrator == "raycast" and clamp is not None:
+            raise ValueError("raycast only shades surfaces: clamp needs another integrator")
+        if crop is not None:
+            crop = _window(crop, size or self.size)
         if callback is not None and not callable(callback):
             raise TypeError(f"callback is {callback!r}: give a function of one argument")
         options = {
@@ -432,6 +463,8 @@ class Scene:
             "aovs": bool(aovs or aov_first_hit),
             "aov_first_hit": bool(aov_first_hit),
             "light_groups": bool(light_groups),
+            "crop": crop,
+            "clamp": _optional_number("clamp", clamp, lambda x: 1e-38 < x < 3.4e38, "above 0, a radiance"),
         }
         report: Optional[Callable[[int, float, Any], Any]] = None
         if callback is not None:

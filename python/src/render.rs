@@ -3,11 +3,11 @@
 use crate::errors::Failure;
 use crate::rendered::{NativeResult, confidence_from_probability, estimate_tuple};
 use crate::scene::NativeScene;
-use caustica::camera::{Filter, FilterKind, UnknownFilter};
+use caustica::camera::{CropWindow, Filter, FilterKind, UnknownFilter};
 use caustica::image::ToneCurve;
 use caustica::integrate::{
-    ALPHA, AovSurface, CameraPathSettings, FinalGathering, IndirectPhotons, LightTracing, PassStage, VolumeEstimator,
-    render_surface_aovs,
+    ALPHA, AovSurface, CameraPathSettings, FinalGathering, IndirectPhotons, LightTracing, PassStage, SURFACE_AOV_RAYS,
+    VolumeEstimator, render_surface_aovs,
 };
 use caustica::photon::{Kernel, UnknownKernel};
 use caustica::plan::UnknownOverrideError;
@@ -60,6 +60,8 @@ pub struct RenderOptions {
     aovs: bool,
     aov_first_hit: bool,
     light_groups: bool,
+    crop: Option<(u32, u32, u32, u32)>,
+    clamp: Option<f32>,
 }
 
 /// Returns the algorithm named `name`, or a `ValueError` that lists all names.
@@ -96,8 +98,8 @@ impl RenderOptions {
                 // Ray casting makes one pass, from which no error can be estimated.
                 estimate_error: self.estimate_error && algorithm != Algorithm::Raycast,
                 groups_light: self.light_groups,
-                crop: None,
-                clamp: None,
+                crop: self.crop.map(|(left, top, right, bottom)| CropWindow { left, top, right, bottom }),
+                clamp: self.clamp,
                 effects,
             },
             photons,
@@ -303,10 +305,13 @@ fn render_passes(
 ) -> Result<NativeResult, Failure> {
     let free = || scene.memory().available_bytes();
     let camera_paths = settings.camera_paths.clone();
-    let CameraPathSettings { estimate_error: error, groups_light: groups, .. } = camera_paths;
-    let layers = RenderedLayers { error, groups, aovs: surface.is_some(), ..RenderedLayers::default() };
+    let CameraPathSettings { estimate_error: error, groups_light: groups, clamp, .. } = camera_paths;
+    let (clamped, aovs) = (clamp.is_some(), surface.is_some());
+    let layers = RenderedLayers { error, groups, clamped, aovs, ..RenderedLayers::default() };
+    let whole = size;
+    let size = camera_paths.window(whole).size();
     let pictures = check_layered_picture_memory(size, layers, free()).map_err(Failure::Memory)?;
-    let scene = scene.resolved_for_size(size)?;
+    let scene = scene.resolved_for_size(whole)?;
     let integrator = algorithm.prepare(&scene, settings);
     check_photon_memory(integrator.expected_photons(), pictures, free()).map_err(Failure::Memory)?;
     let stop = limits.stop_criteria(algorithm, integrator.as_ref(), &flags.stopped);
@@ -316,7 +321,8 @@ fn render_passes(
         (interval_confidence(limits.confidence), interval_confidence(Confidence::default()));
     let rendered = render(integrator.as_ref(), size, &stop, flags, |progress| report(progress, progress_confidence));
     let effects = integrator.plan().simulated_effects();
-    let aovs = surface.and_then(|surface| render_surface_aovs(&scene, effects, &camera_paths, surface, flags));
+    let aovs = surface
+        .and_then(|surface| render_surface_aovs(&scene, effects, &camera_paths, surface, SURFACE_AOV_RAYS, flags));
     let tone = if algorithm == Algorithm::Raycast { ToneCurve::Course } else { ToneCurve::Srgb };
     Ok(NativeResult::new(rendered, aovs, tone, confidence))
 }

@@ -37,13 +37,13 @@ pub struct NativeForecast {
     forecast: ErrorForecast,
 }
 
-/// Estimated error for Python: passes, then error, low, high, noise, bias, blur and shared-path
-/// error, then the confidence of the interval, then the forecast.
-pub type EstimateTuple = (u32, [f64; 7], f64, NativeForecast);
+/// Estimated error for Python: passes, then error, low, high, noise, bias, blur, shared-path error
+/// and clamping, then the confidence of the interval, then the forecast.
+pub type EstimateTuple = (u32, [f64; 8], f64, NativeForecast);
 
 /// Returns the values of an error estimate for Python.
 pub fn estimate_tuple(e: &ErrorEstimate, forecast: ErrorForecast, confidence: Confidence) -> EstimateTuple {
-    let values = [e.error, e.low, e.high, e.noise, e.bias, e.blur, e.shared_paths];
+    let values = [e.error, e.low, e.high, e.noise, e.bias, e.blur, e.shared_paths, e.clamping];
     (e.passes, values, confidence.probability(), NativeForecast { forecast })
 }
 
@@ -114,6 +114,12 @@ impl NativeResult {
     /// Why the render ended: passes, time, target, floor or interrupted.
     fn ended(&self) -> &'static str {
         end_reason_name(self.rendered.ended)
+    }
+
+    /// Light that clamping removed, as a fraction of the light without clamping; `None` without
+    /// clamping.
+    fn clamped_fraction(&self, py: Python<'_>) -> Option<f64> {
+        py.detach(|| self.rendered.clamped_fraction())
     }
 
     /// Radiance of each pixel as f32: rows from the top, then columns, then red, green and blue.

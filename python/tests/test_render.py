@@ -1,6 +1,7 @@
 """Renders: the bits of the program, errors of pictures, limits, callbacks and interrupts."""
 
 import _thread
+import json
 import subprocess
 import threading
 import time
@@ -39,13 +40,45 @@ def test_pictures_equal_those_of_the_program(integrator, text, program, tmp_path
     check_layers(result.layers, exr.read(tmp_path / "layers.exr"))
 
 
+def test_crop_and_clamp_equal_those_of_the_program(text, program, tmp_path):
+    (tmp_path / "ball.txt").write_text(text)
+    line = ["render", "ball.txt", "-o", "x.exr", "--passes", "5", "--crop", "5,3,37,30", "--clamp", "0.5", "-q"]
+    subprocess.run([program, *line, "--aov", "layers.exr", "--stats", "x.json"], cwd=tmp_path, check=True, timeout=300)
+    result = caustica.load_string(text).render(passes=5, crop=(5, 3, 37, 30), clamp=0.5, aovs=True)
+    assert result.size == (32, 27) and result.image.shape == (27, 32, 3)
+    check_layers(result.layers, exr.read(tmp_path / "layers.exr"))
+    stats = json.loads((tmp_path / "x.json").read_text())
+    assert result.clamped_fraction == stats["clamped_fraction"] > 0
+    assert result.error.clamping == stats["error"]["clamping"] > 0
+    parts = [result.error.blur, result.error.shared_paths, result.error.clamping]
+    assert result.error.bias == pytest.approx(np.linalg.norm(parts))
+
+
+def test_a_crop_has_the_bits_of_the_whole_picture(scene):
+    whole, part = (scene.render("path", passes=1, crop=crop) for crop in (None, (7, 2, 30, 20)))
+    np.testing.assert_array_equal(whole.image[2:20, 7:30], part.image)
+    assert whole.clamped_fraction is None
+
+
+def test_light_groups_add_up_to_the_picture(scene):
+    layers = scene.render(passes=2, light_groups=True).layers
+    total = layers["direct"] + layers["indirect"] + layers["caustic"]
+    np.testing.assert_allclose(total, layers["image"], rtol=1e-5, atol=1e-6)
+    assert layers["caustic"].max() > 0
+
+
+def test_motion_has_two_channels(scene):
+    layers = scene.render("path", passes=1, spp=1, aovs=True).layers
+    assert layers["motion"].shape == (*layers["depth"].shape, 2) and not layers["motion"].any()
+
+
 def check_layers(layers, channels):
     """Checks that the arrays hold exactly the channels of the file."""
     for name, values in layers.items():
         if values.ndim == 3:
             prefix = "" if name == "image" else f"{name}."
-            letters = "XYZ" if name in ("normal", "position") else "RGB"
-            ours = {prefix + channel: values[..., i] for i, channel in enumerate(letters)}
+            letters = "XYZ" if name in ("normal", "position", "motion") else "RGB"
+            ours = {prefix + channel: values[..., i] for i, channel in zip(range(values.shape[2]), letters)}
         else:
             letter = {"depth": ".Z", "object": ".X", "material": ".X"}.get(name, "")
             ours = {name + letter: values}
@@ -177,6 +210,13 @@ def test_other_threads_run_meanwhile(scene):
         ({"volume": "x"}, ValueError, "beams"),
         ({"effects": "+magic"}, ValueError, "magic"),
         ({"callback": 3}, TypeError, "callback"),
+        ({"crop": (0, 0, 9)}, TypeError, "x0, y0, x1, y1"),
+        ({"crop": (0, 0, 49, 9)}, ValueError, "x1 of crop is 49"),
+        ({"crop": (9, 0, 9, 9)}, ValueError, "x1 of crop is 9"),
+        ({"size": (8, 8), "crop": (0, 0, 9, 8)}, ValueError, "x1 of crop"),
+        ({"clamp": 0}, ValueError, "clamp"),
+        ({"clamp": "x"}, TypeError, "clamp"),
+        ({"integrator": "raycast", "clamp": 1}, ValueError, "raycast"),
         ({"estimate_error": False, "target_error": 0.1}, ValueError, "estimate_error"),
     ],
 )

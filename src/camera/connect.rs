@@ -85,6 +85,35 @@ impl Camera {
         }
     }
 
+    /// Returns how far the image moves on the film if point `p`, seen by this camera, goes to `q`
+    /// and the camera becomes `later` \[pixels to the right and down].
+    ///
+    /// Lenses count as pinholes. Images in a panorama go the shorter way around. `None` if a point
+    /// is behind its camera.
+    #[must_use]
+    pub fn film_displacement(&self, p: Vec3, later: &Self, q: Vec3) -> Option<Vec2> {
+        let mut by = later.connect_to_point(q, None)?.film - self.connect_to_point(p, None)?.film;
+        if self.projection == CameraProjection::Panorama {
+            let turn = self.width as f32;
+            by.x -= turn * (by.x / turn).round();
+        }
+        Some(by)
+    }
+
+    /// Returns how far the image of a point at infinity in unit `direction` moves on the film if
+    /// the camera becomes `later` \[pixels to the right and down].
+    ///
+    /// `None` if the point is behind a camera, or the projection is orthographic.
+    #[must_use]
+    pub fn film_displacement_at_infinity(&self, direction: Vec3, later: &Self) -> Option<Vec2> {
+        if !self.has_single_viewpoint() {
+            return None;
+        }
+        // At the origin, a camera sees the end of the direction where it sees a point at infinity.
+        let turned = |camera: &Self| Self { center: DVec3::ZERO, ..*camera };
+        turned(self).film_displacement(direction, &turned(later), direction)
+    }
+
     /// Film position of a ray, relative to the film's center \[pixels right and up].
     ///
     /// `v` leads from the camera center to a point of the ray: for a perspective camera to the

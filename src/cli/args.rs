@@ -9,7 +9,9 @@ use super::number::{
 };
 use super::pictures::PictureArguments;
 use super::shard::Shard;
-use super::{ConvertArguments, DiffArguments, FarmArguments, FilmArguments, MergeArguments, MeshArguments};
+use super::{
+    ConvertArguments, DiffArguments, FarmArguments, FilmArguments, FrameRange, MergeArguments, MeshArguments,
+};
 use crate::camera::{CropWindow, FilterKind};
 use crate::format::{IMPORTERS, ImportOptions};
 use crate::integrate::{Algorithm, FinalGathering, IndirectPhotons, LightTracing, VolumeEstimator};
@@ -173,7 +175,7 @@ pub struct MethodArguments {
 }
 
 /// The flag `--effects`: which effects of light are simulated.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct EffectsArguments {
     /// Effects to simulate: auto (those that the scene needs), all or none, then +EFFECT or
     /// -EFFECT, separated by commas. `caustica plan` lists the effects
@@ -207,7 +209,7 @@ impl ImportArguments {
 }
 
 /// The scene file, and flags for picture size, threads and memory.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct SceneArguments {
     /// Scene file: scene text, .gltf, .glb, .xml or .pbrt
     pub scene: PathBuf,
@@ -237,7 +239,7 @@ impl SceneArguments {
 }
 
 /// Arguments of `render`.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct RenderArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
@@ -313,6 +315,16 @@ pub struct RenderArguments {
     /// the bits that they have in the whole picture
     #[arg(long, value_name = "X0,Y0,X1,Y1")]
     pub crop: Option<CropWindow>,
+
+    /// Render the frames from A to before B of a turntable: the camera circles around the point
+    /// that it looks at. Names of outputs hold the number of the frame as %04d
+    #[arg(long, value_name = "A..B", conflicts_with_all = ["film", "shard"])]
+    #[cfg_attr(feature = "view", arg(conflicts_with_all = ["listen", "tev"]))]
+    pub frames: Option<FrameRange>,
+
+    /// Number of frames of a full turn of --frames  [default: the end of --frames]
+    #[arg(long, value_name = "N", value_parser = parse_positive_count, requires = "frames")]
+    pub turn: Option<u32>,
 
     /// Clamp the light of each camera path to this radiance, against fireflies. The picture loses
     /// light, which is reported and counts as bias  [default: no limit]

@@ -3,6 +3,7 @@
 use super::{CommandFailure, Exit};
 use crate::image::canonical_output_path;
 use miette::Report;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// A file that a command reads or writes, with its role for error messages.
@@ -33,9 +34,12 @@ struct SameFileError {
 
 /// Returns a failure if an output is the same file as another output or an input.
 pub(super) fn check_distinct_files(outputs: &[FileWithRole], inputs: &[FileWithRole]) -> Result<(), CommandFailure> {
-    for (i, output) in outputs.iter().enumerate() {
-        let mut others = inputs.iter().chain(&outputs[..i]);
-        if let Some(other) = others.find(|other| other.resolved == output.resolved) {
+    let mut others: HashMap<&Path, &FileWithRole> = HashMap::new();
+    for input in inputs {
+        others.entry(&input.resolved).or_insert(input);
+    }
+    for output in outputs {
+        if let Some(other) = others.insert(&output.resolved, output) {
             return Err(CommandFailure::usage_error(SameFileError { output: output.clone(), other: other.clone() }));
         }
     }

@@ -10,7 +10,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 
 /// Flags of the files that hold pictures.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct PictureArguments {
     /// Tone curve of PNG: srgb, filmic or course (linear bytes)  [default: srgb; course for
     /// raycast]

@@ -3,6 +3,7 @@
 use super::check::quick_scene_warnings;
 use super::diagnostics::{all_lights_are_black, black_picture_note, no_photon_stored_note};
 use super::film::{FilmSettings, SavedFilm, film_header};
+use super::frames::{FrameNameError, Turntable, frame_path};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
 #[cfg(feature = "view")]
 use super::live::LiveOutput;
@@ -22,7 +23,7 @@ use super::{CommandFailure, Exit, RenderArguments, forecast_text};
 use crate::camera::CropWindow;
 use crate::image::{self, Image, ToneCurve, WriteOptions};
 use crate::integrate::{
-    Algorithm, AovSurface, CameraPathSettings, EmissionGuidingReportPerMap, Integrator, SurfaceAovs,
+    Algorithm, AovSurface, CameraPathSettings, EmissionGuidingReportPerMap, Integrator, SURFACE_AOV_RAYS, SurfaceAovs,
     render_surface_aovs,
 };
 use crate::render::error_estimate::{Confidence, MIN_PASSES, StopForecast};
@@ -33,10 +34,15 @@ use crate::render::{
 use crate::scene::Scene;
 use crate::study::text::percent_text;
 #[cfg(feature = "view")]
-use crate::view::{Phase, PlanReport};
+use crate::view::{LiveRender, Phase, PlanReport};
 use glam::Vec3;
 use std::ops::Range;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
+
+/// Number of rays of each pixel for surface AOVs of the live page.
+#[cfg(feature = "view")]
+const LIVE_SURFACE_RAYS: u32 = 4;
 
 /// Error: the requested shard, one of N parts of a render, has no passes.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -67,16 +73,18 @@ struct CropWindowTooLargeError {
 pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
     check_raycast_flags(&film_settings(arguments), arguments.target_error)?;
     // Everything that can fail without rendering is checked before rendering.
-    for path in &arguments.output {
-        image::check_writable(path).map_err(CommandFailure::output_error)?;
+    for arguments in arguments_of_frames(arguments)? {
+        for path in &arguments.output {
+            image::check_writable(path).map_err(CommandFailure::output_error)?;
+        }
+        if let Some(path) = &arguments.aov {
+            image::check_layers_path(path).map_err(CommandFailure::output_error)?;
+        }
+        for path in arguments.stats.iter().chain(&arguments.film) {
+            image::check_replaceable(path).map_err(CommandFailure::output_error)?;
+        }
     }
-    if let Some(path) = &arguments.aov {
-        image::check_layers_path(path).map_err(CommandFailure::output_error)?;
-    }
-    for path in arguments.stats.iter().chain(&arguments.film) {
-        image::check_replaceable(path).map_err(CommandFailure::output_error)?;
-    }
-    check_distinct_files(&output_files(arguments), &[FileWithRole::new("the scene file", &arguments.scene.scene)])?;
+    check_distinct_files(&output_files(arguments)?, &[FileWithRole::new("the scene file", &arguments.scene.scene)])?;
     listen_for_signals("the picture so far is written after this pass");
     let progress = ProgressDisplay::new(arguments.quiet);
     with_thread_pool(&arguments.scene, || load_scene_and_render(arguments, &progress))
@@ -113,29 +121,103 @@ pub(super) fn window_size(crop: Option<CropWindow>, whole: (u32, u32)) -> Result
     }
 }
 
-/// Returns all output files of `caustica render` that the command line names.
-fn output_files(arguments: &RenderArguments) -> Vec<FileWithRole> {
-    let pictures = arguments.output.iter().map(|path| FileWithRole::new("-o", path));
-    let layers = arguments.aov.iter().map(|path| FileWithRole::new("--aov", path));
-    let report = arguments.stats.iter().map(|path| FileWithRole::new("--stats", path));
-    let film = arguments.film.iter().map(|path| FileWithRole::new("--film", path));
-    pictures.chain(layers).chain(report).chain(film).collect()
+/// Returns the arguments of each frame of `--frames`; without this flag, a copy of `arguments`.
+fn arguments_of_frames(arguments: &RenderArguments) -> Result<Vec<RenderArguments>, CommandFailure> {
+    let Some(range) = arguments.frames else { return Ok(vec![arguments.clone()]) };
+    range.numbers().map(|frame| frame_arguments(arguments, frame).map_err(CommandFailure::usage_error)).collect()
 }
 
+/// Returns the arguments of one frame of `--frames`: with the names of its files, and a seed of its
+/// own, so that the noise of frames differs.
+fn frame_arguments(arguments: &RenderArguments, frame: u32) -> Result<RenderArguments, FrameNameError> {
+    let mut of_frame = arguments.clone();
+    of_frame.method.seed = arguments.method.seed.wrapping_add(frame.into());
+    let paths = of_frame.output.iter_mut().map(|path| ("-o", path));
+    let paths = paths.chain(of_frame.aov.iter_mut().map(|path| ("--aov", path)));
+    for (flag, path) in paths.chain(of_frame.stats.iter_mut().map(|path| ("--stats", path))) {
+        *path = frame_path(flag, path, frame)?;
+    }
+    Ok(of_frame)
+}
+
+/// Returns all output files of `caustica render` that the command line names, of all frames.
+fn output_files(arguments: &RenderArguments) -> Result<Vec<FileWithRole>, CommandFailure> {
+    let files = |arguments: &RenderArguments| -> Vec<FileWithRole> {
+        let pictures = arguments.output.iter().map(|path| FileWithRole::new("-o", path));
+        let layers = arguments.aov.iter().map(|path| FileWithRole::new("--aov", path));
+        let report = arguments.stats.iter().map(|path| FileWithRole::new("--stats", path));
+        let film = arguments.film.iter().map(|path| FileWithRole::new("--film", path));
+        pictures.chain(layers).chain(report).chain(film).collect()
+    };
+    Ok(arguments_of_frames(arguments)?.iter().flat_map(files).collect())
+}
+
+/// Loads the scene and renders it: once, or each frame of `--frames`.
 fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay) -> Result<Exit, CommandFailure> {
     let start = Instant::now();
     #[cfg(feature = "view")]
     let live_output = LiveOutput::start(arguments)?;
     #[cfg(feature = "view")]
-    let mut live = live_output.as_ref().map(|output| output.begin_render(start));
+    let live = live_output.as_ref().map(|output| output.begin_render(start));
     let inputs = InputFileCollector::new(progress);
     let (file, scene) = load_scene_and_file(&arguments.scene, &inputs)?;
     progress.remove_progress_bar();
     quick_scene_warnings(&file, &scene, &arguments.scene).iter().for_each(|line| progress.print_line(line));
+    let camera = file.description.camera.value.clone();
     drop(file);
     let input_paths = inputs.into_input_paths();
     let inputs: Vec<FileWithRole> = input_paths.iter().map(|path| FileWithRole::new("the input", path)).collect();
-    check_distinct_files(&output_files(arguments), &inputs)?;
+    check_distinct_files(&output_files(arguments)?, &inputs)?;
+    print_scene_summary(&arguments.scene.scene.display().to_string(), &scene, progress);
+    let Some(range) = arguments.frames else {
+        let exit = render_scene(
+            arguments,
+            &scene,
+            &input_paths,
+            start,
+            progress,
+            #[cfg(feature = "view")]
+            live,
+        );
+        #[cfg(feature = "view")]
+        live_output.into_iter().for_each(LiveOutput::finish);
+        return exit;
+    };
+    let turntable = Turntable::new(&scene, &camera, arguments.turn.unwrap_or(range.end));
+    let turntable = turntable.map_err(CommandFailure::usage_error)?;
+    for frame in range.numbers() {
+        progress.print_line(&format!("frame {frame} of {} to {}", range.first, range.end - 1));
+        let arguments = frame_arguments(arguments, frame).map_err(CommandFailure::usage_error)?;
+        let turned = turntable.camera(frame).map(|camera| scene.with_camera(&camera));
+        let scene = turned.as_ref().unwrap_or(&scene);
+        let exit = render_scene(
+            &arguments,
+            scene,
+            &input_paths,
+            Instant::now(),
+            progress,
+            #[cfg(feature = "view")]
+            None,
+        )?;
+        if exit != Exit::Success {
+            return Ok(exit);
+        }
+    }
+    Ok(Exit::Success)
+}
+
+/// Renders `scene`, and writes all outputs.
+///
+/// `inputs` are the files that the scene names. `start` is the time at which loading began. `live`
+/// shows the render on a page.
+fn render_scene(
+    arguments: &RenderArguments,
+    scene: &Scene,
+    inputs: &[PathBuf],
+    start: Instant,
+    progress: &ProgressDisplay,
+    #[cfg(feature = "view")] mut live: Option<LiveRender<'_>>,
+) -> Result<Exit, CommandFailure> {
     let algorithm = arguments.method.integrator;
     let mut setup = RenderSetup {
         scene: arguments.scene.scene.display().to_string(),
@@ -153,7 +235,6 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
         balance: None,
         seconds: 0.0,
     };
-    print_scene_summary(&setup, &scene, progress);
     // Ray casting makes one pass, from which no error can be estimated.
     let estimates_error = !arguments.no_error_estimate && algorithm != Algorithm::Raycast;
     let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
@@ -168,7 +249,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let pictures = pictures.map_err(CommandFailure::usage_error)?;
     #[cfg(feature = "view")]
     live.iter().for_each(|live| live.set_phase(Phase::Pilots));
-    let integrator = algorithm.prepare(&scene, settings);
+    let integrator = algorithm.prepare(scene, settings);
     check_photon_memory(integrator.expected_photons(), pictures, memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
     plan::print_plan(integrator.as_ref(), progress);
@@ -184,7 +265,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let mut film = None;
     let mut before = None;
     if let Some(path) = &arguments.film {
-        let header = film_header(&film_settings(arguments), size, whole, &input_paths)?;
+        let header = film_header(&film_settings(arguments), size, whole, inputs)?;
         let (saved, rendered) = SavedFilm::open(path, header, arguments.save_every)?;
         if let Some(rendered) = rendered {
             if arguments.shard.is_some() {
@@ -212,24 +293,28 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
             film.iter_mut().for_each(|film| film.save_if_due(standing.rendered));
         }
         #[cfg(feature = "view")]
-        live.iter_mut().for_each(|live| live.after_pass(standing, &stop));
+        live.iter_mut().for_each(|live| {
+            live.after_pass(standing, &stop);
+            live.publish_wanted_surfaces(size, || {
+                let effects = integrator.plan().simulated_effects();
+                let surface = aov_surface(arguments);
+                render_surface_aovs(scene, effects, &camera_paths, surface, LIVE_SURFACE_RAYS, progress)
+            });
+        });
         #[cfg(feature = "view")]
         tev.iter_mut().for_each(|tev| tev.send_if_due(standing.rendered));
     });
     progress.remove_progress_bar();
     #[cfg(feature = "view")]
     live.iter_mut().for_each(|live| live.end(&rendered, Phase::Ended));
-    let powerless = all_lights_are_black(&scene);
-    let aovs = || find_surface_aovs(arguments, &scene, integrator.as_ref(), &camera_paths, progress);
+    let powerless = all_lights_are_black(scene);
+    let aovs = || find_surface_aovs(arguments, scene, integrator.as_ref(), &camera_paths, progress);
     let aovs = arguments.aov.is_some().then(aovs).flatten();
     progress.remove_progress_bar();
     #[cfg(feature = "view")]
     tev.into_iter().for_each(|tev| tev.finish(&rendered, aovs.as_ref(), arguments.aov.is_some()));
     let outputs = RenderOutputs { arguments, rendered: &rendered, aovs, film: film.as_ref() };
-    let written = outputs.write(progress, setup, &stop, powerless);
-    #[cfg(feature = "view")]
-    live_output.into_iter().for_each(LiveOutput::finish);
-    written
+    outputs.write(progress, setup, &stop, powerless)
 }
 
 /// Returns which layers beside the picture the command line asks for. Each of them needs memory.
@@ -242,6 +327,9 @@ fn rendered_layers(arguments: &RenderArguments, estimates_error: bool) -> Render
         sent: arguments.tev.is_some(),
         #[cfg(not(feature = "view"))]
         sent: false,
+        #[cfg(feature = "view")]
+        aovs: arguments.aov.is_some() || arguments.listen.is_some(),
+        #[cfg(not(feature = "view"))]
         aovs: arguments.aov.is_some(),
     }
 }
@@ -288,19 +376,19 @@ fn render_limits(arguments: &RenderArguments) -> RenderLimits {
     }
 }
 
-/// Prints the numbers of triangles, shapes and lights, and a note if the scene has no objects or
-/// lights.
-fn print_scene_summary(setup: &RenderSetup, scene: &Scene, progress: &ProgressDisplay) {
+/// Prints the name of the scene, its numbers of triangles, shapes and lights, and a note if it has
+/// no objects or lights.
+fn print_scene_summary(name: &str, scene: &Scene, progress: &ProgressDisplay) {
+    let (triangles, shapes, lights) = (scene.triangle_count(), scene.shape_count(), scene.lights().len());
     progress.print_line(&format!(
-        "{}: {}, {}, {}",
-        setup.scene,
-        count_with_noun(setup.triangles, "triangle", "triangles"),
-        count_with_noun(setup.shapes, "shape", "shapes"),
-        count_with_noun(setup.lights, "light", "lights")
+        "{name}: {}, {}, {}",
+        count_with_noun(triangles, "triangle", "triangles"),
+        count_with_noun(shapes, "shape", "shapes"),
+        count_with_noun(lights, "light", "lights")
     ));
-    if setup.triangles + setup.shapes == 0 {
+    if triangles + shapes == 0 {
         progress.print_line("note: the scene has no objects: the picture shows only the background");
-    } else if setup.lights == 0 {
+    } else if lights == 0 {
         progress.print_line("note: the scene has no lights: all objects are black");
     } else if all_lights_are_black(scene) {
         progress.print_line("note: no light of the scene has any power: all objects are black");
@@ -391,8 +479,13 @@ fn find_surface_aovs(
     settings: &CameraPathSettings,
     progress: &ProgressDisplay,
 ) -> Option<SurfaceAovs> {
-    let surface = if arguments.aov_first_hit { AovSurface::First } else { AovSurface::FirstNonSpecular };
-    render_surface_aovs(scene, integrator.plan().simulated_effects(), settings, surface, progress)
+    let (effects, surface) = (integrator.plan().simulated_effects(), aov_surface(arguments));
+    render_surface_aovs(scene, effects, settings, surface, SURFACE_AOV_RAYS, progress)
+}
+
+/// Returns the surface whose properties the command line asks for.
+fn aov_surface(arguments: &RenderArguments) -> AovSurface {
+    if arguments.aov_first_hit { AovSurface::First } else { AovSurface::FirstNonSpecular }
 }
 
 /// Outputs that are written after a render has ended: picture, layers, film and statistics.

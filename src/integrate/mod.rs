@@ -74,5 +74,5 @@ pub use radius_law::{ALPHA, RadiusLaw, squared_radius_ratio};
 pub use radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
 pub use scatter_point_pilot::ScatterPointGuidingReport;
 pub use settings::{CameraPathSettings, FinalGathering, IndirectPhotons, LightTracing, Settings};
-pub use surface_aovs::{AovSurface, SurfaceAovs, render_surface_aovs};
+pub use surface_aovs::{AovSurface, SURFACE_AOV_RAYS, SurfaceAovs, render_surface_aovs};
 pub use volume_estimate::VolumeEstimator;

@@ -10,12 +10,12 @@ use crate::bsdf::TransportMode;
 use crate::color::{self, Rgb};
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
-use crate::scene::{Interior, PathEvent, PathRay, Scene, SurfaceInteraction, for_interior};
-use glam::{DVec3, Vec2, Vec3};
+use crate::scene::{FilmMotion, Interior, PathEvent, PathRay, Scene, SurfaceInteraction, for_interior};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Number of camera rays per pixel that find the surface AOVs.
-const RAYS: u32 = 32;
+/// Number of rays of each pixel for layers of files.
+pub const SURFACE_AOV_RAYS: u32 = 32;
 
 /// Number of directions that are sampled at each hit to estimate its albedo.
 const ALBEDO_SAMPLES: u32 = 4;
@@ -56,6 +56,13 @@ pub struct SurfaceAovs {
     pub object: Vec<u32>,
     /// Number of the material of most rays, counted from 1 in the order of the scene.
     pub material: Vec<u32>,
+    /// Motion on the film from the opening to the closing of the shutter \[pixels to the right and
+    /// down], as a mean over the rays.
+    ///
+    /// It is that of the first surface, also if this is specular, or else of the surroundings at
+    /// infinity. Rays count as zero if they see what is behind the camera at an end of the shutter
+    /// interval.
+    pub motion: Vec<Vec2>,
 }
 
 /// AOVs of one pixel; see [`SurfaceAovs`] for units.
@@ -67,6 +74,7 @@ struct PixelAovs {
     position: Vec3,
     object: u32,
     material: u32,
+    motion: Vec2,
 }
 
 /// AOVs that one camera ray finds over all its branches.
@@ -78,6 +86,8 @@ struct RayAovs {
     normal: Vec3,
     /// Surface at the end of the branch with the largest weight; `None` if no branch reaches one.
     seen: Option<SeenSurface>,
+    /// Motion on the film of what the ray sees first \[pixels to the right and down].
+    motion: Vec2,
 }
 
 /// Surface at the end of a branch of a ray.
@@ -105,8 +115,21 @@ struct Branch<I> {
     sampler: Sampler,
 }
 
-/// Renders the surface AOVs of `scene` in the pixel window of `settings`, at the surfaces that
-/// `surface` chooses.
+/// Copy of the scene at one time of the shutter interval, with all that its rays share.
+struct SceneAtTime<'a> {
+    scene: &'a Scene,
+    /// Time in \[0, 1]: 0 is the opening of the shutter, 1 its closing.
+    time: f64,
+    film: FilmSampling<'a>,
+    /// Measure of motion on the film; `None` if nothing moves.
+    motion: Option<FilmMotion>,
+    effects: Effects,
+    /// True if rays follow specular surfaces.
+    follows_specular: bool,
+}
+
+/// Finds the surface AOVs of the pixels of `scene` that `settings` render, with `rays` rays for
+/// each pixel.
 ///
 /// Media and dispersion are left out of `effects`. Returns `None` if `monitor` is cancelled.
 #[must_use]
@@ -115,6 +138,7 @@ pub fn render_surface_aovs(
     effects: Effects,
     settings: &CameraPathSettings,
     surface: AovSurface,
+    rays: u32,
     monitor: &dyn ProgressMonitor,
 ) -> Option<SurfaceAovs> {
     let effects = effects.without_effect(Effect::Media).without_effect(Effect::Dispersion);
@@ -124,29 +148,34 @@ pub fn render_surface_aovs(
     monitor.begin_stage(PassStage::Camera, u64::from(width) * u64::from(height));
 
     // Spread the rays of a pixel over the shutter interval.
-    let moves = effects.has(Effect::Motion) && scene.has_motion();
-    let times = (0..RAYS).map(|ray| (f64::from(ray) + 0.5) / f64::from(RAYS));
-    let moved: Vec<Scene> = if moves { times.map(|time| scene.at_time(time)).collect() } else { Vec::new() };
-    let scenes = if moves { &moved[..] } else { std::slice::from_ref(scene) };
-    let films: Vec<FilmSampling<'_>> = scenes
+    let motion = FilmMotion::new(scene).filter(|_| effects.has(Effect::Motion));
+    let times: Vec<f64> = (0..rays).map(|ray| (f64::from(ray) + 0.5) / f64::from(rays)).collect();
+    let moved: Vec<Scene> =
+        if motion.is_some() { times.iter().map(|time| scene.at_time(*time)).collect() } else { Vec::new() };
+    let scenes = if motion.is_some() { &moved[..] } else { std::slice::from_ref(scene) };
+    let scenes: Vec<SceneAtTime<'_>> = scenes
         .iter()
-        .map(|scene| FilmSampling::of_camera(scene.camera(), Some(&settings.filter), RAYS, effects.has(Effect::Lens)))
+        .zip(times)
+        .map(|(scene, time)| {
+            let film = FilmSampling::of_camera(scene.camera(), Some(&settings.filter), rays, effects.has(Effect::Lens));
+            SceneAtTime { scene, time, film, motion, effects, follows_specular }
+        })
         .collect();
 
     let key = Key::new(settings.seed).purpose_key(Purpose::SurfaceAovs);
     let rows = (window.top..window.bottom).into_par_iter().map(|y| {
         let pixels = (window.left..window.right).map_while(|x| {
-            let rays = (0..RAYS).map(|ray| {
-                let sampler = Sampler::new(key.pixel_key(x, y), ray, RAYS);
-                let of_ray = ray as usize % scenes.len();
-                let (camera_ray, weight) = films[of_ray].generate_ray(0, Vec2::new(x as f32, y as f32), sampler);
+            let of_rays = (0..rays).map(|ray| {
+                let sampler = Sampler::new(key.pixel_key(x, y), ray, rays);
+                let at_time = &scenes[ray as usize % scenes.len()];
+                let (camera_ray, weight) = at_time.film.generate_ray(0, Vec2::new(x as f32, y as f32), sampler);
                 let found = for_interior!(effects, <I> {
-                    let path_ray: PathRay<I> = scenes[of_ray].start_camera_path(camera_ray, effects);
-                    trace_ray(&scenes[of_ray], path_ray, effects, sampler, follows_specular)
+                    let path_ray: PathRay<I> = at_time.scene.start_camera_path(camera_ray, effects);
+                    trace_ray(at_time, path_ray, sampler)
                 });
                 (found, weight)
             });
-            (!monitor.is_cancelled()).then(|| PixelAovs::from_rays(rays))
+            (!monitor.is_cancelled()).then(|| PixelAovs::from_rays(of_rays))
         });
         let row: Vec<PixelAovs> = pixels.collect();
         monitor.report_progress(width.into());
@@ -160,18 +189,13 @@ pub fn render_surface_aovs(
         position: pixels.iter().map(|pixel| pixel.position).collect(),
         object: pixels.iter().map(|pixel| pixel.object).collect(),
         material: pixels.iter().map(|pixel| pixel.material).collect(),
+        motion: pixels.iter().map(|pixel| pixel.motion).collect(),
     })
 }
 
-/// Traces a camera ray and returns its AOVs. If `follows_specular` is true, the ray goes on over
-/// specular surfaces, else it ends at its first hit.
-fn trace_ray<I: Interior>(
-    scene: &Scene,
-    path_ray: PathRay<I>,
-    effects: Effects,
-    sampler: Sampler,
-    follows_specular: bool,
-) -> RayAovs {
+/// Follows a camera ray of `at_time`, over specular surfaces if wanted, and returns what it finds.
+fn trace_ray<I: Interior>(at_time: &SceneAtTime<'_>, path_ray: PathRay<I>, sampler: Sampler) -> RayAovs {
+    let SceneAtTime { scene, effects, follows_specular, .. } = *at_time;
     let mut found = RayAovs::default();
     let mut total_weight = 0.0;
     let mut branches = vec![Branch { path_ray, weight: Rgb::ONE, depth: 0.0, bounces: 0, sampler }];
@@ -184,12 +208,18 @@ fn trace_ray<I: Interior>(
                 let radiance = if shows_environment { scene.escaped_radiance(direction) } else { scene.background() };
                 found.albedo += branch.weight * clip_to_albedo(radiance);
                 total_weight += color::channel_mean(branch.weight);
+                if branch.bounces == 0 {
+                    found.motion = at_time.motion_of_direction(direction);
+                }
                 continue;
             }
         };
         branch.weight *= hit.transmittance;
         branch.depth += hit.distance;
         let surface = &hit.surface;
+        if branch.bounces == 0 {
+            found.motion = at_time.motion_of_surface(&branch.path_ray, surface);
+        }
         if follows_specular && surface.bsdf.is_specular() && !surface.stores_photons() {
             found.albedo += branch.weight * clip_to_albedo(surface.emission);
             if branch.bounces < MAX_SPECULAR_BOUNCES {
@@ -204,6 +234,23 @@ fn trace_ray<I: Interior>(
         found.normal /= total_weight;
     }
     found
+}
+
+impl SceneAtTime<'_> {
+    /// Returns the motion on the film of `surface` at the end of `path_ray` \[pixels to the right
+    /// and down]; 0 if unknown.
+    fn motion_of_surface<I>(&self, path_ray: &PathRay<I>, surface: &SurfaceInteraction<'_>) -> Vec2 {
+        let Some(motion) = self.motion else { return Vec2::ZERO };
+        let hit = self.scene.intersect(&path_ray.ray);
+        let of_hit = |hit| motion.of_surface_point(self.scene, &hit, self.time, surface.point.p);
+        hit.and_then(of_hit).unwrap_or(Vec2::ZERO)
+    }
+
+    /// Returns the motion on the film of the surroundings in unit `direction` \[pixels to the right
+    /// and down]; 0 if unknown.
+    fn motion_of_direction(&self, direction: Vec3) -> Vec2 {
+        self.motion.and_then(|motion| motion.of_direction(direction)).unwrap_or(Vec2::ZERO)
+    }
 }
 
 /// Returns `color` clipped to \[0, 1].
@@ -273,7 +320,7 @@ impl PixelAovs {
     /// Each ray comes with its filter weight. Rays without positive weight are left out, so that
     /// all values stay in their ranges; the others count equally.
     fn from_rays(rays: impl Iterator<Item = (RayAovs, f32)>) -> Self {
-        let (mut albedo, mut normal) = (DVec3::ZERO, DVec3::ZERO);
+        let (mut albedo, mut normal, mut motion) = (DVec3::ZERO, DVec3::ZERO, DVec2::ZERO);
         let (mut depth, mut position) = (0.0, DVec3::ZERO);
         let (mut objects, mut materials) = (Vec::new(), Vec::new());
         let mut count = 0.0;
@@ -281,6 +328,7 @@ impl PixelAovs {
             count += 1.0;
             albedo += ray.albedo.as_dvec3();
             normal += ray.normal.as_dvec3();
+            motion += ray.motion.as_dvec2();
             if let Some(seen) = ray.seen {
                 depth += f64::from(seen.depth);
                 position += seen.position;
@@ -296,6 +344,7 @@ impl PixelAovs {
             position: (position / seen).as_vec3(),
             object: most_frequent_index(&mut objects).map_or(0, |index| index + 1),
             material: most_frequent_index(&mut materials).map_or(0, |index| index + 1),
+            motion: (motion / all).as_vec2(),
         }
     }
 }

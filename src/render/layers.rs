@@ -5,6 +5,7 @@ use super::error_estimate::{ErrorMaps, MIN_PASSES};
 use crate::image::ExrLayer;
 use crate::integrate::{LightGroup, MeanGatherDisc, SurfaceAovs};
 use glam::Vec3;
+use std::ops::Index;
 
 /// Returns the layers of a picture file: the picture, whose layer has no name; its light groups if
 /// it has them; the radiance that clamping removed if light is clamped; and maps of its estimated
@@ -34,10 +35,10 @@ pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     layers
 }
 
-/// Returns the layers `albedo`, `normal`, `depth`, `position`, `object` and `material`.
+/// Returns the layers `albedo`, `normal`, `depth`, `position`, `object`, `material` and `motion`.
 ///
-/// Colours have channels R, G and B; vectors have X, Y and Z. Depth has the channel Z, as OpenEXR
-/// recommends. Object and material numbers have the channel X, as in Blender.
+/// Colours have channels R, G and B, vectors X, Y and Z. Depth has the channel Z, as OpenEXR
+/// recommends, and identifiers have the channel X, as those of Blender. Motion has X and Y.
 #[must_use]
 pub fn surface_layers(aovs: &SurfaceAovs) -> Vec<ExrLayer> {
     let numbers = |name: &str, channel: &str, values: Vec<f32>| ExrLayer {
@@ -52,6 +53,7 @@ pub fn surface_layers(aovs: &SurfaceAovs) -> Vec<ExrLayer> {
         vector_layer("position", ["X", "Y", "Z"], &aovs.position),
         numbers("object", "X", identifiers(&aovs.object)),
         numbers("material", "X", identifiers(&aovs.material)),
+        vector_layer("motion", ["X", "Y"], &aovs.motion),
     ]
 }
 
@@ -61,7 +63,11 @@ pub fn rgb_layer(name: &str, pixels: &[Vec3]) -> ExrLayer {
     vector_layer(name, ["R", "G", "B"], pixels)
 }
 
-fn vector_layer(name: &str, letters: [&str; 3], pixels: &[Vec3]) -> ExrLayer {
+fn vector_layer<V: Copy + Index<usize, Output = f32>, const N: usize>(
+    name: &str,
+    letters: [&str; N],
+    pixels: &[V],
+) -> ExrLayer {
     let channel = |(i, letter): (usize, &str)| (letter.to_owned(), pixels.iter().map(|pixel| pixel[i]).collect());
     ExrLayer { name: name.to_owned(), channels: letters.into_iter().enumerate().map(channel).collect() }
 }

@@ -5,7 +5,8 @@
 
 use super::build::{derive_scene_data, mean_emission_lights};
 use super::delta_light::{legacy_area_light, resolve_light};
-use super::{DeltaLightKind, LightStrength, Scene};
+use super::geometry::HitPrimitive;
+use super::{DeltaLightKind, Hit, LightStrength, Scene};
 use crate::camera::Camera;
 use crate::light::{EmissionTexture, LightSurface};
 use crate::math::{Motion, Transform};
@@ -70,6 +71,23 @@ pub(super) fn delta_light_at_time(kind: &DeltaLightKind, motion: &Motion, time: 
 /// `camera` moved by `motion` at `time`; `None` if the transform is singular.
 pub(super) fn camera_at_time(camera: &Camera, motion: &Motion, time: f64) -> Option<Camera> {
     Some(camera.transformed(&motion_transform_at_time(motion, time)?))
+}
+
+/// Returns the motion of the object at `hit` of `scene`; `None` if the object rests.
+pub(super) fn motion_of_hit<'a>(scene: &'a Scene, hit: &Hit) -> Option<&'a Motion> {
+    let animation = scene.animation.as_deref()?;
+    let geometry = &scene.geometry;
+    match hit.primitive {
+        HitPrimitive::Triangle(..) => None,
+        HitPrimitive::Shape(i, _) => {
+            let moving = i.checked_sub(geometry.shapes.first_moving())?;
+            animation.shapes.get(moving as usize).map(|(_, motion)| motion)
+        }
+        HitPrimitive::Plane(i) => {
+            let first_moving = geometry.planes.len() - animation.planes.len();
+            animation.planes.get((i as usize).checked_sub(first_moving)?).map(|(_, motion)| motion)
+        }
+    }
 }
 
 /// The texture mapping of `kind` at `time`, for an object that moves by `motion`; `None` if the

@@ -8,6 +8,7 @@ mod build;
 mod delta_light;
 mod effects;
 mod error;
+mod film_motion;
 mod geometry;
 mod interiors;
 mod material;
@@ -24,6 +25,7 @@ pub use build::SceneBuilder;
 pub use delta_light::{DeltaLightKind, LegacyLight, LightStrength};
 pub use effects::{Effect, Effects};
 pub use error::BuildError;
+pub use film_motion::FilmMotion;
 pub use geometry::Hit;
 pub(crate) use interiors::for_interior;
 pub use interiors::{

@@ -1,11 +1,12 @@
-//! Pixels that the live page shows: layers with the picture and with maps of its estimated error.
+//! Pixels that the live page shows: the picture, its light groups, maps of its estimated error, and
+//! surface AOVs.
 
 use crate::image::Image;
-use crate::integrate::MeanGatherDisc;
-use crate::render::RenderResult;
+use crate::integrate::{LightGroup, MeanGatherDisc, SurfaceAovs};
 use crate::render::error_estimate::{ErrorMaps, MIN_PASSES};
+use crate::render::{Film, RenderResult};
 use axum::body::Bytes;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use std::sync::OnceLock;
@@ -21,11 +22,17 @@ const MAX_EXPONENT: i32 = 15;
 /// Number of channel values that are converted to half floats at once.
 const CHUNK: usize = 1024;
 
-/// Kind of layer that the live page can show: the picture, or a map of its estimated error.
+/// Kind of layer that the live page can show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayerKind {
     /// The picture: radiance \[W/(m² sr)].
     Picture,
+    /// Direct light of the picture \[W/(m² sr)], see [`LightGroup::Direct`].
+    Direct,
+    /// Indirect light of the picture \[W/(m² sr)], see [`LightGroup::Indirect`].
+    Indirect,
+    /// Caustic light of the picture \[W/(m² sr)], see [`LightGroup::Caustic`].
+    Caustic,
     /// Standard error of the radiance \[W/(m² sr)].
     Noise,
     /// Estimated bias of the radiance \[W/(m² sr)], signed.
@@ -40,32 +47,106 @@ pub enum LayerKind {
     /// Mean number of photons in density estimates from the indirect map, and from the
     /// interreflection map of `hybrid`.
     GlobalPhotons,
+    /// Albedo of the surface that the camera sees, in \[0, 1].
+    Albedo,
+    /// Shading normal of this surface, in world space.
+    Normal,
+    /// Length of the path from the camera to this surface \[length].
+    Depth,
+    /// Position of this surface in world space \[length].
+    Position,
+    /// Number of the object, from 1; 0 for none.
+    Object,
+    /// Number of the material, from 1; 0 for none.
+    Material,
+    /// Motion on the film while the shutter is open \[pixels to the right and down].
+    Motion,
+}
+
+/// Frame of the live page to which a layer belongs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FrameKind {
+    /// The picture and its light groups.
+    Picture,
+    /// Maps of the estimated error.
+    Maps,
+    /// Surface AOVs.
+    Surfaces,
 }
 
 impl LayerKind {
     /// All kinds, the picture first.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 17] = [
         Self::Picture,
+        Self::Direct,
+        Self::Indirect,
+        Self::Caustic,
         Self::Noise,
         Self::Bias,
         Self::CausticRadius,
         Self::GlobalRadius,
         Self::CausticPhotons,
         Self::GlobalPhotons,
+        Self::Albedo,
+        Self::Normal,
+        Self::Depth,
+        Self::Position,
+        Self::Object,
+        Self::Material,
+        Self::Motion,
     ];
 
-    /// Returns the name of the layer in the URL of its pixels. Error maps have their layer names in
-    /// the EXR file of `--aov`, such as `radius.caustic`.
+    /// Returns the name of the layer in the URL of its pixels. Layers other than the picture have
+    /// the names of `--aov` in EXR files, such as `radius.caustic`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Picture => "picture",
+            Self::Direct => LightGroup::Direct.name(),
+            Self::Indirect => LightGroup::Indirect.name(),
+            Self::Caustic => LightGroup::Caustic.name(),
             Self::Noise => "noise",
             Self::Bias => "bias",
             Self::CausticRadius => "radius.caustic",
             Self::GlobalRadius => "radius.global",
             Self::CausticPhotons => "photons.caustic",
             Self::GlobalPhotons => "photons.global",
+            Self::Albedo => "albedo",
+            Self::Normal => "normal",
+            Self::Depth => "depth",
+            Self::Position => "position",
+            Self::Object => "object",
+            Self::Material => "material",
+            Self::Motion => "motion",
+        }
+    }
+
+    /// Returns the frame to which the layer belongs.
+    pub(super) fn frame_kind(self) -> FrameKind {
+        match self {
+            Self::Picture | Self::Direct | Self::Indirect | Self::Caustic => FrameKind::Picture,
+            Self::Noise
+            | Self::Bias
+            | Self::CausticRadius
+            | Self::GlobalRadius
+            | Self::CausticPhotons
+            | Self::GlobalPhotons => FrameKind::Maps,
+            Self::Albedo
+            | Self::Normal
+            | Self::Depth
+            | Self::Position
+            | Self::Object
+            | Self::Material
+            | Self::Motion => FrameKind::Surfaces,
+        }
+    }
+
+    /// Returns the kind of the layer that shows a light group.
+    fn of_light_group(group: LightGroup) -> Self {
+        match group {
+            LightGroup::Direct => Self::Direct,
+            LightGroup::Indirect => Self::Indirect,
+            LightGroup::Caustic => Self::Caustic,
         }
     }
 
@@ -80,16 +161,17 @@ impl LayerKind {
 /// encoding is kept.
 #[derive(Debug)]
 pub struct Layer {
-    /// Kind of layer: the picture, or one of the error maps.
+    /// Kind of layer.
     pub kind: LayerKind,
-    /// Number of channels: 3 or 1.
+    /// Number of channels, from 1 to 3.
     channels: u32,
     /// Channel values of all pixels, in rows from the top. The channels of a pixel are adjacent.
     values: Vec<f32>,
     encoded: OnceLock<Bytes>,
 }
 
-/// Picture of a render at one moment, or maps of its estimated error. All layers have one size.
+/// Picture of a render at one moment, maps of its estimated error, or surface AOVs. All layers have
+/// one size.
 #[derive(Debug)]
 pub struct Frame {
     /// Sequence number of the publication that made the frame. A later frame has a larger number.
@@ -118,7 +200,14 @@ impl Layer {
         Self { kind, channels: 1, values, encoded: OnceLock::new() }
     }
 
-    /// Returns the RGB colour of each pixel of a layer with three channels.
+    /// Makes a layer with two channels from vectors of the film.
+    #[must_use]
+    pub fn from_film_vectors(kind: LayerKind, vectors: &[Vec2]) -> Self {
+        let values = vectors.iter().flat_map(|vector| vector.to_array()).collect();
+        Self { kind, channels: 2, values, encoded: OnceLock::new() }
+    }
+
+    /// Returns the RGB colours of a layer with three channels.
     #[must_use]
     pub fn colors(&self) -> Vec<Vec3> {
         self.values.as_chunks().0.iter().map(|channels| Vec3::from_array(*channels)).collect()
@@ -131,6 +220,34 @@ impl Frame {
     pub fn from_picture(sequence: u32, size: (u32, u32), passes: u32, pixels: &[Vec3]) -> Self {
         let layers = vec![Layer::from_colors(LayerKind::Picture, pixels)];
         Self { sequence, size, passes, is_preview: false, layers }
+    }
+
+    /// Makes a frame of the picture of `rendered`, and of its light groups if it has them.
+    #[must_use]
+    pub fn from_render(sequence: u32, rendered: &RenderResult) -> Self {
+        let film = &rendered.film;
+        let mut frame = Self::from_picture(sequence, film.size(), film.passes(), &film.mean());
+        let groups = LightGroup::ALL.iter().zip(&rendered.groups);
+        let layer =
+            |(group, film): (&LightGroup, &Film)| Layer::from_colors(LayerKind::of_light_group(*group), &film.mean());
+        frame.layers.extend(groups.map(layer));
+        frame
+    }
+
+    /// Makes a frame of surface AOVs of a picture of `size`.
+    #[must_use]
+    pub fn from_surface_aovs(sequence: u32, size: (u32, u32), aovs: &SurfaceAovs) -> Self {
+        let identifiers = |values: &[u32]| values.iter().map(|id| *id as f32).collect();
+        let layers = vec![
+            Layer::from_colors(LayerKind::Albedo, &aovs.albedo),
+            Layer::from_colors(LayerKind::Normal, &aovs.normal),
+            Layer::from_numbers(LayerKind::Depth, aovs.depth.clone()),
+            Layer::from_colors(LayerKind::Position, &aovs.position),
+            Layer::from_numbers(LayerKind::Object, identifiers(&aovs.object)),
+            Layer::from_numbers(LayerKind::Material, identifiers(&aovs.material)),
+            Layer::from_film_vectors(LayerKind::Motion, &aovs.motion),
+        ];
+        Self { sequence, size, passes: 0, is_preview: false, layers }
     }
 
     /// Makes a frame of an image that no render made, such as the reference picture.

@@ -15,7 +15,9 @@ pub struct LiveState {
     pub picture: Option<Arc<Frame>>,
     /// The newest maps of the estimated error; `None` before the first ones.
     pub maps: Option<Arc<Frame>>,
-    /// Text of the scene file, with its errors and warnings.
+    /// Surface AOVs; `None` until a browser asks for them.
+    pub surfaces: Option<Arc<Frame>>,
+    /// Text of the scene file, with its errors.
     pub source: Arc<SceneSource>,
 }
 
@@ -45,7 +47,9 @@ pub struct LivePage {
     sender: watch::Sender<Arc<PublishedState>>,
     /// True if a browser has asked for error maps since the render last made them.
     wants_maps: AtomicBool,
-    /// Reference picture that the page compares with the render; `None` without `--reference`.
+    /// True if a browser has asked for surface AOVs, and the render has made none since.
+    wants_surfaces: AtomicBool,
+    /// Reference picture for comparisons.
     reference: Option<Arc<Frame>>,
 }
 
@@ -67,7 +71,8 @@ impl LivePage {
         let newest = LiveState { status, ..LiveState::default() };
         let sender = watch::Sender::new(Arc::new(PublishedState { state: newest.clone(), json: OnceLock::new() }));
         let reference = reference.map(Arc::new);
-        Self { newest: Mutex::new(newest), sender, wants_maps: AtomicBool::new(false), reference }
+        let (wants_maps, wants_surfaces) = Default::default();
+        Self { newest: Mutex::new(newest), sender, wants_maps, wants_surfaces, reference }
     }
 
     /// Begins a new render and returns its number. Publications of earlier renders are ignored from
@@ -92,6 +97,7 @@ impl LivePage {
             ..LiveStatus::default()
         };
         newest.maps = None;
+        newest.surfaces = None;
         let render = newest.status.render;
         self.publish_state(&mut newest);
         render
@@ -114,6 +120,7 @@ impl LivePage {
         newest.status.sequence += 1;
         newest.status.picture = newest.picture.as_deref().map(FrameReport::new);
         newest.status.maps = newest.maps.as_deref().map(FrameReport::new);
+        newest.status.surfaces = newest.surfaces.as_deref().map(FrameReport::new);
         newest.status.problems = newest.source.problems.len();
         self.sender.send_replace(Arc::new(PublishedState { state: newest.clone(), json: OnceLock::new() }));
     }
@@ -127,6 +134,16 @@ impl LivePage {
     /// Asks the render to publish maps of the estimated error.
     pub(super) fn wish_for_maps(&self) {
         self.wants_maps.store(true, Ordering::Relaxed);
+    }
+
+    /// Returns true if a browser has asked for surface AOVs since the last call of this function.
+    pub fn take_wish_for_surfaces(&self) -> bool {
+        self.wants_surfaces.swap(false, Ordering::Relaxed)
+    }
+
+    /// Asks the render to publish surface AOVs.
+    pub(super) fn wish_for_surfaces(&self) {
+        self.wants_surfaces.store(true, Ordering::Relaxed);
     }
 
     /// Returns a channel that delivers the newest state after each publication.

@@ -4,6 +4,7 @@ use super::frame::Frame;
 use super::live_page::{LivePage, LiveState};
 use super::pace::Pace;
 use super::status::{CurvePoint, ForecastReport, Phase, PlanReport};
+use crate::integrate::SurfaceAovs;
 use crate::render::{ErrorTarget, PassProgress, RenderResult, StopCriteria};
 use glam::Vec3;
 use std::sync::Arc;
@@ -103,8 +104,21 @@ impl<'a> LiveRender<'a> {
         }
     }
 
-    /// Publishes the result of a render that has ended or paused. `phase` is [`Phase::Stopped`] or
-    /// [`Phase::Ended`].
+    /// Publishes the surface AOVs that `find` returns, if a browser has asked for surface AOVs.
+    /// `size` is the size of the picture.
+    pub fn publish_wanted_surfaces(&self, size: (u32, u32), find: impl FnOnce() -> Option<SurfaceAovs>) {
+        if self.page.take_wish_for_surfaces()
+            && let Some(aovs) = find()
+        {
+            self.publish(|state, sequence| {
+                state.surfaces = Some(Arc::new(Frame::from_surface_aovs(sequence, size, &aovs)));
+            });
+            // Requests from before the publication are served.
+            self.page.take_wish_for_surfaces();
+        }
+    }
+
+    /// Publishes the final result of a render. `phase` is [`Phase::Stopped`] or [`Phase::Ended`].
     pub fn end(&mut self, rendered: &RenderResult, phase: Phase) {
         self.publish_result(rendered);
         self.publish_maps(rendered);
@@ -117,10 +131,9 @@ impl<'a> LiveRender<'a> {
     /// Publishes the picture, the counts and the error curve of `rendered`.
     fn publish_result(&self, rendered: &RenderResult) {
         let seconds = self.start.elapsed().as_secs_f64();
-        let pixels = rendered.film.mean();
+        let frame = Frame::from_render(0, rendered);
         self.publish(|state, sequence| {
-            let frame = Frame::from_picture(sequence, rendered.film.size(), rendered.film.passes(), &pixels);
-            state.picture = Some(Arc::new(frame));
+            state.picture = Some(Arc::new(Frame { sequence, ..frame }));
             let status = &mut state.status;
             status.passes = rendered.film.passes();
             status.seconds = rendered.wall.as_secs_f64();

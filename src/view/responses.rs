@@ -1,6 +1,6 @@
 //! Responses of the server: page, events, pixels, scene text and saved pictures.
 
-use super::frame::{Frame, LayerKind};
+use super::frame::{Frame, FrameKind, LayerKind};
 use super::live_page::{LivePage, PublishedState};
 use crate::image::{self, BitDepth, ExrPrecision, Image, OutputFormat, ToneMap, WriteOptions};
 use axum::body::{Body, Bytes};
@@ -111,7 +111,8 @@ pub(super) struct KnownFrame {
 /// stands for the reference picture.
 ///
 /// The response has no content if the browser already shows the frame. A request for an error map
-/// also asks the render to make new maps. `permit` is held until the response is sent.
+/// also asks the render to make new maps. A request for a surface AOV asks it for AOVs if there are
+/// none, and has no content then.
 pub(super) async fn layer_pixels(
     page: Arc<LivePage>,
     name: String,
@@ -124,19 +125,23 @@ pub(super) async fn layer_pixels(
         }
         let kind = LayerKind::from_name(&name)?;
         let newest = page.newest();
-        let frame = match kind {
-            LayerKind::Picture => &newest.state.picture,
-            LayerKind::Noise
-            | LayerKind::Bias
-            | LayerKind::CausticRadius
-            | LayerKind::GlobalRadius
-            | LayerKind::CausticPhotons
-            | LayerKind::GlobalPhotons => {
+        let frame = match kind.frame_kind() {
+            FrameKind::Picture => &newest.state.picture,
+            FrameKind::Maps => {
                 page.wish_for_maps();
                 &newest.state.maps
             }
+            FrameKind::Surfaces => {
+                if newest.state.surfaces.is_none() {
+                    page.wish_for_surfaces();
+                }
+                &newest.state.surfaces
+            }
         };
-        let frame = frame.as_ref()?;
+        let Some(frame) = frame else {
+            // The surfaces will exist in a moment, which is no error.
+            return (kind.frame_kind() == FrameKind::Surfaces).then(Bytes::new);
+        };
         if frame.sequence <= known.after { Some(Bytes::new()) } else { frame.encoded_layer(kind) }
     };
     match tokio::task::spawn_blocking(encode).await {

@@ -177,7 +177,9 @@ pub struct LiveStatus {
     /// Size and passes of the newest maps of the estimated error, which may be older than the
     /// picture; `None` before the first maps.
     pub maps: Option<FrameReport>,
-    /// Width and height of the reference picture \[pixels]; `None` without `--reference`.
+    /// Size of the surface AOVs; `None` until a browser asks for them.
+    pub surfaces: Option<FrameReport>,
+    /// Size of the reference picture \[pixels]; `None` without one.
     pub reference: Option<(u32, u32)>,
     /// Number of passes so far.
     pub passes: u32,

@@ -1,11 +1,11 @@
 use super::*;
 use crate::camera::Camera;
 use crate::image::Image;
-use crate::integrate::{Algorithm, Settings, SilentMonitor};
+use crate::integrate::{Algorithm, LightGroup, Settings, SilentMonitor, SurfaceAovs};
 use crate::render::{RenderResult, StopCriteria, render};
 use crate::scene::{Material, Scene, SceneBuilder};
 use crate::shape::{Shape, Sphere};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -233,11 +233,45 @@ fn maps_are_made_only_when_asked_for() {
     assert!(!served.page.take_wish_for_maps());
     assert_eq!(served.get("layer/noise").code, 404);
     assert!(served.page.take_wish_for_maps() && !served.page.take_wish_for_maps());
+    assert!(!served.page.take_wish_for_surfaces());
+    assert_eq!(served.get("layer/depth").code, 204);
+    assert!(served.page.take_wish_for_surfaces() && !served.page.take_wish_for_surfaces());
     assert_eq!(served.get("layer/secret").code, 404);
     assert_eq!(served.get("layer/reference").code, 404);
     let reference = Image::from_pixels(1, 1, vec![Vec3::splat(2.0)]).unwrap();
     let served = Served::with_reference(Some(Frame::from_image(&reference)));
     assert_eq!(decode(&served.get("layer/reference").body).1, [2.0; 3]);
+}
+
+#[test]
+fn surface_layers_hold_the_aovs() {
+    let served = Served::start();
+    let live = LiveRender::begin(&served.page, Instant::now());
+    served.show(live.number(), (2, 1), 0.25);
+    let aovs = SurfaceAovs {
+        albedo: vec![Vec3::new(0.5, 0.25, 0.125), Vec3::ZERO],
+        normal: vec![Vec3::Y, Vec3::ZERO],
+        depth: vec![2.0, 0.0],
+        position: vec![Vec3::new(1.0, 2.0, -4.0), Vec3::ZERO],
+        object: vec![3, 0],
+        material: vec![1, 0],
+        motion: vec![Vec2::new(4.0, -2.0), Vec2::ZERO],
+    };
+    live.publish_wanted_surfaces((2, 1), || panic!("no browser has asked for them"));
+    assert_eq!(served.get("layer/motion").code, 204);
+    live.publish_wanted_surfaces((2, 1), || Some(aovs));
+    let first_pixel = |name: &str| {
+        let ([_, width, height, channels], values) = decode(&served.get(&format!("layer/{name}")).body);
+        assert_eq!((width, height, values.len()), (2, 1, 2 * channels as usize), "{name}");
+        values[..channels as usize].to_vec()
+    };
+    assert_eq!(first_pixel("albedo"), [0.5, 0.25, 0.125]);
+    assert_eq!((first_pixel("normal"), first_pixel("position")), (vec![0.0, 1.0, 0.0], vec![1.0, 2.0, -4.0]));
+    assert_eq!((first_pixel("depth"), first_pixel("motion")), (vec![2.0], vec![4.0, -2.0]));
+    assert_eq!((first_pixel("object"), first_pixel("material")), (vec![3.0], vec![1.0]));
+    assert!(!served.page.take_wish_for_surfaces(), "they exist");
+    served.page.begin_render();
+    assert_eq!(served.get("layer/albedo").code, 204, "those of an earlier render are gone");
 }
 
 #[test]
@@ -319,6 +353,7 @@ fn publications_change_no_bit_of_a_render() {
     let scene = shining_scene();
     let mut settings = Settings::default();
     settings.camera_paths.estimate_error = true;
+    settings.camera_paths.groups_light = true;
     let integrator = Algorithm::Path.prepare(&scene, settings);
     let interrupted = AtomicBool::new(false);
     let stop = StopCriteria { passes: Some(6), ..StopCriteria::unlimited(&interrupted) };
@@ -336,6 +371,8 @@ fn publications_change_no_bit_of_a_render() {
     let (status, maps) = (&newest.state.status, newest.state.maps.as_ref().unwrap());
     assert_eq!((status.passes, status.phase), (6, Phase::Ended));
     assert_eq!(newest.state.picture.as_ref().unwrap().layer(LayerKind::Picture).unwrap().colors(), shown.film.mean());
+    let direct = newest.state.picture.as_ref().unwrap().layer(LayerKind::Direct).unwrap();
+    assert_eq!(direct.colors(), shown.groups[LightGroup::Direct as usize].mean());
     let estimator = shown.estimator.as_ref().unwrap();
     assert_eq!(maps.layer(LayerKind::Noise).unwrap().colors(), estimator.error_maps(&shown.film).noise);
     let estimate = estimator.estimate(&shown.film);

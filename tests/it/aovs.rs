@@ -5,12 +5,12 @@ use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::integrate::{
-    Algorithm, AovSurface, CameraPathSettings, LightGroup, Pass, Settings, SilentMonitor, SurfaceAovs,
-    render_surface_aovs,
+    Algorithm, AovSurface, CameraPathSettings, LightGroup, Pass, SURFACE_AOV_RAYS, Settings, SilentMonitor,
+    SurfaceAovs, render_surface_aovs,
 };
 use caustica::plan::Effects;
 use caustica::scene::Scene;
-use glam::{DVec3, Vec3};
+use glam::{DMat2, DVec2, DVec3, Vec2, Vec3};
 
 /// Algorithms that simulate light.
 const SIMULATIONS: [Algorithm; 7] = [
@@ -152,7 +152,7 @@ fn light_without_bounces_is_direct() {
 /// Returns the AOVs of `scene` with a box filter.
 fn aovs_of(scene: &Scene, surface: AovSurface) -> SurfaceAovs {
     let settings = CameraPathSettings { filter: Filter::new(FilterKind::Box), ..CameraPathSettings::default() };
-    render_surface_aovs(scene, Effects::ALL, &settings, surface, &SilentMonitor).unwrap()
+    render_surface_aovs(scene, Effects::ALL, &settings, surface, SURFACE_AOV_RAYS, &SilentMonitor).unwrap()
 }
 
 /// Returns the mean of `value` over directions through a pixel of a square pinhole picture. The
@@ -302,4 +302,76 @@ fn rays_follow_mirrors_to_what_they_show() {
     }
     let first = aovs_of(&scene, AovSurface::First);
     assert_eq!((first.object[middle(12)], first.albedo[middle(12)]), (3, Vec3::splat(0.5)));
+}
+
+/// A camera at z = 5 that looks along −z, and moving objects. All distances on the film are exact
+/// in the middle column.
+fn moving(camera: &str, objects: &str) -> Scene {
+    scene_from_text(&format!(
+        "{camera}\nBackground {{ color .1 .1 .1 }}\n\
+         Lights {{ PointLight {{ position 0 0 4  intensity 20 20 20 }} }}\n\
+         Materials {{ Diffuse red {{ reflectance .7 .1 .1 }}  Dielectric glass {{ indexOfRefraction 1.5 }} }}\n\
+         Group {{ MaterialName red  {objects} }}\n"
+    ))
+}
+
+const ORTHOGRAPHIC: &str =
+    "OrthographicCamera { center 0 0 5  direction 0 0 -1  up 0 1 0  size 2  width 16  height 16 }";
+
+#[test]
+fn motion_of_a_shifted_square_is_exact() {
+    // Eight pixels are one unit. The square covers the pixels of the middle all the time.
+    let square = "Moving { Translate .5 .25 0  Rectangle { corner -.9 -.6 0  edge0 1.3 0 0  edge1 0 .9 0 } }\n\
+                  Rectangle { corner .5 -1 -1  edge0 .5 0 0  edge1 0 2 0 }";
+    let aovs = aovs_of(&moving(ORTHOGRAPHIC, square), AovSurface::FirstNonSpecular);
+    assert!((aovs.motion[middle(6)] - Vec2::new(4.0, -2.0)).length() < 1e-5, "{}", aovs.motion[middle(6)]);
+    assert_eq!(aovs.motion[2 * 16 + 14], Vec2::ZERO, "an object at rest");
+    assert_eq!(aovs.motion[0], Vec2::ZERO, "the background");
+    let behind_glass = "MaterialName glass  Box { min -1.5 -1.5 1  max 1.5 1.5 2 }";
+    let scene = moving(ORTHOGRAPHIC, &format!("{square}\n{behind_glass}"));
+    assert_eq!(aovs_of(&scene, AovSurface::FirstNonSpecular).motion[middle(6)], Vec2::ZERO, "the glass at rest");
+}
+
+#[test]
+fn motion_of_a_turning_disc_is_exact() {
+    let disc = "Moving { ZRotate 90  Disc { center 0 0 0  normal 0 0 1  radius 3 } }";
+    let aovs = aovs_of(&moving(ORTHOGRAPHIC, disc), AovSurface::First);
+    for (x, y) in [(2, 3), (8, 8), (15, 1)] {
+        // A point that is seen at the time t has turned by 90° · t, and turns by 90° · (1 − t).
+        let p = DVec2::new((f64::from(x) + 0.5) / 8.0 - 1.0, 1.0 - (f64::from(y) + 0.5) / 8.0);
+        let by = |t: f64| {
+            let turned = |degrees: f64| DMat2::from_angle(degrees.to_radians()) * p;
+            turned(90.0 * (1.0 - t)) - turned(-90.0 * t)
+        };
+        let mean = (0..1000).map(|i| by((f64::from(i) + 0.5) / 1000.0)).sum::<DVec2>() / 1000.0;
+        let found = aovs.motion[y as usize * 16 + x as usize].as_dvec2();
+        // Rays are spread over the pixel; 32 of them leave an error of about a tenth of a pixel.
+        assert!((found - 8.0 * DVec2::new(mean.x, -mean.y)).length() < 0.5, "{x}, {y}: {found} {mean}");
+    }
+}
+
+#[test]
+fn motion_shows_movements_of_the_camera() {
+    let half = libm::tan(20f64.to_radians());
+    let camera = |steps: &str| {
+        format!(
+            "Moving {{ {steps}  PerspectiveCamera {{ center 0 0 5  direction 0 0 -1  up 0 1 0  angle 40  width 16  height 16 }} }}"
+        )
+    };
+    // The camera shifts by .5 to the right before a wall at distance 6, and a ball before the wall.
+    let wall = "Rectangle { corner -9 -9 -1  edge0 18 0 0  edge1 0 18 0 }";
+    let shifted = aovs_of(&moving(&camera("Translate .5 0 0"), wall), AovSurface::First).motion[middle(8)];
+    let expected = -0.5 / (6.0 * 2.0 * half / 16.0);
+    assert!((f64::from(shifted.x) - expected).abs() < 1e-4 && shifted.y.abs() < 1e-4, "{shifted}, {expected}");
+    // The camera turns by 2° to the left. What it sees, near or far, moves to the right.
+    for objects in [wall, ""] {
+        let turned = aovs_of(&moving(&camera("YRotate 2"), objects), AovSurface::First).motion[middle(8)];
+        // The ray at the film position x sees an angle of atan(x) in the middle of the turn.
+        let x = half / 16.0;
+        let angle = libm::atan(x);
+        let turn = 1f64.to_radians();
+        let expected = (libm::tan(angle + turn) - libm::tan(angle - turn)) / (2.0 * half / 16.0);
+        assert!((f64::from(turned.x) / expected - 1.0).abs() < 0.01, "{objects}: {turned}, {expected}");
+        assert!(turned.y.abs() < 0.01, "{objects}: {turned}");
+    }
 }

@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Scene of a box with a lamp and two balls.
 const SCENE: &str = "\
@@ -176,9 +176,129 @@ fn views_follow_edits_of_the_scene() {
     fs::write(shown.scene(), SCENE.replace("width 96  height 72", "width 40  height 30")).unwrap();
     let mended = shown.wait_for(|state| state["phase"] == "ended" && state["problems"] == 0);
     assert_eq!((&mended["size"], &mended["passes"]), (&serde_json::json!([40, 30]), &3.into()));
+    // A paused render finds the layers of surfaces that a page asks for.
+    let mut status = String::new();
+    shown.request("GET", "layer/depth").read_line(&mut status).unwrap();
+    assert!(status.contains(" 204 "), "{status}");
+    let with_layers = shown.wait_for(|state| !state["surfaces"].is_null());
+    assert_eq!((&with_layers["surfaces"]["width"], &with_layers["passes"]), (&40.into(), &3.into()));
     // The render pauses at its limit. A request ends the pause.
     shown.post("resume");
     shown.wait_for(|state| state["passes"].as_u64() > Some(5));
+}
+
+/// Processor time of a process and of its threads \[s]; `None` where the system does not tell.
+fn processor_seconds(process: &Child) -> Option<f64> {
+    let stat = fs::read_to_string(format!("/proc/{}/stat", process.id())).ok()?;
+    // Of the fields after the name, the 12th is user time and the 13th system time, in ticks of
+    // 10 ms.
+    let fields: Vec<&str> = stat.rsplit(')').next()?.split_whitespace().collect();
+    Some((fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?) / 100.0)
+}
+
+/// Returns the correlation coefficient of two series of equal length.
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let (a_mean, b_mean) = (mean(a), mean(b));
+    let product = |x: &[f64], x_mean: f64, y: &[f64], y_mean: f64| -> f64 {
+        x.iter().zip(y).map(|(x, y)| (x - x_mean) * (y - y_mean)).sum()
+    };
+    product(a, a_mean, b, b_mean) / (product(a, a_mean, a, a_mean) * product(b, b_mean, b, b_mean)).sqrt()
+}
+
+/// Measures the way from the start of the program to a recognisable picture in a browser that is
+/// open before.
+///
+/// The load of the machine stretches wall times. So the bounds are on the processor time of the
+/// program, and on the ratio of its first pixels to its first pass.
+#[test]
+#[ignore = "long: half a minute in a browser"]
+fn the_first_picture_comes_before_a_third_of_the_first_pass() {
+    let Some(mut browser) = DevTools::start() else {
+        eprintln!("SKIPPED: no chromium, chromium-browser or google-chrome in PATH, and CAUSTICA_CHROMIUM is not set");
+        return;
+    };
+    // Luma of the canvas on a coarse grid; empty until a picture covers it.
+    let thumbnail = "(() => { const shown = document.getElementById('canvas'); \
+                     if (!viewerHasPicture() || !shown.width) return []; \
+                     const small = document.createElement('canvas'); [small.width, small.height] = [24, 18]; \
+                     const context = small.getContext('2d'); context.drawImage(shown, 0, 0, 24, 18); \
+                     const bytes = context.getImageData(0, 0, 24, 18).data; \
+                     return Array.from({length: 24 * 18}, (_, i) => bytes[4 * i] + bytes[4 * i + 1] + bytes[4 * i + 2]); \
+                     function viewerHasPicture() { return !document.getElementById('overlay').hidden || document.body.dataset.passes > 0; } })()";
+    let numbers =
+        |value: Value| -> Vec<f64> { value.as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect() };
+    let scene = project_path("scenes/goblet.txt");
+    let start = Instant::now();
+    let shown = Shown::start(&format!("view {} --time 600s", scene.display()));
+    browser.open(&shown.address, 1280, 800);
+    let mut early = Vec::new();
+    while early.is_empty() {
+        assert!(start.elapsed() < Duration::from_secs(120), "the page shows no picture");
+        early = numbers(browser.value(thumbnail));
+    }
+    let (seconds, work) = (start.elapsed().as_secs_f64(), processor_seconds(&shown.child));
+    assert_eq!(browser.value("document.body.dataset.passes"), "0", "the picture is a preview");
+    let state = shown.wait_for(|state| state["passes"].as_u64() > Some(0));
+    let first_pixels = state["first_pixels_seconds"].as_f64().unwrap();
+    let first_pass = state["seconds"].as_f64().unwrap() / state["passes"].as_f64().unwrap();
+    browser.wait_for("Number(document.body.dataset.passes) >= 1 && document.getElementById('overlay').hidden");
+    let likeness = correlation(&early, &numbers(browser.value(thumbnail)));
+    let line = format!(
+        "picture after {seconds:.2} s of wall time and {:.2} s of processor time; the program had its pixels \
+         after {first_pixels:.2} s, {:.2} of a pass of {first_pass:.2} s; likeness {likeness:.3}",
+        work.unwrap_or(0.0),
+        first_pixels / first_pass
+    );
+    eprintln!("{line}");
+    // Two cores have six seconds of processor time in three seconds.
+    assert!(work.is_none_or(|work| work < 6.0), "{line}");
+    assert!(3.0 * first_pixels < first_pass, "{line}");
+    assert!(likeness > 0.8, "{line}");
+}
+
+/// Measures the processor time of a render with the page open in a browser, relative to the same
+/// render without a page, in pairs of turns.
+#[test]
+#[ignore = "long: a minute in a browser"]
+fn an_open_page_costs_at_most_three_percent() {
+    let Some(mut browser) = DevTools::start() else {
+        eprintln!("SKIPPED: no chromium, chromium-browser or google-chrome in PATH, and CAUSTICA_CHROMIUM is not set");
+        return;
+    };
+    let scene = project_path("scenes/matte.txt");
+    let words = format!("{} -o a.png --size 200x150 --passes 8 --photons 20k --spp 4 --update 0", scene.display());
+    let cpu_seconds = |folder: &std::path::Path| -> f64 {
+        let stats: Value = serde_json::from_slice(&fs::read(folder.join("a.json")).unwrap()).unwrap();
+        stats["cpu_seconds"].as_f64().unwrap()
+    };
+    let plain = || {
+        let folder = tempfile::tempdir().unwrap();
+        let mut program = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
+        program.current_dir(folder.path()).arg("render").args(words.split_whitespace());
+        program.args(["--stats", "a.json", "--quiet"]).timeout(Duration::from_secs(200)).assert().success();
+        cpu_seconds(folder.path())
+    };
+    let mut with_page = || {
+        let mut shown = Shown::start(&format!("render {words} --stats a.json --quiet --listen"));
+        browser.open(&shown.address, 1280, 800);
+        browser.wait_for("Number(document.body.dataset.passes) >= 1");
+        assert_eq!(shown.child.wait().unwrap().code(), Some(0));
+        cpu_seconds(shown.folder.path())
+    };
+    // The order alternates, so that a drift of the machine's speed cancels out.
+    let mut ratios: Vec<f64> = (0..8)
+        .map(|pair| {
+            let first = if pair % 2 == 0 { plain() } else { 0.0 };
+            let page = with_page();
+            page / if pair % 2 == 0 { first } else { plain() }
+        })
+        .collect();
+    ratios.sort_by(f64::total_cmp);
+    let median = 0.5 * (ratios[3] + ratios[4]);
+    let line = format!("processor time with the page: {median:.3} (from {:.3} to {:.3})", ratios[0], ratios[7]);
+    eprintln!("{line}");
+    assert!(median < 1.03, "{line}");
 }
 
 #[test]
@@ -188,7 +308,7 @@ fn the_page_works_in_a_browser() {
         eprintln!("SKIPPED: no chromium, chromium-browser or google-chrome in PATH, and CAUSTICA_CHROMIUM is not set");
         return;
     };
-    let shown = Shown::start("view scene.txt --photons 5k --time 600s");
+    let shown = Shown::start("view scene.txt --photons 5k --time 600s --light-groups");
     let text = |id: &str| format!("document.getElementById('{id}').textContent");
     let click = |id: &str| format!("document.getElementById('{id}').click()");
     let passes = "Number(document.body.dataset.passes)";
@@ -247,6 +367,15 @@ fn the_page_works_in_a_browser() {
     browser.press("l");
     browser.wait_for(&format!("document.getElementById('layer').value === 'noise' && !document.getElementById('legend').hidden && {painted} !== {still}"));
     browser.value("(() => { const l = document.getElementById('layer'); l.value = 'picture'; l.dispatchEvent(new Event('change')); })()");
+    browser.wait_for(&format!("{painted} === {still}"));
+    // Layers of surfaces are made while the render is stopped.
+    let mut before = still.clone();
+    for layer in ["albedo", "normal", "depth", "position", "object", "material", "motion", "caustic", "picture"] {
+        let select = "(() => { const l = document.getElementById('layer'); l.value = 'LAYER'; l.dispatchEvent(new Event('change')); })()";
+        browser.value(&select.replace("LAYER", layer));
+        browser.wait_for(&format!("document.getElementById('layer').value === '{layer}' && {painted} !== {before}"));
+        before = browser.value(painted);
+    }
     browser.wait_for(&format!("{painted} === {still}"));
     browser.press("]");
     browser.press("f");

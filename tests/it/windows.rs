@@ -59,7 +59,7 @@ fn check_windows(scenes: &[&str], window: CropWindow) {
         }
         let aovs = |crop| {
             let settings = CameraPathSettings { crop, ..CameraPathSettings::default() };
-            render_surface_aovs(&scene, Effects::ALL, &settings, AovSurface::First, &SilentMonitor).unwrap()
+            render_surface_aovs(&scene, Effects::ALL, &settings, AovSurface::First, 8, &SilentMonitor).unwrap()
         };
         let (whole, part) = (aovs(None), aovs(Some(window)));
         assert_eq!(part.albedo, cut(&whole.albedo, 48, window), "{name}");

@@ -7,10 +7,12 @@ use super::preview::render_preview;
 use super::scene::{LoadedScene, ReadScene, problem_of_report, read_scene};
 use crate::cli::plan;
 use crate::cli::settings::settings_from_arguments;
-use crate::integrate::{Algorithm, Integrator, PassStage, ProgressMonitor};
+use crate::integrate::{
+    Algorithm, AovSurface, CameraPathSettings, Integrator, PassStage, ProgressMonitor, render_surface_aovs,
+};
 use crate::render::{
-    EndReason, MemoryError, RenderResult, StopCriteria, check_error_estimate_memory, check_photon_memory,
-    check_picture_memory, continue_render,
+    EndReason, MemoryError, RenderResult, RenderedLayers, StopCriteria, check_layered_picture_memory,
+    check_photon_memory, continue_render,
 };
 use crate::scene::Scene;
 use crate::view::{LiveRender, Orbit, Phase, PlanReport};
@@ -23,6 +25,12 @@ use std::time::Duration;
 
 /// Time that the camera must rest after the user has moved it, before pilots begin.
 const SETTLING_TIME: Duration = Duration::from_millis(300);
+
+/// Time between two looks for requests of surface AOVs while a render is paused.
+const SURFACE_INTERVAL: Duration = Duration::from_millis(100);
+
+/// Number of rays of each pixel for surface AOVs of the page.
+const SURFACE_RAYS: u32 = 4;
 
 /// Flags by which the session controls a job.
 #[derive(Debug, Default)]
@@ -159,9 +167,15 @@ impl<'a> Job<'a> {
         let (algorithm, size) = (arguments.method.integrator, scene.camera().size());
         let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
         settings.camera_paths.estimate_error = algorithm != Algorithm::Raycast;
+        settings.camera_paths.groups_light = arguments.light_groups;
+        let camera_paths = settings.camera_paths.clone();
         let free = || arguments.scene.memory_limit().available_bytes();
-        let check =
-            if settings.camera_paths.estimate_error { check_error_estimate_memory } else { check_picture_memory };
+        let layers = RenderedLayers {
+            error: camera_paths.estimate_error,
+            groups: camera_paths.groups_light,
+            aovs: true,
+            ..RenderedLayers::default()
+        };
         self.live.publish(|state, _| {
             state.status.size = size;
             state.status.phase = Phase::Preview;
@@ -184,7 +198,7 @@ impl<'a> Job<'a> {
         if self.is_cancelled() {
             return;
         }
-        let pictures = match check(1, size, free()) {
+        let pictures = match check_layered_picture_memory(size, layers, free()) {
             Ok(pictures) => pictures,
             Err(error) => return self.publish_memory_error(error),
         };
@@ -193,12 +207,33 @@ impl<'a> Job<'a> {
         if let Err(error) = check_photon_memory(integrator.expected_photons(), pictures, free()) {
             return self.publish_memory_error(error);
         }
-        self.render_passes(integrator.as_ref(), algorithm, size);
+        self.render_passes(scene, &camera_paths, integrator.as_ref(), algorithm);
     }
 
-    /// Renders passes until the job is cancelled. The render pauses on [`JobHandle::stop`], or when
-    /// it reaches the limits of the command line. If it is resumed after a limit, it has no limits.
-    fn render_passes(&mut self, integrator: &dyn Integrator, algorithm: Algorithm, size: (u32, u32)) {
+    /// Publishes surface AOVs of `scene` if a browser has asked for them.
+    fn publish_wanted_surfaces(
+        live: &LiveRender<'_>,
+        scene: &Scene,
+        settings: &CameraPathSettings,
+        integrator: &dyn Integrator,
+        monitor: &JobMonitor<'_>,
+    ) {
+        live.publish_wanted_surfaces(scene.camera().size(), || {
+            let effects = integrator.plan().simulated_effects();
+            render_surface_aovs(scene, effects, settings, AovSurface::FirstNonSpecular, SURFACE_RAYS, monitor)
+        });
+    }
+
+    /// Renders passes until the job is cancelled. The render pauses when it reaches its limits.
+    /// Once it is resumed, it has no limits.
+    fn render_passes(
+        &mut self,
+        scene: &Scene,
+        settings: &CameraPathSettings,
+        integrator: &dyn Integrator,
+        algorithm: Algorithm,
+    ) {
+        let size = scene.camera().size();
         let control = self.control.clone();
         let JobContext { arguments, pool, .. } = self.context;
         let limited = arguments.limits().stop_criteria(algorithm, integrator, &control.interrupted);
@@ -215,6 +250,7 @@ impl<'a> Job<'a> {
             rendered = pool.install(|| {
                 continue_render(rendered, 0..u32::MAX, integrator, &stop, &JobMonitor(&control), |standing| {
                     live.after_pass(standing, &stop);
+                    Self::publish_wanted_surfaces(live, scene, settings, integrator, &JobMonitor(&control));
                 })
             });
             if self.is_cancelled() {
@@ -224,8 +260,15 @@ impl<'a> Job<'a> {
             while self.resumed.try_recv().is_ok() {}
             let is_stopped = rendered.ended == EndReason::Interrupted;
             self.live.end(&rendered, if is_stopped { Phase::Stopped } else { Phase::Ended });
-            if self.resumed.recv().is_err() {
-                return;
+            loop {
+                match self.resumed.recv_timeout(SURFACE_INTERVAL) {
+                    Ok(()) => break,
+                    Err(RecvTimeoutError::Disconnected) => return,
+                    Err(RecvTimeoutError::Timeout) => pool.install(|| {
+                        let monitor = JobMonitor(&control);
+                        Self::publish_wanted_surfaces(&self.live, scene, settings, integrator, &monitor);
+                    }),
+                }
             }
             if !is_stopped {
                 stop = unlimited;

@@ -44,6 +44,10 @@ pub struct ViewArguments {
     #[command(flatten)]
     pub effects: EffectsArguments,
 
+    /// Show direct, indirect and caustic light apart too, as layers that add up to the picture
+    #[arg(long)]
+    pub light_groups: bool,
+
     /// Number of passes after which the render pauses  [default: no limit; 1 for raycast]
     #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub passes: Option<u32>,

@@ -1,9 +1,10 @@
 //! The camera of `caustica view`, moved around a point by the page.
 
 use crate::camera::Camera;
+use crate::cli::pivot::pivot;
 use crate::scene::Scene;
 use crate::view::Orbit;
-use glam::{DVec3, Vec2};
+use glam::DVec3;
 
 /// Smallest angle between the view direction and the up axis, or the opposite of the up axis
 /// \[radians]. Pitch stops there.
@@ -30,21 +31,6 @@ pub(super) fn orbited_camera(scene: &Scene, up: DVec3, orbit: Orbit) -> Option<C
     let pitch = angle - (angle - pitch).clamp(least, most);
     let distance = libm::exp(zoom.clamp(-MAX_ZOOM, MAX_ZOOM));
     Some(camera.orbited(pivot(scene), axis, yaw, pitch, distance))
-}
-
-/// Returns the point about which the camera orbits: the surface point in the center of the picture,
-/// in the coordinates of the scene file.
-///
-/// If the central camera ray hits no surface, the point lies on that ray, as far away as the middle
-/// of the scene.
-fn pivot(scene: &Scene) -> DVec3 {
-    let camera = scene.camera();
-    let (width, height) = camera.size();
-    let ray = camera.generate_ray(0.5 * Vec2::new(width as f32, height as f32), None);
-    let domain = scene.photon_domain();
-    let middle = (domain.center - ray.origin).dot(ray.direction).max(0.1 * domain.radius);
-    let distance = scene.intersect(&ray).map_or(middle, |hit| hit.t);
-    scene.origin() + ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(distance)
 }
 
 #[cfg(test)]

@@ -3,10 +3,16 @@
 let state = null;
 let isFetching = false;
 
+/** Report of the newest frame with the layer; null without one. */
+function newestFrame() {
+  if (SURFACE_LAYERS.includes(viewer.layer)) return state.surfaces;
+  return COLOR_LAYERS.includes(viewer.layer) ? state.picture : state.maps;
+}
+
 /** Number of the frame that the newest state has for the layer; 0 without one. */
 function newestSequence() {
-  const frame = viewer.layer === "picture" ? state.picture : state.maps;
-  return frame ? frame.sequence : 0;
+  const frame = newestFrame();
+  return frame && frame.layers.includes(viewer.layer) ? frame.sequence : 0;
 }
 
 /** Fetches the newest frame of the layer. One request runs at a time. */
@@ -14,7 +20,10 @@ async function fetchFrame() {
   if (isFetching || !state) return;
   const layer = viewer.layer;
   const after = viewer.shown && viewer.shown.layer === layer ? viewer.shown.frame.sequence : 0;
-  if (layer === "picture" && newestSequence() <= after) return;
+  // Requests for maps renew them, and requests for surfaces ask for them if there are none.
+  const isSurface = SURFACE_LAYERS.includes(layer);
+  const isWish = isSurface ? !state.surfaces : !COLOR_LAYERS.includes(layer);
+  if (!isWish && newestSequence() <= after) return;
   isFetching = true;
   try {
     const response = await fetch(`layer/${layer}?after=${after}`);
@@ -42,8 +51,10 @@ async function fetchReference() {
 
 /** Lists the layers that exist. */
 function listLayers() {
+  const groups = state.picture ? state.picture.layers.filter((name) => name !== "picture") : [];
   const maps = state.maps ? state.maps.layers : state.curve.length ? ["noise"] : [];
-  const names = ["picture", ...maps];
+  const surfaces = ["passes", "stopped", "ended"].includes(state.phase) ? SURFACE_LAYERS : [];
+  const names = ["picture", ...maps, ...groups, ...surfaces];
   if (!names.includes(viewer.layer)) names.push(viewer.layer);
   const select = byId("layer");
   if (names.join() === Array.from(select.options, (option) => option.value).join()) return;

@@ -108,9 +108,54 @@ function typicalSize(values) {
   return sizes.length ? sizes[Math.floor(0.99 * (sizes.length - 1))] : 1;
 }
 
+/** Length of the vector of each pixel of a frame. */
+function vectorLengths(frame) {
+  const { channels, scale, values } = frame;
+  const lengths = new Float32Array(values.length / channels);
+  for (let i = 0; i < lengths.length; i++) {
+    const at = i * channels;
+    lengths[i] = scale * Math.hypot(...Array.from(values.subarray(at, at + channels), (bits) => HALF_VALUES[bits]));
+  }
+  return lengths;
+}
+
+/** Layers with red, green and blue, to which exposure and tone curve apply. */
+const COLOR_LAYERS = ["picture", "direct", "indirect", "caustic"];
+
+/** Bytes of red, green and blue of a number: black for 0, else a color that differs from its neighbours'. */
+function numberColor(number) {
+  if (!number) return [0, 0, 0];
+  // Multiples of the golden ratio spread the hues.
+  const hue = 6 * ((number * 0.618034) % 1);
+  const light = 150 + 35 * (number % 4);
+  return [0, 4, 2].map((offset) => Math.round(light * clamp(Math.abs(((hue + offset) % 6) - 3) - 1)) + 40);
+}
+
+/** Draws vectors as colors: their components, from the least to the largest in a frame, or from −1 to 1 for normals. */
+function drawVectors(bytes, frame, isNormal) {
+  const { scale, values } = frame;
+  const [low, high] = [[-1, -1, -1], [1, 1, 1]];
+  if (!isNormal) {
+    low.fill(Infinity);
+    high.fill(-Infinity);
+    for (let i = 0; i < values.length; i++) {
+      const value = HALF_VALUES[values[i]] * scale;
+      if (value < low[i % 3]) low[i % 3] = value;
+      if (value > high[i % 3]) high[i % 3] = value;
+    }
+  }
+  for (let from = 0, to = 0; from < values.length; from += 3, to += 4) {
+    for (let c = 0; c < 3; c++) {
+      const value = HALF_VALUES[values[from + c]] * scale;
+      bytes[to + c] = Math.round(255 * clamp((value - low[c]) / (high[c] - low[c] || 1)));
+    }
+    bytes[to + 3] = 255;
+  }
+}
+
 /**
  * Draws a frame into a canvas of its size. `look` has the layer, the exposure in stops and the tone
- * curve. Returns the range of a map's colours; null for a picture.
+ * curve. Returns the range of a map's colours; null for a layer with colours of its own.
  */
 function drawFrame(canvas, frame, look) {
   const { width, height, values } = frame;
@@ -119,7 +164,7 @@ function drawFrame(canvas, frame, look) {
   const image = context.createImageData(width, height);
   const bytes = image.data;
   let range = null;
-  if (look.layer === "picture") {
+  if (COLOR_LAYERS.includes(look.layer) || look.layer === "albedo") {
     const table = toneBytes(frame.scale * 2 ** look.exposure, look.tone);
     for (let from = 0, to = 0; from < values.length; from += 3, to += 4) {
       bytes[to] = table[values[from]];
@@ -127,9 +172,16 @@ function drawFrame(canvas, frame, look) {
       bytes[to + 2] = table[values[from + 2]];
       bytes[to + 3] = 255;
     }
+  } else if (look.layer === "normal" || look.layer === "position") {
+    drawVectors(bytes, frame, look.layer === "normal");
+  } else if (look.layer === "object" || look.layer === "material") {
+    for (let i = 0; i < values.length; i++) {
+      bytes.set([...numberColor(Math.round(HALF_VALUES[values[i]] * frame.scale)), 255], 4 * i);
+    }
   } else {
     const isSigned = look.layer === "bias";
-    const [means, ramp] = [channelMeans(frame), isSigned ? DIVERGING : SEQUENTIAL];
+    const means = look.layer === "motion" ? vectorLengths(frame) : channelMeans(frame);
+    const ramp = isSigned ? DIVERGING : SEQUENTIAL;
     const most = typicalSize(means) * 2 ** -look.exposure;
     range = { low: isSigned ? -most : 0, high: most, ramp };
     for (let i = 0; i < means.length; i++) {

@@ -2,13 +2,26 @@
 
 const LAYER_NAMES = {
   picture: "Picture",
+  direct: "Direct light",
+  indirect: "Indirect light",
+  caustic: "Caustic light",
   noise: "Noise",
   bias: "Bias",
   "radius.caustic": "Radius, caustic",
   "radius.global": "Radius, global",
   "photons.caustic": "Photons, caustic",
   "photons.global": "Photons, global",
+  albedo: "Albedo",
+  normal: "Normal",
+  depth: "Depth",
+  position: "Position",
+  object: "Object",
+  material: "Material",
+  motion: "Motion",
 };
+
+/** Layers with properties of the surfaces that the camera sees. They are made when asked for. */
+const SURFACE_LAYERS = ["albedo", "normal", "depth", "position", "object", "material", "motion"];
 
 const viewer = {
   layer: "picture",

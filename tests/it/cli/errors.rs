@@ -85,6 +85,8 @@ fn error_maps_are_layers_of_one_file() {
         "bias.R",
         "depth.Z",
         "material.X",
+        "motion.X",
+        "motion.Y",
         "noise.B",
         "noise.G",
         "noise.R",
@@ -115,7 +117,7 @@ fn error_maps_are_layers_of_one_file() {
 
     render(&sandbox, "--integrator path --passes 6 --aov maps.exr").expect(0, &[]);
     let layer = read_first_flat_layer_from_file(sandbox.path("maps.exr")).unwrap().layer_data;
-    let surface = 12;
+    let surface = 14;
     assert_eq!(layer.channel_data.list.len(), surface + 6, "without estimates there is no blur");
 
     render(&sandbox, "--integrator path --passes 6 --no-error-estimate --light-groups --aov maps.exr").expect(0, &[]);

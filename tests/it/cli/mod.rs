@@ -7,6 +7,7 @@ mod exits;
 mod farm;
 mod files;
 mod film;
+mod frames;
 mod interrupt;
 mod limits;
 mod mesh;

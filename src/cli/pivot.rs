@@ -1,0 +1,17 @@
+//! The point about which the camera turns on the live page and on turntables.
+
+use crate::scene::Scene;
+use glam::{DVec3, Vec2};
+
+/// Returns the surface point in the center of the picture, in the coordinates of the description.
+///
+/// If there is no surface, the point lies on the same ray, as far away as the middle of the scene.
+pub(super) fn pivot(scene: &Scene) -> DVec3 {
+    let camera = scene.camera();
+    let (width, height) = camera.size();
+    let ray = camera.generate_ray(0.5 * Vec2::new(width as f32, height as f32), None);
+    let domain = scene.photon_domain();
+    let middle = (domain.center - ray.origin).dot(ray.direction).max(0.1 * domain.radius);
+    let distance = scene.intersect(&ray).map_or(middle, |hit| hit.t);
+    scene.origin() + ray.origin.as_dvec3() + ray.direction.as_dvec3() * f64::from(distance)
+}

@@ -1,0 +1,52 @@
+//! Motion of what a camera ray sees on the film, from the opening to the closing of the shutter.
+
+use super::animation::{camera_at_time, motion_of_hit};
+use super::{Hit, Scene};
+use crate::camera::Camera;
+use glam::{Vec2, Vec3};
+
+/// Cameras at both ends of the shutter interval, which measure motion on the film.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmMotion {
+    /// Camera at the opening of the shutter.
+    opening: Camera,
+    /// Camera at the closing of the shutter.
+    closing: Camera,
+}
+
+impl FilmMotion {
+    /// Makes the measure of `scene`; `None` if nothing moves.
+    #[must_use]
+    pub fn new(scene: &Scene) -> Option<Self> {
+        let animation = scene.animation.as_deref()?;
+        let camera = |time| {
+            let moved = animation.camera.as_ref().and_then(|(camera, motion)| camera_at_time(camera, motion, time));
+            moved.unwrap_or(scene.camera)
+        };
+        Some(Self { opening: camera(0.0), closing: camera(1.0) })
+    }
+
+    /// Returns how far a surface point moves on the film while the shutter is open \[pixels to the
+    /// right and down].
+    ///
+    /// The point is at `p` at the time `time` in \[0, 1], and belongs to the object at `hit` of
+    /// `scene`. `None` if it is behind the camera at an end of the shutter interval.
+    #[must_use]
+    pub fn of_surface_point(&self, scene: &Scene, hit: &Hit, time: f64, p: Vec3) -> Option<Vec2> {
+        let Some(motion) = motion_of_hit(scene, hit) else {
+            return self.opening.film_displacement(p, &self.closing, p);
+        };
+        let before = motion.at_time(time).inverse().transform_point3(p.as_dvec3());
+        let at = |time| motion.at_time(time).transform_point3(before).as_vec3();
+        self.opening.film_displacement(at(0.0), &self.closing, at(1.0))
+    }
+
+    /// Returns how far the surroundings at infinity in unit `direction` move on the film while the
+    /// shutter is open \[pixels to the right and down].
+    ///
+    /// `None` if the direction is behind the camera, or the camera is orthographic.
+    #[must_use]
+    pub fn of_direction(&self, direction: Vec3) -> Option<Vec2> {
+        self.opening.film_displacement_at_infinity(direction, &self.closing)
+    }
+}
