@@ -353,7 +353,15 @@ impl Conversion<'_, '_> {
         if is_air(index) && roughness == TexturedValue::Plain(0.0) {
             return Ok(MaterialKindDescription::NullInterface { priority: 0 }.into());
         }
-        Ok(MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority: 0 }.into())
+        let multiple_scattering = false;
+        let kind = MaterialKindDescription::Dielectric {
+            refraction,
+            attenuation,
+            roughness,
+            multiple_scattering,
+            priority: 0,
+        };
+        Ok(kind.into())
     }
 
     /// Adds a message for each tint of reflection or transmission other than 1, which is ignored.
@@ -411,6 +419,7 @@ impl Conversion<'_, '_> {
                 refraction: index.into(),
                 attenuation: DielectricAbsorption::None,
                 roughness: alpha.into(),
+                multiple_scattering: false,
                 priority: 0,
             };
             kind = self.mix(kind, glass, transmission);
