@@ -66,7 +66,7 @@ pub(super) fn mean_coat_albedo(eta: f32, alpha: f32) -> f32 {
 
 /// Cosine-weighted mean over the hemisphere of the Fresnel reflectance at index `eta` > 1, by the
 /// closed form of Walsh (1926).
-fn mean_fresnel_reflectance(eta: f64) -> f64 {
+pub(super) fn mean_fresnel_reflectance(eta: f64) -> f64 {
     let (n, n2) = (eta, eta * eta);
     let n4 = n2 * n2;
     let (minus, plus, rest) = (n2 - 1.0, n2 + 1.0, n4 - 1.0);

@@ -13,6 +13,7 @@ mod fresnel;
 mod lossy_coat;
 mod metals;
 mod microfacet;
+mod multiple_scattering;
 mod phong;
 mod rough_dielectric;
 mod thin;
@@ -25,6 +26,7 @@ pub use dielectric::{Dielectric, DielectricSplit};
 pub use fresnel::{Refraction, conductor_reflectance, dielectric_reflectance, refract};
 pub use lossy_coat::LossyCoat;
 pub use metals::{METALS, metal_refractive_index};
+pub use multiple_scattering::MicrofacetScattering;
 pub use phong::Phong;
 pub use rough_dielectric::RoughDielectric;
 pub use thin::ThinDielectric;
@@ -149,15 +151,15 @@ pub enum Bsdf {
 impl Bsdf {
     /// Creates a dielectric interface with GGX roughness `alpha` in \[0, 1].
     ///
-    /// `eta` is the refractive index of the inside, relative to the outside. The interface is
-    /// smooth if `alpha` is below [`SMOOTH_ALPHA`], or if `eta` is so near to 1 that roughness has
-    /// no effect.
+    /// `eta` is the refractive index of the inside, relative to the outside. `scattering` says
+    /// whether light scatters between microfacets. The interface is smooth if `alpha` is below
+    /// [`SMOOTH_ALPHA`], or if `eta` is so near to 1 that roughness has no effect.
     #[must_use]
-    pub fn dielectric(eta: f32, alpha: f32) -> Self {
+    pub fn dielectric(eta: f32, alpha: f32, scattering: MicrofacetScattering) -> Self {
         if alpha < SMOOTH_ALPHA || alpha * (eta - 1.0).abs() < MIN_LOBE_WIDTH {
             Self::Dielectric(Dielectric { eta })
         } else {
-            Self::RoughDielectric(RoughDielectric::new(eta, alpha))
+            Self::RoughDielectric(RoughDielectric::new(eta, alpha, scattering))
         }
     }
 
@@ -461,7 +463,7 @@ impl Bsdf {
                 Some(NonSpecularSample { wi, weight: *reflectance, pdf, is_transmitted: false })
             }
             Self::Phong(phong) => phong.sample(wo, facing_ns, lobe, u),
-            Self::Conductor(conductor) => conductor.sample_rough(wo, facing_ns, u),
+            Self::Conductor(conductor) => conductor.sample_rough(wo, facing_ns, lobe, u),
             Self::CoatedDiffuse(coated) => coated.sample(wo, facing_ns, lobe, u),
             Self::Black
             | Self::Mirror(_)
@@ -493,7 +495,7 @@ impl Bsdf {
                 Some(BsdfSample::specular_sample(wi, *reflectance, false, uses_geometric_normal))
             }
             Self::Dielectric(dielectric) => Some(dielectric.sample(wo, ns, ng, lobe, transport)),
-            Self::Conductor(conductor) => conductor.sample(wo, facing_ns, ng, u),
+            Self::Conductor(conductor) => conductor.sample(wo, facing_ns, ng, lobe, u),
             Self::RoughDielectric(glass) => glass.sample(wo, facing_ns, ng, lobe, u, transport),
             Self::ThinDielectric(thin) => thin.sample(wo, facing_ns, ng, lobe),
             Self::DielectricCoat(coat) => coat.sample(wo, facing_ns, ng, u),

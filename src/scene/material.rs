@@ -2,7 +2,7 @@
 
 use super::interiors::Body;
 use super::textured::{MaterialParameter, MeanParameterEvaluator, NormalPerturbation, ParameterEvaluator};
-use crate::bsdf::{Bsdf, Conductor, ThinDielectric};
+use crate::bsdf::{Bsdf, Conductor, MicrofacetScattering, ThinDielectric};
 use crate::color::Rgb;
 use crate::texture::Texture;
 use std::sync::Arc;
@@ -52,6 +52,8 @@ pub enum MaterialKind {
         k: Rgb,
         /// Roughness α of the metal in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
+        /// Treatment of light that several microfacets of a rough metal scatter.
+        scattering: MicrofacetScattering,
     },
     /// A thin dielectric sheet. Transmitted light continues without deflection or displacement.
     Thin {
@@ -69,6 +71,8 @@ pub enum MaterialKind {
         body: Body,
         /// Roughness α of the boundary in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
+        /// Treatment of light that several microfacets of a rough boundary scatter.
+        scattering: MicrofacetScattering,
     },
     /// A diffuse base under a dielectric coat, such as plastic.
     CoatedDiffuse {
@@ -104,14 +108,15 @@ impl MaterialKind {
                 Bsdf::phong(parameters.evaluate_color(&diffuse), parameters.evaluate_color(&specular), shininess)
             }
             Self::Mirror { reflectance } => Bsdf::Mirror(parameters.evaluate_color(&reflectance)),
-            Self::Conductor { eta, k, roughness } => {
-                Bsdf::Conductor(Conductor::new(eta, k, parameters.evaluate_photon_storage_roughness(&roughness)))
+            Self::Conductor { eta, k, roughness, scattering } => {
+                let alpha = parameters.evaluate_photon_storage_roughness(&roughness);
+                Bsdf::Conductor(Conductor::new(eta, k, alpha, scattering))
             }
             Self::Thin { eta, transmittance } => {
                 Bsdf::ThinDielectric(ThinDielectric { eta, transmittance: parameters.evaluate_color(&transmittance) })
             }
-            Self::Dielectric { body, roughness } => {
-                Bsdf::dielectric(body.index, parameters.evaluate_scalar(&roughness))
+            Self::Dielectric { body, roughness, scattering } => {
+                Bsdf::dielectric(body.index, parameters.evaluate_scalar(&roughness), scattering)
             }
             Self::CoatedDiffuse { reflectance, index, roughness, nonlinear } => Bsdf::coated_diffuse(
                 parameters.evaluate_color(&reflectance),
@@ -125,7 +130,7 @@ impl MaterialKind {
     /// The body and the roughness α of a dielectric boundary; `None` for other materials.
     #[inline]
     fn as_dielectric(&self) -> Option<(&Body, &MaterialParameter<f32>)> {
-        if let Self::Dielectric { body, roughness } = self { Some((body, roughness)) } else { None }
+        if let Self::Dielectric { body, roughness, .. } = self { Some((body, roughness)) } else { None }
     }
 
     /// Indices of both materials of a mix, and the probability of the second; `None` for other
@@ -245,7 +250,8 @@ impl Material {
     /// A material that is the boundary of `body`, with roughness α in \[0, 1].
     #[must_use]
     pub fn rough_boundary(body: Body, roughness: impl Into<MaterialParameter<f32>>) -> Self {
-        Self::new(MaterialKind::Dielectric { body, roughness: roughness.into() })
+        let (roughness, scattering) = (roughness.into(), MicrofacetScattering::Multiple);
+        Self::new(MaterialKind::Dielectric { body, roughness, scattering })
     }
 
     /// A mix, which resolves at each hit to material `second` with probability `amount`, else to
@@ -260,7 +266,31 @@ impl Material {
     /// A metal of refractive index `eta` + i`k` and roughness α in \[0, 1].
     #[must_use]
     pub fn conductor(eta: Rgb, k: Rgb, roughness: impl Into<MaterialParameter<f32>>) -> Self {
-        Self::new(MaterialKind::Conductor { eta, k, roughness: roughness.into() })
+        let (roughness, scattering) = (roughness.into(), MicrofacetScattering::Multiple);
+        Self::new(MaterialKind::Conductor { eta, k, roughness, scattering })
+    }
+
+    /// This material without light that scatters between microfacets; unchanged if it is neither a
+    /// metal nor the boundary of a body.
+    #[must_use]
+    pub fn with_single_scattering(self) -> Self {
+        let scattering = MicrofacetScattering::Single;
+        let kind = match self.kind {
+            MaterialKind::Conductor { eta, k, roughness, .. } => {
+                MaterialKind::Conductor { eta, k, roughness, scattering }
+            }
+            MaterialKind::Dielectric { body, roughness, .. } => {
+                MaterialKind::Dielectric { body, roughness, scattering }
+            }
+            MaterialKind::Black
+            | MaterialKind::Diffuse { .. }
+            | MaterialKind::Phong { .. }
+            | MaterialKind::Mirror { .. }
+            | MaterialKind::Thin { .. }
+            | MaterialKind::CoatedDiffuse { .. }
+            | MaterialKind::Mix { .. } => return self,
+        };
+        Self::new(kind).with_normal_perturbation(self.normals)
     }
 
     /// A thin sheet of refractive index `eta`. `transmittance` in (0, 1] is its internal
@@ -316,9 +346,19 @@ impl Material {
     /// bounds none.
     #[must_use]
     pub fn with_body(self, body: Body) -> Self {
-        match self.kind.as_dielectric() {
-            Some((_, roughness)) => Self::rough_boundary(body, *roughness).with_normal_perturbation(self.normals),
-            None => self,
+        match self.kind {
+            MaterialKind::Dielectric { roughness, scattering, .. } => {
+                let kind = MaterialKind::Dielectric { body, roughness, scattering };
+                Self::new(kind).with_normal_perturbation(self.normals)
+            }
+            MaterialKind::Black
+            | MaterialKind::Diffuse { .. }
+            | MaterialKind::Phong { .. }
+            | MaterialKind::Mirror { .. }
+            | MaterialKind::Conductor { .. }
+            | MaterialKind::Thin { .. }
+            | MaterialKind::CoatedDiffuse { .. }
+            | MaterialKind::Mix { .. } => self,
         }
     }
 
@@ -373,6 +413,17 @@ impl Material {
         self.boundary_roughness(&MeanParameterEvaluator)
     }
 
+    /// Treatment of light that several microfacets of a dielectric body's boundary scatter;
+    /// `Multiple` for other materials.
+    #[inline]
+    pub(super) fn boundary_scattering(&self) -> MicrofacetScattering {
+        if let MaterialKind::Dielectric { scattering, .. } = self.kind {
+            scattering
+        } else {
+            MicrofacetScattering::Multiple
+        }
+    }
+
     /// Roughness α of a dielectric body's boundary; 0 for other materials.
     #[inline]
     pub(super) fn boundary_roughness(&self, parameters: &impl ParameterEvaluator) -> f32 {
@@ -403,10 +454,10 @@ impl Material {
                     visit(Bsdf::coated_diffuse(reflectance.mean(), index, alpha, nonlinear));
                 }
             }
-            MaterialKind::Conductor { eta, k, roughness: MaterialParameter::Texture { texture, .. } } => {
+            MaterialKind::Conductor { eta, k, roughness: MaterialParameter::Texture { texture, .. }, scattering } => {
                 let (min, max) = textures[texture as usize].value_range();
                 for alpha in [min, max] {
-                    visit(Bsdf::Conductor(Conductor::new(eta, k, alpha)));
+                    visit(Bsdf::Conductor(Conductor::new(eta, k, alpha, scattering)));
                 }
             }
             // For these materials, textures do not change whether the BSDF is specular, stores

@@ -95,12 +95,17 @@ fn chi_square_test_cases() -> Vec<ChiSquareCase> {
     let (eta, k) = metal_refractive_index("gold").unwrap();
     for alpha in [SMOOTH_ALPHA * 1.001, 0.05, 0.2, 1.0] {
         let width = 2.0 * f64::from(alpha);
-        materials.push((Bsdf::Conductor(Conductor::new(eta, k, alpha)), 1.0, width));
-        materials.extend([1.5, 1.0 / 1.5].map(|eta| (Bsdf::dielectric(eta, alpha), eta, width)));
+        materials.push((Bsdf::Conductor(Conductor::new(eta, k, alpha, Single)), 1.0, width));
+        materials.extend([1.5, 1.0 / 1.5].map(|eta| (Bsdf::dielectric(eta, alpha, Single), eta, width)));
+    }
+    for alpha in [0.05, 0.2, 1.0] {
+        let width = 2.0 * f64::from(alpha);
+        materials.push((Bsdf::Conductor(Conductor::new(eta, k, alpha, Multiple)), 1.0, width));
+        materials.extend([1.5, 1.0 / 1.5].map(|eta| (Bsdf::dielectric(eta, alpha, Multiple), eta, width)));
     }
     // The formulas also hold for these lobes, which are narrower than any that scenes can have.
-    materials.push((Bsdf::RoughDielectric(RoughDielectric::new(1.5, 1e-4)), 1.5, 2e-4));
-    materials.push((Bsdf::RoughDielectric(RoughDielectric::new(1.0 / 1.5, 1e-4)), 1.0 / 1.5, 2e-4));
+    materials.push((Bsdf::RoughDielectric(RoughDielectric::new(1.5, 1e-4, Single)), 1.5, 2e-4));
+    materials.push((Bsdf::RoughDielectric(RoughDielectric::new(1.0 / 1.5, 1e-4, Single)), 1.0 / 1.5, 2e-4));
     materials.push((Bsdf::Conductor(Conductor::new_without_smooth_limit(eta, k, 1e-4)), 1.0, 2e-4));
     for (bsdf, eta, width) in materials {
         for degrees in [0.0f32, 45.0, 85.0] {

@@ -7,8 +7,10 @@ use super::*;
 fn representative_bsdfs() -> Vec<Bsdf> {
     let (eta, k) = metal_refractive_index("nickel").unwrap();
     let mut family = basic_bsdfs().to_vec();
-    family.extend([0.0, 0.05, PHOTON_STORAGE_ALPHA, 0.31, 1.0].map(|a| Bsdf::Conductor(Conductor::new(eta, k, a))));
-    family.extend([0.0, 0.05, 0.31, 1.0].map(|a| Bsdf::dielectric(1.5, a)));
+    family.extend(
+        [0.0, 0.05, PHOTON_STORAGE_ALPHA, 0.31, 1.0].map(|a| Bsdf::Conductor(Conductor::new(eta, k, a, Single))),
+    );
+    family.extend([0.0, 0.05, 0.31, 1.0].map(|a| Bsdf::dielectric(1.5, a, Single)));
     family.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.1) }));
     family
 }
@@ -90,11 +92,11 @@ fn bsdfs_are_small() {
 /// passes straight on.
 #[test]
 fn an_index_of_one_transmits_all_light() {
-    let none = Bsdf::dielectric(1.0, 0.5);
+    let none = Bsdf::dielectric(1.0, 0.5, Single);
     assert_eq!(none, Bsdf::Dielectric(Dielectric { eta: 1.0 }));
-    assert_eq!(Bsdf::dielectric(1.5, 0.0009), Bsdf::Dielectric(Dielectric { eta: 1.5 }));
-    assert!(matches!(Bsdf::dielectric(1.5, 0.001), Bsdf::RoughDielectric(_)));
-    assert!(Bsdf::Conductor(Conductor::new(Rgb::ONE, Rgb::ONE, 0.0009)).is_specular());
+    assert_eq!(Bsdf::dielectric(1.5, 0.0009, Single), Bsdf::Dielectric(Dielectric { eta: 1.5 }));
+    assert!(matches!(Bsdf::dielectric(1.5, 0.001, Single), Bsdf::RoughDielectric(_)));
+    assert!(Bsdf::Conductor(Conductor::new(Rgb::ONE, Rgb::ONE, 0.0009, Single)).is_specular());
     for i in 0..100 {
         let wo = direction_with_cos(0.3);
         let s = sample_bsdf(&none, wo, i, TransportMode::Radiance).unwrap();

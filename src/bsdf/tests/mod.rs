@@ -1,8 +1,10 @@
 mod chi_square;
 mod coated;
 mod kinds;
+mod multiple_scattering;
 mod rough;
 
+use super::MicrofacetScattering::{Multiple, Single};
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
@@ -46,9 +48,13 @@ fn coats() -> Vec<Bsdf> {
 fn all_bsdf_kinds() -> Vec<Bsdf> {
     let (eta, k) = metal_refractive_index("copper").unwrap();
     let mut all = basic_bsdfs().to_vec();
-    all.extend([0.0, SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha))));
-    all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.5, alpha)));
-    all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.0 / 1.5, alpha)));
+    all.extend([0.0, SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha, Single))));
+    all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.5, alpha, Single)));
+    all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.0 / 1.5, alpha, Single)));
+    for alpha in [SMOOTH_ALPHA, 0.2, 1.0] {
+        all.push(Bsdf::Conductor(Conductor::new(eta, k, alpha, Multiple)));
+        all.extend([1.5, 1.0 / 1.5].map(|eta| Bsdf::dielectric(eta, alpha, Multiple)));
+    }
     all.extend(coated_bsdfs());
     all.extend(coats());
     all.push(Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Rgb::new(1.0, 0.5, 0.1) }));

@@ -19,13 +19,17 @@ fn is_close_within_rounding(a: f32, b: f32) -> bool {
     (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) + 1e-12
 }
 
-fn rough_bsdfs() -> [Bsdf; 4] {
+fn rough_bsdfs() -> [Bsdf; 8] {
     let (eta, k) = metal_refractive_index("copper").unwrap();
     [
-        Bsdf::Conductor(Conductor::new(eta, k, 0.2)),
-        Bsdf::Conductor(Conductor::new(eta, k, 1.0)),
-        Bsdf::dielectric(GLASS, 0.2),
-        Bsdf::dielectric(1.0 / GLASS, 0.7),
+        Bsdf::Conductor(Conductor::new(eta, k, 0.2, Single)),
+        Bsdf::Conductor(Conductor::new(eta, k, 1.0, Single)),
+        Bsdf::dielectric(GLASS, 0.2, Single),
+        Bsdf::dielectric(1.0 / GLASS, 0.7, Single),
+        Bsdf::Conductor(Conductor::new(eta, k, 0.2, Multiple)),
+        Bsdf::Conductor(Conductor::new(eta, k, 1.0, Multiple)),
+        Bsdf::dielectric(GLASS, 0.2, Multiple),
+        Bsdf::dielectric(1.0 / GLASS, 0.7, Multiple),
     ]
 }
 
@@ -58,10 +62,14 @@ fn samples_agree_with_evaluation_and_pdf() {
     let mut checked = 0;
     for alpha in [SMOOTH_ALPHA, 0.05, 0.3, 1.0] {
         for bsdf in [
-            Bsdf::Conductor(Conductor::new(eta, k, alpha)),
-            Bsdf::dielectric(GLASS, alpha),
-            Bsdf::dielectric(1.0 / GLASS, alpha),
-            Bsdf::dielectric(1.01, alpha),
+            Bsdf::Conductor(Conductor::new(eta, k, alpha, Single)),
+            Bsdf::dielectric(GLASS, alpha, Single),
+            Bsdf::dielectric(1.0 / GLASS, alpha, Single),
+            Bsdf::dielectric(1.01, alpha, Single),
+            Bsdf::Conductor(Conductor::new(eta, k, alpha, Multiple)),
+            Bsdf::dielectric(GLASS, alpha, Multiple),
+            Bsdf::dielectric(1.0 / GLASS, alpha, Multiple),
+            Bsdf::dielectric(1.01, alpha, Multiple),
             Bsdf::Diffuse(eta * 0.2),
             Bsdf::Phong(Phong::new(eta, k, 30.0)),
             Bsdf::coated_diffuse(k * 0.2, GLASS, alpha, true),
@@ -94,7 +102,7 @@ fn interfaces_are_reciprocal_up_to_squared_index() {
     let mut through = 0;
     for bsdf in rough_bsdfs() {
         let outer_over_inner = match bsdf {
-            Bsdf::RoughDielectric(_) if bsdf == rough_bsdfs()[2] => 1.0 / GLASS,
+            Bsdf::RoughDielectric(_) if [2, 6].map(|i| rough_bsdfs()[i]).contains(&bsdf) => 1.0 / GLASS,
             Bsdf::RoughDielectric(_) => GLASS,
             _ => 1.0,
         };
@@ -132,7 +140,7 @@ fn a_white_conductor_has_the_documented_loss() {
         (1.0, std::f64::consts::LN_2, 0.219_94),
     ];
     for (alpha, along, across) in stated {
-        let white = Bsdf::Conductor(Conductor::new(Rgb::ZERO, Rgb::ONE, alpha));
+        let white = Bsdf::Conductor(Conductor::new(Rgb::ZERO, Rgb::ONE, alpha, Single));
         for (cos, stated) in [(1.0, along), (grazing, across)] {
             let lost = 1.0 - mean_sample_weights(&white, direction_with_cos(cos)).0;
             assert!((lost - stated).abs() < 5e-4, "{alpha} at {cos}: {lost}, stated {stated}");
@@ -153,7 +161,7 @@ fn a_rough_dielectric_has_the_documented_loss() {
         (1.0, [0.106_60, 0.589_42], [0.582_87, 0.534_92]),
     ];
     for (alpha, outside, inside) in stated {
-        let glass = Bsdf::dielectric(GLASS, alpha);
+        let glass = Bsdf::dielectric(GLASS, alpha, Single);
         for (sign, stated) in [(1.0, outside), (-1.0, inside)] {
             for (cos, stated) in [1.0, grazing].into_iter().zip(stated) {
                 let (r, t) = mean_sample_weights(&glass, direction_with_cos(sign * cos));
@@ -174,8 +182,8 @@ fn a_rough_dielectric_has_the_documented_loss() {
 #[test]
 fn narrow_lobes_approach_delta_lobes() {
     let (eta, k) = metal_refractive_index("silver").unwrap();
-    let metal = |alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha));
-    let glass = Bsdf::dielectric(GLASS, SMOOTH_ALPHA);
+    let metal = |alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha, Single));
+    let glass = Bsdf::dielectric(GLASS, SMOOTH_ALPHA, Single);
     assert!(!glass.is_specular() && !metal(SMOOTH_ALPHA).is_specular());
     for cos in [1.0, 0.6, 0.3, -0.9, -0.3] {
         let wo = direction_with_cos(cos);

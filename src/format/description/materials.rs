@@ -53,6 +53,8 @@ pub enum MaterialKindDescription {
         attenuation: DielectricAbsorption,
         /// GGX α, inside [0, 1]; 0 is smooth.
         roughness: TexturedValue<f64>,
+        /// False if light that several microfacets scatter is lost, as in pbrt-v4 and Mitsuba 3.
+        multiple_scattering: bool,
         /// Priority where bodies overlap (Schmidt and Budge 2002): the highest wins. Among equal
         /// priorities, the body that was entered last wins.
         priority: u8,
@@ -68,6 +70,8 @@ pub enum MaterialKindDescription {
         metal: MetalDescription,
         /// GGX α, inside [0, 1]; 0 is smooth.
         roughness: TexturedValue<f64>,
+        /// False if light that several microfacets scatter is lost, as in pbrt-v4 and Mitsuba 3.
+        multiple_scattering: bool,
     },
     /// A pane without thickness: light passes straight through or is reflected.
     Thin {

@@ -314,7 +314,8 @@ impl Conversion<'_, '_> {
             let reflectance = color.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
             let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
             let metal = MetalDescription::Index { eta: DVec3::ONE, k };
-            return Ok(MaterialKindDescription::Conductor { metal, roughness: alpha.0.clone() });
+            let roughness = alpha.0.clone();
+            return Ok(MaterialKindDescription::Conductor { metal, roughness, multiple_scattering: true });
         }
         self.note("metals with a texture of color are mirrors or Phong lobes");
         if alpha.1 < MIN_PHONG_ALPHA {
@@ -364,7 +365,8 @@ impl Conversion<'_, '_> {
             }
             None => index.into(),
         };
-        Ok(MaterialKindDescription::Dielectric { refraction, attenuation, roughness: alpha.0.clone(), priority: 0 })
+        let (roughness, multiple_scattering) = (alpha.0.clone(), true);
+        Ok(MaterialKindDescription::Dielectric { refraction, attenuation, roughness, multiple_scattering, priority: 0 })
     }
 
     /// Returns the index of refraction; 1.5 without the extension KHR_materials_ior or if it is not

@@ -75,7 +75,7 @@ fn kind<'a>(scene: &'a ImportedScene, name: &str) -> &'a MaterialKindDescription
 fn metals_reflect_their_base_color() {
     let material = json!({ "name": "gold", "pbrMetallicRoughness": { "baseColorFactor": [0.75, 0.5, 0.25, 1], "roughnessFactor": 0.5 } });
     let scene = read(&triangle(material, json!({})));
-    let MaterialKindDescription::Conductor { metal: MetalDescription::Index { eta, k }, roughness } =
+    let MaterialKindDescription::Conductor { metal: MetalDescription::Index { eta, k }, roughness, .. } =
         kind(&scene, "gold")
     else {
         panic!()

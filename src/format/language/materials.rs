@@ -49,6 +49,9 @@ const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
 const ROUGHNESS_FIELD: FieldSchema = field_schema("roughness", FieldKind::NumberOrTexture, "GGX α; smooth below 0.001")
     .with_range(UNIT_RANGE)
     .with_default_numbers(&[0.0]);
+const MULTIPLE_SCATTERING_FIELD: FieldSchema =
+    field_schema("multipleScattering", FieldKind::Word(&["yes", "no"]), "`no`: light between microfacets is lost")
+        .with_default_word("yes");
 const PRIORITY_FIELD: FieldSchema =
     field_schema("priority", FieldKind::Whole, "where bodies overlap, the highest priority counts")
         .with_range(FieldRange::Within(0.0, 255.0))
@@ -130,6 +133,7 @@ static DIELECTRIC: BlockSchema = block_schema("Dielectric", "boundary of a body 
             .with_default_numbers(&[1.0])
             .with_unit("length"),
         ROUGHNESS_FIELD,
+        MULTIPLE_SCATTERING_FIELD,
         PRIORITY_FIELD,
         field_schema("medium", FieldKind::Name, "medium that fills the body").with_default_description("none"),
     ])
@@ -150,6 +154,7 @@ static CONDUCTOR: BlockSchema = block_schema("Conductor", "metal; opaque, reflec
         field_schema("k", FieldKind::Color, "k of the complex index")
             .with_range(FieldRange::Within(0.0, MAX_REFRACTIVE_INDEX)),
         ROUGHNESS_FIELD,
+        MULTIPLE_SCATTERING_FIELD,
     ])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS]);
 
@@ -298,6 +303,7 @@ fn parse_dielectric(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindD
         refraction: parse_refraction(f)?,
         attenuation: parse_dielectric_absorption(f)?,
         roughness: f.value("roughness")?,
+        multiple_scattering: f.field_word_or_default("multipleScattering")? == "yes",
         priority: f.value::<u32>("priority")? as u8,
     })
 }
@@ -310,7 +316,11 @@ fn parse_null_interface(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialK
 }
 
 fn parse_conductor(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
-    Ok(MaterialKindDescription::Conductor { metal: parse_metal(f)?, roughness: f.value("roughness")? })
+    Ok(MaterialKindDescription::Conductor {
+        metal: parse_metal(f)?,
+        roughness: f.value("roughness")?,
+        multiple_scattering: f.field_word_or_default("multipleScattering")? == "yes",
+    })
 }
 
 fn parse_thin_dielectric(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
@@ -458,6 +468,11 @@ pub(super) fn parse_material_reference<'a>(
     Ok(name)
 }
 
+/// Writes the field `multipleScattering`, unless it has its default.
+fn write_multiple_scattering(out: &mut SceneWriter<'_, '_>, multiple_scattering: bool) -> fmt::Result {
+    if multiple_scattering { Ok(()) } else { out.write_field("multipleScattering", "no") }
+}
+
 /// Writes a material as scene text.
 pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialDescription) -> fmt::Result {
     let block = match material.kind {
@@ -485,7 +500,7 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
         MaterialKindDescription::Diffuse { reflectance } | MaterialKindDescription::Mirror { reflectance } => {
             out.write_color_or_texture("reflectance", reflectance)?;
         }
-        MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority } => {
+        MaterialKindDescription::Dielectric { refraction, attenuation, roughness, multiple_scattering, priority } => {
             write_refraction(out, refraction)?;
             match *attenuation {
                 DielectricAbsorption::None => {}
@@ -496,10 +511,11 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
                 }
             }
             out.write_number_or_texture("roughness", roughness)?;
+            write_multiple_scattering(out, *multiple_scattering)?;
             out.write_field("priority", priority)?;
         }
         MaterialKindDescription::NullInterface { priority } => out.write_field("priority", priority)?,
-        MaterialKindDescription::Conductor { metal, roughness } => {
+        MaterialKindDescription::Conductor { metal, roughness, multiple_scattering } => {
             match metal {
                 MetalDescription::Named(name) => out.write_name("metal", name)?,
                 MetalDescription::Index { eta, k } => {
@@ -508,6 +524,7 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
                 }
             }
             out.write_number_or_texture("roughness", roughness)?;
+            write_multiple_scattering(out, *multiple_scattering)?;
         }
         MaterialKindDescription::Thin { index, transmittance } => {
             out.write_number("indexOfRefraction", *index)?;

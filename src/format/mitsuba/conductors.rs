@@ -66,7 +66,7 @@ pub(super) fn conductor(
     };
     let mean = tint.mean();
     if mean == DVec3::ONE {
-        return Ok(MaterialKindDescription::Conductor { metal, roughness });
+        return Ok(MaterialKindDescription::Conductor { metal, roughness, multiple_scattering: false });
     }
     context.note("factors of metals change their reflectance at normal incidence", bsdf);
     Ok(metal_of_reflectance(mean * normal_reflectance(&metal), roughness))
@@ -96,7 +96,8 @@ pub(super) fn metal_of_reflectance(reflectance: DVec3, roughness: TexturedValue<
     let reflectance = reflectance.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
     // Such a conductor reflects k² / (4 + k²) at normal incidence.
     let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
-    MaterialKindDescription::Conductor { metal: MetalDescription::Index { eta: DVec3::ONE, k }, roughness }
+    let metal = MetalDescription::Index { eta: DVec3::ONE, k };
+    MaterialKindDescription::Conductor { metal, roughness, multiple_scattering: false }
 }
 
 /// Returns the reflectance of a metal at normal incidence; 1 for an unknown name.

@@ -362,7 +362,15 @@ impl Conversion<'_, '_> {
         if is_air(index) && roughness == TexturedValue::Plain(0.0) {
             return Ok(MaterialKindDescription::NullInterface { priority: 0 }.into());
         }
-        Ok(MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority: 0 }.into())
+        let multiple_scattering = false;
+        let kind = MaterialKindDescription::Dielectric {
+            refraction,
+            attenuation,
+            roughness,
+            multiple_scattering,
+            priority: 0,
+        };
+        Ok(kind.into())
     }
 
     /// Adds a message for each specular tint of a dielectric that is not 1. Tints are ignored.
@@ -420,6 +428,7 @@ impl Conversion<'_, '_> {
                 refraction: index.into(),
                 attenuation: DielectricAbsorption::None,
                 roughness: alpha.into(),
+                multiple_scattering: false,
                 priority: 0,
             };
             kind = self.mix(kind, glass, transmission);

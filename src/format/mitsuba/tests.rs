@@ -207,7 +207,7 @@ fn smooth_and_rough_materials_have_their_parameters() {
         r#"<bsdf type="roughconductor"><string name="material" value="Au"/><float name="alpha" value="0.3"/>
         <string name="distribution" value="ggx"/></bsdf>"#,
     );
-    let MaterialKindDescription::Conductor { metal: MetalDescription::Named(name), roughness } = gold.kind else {
+    let MaterialKindDescription::Conductor { metal: MetalDescription::Named(name), roughness, .. } = gold.kind else {
         panic!()
     };
     assert_eq!((&*name.value, roughness), ("gold", TexturedValue::Plain(0.3)));

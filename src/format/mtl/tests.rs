@@ -90,6 +90,7 @@ fn mtl_materials_become_scene_materials() {
             refraction: index.into(),
             attenuation,
             roughness: 0.0.into(),
+            multiple_scattering: true,
             priority: 0,
         }
     };

@@ -41,6 +41,7 @@ impl MtlMaterial {
                 refraction: index.into(),
                 attenuation,
                 roughness: 0.0.into(),
+                multiple_scattering: true,
                 priority: 0,
             }
         } else if matches!(model, Some(3 | 5 | 8)) && diffuse == DVec3::ZERO && self.texture.is_none() {

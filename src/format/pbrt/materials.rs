@@ -283,6 +283,7 @@ impl Conversion<'_> {
                     refraction: self.refraction(p)?,
                     attenuation: DielectricAbsorption::None,
                     roughness: roughness.alpha,
+                    multiple_scattering: false,
                     priority: 0,
                 }
             }
@@ -366,7 +367,8 @@ impl Conversion<'_> {
         if !(eta.min_element() > 0.0 && k.min_element() >= 0.0) {
             return Err(place.error("the index of the metal is not positive", "give η above 0, and k of at least 0"));
         }
-        Ok(MaterialKindDescription::Conductor { metal: MetalDescription::with_nearest_index(eta, k), roughness })
+        let metal = MetalDescription::with_nearest_index(eta, k);
+        Ok(MaterialKindDescription::Conductor { metal, roughness, multiple_scattering: false })
     }
 
     /// Returns the refractive index of a dielectric.

@@ -88,7 +88,7 @@ fn materials_of_both_versions_are_read() {
     let diffuse = material("Material \"diffuse\" \"rgb reflectance\" [.1 .2 .3]");
     assert_eq!(diffuse, MaterialKindDescription::Diffuse { reflectance: DVec3::new(0.1, 0.2, 0.3).into() });
     assert_eq!(material("Material \"matte\" \"color Kd\" [.1 .2 .3]"), diffuse);
-    let MaterialKindDescription::Conductor { metal, roughness } = material(
+    let MaterialKindDescription::Conductor { metal, roughness, .. } = material(
         "Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\" \"float roughness\" .09",
     ) else {
         panic!()

@@ -72,18 +72,20 @@ pub(super) fn resolve_material(
         MaterialKindDescription::Mirror { reflectance } => {
             Material::mirror(r.resolve_reflectance_parameter(reflectance, requirements)?)
         }
-        MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority } => {
+        MaterialKindDescription::Dielectric { refraction, attenuation, roughness, multiple_scattering, priority } => {
             let roughness = r.resolve_fraction_parameter(roughness, requirements)?;
             let (index, glass) = add_refractive_index(r, refraction)?;
             let absorption = rgb(attenuation.absorption_coefficient());
-            Material::rough_boundary(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
+            let body = Body { absorption, priority: *priority, glass, ..Body::new(index) };
+            with_scattering(Material::rough_boundary(body, roughness), *multiple_scattering)
         }
         MaterialKindDescription::NullInterface { priority } => {
             Material::smooth_boundary(Body { priority: *priority, is_null_interface: true, ..Body::new(1.0) })
         }
-        MaterialKindDescription::Conductor { metal, roughness } => {
+        MaterialKindDescription::Conductor { metal, roughness, multiple_scattering } => {
             let (eta, k) = complex_refractive_index(r, metal)?;
-            Material::conductor(eta, k, r.resolve_fraction_parameter(roughness, requirements)?)
+            let metal = Material::conductor(eta, k, r.resolve_fraction_parameter(roughness, requirements)?);
+            with_scattering(metal, *multiple_scattering)
         }
         MaterialKindDescription::Thin { index, transmittance } => {
             Material::thin_dielectric(*index as f32, r.resolve_reflectance_parameter(transmittance, requirements)?)
@@ -98,6 +100,12 @@ pub(super) fn resolve_material(
             Material::mix(first, second, r.resolve_fraction_parameter(amount, requirements)?)
         }
     })
+}
+
+/// Returns `material`, with light that several microfacets scatter if `multiple_scattering` is
+/// true.
+fn with_scattering(material: Material, multiple_scattering: bool) -> Material {
+    if multiple_scattering { material } else { material.with_single_scattering() }
 }
 
 /// Returns a dielectric's refractive index at the d line (587.56 nm), and the index of its glass.

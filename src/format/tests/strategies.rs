@@ -272,16 +272,20 @@ fn random_material_parts() -> impl Strategy<Value = MaterialParts> {
             .prop_map(|reflectance| MaterialKindDescription::Diffuse { reflectance }),
         random_textured_value(random_fractions())
             .prop_map(|reflectance| MaterialKindDescription::Mirror { reflectance }),
-        (random_refractive_index(), attenuation, random_textured_value(0.0..=1.0), any::<u8>()).prop_map(
-            |(refraction, attenuation, roughness, priority)| MaterialKindDescription::Dielectric {
-                refraction,
-                attenuation,
-                roughness,
-                priority
+        (random_refractive_index(), attenuation, random_textured_value(0.0..=1.0), any::<(bool, u8)>()).prop_map(
+            |(refraction, attenuation, roughness, (multiple_scattering, priority))| {
+                MaterialKindDescription::Dielectric {
+                    refraction,
+                    attenuation,
+                    roughness,
+                    multiple_scattering,
+                    priority,
+                }
             }
         ),
-        (metal, random_textured_value(0.0..=1.0))
-            .prop_map(|(metal, roughness)| MaterialKindDescription::Conductor { metal, roughness }),
+        (metal, random_textured_value(0.0..=1.0), any::<bool>()).prop_map(|(metal, roughness, multiple_scattering)| {
+            MaterialKindDescription::Conductor { metal, roughness, multiple_scattering }
+        }),
         (index(), random_textured_value(random_fractions()))
             .prop_map(|(index, transmittance)| MaterialKindDescription::Thin { index, transmittance }),
         (random_textured_value(random_fractions()), 1.0..=4.0, random_textured_value(0.0..=1.0), any::<bool>())

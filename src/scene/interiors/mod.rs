@@ -211,7 +211,8 @@ impl Interior for InteriorStack {
         let Some(body) = surface.material.bounded_body() else { return BoundaryEvent::Surface };
         let (event, body, interface) = resolve_interface(self, scene, surface, *body);
         if event != BoundaryEvent::NullInterface {
-            surface.bsdf = Bsdf::dielectric(interface.relative_ior(&body, |body| body.index), surface.roughness);
+            let index = interface.relative_ior(&body, |body| body.index);
+            surface.bsdf = Bsdf::dielectric(index, surface.roughness, surface.material.boundary_scattering());
         }
         event
     }

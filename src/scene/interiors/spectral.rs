@@ -110,7 +110,8 @@ impl Interior for SpectralInterior {
             (Some(glass), Some(wavelength)) => scene.glasses[glass as usize].refractive_index(wavelength.nanometres()),
             _ => body.index,
         };
-        surface.bsdf = Bsdf::dielectric(interface.relative_ior(&body, index), surface.roughness);
+        let scattering = surface.material.boundary_scattering();
+        surface.bsdf = Bsdf::dielectric(interface.relative_ior(&body, index), surface.roughness, scattering);
         event
     }
 

@@ -19,11 +19,19 @@ pub(super) fn assert_material_error(body: &str, message: &str, help: &str) {
 
 #[test]
 fn dielectrics_read_roughness_and_priority() {
-    let kinds = parse_material_kinds("Dielectric { } Dielectric { priority 255 roughness .25 indexOfRefraction 1000 }");
+    let kinds = parse_material_kinds(
+        "Dielectric { } Dielectric { priority 255 roughness .25 multipleScattering no indexOfRefraction 1000 }",
+    );
     let attenuation = DielectricAbsorption::None;
     assert_eq!(
         kinds[0],
-        MaterialKindDescription::Dielectric { refraction: 1.5.into(), attenuation, roughness: 0.0.into(), priority: 0 }
+        MaterialKindDescription::Dielectric {
+            refraction: 1.5.into(),
+            attenuation,
+            roughness: 0.0.into(),
+            multiple_scattering: true,
+            priority: 0
+        }
     );
     assert_eq!(
         kinds[1],
@@ -31,6 +39,7 @@ fn dielectrics_read_roughness_and_priority() {
             refraction: 1000.0.into(),
             attenuation,
             roughness: 0.25.into(),
+            multiple_scattering: false,
             priority: 255
         }
     );
@@ -58,16 +67,22 @@ fn dielectrics_read_roughness_and_priority() {
 
 #[test]
 fn conductors_are_named_or_given_by_their_index() {
-    let kinds = parse_material_kinds("Conductor { metal gold } Conductor { k 3 4 0 roughness 1 eta .1 .2 .3 }");
+    let kinds = parse_material_kinds(
+        "Conductor { metal gold } Conductor { k 3 4 0 roughness 1 eta .1 .2 .3 multipleScattering no }",
+    );
     assert_eq!(
         kinds[0],
         MaterialKindDescription::Conductor {
             metal: MetalDescription::Named(name_with_empty_span("gold")),
-            roughness: 0.0.into()
+            roughness: 0.0.into(),
+            multiple_scattering: true
         }
     );
     let metal = MetalDescription::Index { eta: DVec3::new(0.1, 0.2, 0.3), k: DVec3::new(3.0, 4.0, 0.0) };
-    assert_eq!(kinds[1], MaterialKindDescription::Conductor { metal, roughness: 1.0.into() });
+    assert_eq!(
+        kinds[1],
+        MaterialKindDescription::Conductor { metal, roughness: 1.0.into(), multiple_scattering: false }
+    );
     assert_material_error("‹Conductor› { }", "has no `metal` or `eta`", "add `metal` or `eta`");
     assert_material_error("‹Conductor› { eta 1 1 1 }", "`Conductor` has no `k`", "add `k`");
     assert_material_error("‹Conductor› { k 1 1 1 }", "`Conductor` has no `eta`", "add `eta`");

@@ -4,7 +4,9 @@
 //! photons arrive in proportion to the cosine to the geometric normal.
 
 use crate::support::{midpoint_integral, scene_from_text, test_key};
-use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, ThinDielectric, TransportMode, photon_deposit_factor};
+use caustica::bsdf::{
+    Bsdf, Conductor, Dielectric, MicrofacetScattering, Phong, ThinDielectric, TransportMode, photon_deposit_factor,
+};
 use caustica::math::{Frame, warp};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Dimension, Key};
@@ -125,7 +127,8 @@ fn remaining_photon_weight(bsdf: &Bsdf, wo: Vec3, ns: Vec3, i: u64, transport: T
 }
 
 fn lossless_bsdfs() -> Vec<(Bsdf, bool)> {
-    let metal = |alpha| Bsdf::Conductor(Conductor::new(Vec3::ZERO, Vec3::splat(2.0), alpha));
+    let metal =
+        |alpha| Bsdf::Conductor(Conductor::new(Vec3::ZERO, Vec3::splat(2.0), alpha, MicrofacetScattering::Single));
     vec![
         (Bsdf::Diffuse(Vec3::ONE), false),
         (Bsdf::Phong(Phong::new(Vec3::ZERO, Vec3::splat(100.0), 30.0)), false),
@@ -135,8 +138,8 @@ fn lossless_bsdfs() -> Vec<(Bsdf, bool)> {
         (metal(1.0), false),
         (Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Vec3::ONE }), true),
         (Bsdf::Dielectric(Dielectric { eta: 1.5 }), false),
-        (Bsdf::dielectric(1.5, 0.1), false),
-        (Bsdf::dielectric(1.5, 1.0), false),
+        (Bsdf::dielectric(1.5, 0.1, MicrofacetScattering::Single), false),
+        (Bsdf::dielectric(1.5, 1.0, MicrofacetScattering::Single), false),
     ]
 }
 

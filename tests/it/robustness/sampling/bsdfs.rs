@@ -2,7 +2,8 @@
 
 use super::{ENDS, corners};
 use caustica::bsdf::{
-    Bsdf, Conductor, Dielectric, Phong, SMOOTH_ALPHA, ThinDielectric, TransportMode, metal_refractive_index,
+    Bsdf, Conductor, Dielectric, MicrofacetScattering, Phong, SMOOTH_ALPHA, ThinDielectric, TransportMode,
+    metal_refractive_index,
 };
 use glam::{Vec2, Vec3};
 
@@ -25,11 +26,20 @@ fn bsdf_kinds() -> Vec<(Bsdf, f32)> {
         kinds.push((Bsdf::Phong(Phong::new(Vec3::ZERO, Vec3::ONE, shininess)), 2.0));
     }
     for alpha in [0.0, 1e-4, SMOOTH_ALPHA, 0.1, 1.0] {
-        kinds.push((Bsdf::Conductor(Conductor::new(eta, k, alpha)), 1.0));
-        kinds.push((Bsdf::Conductor(Conductor::new(Vec3::ZERO, Vec3::ONE, alpha)), 1.0));
+        kinds.push((Bsdf::Conductor(Conductor::new(eta, k, alpha, MicrofacetScattering::Single)), 1.0));
+        kinds.push((Bsdf::Conductor(Conductor::new(Vec3::ZERO, Vec3::ONE, alpha, MicrofacetScattering::Single)), 1.0));
         // A transmittance of about 10⁻⁶ is sampled in steps of 2⁻²⁴. The weight corrects an error
         // of up to one step.
-        kinds.extend([1e-6, 0.5, 1.0, 1.0 + f32::EPSILON, 1.5, 1e6].map(|eta| (Bsdf::dielectric(eta, alpha), 1.02)));
+        kinds.extend(
+            [1e-6, 0.5, 1.0, 1.0 + f32::EPSILON, 1.5, 1e6]
+                .map(|eta| (Bsdf::dielectric(eta, alpha, MicrofacetScattering::Single), 1.02)),
+        );
+    }
+    // Light that microfacets scatter more than once has a pdf that only resembles it.
+    for alpha in [SMOOTH_ALPHA, 0.01, 0.1, 1.0] {
+        let multiple = MicrofacetScattering::Multiple;
+        kinds.push((Bsdf::Conductor(Conductor::new(Vec3::ZERO, Vec3::ONE, alpha, multiple)), 5.0));
+        kinds.extend([1e-6, 0.5, 1.0 + 1e-4, 1.5, 1e6].map(|eta| (Bsdf::dielectric(eta, alpha, multiple), 40.0)));
     }
     kinds
 }
@@ -101,12 +111,12 @@ fn bsdfs_never_sample_the_horizon() {
 fn narrowest_lobes_become_delta() {
     let alpha = SMOOTH_ALPHA.next_down();
     for bsdf in [
-        Bsdf::Conductor(Conductor::new(Vec3::ONE, Vec3::ONE, alpha)),
-        Bsdf::dielectric(1.5, alpha),
-        Bsdf::dielectric(1.5, 1e-4),
+        Bsdf::Conductor(Conductor::new(Vec3::ONE, Vec3::ONE, alpha, MicrofacetScattering::Single)),
+        Bsdf::dielectric(1.5, alpha, MicrofacetScattering::Single),
+        Bsdf::dielectric(1.5, 1e-4, MicrofacetScattering::Single),
     ] {
         assert!(bsdf.is_specular());
     }
-    assert_eq!(Bsdf::dielectric(1.5, 1e-4), Bsdf::Dielectric(Dielectric { eta: 1.5 }));
-    assert!(!Bsdf::dielectric(1.5, SMOOTH_ALPHA).is_specular());
+    assert_eq!(Bsdf::dielectric(1.5, 1e-4, MicrofacetScattering::Single), Bsdf::Dielectric(Dielectric { eta: 1.5 }));
+    assert!(!Bsdf::dielectric(1.5, SMOOTH_ALPHA, MicrofacetScattering::Single).is_specular());
 }

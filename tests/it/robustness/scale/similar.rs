@@ -259,13 +259,11 @@ impl Similarity {
     fn material(&self, material: &mut MaterialDescription) {
         let MaterialDescription { name: _, kind, emission, normal_perturbation, medium: _ } = material;
         match kind {
-            MaterialKindDescription::Dielectric { refraction: _, attenuation, roughness: _, priority: _ } => {
-                match attenuation {
-                    DielectricAbsorption::None => {}
-                    DielectricAbsorption::Coefficient(sigma) => self.per_length(sigma),
-                    DielectricAbsorption::Tint { color: _, distance } => self.length(distance),
-                }
-            }
+            MaterialKindDescription::Dielectric { attenuation, .. } => match attenuation {
+                DielectricAbsorption::None => {}
+                DielectricAbsorption::Coefficient(sigma) => self.per_length(sigma),
+                DielectricAbsorption::Tint { color: _, distance } => self.length(distance),
+            },
             MaterialKindDescription::Phong { .. }
             | MaterialKindDescription::Diffuse { .. }
             | MaterialKindDescription::Mirror { .. }
