@@ -9,9 +9,7 @@ use super::number::{
 };
 use super::pictures::PictureArguments;
 use super::shard::Shard;
-use super::{
-    ConvertArguments, DiffArguments, FarmArguments, FilmArguments, FrameRange, MergeArguments, MeshArguments,
-};
+use super::{ConvertArguments, DiffArguments, FarmArguments, FilmArguments, FrameRange, MergeArguments, MeshArguments};
 use crate::camera::{CropWindow, FilterKind};
 use crate::format::{IMPORTERS, ImportOptions};
 use crate::integrate::{Algorithm, FinalGathering, IndirectPhotons, LightTracing, VolumeEstimator};
