@@ -317,6 +317,6 @@ fn render_passes(
     let rendered = render(integrator.as_ref(), size, &stop, flags, |progress| report(progress, progress_confidence));
     let effects = integrator.plan().simulated_effects();
     let aovs = surface.and_then(|surface| render_surface_aovs(&scene, effects, &camera_paths, surface, flags));
-    let tone = if algorithm == Algorithm::Raycast { ToneCurve::Course } else { ToneCurve::Srgb };
+    let tone = if algorithm == Algorithm::Raycast { ToneCurve::Legacy } else { ToneCurve::Srgb };
     Ok(NativeResult::new(rendered, aovs, tone, confidence))
 }

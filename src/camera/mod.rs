@@ -141,10 +141,10 @@ impl Camera {
         }
     }
 
-    /// True if all rays start at one point or on a lens: for all cameras except orthographic ones.
+    /// True for an orthographic camera. The rays of all others start at one point or on a lens.
     #[must_use]
-    pub fn has_single_viewpoint(&self) -> bool {
-        self.projection != CameraProjection::Orthographic
+    pub fn is_orthographic(&self) -> bool {
+        self.projection == CameraProjection::Orthographic
     }
 
     /// Width and height of the image \[pixels].

@@ -22,8 +22,7 @@ use super::{CommandFailure, Exit, RenderArguments, forecast_text};
 use crate::camera::CropWindow;
 use crate::image::{self, Image, ToneCurve, WriteOptions};
 use crate::integrate::{
-    Algorithm, AovSurface, CameraPathSettings, EmissionGuidingReportPerMap, Integrator, SurfaceAovs,
-    render_surface_aovs,
+    Algorithm, AovSurface, CameraPathSettings, EmissionGuidingReports, Integrator, SurfaceAovs, render_surface_aovs,
 };
 use crate::render::error_estimate::{Confidence, MIN_PASSES, StopForecast};
 use crate::render::{
@@ -126,7 +125,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
         shapes: scene.shape_count(),
         lights: scene.lights().len(),
         radii: None,
-        emission_guiding: EmissionGuidingReportPerMap::default(),
+        emission_guiding: EmissionGuidingReports::default(),
         environment_guiding: None,
         scatter_point_guiding: None,
         effects: Vec::new(),
@@ -435,7 +434,7 @@ impl RenderOutputs<'_> {
 /// Returns the options of the files of `-o` and `--aov`.
 fn write_options(arguments: &RenderArguments) -> WriteOptions {
     arguments.pictures.write_options(match arguments.method.integrator {
-        Algorithm::Raycast => ToneCurve::Course,
+        Algorithm::Raycast => ToneCurve::Legacy,
         Algorithm::Hybrid
         | Algorithm::Path
         | Algorithm::Sppm

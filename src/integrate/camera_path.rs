@@ -119,24 +119,24 @@ pub(super) fn trace_camera_path<I: Interior>(
             };
             let mut hit = match event {
                 PathEvent::Surface(hit) => hit,
-                PathEvent::Scattered { transmittance, crossed } => {
+                PathEvent::Scattered { transmittance, crossed_hidden_boundary } => {
                     path.throughput *= transmittance * path.indirect_weight;
                     path.indirect_weight = 1.0;
-                    path.history.casters += u32::from(crossed);
+                    path.history.casters += u32::from(crossed_hidden_boundary);
                     if media::scatter_in_medium(&mut path, phase, worker.indirect_weights) {
                         continue;
                     }
                     break;
                 }
-                PathEvent::Escaped { crossed } => {
-                    path.count_crossed_boundary(crossed);
+                PathEvent::Escaped { crossed_hidden_boundary } => {
+                    path.count_crossed_boundary(crossed_hidden_boundary);
                     let escaped = path.throughput * escaped_radiance(paths, &path);
                     radiance += weigh_found_light(escaped, &path, worker);
                     break;
                 }
             };
             path.throughput *= hit.transmittance;
-            path.count_crossed_boundary(hit.crossed);
+            path.count_crossed_boundary(hit.crossed_hidden_boundary);
 
             // Add emission, weighted by MIS against next-event estimation at the previous vertex.
             if hit.surface.emission != Rgb::ZERO && may_add_hit_emission(policy, &path) {
@@ -387,8 +387,8 @@ fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, worker: &mut PathWorker
         worker.groups.add(LightGroup::of_found_light(path.history), light);
         return light;
     }
-    let weighted = light * worker.prefix.found_weight;
-    worker.prefix.found += weighted;
+    let weighted = light * worker.prefix.up_to_receiver_weight;
+    worker.prefix.up_to_receiver += weighted;
     worker.groups.add(LightGroup::Direct, weighted);
     weighted
 }
@@ -508,12 +508,12 @@ impl<I: Interior> PathState<I> {
         }
     }
 
-    /// Counts a caster and drops the previous vertex if `crossed` is true.
+    /// Counts a caster and drops the previous vertex if `crossed_hidden_boundary` is true.
     ///
-    /// `crossed` means that the path has crossed a boundary that blocks shadow rays but not light.
+    /// A hidden boundary blocks shadow rays but not light.
     #[inline]
-    fn count_crossed_boundary(&mut self, crossed: bool) {
-        if crossed {
+    fn count_crossed_boundary(&mut self, crossed_hidden_boundary: bool) {
+        if crossed_hidden_boundary {
             self.history.casters += 1;
             self.prev = None;
         }

@@ -65,8 +65,8 @@ impl EnvironmentGuide {
         let (wi, _) = light.sample(u)?;
         // Compute the pdf as MIS weights do: rounding may move the direction to another bin.
         let pdf = self.pdf_li(light, p, wi);
-        let weight = light.radiance(wi) / pdf;
-        (pdf > 0.0).then_some(DirectLightSample { wi, target: ShadowTarget::Infinity, weight, pdf: Some(pdf) })
+        let irradiance = light.radiance(wi) / pdf;
+        (pdf > 0.0).then_some(DirectLightSample { wi, target: ShadowTarget::Infinity, irradiance, pdf: Some(pdf) })
     }
 
     /// Returns the pdf \[1/sr] with which [`EnvironmentGuide::sample_li`] samples unit direction

@@ -251,12 +251,12 @@ impl LightParts {
     fn take_from(radiance: Rgb, worker: &mut PathWorker) -> Self {
         let light = std::mem::take(&mut worker.indirect_light);
         let prefix = std::mem::take(&mut worker.prefix);
-        let [total, found, all_photons, paths, photons, step] =
-            [radiance, prefix.found, prefix.photons, light.paths, light.photons, light.photon_step]
+        let [total, up_to_receiver, all_photons, paths, photons, step] =
+            [radiance, prefix.up_to_receiver, prefix.photons, light.paths, light.photons, light.nested_difference]
                 .map(|v| f64::from(color::channel_mean(v)));
         Self {
-            direct: total - found - all_photons - paths,
-            emission_and_caustics: found + all_photons - photons,
+            direct: total - up_to_receiver - all_photons - paths,
+            emission_and_caustics: up_to_receiver + all_photons - photons,
             paths,
             photons,
             bias: BIAS_FACTOR * step,

@@ -59,7 +59,7 @@ pub use map_builder::CAUSTIC_K;
 pub use nested_estimates::{MeanGatherDisc, NestedEstimates};
 pub use pass::{ExpectedPhotons, Pass, PassStage, PhotonReport, ProgressMonitor, SilentMonitor, StageTimes};
 pub use radius_law::{ALPHA, RadiusLaw, squared_radius_ratio};
-pub use radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
+pub use radius_pilot::{EmissionGuidingReports, GatherRadii};
 pub use scatter_point_pilot::ScatterPointGuidingReport;
 pub use settings::{CameraPathSettings, FinalGathering, IndirectPhotons, LightTracing, Settings};
 pub use surface_aovs::{AovSurface, SurfaceAovs, render_surface_aovs};

@@ -249,7 +249,7 @@ impl<'a> NextEventEstimator<'a> {
         let Some(sample) = self.sample_li(light, surface.point.p, u) else {
             return Rgb::ZERO;
         };
-        let mut reflected = surface.bsdf_cosine(sample.wi) * sample.weight / rays;
+        let mut reflected = surface.bsdf_cosine(sample.wi) * sample.irradiance / rays;
         if reflected == Rgb::ZERO {
             return Rgb::ZERO;
         }

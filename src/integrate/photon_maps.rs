@@ -15,7 +15,7 @@ use crate::scene::{Interior, Scene};
 use rand::Rng;
 
 /// One photon map, of surfaces and media, with the bandwidth and kernel of its density estimates.
-pub(super) struct PhotonEstimator<'a> {
+pub(super) struct PhotonDensityEstimator<'a> {
     pub scene: &'a Scene,
     pub map: PhotonMap,
     pub bandwidth: Bandwidth,
@@ -49,17 +49,17 @@ pub(super) enum PhotonMapChoice {
 /// indirect map of `pm`, it holds `Direct` photons too.
 pub(super) struct PhotonMaps<'a> {
     /// Caustic map: photons of kind [`PhotonKind::Caustic`](crate::photon::PhotonKind::Caustic).
-    pub caustic: PhotonEstimator<'a>,
+    pub caustic: PhotonDensityEstimator<'a>,
     /// Indirect map: photons of all indirect light except caustics. Jensen 2001 and the command
     /// line call it the global map.
     ///
     /// In `hybrid`, it holds only light that a receiver has reflected from a caustic. If
     /// final-gathering rays read the map, it also holds direct light.
-    pub indirect: PhotonEstimator<'a>,
+    pub indirect: PhotonDensityEstimator<'a>,
     /// Interreflection map of `hybrid`: photons that went straight from a light to a receiver
     /// (surface that stores photons) and scattered there. `None` if camera paths carry all of this
     /// light.
-    pub interreflection: Option<PhotonEstimator<'a>>,
+    pub interreflection: Option<PhotonDensityEstimator<'a>>,
     /// Map of photons whose directions guide final-gathering rays.
     pub guides: PhotonMap,
     /// Splats on the film of caustic photons that light tracing connected to the camera; empty
@@ -106,10 +106,10 @@ impl PhotonMaps<'_> {
         worker: &mut PathWorker,
     ) -> Rgb {
         let Some(map) = &self.interreflection else { return Rgb::ZERO };
-        worker.photon_step = Rgb::ZERO;
+        worker.nested_difference = Rgb::ZERO;
         let radiance = map.radiance(vertex, samples, |w| (&mut w.interreflection, &mut w.nested.indirect), worker);
         worker.indirect_light.photons += vertex.throughput * radiance * samples;
-        worker.indirect_light.photon_step += vertex.throughput * worker.photon_step * samples;
+        worker.indirect_light.nested_difference += vertex.throughput * worker.nested_difference * samples;
         worker.groups.add(LightGroup::Indirect, vertex.throughput * radiance * samples);
         radiance * samples
     }
@@ -148,16 +148,16 @@ impl PhotonMaps<'_> {
         worker: &mut PathWorker,
     ) -> Rgb {
         let Some(map) = &self.interreflection else { return Rgb::ZERO };
-        worker.photon_step = Rgb::ZERO;
+        worker.nested_difference = Rgb::ZERO;
         let radiance = map.volume.radiance(map.scene, vertex, samples, rng, worker);
         worker.indirect_light.photons += vertex.throughput * radiance * samples;
-        worker.indirect_light.photon_step += vertex.throughput * worker.photon_step * samples;
+        worker.indirect_light.nested_difference += vertex.throughput * worker.nested_difference * samples;
         worker.groups.add(LightGroup::Indirect, vertex.throughput * radiance * samples);
         radiance * samples
     }
 }
 
-impl PhotonEstimator<'_> {
+impl PhotonDensityEstimator<'_> {
     /// Returns the largest gather radius \[length].
     pub fn max_gather_radius(&self) -> f32 {
         self.bandwidth.radius
@@ -244,7 +244,7 @@ impl PhotonEstimator<'_> {
             radiance.iter_mut().zip(levels).for_each(|(radiance, covered)| *radiance /= covered);
         }
         worker.nested.add(vertex.throughput * samples, radiance);
-        worker.photon_step = radiance[0] - radiance[1];
+        worker.nested_difference = radiance[0] - radiance[1];
         estimate
     }
 }

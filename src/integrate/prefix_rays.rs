@@ -32,7 +32,7 @@ pub(super) struct PrefixLight {
     pub ends_at_receiver: bool,
     /// Weighted sum of the light found up to the first receiver: emission, environment light and
     /// direct light at casters \[W/(m² sr)].
-    pub found: Rgb,
+    pub up_to_receiver: Rgb,
     /// Weighted sum of the photon estimates at the first receiver \[W/(m² sr)].
     pub photons: Rgb,
 }
@@ -55,7 +55,7 @@ impl Default for PrefixLight {
             lookups: 1,
             lookup_weight: 1.0,
             ends_at_receiver: false,
-            found: Rgb::ZERO,
+            up_to_receiver: Rgb::ZERO,
             photons: Rgb::ZERO,
         }
     }

@@ -188,7 +188,7 @@ impl BeamAndPointMaps {
         }
         if nested {
             worker.nested.add(path_segment.throughput * samples, levels);
-            worker.photon_step = levels[0] - levels[1];
+            worker.nested_difference = levels[0] - levels[1];
         }
         levels[0]
     }

@@ -34,7 +34,7 @@ pub(super) struct PathWorker {
     pub nested: NestedEstimateSum,
     /// Difference between the last photon estimate and the same estimate with half its disc area
     /// \[W/(m² sr)].
-    pub photon_step: Rgb,
+    pub nested_difference: Rgb,
     /// Transmittance along the current segment of a medium.
     pub transmittance: TransmittanceCurve,
     /// Guided distances along the current segment of a medium.

@@ -16,7 +16,7 @@ pub struct SurfacePoint {
     pub ng: Vec3,
     /// Shading unit normal, in the hemisphere around `ng`.
     pub ns: Vec3,
-    /// Last two numbers of the [`ShapeHit`](super::ShapeHit) at `p`; zero if they are unknown.
+    /// Numbers `uv` of the [`ShapeHit`](crate::accel::ShapeHit) at `p`; zero if they are unknown.
     pub uv: Vec2,
 }
 
@@ -39,7 +39,7 @@ pub struct ShapeSample {
     pub point: SurfacePoint,
     /// Probability density per area \[1/length²].
     pub pdf: f32,
-    /// Last two numbers of the [`ShapeHit`](super::ShapeHit) at the point.
+    /// Numbers `uv` of the [`ShapeHit`](crate::accel::ShapeHit) at the point.
     pub uv: Vec2,
 }
 

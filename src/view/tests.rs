@@ -254,7 +254,7 @@ fn saved_files_hold_the_newest_picture() {
     assert_eq!(image.pixels(), [Vec3::new(0.3, 0.15, -0.3); 2]);
     let png = served.get("save/picture.png?exposure=1&tone=course");
     std::fs::write(folder.path().join("a.png"), &png.body).unwrap();
-    let tone = crate::image::ToneMap { curve: crate::image::ToneCurve::Course, exposure_stops: 1.0 };
+    let tone = crate::image::ToneMap { curve: crate::image::ToneCurve::Legacy, exposure_stops: 1.0 };
     let metadata = vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))];
     let options = crate::image::WriteOptions { tone, metadata, ..Default::default() };
     let expected = crate::image::encode(crate::image::OutputFormat::Png, &image, &options).unwrap().0;

@@ -90,7 +90,7 @@ pub(super) struct JobContext<'a> {
     pub events: &'a EventQueue,
     /// Lock that a job holds while it runs pilots and passes. So the memory of two renders is never
     /// in use at a time.
-    pub turn: &'a Mutex<()>,
+    pub render_lock: &'a Mutex<()>,
 }
 
 /// A render, from reading its scene to its end.
@@ -156,7 +156,7 @@ impl<'a> Job<'a> {
 
     /// Renders a preview of `scene`, and then the picture.
     fn render(&mut self, scene: &Scene) {
-        let JobContext { arguments, pool, turn, .. } = self.context;
+        let JobContext { arguments, pool, render_lock, .. } = self.context;
         let (algorithm, size) = (arguments.method.integrator, scene.camera().size());
         let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
         settings.camera_paths.estimate_error = algorithm != Algorithm::Raycast;
@@ -181,7 +181,7 @@ impl<'a> Job<'a> {
         {
             return;
         }
-        let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
+        let _render_lock = render_lock.lock().unwrap_or_else(PoisonError::into_inner);
         if self.is_cancelled() {
             return;
         }

@@ -24,7 +24,7 @@ pub(super) struct Session<'a> {
     page: &'a LivePage,
     pool: &'a ThreadPool,
     queue: EventQueue,
-    turn: Mutex<()>,
+    render_lock: Mutex<()>,
 }
 
 /// The current job, and the state that later jobs take over from it.
@@ -46,7 +46,7 @@ impl<'a> Session<'a> {
     /// Makes a session whose renders run in `pool` and appear on `page`. Its jobs report to
     /// `queue`.
     pub fn new(arguments: &'a ViewArguments, page: &'a LivePage, pool: &'a ThreadPool, queue: EventQueue) -> Self {
-        Self { arguments, page, pool, queue, turn: Mutex::new(()) }
+        Self { arguments, page, pool, queue, render_lock: Mutex::new(()) }
     }
 
     /// Renders until the first interrupting signal. `events` is the other end of the queue.
@@ -89,7 +89,12 @@ impl<'a> Session<'a> {
     ) -> (u32, JobHandle) {
         let live = LiveRender::begin(self.page, Instant::now());
         let number = live.number();
-        let context = JobContext { arguments: self.arguments, pool: self.pool, events: &self.queue, turn: &self.turn };
+        let context = JobContext {
+            arguments: self.arguments,
+            pool: self.pool,
+            events: &self.queue,
+            render_lock: &self.render_lock,
+        };
         let (handle, job) = Job::new(context, live, orbit);
         scope.spawn(move || job.run(scene));
         (number, handle)

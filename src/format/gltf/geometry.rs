@@ -15,13 +15,13 @@ const MEMORY_PER_CORNER: u64 = 200;
 
 /// Converts a primitive to a triangle mesh; `None` if it has no triangles.
 ///
-/// `set` is the index of the texture coordinates that the material uses (`TEXCOORD_0`, …); `None`
+/// `texcoord_set` is the index of the texture coordinates that the material uses (`TEXCOORD_0`, …); `None`
 /// if it uses none.
 pub(super) fn read_primitive(
     buffers: &Buffers<'_>,
     context: &FileContext<'_>,
     primitive: &Primitive<'_>,
-    (place, set): (&str, Option<u32>),
+    (place, texcoord_set): (&str, Option<u32>),
     notes: &mut ImportNotes,
 ) -> ReadResult<Option<TriangleMesh>> {
     let mode = primitive.mode();
@@ -56,7 +56,7 @@ pub(super) fn read_primitive(
         }
         None => None,
     };
-    let texcoords = match set.map(|set| (set, primitive.get(&Semantic::TexCoords(set)))) {
+    let texcoords = match texcoord_set.map(|set| (set, primitive.get(&Semantic::TexCoords(set)))) {
         Some((set, Some(accessor))) => {
             let name = name(&format!("TEXCOORD_{set}"));
             let texcoords: Vec<[f64; 2]> = buffers.read(&accessor)?.vectors(context, &name)?;

@@ -52,7 +52,7 @@ pub(super) struct ImportedMaterial {
     pub name: String,
     /// Index of the texture coordinates that its textures use (`TEXCOORD_0`, …); `None` without
     /// textures.
-    pub set: Option<u32>,
+    pub texcoord_set: Option<u32>,
     /// True if the surface is fully transparent.
     pub is_invisible: bool,
     /// True if the surface emits light.
@@ -81,15 +81,15 @@ struct Surface<'a> {
     alpha: (TexturedValue<f64>, f64),
 }
 
-/// State of the conversion of one material.
-struct Conversion<'m, 'a> {
+/// Converter of one material, with the state of the conversion.
+struct MaterialConverter<'m, 'a> {
     materials: &'m mut Materials<'a>,
     notes: &'m mut ImportNotes,
     context: &'m FileContext<'a>,
     /// Name of the material in the imported scene. Messages name it as the place.
     name: String,
     /// Index of the texture coordinates that the first texture uses; `None` before any texture.
-    set: Option<u32>,
+    texcoord_set: Option<u32>,
     normal: Option<NormalPerturbationDescription>,
 }
 
@@ -118,8 +118,9 @@ impl<'a> Materials<'a> {
         }
         let number = material.index().map_or_else(|| "default".to_owned(), |i| format!("material {i}"));
         let name = self.unique_name(material.name().unwrap_or(&number));
-        let mut conversion = Conversion { materials: self, notes, context, name, set: None, normal: None };
-        let imported = conversion.convert(material, vertex_color)?;
+        let mut converter =
+            MaterialConverter { materials: self, notes, context, name, texcoord_set: None, normal: None };
+        let imported = converter.convert(material, vertex_color)?;
         self.used.insert(key, imported.clone());
         Ok(imported)
     }
@@ -179,7 +180,7 @@ impl<'a> Materials<'a> {
     }
 }
 
-impl Conversion<'_, '_> {
+impl MaterialConverter<'_, '_> {
     fn convert(&mut self, material: &gltf::Material<'_>, vertex_color: DVec4) -> ReadResult<ImportedMaterial> {
         for (extension, message) in IGNORED_EXTENSIONS {
             if material.extension_value(extension).is_some() {
@@ -214,7 +215,7 @@ impl Conversion<'_, '_> {
         let normal = if kind.mix_material_names().is_none() { self.normal.take() } else { None };
         self.materials.push(self.name.clone(), kind, emission, normal);
         let is_invisible = alpha == TexturedValue::Plain(0.0);
-        Ok(ImportedMaterial { name: self.name.clone(), set: self.set, is_invisible, emits })
+        Ok(ImportedMaterial { name: self.name.clone(), texcoord_set: self.texcoord_set, is_invisible, emits })
     }
 
     /// Converts the reflection and transmission of a material, without its alpha.
@@ -265,24 +266,24 @@ impl Conversion<'_, '_> {
         surface: &Surface<'_>,
         index: f64,
     ) -> ReadResult<MaterialKindDescription> {
-        let Some(transmission) = material.transmission() else { return self.coated(surface) };
+        let Some(transmission) = material.transmission() else { return self.opaque_dielectric(surface) };
         let factor = unit(transmission.transmission_factor());
         let texture = self.reference(transmission.transmission_texture().as_ref());
         let (amount, _) = self.scalar(texture.as_ref(), TextureUse::Channel(0, factor))?;
         if amount == TexturedValue::Plain(0.0) {
-            return self.coated(surface);
+            return self.opaque_dielectric(surface);
         }
         let glass = self.glass(material, surface, index)?;
         if amount == TexturedValue::Plain(1.0) {
             return Ok(glass);
         }
-        let coated = self.coated(surface)?;
-        let (first, second) = (self.add_part("opaque", coated), self.add_part("glass", glass));
+        let opaque_dielectric = self.opaque_dielectric(surface)?;
+        let (first, second) = (self.add_part("opaque", opaque_dielectric), self.add_part("glass", glass));
         Ok(mix(first, second, amount))
     }
 
     /// Converts the opaque dielectric part: a diffuse surface with a Phong lobe for the gloss.
-    fn coated(&mut self, surface: &Surface<'_>) -> ReadResult<MaterialKindDescription> {
+    fn opaque_dielectric(&mut self, surface: &Surface<'_>) -> ReadResult<MaterialKindDescription> {
         let Surface { base, base_texture, f0, alpha } = surface;
         let kept = 1.0 - f0.max_element();
         let diffuse = self.color(base_texture.as_ref(), *base * kept)?;
@@ -514,8 +515,8 @@ impl Conversion<'_, '_> {
         let Some(texture) = texture else { return Ok(None) };
         let values = self.materials.pictures.values(texture, wanted, self.notes)?;
         if let Some(TextureValues::Texture(..)) = &values {
-            let set = *self.set.get_or_insert(texture.set);
-            if set != texture.set {
+            let texcoord_set = *self.texcoord_set.get_or_insert(texture.texcoord_set);
+            if texcoord_set != texture.texcoord_set {
                 self.note("textures with other texture coordinates than the first one become their mean");
                 return Ok(values.map(|values| TextureValues::Constant(values.mean())));
             }

@@ -21,7 +21,7 @@ pub(super) struct TextureReference<'a> {
     /// The texture.
     pub texture: gltf::Texture<'a>,
     /// Index of the texture coordinates that it uses (`TEXCOORD_0`, …).
-    pub set: u32,
+    pub texcoord_set: u32,
     /// Transform from the texture coordinates of the imported mesh, with v upwards, to those of the
     /// picture.
     pub transform: TexcoordTransformDescription,
@@ -242,11 +242,11 @@ impl<'a> TextureReference<'a> {
     /// Returns the texture that `info` refers to, with the extension KHR_texture_transform applied.
     pub fn from_info(info: &gltf::texture::Info<'a>) -> Self {
         let extension = info.texture_transform();
-        let set = extension.as_ref().and_then(|t| t.tex_coord()).unwrap_or(info.tex_coord());
+        let texcoord_set = extension.as_ref().and_then(|t| t.tex_coord()).unwrap_or(info.tex_coord());
         let transform = extension.map_or_else(TexcoordTransformDescription::default, |t| {
             scene_transform(t.offset().map(f64::from), f64::from(t.rotation()), t.scale().map(f64::from))
         });
-        Self { texture: info.texture(), set, transform }
+        Self { texture: info.texture(), texcoord_set, transform }
     }
 
     /// Returns the texture of a normal map, with the extension KHR_texture_transform applied.
@@ -259,13 +259,13 @@ impl<'a> TextureReference<'a> {
             [0, 1].map(|i| number(i).unwrap_or(default))
         };
         let number = |key: &str| extension?.get(key)?.as_f64();
-        let set = number("texCoord").map_or(normal.tex_coord(), |set| set as u32);
+        let texcoord_set = number("texCoord").map_or(normal.tex_coord(), |set| set as u32);
         let transform = if extension.is_some() {
             scene_transform(numbers("offset", 0.0), number("rotation").unwrap_or(0.0), numbers("scale", 1.0))
         } else {
             TexcoordTransformDescription::default()
         };
-        Self { texture: normal.texture(), set, transform }
+        Self { texture: normal.texture(), texcoord_set, transform }
     }
 
     /// True if all numbers of the transform are finite and no scale is 0.

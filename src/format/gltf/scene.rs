@@ -235,7 +235,7 @@ impl NodeWalker<'_, '_> {
             self.notes.add_unsupported("vertex colors become their mean", place.clone());
         }
         let material = self.materials.convert(self.context, &primitive.material(), color, self.notes)?;
-        let read = read_primitive(self.buffers, self.context, primitive, (&place, material.set), self.notes)?;
+        let read = read_primitive(self.buffers, self.context, primitive, (&place, material.texcoord_set), self.notes)?;
         let imported = read.filter(|_| !material.is_invisible).map(|triangles| {
             let path = format!("mesh{}-{}", key.0, key.1);
             let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -265,8 +265,8 @@ impl NodeWalker<'_, '_> {
         let shape = ShapeDescription::Mesh { path, options: MeshOptions::default() };
         let mut object = ObjectDescription::Shape { shape, emission: None };
         if to_world != DAffine3::IDENTITY {
-            let maps = vec![TransformStep::Matrix(to_world.into())];
-            object = ObjectDescription::Transform { maps, object: Box::new(Spanned::new(object, Span::default())) };
+            let steps = vec![TransformStep::Matrix(to_world.into())];
+            object = ObjectDescription::Transform { steps, object: Box::new(Spanned::new(object, Span::default())) };
         }
         let material = Spanned::new(material.clone(), Span::default());
         let items = &mut self.content.root.items;

@@ -102,9 +102,10 @@ impl Materials {
         let MaterialVariant { medium, emission, convention } = variant;
         let wanted = bsdf.and_then(|bsdf| bsdf.id.clone()).unwrap_or_else(|| "material".to_owned());
         let name = self.unique_name(&wanted);
-        let mut conversion = Conversion { materials: self, textures, context, convention: *convention, name: &name };
+        let mut converter =
+            MaterialConverter { materials: self, textures, context, convention: *convention, name: &name };
         let surface = match bsdf {
-            Some(bsdf) => conversion.convert(bsdf, 0)?,
+            Some(bsdf) => converter.convert(bsdf, 0)?,
             None => diffuse(DVec3::splat(0.5)).into(),
         };
         let Surface { mut kind, normal } = surface;
@@ -142,7 +143,7 @@ impl Materials {
     }
 
     /// Returns the name of a null interface around the medium `medium`.
-    pub fn interface(&mut self, medium: &str) -> String {
+    pub fn null_interface(&mut self, medium: &str) -> String {
         if let Some(name) = self.interfaces.get(medium) {
             return name.clone();
         }
@@ -231,8 +232,8 @@ fn diffuse(reflectance: DVec3) -> MaterialKindDescription {
     MaterialKindDescription::Diffuse { reflectance: reflectance.into() }
 }
 
-/// State of the conversion of one BSDF to a material.
-struct Conversion<'c, 'a> {
+/// Converter of one BSDF to a material, with the state of the conversion.
+struct MaterialConverter<'c, 'a> {
     materials: &'c mut Materials,
     textures: &'c mut Textures,
     context: &'c ImportContext<'a>,
@@ -241,7 +242,7 @@ struct Conversion<'c, 'a> {
     name: &'c str,
 }
 
-impl Conversion<'_, '_> {
+impl MaterialConverter<'_, '_> {
     fn convert(&mut self, bsdf: &Rc<SceneObject>, depth: u32) -> ReadResult<Surface> {
         if depth > MAX_DEPTH {
             return Err(bsdf.place.error("BSDFs are nested too deep, or contain themselves", "nest them less deep"));

@@ -152,8 +152,8 @@ impl Media {
                 weighted_mean(&albedos, |cell| if is_aligned { f64::from(densities[cell]) } else { 1.0 })
             }
         };
-        let maps = vec![TransformStep::Matrix(to_world)];
-        let extent = TransformedBoxDescription { min: DVec3::ZERO, max: DVec3::ONE, maps };
+        let steps = vec![TransformStep::Matrix(to_world)];
+        let extent = TransformedBoxDescription { min: DVec3::ZERO, max: DVec3::ONE, steps };
         self.grids.insert(name.to_owned(), Arc::new(DensityGrid { size: grid.size, values: densities }));
         let path = Spanned::new(name.to_owned(), Span::default());
         let coefficients =

@@ -176,7 +176,7 @@ impl Shapes {
         let place = |material: String, shape, emission| PlacedShape { material, shape, emission, to_world, bounds };
         let mut placed = vec![place(name, surface.clone(), emission.radiance)];
         if let (MaterialBoundary::Pane, Some(medium)) = (boundary, medium) {
-            let interface = self.materials.interface(&medium);
+            let interface = self.materials.null_interface(&medium);
             let inner = self.inner_shape(surface);
             placed.push(place(interface, inner, None));
         }
@@ -341,8 +341,8 @@ impl Shapes {
         }
         let mut object = ObjectDescription::Shape { shape, emission };
         if to_world != DAffine3::IDENTITY {
-            let maps = vec![TransformStep::Matrix(to_world.into())];
-            object = ObjectDescription::Transform { maps, object: Box::new(Spanned::new(object, Span::default())) };
+            let steps = vec![TransformStep::Matrix(to_world.into())];
+            object = ObjectDescription::Transform { steps, object: Box::new(Spanned::new(object, Span::default())) };
         }
         self.root.items.push(GroupItem::MaterialName(Spanned::new(material, Span::default())));
         self.root.items.push(GroupItem::Object(Spanned::new(object, Span::default())));

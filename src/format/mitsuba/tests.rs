@@ -51,8 +51,8 @@ fn objects(scene: &ImportedScene) -> Vec<(DAffine3, ObjectDescription)> {
     let items = scene.description.root.items.iter();
     let object = |item: &GroupItem| match item {
         GroupItem::Object(object) => Some(match &object.value {
-            ObjectDescription::Transform { maps, object } => {
-                (crate::format::transform_step::TransformStep::composed_matrix(maps), object.value.clone())
+            ObjectDescription::Transform { steps, object } => {
+                (crate::format::transform_step::TransformStep::composed_matrix(steps), object.value.clone())
             }
             other => (DAffine3::IDENTITY, other.clone()),
         }),

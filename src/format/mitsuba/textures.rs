@@ -263,7 +263,7 @@ impl Textures {
         };
         let to_uv = mitsuba_transform(context, texture, convention);
         // v = 0 is the top of a picture in Mitsuba, and the bottom in Caustica.
-        let coordinates = decomposed(context, texture, turned(to_uv));
+        let coordinates = decomposed(context, texture, flipped_v(to_uv));
         let kind = TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates };
         Ok(TextureValues::Texture(self.name(kind), mean))
     }
@@ -370,7 +370,7 @@ fn mitsuba_transform(
 }
 
 /// Returns the affine map followed by the flip of v to 1 − v.
-fn turned((linear, offset): (DMat2, DVec2)) -> (DMat2, DVec2) {
+fn flipped_v((linear, offset): (DMat2, DVec2)) -> (DMat2, DVec2) {
     let flip = DMat2::from_diagonal(DVec2::new(1.0, -1.0));
     (flip * linear, flip * offset + DVec2::Y)
 }

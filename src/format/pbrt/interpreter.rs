@@ -542,8 +542,8 @@ fn placed(
         if map == DAffine3::IDENTITY {
             return object;
         }
-        let maps = vec![TransformStep::Matrix(DMat4::from(map))];
-        Spanned::new(ObjectDescription::Transform { maps, object: Box::new(object) }, Span::default())
+        let steps = vec![TransformStep::Matrix(DMat4::from(map))];
+        Spanned::new(ObjectDescription::Transform { steps, object: Box::new(object) }, Span::default())
     };
     let Some(motion) = object_motion(transform) else { return under(outer * transform.0[0], object) };
     if motion.omits_scale {
@@ -551,7 +551,7 @@ fn placed(
     }
     let center = DAffine3::from_translation(motion.center);
     let object = under(center.inverse() * transform.0[0], object);
-    let moving = ObjectDescription::Moving { maps: motion.steps, object: Box::new(object) };
+    let moving = ObjectDescription::Moving { steps: motion.steps, object: Box::new(object) };
     under(outer * center, Spanned::new(moving, Span::default()))
 }
 

@@ -66,8 +66,8 @@ pub(super) struct Materials {
     pub descriptions: Vec<Spanned<MaterialDescription>>,
 }
 
-/// State of the conversion of one pbrt material for a shape.
-struct Conversion<'m> {
+/// Converter of one pbrt material for a shape, with the state of the conversion.
+struct MaterialConverter<'m> {
     materials: &'m mut Materials,
     textures: &'m mut Textures,
     files: &'m SceneFiles<'m>,
@@ -121,14 +121,14 @@ impl Materials {
         if let Some(name) = self.used.get(&key) {
             return Ok(name.clone());
         }
-        let mut conversion = Conversion { materials: self, textures, files, notes, medium };
-        let mut name = conversion.convert(material, 0)?;
+        let mut converter = MaterialConverter { materials: self, textures, files, notes, medium };
+        let mut name = converter.convert(material, 0)?;
         if let Some(parameter) = alpha {
             let place = Place { file: files.path.display().to_string().into(), line: 0 };
-            let value = conversion.textures.parameter_value(parameter, false, &place, files)?;
-            let (amount, mean) = conversion.scalar(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
+            let value = converter.textures.parameter_value(parameter, false, &place, files)?;
+            let (amount, mean) = converter.scalar(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
             if amount != TexturedValue::Plain(1.0) && mean < 1.0 {
-                name = conversion.masked(&name, amount)?;
+                name = converter.masked(&name, amount)?;
             }
         }
         self.used.insert(key, name.clone());
@@ -142,7 +142,7 @@ impl Materials {
     }
 }
 
-impl Conversion<'_> {
+impl MaterialConverter<'_> {
     /// Converts a pbrt material, adds it to the imported scene, and returns its name there.
     fn convert(&mut self, material: &CurrentMaterial, depth: usize) -> ReadResult<String> {
         let missing = |name: &str, place: &Place| {

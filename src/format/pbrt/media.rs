@@ -49,7 +49,7 @@ impl Media {
         for medium in &mut self.descriptions {
             if let DensityDescription::Grid { extent, .. } = &mut medium.value.density {
                 // A matrix applies after all earlier steps.
-                extent.maps.push(TransformStep::Matrix(DMat4::from(map)));
+                extent.steps.push(TransformStep::Matrix(DMat4::from(map)));
             }
         }
         (self.descriptions, self.grids)
@@ -192,7 +192,7 @@ impl Media {
             return Err(place.error("the box of the medium is empty", "give a `p1` above `p0` in every coordinate"));
         }
         files.count_memory(MEMORY_PER_CELL * values.len() as u64)?;
-        let extent = TransformedBoxDescription { min, max, maps: vec![TransformStep::Matrix(DMat4::from(to_world))] };
+        let extent = TransformedBoxDescription { min, max, steps: vec![TransformStep::Matrix(DMat4::from(to_world))] };
         let path = format!("grid{}", self.grids.len());
         self.grids.insert(path.clone(), Arc::new(DensityGrid { size, values }));
         Ok(DensityDescription::Grid { path: Spanned::new(path, Span::default()), scale: 1.0, extent })

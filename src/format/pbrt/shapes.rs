@@ -176,12 +176,12 @@ fn triangle_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<
         return Err(parameters.place.error(message, "give three `indices` for each triangle"));
     }
     mesh.triangles = corners.as_chunks().0.to_vec();
-    face_normals(&mut mesh);
+    orient_along_normals(&mut mesh);
     Ok(mesh)
 }
 
 /// Flips each triangle whose winding opposes its vertex normals. pbrt also orients faces by them.
-fn face_normals(mesh: &mut TriangleMesh) {
+fn orient_along_normals(mesh: &mut TriangleMesh) {
     let TriangleMesh { positions, triangles, normals: Some(normals), .. } = mesh else { return };
     for triangle in triangles {
         let [a, b, c] = triangle.map(|i| positions[i as usize]);
@@ -239,6 +239,6 @@ fn bilinear_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<
         }
     }
     (mesh.normals, mesh.texcoords) = (Some(normals), Some(texcoords));
-    face_normals(&mut mesh);
+    orient_along_normals(&mut mesh);
     Ok(mesh)
 }

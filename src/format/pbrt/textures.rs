@@ -265,7 +265,7 @@ impl Textures {
                 octaves,
                 frequency: 1.0,
                 amplitude: 1.0,
-                maps: Vec::new(),
+                steps: Vec::new(),
             },
         };
         files.count_memory(400)?;

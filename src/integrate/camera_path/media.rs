@@ -56,7 +56,8 @@ fn cross_medium<I: Interior>(
     let throughput = path.throughput * weight.as_vec3() * segment.transmittance_before;
 
     // Add emission. It is direct light of the last receiver, so it has no weight of indirect light.
-    let history = PathHistory { casters: path.history.casters + u32::from(segment.crossed), ..path.history };
+    let history =
+        PathHistory { casters: path.history.casters + u32::from(segment.crossed_hidden_boundary), ..path.history };
     if medium.emits() {
         let emitted = throughput * medium.emitted_radiance(ray, ray.t_max, rng);
         worker.groups.add(LightGroup::of_found_light(history), emitted);

@@ -64,8 +64,8 @@ fn estimates_along_x(
                 let mut rng = sampler.sample_key().medium_tracking_key(pass as u32).rng();
                 let radiance = maps.radiance(scene, &segment, 1.0, &mut rng, &mut worker);
                 worker.nested.finish_camera_ray(Some(1.0));
-                let steps = worker.nested.finish_pixel(1).steps;
-                for (mean, value) in means.iter_mut().zip([radiance, steps[0], steps[1]]) {
+                let differences = worker.nested.finish_pixel(1).differences;
+                for (mean, value) in means.iter_mut().zip([radiance, differences[0], differences[1]]) {
                     *mean += f64::from(value.x) / f64::from(RAYS);
                 }
                 None

@@ -14,31 +14,31 @@ const BLOCK: u32 = 16;
 
 /// Sums over passes from which the error of shared camera paths is estimated, for a few pixels.
 ///
-/// Shared paths are the same in all passes. Fresh paths are new in each pass. The error is the mean
-/// difference between radiance by shared paths and radiance by fresh paths.
+/// Shared paths are the same in all passes. Unshared paths are new in each pass. The error is the mean
+/// difference between radiance by shared paths and radiance by unshared paths.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct SharedPathErrorSums {
-    /// Indices of the pixels that each pass also renders with fresh camera paths, in rows from the
+    /// Indices of the pixels that each pass also renders with unshared camera paths, in rows from the
     /// top.
     pixels: Vec<u32>,
-    /// Sum over passes of radiance by shared paths minus radiance by fresh paths, for each pixel
+    /// Sum over passes of radiance by shared paths minus radiance by unshared paths, for each pixel
     /// and channel.
     sums: BinnedSums<3>,
     /// Sum over passes and channels of the squared difference between radiance by shared and by
-    /// fresh paths, for each pixel.
+    /// unshared paths, for each pixel.
     squares: BinnedSums<1>,
 }
 
 impl SharedPathErrorSums {
     pub(super) fn add(&mut self, pass: &Pass) {
         if self.pixels.is_empty() {
-            self.pixels = pass.fresh.iter().map(|(i, _)| *i).collect();
+            self.pixels = pass.unshared_path_pixels.iter().map(|(i, _)| *i).collect();
             self.sums = BinnedSums::new(self.pixels.len());
             self.squares = BinnedSums::new(self.pixels.len());
         }
-        let difference = |(at, fresh): &(u32, Rgb)| pass.image[*at as usize].as_dvec3() - fresh.as_dvec3();
-        self.sums.add(pass.fresh.iter().map(|fresh| difference(fresh).to_array()));
-        self.squares.add(pass.fresh.iter().map(|fresh| [difference(fresh).length_squared()]));
+        let difference = |(at, unshared): &(u32, Rgb)| pass.image[*at as usize].as_dvec3() - unshared.as_dvec3();
+        self.sums.add(pass.unshared_path_pixels.iter().map(|pixel| difference(pixel).to_array()));
+        self.squares.add(pass.unshared_path_pixels.iter().map(|pixel| [difference(pixel).length_squared()]));
     }
 
     /// Adds the passes of `other`, which has the same pixels.
@@ -55,7 +55,7 @@ impl SharedPathErrorSums {
         are_pixels && self.sums.len() == count && self.squares.len() == count
     }
 
-    /// Returns the indices of the pixels that each pass also renders with fresh camera paths, by
+    /// Returns the indices of the pixels that each pass also renders with unshared camera paths, by
     /// rows from the top.
     pub(super) fn pixels(&self) -> &[u32] {
         &self.pixels

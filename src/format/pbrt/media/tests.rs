@@ -31,7 +31,7 @@ fn uniform_grids_keep_densities_and_their_box() {
     // The mean factor by density is (0.5 + 2 + 3) / 6. Light counts once per absorption.
     assert!(medium(&scene).emission.abs_diff_eq(DVec3::new(2.0, 4.0, 0.0) * 5.5 / 6.0, 1e-12));
     // The world is mirrored along z.
-    let map = TransformStep::composed_matrix(&extent.maps);
+    let map = TransformStep::composed_matrix(&extent.steps);
     assert!(map.transform_point3(extent.min).abs_diff_eq(DVec3::new(-1.0, -1.0, -2.0), 1e-12));
     assert!(map.transform_point3(extent.max).abs_diff_eq(DVec3::new(1.0, 1.0, -4.0), 1e-12));
     assert!(messages(&scene).contains("emission of media that varies"));
