@@ -223,8 +223,8 @@ impl Camera {
     /// distance of a lens and the size of an orthographic image.
     #[must_use]
     pub fn orbited(self, pivot: DVec3, axis: DVec3, yaw: f64, pitch: f64, distance: f64) -> Self {
-        let right = rotated(self.right.normalize(), axis, yaw);
-        let turned = |v: DVec3| rotated(rotated(v, axis, yaw), right, pitch);
+        let right = rotated_vector(self.right.normalize(), axis, yaw);
+        let turned = |v: DVec3| rotated_vector(rotated_vector(v, axis, yaw), right, pitch);
         let moved = Self {
             center: pivot + turned(self.center - pivot) * distance,
             forward: turned(self.forward),
@@ -280,7 +280,7 @@ impl Camera {
 }
 
 /// Returns `v`, rotated by `angle` \[radians] around the unit vector `axis` (Rodrigues' formula).
-fn rotated(v: DVec3, axis: DVec3, angle: f64) -> DVec3 {
+fn rotated_vector(v: DVec3, axis: DVec3, angle: f64) -> DVec3 {
     let (sin, cos) = libm::sincos(angle);
     v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
 }

@@ -199,7 +199,7 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     });
     progress.remove_progress_bar();
     #[cfg(feature = "view")]
-    live.iter_mut().for_each(|live| live.end(&rendered, Phase::Ended));
+    live.iter_mut().for_each(|live| live.publish_end(&rendered, Phase::Ended));
     let powerless = all_lights_are_black(&scene);
     let aovs = || find_surface_aovs(arguments, &scene, integrator.as_ref(), &camera_paths, progress);
     let aovs = arguments.aov.is_some().then(aovs).flatten();

@@ -31,7 +31,7 @@ pub(super) fn collect_gather_directions<I: Interior>(
     let (p, normal) = (vertex.surface.point.p, vertex.surface.facing_normal());
     // The lookup visits the photons; its estimate is not used.
     let _ = maps.guides.estimate_radiance(p, normal, bandwidth, Kernel::Cone, guide_lookup, |flux| {
-        guide.borrow_mut().push(flux.incident_direction());
+        guide.borrow_mut().push_direction(flux.incident_direction());
         Rgb::ZERO
     });
 }

@@ -78,7 +78,7 @@ pub(super) struct FilmImage {
 
 impl FilmImage {
     /// Returns the part in the window `inner` of this picture of the window `outer`.
-    fn cut(self, outer: CropWindow, inner: CropWindow) -> Self {
+    fn cropped_to_window(self, outer: CropWindow, inner: CropWindow) -> Self {
         let Self { image, nested, groups, clamped, pixels, counters } = self;
         let pixels = pixels.into_iter().filter_map(|i| {
             let (x, y) = (outer.left + i % outer.size().0, outer.top + i / outer.size().0);
@@ -86,10 +86,10 @@ impl FilmImage {
             is_inside.then(|| (y - inner.top) * inner.size().0 + x - inner.left)
         });
         Self {
-            image: cut_pixels(&image, outer, inner),
-            nested: cut_pixels(&nested, outer, inner),
-            groups: groups.iter().map(|group| cut_pixels(group, outer, inner)).collect(),
-            clamped: cut_pixels(&clamped, outer, inner),
+            image: cropped_pixels(&image, outer, inner),
+            nested: cropped_pixels(&nested, outer, inner),
+            groups: groups.iter().map(|group| cropped_pixels(group, outer, inner)).collect(),
+            clamped: cropped_pixels(&clamped, outer, inner),
             pixels: pixels.collect(),
             counters,
         }
@@ -98,7 +98,7 @@ impl FilmImage {
 
 /// Returns the values in the window `inner` of a picture of the window `outer`; none if the picture
 /// has no values.
-fn cut_pixels<T: Copy>(pixels: &[T], outer: CropWindow, inner: CropWindow) -> Vec<T> {
+fn cropped_pixels<T: Copy>(pixels: &[T], outer: CropWindow, inner: CropWindow) -> Vec<T> {
     let columns = (inner.left - outer.left) as usize..(inner.right - outer.left) as usize;
     let rows = pixels.chunks(outer.size().0 as usize).skip((inner.top - outer.top) as usize);
     rows.take(inner.size().1 as usize).flat_map(|row| &row[columns.clone()]).copied().collect()
@@ -137,11 +137,11 @@ impl<'a> Tile<'a> {
             clamped: Vec::new(),
         };
         let mut tiles: Vec<Self> = (0..width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE)).map(empty).collect();
-        cut_rows_at_tiles(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
-        cut_rows_at_tiles(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
-        cut_rows_at_tiles(clamped, width).for_each(|(tile, row)| tiles[tile].clamped.push(row));
+        row_pieces_by_tile(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
+        row_pieces_by_tile(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
+        row_pieces_by_tile(clamped, width).for_each(|(tile, row)| tiles[tile].clamped.push(row));
         for (group, pixels) in groups.iter_mut().enumerate() {
-            cut_rows_at_tiles(pixels, width).for_each(|(tile, row)| tiles[tile].groups[group].push(row));
+            row_pieces_by_tile(pixels, width).for_each(|(tile, row)| tiles[tile].groups[group].push(row));
         }
         tiles
     }
@@ -149,7 +149,7 @@ impl<'a> Tile<'a> {
 
 /// Cuts the rows of a picture at tile borders. Returns the pieces from the top, each with the index
 /// of its tile.
-fn cut_rows_at_tiles<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
+fn row_pieces_by_tile<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
     let (width, edge) = (width as usize, TILE_SIZE as usize);
     let tile = move |x: usize, y: usize| y / edge * width.div_ceil(edge) + x;
     let rows = picture.chunks_mut(width).enumerate();
@@ -296,7 +296,7 @@ pub(super) fn render_tiles<T: Default>(
                     sum.add(value, weight);
                     group_sums.add_camera_ray(&mut worker.groups, weight);
                 } else {
-                    worker.groups.take();
+                    worker.groups.take_sums();
                     worker.counters.rejected_samples += 1;
                 }
                 if sampling.nested {
@@ -325,7 +325,7 @@ pub(super) fn render_tiles<T: Default>(
                         prefix_sum.add(value.as_dvec3() * f64::from(weight));
                         group_sums.add_prefix_ray(&mut worker.groups, weight);
                     } else {
-                        worker.groups.take();
+                        worker.groups.take_sums();
                         worker.counters.rejected_samples += 1;
                     }
                     if sampling.nested {
@@ -355,7 +355,7 @@ pub(super) fn render_tiles<T: Default>(
         a
     });
     let picture = FilmImage { image, nested, groups, clamped, pixels: rendered_pixels, counters };
-    if window == sampling.window { picture } else { picture.cut(window, sampling.window) }
+    if window == sampling.window { picture } else { picture.cropped_to_window(window, sampling.window) }
 }
 
 /// Returns the stride n ≥ 2 for which rendering one of every n tiles renders about `wanted` tiles.
@@ -477,7 +477,7 @@ impl GroupSums {
     /// Adds the light of one camera path, which `light` holds, and resets `light`.
     fn add_camera_ray(&mut self, light: &mut GroupedLight, weight: f32) {
         if light.is_wanted {
-            self.paths.iter_mut().zip(light.take()).for_each(|(sum, value)| sum.add(value, weight));
+            self.paths.iter_mut().zip(light.take_sums()).for_each(|(sum, value)| sum.add(value, weight));
         }
     }
 
@@ -485,7 +485,7 @@ impl GroupSums {
     fn add_prefix_ray(&mut self, light: &mut GroupedLight, weight: f32) {
         if light.is_wanted {
             let weight = f64::from(weight);
-            self.prefix_rays.iter_mut().zip(light.take()).for_each(|(sum, value)| sum.add(value.as_dvec3() * weight));
+            self.prefix_rays.iter_mut().zip(light.take_sums()).for_each(|(sum, value)| sum.add(value.as_dvec3() * weight));
         }
     }
 

@@ -104,7 +104,7 @@ impl NestedKernelSums {
     /// not hidden. Photons behind a surface should be left out. Measuring c for all photons takes
     /// too many probe rays. So one photon is chosen with probability f/F, where F is the sum. The
     /// function adds F/c − F for it, or −F if it is hidden. This has the same mean.
-    fn corrected(mut self, scene: &Scene, axis: Vec3, radius: f32, factor: Rgb) -> [Rgb; LEVELS] {
+    fn with_coverage_correction(mut self, scene: &Scene, axis: Vec3, radius: f32, factor: Rgb) -> [Rgb; LEVELS] {
         if let Some(ChosenPhoton { radiance, x2, towards }) = self.chosen {
             let probes = KernelProbes::trace(scene, &towards, axis, self.dimensions, radius);
             let sees = probes.first_probe_is_clear(x2.sqrt() * radius);
@@ -217,7 +217,7 @@ impl BeamAndPointMaps {
             let towards = || ray_towards_beam(ray, beam, &crossing);
             sums.add(radiance, phase * crossing.weight, crossing.x2, rng, towards);
         });
-        sums.corrected(scene, ray.direction, self.beams.radius(), medium.scattering)
+        sums.with_coverage_correction(scene, ray.direction, self.beams.radius(), medium.scattering)
     }
 
     /// Estimates radiance from photon points, with a two-dimensional kernel around the ray. Returns
@@ -248,7 +248,7 @@ impl BeamAndPointMaps {
             };
             sums.add(radiance, phase * weight, x2, rng, towards);
         });
-        sums.corrected(scene, ray.direction, self.points.radius(), Rgb::ONE)
+        sums.with_coverage_correction(scene, ray.direction, self.points.radius(), Rgb::ONE)
     }
 
     /// Estimates radiance from photon points, with a three-dimensional kernel around one sampled
@@ -279,7 +279,7 @@ impl BeamAndPointMaps {
         // The weight is σs·T over the pdf of the distance. Photons already carry scattered light,
         // so divide by σs.
         let factor = divide_by_scattering(distance_sample.weight, medium, p);
-        sums.corrected(scene, ray.direction, self.points.radius(), factor)
+        sums.with_coverage_correction(scene, ray.direction, self.points.radius(), factor)
     }
 }
 

@@ -46,7 +46,7 @@ impl KernelProbes {
                     .into_iter()
                     .for_each(|v| [v, -v].into_iter().for_each(&mut trace));
             }
-            _ => icosahedron(first).into_iter().for_each(|v| [v, -v].into_iter().for_each(&mut trace)),
+            _ => icosahedron_directions(first).into_iter().for_each(|v| [v, -v].into_iter().for_each(&mut trace)),
         }
         probes
     }
@@ -64,7 +64,7 @@ impl KernelProbes {
     /// It is a mean over the probe rays, and exactly 1 if none of them hits a surface.
     #[must_use]
     pub fn coverage(&self, radius: f32) -> f32 {
-        let parts = self.distances[..self.count].iter().map(|d| part_within(d / radius, self.dimensions));
+        let parts = self.distances[..self.count].iter().map(|d| kernel_fraction_within(d / radius, self.dimensions));
         (parts.sum::<f32>() / self.count as f32).max(MIN_COVERAGE)
     }
 }
@@ -73,7 +73,7 @@ impl KernelProbes {
 /// `dimensions` dimensions.
 ///
 /// The kernels are proportional to 1 − x² in one and three dimensions, and to (1 − x²)² in two.
-fn part_within(x: f32, dimensions: u32) -> f32 {
+fn kernel_fraction_within(x: f32, dimensions: u32) -> f32 {
     let x = x.min(1.0);
     let x2 = x * x;
     match dimensions {
@@ -85,7 +85,7 @@ fn part_within(x: f32, dimensions: u32) -> f32 {
 
 /// Unit vectors from the center of a regular icosahedron to six of its corners. The first is
 /// `first`; the other six corners lie opposite.
-fn icosahedron(first: Vec3) -> [Vec3; 6] {
+fn icosahedron_directions(first: Vec3) -> [Vec3; 6] {
     // cos 72°, sin 72°, cos 144° and sin 144°.
     const TURNS: [(f32, f32); 5] = [
         (1.0, 0.0),

@@ -224,15 +224,15 @@ fn maps_are_made_only_when_asked_for() {
     let served = Served::start();
     let number = served.page.begin_render();
     served.show(number, (2, 1), 0.25);
-    assert!(!served.page.take_wish_for_maps());
+    assert!(!served.page.take_map_request());
     let picture = served.get("layer/picture");
     let (head, values) = decode(&picture.body);
     assert_eq!((&head[1..], &values[..3]), (&[2, 1, 3][..], &[0.25, 0.125, -0.25][..]));
     assert_eq!(served.get(&format!("layer/picture?after={}", head[0])).code, 204);
     assert_eq!(served.get(&format!("layer/picture?after={}", head[0] - 1)).code, 200);
-    assert!(!served.page.take_wish_for_maps());
+    assert!(!served.page.take_map_request());
     assert_eq!(served.get("layer/noise").code, 404);
-    assert!(served.page.take_wish_for_maps() && !served.page.take_wish_for_maps());
+    assert!(served.page.take_map_request() && !served.page.take_map_request());
     assert_eq!(served.get("layer/secret").code, 404);
     assert_eq!(served.get("layer/reference").code, 404);
     let reference = Image::from_pixels(1, 1, vec![Vec3::splat(2.0)]).unwrap();
@@ -327,12 +327,12 @@ fn publications_change_no_bit_of_a_render() {
     let mut live = LiveRender::begin(&page, Instant::now());
     live.begin_passes(PlanReport::new(integrator.plan(), Vec::new()), &stop, (24, 16));
     let shown: RenderResult = render(integrator.as_ref(), (24, 16), &stop, &SilentMonitor, |progress| {
-        page.wish_for_maps();
+        page.request_maps();
         live.after_pass(progress, &stop);
     });
-    live.end(&shown, Phase::Ended);
+    live.publish_end(&shown, Phase::Ended);
     assert_eq!(plain.film, shown.film);
-    let newest = page.newest();
+    let newest = page.newest_state();
     let (status, maps) = (&newest.state.status, newest.state.maps.as_ref().unwrap());
     assert_eq!((status.passes, status.phase), (6, Phase::Ended));
     assert_eq!(newest.state.picture.as_ref().unwrap().layer(LayerKind::Picture).unwrap().colors(), shown.film.mean());
@@ -363,7 +363,7 @@ fn many_readers_share_one_encoding() {
         }
     });
     assert_eq!(good.into_inner(), 16);
-    let newest = served.page.newest();
+    let newest = served.page.newest_state();
     let frame = newest.state.picture.as_ref().unwrap();
     let [a, b] = [0, 1].map(|_| frame.encoded_layer(LayerKind::Picture).unwrap().as_ptr());
     assert_eq!(a, b);

@@ -122,7 +122,7 @@ impl<'a> Job<'a> {
                 if self.is_cancelled() {
                     return;
                 }
-                events.put(Event::Read { render: self.live.number(), files, loaded: loaded.clone() });
+                events.try_send(Event::Read { render: self.live.render_number(), files, loaded: loaded.clone() });
                 let failed = loaded.is_none();
                 self.live.publish(|state, _| {
                     state.source = Arc::new(source);
@@ -133,7 +133,7 @@ impl<'a> Job<'a> {
                 loaded
             }
         };
-        let moved = orbited_camera(&loaded.scene, loaded.up(), self.orbit);
+        let moved = orbited_camera(&loaded.scene, loaded.up_vector(), self.orbit);
         match moved.map(|camera| loaded.scene.with_camera(&camera)) {
             Some(scene) => self.render(&scene),
             None => self.render(&loaded.scene),
@@ -224,7 +224,7 @@ impl<'a> Job<'a> {
             // Drop resume requests from before the pause, so that they do not end it.
             while self.resumed.try_recv().is_ok() {}
             let is_stopped = rendered.ended == EndReason::Interrupted;
-            self.live.end(&rendered, if is_stopped { Phase::Stopped } else { Phase::Ended });
+            self.live.publish_end(&rendered, if is_stopped { Phase::Stopped } else { Phase::Ended });
             if self.resumed.recv().is_err() {
                 return;
             }

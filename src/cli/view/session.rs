@@ -61,11 +61,11 @@ impl<'a> Session<'a> {
             while !INTERRUPTED.load(Ordering::Relaxed) {
                 let first = events.recv_timeout(next_look.saturating_duration_since(Instant::now()));
                 // Of several camera movements, only the last one matters.
-                first.into_iter().chain(events.try_iter()).for_each(|event| state.apply(event));
-                let mut next_scene = state.moved_scene();
+                first.into_iter().chain(events.try_iter()).for_each(|event| state.handle_event(event));
+                let mut next_scene = state.scene_for_moved_camera();
                 if Instant::now() >= next_look {
                     next_look = Instant::now() + POLL_INTERVAL;
-                    if state.watch.look() {
+                    if state.watch.has_settled_change() {
                         next_scene = Some(JobScene::File(state.loaded.clone()));
                     }
                 }
@@ -88,7 +88,7 @@ impl<'a> Session<'a> {
         orbit: Orbit,
     ) -> (u32, JobHandle) {
         let live = LiveRender::begin(self.page, Instant::now());
-        let number = live.number();
+        let number = live.render_number();
         let context = JobContext {
             arguments: self.arguments,
             pool: self.pool,
@@ -103,7 +103,7 @@ impl<'a> Session<'a> {
 
 impl SessionState {
     /// Reacts to an event.
-    fn apply(&mut self, event: Event) {
+    fn handle_event(&mut self, event: Event) {
         match event {
             Event::Request(Request::Stop) => self.job.stop(),
             Event::Request(Request::Resume) => self.job.resume(),
@@ -122,7 +122,7 @@ impl SessionState {
 
     /// Returns the scene to render again because the camera has moved; `None` if the camera has not
     /// moved, or no scene has been read.
-    fn moved_scene(&self) -> Option<JobScene> {
+    fn scene_for_moved_camera(&self) -> Option<JobScene> {
         self.loaded.clone().filter(|_| self.orbit_changed).map(JobScene::Loaded)
     }
 }

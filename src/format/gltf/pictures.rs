@@ -91,7 +91,7 @@ impl<'a> Pictures<'a> {
     }
 
     /// Converts a texture for the use `wanted`; `None` if its picture has an unsupported format.
-    pub fn values(
+    pub fn texture_values(
         &mut self,
         reference: &TextureReference<'_>,
         wanted: TextureUse,
@@ -107,14 +107,14 @@ impl<'a> Pictures<'a> {
             Some(values) => values.clone(),
             None => {
                 let Some(levels) = self.decoded_levels(image.index(), &image, notes)? else { return Ok(None) };
-                let values = self.embed(&levels, wanted)?;
+                let values = self.embed_picture(&levels, wanted)?;
                 self.embedded.insert(key, values.clone());
                 values
             }
         };
         Ok(Some(match values {
             TextureValues::Constant(_) => values,
-            TextureValues::Texture(path, mean) => TextureValues::Texture(self.texture(reference, path, notes), mean),
+            TextureValues::Texture(path, mean) => TextureValues::Texture(self.texture_name(reference, path, notes), mean),
         }))
     }
 
@@ -134,7 +134,7 @@ impl<'a> Pictures<'a> {
     /// Returns the name of the imported scene's texture that shows the embedded picture `path`.
     ///
     /// `reference` gives its wrap mode and transform. Adds the texture at its first use.
-    fn texture(
+    fn texture_name(
         &mut self,
         reference: &TextureReference<'_>,
         path: Spanned<String>,
@@ -197,7 +197,7 @@ impl<'a> Pictures<'a> {
     ///
     /// Returns the path of the picture in place of a texture's name. Equal pixels give a constant,
     /// and no picture.
-    fn embed(&mut self, levels: &RgbaLevels, wanted: TextureUse) -> ReadResult<TextureValues> {
+    fn embed_picture(&mut self, levels: &RgbaLevels, wanted: TextureUse) -> ReadResult<TextureValues> {
         self.context.check_memory(12 * levels.pixels.len() as u64)?;
         let greatest = f64::from(levels.greatest);
         let srgb = if matches!(wanted, TextureUse::Color(_)) { levels.srgb_table() } else { Vec::new() };
@@ -244,7 +244,7 @@ impl<'a> TextureReference<'a> {
         let extension = info.texture_transform();
         let texcoord_set = extension.as_ref().and_then(|t| t.tex_coord()).unwrap_or(info.tex_coord());
         let transform = extension.map_or_else(TexcoordTransformDescription::default, |t| {
-            scene_transform(t.offset().map(f64::from), f64::from(t.rotation()), t.scale().map(f64::from))
+            texcoord_transform_description(t.offset().map(f64::from), f64::from(t.rotation()), t.scale().map(f64::from))
         });
         Self { texture: info.texture(), texcoord_set, transform }
     }
@@ -261,7 +261,7 @@ impl<'a> TextureReference<'a> {
         let number = |key: &str| extension?.get(key)?.as_f64();
         let texcoord_set = number("texCoord").map_or(normal.tex_coord(), |set| set as u32);
         let transform = if extension.is_some() {
-            scene_transform(numbers("offset", 0.0), number("rotation").unwrap_or(0.0), numbers("scale", 1.0))
+            texcoord_transform_description(numbers("offset", 0.0), number("rotation").unwrap_or(0.0), numbers("scale", 1.0))
         } else {
             TexcoordTransformDescription::default()
         };
@@ -269,7 +269,7 @@ impl<'a> TextureReference<'a> {
     }
 
     /// True if all numbers of the transform are finite and no scale is 0.
-    pub fn is_valid(&self) -> bool {
+    pub fn has_valid_transform(&self) -> bool {
         let TexcoordTransformDescription { scale, rotate, offset } = self.transform;
         scale.is_finite() && scale.x != 0.0 && scale.y != 0.0 && rotate.is_finite() && offset.is_finite()
     }
@@ -278,7 +278,7 @@ impl<'a> TextureReference<'a> {
 /// Converts a transform of texture coordinates.
 ///
 /// In glTF, v grows downwards. In the result, v of the mesh and of the picture grows upwards.
-fn scene_transform(offset: [f64; 2], rotation: f64, scale: [f64; 2]) -> TexcoordTransformDescription {
+fn texcoord_transform_description(offset: [f64; 2], rotation: f64, scale: [f64; 2]) -> TexcoordTransformDescription {
     let (sin, cos) = (libm::sin(rotation), libm::cos(rotation));
     TexcoordTransformDescription {
         scale: scale.into(),

@@ -33,7 +33,7 @@ impl Generatrix {
     }
 
     /// Returns the surface of a turn by `phi_max` \[radians], with normals ∂p/∂u × ∂p/∂v.
-    fn turned(&self, phi_max: f64) -> TriangleMesh {
+    fn surface_of_revolution(&self, phi_max: f64) -> TriangleMesh {
         let columns = (TURN_SEGMENTS * phi_max / (2.0 * PI)).ceil().max(1.0) as u32;
         let rows = self.points.len() as u32;
         let mut mesh = TriangleMesh::default();
@@ -131,7 +131,7 @@ pub(super) fn quadric_mesh(kind: &str, parameters: &Parameters) -> ReadResult<Op
         }
         _ => return Ok(None),
     };
-    Ok(Some(generatrix.turned(phi_max)))
+    Ok(Some(generatrix.surface_of_revolution(phi_max)))
 }
 
 #[cfg(test)]

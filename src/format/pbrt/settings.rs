@@ -36,7 +36,7 @@ pub(super) struct SuggestedFlags {
 
 impl SuggestedFlags {
     /// Adds a directive of the file with its name and parameters.
-    pub fn add(&mut self, directive: &str, name: &str, parameters: &Parameters) {
+    pub fn add_directive(&mut self, directive: &str, name: &str, parameters: &Parameters) {
         match directive {
             "Integrator" | "SurfaceIntegrator" => {
                 self.integrator.clear();
@@ -66,7 +66,7 @@ impl SuggestedFlags {
     }
 
     /// Returns all flags, with spaces between; empty if the file has no settings.
-    pub fn joined(&self) -> String {
+    pub fn flags_text(&self) -> String {
         let flags = self.integrator.iter().chain(&self.filter).chain(&self.sampler);
         flags.map(String::as_str).collect::<Vec<_>>().join(" ")
     }

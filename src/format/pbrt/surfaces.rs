@@ -40,7 +40,7 @@ pub(super) fn is_sheet(shape: &ShapeDescription, meshes: &BTreeMap<String, Arc<T
 /// The new shape faces backwards, and lies behind the sheet by a fraction of its size, because two
 /// coincident surfaces would be one hit. Its mesh gets a name that begins with `name`. The back of
 /// a closed shape is not visible, and that of a tube is left dark.
-pub(super) fn back_side(
+pub(super) fn back_side_shape(
     shape: &ShapeDescription,
     name: &str,
     meshes: &mut BTreeMap<String, Arc<TriangleMesh>>,

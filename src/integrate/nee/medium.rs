@@ -133,7 +133,7 @@ impl NextEventEstimator<'_> {
             ScatterPointSampling::Recorded => (RECORDED_POINTS, true),
             ScatterPointSampling::Guided { guide, points_per_radiance } => {
                 guide.distances_along(light, ray, color::channel_mean(medium.extinction()), &mut guided);
-                let scattered = color::channel_mean(path_segment.throughput * medium.scattering) * guided.total();
+                let scattered = color::channel_mean(path_segment.throughput * medium.scattering) * guided.total_weight();
                 let wanted = (scattered * points_per_radiance).clamp(MIN_POINTS, MAX_POINTS);
                 (if wanted > 1.0 { wanted.round() } else { wanted }, false)
             }
@@ -151,7 +151,7 @@ impl NextEventEstimator<'_> {
         let points = ScatterPointDistribution {
             path_segment,
             angles: self.lights[light].emission_point().map(|pivot| EquiangularDistribution::new(ray, pivot)),
-            guided: (guided.total() > 0.0).then_some(&guided),
+            guided: (guided.total_weight() > 0.0).then_some(&guided),
         };
         let mut sum = Rgb::ZERO;
         for i in 0..count {
