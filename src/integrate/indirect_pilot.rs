@@ -16,9 +16,9 @@ use super::indirect_division::{IndirectDivision, IndirectErrors, IndirectTechniq
 use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
+use super::path_task::PathTask;
 use super::photon_maps::PhotonMaps;
 use super::pilot_statistics::{box_mean, positive_median};
-use super::worker::PathWorker;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::stats::Counters;
@@ -246,11 +246,11 @@ impl<'a> PilotTrial<'a> {
 }
 
 impl LightParts {
-    /// Splits the `radiance` of a camera path into its parts by the sums in `worker`, and resets
+    /// Splits the `radiance` of a camera path into its parts by the sums in `task`, and resets
     /// these sums.
-    fn from_path_sums(radiance: Rgb, worker: &mut PathWorker) -> Self {
-        let light = std::mem::take(&mut worker.indirect_light);
-        let prefix = std::mem::take(&mut worker.prefix);
+    fn from_path_sums(radiance: Rgb, task: &mut PathTask) -> Self {
+        let light = std::mem::take(&mut task.indirect_light);
+        let prefix = std::mem::take(&mut task.prefix);
         let [total, up_to_receiver, all_photons, paths, photons, step] =
             [radiance, prefix.up_to_receiver, prefix.photons, light.paths, light.photons, light.nested_difference]
                 .map(|v| f64::from(color::channel_mean(v)));

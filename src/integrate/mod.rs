@@ -25,6 +25,7 @@ mod pass;
 mod pass_renderer;
 mod path;
 mod path_integrator;
+mod path_task;
 mod photon_maps;
 mod pilot_statistics;
 mod pm;
@@ -48,7 +49,6 @@ mod visible_pilot;
 mod volume_estimate;
 mod whitted;
 mod work_pilot;
-mod worker;
 
 pub use algorithm::Algorithm;
 pub use balance::RayPhotonBalance;

@@ -93,8 +93,8 @@ impl Integrator for PathIntegrator<'_> {
             FilmSampling { slices: cameras(), groups_light, window, clamp, ..renderers[0].film_sampling(pass) };
         let render_camera_paths = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn ProgressMonitor| {
             for_interior!(paths[0].policy.effects, <I> {
-                render_tiles(sampling, key, monitor, |ray, sampler, worker, branches| {
-                    trace_camera_path::<I>(&paths[worker.slice], ray, sampler, worker, branches)
+                render_tiles(sampling, key, monitor, |ray, sampler, task, branches| {
+                    trace_camera_path::<I>(&paths[task.shutter_slice], ray, sampler, task, branches)
                 })
             })
         };

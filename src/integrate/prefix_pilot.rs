@@ -263,17 +263,17 @@ fn render_light_parts(
     let (paths, key) = (pilot.path_context(maps, pass), pilot.prefix_ray_key(pass));
     let sampling = tiles::FilmSampling { nested: false, ..pilot.film_sampling(pass) };
     for_interior!(pilot.policy.effects, <I> {
-        tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, branches| {
-            let parts = parts(worker.film_position);
-            worker.prefix = PrefixLight {
+        tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, task, branches| {
+            let parts = parts(task.film_position);
+            task.prefix = PrefixLight {
                 ends_at_receiver: parts != PathParts::Whole,
                 lookups: u32::from(parts != PathParts::Prefix),
                 ..PrefixLight::default()
             };
-            let radiance = camera_path::trace_camera_path::<I>(&paths, ray, sampler, worker, branches);
+            let radiance = camera_path::trace_camera_path::<I>(&paths, ray, sampler, task, branches);
             let total = color::channel_mean(radiance);
             let (up_to_receiver, photons) =
-                (color::channel_mean(worker.prefix.up_to_receiver), color::channel_mean(worker.prefix.photons));
+                (color::channel_mean(task.prefix.up_to_receiver), color::channel_mean(task.prefix.photons));
             Rgb::new((total - up_to_receiver - photons).max(0.0), up_to_receiver, photons)
         })
     })

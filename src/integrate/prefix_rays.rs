@@ -18,7 +18,7 @@ pub(super) struct PrefixLight {
     ///
     /// n is the number of the pixel's camera paths. m is the number of its prefix rays: extra
     /// camera paths that end at their first receiver.
-    pub found_weight: f32,
+    pub up_to_receiver_weight: f32,
     /// Number of camera paths of the pixel, or of its prefix rays, that read photon maps: those
     /// with the lowest sample indices.
     pub lookups: u32,
@@ -51,7 +51,7 @@ impl Default for PrefixLight {
     /// end at their first receiver).
     fn default() -> Self {
         Self {
-            found_weight: 1.0,
+            up_to_receiver_weight: 1.0,
             lookups: 1,
             lookup_weight: 1.0,
             ends_at_receiver: false,
@@ -69,7 +69,7 @@ impl PrefixLight {
     pub fn camera_path_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.rays));
         let lookup_weight = 1.0 / (lookups as f32 + f32::from(prefix.lookups));
-        Self { found_weight: n / (n + m), lookups, lookup_weight, ..Self::default() }
+        Self { up_to_receiver_weight: n / (n + m), lookups, lookup_weight, ..Self::default() }
     }
 
     /// Returns the weights of light that a pixel's prefix rays find: extra camera paths that end at

@@ -92,10 +92,10 @@ fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<L
     let samplers = (0..count).map(|i| Sampler::new(key, i, count));
     let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
     let policy = PathPolicy { continuation: PathContinuation::Never, photons: PhotonLookups::Never, ..renderer.policy };
-    let workers = with_path_context(renderer, &policy, ScatterPointSampling::Recorded, |paths| {
+    let tasks = with_path_context(renderer, &policy, ScatterPointSampling::Recorded, |paths| {
         trace_paths_through_film_points(paths, &points).1
     });
-    let samples = || workers.iter().flat_map(|worker| &worker.in_scattering);
+    let samples = || tasks.iter().flat_map(|task| &task.in_scattering_samples_samples);
     let mean_radiance = samples().map(|sample| sample.contribution).sum::<f64>() / f64::from(count);
     if mean_radiance.is_nan() || mean_radiance <= 0.0 {
         return None;

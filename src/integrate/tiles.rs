@@ -3,9 +3,9 @@
 use super::light_group::{GroupedLight, LightGroup};
 use super::nested_estimates::NestedEstimates;
 use super::pass::{PassStage, ProgressMonitor};
+use super::path_task::PathTask;
 use super::prefix_rays::{PrefixLight, PrefixRayCount};
 use super::shutter::{RaySlices, SlicedCameras};
-use super::worker::PathWorker;
 use crate::camera::{Camera, CropWindow, Filter, FilterSample};
 use crate::color::Rgb;
 use crate::math::{CompensatedSum, Ray, gcd};
@@ -238,7 +238,7 @@ pub(super) fn render_tiles<T: Default>(
     sampling: &FilmSampling<'_>,
     key: Key,
     monitor: &dyn ProgressMonitor,
-    radiance: impl Fn(&Ray, Sampler, &mut PathWorker, &mut T) -> Rgb + Sync,
+    radiance: impl Fn(&Ray, Sampler, &mut PathTask, &mut T) -> Rgb + Sync,
 ) -> FilmImage {
     let (whole_width, whole_height) = sampling.camera.size();
     // Searches for photons begin with the radius of the pixel before in the tile, which can change
@@ -263,7 +263,7 @@ pub(super) fn render_tiles<T: Default>(
 
     let work = tiles.into_par_iter().map(|mut tile| {
         let groups = GroupedLight::new(sampling.groups_light);
-        let mut worker = PathWorker { nests_estimates: sampling.nested, groups, ..PathWorker::default() };
+        let mut task = PathTask { nests_estimates: sampling.nested, groups, ..PathTask::default() };
         let mut tile_state = T::default();
         let mut rendered = 0;
         let tile_pixels = tile_pixels(tile.index, columns, width, height).take_while(|_| !monitor.is_cancelled());
@@ -276,60 +276,60 @@ pub(super) fn render_tiles<T: Default>(
             let mut group_sums = GroupSums::default();
             let mut removed = RemovedLight::default();
             let slices = sampling.divide_rays(x, y, samples);
-            worker.prefix = PrefixLight::camera_path_weights(samples, slices.used_slice_count(), prefix);
-            worker.film_position = corner + 0.5;
+            task.prefix = PrefixLight::camera_path_weights(samples, slices.used_slice_count(), prefix);
+            task.film_position = corner + 0.5;
             for sample in 0..samples {
                 // Trace one camera ray.
                 let sampler = Sampler::new(pixel, sample, samples);
-                worker.slice = slices.slice(sample);
-                let (ray, weight) = sampling.generate_ray(worker.slice, corner, sampler);
-                worker.counters.camera_rays += 1;
-                worker.photon_light = Rgb::ZERO;
-                let mut value = radiance(&ray, sampler, &mut worker, &mut tile_state);
+                task.shutter_slice = slices.slice(sample);
+                let (ray, weight) = sampling.generate_ray(task.shutter_slice, corner, sampler);
+                task.counters.camera_rays += 1;
+                task.photon_radiance = Rgb::ZERO;
+                let mut value = radiance(&ray, sampler, &mut task, &mut tile_state);
 
                 // Add its radiance to the pixel.
                 if let Some(limit) = sampling.clamp {
-                    removed.add_camera_ray(clamp_path_light(&mut value, limit, &mut worker), weight);
+                    removed.add_camera_ray(clamp_path_light(&mut value, limit, &mut task), weight);
                 }
                 let finite = value.is_finite();
                 if finite {
                     sum.add(value, weight);
-                    group_sums.add_camera_ray(&mut worker.groups, weight);
+                    group_sums.add_camera_ray(&mut task.groups, weight);
                 } else {
-                    worker.groups.take_sums();
-                    worker.counters.rejected_samples += 1;
+                    task.groups.take_sums();
+                    task.counters.rejected_samples += 1;
                 }
                 if sampling.nested {
-                    worker.nested.finish_camera_ray(finite.then_some(weight));
+                    task.nested.finish_camera_ray(finite.then_some(weight));
                 }
             }
             let mut prefix_sum = CompensatedSum::default();
             if let Some(PrefixRays { key, .. }) = sampling.prefix_rays
                 && prefix.rays > 0
             {
-                worker.prefix = PrefixLight::prefix_ray_weights(samples, slices.used_slice_count(), prefix);
+                task.prefix = PrefixLight::prefix_ray_weights(samples, slices.used_slice_count(), prefix);
                 let slices = sampling.divide_rays(x, y, prefix.rays.into());
                 for ray in 0..u32::from(prefix.rays) {
                     // Trace one prefix ray and add its light.
                     let sampler = Sampler::new(key.pixel_key(x, y), ray, prefix.rays.into());
-                    worker.slice = slices.slice(ray);
-                    let (ray, weight) = sampling.generate_ray(worker.slice, corner, sampler);
-                    worker.counters.camera_rays += 1;
-                    worker.photon_light = Rgb::ZERO;
-                    let mut value = radiance(&ray, sampler, &mut worker, &mut tile_state);
+                    task.shutter_slice = slices.slice(ray);
+                    let (ray, weight) = sampling.generate_ray(task.shutter_slice, corner, sampler);
+                    task.counters.camera_rays += 1;
+                    task.photon_radiance = Rgb::ZERO;
+                    let mut value = radiance(&ray, sampler, &mut task, &mut tile_state);
                     if let Some(limit) = sampling.clamp {
-                        removed.add_prefix_ray(clamp_path_light(&mut value, limit, &mut worker), weight);
+                        removed.add_prefix_ray(clamp_path_light(&mut value, limit, &mut task), weight);
                     }
                     let finite = value.is_finite();
                     if finite {
                         prefix_sum.add(value.as_dvec3() * f64::from(weight));
-                        group_sums.add_prefix_ray(&mut worker.groups, weight);
+                        group_sums.add_prefix_ray(&mut task.groups, weight);
                     } else {
-                        worker.groups.take_sums();
-                        worker.counters.rejected_samples += 1;
+                        task.groups.take_sums();
+                        task.counters.rejected_samples += 1;
                     }
                     if sampling.nested {
-                        worker.nested.finish_camera_ray(finite.then_some(weight));
+                        task.nested.finish_camera_ray(finite.then_some(weight));
                     }
                 }
             }
@@ -337,7 +337,7 @@ pub(super) fn render_tiles<T: Default>(
             let total = if is_signed { sum.weighted_sum() } else { sum.unweighted_sum() };
             tile.image[row][column] = ((total + prefix_sum.value()) / f64::from(samples)).as_vec3();
             if sampling.nested {
-                tile.nested[row][column] = worker.nested.finish_pixel(samples);
+                tile.nested[row][column] = task.nested.finish_pixel(samples);
             }
             if sampling.clamp.is_some() {
                 tile.clamped[row][column] = removed.pixel_value(is_signed, samples);
@@ -348,7 +348,7 @@ pub(super) fn render_tiles<T: Default>(
             rendered += 1;
         }
         monitor.report_progress(rendered);
-        worker.counters
+        task.counters
     });
     let counters = work.reduce(Counters::default, |mut a, b| {
         a += b;
@@ -428,15 +428,15 @@ impl PixelSum {
 ///
 /// All light groups of the ray lose in the proportion in which `value` does. The removed radiance
 /// of a ray that is not finite is 0, because its value does not count.
-fn clamp_path_light(value: &mut Rgb, limit: f32, worker: &mut PathWorker) -> Rgb {
-    let found = *value - worker.photon_light;
+fn clamp_path_light(value: &mut Rgb, limit: f32, task: &mut PathTask) -> Rgb {
+    let found = *value - task.photon_radiance;
     let largest = found.max_element();
     if !(value.is_finite() && largest > limit) {
         return Rgb::ZERO;
     }
-    let clamped = worker.photon_light + found * (limit / largest);
+    let clamped = task.photon_radiance + found * (limit / largest);
     let removed = *value - clamped;
-    worker.groups.scale(Rgb::select(value.cmpgt(Rgb::ZERO), clamped / *value, Rgb::ONE));
+    task.groups.scale(Rgb::select(value.cmpgt(Rgb::ZERO), clamped / *value, Rgb::ONE));
     *value = clamped;
     removed
 }
@@ -485,7 +485,10 @@ impl GroupSums {
     fn add_prefix_ray(&mut self, light: &mut GroupedLight, weight: f32) {
         if light.is_wanted {
             let weight = f64::from(weight);
-            self.prefix_rays.iter_mut().zip(light.take_sums()).for_each(|(sum, value)| sum.add(value.as_dvec3() * weight));
+            self.prefix_rays
+                .iter_mut()
+                .zip(light.take_sums())
+                .for_each(|(sum, value)| sum.add(value.as_dvec3() * weight));
         }
     }
 

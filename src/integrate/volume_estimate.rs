@@ -1,7 +1,7 @@
 //! Photon estimates in media: the radiance that a medium scatters along a segment of a camera path.
 
+use super::path_task::PathTask;
 use super::vertex::MediumPathSegment;
-use super::worker::PathWorker;
 use crate::color::{Rgb, Wavelength};
 use crate::math::{Frame, Ray};
 use crate::medium::{self, Medium, TransmittanceCurve};
@@ -156,21 +156,21 @@ impl BeamAndPointMaps {
     /// Estimates the radiance that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
     /// `samples` is the number of camera paths for which the estimate stands, times a weight. It
-    /// multiplies only the nested estimates in `worker`, not the result.
+    /// multiplies only the nested estimates in `task`, not the result.
     pub fn radiance<I: Interior>(
         &self,
         scene: &Scene,
         path_segment: &MediumPathSegment<'_, I>,
         samples: f32,
         rng: &mut impl Rng,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Rgb {
         if self.beams.is_empty() && self.points.is_empty() {
             return Rgb::ZERO;
         }
-        worker.counters.gathers += 1;
-        let nested = worker.nests_estimates;
-        let (count, curve) = (&mut worker.counters.gathered_photons, &mut worker.transmittance);
+        task.counters.gathers += 1;
+        let nested = task.nests_estimates;
+        let (count, curve) = (&mut task.counters.gathered_photons, &mut task.transmittance);
         let MediumSegment { ray, medium, .. } = path_segment.segment;
         let mut levels = [Rgb::ZERO; LEVELS];
         let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
@@ -187,8 +187,8 @@ impl BeamAndPointMaps {
             });
         }
         if nested {
-            worker.nested.add(path_segment.throughput * samples, levels);
-            worker.nested_difference = levels[0] - levels[1];
+            task.nested.add(path_segment.throughput * samples, levels);
+            task.nested_difference = levels[0] - levels[1];
         }
         levels[0]
     }

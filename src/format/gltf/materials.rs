@@ -240,13 +240,21 @@ impl MaterialConverter<'_, '_> {
             None => {
                 let texture = self.texture_reference(pbr.metallic_roughness_texture().as_ref());
                 let roughness = clamped_to_unit(pbr.roughness_factor());
-                let metallic = self.textured_scalar_and_mean(texture.as_ref(), TextureUse::Channel(2, clamped_to_unit(pbr.metallic_factor())))?;
+                let metallic = self.textured_scalar_and_mean(
+                    texture.as_ref(),
+                    TextureUse::Channel(2, clamped_to_unit(pbr.metallic_factor())),
+                )?;
                 let alpha = self.textured_scalar_and_mean(texture.as_ref(), TextureUse::Roughness(roughness))?;
                 (metallic.0, alpha)
             }
         };
         let index = self.refractive_index(material);
-        let surface = MetallicRoughnessSurface { base, base_texture, f0: self.dielectric_normal_reflectance(material, index), alpha };
+        let surface = MetallicRoughnessSurface {
+            base,
+            base_texture,
+            f0: self.dielectric_normal_reflectance(material, index),
+            alpha,
+        };
         if metallic == TexturedValue::Plain(1.0) {
             return self.metal_description(&surface);
         }
@@ -255,7 +263,8 @@ impl MaterialConverter<'_, '_> {
             return Ok(dielectric);
         }
         let metal = self.metal_description(&surface)?;
-        let (first, second) = (self.add_mix_component("dielectric", dielectric), self.add_mix_component("metal", metal));
+        let (first, second) =
+            (self.add_mix_component("dielectric", dielectric), self.add_mix_component("metal", metal));
         Ok(mix_description(first, second, metallic))
     }
 
@@ -278,12 +287,16 @@ impl MaterialConverter<'_, '_> {
             return Ok(glass);
         }
         let opaque_dielectric = self.opaque_dielectric_description(surface)?;
-        let (first, second) = (self.add_mix_component("opaque", opaque_dielectric), self.add_mix_component("glass", glass));
+        let (first, second) =
+            (self.add_mix_component("opaque", opaque_dielectric), self.add_mix_component("glass", glass));
         Ok(mix_description(first, second, amount))
     }
 
     /// Converts the opaque dielectric part: a diffuse surface with a Phong lobe for the gloss.
-    fn opaque_dielectric_description(&mut self, surface: &MetallicRoughnessSurface<'_>) -> ReadResult<MaterialKindDescription> {
+    fn opaque_dielectric_description(
+        &mut self,
+        surface: &MetallicRoughnessSurface<'_>,
+    ) -> ReadResult<MaterialKindDescription> {
         let MetallicRoughnessSurface { base, base_texture, f0, alpha } = surface;
         let kept = 1.0 - f0.max_element();
         let diffuse = self.textured_color(base_texture.as_ref(), *base * kept)?;
@@ -308,7 +321,9 @@ impl MaterialConverter<'_, '_> {
         }
         self.add_note("metals with a texture of color are mirrors or Phong lobes");
         if alpha.1 < MIN_PHONG_ALPHA {
-            return Ok(MaterialKindDescription::Mirror { reflectance: self.textured_color(base_texture.as_ref(), *base)? });
+            return Ok(MaterialKindDescription::Mirror {
+                reflectance: self.textured_color(base_texture.as_ref(), *base)?,
+            });
         }
         let shininess = phong_exponent(alpha.1);
         let specular = self.textured_color(base_texture.as_ref(), *base * phong_specular_color(shininess))?;
@@ -450,7 +465,8 @@ impl MaterialConverter<'_, '_> {
 
     fn normal_map(&mut self, material: &gltf::Material<'_>) -> ReadResult<Option<NormalPerturbationDescription>> {
         let Some(normal) = material.normal_texture() else { return Ok(None) };
-        let reference = Some(TextureReference::from_normal_texture(&normal)).filter(TextureReference::has_valid_transform);
+        let reference =
+            Some(TextureReference::from_normal_texture(&normal)).filter(TextureReference::has_valid_transform);
         let scale = f64::from(normal.scale());
         let values =
             self.texture_values(reference.as_ref(), TextureUse::Normal(if scale.is_finite() { scale } else { 1.0 }))?;
@@ -473,7 +489,11 @@ impl MaterialConverter<'_, '_> {
     }
 
     /// Returns the color of a surface: `factor` times the texture, if there is one.
-    fn textured_color(&mut self, texture: Option<&TextureReference<'_>>, factor: DVec3) -> ReadResult<TexturedValue<DVec3>> {
+    fn textured_color(
+        &mut self,
+        texture: Option<&TextureReference<'_>>,
+        factor: DVec3,
+    ) -> ReadResult<TexturedValue<DVec3>> {
         Ok(match self.texture_values(texture, TextureUse::Color(factor))? {
             Some(TextureValues::Constant(color)) => TexturedValue::Plain(color),
             Some(TextureValues::Texture(name, _)) => TexturedValue::Texture(name),

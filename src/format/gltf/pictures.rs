@@ -114,7 +114,9 @@ impl<'a> Pictures<'a> {
         };
         Ok(Some(match values {
             TextureValues::Constant(_) => values,
-            TextureValues::Texture(path, mean) => TextureValues::Texture(self.texture_name(reference, path, notes), mean),
+            TextureValues::Texture(path, mean) => {
+                TextureValues::Texture(self.texture_name(reference, path, notes), mean)
+            }
         }))
     }
 
@@ -261,7 +263,11 @@ impl<'a> TextureReference<'a> {
         let number = |key: &str| extension?.get(key)?.as_f64();
         let texcoord_set = number("texCoord").map_or(normal.tex_coord(), |set| set as u32);
         let transform = if extension.is_some() {
-            texcoord_transform_description(numbers("offset", 0.0), number("rotation").unwrap_or(0.0), numbers("scale", 1.0))
+            texcoord_transform_description(
+                numbers("offset", 0.0),
+                number("rotation").unwrap_or(0.0),
+                numbers("scale", 1.0),
+            )
         } else {
             TexcoordTransformDescription::default()
         };

@@ -103,10 +103,12 @@ fn textures_keep_factor_channel_and_place() {
     let MaterialKindDescription::Mix { amount: TexturedValue::Texture(alpha), .. } = material_kind(&scene, "a") else {
         panic!()
     };
-    let MaterialKindDescription::Mix { amount: TexturedValue::Texture(metal), .. } = material_kind(&scene, "a solid") else {
+    let MaterialKindDescription::Mix { amount: TexturedValue::Texture(metal), .. } = material_kind(&scene, "a solid")
+    else {
         panic!()
     };
-    let MaterialKindDescription::Phong { diffuse: TexturedValue::Texture(base), .. } = material_kind(&scene, "a dielectric")
+    let MaterialKindDescription::Phong { diffuse: TexturedValue::Texture(base), .. } =
+        material_kind(&scene, "a dielectric")
     else {
         panic!()
     };
@@ -197,14 +199,26 @@ fn broken_files_are_refused_with_their_place() {
         change(&mut scene);
         scene
     };
-    assert_import_error(&with(&|s| s["accessors"][0]["count"] = 4.into()), "accessors[0]: 4 elements of 12 bytes do not fit");
+    assert_import_error(
+        &with(&|s| s["accessors"][0]["count"] = 4.into()),
+        "accessors[0]: 4 elements of 12 bytes do not fit",
+    );
     assert_import_error(
         &with(&|s| s["bufferViews"][0]["byteOffset"] = 20.into()),
         "bufferViews[0]: it ends beyond its buffer",
     );
-    assert_import_error(&with(&|s| s["buffers"][0]["byteLength"] = 49.into()), "buffers[0]: it has 48 bytes instead of 49");
-    assert_import_error(&with(&|s| s["buffers"][0]["uri"] = "data:;base64,*".into()), "buffers[0]: its data URI is damaged");
-    assert_import_error(&with(&|s| s["buffers"][0]["uri"] = "none.bin".into()), "buffers[0]: the file `none.bin` does not");
+    assert_import_error(
+        &with(&|s| s["buffers"][0]["byteLength"] = 49.into()),
+        "buffers[0]: it has 48 bytes instead of 49",
+    );
+    assert_import_error(
+        &with(&|s| s["buffers"][0]["uri"] = "data:;base64,*".into()),
+        "buffers[0]: its data URI is damaged",
+    );
+    assert_import_error(
+        &with(&|s| s["buffers"][0]["uri"] = "none.bin".into()),
+        "buffers[0]: the file `none.bin` does not",
+    );
     assert_import_error(&with(&|s| s["buffers"][0]["uri"] = "http://a/b".into()), "`http://a/b` is not a local file");
     assert_import_error(&with(&|s| s["accessors"][0]["type"] = "VEC2".into()), "attributes.POSITION");
     assert_import_error(&with(&|s| s["nodes"][0]["mesh"] = 9.into()), "nodes[0].mesh is an index out of range");
@@ -215,7 +229,10 @@ fn broken_files_are_refused_with_their_place() {
         &with(&|s| s["nodes"][0]["translation"] = json!([1e39, 0, 0])),
         "nodes[0]: its transform is not finite",
     );
-    assert_import_error(&with(&|s| s["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])), "`KHR_draco_mesh_");
+    assert_import_error(
+        &with(&|s| s["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])),
+        "`KHR_draco_mesh_",
+    );
     assert_import_error(&with(&|s| s["asset"]["version"] = "1.0".into()), "glTF 1.0 is not read");
     let mut indexed = with(&|s| s["meshes"][0]["primitives"][0]["indices"] = 1.into());
     assert_import_error(&indexed, "accessors[1]: indices must be unsigned integers");
@@ -226,7 +243,11 @@ fn broken_files_are_refused_with_their_place() {
         json!({ "count": 1, "indices": { "bufferView": 1, "componentType": 5121 }, "values": { "bufferView": 0 } });
     let mut huge = with(&|s| s["accessors"][0]["sparse"] = sparse.clone());
     huge["accessors"][0].as_object_mut().unwrap().remove("bufferView");
-    assert_eq!(import_json(&huge).assets.meshes["mesh0-0"].positions, [DVec3::ZERO], "one element is replaced, by zero");
+    assert_eq!(
+        import_json(&huge).assets.meshes["mesh0-0"].positions,
+        [DVec3::ZERO],
+        "one element is replaced, by zero"
+    );
     huge["accessors"][0]["count"] = 1_000_000_000_u64.into();
     let options = ImportOptions { memory: MemoryLimit::Limit(1 << 33), ..ImportOptions::default() };
     let error = decode(Path::new("a.gltf"), huge.to_string().as_bytes(), &options).unwrap_err();

@@ -47,7 +47,9 @@ pub(super) fn conductor(
     let name = named.unwrap_or("none");
     let is_ideal = match (&eta, &k) {
         (None, None) => name == "none",
-        (_, Some(k)) => eta.as_ref().is_some_and(|eta| eta.uniform_value() == Some(0.0)) && k.uniform_value() == Some(1.0),
+        (_, Some(k)) => {
+            eta.as_ref().is_some_and(|eta| eta.uniform_value() == Some(0.0)) && k.uniform_value() == Some(1.0)
+        }
         _ => false,
     };
     if is_ideal {
@@ -75,7 +77,11 @@ pub(super) fn conductor(
 /// Returns the metal with the index η + ik of the BSDF, relative to the index outside.
 ///
 /// `eta` and `k` are RGB values or spectra; `None` stands for 0.
-fn metal_from_index(bsdf: &SceneObject, eta: Option<ColorValue>, k: Option<ColorValue>) -> ReadResult<MetalDescription> {
+fn metal_from_index(
+    bsdf: &SceneObject,
+    eta: Option<ColorValue>,
+    k: Option<ColorValue>,
+) -> ReadResult<MetalDescription> {
     let (eta, k) = (eta.unwrap_or(ColorValue::Uniform(0.0)), k.unwrap_or(ColorValue::Uniform(0.0)));
     let outer = bsdf.number("ext_eta").unwrap_or(1.0);
     let (eta, k) = match (&eta, &k) {

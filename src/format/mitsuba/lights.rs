@@ -56,7 +56,9 @@ pub(super) fn read_light(
             let irradiance = scaled_strength(emitter, color("irradiance")?);
             LightDescription::Directional { direction, strength: DirectionalLightStrength::Irradiance(irradiance) }
         }
-        "constant" => LightDescription::Environment(EnvironmentRadiance::Constant(scaled_strength(emitter, color("radiance")?))),
+        "constant" => {
+            LightDescription::Environment(EnvironmentRadiance::Constant(scaled_strength(emitter, color("radiance")?)))
+        }
         "envmap" => LightDescription::Environment(read_environment(context, textures, emitter, to_world)?),
         "sky" | "sun" | "sunsky" => {
             let message = format!("the daylight model `{}` is not supported", emitter.plugin);
@@ -128,7 +130,9 @@ fn read_spot(
     let texture = context.named_child(emitter, ObjectClass::Texture, "texture")?;
     let embed_picture = |textures: &mut Textures, width, height, pixels| {
         let image = Image::from_pixels(width, height, pixels);
-        image.map(|image| textures.embed_picture(image)).map_err(|error| emitter.place.error(error, "use another texture"))
+        image
+            .map(|image| textures.embed_picture(image))
+            .map_err(|error| emitter.place.error(error, "use another texture"))
     };
     if let Some(texture) = texture.filter(|texture| texture.plugin == "bitmap") {
         if cutoff > MAX_PICTURE_CUTOFF {
@@ -209,7 +213,9 @@ fn read_projector(
 /// In the emitter's own frame, they are −x, +y and +z.
 fn emitter_axes(emitter: &SceneObject, to_world: DMat4) -> ReadResult<[DVec3; 3]> {
     let axes = [-to_world.x_axis.truncate(), to_world.y_axis.truncate(), to_world.z_axis.truncate()];
-    let [Some(right), Some(up), Some(forward)] = axes.map(DVec3::try_normalize) else { return Err(singular_transform_error(emitter)) };
+    let [Some(right), Some(up), Some(forward)] = axes.map(DVec3::try_normalize) else {
+        return Err(singular_transform_error(emitter));
+    };
     if forward.cross(up).length() < 1e-6 {
         return Err(singular_transform_error(emitter));
     }

@@ -39,7 +39,11 @@ pub(super) struct Media {
 
 impl Media {
     /// Returns the name of a medium in the imported scene. Converts it at its first use.
-    pub fn medium_name(&mut self, context: &ImportContext<'_>, medium: &Rc<SceneObject>) -> ReadResult<Spanned<String>> {
+    pub fn medium_name(
+        &mut self,
+        context: &ImportContext<'_>,
+        medium: &Rc<SceneObject>,
+    ) -> ReadResult<Spanned<String>> {
         let key = Rc::as_ptr(medium);
         if let Some(name) = self.names.get(&key) {
             return Ok(Spanned::new(name.clone(), Span::default()));

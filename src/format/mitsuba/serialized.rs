@@ -54,7 +54,8 @@ pub(super) fn decode(file: &[u8], index: usize, free: Option<u64>) -> Result<Ser
     if version != 3 && version != 4 {
         return Err(format!("version {version} of the format is not known"));
     }
-    let start = if index == 0 { 0 } else { mesh_offset(file, index, version).ok_or_else(|| missing_mesh_error(index))? };
+    let start =
+        if index == 0 { 0 } else { mesh_offset(file, index, version).ok_or_else(|| missing_mesh_error(index))? };
     if u16_at(start)? != SIGNATURE {
         return Err("the list of meshes at the end of the file is damaged".to_owned());
     }
@@ -78,7 +79,11 @@ pub(super) fn decode(file: &[u8], index: usize, free: Option<u64>) -> Result<Ser
     let positions: Vec<DVec3> = reader.read_vectors(count)?;
     let normals = if flags & HAS_NORMALS != 0 { Some(reader.read_vectors(count)?) } else { None };
     let texcoords: Option<Vec<DVec2>> = if flags & HAS_TEXCOORDS != 0 {
-        Some((0..count).map(|_| Ok(DVec2::new(reader.read_number()?, reader.read_number()?))).collect::<Result<_, Defect>>()?)
+        Some(
+            (0..count)
+                .map(|_| Ok(DVec2::new(reader.read_number()?, reader.read_number()?)))
+                .collect::<Result<_, Defect>>()?,
+        )
     } else {
         None
     };
@@ -147,7 +152,11 @@ impl MeshReader<'_> {
     }
 
     fn read_number(&mut self) -> Result<f64, Defect> {
-        Ok(if self.is_double { f64::from_le_bytes(self.read_array()?) } else { f32::from_le_bytes(self.read_array()?).into() })
+        Ok(if self.is_double {
+            f64::from_le_bytes(self.read_array()?)
+        } else {
+            f32::from_le_bytes(self.read_array()?).into()
+        })
     }
 
     fn read_vectors(&mut self, count: usize) -> Result<Vec<DVec3>, Defect> {

@@ -88,8 +88,9 @@ fn parameters_references_and_spellings_are_resolved() {
 fn files_are_included_once_and_never_in_circles() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("parts")).unwrap();
-    let part =
-        scene_xml(r#"<default name="size" value="7"/><shape type="sphere"><float name="radius" value="$size"/></shape>"#);
+    let part = scene_xml(
+        r#"<default name="size" value="7"/><shape type="sphere"><float name="radius" value="$size"/></shape>"#,
+    );
     std::fs::write(folder.path().join("parts/part.xml"), part).unwrap();
     std::fs::write(folder.path().join("circle.xml"), scene_xml(r#"<include filename="circle.xml"/>"#)).unwrap();
     let scene = import_text_in_folder(folder.path(), r#"<path value="parts"/><include filename="part.xml"/>"#);
@@ -97,10 +98,17 @@ fn files_are_included_once_and_never_in_circles() {
     let error = import_error_in_folder(folder.path(), r#"<include filename="circle.xml"/>"#, &ImportOptions::default());
     assert!(error.contains("includes itself"), "{error}");
     let inner = folder.path().join("parts");
-    let error = import_error_in_folder(&inner, r#"<path value=".."/><include filename="circle.xml"/>"#, &ImportOptions::default());
+    let error = import_error_in_folder(
+        &inner,
+        r#"<path value=".."/><include filename="circle.xml"/>"#,
+        &ImportOptions::default(),
+    );
     assert!(error.contains("outside the folder"), "{error}");
     let trusting = ImportOptions { allows_outside_files: true, ..ImportOptions::default() };
-    assert!(import_error_in_folder(&inner, r#"<path value=".."/><include filename="circle.xml"/>"#, &trusting).contains("itself"));
+    assert!(
+        import_error_in_folder(&inner, r#"<path value=".."/><include filename="circle.xml"/>"#, &trusting)
+            .contains("itself")
+    );
 }
 
 #[test]
@@ -132,7 +140,10 @@ fn damaged_documents_are_errors_with_a_place() {
     assert_import_error("<shape type=\"sphere\"><ref id=\"a\"/></shape>", "no object has the id `a`");
     assert_import_error("<string name=\"a\" value=\"$b\"/>", "parameter `$b` has no value");
     assert_import_error("<bsdf type=\"diffuse\" id=\"a\"/><bsdf type=\"diffuse\" id=\"a\"/>", "two objects");
-    assert_import_error("<shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/></shape>", "`a.obj` does not exist");
+    assert_import_error(
+        "<shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/></shape>",
+        "`a.obj` does not exist",
+    );
     assert_import_error("<emitter type=\"sunsky\"/>", "`sunsky` is not supported");
     let nested = "<bsdf type=\"twosided\">".repeat(100) + &"</bsdf>".repeat(100);
     assert_import_error(&nested, "nested deeper");
@@ -211,8 +222,9 @@ fn smooth_and_rough_materials_have_their_parameters() {
         panic!()
     };
     assert_eq!((&*name.value, roughness), ("gold", TexturedValue::Plain(0.3)));
-    let index =
-        sphere_material(r#"<bsdf type="conductor"><rgb name="eta" value="1 2 3"/><spectrum name="k" value="4"/></bsdf>"#);
+    let index = sphere_material(
+        r#"<bsdf type="conductor"><rgb name="eta" value="1 2 3"/><spectrum name="k" value="4"/></bsdf>"#,
+    );
     let MaterialKindDescription::Conductor { metal: MetalDescription::Index { eta, k }, .. } = index.kind else {
         panic!()
     };
@@ -240,7 +252,8 @@ fn tinted_metals_keep_their_reflectance_at_normal_incidence() {
 #[test]
 fn wrapped_materials_become_mixes_and_perturbations() {
     let inner = "<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"0.1\"/></bsdf>";
-    let masked = sphere_material(&format!("<bsdf type=\"mask\"><float name=\"opacity\" value=\"0.25\"/>{inner}</bsdf>"));
+    let masked =
+        sphere_material(&format!("<bsdf type=\"mask\"><float name=\"opacity\" value=\"0.25\"/>{inner}</bsdf>"));
     let MaterialKindDescription::Mix { first, amount, .. } = masked.kind else { panic!() };
     assert_eq!((&*first.value, amount), ("clear", TexturedValue::Plain(0.25)));
     let two = sphere_material(&format!("<bsdf type=\"twosided\">{inner}</bsdf>"));

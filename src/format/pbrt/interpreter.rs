@@ -468,12 +468,15 @@ impl<'a> Interpreter<'a> {
                 self.content.notes.add_unsupported(message, place.position_text());
                 None
             }
-            (Some(light), None) => Some(ShapeEmission::from_parameters(&light.parameters, self.files, &mut self.content)?),
+            (Some(light), None) => {
+                Some(ShapeEmission::from_parameters(&light.parameters, self.files, &mut self.content)?)
+            }
             (None, _) => None,
         };
         let alpha = parameters.find("alpha");
         let SceneContent { meshes, textures, materials, notes, .. } = &mut self.content;
-        let material = materials.imported_material_name(&self.state.material, (medium, alpha), textures, self.files, notes)?;
+        let material =
+            materials.imported_material_name(&self.state.material, (medium, alpha), textures, self.files, notes)?;
         let separates_media = inside != self.state.media[1];
         if separates_media && !materials.bounds_body(&material) && is_sheet(&shape, meshes) {
             // pbrt lets light that leaves the back of a sheet travel through the inner medium.

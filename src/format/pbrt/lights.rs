@@ -106,7 +106,10 @@ impl Lights {
                         // The map has −z at its left edge.
                         aim: DirectionOrTarget::Direction(DVec3::Z),
                         up: Some(DVec3::Y),
-                        pattern: LightPattern::Map(Spanned::new(content.textures.embed_picture(map, files)?, Span::default())),
+                        pattern: LightPattern::Map(Spanned::new(
+                            content.textures.embed_picture(map, files)?,
+                            Span::default(),
+                        )),
                         strength: intensity,
                     },
                 }
@@ -286,7 +289,11 @@ pub(super) struct ShapeEmission {
 
 impl ShapeEmission {
     /// Returns the emission of an area light.
-    pub fn from_parameters(parameters: &Parameters, files: &SceneFiles<'_>, content: &mut SceneContent) -> ReadResult<Self> {
+    pub fn from_parameters(
+        parameters: &Parameters,
+        files: &SceneFiles<'_>,
+        content: &mut SceneContent,
+    ) -> ReadResult<Self> {
         let place: &Place = &parameters.place;
         let wanted = ColorUse::Light { is_v3: content.is_v3 };
         let radiance = match parameters.find("L") {
@@ -294,7 +301,9 @@ impl ShapeEmission {
             None => DVec3::ONE,
         };
         if parameters.find("filename").is_some() {
-            content.notes.add_unsupported("pictures of area lights are ignored: they emit evenly", place.position_text());
+            content
+                .notes
+                .add_unsupported("pictures of area lights are ignored: they emit evenly", place.position_text());
         }
         let power = parameters.number("power").filter(|power| *power > 0.0);
         let is_two_sided = parameters.flag("twosided") == Some(true);

@@ -155,7 +155,8 @@ impl MaterialConverter<'_> {
             }
         };
         let Some(FileMaterial { kind, parameters }) = found else {
-            return self.push_material(MaterialKindDescription::Diffuse { reflectance: DVec3::splat(0.5).into() }, None);
+            return self
+                .push_material(MaterialKindDescription::Diffuse { reflectance: DVec3::splat(0.5).into() }, None);
         };
         let place = &parameters.place;
         if kind == "mix" {
@@ -195,7 +196,10 @@ impl MaterialConverter<'_> {
         let clear = MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() };
         let clear = self.push_material(clear, None)?;
         let part = |name: &str| Spanned::new(name.to_owned(), Span::default());
-        self.push_material(MaterialKindDescription::Mix { first: part(&clear), second: part(name), amount: opacity }, None)
+        self.push_material(
+            MaterialKindDescription::Mix { first: part(&clear), second: part(name), amount: opacity },
+            None,
+        )
     }
 
     /// Converts a mix of two named materials, and returns its name.
@@ -260,14 +264,18 @@ impl MaterialConverter<'_> {
                 if p.find_any(&["Kr", "Kt"]).is_some() {
                     self.add_note("mirrors and transmission of `uber` (Kr, Kt) are left out", place);
                 }
-                let (_, gloss) = self.textured_color_and_mean(p, "Ks", if kind == "disney" { 0.04 } else { default }, &|c| c)?;
-                let f0 = if matches!(kind, "plastic" | "uber") { normal_reflectance(COAT_INDEX) * gloss } else { gloss };
+                let (_, gloss) =
+                    self.textured_color_and_mean(p, "Ks", if kind == "disney" { 0.04 } else { default }, &|c| c)?;
+                let f0 =
+                    if matches!(kind, "plastic" | "uber") { normal_reflectance(COAT_INDEX) * gloss } else { gloss };
                 let kept = DVec3::splat(1.0 - f0.max_element());
                 let (diffuse, _) = self.textured_color_and_mean(p, name, default, &|c| c * kept)?;
                 let roughness = self.roughness(p, 0.1, true)?;
                 phong_description(diffuse, f0, roughness.mean)
             }
-            "mirror" => MaterialKindDescription::Mirror { reflectance: self.textured_color_and_mean(p, "Kr", 0.9, &|c| c)?.0 },
+            "mirror" => {
+                MaterialKindDescription::Mirror { reflectance: self.textured_color_and_mean(p, "Kr", 0.9, &|c| c)?.0 }
+            }
             "glass" | "dielectric" => {
                 let is_v3 = kind == "glass";
                 if p.find_any(&["Kr", "Kt"]).is_some_and(|color| color.numbers.iter().any(|c| *c != 1.0)) {
@@ -281,22 +289,29 @@ impl MaterialConverter<'_> {
                     priority: 0,
                 }
             }
-            "thindielectric" => {
-                MaterialKindDescription::Thin { index: self.refractive_index(p, &["eta"])?, transmittance: DVec3::ONE.into() }
-            }
+            "thindielectric" => MaterialKindDescription::Thin {
+                index: self.refractive_index(p, &["eta"])?,
+                transmittance: DVec3::ONE.into(),
+            },
             "conductor" | "metal" => {
                 let roughness = self.roughness(p, if kind == "metal" { 0.01 } else { 0.0 }, kind == "metal")?;
                 self.conductor_description(p, ["reflectance", "eta", "k"], roughness.alpha)?
             }
             "coatedconductor" => {
                 self.add_note("coats of conductors are left out: the conductor is bare", place);
-                let alpha = self.roughness_from_names(p, ["conductor.uroughness", "conductor.vroughness"], 0.0, false)?.alpha;
+                let alpha =
+                    self.roughness_from_names(p, ["conductor.uroughness", "conductor.vroughness"], 0.0, false)?.alpha;
                 self.conductor_description(p, ["reflectance", "conductor.eta", "conductor.k"], alpha)?
             }
             "diffusetransmission" => {
                 self.add_note("diffuse transmission is left out: surfaces only reflect", place);
                 let scale = p.number_or("scale", 1.0);
-                diffuse(self.textured_color_and_mean(p, "reflectance", 0.25, &|c| (c * scale).clamp(DVec3::ZERO, DVec3::ONE))?.0)
+                diffuse(
+                    self.textured_color_and_mean(p, "reflectance", 0.25, &|c| {
+                        (c * scale).clamp(DVec3::ZERO, DVec3::ONE)
+                    })?
+                    .0,
+                )
             }
             "translucent" => {
                 self.add_note("diffuse transmission is left out: surfaces only reflect", place);
@@ -405,7 +420,13 @@ impl MaterialConverter<'_> {
     /// Returns GGX α from the parameters `u` and `v`, or else from the common `roughness`.
     ///
     /// Different roughness in both directions becomes its geometric mean.
-    fn roughness_from_names(&mut self, p: &Parameters, [u, v]: [&str; 2], default: f64, is_v3: bool) -> ReadResult<Roughness> {
+    fn roughness_from_names(
+        &mut self,
+        p: &Parameters,
+        [u, v]: [&str; 2],
+        default: f64,
+        is_v3: bool,
+    ) -> ReadResult<Roughness> {
         let place = &p.place;
         let prefix = u.strip_suffix("uroughness").unwrap_or_default();
         let common = format!("{prefix}roughness");
@@ -458,7 +479,11 @@ impl MaterialConverter<'_> {
     /// Converts a value to a number: averages its channels and applies `map`.
     ///
     /// Returns the number or number texture, and its mean over the texture.
-    fn textured_scalar_and_mean(&mut self, value: &TextureValue, map: &dyn Fn(f64) -> f64) -> ReadResult<(TexturedValue<f64>, f64)> {
+    fn textured_scalar_and_mean(
+        &mut self,
+        value: &TextureValue,
+        map: &dyn Fn(f64) -> f64,
+    ) -> ReadResult<(TexturedValue<f64>, f64)> {
         let mean = |c: DVec3| if c.x == c.y && c.y == c.z { c.x } else { c.element_sum() / 3.0 };
         let gray = |color: DVec3| DVec3::splat(map(mean(color)));
         let (value, mean) = self.textures.add_texture(value, &gray, self.files)?;

@@ -143,7 +143,8 @@ impl Media {
     ) -> ReadResult<MediumValues> {
         let place = &parameters.place;
         let size = grid_size(parameters)?;
-        let (absorption, scattering) = (cell_values(parameters, "sigma_a", size)?, cell_values(parameters, "sigma_s", size)?);
+        let (absorption, scattering) =
+            (cell_values(parameters, "sigma_a", size)?, cell_values(parameters, "sigma_s", size)?);
         let count = absorption.or(scattering).map(<[_]>::len);
         let count =
             count.ok_or_else(|| place.error("the medium has no coefficients", "give `sigma_a` or `sigma_s`"))?;
@@ -200,7 +201,11 @@ impl Media {
 }
 
 /// Returns a medium that is equal everywhere.
-fn homogeneous_medium(parameters: &Parameters, files: &SceneFiles<'_>, notes: &mut ImportNotes) -> ReadResult<MediumValues> {
+fn homogeneous_medium(
+    parameters: &Parameters,
+    files: &SceneFiles<'_>,
+    notes: &mut ImportNotes,
+) -> ReadResult<MediumValues> {
     if let Some(preset) = parameters.text("preset") {
         let message = format!("media by preset have pbrt's default coefficients, not those of `{preset}`");
         notes.add_unsupported(&message, parameters.place.position_text());
@@ -213,7 +218,11 @@ fn homogeneous_medium(parameters: &Parameters, files: &SceneFiles<'_>, notes: &m
 }
 
 /// Returns σa and σs, times the scale. Defaults are 1, or whole milk per millimetre.
-fn absorption_and_scattering(parameters: &Parameters, defaults_to_one: bool, files: &SceneFiles<'_>) -> ReadResult<[DVec3; 2]> {
+fn absorption_and_scattering(
+    parameters: &Parameters,
+    defaults_to_one: bool,
+    files: &SceneFiles<'_>,
+) -> ReadResult<[DVec3; 2]> {
     let place = &parameters.place;
     let scale = parameters.number_or("scale", 1.0);
     let value = |name: &str, milk: DVec3| -> ReadResult<DVec3> {

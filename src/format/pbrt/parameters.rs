@@ -131,7 +131,8 @@ impl Parameter {
             return self.push_value(&first.kind, place);
         }
         loop {
-            let token = tokens.next_token()?.ok_or_else(|| place.error("a bracket is not closed", "close it with `]`"))?;
+            let token =
+                tokens.next_token()?.ok_or_else(|| place.error("a bracket is not closed", "close it with `]`"))?;
             match &token.kind {
                 TokenKind::Close => return Ok(()),
                 kind @ (TokenKind::Open | TokenKind::Word(_) | TokenKind::Quoted(_)) => self.push_value(kind, place)?,

@@ -105,7 +105,12 @@ fn materials_of_both_versions_are_read() {
         panic!()
     };
     assert_eq!(roughness, TexturedValue::Plain(0.09));
-    assert!(try_import_text("WorldBegin Material \"measured\" Shape \"sphere\"").unwrap_err().to_string().contains("measured"));
+    assert!(
+        try_import_text("WorldBegin Material \"measured\" Shape \"sphere\"")
+            .unwrap_err()
+            .to_string()
+            .contains("measured")
+    );
 }
 
 #[test]
@@ -213,7 +218,8 @@ fn parts_of_quadrics_become_meshes() {
 fn sheets_between_media_are_noted() {
     let media = "WorldBegin MakeNamedMedium \"fog\" MediumInterface \"\" \"fog\"";
     let sheet = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]";
-    let notes = |text: &str| note_messages(&import_text(&format!("{media} {text}"))).contains("sheets do not separate media");
+    let notes =
+        |text: &str| note_messages(&import_text(&format!("{media} {text}"))).contains("sheets do not separate media");
     assert!(notes(sheet) && notes("Shape \"disk\"") && !notes("Shape \"sphere\""));
     assert!(!notes(&format!("MediumInterface \"fog\" \"fog\" {sheet}")));
     assert!(!notes(&format!("Material \"interface\" MediumInterface \"fog\" \"\" {sheet}")));

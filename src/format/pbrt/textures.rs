@@ -174,13 +174,21 @@ impl Textures {
                 let wrap = match parameters.text("wrap") {
                     Some("clamp") => WrapMode::Clamp,
                     Some("black") => {
-                        notes.add_unsupported("textures that are black beyond their edges repeat", place.position_text());
+                        notes.add_unsupported(
+                            "textures that are black beyond their edges repeat",
+                            place.position_text(),
+                        );
                         WrapMode::Repeat
                     }
                     _ => WrapMode::Repeat,
                 };
                 let factor = DVec3::splat(parameters.number_or("scale", 1.0).max(0.0));
-                TextureValue::Picture { image: image.into(), factor, wrap, coordinates: texcoord_transform_description(parameters, notes) }
+                TextureValue::Picture {
+                    image: image.into(),
+                    factor,
+                    wrap,
+                    coordinates: texcoord_transform_description(parameters, notes),
+                }
             }
             "fbm" | "wrinkled" | "windy" | "marble" => {
                 notes.add_unsupported("procedural textures have Caustica's noise, not pbrt's", place.position_text());

@@ -3,9 +3,9 @@
 
 use super::{CENTER, NextEventEstimator, ScatterPointSampling, ShadowRayScheme, stratified_sample};
 use crate::color::{self, Rgb};
+use crate::integrate::path_task::PathTask;
 use crate::integrate::scatter_point_guide::{GuidedDistances, InScatteringSample};
 use crate::integrate::vertex::MediumPathSegment;
-use crate::integrate::worker::PathWorker;
 use crate::light::ShadowTarget;
 use crate::math::Ray;
 use crate::medium::DistanceSample;
@@ -46,7 +46,7 @@ impl NextEventEstimator<'_> {
         path_segment: &MediumPathSegment<'_, I>,
         distance_sample: &DistanceSample,
         continues: bool,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Rgb {
         let segment = path_segment.segment;
         let path_point = || {
@@ -60,7 +60,7 @@ impl NextEventEstimator<'_> {
                     let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
                     let sampler = path_segment.shadow_sampler.nth_shadow_ray_sampler(i);
                     if segment.medium.is_homogeneous() && path_segment.history.receivers == 0 {
-                        let guided = self.estimate_at_guided_points(i, rays, path_segment, sampler, continues, worker);
+                        let guided = self.estimate_at_guided_points(i, rays, path_segment, sampler, continues, task);
                         if let Some(found) = guided {
                             sum += found;
                             continue;
@@ -79,7 +79,7 @@ impl NextEventEstimator<'_> {
                                 sampler,
                                 rays as f32,
                                 continues,
-                                worker,
+                                task,
                             );
                         }
                     }
@@ -100,7 +100,7 @@ impl NextEventEstimator<'_> {
                         sampler,
                         rays,
                         continues,
-                        worker,
+                        task,
                     );
                 }
             }
@@ -121,10 +121,10 @@ impl NextEventEstimator<'_> {
         path_segment: &MediumPathSegment<'_, I>,
         sampler: Sampler,
         continues: bool,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Option<Rgb> {
         let MediumSegment { ray, medium, .. } = path_segment.segment;
-        let mut guided = std::mem::take(&mut worker.guided_distances);
+        let mut guided = std::mem::take(&mut task.guided_distances);
         guided.clear();
 
         // Find how many points the segment deserves.
@@ -133,7 +133,8 @@ impl NextEventEstimator<'_> {
             ScatterPointSampling::Recorded => (RECORDED_POINTS, true),
             ScatterPointSampling::Guided { guide, points_per_radiance } => {
                 guide.distances_along(light, ray, color::channel_mean(medium.extinction()), &mut guided);
-                let scattered = color::channel_mean(path_segment.throughput * medium.scattering) * guided.total_weight();
+                let scattered =
+                    color::channel_mean(path_segment.throughput * medium.scattering) * guided.total_weight();
                 let wanted = (scattered * points_per_radiance).clamp(MIN_POINTS, MAX_POINTS);
                 (if wanted > 1.0 { wanted.round() } else { wanted }, false)
             }
@@ -164,16 +165,16 @@ impl NextEventEstimator<'_> {
                 sampler,
                 rays as f32,
                 continues,
-                worker,
+                task,
             );
             sum += found;
             if records {
                 let radiance = f64::from(color::channel_mean(found) / color::channel_mean(point.weight));
                 let contribution = f64::from(color::channel_mean(path_segment.throughput * found) / expected_count);
-                worker.in_scattering.push(InScatteringSample { light, p: point.p, radiance, contribution });
+                task.in_scattering_samples.push(InScatteringSample { light, p: point.p, radiance, contribution });
             }
         }
-        worker.guided_distances = guided;
+        task.guided_distances = guided;
         Some(sum / expected_count)
     }
 
@@ -190,7 +191,7 @@ impl NextEventEstimator<'_> {
         sampler: Sampler,
         rays: f32,
         continues: bool,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Rgb {
         let segment = path_segment.segment;
         let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
@@ -198,7 +199,7 @@ impl NextEventEstimator<'_> {
         // Light arrives along −`wi` and leaves along the reversed ray direction: the two signs
         // cancel.
         let phase = segment.medium.phase.evaluate(segment.ray.direction.dot(sample.wi));
-        let mut scattered = point.weight * sample.weight * (phase / rays);
+        let mut scattered = point.weight * sample.irradiance * (phase / rays);
         if scattered == Rgb::ZERO {
             return Rgb::ZERO;
         }
@@ -214,7 +215,7 @@ impl NextEventEstimator<'_> {
             ShadowTarget::Infinity => (Ray::new(point.p, sample.wi), f32::INFINITY),
         };
         if self.effects.has(Effect::Shadows) {
-            worker.counters.shadow_rays += 1;
+            task.counters.shadow_rays += 1;
             if self.scene.occluded(&ray) {
                 return if self.has_null_interfaces {
                     scattered * self.scene.shadow_transmittance(&ray, segment.interior, sampler.sample_key())

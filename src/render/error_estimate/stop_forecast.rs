@@ -145,8 +145,10 @@ impl ErrorForecast {
         let (weights, densities) = (self.power_weights(), self.blur_quantiles());
         let mut sums = POWERS.map(|power| DiscAreaSums::new(self.alpha, power));
         let at_pilot = POWERS.map(|power| DiscAreaSums::of_passes(self.alpha, power, made));
-        let choices: Vec<(usize, f64)> =
-            ALL_DRAWS.iter().map(|draw| (cumulative_index(&weights, draw.power), quantile_at(&densities, draw.blur))).collect();
+        let choices: Vec<(usize, f64)> = ALL_DRAWS
+            .iter()
+            .map(|draw| (cumulative_index(&weights, draw.power), quantile_at(&densities, draw.blur)))
+            .collect();
         let mut ends = vec![None; DRAWS];
         let due = EstimateSchedule::due_passes().skip_while(|n| n < possible.start());
         for passes in due.take_while(|n| possible.contains(n)) {

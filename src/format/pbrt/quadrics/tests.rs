@@ -16,7 +16,10 @@ fn mesh_area(mesh: &TriangleMesh) -> f64 {
 #[test]
 fn facets_have_the_area_of_their_surface() {
     let cases = [
-        (quadric_mesh_of_numbers("sphere", &[("radius", &[2.0]), ("zmin", &[-1.0]), ("zmax", &[0.5])]), 2.0 * PI * 2.0 * 1.5),
+        (
+            quadric_mesh_of_numbers("sphere", &[("radius", &[2.0]), ("zmin", &[-1.0]), ("zmax", &[0.5])]),
+            2.0 * PI * 2.0 * 1.5,
+        ),
         (quadric_mesh_of_numbers("sphere", &[("phimax", &[90.0])]), PI),
         (quadric_mesh_of_numbers("cylinder", &[("radius", &[0.5]), ("zmax", &[3.0]), ("phimax", &[180.0])]), 2.0 * PI),
         (quadric_mesh_of_numbers("disk", &[("radius", &[2.0]), ("innerradius", &[1.0])]), 3.0 * PI),
