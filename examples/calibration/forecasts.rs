@@ -82,7 +82,7 @@ fn score_of_pilot(traces: &[Trace], pilot: u32) -> Score {
             }
             let (error, confidence) = (reached.target.error, reached.target.interval_confidence());
             score.cases += 1.0;
-            let StopForecast::Passes(range) = forecast.stop(error, confidence) else {
+            let StopForecast::Passes(range) = forecast.stop_forecast(error, confidence) else {
                 score.silent += 1.0;
                 continue;
             };

@@ -298,7 +298,7 @@ fn render_passes(
             // Without a target, the forecast is for half of the error.
             let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
             let target = target.unwrap_or(half);
-            (estimate, target, forecast.stop(target.error, target.interval_confidence()))
+            (estimate, target, forecast.stop_forecast(target.error, target.interval_confidence()))
         });
         let error = forecast.as_ref().map(|(estimate, target, forecast)| {
             format!(

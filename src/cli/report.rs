@@ -96,7 +96,7 @@ impl EstimatedErrorReport {
         let estimate = estimator.estimate_with_confidence(&rendered.film, confidence);
         let forecast = estimator.forecast(&estimate)?;
         let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
-        let halving_passes = match forecast.stop(half.error, half.interval_confidence()) {
+        let halving_passes = match forecast.stop_forecast(half.error, half.interval_confidence()) {
             StopForecast::Passes(range) => Some(range.median),
             StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
         };

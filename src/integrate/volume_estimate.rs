@@ -264,7 +264,7 @@ impl BeamAndPointMaps {
         let MediumSegment { ray, medium, index, interior, .. } = path_segment.segment;
         let own = interior.wavelength();
         let distance_sample = medium.distance_sample(ray, ray.t_max, path_segment.throughput, rng);
-        let Some(t) = distance_sample.scattered else { return [Rgb::ZERO; LEVELS] };
+        let Some(t) = distance_sample.scattering_distance else { return [Rgb::ZERO; LEVELS] };
         let p = ray.at(t);
         let mut sums = NestedKernelSums::new(3, nested);
         self.points.visit_near_point(p, |photon, weight, x2| {

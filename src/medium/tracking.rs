@@ -193,7 +193,10 @@ pub(super) fn distance_sample(
             }
         });
     let lost = !through && scattered.is_none();
-    DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { zero_unsampled_channels(left, probabilities) } }
+    DistanceSample {
+        scattering_distance: scattered,
+        weight: if lost { Rgb::ZERO } else { zero_unsampled_channels(left, probabilities) },
+    }
 }
 
 /// Estimates emitted radiance as a sum over tentative collisions: the transmittance up to each

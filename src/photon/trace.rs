@@ -276,7 +276,7 @@ impl PhotonPass<'_> {
         }
         let sample = medium.distance_sample(ray, ray.t_max, flux * weight.as_vec3(), rng);
         *weight *= sample.weight.as_dvec3();
-        if let Some(t) = sample.scattered
+        if let Some(t) = sample.scattering_distance
             && stored
             && !as_beam
         {
@@ -284,6 +284,6 @@ impl PhotonPass<'_> {
             let place = DepositPlace::Point { position: ray.at(t), direction: ray.direction, medium: *index };
             deposit(Deposit { kind, place, flux, wavelength });
         }
-        sample.scattered
+        sample.scattering_distance
     }
 }

@@ -91,7 +91,7 @@ fn cross_medium<I: Interior>(
     // Scatter, or continue to the end of the segment.
     if continues {
         *weight *= distance_sample.weight.as_dvec3();
-        return distance_sample.scattered;
+        return distance_sample.scattering_distance;
     }
     *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
     None

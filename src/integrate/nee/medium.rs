@@ -50,7 +50,7 @@ impl NextEventEstimator<'_> {
     ) -> Rgb {
         let segment = path_segment.segment;
         let path_point = || {
-            let t = distance_sample.scattered?;
+            let t = distance_sample.scattering_distance?;
             Some(ScatterPoint { p: segment.ray.at(t), weight: distance_sample.weight })
         };
         let mut sum = Rgb::ZERO;
@@ -266,7 +266,7 @@ impl<I: Interior> ScatterPointDistribution<'_, I> {
         let t = match (self.guided, &self.angles) {
             (Some(guided), _) if which < guided_fraction => guided.sample(u),
             (_, Some(angles)) if which >= 1.0 - angle_fraction => angles.sample(u),
-            _ => medium.distance_sample(ray, ray.t_max, self.path_segment.throughput, &mut rng).scattered?,
+            _ => medium.distance_sample(ray, ray.t_max, self.path_segment.throughput, &mut rng).scattering_distance?,
         };
         let pdf = guided_fraction * self.guided.map_or(0.0, |guided| guided.pdf(t))
             + angle_fraction * self.angles.as_ref().map_or(0.0, |angles| angles.pdf(t))
@@ -283,35 +283,37 @@ impl<I: Interior> ScatterPointDistribution<'_, I> {
 /// as a point light.
 struct EquiangularDistribution {
     /// Distance along the ray from its origin to the position closest to the pivot \[length].
-    closest: f32,
+    closest_distance: f32,
     /// Smallest distance between the ray's line and the pivot \[length].
-    distance: f32,
+    pivot_distance: f32,
     /// Angle from the closest position to the start of the ray, seen from the pivot \[rad].
-    from: f32,
+    start_angle: f32,
     /// Angle from the closest position to the end of the ray, seen from the pivot \[rad].
-    to: f32,
+    end_angle: f32,
 }
 
 impl EquiangularDistribution {
     fn new(ray: &Ray, pivot: Vec3) -> Self {
         let to = pivot - ray.origin;
-        let closest = to.dot(ray.direction);
+        let closest_distance = to.dot(ray.direction);
         // Any positive distance is unbiased. With a distance below rounding errors, all samples
         // would fall on the closest point.
-        let distance = (to - ray.direction * closest).length().max(1e-5 * to.length()).max(f32::MIN_POSITIVE);
-        let angle = |t: f32| libm::atanf((t - closest) / distance);
-        Self { closest, distance, from: angle(0.0), to: angle(ray.t_max) }
+        let pivot_distance =
+            (to - ray.direction * closest_distance).length().max(1e-5 * to.length()).max(f32::MIN_POSITIVE);
+        let angle = |t: f32| libm::atanf((t - closest_distance) / pivot_distance);
+        Self { closest_distance, pivot_distance, start_angle: angle(0.0), end_angle: angle(ray.t_max) }
     }
 
     /// Returns the distance along the ray for uniform `u` in \[0, 1) \[length].
     fn sample(&self, u: f32) -> f32 {
-        self.closest + self.distance * libm::tanf(self.from + (self.to - self.from) * u)
+        self.closest_distance
+            + self.pivot_distance * libm::tanf(self.start_angle + (self.end_angle - self.start_angle) * u)
     }
 
     /// Returns the pdf of distance `t` along the ray \[1/length].
     fn pdf(&self, t: f32) -> f32 {
-        let x = (t - self.closest) / self.distance;
-        let range = self.to - self.from;
-        if range > 0.0 { 1.0 / (self.distance * (1.0 + x * x) * range) } else { 0.0 }
+        let x = (t - self.closest_distance) / self.pivot_distance;
+        let range = self.end_angle - self.start_angle;
+        if range > 0.0 { 1.0 / (self.pivot_distance * (1.0 + x * x) * range) } else { 0.0 }
     }
 }

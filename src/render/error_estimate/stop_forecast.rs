@@ -112,7 +112,7 @@ impl ErrorForecast {
     /// `confidence` is the confidence of the interval. The render is assumed to estimate its error
     /// after the passes of [`EstimateSchedule`].
     #[must_use]
-    pub fn stop(&self, target: f64, confidence: Confidence) -> StopForecast {
+    pub fn stop_forecast(&self, target: f64, confidence: Confidence) -> StopForecast {
         if let Some(floor) = self.bias_floor().filter(|floor| *floor >= target) {
             return StopForecast::Never { floor };
         }
