@@ -90,8 +90,8 @@ fn one_minus_cos(x: f64) -> f64 {
 /// Returns the light in coordinates relative to `origin`, and its counterpart in the shading model
 /// of MIT course 6.837.
 ///
-/// The strength [`LightStrength::LegacyColor`] with colour c becomes irradiance π·c, on a surface at
-/// `origin` that faces the light. A white diffuse surface there reflects radiance c.
+/// The strength [`LightStrength::LegacyColor`] with colour c becomes irradiance π·c, on a surface
+/// at `origin` that faces the light. A white diffuse surface there reflects radiance c.
 pub(super) fn place_delta_light(kind: &DeltaLightKind, strength: LightStrength, origin: DVec3) -> (Light, LegacyLight) {
     // A light at the origin is treated as one unit away.
     let distance2 = |p: &DVec3| {

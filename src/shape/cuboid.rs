@@ -12,8 +12,8 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 /// Box or parallelepiped: the surface of the cube \[−1, 1]³ under an affine map.
 ///
 /// Faces are numbered from 0 to 5. Axis a is 0 for x, 1 for y and 2 for z. In object space, face
-/// 2·a lies at −1 on axis a, and face 2·a + 1 at 1. The number `uv.y` of a [`ShapeHit`] is the number
-/// of the face.
+/// 2·a lies at −1 on axis a, and face 2·a + 1 at 1. The number `uv.y` of a [`ShapeHit`] is the
+/// number of the face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     to_world: Transform,

@@ -17,7 +17,8 @@ pub(super) fn round_t_if_in_range(ray: &Ray, t: f64) -> Option<f32> {
     (t > 0.0 && t < ray.t_max).then_some(t)
 }
 
-/// Hit of `ray` with t rounded to f32, and `uv` = (r, `v`). r is the relative error of the rounding.
+/// Hit of `ray` with t rounded to f32, and `uv` = (r, `v`). r is the relative error of the
+/// rounding.
 ///
 /// [`f64_ray_parameter`] restores t in f64 from t and r. In f32 alone, the error of a distant hit
 /// could exceed the thickness of the shape. `None` if t is outside (0, `ray.t_max`).
@@ -29,7 +30,8 @@ pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, v: f32) -> Option<Sh
 
 /// First hit of `ray` with a convex shape, whose surface the line of the ray crosses twice.
 ///
-/// `near` and `far` each hold the ray parameter t of an intersection and `uv.y` of its [`ShapeHit`]. The far intersection counts only if the near one is behind the ray's origin.
+/// `near` and `far` each hold the ray parameter t of an intersection and `uv.y` of its
+/// [`ShapeHit`]. The far intersection counts only if the near one is behind the ray's origin.
 #[inline]
 pub(super) fn nearer_hit(ray: &Ray, near: (f64, f32), far: (f64, f32)) -> Option<ShapeHit> {
     hit_with_rounding_residual(ray, near.0, near.1)

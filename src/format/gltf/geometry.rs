@@ -15,8 +15,8 @@ const MEMORY_PER_CORNER: u64 = 200;
 
 /// Converts a primitive to a triangle mesh; `None` if it has no triangles.
 ///
-/// `texcoord_set` is the index of the texture coordinates that the material uses (`TEXCOORD_0`, …); `None`
-/// if it uses none.
+/// `texcoord_set` is the index of the texture coordinates that the material uses (`TEXCOORD_0`, …);
+/// `None` if it uses none.
 pub(super) fn read_primitive(
     buffers: &Buffers<'_>,
     context: &FileContext<'_>,

@@ -14,12 +14,12 @@ const BLOCK: u32 = 16;
 
 /// Sums over passes from which the error of shared camera paths is estimated, for a few pixels.
 ///
-/// Shared paths are the same in all passes. Unshared paths are new in each pass. The error is the mean
-/// difference between radiance by shared paths and radiance by unshared paths.
+/// Shared paths are the same in all passes. Unshared paths are new in each pass. The error is the
+/// mean difference between radiance by shared paths and radiance by unshared paths.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct SharedPathErrorSums {
-    /// Indices of the pixels that each pass also renders with unshared camera paths, in rows from the
-    /// top.
+    /// Indices of the pixels that each pass also renders with unshared camera paths, in rows from
+    /// the top.
     pixels: Vec<u32>,
     /// Sum over passes of radiance by shared paths minus radiance by unshared paths, for each pixel
     /// and channel.

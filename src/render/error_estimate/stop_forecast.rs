@@ -137,7 +137,8 @@ impl ErrorForecast {
     ///
     /// A render ends once the upper end of its error interval is at most `target`. `half_width` is
     /// the half width of the interval, in standard deviations of the squared error. The number is
-    /// `None`, and comes last, for a render that ends beyond [`max_simulated_passes`](Self::max_simulated_passes).
+    /// `None`, and comes last, for a render that ends beyond
+    /// [`max_simulated_passes`](Self::max_simulated_passes).
     fn ends_of_draws(&self, target: f64, half_width: f64) -> Vec<Option<u32>> {
         let made = self.estimate.passes;
         let ended = self.estimate.parts.error_interval(half_width).1 <= target;

@@ -87,8 +87,8 @@ fn intervals_contain_the_true_error() {
     assert!(held >= 180 - 13, "{held}");
 }
 
-/// The error of shared paths is reported as bias. Here it is 0.2 at each of 16 pixels; unshared paths
-/// have only noise.
+/// The error of shared paths is reported as bias. Here it is 0.2 at each of 16 pixels; unshared
+/// paths have only noise.
 #[test]
 fn shared_paths_are_bias() {
     let (mut estimator, mut film) = (ErrorEstimator::new(None), Film::new(WIDTH, WIDTH));

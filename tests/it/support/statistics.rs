@@ -33,7 +33,8 @@ pub fn student_t_tail(t: f64, dof: f64) -> f64 {
 /// Panics if `samples` contradict a mean within `expected` ± `slack`.
 ///
 /// The test is Student's, with the false-alarm rate [`FALSE_ALARM_RATE`]. Also panics if the
-/// standard error exceeds `max_relative_error` · `expected`, because noise could then hide an error.
+/// standard error exceeds `max_relative_error` · `expected`, because noise could then hide an
+/// error.
 #[track_caller]
 pub fn assert_mean(what: &str, samples: &[f64], expected: f64, slack: f64, max_relative_error: f64) {
     let (mean, error) = mean_and_error(samples);
