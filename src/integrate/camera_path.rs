@@ -377,7 +377,8 @@ fn is_path_continued(indirect: IndirectWeights, sampler: Sampler) -> bool {
 /// light at a caster. Also adds the weighted light to sums of `task`.
 ///
 /// Up to the first receiver (surface that stores photons), extra prefix rays find the same light,
-/// so it has the weight of [`PrefixLight`](super::prefix_rays::PrefixLight). Later the weight is 1.
+/// so it has the weight of [`PrefixLightSums`](super::prefix_rays::PrefixLightSums). Later the
+/// weight is 1.
 #[inline]
 fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, task: &mut PathTask) -> Rgb {
     if path.history.receivers > 0 {

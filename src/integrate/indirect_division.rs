@@ -32,7 +32,7 @@ pub(super) struct IndirectWeights {
 /// Indirect light along one camera path of a pilot (small simulation before the render), found by
 /// each of two techniques. It is counted as its contribution to the pixel.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct IndirectLight {
+pub(super) struct IndirectLightByTechnique {
     /// Light found by the camera path after its first receiver \[W/(m² sr)].
     pub paths: Rgb,
     /// Light found by the photon estimate \[W/(m² sr)].

@@ -1,10 +1,10 @@
 //! State of one parallel task that traces camera paths.
 
 use super::gather_guide::GatherGuide;
-use super::indirect_division::{IndirectLight, IndirectWeights};
+use super::indirect_division::{IndirectLightByTechnique, IndirectWeights};
 use super::light_group::GroupedLight;
 use super::nested_estimates::NestedEstimateSum;
-use super::prefix_rays::PrefixLight;
+use super::prefix_rays::PrefixLightSums;
 use super::scatter_point_guide::{GuidedDistances, InScatteringSample};
 use crate::color::Rgb;
 use crate::medium::TransmittanceCurve;
@@ -53,7 +53,7 @@ pub(super) struct PathTask {
     pub visible_points: Vec<VisiblePoint>,
     /// Weights and sums of the light that paths find up to their first receiver (surface that
     /// stores photons).
-    pub prefix: PrefixLight,
+    pub prefix: PrefixLightSums,
     /// Film position of the current camera ray, or of the center of its pixel \[pixels from the top
     /// left].
     pub film_position: Vec2,
@@ -64,7 +64,7 @@ pub(super) struct PathTask {
     pub indirect_weights: IndirectWeights,
     /// Indirect light along the current camera path of a pilot, found by each of two techniques. It
     /// is counted as its contribution to the pixel.
-    pub indirect_light: IndirectLight,
+    pub indirect_light: IndirectLightByTechnique,
     /// Radiance of the current camera ray that photon estimates found \[W/(m² sr)].
     pub photon_radiance: Rgb,
     /// Light of the current camera ray, divided into direct, indirect and caustic light.

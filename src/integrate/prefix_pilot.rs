@@ -25,7 +25,7 @@ use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::pilot_statistics::{box_mean, positive_median};
-use super::prefix_rays::{PrefixLight, PrefixRayCount, PrefixRayCounts};
+use super::prefix_rays::{PrefixLightSums, PrefixRayCount, PrefixRayCounts};
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
 use crate::plan::Effect;
@@ -98,7 +98,7 @@ impl RunningVariance {
 
 /// Light of one pixel in the pilot's pictures, averaged over RGB \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
-struct PixelLight {
+struct PixelLightStatistics {
     /// Light that camera paths find after their first receiver (surface that stores photons), as
     /// mean and variance.
     after_receiver: RunningVariance,
@@ -150,7 +150,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out)
     });
     let (width, height) = scene.camera().size();
-    let mut light = vec![PixelLight::default(); width as usize * height as usize];
+    let mut light = vec![PixelLightStatistics::default(); width as usize * height as usize];
     let mut whole_work = Counters::default();
     for i in 0..WHOLE_PICTURES {
         let picture = render_light_parts(renderer, maps.as_ref(), i, |_| PathParts::Whole);
@@ -265,10 +265,10 @@ fn render_light_parts(
     for_interior!(pilot.policy.effects, <I> {
         tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, task, branches| {
             let parts = parts(task.film_position);
-            task.prefix = PrefixLight {
+            task.prefix = PrefixLightSums {
                 ends_at_receiver: parts != PathParts::Whole,
                 lookups: u32::from(parts != PathParts::Prefix),
-                ..PrefixLight::default()
+                ..PrefixLightSums::default()
             };
             let radiance = camera_path::trace_camera_path::<I>(&paths, ray, sampler, task, branches);
             let total = color::channel_mean(radiance);
@@ -284,7 +284,7 @@ fn render_light_parts(
 /// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ its median over
 /// the picture. This measure lies between the absolute error, which neglects dark pixels, and the
 /// relative error, which neglects bright ones.
-fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<Vec<PixelVariance>> {
+fn pixel_variances(light: &[PixelLightStatistics], width: usize, height: usize) -> Option<Vec<PixelVariance>> {
     let mean: Vec<f32> = light.iter().map(|l| l.after_receiver.mean + l.up_to_receiver.mean + l.photons.mean).collect();
     let median = positive_median(mean.iter().map(|l| f64::from(*l)))?;
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box

@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// weights. One camera path and l prefix rays share the photon estimate at the first receiver. If
 /// the pass has slices of the shutter interval, one camera path of each slice reads photon maps.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PrefixLight {
+pub(super) struct PrefixLightSums {
     /// Weight n/(n + m) of light that camera paths and prefix rays both find: emission, environment
     /// light, and direct light at casters such as glass or mirrors.
     ///
@@ -46,7 +46,7 @@ pub(super) struct PrefixRayCount {
     pub lookups: u8,
 }
 
-impl Default for PrefixLight {
+impl Default for PrefixLightSums {
     /// Returns the weights of camera paths in a pixel without prefix rays (extra camera paths that
     /// end at their first receiver).
     fn default() -> Self {
@@ -61,7 +61,7 @@ impl Default for PrefixLight {
     }
 }
 
-impl PrefixLight {
+impl PrefixLightSums {
     /// Returns the weights of light that a pixel's `samples` camera paths find. `prefix` counts the
     /// prefix rays of the pixel: extra camera paths that end at their first receiver.
     ///

@@ -4,7 +4,7 @@ use super::light_group::{GroupedLight, LightGroup};
 use super::nested_estimates::NestedEstimates;
 use super::pass::{PassStage, ProgressMonitor};
 use super::path_task::PathTask;
-use super::prefix_rays::{PrefixLight, PrefixRayCount};
+use super::prefix_rays::{PrefixLightSums, PrefixRayCount};
 use super::shutter::{RaySlices, SlicedCameras};
 use crate::camera::{Camera, CropWindow, Filter, FilterSample};
 use crate::color::Rgb;
@@ -276,7 +276,7 @@ pub(super) fn render_tiles<T: Default>(
             let mut group_sums = GroupSums::default();
             let mut removed = RemovedLight::default();
             let slices = sampling.divide_rays(x, y, samples);
-            task.prefix = PrefixLight::camera_path_weights(samples, slices.used_slice_count(), prefix);
+            task.prefix = PrefixLightSums::camera_path_weights(samples, slices.used_slice_count(), prefix);
             task.film_position = corner + 0.5;
             for sample in 0..samples {
                 // Trace one camera ray.
@@ -307,7 +307,7 @@ pub(super) fn render_tiles<T: Default>(
             if let Some(PrefixRays { key, .. }) = sampling.prefix_rays
                 && prefix.rays > 0
             {
-                task.prefix = PrefixLight::prefix_ray_weights(samples, slices.used_slice_count(), prefix);
+                task.prefix = PrefixLightSums::prefix_ray_weights(samples, slices.used_slice_count(), prefix);
                 let slices = sampling.divide_rays(x, y, prefix.rays.into());
                 for ray in 0..u32::from(prefix.rays) {
                     // Trace one prefix ray and add its light.
