@@ -5,7 +5,7 @@ use super::guard::{check_request, random_token};
 use super::live_page::LivePage;
 use super::request::Request;
 use super::responses::{
-    KnownFrame, SaveOptions, busy, layer_pixels, page_html, saved_picture, scene_source, state_events,
+    KnownFrame, SaveOptions, busy_response, layer_pixels, page_html, saved_picture, scene_source, state_events,
 };
 use axum::Router;
 use axum::body::Bytes;

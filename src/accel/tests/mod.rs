@@ -224,7 +224,9 @@ fn equal_distances_go_to_the_lowest_primitive_index() {
     // A triangle and another primitive in the same plane.
     let wall = [[Vec3::new(-1.0, -1.0, 2.0), Vec3::new(3.0, -1.0, 2.0), Vec3::new(-1.0, 3.0, 2.0)]];
     let tree = Hierarchy::build(&wall, &[Bounds::from_points(wall[0])]);
-    let hit = tree.closest_hit(&Ray::new(Vec3::ZERO, Vec3::Z), |_, ray| (2.0 < ray.t_max).then_some((2.0, 0.0, 0.0)));
+    let hit = tree.closest_hit(&Ray::new(Vec3::ZERO, Vec3::Z), |_, ray| {
+        (2.0 < ray.t_max).then_some(ShapeHit { t: 2.0, uv: Vec2::ZERO })
+    });
     assert_eq!(hit.map(|h| h.primitive), Some(PrimitiveIndex::Triangle(0)));
 }
 

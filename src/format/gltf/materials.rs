@@ -194,7 +194,7 @@ impl MaterialConverter<'_, '_> {
             None => (pbr.base_color_factor(), pbr.base_color_texture()),
         };
         let base_texture = self.texture_reference(texture.as_ref());
-        let factor = DVec4::from(factor.map(unit)) * vertex_color;
+        let factor = DVec4::from(factor.map(clamped_to_unit)) * vertex_color;
         let alpha = self.opacity(material, factor.w, base_texture.as_ref())?;
         let emission = self.emission(material, factor.truncate(), base_texture.as_ref())?;
         let emission = emission.map(|emission| self.masked_emission(emission, &alpha));
@@ -353,7 +353,7 @@ impl MaterialConverter<'_, '_> {
         }
         let distance = f64::from(volume.attenuation_distance());
         let distance = if distance > 0.0 { distance.max(MIN_ATTENUATION_DISTANCE) } else { distance };
-        let color = DVec3::from(volume.attenuation_color().map(unit)).max(DVec3::splat(MIN_TRANSMITTANCE));
+        let color = DVec3::from(volume.attenuation_color().map(clamped_to_unit)).max(DVec3::splat(MIN_TRANSMITTANCE));
         let is_clear = !(distance > 0.0 && distance.is_finite()) || color == DVec3::ONE;
         let attenuation =
             if is_clear { DielectricAbsorption::None } else { DielectricAbsorption::Tint { color, distance } };
@@ -388,7 +388,7 @@ impl MaterialConverter<'_, '_> {
     /// Returns the reflectance of the dielectric part at normal incidence.
     fn dielectric_normal_reflectance(&mut self, material: &gltf::Material<'_>, index: f64) -> DVec3 {
         if let Some(glossy) = material.pbr_specular_glossiness() {
-            return glossy.specular_factor().map(unit).into();
+            return glossy.specular_factor().map(clamped_to_unit).into();
         }
         let root = if material.ior() == Some(0.0) { 1.0 } else { (index - 1.0) / (index + 1.0) };
         let Some(specular) = material.specular() else { return DVec3::splat(root * root) };
@@ -431,7 +431,7 @@ impl MaterialConverter<'_, '_> {
         let (factor, texture, scale) = if material.unlit() {
             (base, base_texture, 1.0)
         } else {
-            (material.emissive_factor().map(unit).into(), own.as_ref(), strength)
+            (material.emissive_factor().map(clamped_to_unit).into(), own.as_ref(), strength)
         };
         if factor * scale == DVec3::ZERO {
             return Ok(None);

@@ -263,10 +263,10 @@ fn files_outside_the_folder_need_permission() {
     let bytes = STANDARD.decode(scene["buffers"][0]["uri"].as_str().unwrap().split(',').nth(1).unwrap()).unwrap();
     std::fs::write(folder.path().join("a b.bin"), bytes).unwrap();
     scene["buffers"][0]["uri"] = "../a%20b.bin".into();
-    let read = |allows_outside_files| {
+    let import = |allows_outside_files| {
         let options = ImportOptions { allows_outside_files, ..ImportOptions::default() };
         decode(&inside.join("a.gltf"), scene.to_string().as_bytes(), &options)
     };
-    assert!(import_json(false).unwrap_err().to_string().contains("`../a b.bin` is outside the folder of the scene"));
-    assert_eq!(import_json(true).unwrap().assets.meshes.len(), 1);
+    assert!(import(false).unwrap_err().to_string().contains("`../a b.bin` is outside the folder of the scene"));
+    assert_eq!(import(true).unwrap().assets.meshes.len(), 1);
 }

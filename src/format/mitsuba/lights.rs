@@ -4,7 +4,7 @@ use super::color::ColorMeaning;
 use super::context::ImportContext;
 use super::environment::read_environment;
 use super::files::ReadResult;
-use super::sensor::half_height;
+use super::sensor::half_image_height;
 use super::textures::Textures;
 use super::tree::{ObjectClass, SceneObject};
 use crate::color::Rgb;
@@ -187,7 +187,7 @@ fn read_projector(
     };
     let (width, height) = (image.width(), image.height());
     let size = [f64::from(width), f64::from(height)];
-    let half = half_height(emitter, size)?;
+    let half = half_image_height(emitter, size)?;
     let mut image = image;
     for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
         let (column, row) = (i as u32 % width, i as u32 / width);

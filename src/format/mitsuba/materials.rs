@@ -2,7 +2,7 @@
 
 use super::conductors::conductor;
 use super::context::ImportContext;
-use super::dielectrics::{is_air, refractive_index};
+use super::dielectrics::{is_index_matched, refractive_index};
 use super::files::ReadResult;
 use super::meshes::TexcoordConvention;
 use super::textures::{TextureUse, TextureValues, Textures};
@@ -499,7 +499,7 @@ impl MaterialConverter<'_, '_> {
             return self.materials.clear_material();
         }
         let name = self.materials.unique_name(&format!("{} {suffix}", self.name));
-        self.materials.push(name.clone(), surface.kind, surface.normal, None);
+        self.materials.push_material(name.clone(), surface.kind, surface.normal, None);
         name
     }
 

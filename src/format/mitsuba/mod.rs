@@ -98,7 +98,7 @@ fn import_bytes(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ImportedSc
         }
         // The medium of the sensor fills the space outside all shapes.
         if let Some((_, medium)) = context.children(sensor, ObjectClass::Medium)?.first() {
-            ambient_medium = Some(shapes.media.name(&context, medium)?);
+            ambient_medium = Some(shapes.media.medium_name(&context, medium)?);
         }
     }
     let camera = camera.unwrap_or_else(|| {

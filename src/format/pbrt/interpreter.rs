@@ -10,7 +10,7 @@ use super::parameters::{Parameters, parse_number};
 use super::settings::SuggestedFlags;
 use super::shapes::read_shape;
 use super::state::{AreaLight, CurrentMaterial, GraphicsState, MovingTransform, object_motion, transform_map};
-use super::surfaces::{back_side, is_sheet, world_area};
+use super::surfaces::{back_side_shape, is_sheet, world_area};
 use super::textures::Textures;
 use super::tokens::{Token, TokenKind, Tokens};
 use crate::format::SourceText;

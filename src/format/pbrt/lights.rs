@@ -1,7 +1,7 @@
 //! Converts lights of pbrt scenes.
 
 use super::content::SceneContent;
-use super::environment::{MapLayout, equirectangular};
+use super::environment::{MapLayout, to_equirectangular};
 use super::files::{Place, ReadResult, SceneFiles};
 use super::parameters::{Parameter, Parameters};
 use super::spectra::{ColorUse, color};

@@ -2,7 +2,7 @@
 
 use crate::format::description::{DensityDescription, MediumCoefficients, MediumDescription, TransformStep};
 use crate::format::import::ImportedScene;
-use crate::format::pbrt::tests::{imported, messages};
+use crate::format::pbrt::tests::{import_text, note_messages};
 use glam::DVec3;
 
 /// Returns absorption and scattering of the only medium.

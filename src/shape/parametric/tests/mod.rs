@@ -8,7 +8,7 @@ use super::{Patch, Revolution, SplineBasis};
 use crate::accel::ShapeHit;
 use crate::math::{Ray, warp};
 use crate::sampling::{Dimension, Key, Purpose};
-use glam::{DVec2, DVec4, Vec2, Vec3};
+use glam::{DVec2, DVec4, Vec3};
 use reference::{ReferenceHits, ReferencePiece, ReferenceSurface};
 
 /// Parametric surface, and the reference pieces that describe the same surface.
