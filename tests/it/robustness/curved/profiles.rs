@@ -242,7 +242,7 @@ fn degree_20_surfaces_are_hit_correctly() {
                 // The tip is a point of the surface. A ray that passes it within its own rounding
                 // may miss.
                 (a, b) => {
-                    let there = a.or(b.map(|b| f64::from(b.0))).is_some_and(|t| near(o + d * t, 1e-9));
+                    let there = a.or(b.map(|b| f64::from(b.t))).is_some_and(|t| near(o + d * t, 1e-9));
                     assert!(there, "{} {ray:?}: {found:?} {truth:?}", known.name);
                     doubtful += 1;
                 }
