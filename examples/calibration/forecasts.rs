@@ -82,14 +82,14 @@ fn score_of_pilot(traces: &[Trace], pilot: u32) -> Score {
             }
             let (error, confidence) = (reached.target.error, reached.target.interval_confidence());
             score.cases += 1.0;
-            let StopForecast::Passes(range) = forecast.stop(error, confidence) else {
+            let StopForecast::Passes(range) = forecast.stop_forecast(error, confidence) else {
                 score.silent += 1.0;
                 continue;
             };
             let factor = f64::from(range.median) / f64::from(passes);
             score.near += f64::from((1.0 / 1.5..=1.5).contains(&factor));
             score.held += f64::from(contains(range, passes));
-            if let Some(StopForecast::Passes(other)) = later.map(|later| later.stop(error, confidence)) {
+            if let Some(StopForecast::Passes(other)) = later.map(|later| later.stop_forecast(error, confidence)) {
                 let factor = f64::from(range.median) / f64::from(other.median);
                 score.pairs += 1.0;
                 let covered = contains(range, other.median) || contains(other, range.median);

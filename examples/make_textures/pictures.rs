@@ -12,8 +12,8 @@ pub type Entry = (&'static str, ToneCurve, fn() -> Image);
 /// All images.
 pub const ALL: [Entry; 3] = [
     ("globe.png", ToneCurve::Srgb, globe),
-    ("tile.png", ToneCurve::Course, tile),
-    ("scratches.png", ToneCurve::Course, scratches),
+    ("tile.png", ToneCurve::Legacy, tile),
+    ("scratches.png", ToneCurve::Legacy, scratches),
 ];
 
 fn picture(width: u32, height: u32, pixel: impl Fn(DVec2) -> Rgb) -> Image {

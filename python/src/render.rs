@@ -323,6 +323,6 @@ fn render_passes(
     let effects = integrator.plan().simulated_effects();
     let aovs = surface
         .and_then(|surface| render_surface_aovs(&scene, effects, &camera_paths, surface, SURFACE_AOV_RAYS, flags));
-    let tone = if algorithm == Algorithm::Raycast { ToneCurve::Course } else { ToneCurve::Srgb };
+    let tone = if algorithm == Algorithm::Raycast { ToneCurve::Legacy } else { ToneCurve::Srgb };
     Ok(NativeResult::new(rendered, aovs, tone, confidence))
 }

@@ -190,7 +190,7 @@ impl NativeForecast {
     fn stop(&self, target: f64, confidence: f64) -> PyResult<StopTuple> {
         let confidence = confidence_from_probability(confidence)?;
         let interval = caustica::render::ErrorTarget { error: target, confidence }.interval_confidence();
-        Ok(match self.forecast.stop(target, interval) {
+        Ok(match self.forecast.stop_forecast(target, interval) {
             StopForecast::Passes(range) => (Some(range.low), Some(range.median), range.high, None),
             StopForecast::Never { floor } => (None, None, None, Some(floor)),
             StopForecast::TooFar { at_least } => (Some(at_least), None, None, None),

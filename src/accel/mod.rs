@@ -22,7 +22,7 @@ pub use leaf_list::LeafList;
 use crate::math::{Bounds, Ray};
 use build::OTHER_BIT;
 use bvh8::{Bvh8, with_stack_size};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use packet::LeafHit;
 use ray_precalc::RayPrecalc;
 
@@ -44,12 +44,23 @@ pub struct PrimitiveHit {
     pub primitive: PrimitiveIndex,
     /// Barycentric weight of a triangle's second corner.
     ///
-    /// For other primitives: the second number that the caller's intersection closure returned.
+    /// For other primitives: `uv.x` of the [`ShapeHit`].
     pub u: f32,
     /// Barycentric weight of a triangle's third corner.
     ///
-    /// For other primitives: the third number that the caller's intersection closure returned.
+    /// For other primitives: `uv.y` of the [`ShapeHit`].
     pub v: f32,
+}
+
+/// Intersection of a ray with one shape.
+///
+/// Each kind of shape defines `uv`, for example as surface parameters or as the index of a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeHit {
+    /// Ray parameter t: the hit is at origin + t · direction.
+    pub t: f32,
+    /// Two numbers that locate the hit on the shape.
+    pub uv: Vec2,
 }
 
 /// Bounding volume hierarchy over triangles and other primitives.
@@ -91,12 +102,11 @@ impl Hierarchy {
     /// Among hits of equal t, triangles win against other primitives, then the lowest index wins.
     ///
     /// `other(i, r)` intersects `r` with the primitive in box `i`, where `r` is `ray` cut off at
-    /// the nearest hit so far. It returns t and two numbers, which become `u` and `v` of the
-    /// [`PrimitiveHit`].
+    /// the nearest hit so far.
     #[inline]
     pub fn closest_hit<F>(&self, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where
-        F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
+        F: FnMut(u32, &Ray) -> Option<ShapeHit>,
     {
         if !RayPrecalc::can_hit_anything(ray) {
             return None;
@@ -115,7 +125,7 @@ impl Hierarchy {
     #[inline]
     pub fn closest_hit_near<F>(&self, leaves: &LeafList, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where
-        F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
+        F: FnMut(u32, &Ray) -> Option<ShapeHit>,
     {
         if !RayPrecalc::can_hit_anything(ray) {
             return None;
@@ -139,11 +149,10 @@ impl Hierarchy {
     /// Calls `visit` with every hit of `ray` at a ray parameter in (0, `ray.t_max`).
     ///
     /// The order of the hits depends on the tree. `other(i, ray)` intersects `ray` with the
-    /// primitive in box `i`. It returns t and two numbers, which become `u` and `v` of the
-    /// [`PrimitiveHit`].
+    /// primitive in box `i`.
     pub fn for_each_hit<F>(&self, ray: &Ray, mut other: F, mut visit: impl FnMut(PrimitiveHit))
     where
-        F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
+        F: FnMut(u32, &Ray) -> Option<ShapeHit>,
     {
         if !RayPrecalc::can_hit_anything(ray) {
             return;
@@ -220,7 +229,7 @@ impl NearestHit {
         leaf: u32,
         ray: &Ray,
         precalc: &RayPrecalc,
-        other: &mut impl FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
+        other: &mut impl FnMut(u32, &Ray) -> Option<ShapeHit>,
     ) -> f32 {
         if leaf & OTHER_BIT == 0 {
             bvh.packet_of_leaf(leaf).for_each_hit(precalc, |triangle, hit| self.keep_nearer_hit(triangle, hit));

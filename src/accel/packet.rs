@@ -1,5 +1,6 @@
 //! Packets of triangles and their watertight intersection.
 
+use super::ShapeHit;
 use super::ray_precalc::RayPrecalc;
 use glam::{DVec3, Vec3};
 use wide::f32x8;
@@ -25,7 +26,7 @@ pub(super) struct LeafHit {
     pub t: f32,
     /// Barycentric weights of the second and third corner, times `total`.
     ///
-    /// For a primitive other than a triangle, the two numbers that the caller's closure returned.
+    /// For a primitive other than a triangle, `uv` of the hit that the caller's closure returned.
     /// The division by `total` is postponed, since few hits are used.
     pub weights: [f64; 2],
     /// Sum of the weights of all three corners; 1 for a primitive other than a triangle.
@@ -33,10 +34,10 @@ pub(super) struct LeafHit {
 }
 
 impl LeafHit {
-    /// Hit of a primitive other than a triangle, from (t, u, v) that the caller's closure returned.
+    /// Hit of a primitive other than a triangle, from the hit that the caller's closure returned.
     #[inline]
-    pub fn of_other_primitive((t, u, v): (f32, f32, f32), precalc: &RayPrecalc) -> Self {
-        Self { t: t * precalc.inverse_direction_scale, weights: [u, v].map(f64::from), total: 1.0 }
+    pub fn of_other_primitive(ShapeHit { t, uv }: ShapeHit, precalc: &RayPrecalc) -> Self {
+        Self { t: t * precalc.inverse_direction_scale, weights: uv.to_array().map(f64::from), total: 1.0 }
     }
 
     /// Barycentric weights of a triangle's second and third corner, or the two numbers of another

@@ -42,12 +42,12 @@ impl LossyCoat {
         let [mut entering, mut leaving, mut returning] = [0.0; 3];
         for i in 0..DIRECTIONS {
             let cos = ((f64::from(i) + 0.5) / f64::from(DIRECTIONS)).sqrt();
-            scatter(cos, eta, alpha, |weight, cos_i| {
+            for_each_scattered_part(cos, eta, alpha, |weight, cos_i| {
                 if cos_i < 0.0 {
                     entering += weight * transmittance(-cos_i);
                 }
             });
-            scatter(cos, 1.0 / eta, alpha, |weight, cos_i| match cos_i < 0.0 {
+            for_each_scattered_part(cos, 1.0 / eta, alpha, |weight, cos_i| match cos_i < 0.0 {
                 true => leaving += weight * transmittance(cos),
                 false => returning += weight * transmittance(cos) * transmittance(cos_i),
             });
@@ -83,7 +83,7 @@ impl LossyCoat {
 /// Calls `visit` with the fraction and the cosine of each direction; the cosine is below 0 on the
 /// far side. `eta` is the index of the far side over that of the near side. Light scatters at one
 /// microfacet only.
-fn scatter(cos: f64, eta: f64, alpha: f64, mut visit: impl FnMut(f64, f64)) {
+fn for_each_scattered_part(cos: f64, eta: f64, alpha: f64, mut visit: impl FnMut(f64, f64)) {
     if alpha < f64::from(SMOOTH_ALPHA) {
         let (reflectance, cos_t) = fresnel_reflectance(cos, eta);
         visit(reflectance, cos);

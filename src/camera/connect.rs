@@ -106,7 +106,7 @@ impl Camera {
     /// `None` if the point is behind a camera, or the projection is orthographic.
     #[must_use]
     pub fn film_displacement_at_infinity(&self, direction: Vec3, later: &Self) -> Option<Vec2> {
-        if !self.has_single_viewpoint() {
+        if self.is_orthographic() {
             return None;
         }
         // At the origin, a camera sees the end of the direction where it sees a point at infinity.

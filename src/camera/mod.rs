@@ -142,10 +142,10 @@ impl Camera {
         }
     }
 
-    /// True if all rays start at one point or on a lens: for all cameras except orthographic ones.
+    /// True for an orthographic camera. The rays of all others start at one point or on a lens.
     #[must_use]
-    pub fn has_single_viewpoint(&self) -> bool {
-        self.projection != CameraProjection::Orthographic
+    pub fn is_orthographic(&self) -> bool {
+        self.projection == CameraProjection::Orthographic
     }
 
     /// Width and height of the image \[pixels].
@@ -225,8 +225,8 @@ impl Camera {
     /// distance of a lens and the size of an orthographic image.
     #[must_use]
     pub fn orbited(self, pivot: DVec3, axis: DVec3, yaw: f64, pitch: f64, distance: f64) -> Self {
-        let right = rotated(self.right.normalize(), axis, yaw);
-        let turned = |v: DVec3| rotated(rotated(v, axis, yaw), right, pitch);
+        let right = rotated_vector(self.right.normalize(), axis, yaw);
+        let turned = |v: DVec3| rotated_vector(rotated_vector(v, axis, yaw), right, pitch);
         let moved = Self {
             center: pivot + turned(self.center - pivot) * distance,
             forward: turned(self.forward),
@@ -282,7 +282,7 @@ impl Camera {
 }
 
 /// Returns `v`, rotated by `angle` \[radians] around the unit vector `axis` (Rodrigues' formula).
-fn rotated(v: DVec3, axis: DVec3, angle: f64) -> DVec3 {
+fn rotated_vector(v: DVec3, axis: DVec3, angle: f64) -> DVec3 {
     let (sin, cos) = libm::sincos(angle);
     v * cos + axis.cross(v) * sin + axis * (axis.dot(v) * (1.0 - cos))
 }

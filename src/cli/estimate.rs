@@ -18,7 +18,7 @@ use crate::render::{
     RenderLimits, RenderResult, StopCriteria, check_error_estimate_memory, check_photon_memory, render,
 };
 use crate::scene::Scene;
-use comparison::{Comparison, check_comparable};
+use comparison::{CostComparison, check_comparable};
 use report::CostEstimateReport;
 use std::io::Write as _;
 use std::time::Instant;
@@ -39,11 +39,11 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, CommandFailure>
         let scene = load_scene(&arguments.scene, &progress)?;
         let load_seconds = start.elapsed().as_secs_f64();
         let report = estimate_method(arguments, &arguments.method, &scene, load_seconds, &progress)?;
-        let mut comparison = Comparison::new(report);
+        let mut comparison = CostComparison::new(report);
         for algorithm in &arguments.compare {
-            if comparison.lacks(*algorithm) && !is_interrupted() {
+            if comparison.has_no_report_of(*algorithm) && !is_interrupted() {
                 let method = MethodArguments { integrator: *algorithm, ..arguments.method.clone() };
-                comparison.add(estimate_method(arguments, &method, &scene, load_seconds, &progress)?);
+                comparison.add_report(estimate_method(arguments, &method, &scene, load_seconds, &progress)?);
             }
         }
         let text = if arguments.json {

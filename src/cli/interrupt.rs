@@ -16,7 +16,7 @@ pub(super) static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// `consequence` says what the command still does after the first signal, such as "the picture so
 /// far is written after this pass".
 pub(super) fn listen_for_signals(consequence: &'static str) {
-    on_signal(move || {
+    spawn_signal_handler(move || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
             clear_progress_bar();
             std::process::exit(i32::from(Exit::Interrupted as u8));
@@ -31,7 +31,7 @@ pub(super) fn listen_for_signals(consequence: &'static str) {
 /// Where the system does not report which signals are ignored (all but Linux), SIGHUP keeps its
 /// default action. If no handler can be installed, a signal ends the process at once.
 #[cfg(unix)]
-fn on_signal(handle: impl Fn() + Send + 'static) {
+fn spawn_signal_handler(handle: impl Fn() + Send + 'static) {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     let ignored = ignored_signals();
     let is_ignored = |signal: i32, unknown: bool| ignored.map_or(unknown, |mask| mask >> (signal - 1) & 1 == 1);
@@ -54,6 +54,6 @@ fn ignored_signals() -> Option<u64> {
 
 /// Starts a thread that calls `handle` for each Ctrl-C.
 #[cfg(not(unix))]
-fn on_signal(handle: impl Fn() + Send + 'static) {
+fn spawn_signal_handler(handle: impl Fn() + Send + 'static) {
     let _ = ctrlc::set_handler(handle);
 }

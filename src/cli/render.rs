@@ -23,7 +23,7 @@ use super::{CommandFailure, Exit, RenderArguments, forecast_text};
 use crate::camera::CropWindow;
 use crate::image::{self, Image, ToneCurve, WriteOptions};
 use crate::integrate::{
-    Algorithm, AovSurface, CameraPathSettings, EmissionGuidingReportPerMap, Integrator, SURFACE_AOV_RAYS, SurfaceAovs,
+    Algorithm, AovSurface, CameraPathSettings, EmissionGuidingReports, Integrator, SURFACE_AOV_RAYS, SurfaceAovs,
     render_surface_aovs,
 };
 use crate::render::error_estimate::{Confidence, MIN_PASSES, StopForecast};
@@ -228,7 +228,7 @@ fn render_scene(
         shapes: scene.shape_count(),
         lights: scene.lights().len(),
         radii: None,
-        emission_guiding: EmissionGuidingReportPerMap::default(),
+        emission_guiding: EmissionGuidingReports::default(),
         environment_guiding: None,
         scatter_point_guiding: None,
         effects: Vec::new(),
@@ -306,7 +306,7 @@ fn render_scene(
     });
     progress.remove_progress_bar();
     #[cfg(feature = "view")]
-    live.iter_mut().for_each(|live| live.end(&rendered, Phase::Ended));
+    live.iter_mut().for_each(|live| live.publish_end(&rendered, Phase::Ended));
     let powerless = all_lights_are_black(scene);
     let aovs = || find_surface_aovs(arguments, scene, integrator.as_ref(), &camera_paths, progress);
     let aovs = arguments.aov.is_some().then(aovs).flatten();
@@ -419,7 +419,7 @@ fn render_passes(
             // Without a target, the forecast is for half of the error.
             let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
             let target = target.unwrap_or(half);
-            (estimate, target, forecast.stop(target.error, target.interval_confidence()))
+            (estimate, target, forecast.stop_forecast(target.error, target.interval_confidence()))
         });
         let error = forecast.as_ref().map(|(estimate, target, forecast)| {
             format!(
@@ -562,7 +562,7 @@ impl RenderOutputs<'_> {
 /// Returns the options with which the files of `-o` and `--aov` are written.
 fn write_options(arguments: &RenderArguments) -> WriteOptions {
     arguments.pictures.write_options(match arguments.method.integrator {
-        Algorithm::Raycast => ToneCurve::Course,
+        Algorithm::Raycast => ToneCurve::Legacy,
         Algorithm::Hybrid
         | Algorithm::Path
         | Algorithm::Sppm

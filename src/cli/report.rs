@@ -2,7 +2,7 @@
 
 use super::plan::EffectDecisionReport;
 use crate::integrate::{
-    EmissionGuidingReportPerMap, EnvironmentGuidingReport, GatherRadii, PhotonReport, RayPhotonBalance,
+    EmissionGuidingReports, EnvironmentGuidingReport, GatherRadii, PhotonReport, RayPhotonBalance,
     ScatterPointGuidingReport, StageTimes,
 };
 use crate::render::error_estimate::{Confidence, ErrorEstimate, StopForecast};
@@ -31,7 +31,7 @@ pub(super) struct RenderReport {
     pub shapes: usize,
     pub lights: usize,
     pub radii: Option<GatherRadiiReport>,
-    pub emission_guiding: EmissionGuidingReportPerMap,
+    pub emission_guiding: EmissionGuidingReports,
     pub environment_guiding: Option<EnvironmentGuidingReport>,
     pub scatter_point_guiding: Option<ScatterPointGuidingReport>,
     pub effects: Vec<EffectDecisionReport>,
@@ -98,7 +98,7 @@ impl EstimatedErrorReport {
         let estimate = estimator.estimate_with_confidence(&rendered.film, confidence);
         let forecast = estimator.forecast(&estimate)?;
         let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
-        let halving_passes = match forecast.stop(half.error, half.interval_confidence()) {
+        let halving_passes = match forecast.stop_forecast(half.error, half.interval_confidence()) {
             StopForecast::Passes(range) => Some(range.median),
             StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
         };
@@ -149,7 +149,7 @@ pub(super) struct RenderSetup {
     pub shapes: usize,
     pub lights: usize,
     pub radii: Option<GatherRadii>,
-    pub emission_guiding: EmissionGuidingReportPerMap,
+    pub emission_guiding: EmissionGuidingReports,
     pub environment_guiding: Option<EnvironmentGuidingReport>,
     pub scatter_point_guiding: Option<ScatterPointGuidingReport>,
     pub effects: Vec<EffectDecisionReport>,

@@ -24,7 +24,7 @@ impl TevOutput {
     /// Sends the picture and its light groups, unless they were sent only a short time ago, see
     /// [`TevClient::send_if_due`].
     pub fn send_if_due(&mut self, rendered: &RenderResult) {
-        self.client.send_if_due(&self.name, rendered.film.size(), || growing_layers(rendered));
+        self.client.send_if_due(&self.name, rendered.film.size(), || picture_and_group_layers(rendered));
     }
 
     /// Sends the final picture. If `has_layers` is true, also sends the layers of `--aov`, as a
@@ -33,7 +33,7 @@ impl TevOutput {
     /// Waits a limited time for the viewer to read them, and prints a warning if it does not.
     pub fn finish(self, rendered: &RenderResult, aovs: Option<&SurfaceAovs>, has_layers: bool) {
         let size = rendered.film.size();
-        self.client.send(&self.name, size, growing_layers(rendered));
+        self.client.send(&self.name, size, picture_and_group_layers(rendered));
         if has_layers {
             let mut layers = picture_layers(rendered);
             layers.extend(aovs.into_iter().flat_map(surface_layers));
@@ -47,7 +47,7 @@ impl TevOutput {
 
 /// Returns the layers that the viewer shows during the render: the mean of the passes so far, and
 /// its light groups.
-fn growing_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
+fn picture_and_group_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     let layer = |(name, film): (&str, &Film)| rgb_layer(name, &film.mean());
     let groups = LightGroup::ALL.iter().map(|group| group.name()).zip(&rendered.groups);
     std::iter::once(("", &rendered.film)).chain(groups).map(layer).collect()

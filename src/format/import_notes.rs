@@ -35,7 +35,7 @@ impl ImportNotes {
     /// Returns the messages. Each ends with the number of its places and the first few of them.
     pub fn into_notes(self) -> Vec<ImportNote> {
         let note = |((is_unsupported, message), places): ((bool, String), BTreeSet<String>)| {
-            let message = if places.is_empty() { message } else { format!("{message} ({})", listed(&places)) };
+            let message = if places.is_empty() { message } else { format!("{message} ({})", place_list(&places)) };
             ImportNote { message, is_unsupported }
         };
         self.places.into_iter().map(note).collect()
@@ -43,7 +43,7 @@ impl ImportNotes {
 }
 
 /// Returns the number of `places` and the first three of them as text, such as `4×: a, b, c, …`.
-fn listed(places: &BTreeSet<String>) -> String {
+fn place_list(places: &BTreeSet<String>) -> String {
     let more = if places.len() > NAMED_PLACES { ", …" } else { "" };
     let names = places.iter().take(NAMED_PLACES).map(String::as_str).collect::<Vec<_>>().join(", ");
     format!("{}×: {names}{more}", places.len())

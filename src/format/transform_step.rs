@@ -102,9 +102,9 @@ mod tests {
 
     #[test]
     fn the_first_transform_step_is_applied_last() {
-        let maps = [TransformStep::Translate(DVec3::X), TransformStep::Scale(DVec3::splat(2.0))];
+        let steps = [TransformStep::Translate(DVec3::X), TransformStep::Scale(DVec3::splat(2.0))];
         assert!(is_nearly_equal(
-            TransformStep::composed_matrix(&maps).transform_point3(DVec3::ONE),
+            TransformStep::composed_matrix(&steps).transform_point3(DVec3::ONE),
             DVec3::new(3.0, 2.0, 2.0)
         ));
     }
@@ -112,9 +112,9 @@ mod tests {
     #[test]
     fn a_matrix_step_is_applied_after_earlier_steps() {
         let double = TransformStep::Matrix(DMat4::from_scale(DVec3::splat(2.0)));
-        let maps = [TransformStep::Translate(DVec3::X), double];
+        let steps = [TransformStep::Translate(DVec3::X), double];
         assert!(is_nearly_equal(
-            TransformStep::composed_matrix(&maps).transform_point3(DVec3::ZERO),
+            TransformStep::composed_matrix(&steps).transform_point3(DVec3::ZERO),
             DVec3::new(2.0, 0.0, 0.0)
         ));
     }

@@ -13,7 +13,7 @@ use super::tone::{ClippedPixelReport, Quantizer, ToneCurve, srgb_decode};
 
 /// Encodes `image` as the bytes of a PNG file.
 ///
-/// The file has an sRGB chunk unless the tone curve is [`ToneCurve::Course`].
+/// The file has an sRGB chunk unless the tone curve is [`ToneCurve::Legacy`].
 pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, ClippedPixelReport), WriteError> {
     let (samples, report) = quantize_image(image, options)?;
     let mut file = Vec::new();
@@ -25,7 +25,7 @@ pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, 
         BitDepth::Eight => Depth::Eight,
         BitDepth::Sixteen => Depth::Sixteen,
     });
-    if options.tone.curve != ToneCurve::Course {
+    if options.tone.curve != ToneCurve::Legacy {
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     }
     for (key, text) in &options.metadata {

@@ -25,12 +25,12 @@ pub enum ToneCurve {
     ///
     /// This curve reproduces the pictures of the ray caster for which the legacy scene format was
     /// made.
-    Course,
+    Legacy,
 }
 
 impl ToneCurve {
     /// All tone curves, in the order in which help texts list them.
-    pub const ALL: [Self; 3] = [Self::Srgb, Self::Filmic, Self::Course];
+    pub const ALL: [Self; 3] = [Self::Srgb, Self::Filmic, Self::Legacy];
 
     /// Name of the curve on the command line.
     #[must_use]
@@ -38,7 +38,7 @@ impl ToneCurve {
         match self {
             Self::Srgb => "srgb",
             Self::Filmic => "filmic",
-            Self::Course => "course",
+            Self::Legacy => "course",
         }
     }
 }
@@ -135,7 +135,7 @@ impl Quantizer {
 
     fn is_too_bright(&self, c: f32) -> bool {
         match self.curve {
-            ToneCurve::Srgb | ToneCurve::Course => c > 1.0,
+            ToneCurve::Srgb | ToneCurve::Legacy => c > 1.0,
             ToneCurve::Filmic => filmic_curve(f64::from(c)) > 1.0,
         }
     }
@@ -147,7 +147,7 @@ impl Quantizer {
             ToneCurve::Srgb => nearest(f64::from(c)),
             ToneCurve::Filmic => nearest(filmic_curve(f64::from(c))),
             // The course's ray caster multiplies in f32. Other arithmetic could give other levels.
-            ToneCurve::Course => (f32::from(self.white) * c.clamp(0.0, 1.0)) as u16,
+            ToneCurve::Legacy => (f32::from(self.white) * c.clamp(0.0, 1.0)) as u16,
         }
     }
 }

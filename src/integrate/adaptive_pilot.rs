@@ -47,8 +47,8 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
             let (paths, sampling, key) =
                 (pilot.path_context(Some(&maps), pass), pilot.film_sampling(pass), pilot.camera_path_key(pass));
             let picture = for_interior!(pilot.policy.effects, <I> {
-                tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, branches| {
-                    camera_path::trace_camera_path::<I>(&paths, ray, sampler, worker, branches)
+                tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, task, branches| {
+                    camera_path::trace_camera_path::<I>(&paths, ray, sampler, task, branches)
                 })
             });
             picture.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()

@@ -11,11 +11,11 @@ mod media;
 use super::indirect_division::{IndirectTechnique, IndirectWeights};
 use super::light_group::LightGroup;
 use super::nee::NextEventEstimator;
+use super::path_task::PathTask;
 use super::photon_maps::{PhotonMapChoice, PhotonMaps};
 use super::policy::{DirectionSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::scatter;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
-use super::worker::PathWorker;
 use crate::bsdf::TransportMode;
 use crate::color::{self, Rgb};
 use crate::math::Ray;
@@ -102,48 +102,48 @@ pub(super) fn trace_camera_path<I: Interior>(
     paths: &PathContext<'_>,
     ray: &Ray,
     sampler: Sampler,
-    worker: &mut PathWorker,
+    task: &mut PathTask,
     stack: &mut Vec<PathState<I>>,
 ) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let mut radiance = Rgb::ZERO;
-    worker.indirect_weights = paths.indirect.technique_weights(worker.film_position);
+    task.indirect_weights = paths.indirect.technique_weights(task.film_position);
     let mut branch = Some(PathState::from_camera_ray(paths, ray, sampler));
     while let Some(mut path) = branch {
         loop {
             // Find the next vertex; add in-scattering and emission of the media along the segment.
-            worker.counters.continuation_rays += u64::from(path.bounce > 0);
+            task.counters.continuation_rays += u64::from(path.bounce > 0);
             let (event, phase) = if I::HAS_MEDIA_OR_WAVELENGTH {
-                media::advance_to_vertex(paths, &mut path, worker, &mut radiance)
+                media::advance_to_vertex(paths, &mut path, task, &mut radiance)
             } else {
                 (path.path_ray.next_vertex(scene, path.sampler.sample_key(), |_| None), PhaseFunction::Isotropic)
             };
             let mut hit = match event {
                 PathEvent::Surface(hit) => hit,
-                PathEvent::Scattered { transmittance, crossed } => {
+                PathEvent::Scattered { transmittance, crossed_hidden_boundary } => {
                     path.throughput *= transmittance * path.indirect_weight;
                     path.indirect_weight = 1.0;
-                    path.history.casters += u32::from(crossed);
-                    if media::scatter_in_medium(&mut path, phase, worker.indirect_weights) {
+                    path.history.casters += u32::from(crossed_hidden_boundary);
+                    if media::scatter_in_medium(&mut path, phase, task.indirect_weights) {
                         continue;
                     }
                     break;
                 }
-                PathEvent::Escaped { crossed } => {
-                    path.count_crossed_boundary(crossed);
+                PathEvent::Escaped { crossed_hidden_boundary } => {
+                    path.count_crossed_boundary(crossed_hidden_boundary);
                     let escaped = path.throughput * escaped_radiance(paths, &path);
-                    radiance += weigh_found_light(escaped, &path, worker);
+                    radiance += weigh_found_light(escaped, &path, task);
                     break;
                 }
             };
             path.throughput *= hit.transmittance;
-            path.count_crossed_boundary(hit.crossed);
+            path.count_crossed_boundary(hit.crossed_hidden_boundary);
 
             // Add emission, weighted by MIS against next-event estimation at the previous vertex.
             if hit.surface.emission != Rgb::ZERO && may_add_hit_emission(policy, &path) {
                 let weight = path.prev.map_or(1.0, |prev| emission_mis_weight(nee, &prev, &hit.surface));
                 let found = path.throughput * hit.surface.emission * weight;
-                radiance += weigh_found_light(found, &path, worker);
+                radiance += weigh_found_light(found, &path, task);
             }
             let interior = path.path_ray.interior;
             path.throughput *= path.indirect_weight;
@@ -154,14 +154,14 @@ pub(super) fn trace_camera_path<I: Interior>(
                 if hit.surface.bsdf.is_black() || !policy.effects.has(Effect::Specular) {
                     break;
                 }
-                if scatter_at_caster(paths, &mut path, &hit, &interior, worker, &mut radiance, stack) {
+                if scatter_at_caster(paths, &mut path, &hit, &interior, task, &mut radiance, stack) {
                     continue;
                 }
                 break;
             }
 
             // Shade a receiver.
-            if !shade_receiver(paths, &mut path, &mut hit, &interior, worker, &mut radiance) {
+            if !shade_receiver(paths, &mut path, &mut hit, &interior, task, &mut radiance) {
                 break;
             }
         }
@@ -178,11 +178,11 @@ fn shade_receiver<I: Interior>(
     path: &mut PathState<I>,
     receiver: &mut SurfaceVertex<'_>,
     interior: &I,
-    worker: &mut PathWorker,
+    task: &mut PathTask,
     radiance: &mut Rgb,
 ) -> bool {
     let PathContext { policy, nee, .. } = *paths;
-    let indirect = worker.indirect_weights;
+    let indirect = task.indirect_weights;
 
     // End faint paths by Russian roulette before shading, which costs as much as many rays.
     let survival = color::channel_mean(path.throughput) / ROULETTE_THROUGHPUT;
@@ -201,7 +201,7 @@ fn shade_receiver<I: Interior>(
     let shares_indirect = shares_indirect_light(indirect, vertex.history);
     let continues = path.bounce < paths.max_bounces
         && (!shares_indirect || is_path_continued(indirect, vertex.sampler))
-        && !worker.prefix.ends_at_receiver
+        && !task.prefix.ends_at_receiver
         && match policy.continuation {
             PathContinuation::Never => false,
             PathContinuation::Glossy => !surface.bsdf.is_diffuse(),
@@ -209,28 +209,28 @@ fn shade_receiver<I: Interior>(
             PathContinuation::Always => true,
         };
     if let (true, DirectionSampling::Guided, Some(maps)) = (continues, policy.directions, paths.maps) {
-        scatter::collect_gather_directions(maps, paths.min_gather_distance, &vertex, worker);
+        scatter::collect_gather_directions(maps, paths.min_gather_distance, &vertex, task);
     }
 
     // Add direct light by next-event estimation.
-    let direct = if policy.direct_light && !ends_gather_ray && !worker.prefix.ends_at_receiver {
-        nee.estimate_direct_light(&vertex, continues, worker)
+    let direct = if policy.direct_light && !ends_gather_ray && !task.prefix.ends_at_receiver {
+        nee.estimate_direct_light(&vertex, continues, task)
     } else {
         Rgb::ZERO
     };
 
-    worker.groups.add(LightGroup::of_direct_light(vertex.history), path.throughput * direct);
+    task.groups.add(LightGroup::of_direct_light(vertex.history), path.throughput * direct);
 
     // Add the photon estimate.
-    let reflected = direct + photon_radiance(paths, &vertex, ends_gather_ray, worker);
+    let reflected = direct + photon_radiance(paths, &vertex, ends_gather_ray, task);
     *radiance += path.throughput * reflected;
     if path.shares_indirect {
-        worker.indirect_light.paths += path.throughput * reflected;
+        task.indirect_light.paths += path.throughput * reflected;
     }
 
     // Continue in a sampled direction.
     path.history = PathHistory { receivers: path.history.receivers + 1, casters: 0 };
-    if !(continues && continue_path(policy, path, &vertex, worker)) {
+    if !(continues && continue_path(policy, path, &vertex, task)) {
         return false;
     }
     if shares_indirect {
@@ -250,7 +250,7 @@ fn scatter_at_caster<I: Interior>(
     path: &mut PathState<I>,
     caster: &SurfaceVertex<'_>,
     interior: &I,
-    worker: &mut PathWorker,
+    task: &mut PathTask,
     radiance: &mut Rgb,
     stack: &mut Vec<PathState<I>>,
 ) -> bool {
@@ -263,8 +263,8 @@ fn scatter_at_caster<I: Interior>(
     // Add direct light at glossy casters, unless photons carry the light that goes over this
     // caster.
     if !surface.bsdf.is_specular() && policy.direct_light && may_add_found_light(policy, path.history) {
-        let direct = path.throughput * nee.estimate_direct_light(&vertex, continues, worker);
-        *radiance += weigh_found_light(direct, path, worker);
+        let direct = path.throughput * nee.estimate_direct_light(&vertex, continues, task);
+        *radiance += weigh_found_light(direct, path, task);
     }
     if !continues {
         return false;
@@ -283,7 +283,7 @@ fn scatter_at_caster<I: Interior>(
             return true;
         }
     }
-    continue_path(policy, path, &vertex, worker)
+    continue_path(policy, path, &vertex, task)
 }
 
 /// Continues `path` from `vertex` in a sampled direction. Returns false if the path ends there.
@@ -292,9 +292,9 @@ fn continue_path<I: Interior>(
     policy: &PathPolicy,
     path: &mut PathState<I>,
     vertex: &PathVertex<'_, I>,
-    worker: &mut PathWorker,
+    task: &mut PathTask,
 ) -> bool {
-    let Some(sample) = scatter::sample(policy.directions, vertex, worker) else { return false };
+    let Some(sample) = scatter::sample(policy.directions, vertex, task) else { return false };
     let mut next = path.after_scattering(vertex.surface, sample.wi, sample.weight, sample.is_transmitted);
     next.prev = (!sample.is_specular).then_some(PrevVertex {
         p: vertex.surface.point.p,
@@ -323,35 +323,35 @@ fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     vertex: &PathVertex<'_, I>,
     ends_gather_ray: bool,
-    worker: &mut PathWorker,
+    task: &mut PathTask,
 ) -> Rgb {
     let samples = match paths.policy.photons {
         PhotonLookups::Never => return Rgb::ZERO,
         PhotonLookups::FewPerPixel => match vertex.sampler.sample_index_and_count() {
-            (index, samples) if vertex.history.receivers == 0 && index < worker.prefix.lookups => {
-                samples as f32 * worker.prefix.lookup_weight
+            (index, samples) if vertex.history.receivers == 0 && index < task.prefix.lookups => {
+                samples as f32 * task.prefix.lookup_weight
             }
             _ => return Rgb::ZERO,
         },
         PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => 1.0,
         PhotonLookups::RecordVisible => {
-            record_visible_point(vertex, worker);
+            record_visible_point(vertex, task);
             return Rgb::ZERO;
         }
     };
     let before_gather_ray = paths.policy.photons == PhotonLookups::GatherRays && !ends_gather_ray;
-    let lookup = if before_gather_ray { PhotonMapChoice::Caustic } else { PhotonMapChoice::Both };
-    let estimate = paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, samples, worker));
-    let indirect = worker.indirect_weights;
+    let lookup = if before_gather_ray { PhotonMapChoice::Caustic } else { PhotonMapChoice::CausticAndIndirect };
+    let estimate = paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, samples, task));
+    let indirect = task.indirect_weights;
     let interreflection = if shares_indirect_light(indirect, vertex.history) {
         let samples = samples * indirect.photons;
-        paths.maps.map_or(Rgb::ZERO, |maps| maps.interreflection_radiance(vertex, samples, worker))
+        paths.maps.map_or(Rgb::ZERO, |maps| maps.interreflection_radiance(vertex, samples, task))
     } else {
         Rgb::ZERO
     };
     let estimate = estimate + interreflection;
-    worker.prefix.photons += vertex.throughput * estimate;
-    worker.photon_light += vertex.throughput * estimate;
+    task.prefix.photons += vertex.throughput * estimate;
+    task.photon_radiance += vertex.throughput * estimate;
     estimate
 }
 
@@ -375,33 +375,33 @@ fn is_path_continued(indirect: IndirectWeights, sampler: Sampler) -> bool {
 }
 
 /// Returns `light` times its weight, for `light` that `path` found: emission that it hit, or direct
-/// light at a caster. Also adds the weighted light to sums of `worker`.
+/// light at a caster. Also adds the weighted light to sums of `task`.
 ///
 /// Up to the first receiver, extra prefix rays find the same light, so it has the weight of
-/// [`PrefixLight`](super::prefix_rays::PrefixLight). Later the weight is 1.
+/// [`PrefixLightSums`](super::prefix_rays::PrefixLight). Later the weight is 1.
 #[inline]
-fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, worker: &mut PathWorker) -> Rgb {
+fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, task: &mut PathTask) -> Rgb {
     if path.history.receivers > 0 {
         if path.history.receivers > 1 && path.shares_indirect {
-            worker.indirect_light.paths += light;
+            task.indirect_light.paths += light;
         }
-        worker.groups.add(LightGroup::of_found_light(path.history), light);
+        task.groups.add(LightGroup::of_found_light(path.history), light);
         return light;
     }
-    let weighted = light * worker.prefix.found_weight;
-    worker.prefix.found += weighted;
-    worker.groups.add(LightGroup::Direct, weighted);
+    let weighted = light * task.prefix.up_to_receiver_weight;
+    task.prefix.up_to_receiver += weighted;
+    task.groups.add(LightGroup::Direct, weighted);
     weighted
 }
 
-/// Records the position of `vertex` in `worker` as a point visible to the camera. Its weight is the
+/// Records the position of `vertex` in `task` as a point visible to the camera. Its weight is the
 /// throughput times the BRDF, which is the importance of photons there.
-fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut PathWorker) {
+fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, task: &mut PathTask) {
     let surface = vertex.surface;
     let normal = surface.facing_normal();
     let brdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, TransportMode::Radiance);
     let weight = color::channel_mean(vertex.throughput * brdf);
-    worker.visible.push(VisiblePoint { position: surface.point.p, error: surface.point.error, normal, weight });
+    task.visible_points.push(VisiblePoint { position: surface.point.p, error: surface.point.error, normal, weight });
 }
 
 /// True if `vertex` ends a final-gathering ray that is long enough for a lookup in the indirect
@@ -512,12 +512,12 @@ impl<I: Interior> PathState<I> {
         }
     }
 
-    /// Counts a caster and drops the previous vertex if `crossed` is true.
+    /// Counts a caster and drops the previous vertex if `crossed_hidden_boundary` is true.
     ///
-    /// `crossed` means that the path has crossed a boundary that blocks shadow rays but not light.
+    /// A hidden boundary blocks shadow rays but not light.
     #[inline]
-    fn count_crossed_boundary(&mut self, crossed: bool) {
-        if crossed {
+    fn count_crossed_boundary(&mut self, crossed_hidden_boundary: bool) {
+        if crossed_hidden_boundary {
             self.history.casters += 1;
             self.prev = None;
         }

@@ -65,8 +65,8 @@ impl EnvironmentGuide {
         let (wi, _) = light.sample(u)?;
         // Compute the pdf as MIS weights do: rounding may move the direction to another bin.
         let pdf = self.pdf_li(light, p, wi);
-        let weight = light.radiance(wi) / pdf;
-        (pdf > 0.0).then_some(DirectLightSample { wi, target: ShadowTarget::Infinity, weight, pdf: Some(pdf) })
+        let irradiance = light.radiance(wi) / pdf;
+        (pdf > 0.0).then_some(DirectLightSample { wi, target: ShadowTarget::Infinity, irradiance, pdf: Some(pdf) })
     }
 
     /// Returns the pdf \[1/sr] with which [`EnvironmentGuide::sample_li`] samples unit direction
@@ -107,13 +107,13 @@ impl EnvironmentGuideFit {
     ///
     /// The squared contributions are averaged in each bin. Each average is drawn towards that of
     /// the larger bin of the next coarser level, and that towards the next, up to the whole scene.
-    pub fn guide(&self) -> Option<EnvironmentGuide> {
+    pub fn fitted_guide(&self) -> Option<EnvironmentGuide> {
         let mean = self.squares.iter().sum::<f64>() / self.counts.iter().sum::<f64>().max(1.0);
-        let mut means = vec![mean; Level(0).bin_count()];
-        for level in (0..=REFINEMENTS).map(Level) {
-            let (counts, squares) = (level.sums(&self.counts), level.sums(&self.squares));
+        let mut means = vec![mean; RefinementLevel(0).bin_count()];
+        for level in (0..=REFINEMENTS).map(RefinementLevel) {
+            let (counts, squares) = (level.bin_sums(&self.counts), level.bin_sums(&self.squares));
             let mean = |i: usize| {
-                let parent = if level == Level(0) { mean } else { means[level.parent_bin(i)] };
+                let parent = if level == RefinementLevel(0) { mean } else { means[level.parent_bin(i)] };
                 (squares[i] + PARENT_WEIGHT * parent) / (counts[i] + PARENT_WEIGHT)
             };
             means = (0..counts.len()).map(mean).collect();
@@ -126,9 +126,9 @@ impl EnvironmentGuideFit {
 /// Level of refinement of the cells over the scene, and of the bins of directions in each cell.
 /// Level 0 is the coarsest; each next level halves the edges of cells and bins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Level(u32);
+struct RefinementLevel(u32);
 
-impl Level {
+impl RefinementLevel {
     /// Returns the number of cells of this level along each axis of the scene.
     fn cell_side(self) -> usize {
         1 << self.0
@@ -155,10 +155,10 @@ impl Level {
 
     /// Returns the sum of `values` in each bin of this level. `values` belong to the bins of the
     /// finest level.
-    fn sums(self, values: &[f64]) -> Vec<f64> {
+    fn bin_sums(self, values: &[f64]) -> Vec<f64> {
         let mut sums = values.to_vec();
-        for fine in (self.0 + 1..=REFINEMENTS).rev().map(Level) {
-            let mut coarse = vec![0.0; Level(fine.0 - 1).bin_count()];
+        for fine in (self.0 + 1..=REFINEMENTS).rev().map(RefinementLevel) {
+            let mut coarse = vec![0.0; RefinementLevel(fine.0 - 1).bin_count()];
             for (i, value) in sums.iter().enumerate() {
                 coarse[fine.parent_bin(i)] += value;
             }

@@ -98,12 +98,12 @@ pub(super) fn guide_environment_light(
             }
         }
         if round == ROUNDS {
-            report.gain = gain(&rays);
+            report.gain = guiding_gain(&rays);
         }
         for ray in &rays {
             fit.add(points[ray.point].position, ray.u, ray.contribution * ray.contribution);
         }
-        guide = fit.guide();
+        guide = fit.fitted_guide();
     }
     report.used = guide.is_some() && report.gain > MIN_GAIN;
     (guide.filter(|_| report.used), report)
@@ -160,7 +160,7 @@ fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key:
 
 /// Returns the ratio of the second moments of unguided and guided contributions to the picture.
 /// Both are estimated from guided `rays`. It is 1 if no ray contributes.
-fn gain(rays: &[PilotRay]) -> f64 {
+fn guiding_gain(rays: &[PilotRay]) -> f64 {
     let (mut unguided, mut guided) = (0.0, 0.0);
     for ray in rays {
         let (square, pdf) = (ray.contribution * ray.contribution, f64::from(ray.pdf));

@@ -1,7 +1,7 @@
 //! Camera paths through chosen points of the film, for pilots (small simulations before a render).
 
 use super::camera_path::{PathContext, PathState, trace_camera_path};
-use super::worker::PathWorker;
+use super::path_task::PathTask;
 use crate::color::Rgb;
 use crate::plan::Effect;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
@@ -37,17 +37,17 @@ pub(super) fn film_points_in_pixels(scene: &Scene, key: Key, set: u32) -> Vec<Fi
 
 /// Traces a camera path through each of `points`.
 ///
-/// Returns the radiance at each point \[W/(m² sr)], and the worker of each parallel task. The
-/// workers hold ray counts and visible points.
+/// Returns the radiance at each point \[W/(m² sr)], and the parallel tasks. The
+/// tasks hold ray counts and visible points.
 pub(super) fn trace_paths_through_film_points(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
-) -> (Vec<Rgb>, Vec<PathWorker>) {
+) -> (Vec<Rgb>, Vec<PathTask>) {
     trace_paths_by_chunks(paths, points, false, &|radiance, _| radiance)
 }
 
 /// Traces a camera path through each of `points`, and calls `result` with its radiance \[W/(m² sr)]
-/// and the worker that traced it.
+/// and the task that traced it.
 ///
 /// Returns the values that `result` returned, and the ray counts of all paths. If `nested`, photon
 /// estimates are also made with smaller nested discs.
@@ -55,39 +55,39 @@ pub(super) fn map_paths_through_film_points<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
     nested: bool,
-    result: impl Fn(Rgb, &mut PathWorker) -> T + Sync,
+    result: impl Fn(Rgb, &mut PathTask) -> T + Sync,
 ) -> (Vec<T>, Counters) {
-    let (results, workers) = trace_paths_by_chunks(paths, points, nested, &result);
+    let (results, tasks) = trace_paths_by_chunks(paths, points, nested, &result);
     let mut counters = Counters::default();
-    workers.iter().for_each(|worker| counters += worker.counters);
+    tasks.iter().for_each(|task| counters += task.counters);
     (results, counters)
 }
 
 /// Traces camera paths through `points`, in parallel by chunks of 64.
 ///
-/// Returns the value that `result` returned for each path, and the worker of each chunk.
+/// Returns the value that `result` returned for each path, and the task of each chunk.
 fn trace_paths_by_chunks<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
     nested: bool,
-    result: &(impl Fn(Rgb, &mut PathWorker) -> T + Sync),
-) -> (Vec<T>, Vec<PathWorker>) {
+    result: &(impl Fn(Rgb, &mut PathTask) -> T + Sync),
+) -> (Vec<T>, Vec<PathTask>) {
     let has_lens = paths.policy.effects.has(Effect::Lens);
     for_interior!(paths.policy.effects, <I> {
         let chunks = points.par_chunks(CHUNK).map(|chunk| {
-            let mut worker = PathWorker { nests_estimates: nested, ..PathWorker::default() };
+            let mut task = PathTask { nests_estimates: nested, ..PathTask::default() };
             let mut stack = Vec::<PathState<I>>::new();
             let values = chunk.iter().map(|(film, sampler)| {
-                worker.counters.camera_rays += 1;
-                worker.film_position = *film;
+                task.counters.camera_rays += 1;
+                task.film_position = *film;
                 let lens = has_lens.then(|| sampler.get_2d(Dimension::Lens));
                 let ray = paths.scene.camera().generate_ray(*film, lens);
-                let radiance = trace_camera_path(paths, &ray, *sampler, &mut worker, &mut stack);
-                result(radiance, &mut worker)
+                let radiance = trace_camera_path(paths, &ray, *sampler, &mut task, &mut stack);
+                result(radiance, &mut task)
             });
-            (values.collect::<Vec<T>>(), worker)
+            (values.collect::<Vec<T>>(), task)
         });
-        let (results, workers): (Vec<Vec<T>>, Vec<PathWorker>) = chunks.collect::<Vec<_>>().into_iter().unzip();
-        (results.into_iter().flatten().collect(), workers)
+        let (results, tasks): (Vec<Vec<T>>, Vec<PathTask>) = chunks.collect::<Vec<_>>().into_iter().unzip();
+        (results.into_iter().flatten().collect(), tasks)
     })
 }

@@ -28,7 +28,7 @@ impl GatherGuide {
     }
 
     /// Adds the unit direction from which a photon arrived.
-    pub fn push(&mut self, direction: Vec3) {
+    pub fn push_direction(&mut self, direction: Vec3) {
         self.directions.push(direction);
     }
 

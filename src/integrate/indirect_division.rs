@@ -32,14 +32,14 @@ pub(super) struct IndirectWeights {
 /// Indirect light of one camera path of a pilot: once as the continued path finds it, and once as
 /// the photon estimate at the first receiver does. Values are contributions to the pixel.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct IndirectLight {
+pub(super) struct IndirectLightByTechnique {
     /// Light found by the camera path after its first receiver \[W/(m² sr)].
     pub paths: Rgb,
     /// Light found by the photon estimate \[W/(m² sr)].
     pub photons: Rgb,
     /// Photon estimate with the full gather disc minus the estimate with half its area \[W/(m²
     /// sr)]; 0 without nested estimates.
-    pub photon_step: Rgb,
+    pub nested_difference: Rgb,
 }
 
 /// Relative noise and bias of indirect light in one cell of the film grid, by camera paths and by
@@ -91,7 +91,7 @@ pub(super) enum IndirectTechnique<'a> {
     /// techniques.
     Comparison,
     /// Camera paths and photon estimates, with weights that sum to 1.
-    Both {
+    Weighted {
         division: &'a IndirectDivision,
         /// Number of the pass, counted from 1.
         number: f32,
@@ -106,7 +106,7 @@ impl IndirectTechnique<'_> {
         match self {
             Self::Paths => 0.0,
             Self::Photons | Self::Comparison => 1.0,
-            Self::Both { division, number, area } => division.mean_photon_weight(*number, *area),
+            Self::Weighted { division, number, area } => division.mean_photon_weight(*number, *area),
         }
     }
 
@@ -118,7 +118,7 @@ impl IndirectTechnique<'_> {
             Self::Paths => IndirectWeights::default(),
             Self::Photons => IndirectWeights { photons: 1.0, continued: 0, samples: 1 },
             Self::Comparison => IndirectWeights::COMPARISON,
-            Self::Both { division, number, area } => division.technique_weights(film, *number, *area),
+            Self::Weighted { division, number, area } => division.technique_weights(film, *number, *area),
         }
     }
 }

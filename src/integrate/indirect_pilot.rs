@@ -16,9 +16,9 @@ use super::indirect_division::{IndirectDivision, IndirectErrors, IndirectTechniq
 use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
+use super::path_task::PathTask;
 use super::photon_maps::PhotonMaps;
 use super::pilot_statistics::{box_mean, positive_median};
-use super::worker::PathWorker;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::stats::Counters;
@@ -134,10 +134,10 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
     };
 
     // Trace both trials.
-    let (trial, other_trial) = (Trial::new(&pilot, 0, divisor), Trial::new(&pilot, 1, divisor));
+    let (trial, other_trial) = (PilotTrial::new(&pilot, 0, divisor), PilotTrial::new(&pilot, 1, divisor));
     let (film_points, other_film_points) = (points(0), points(1));
-    let (light, counters) = trial.trace(&pilot, &film_points, IndirectTechnique::Comparison);
-    let (other_light, _) = other_trial.trace(&pilot, &other_film_points, IndirectTechnique::Comparison);
+    let (light, counters) = trial.trace_paths(&pilot, &film_points, IndirectTechnique::Comparison);
+    let (other_light, _) = other_trial.trace_paths(&pilot, &other_film_points, IndirectTechnique::Comparison);
     let trial_photons = f64::from(photons) / f64::from(divisor);
     let rare = if pilot.scene.media_in_use().iter().any(|medium| medium.scatters()) { RARE_IN_MEDIA } else { 1.0 };
     let (cells, direct_variance) = cell_errors(&light, &other_light, grid.0, trial_photons, rare)?;
@@ -196,12 +196,12 @@ struct TrialWork {
 
 /// One of the indirect-light pilot's two independent trials: its photon maps, and the report on
 /// their photons.
-struct Trial<'a> {
+struct PilotTrial<'a> {
     maps: PhotonMaps<'a>,
     report: Pass,
 }
 
-impl<'a> Trial<'a> {
+impl<'a> PilotTrial<'a> {
     /// Builds the photon maps of trial number `trial`, 0 or 1, from 1/`divisor` of the photon paths
     /// of a pass.
     fn new(pilot: &PassRenderer<'a>, trial: u32, divisor: u32) -> Self {
@@ -214,7 +214,7 @@ impl<'a> Trial<'a> {
 
     /// Traces camera paths through `points` with `technique` for indirect light. Returns the light
     /// of each path, and the counters of all paths.
-    fn trace(
+    fn trace_paths(
         &self,
         pilot: &PassRenderer<'_>,
         points: &[FilmPoint],
@@ -222,7 +222,7 @@ impl<'a> Trial<'a> {
     ) -> (Vec<LightParts>, Counters) {
         let nests_estimates = matches!(technique, IndirectTechnique::Comparison);
         let paths = pilot.path_context(Some(&self.maps), 0).with_indirect_technique(technique);
-        map_paths_through_film_points(&paths, points, nests_estimates, LightParts::take_from)
+        map_paths_through_film_points(&paths, points, nests_estimates, LightParts::from_path_sums)
     }
 
     /// Returns the work of camera paths through `points`, and of the photons of the interreflection
@@ -232,8 +232,8 @@ impl<'a> Trial<'a> {
     /// both techniques find indirect light.
     fn measure_work(&self, pilot: &PassRenderer<'_>, points: &[FilmPoint], both: &Counters) -> TrialWork {
         let some_points: Vec<FilmPoint> = points.iter().step_by(WORK_STEP).copied().collect();
-        let (_, alone) = self.trace(pilot, &some_points, IndirectTechnique::Paths);
-        let (_, prefixes) = self.trace(pilot, &some_points, IndirectTechnique::Photons);
+        let (_, alone) = self.trace_paths(pilot, &some_points, IndirectTechnique::Paths);
+        let (_, prefixes) = self.trace_paths(pilot, &some_points, IndirectTechnique::Photons);
         let scale = points.len() as f64 / some_points.len().max(1) as f64;
         let Pass { aimed, unaimed, counters, .. } = &self.report;
         let rays_per_path = counters.photon_rays as f64 / (unaimed.emitted + aimed.emitted).max(1) as f64;
@@ -248,17 +248,17 @@ impl<'a> Trial<'a> {
 }
 
 impl LightParts {
-    /// Splits the `radiance` of a camera path into its parts by the sums in `worker`, and resets
+    /// Splits the `radiance` of a camera path into its parts by the sums in `task`, and resets
     /// these sums.
-    fn take_from(radiance: Rgb, worker: &mut PathWorker) -> Self {
-        let light = std::mem::take(&mut worker.indirect_light);
-        let prefix = std::mem::take(&mut worker.prefix);
-        let [total, found, all_photons, paths, photons, step] =
-            [radiance, prefix.found, prefix.photons, light.paths, light.photons, light.photon_step]
+    fn from_path_sums(radiance: Rgb, task: &mut PathTask) -> Self {
+        let light = std::mem::take(&mut task.indirect_light);
+        let prefix = std::mem::take(&mut task.prefix);
+        let [total, up_to_receiver, all_photons, paths, photons, step] =
+            [radiance, prefix.up_to_receiver, prefix.photons, light.paths, light.photons, light.nested_difference]
                 .map(|v| f64::from(color::channel_mean(v)));
         Self {
-            direct: total - found - all_photons - paths,
-            emission_and_caustics: found + all_photons - photons,
+            direct: total - up_to_receiver - all_photons - paths,
+            emission_and_caustics: up_to_receiver + all_photons - photons,
             paths,
             photons,
             bias: BIAS_FACTOR * step,

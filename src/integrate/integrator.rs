@@ -4,7 +4,7 @@ use super::balance::RayPhotonBalance;
 use super::environment_pilot::EnvironmentGuidingReport;
 use super::pass::{ExpectedPhotons, Pass, ProgressMonitor};
 use super::radius_law::RadiusLaw;
-use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
+use super::radius_pilot::{EmissionGuidingReports, GatherRadii};
 use super::scatter_point_pilot::ScatterPointGuidingReport;
 use crate::plan::{Effects, Plan};
 use crate::stats::Counters;
@@ -65,7 +65,7 @@ pub trait Integrator: Send + Sync {
 
     /// True if passes return the data from which the error of the picture is estimated. With
     /// photons, these are [`NestedEstimates`](super::NestedEstimates).
-    fn returns_nested_estimates(&self) -> bool {
+    fn estimates_error(&self) -> bool {
         false
     }
 
@@ -93,7 +93,7 @@ pub trait Integrator: Send + Sync {
 
     /// Returns the work and benefit of guiding photon emission towards points that the camera sees,
     /// for each set of photon paths.
-    fn emission_guiding_reports(&self) -> EmissionGuidingReportPerMap {
-        EmissionGuidingReportPerMap::default()
+    fn emission_guiding_reports(&self) -> EmissionGuidingReports {
+        EmissionGuidingReports::default()
     }
 }

@@ -85,7 +85,7 @@ impl GroupedLight {
     }
 
     /// Returns the sums in the order of [`LightGroup::ALL`], and resets them.
-    pub fn take(&mut self) -> [Rgb; LightGroup::ALL.len()] {
+    pub fn take_sums(&mut self) -> [Rgb; LightGroup::ALL.len()] {
         std::mem::take(&mut self.sums)
     }
 }

@@ -9,10 +9,10 @@ use options::photon_limit;
 
 use super::indirect_division::{IndirectDivision, IndirectTechnique};
 use super::pass::{Pass, PassStage, PhotonReport, ProgressMonitor};
-use super::photon_maps::{PhotonEstimator, PhotonMaps};
+use super::photon_maps::{PhotonDensityEstimator, PhotonMaps};
 use super::policy::{PathPolicy, PhotonMapRequest};
 use super::radius_law::{RadiusLaw, kernel_radius_ratio, squared_radius_ratio};
-use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii, VolumeKernelRadii, min_gather_radius};
+use super::radius_pilot::{EmissionGuidingReports, GatherRadii, VolumeKernelRadii, min_gather_radius};
 use super::settings::{IndirectPhotons, Settings};
 use super::shutter::ShutterSlice;
 use super::volume_estimate::{BeamAndPointMaps, VolumeEstimator};
@@ -124,7 +124,7 @@ pub(super) struct PhotonMapBuilder<'a> {
     volume_radii: VolumeKernelRadiiPerMap,
     /// Lower bound on gather radii in the first pass \[length].
     min_radius: f32,
-    pub emission_guiding_reports: EmissionGuidingReportPerMap,
+    pub emission_guiding_reports: EmissionGuidingReports,
     /// Share of a caustic photon's flux that density estimates use, at each pixel; light tracing
     /// carries the rest. `None` without light tracing.
     density_estimate_shares: Option<Arc<DensityEstimateShares>>,
@@ -169,7 +169,7 @@ impl<'a> PhotonMapBuilder<'a> {
             compares_indirect_techniques: false,
             volume_radii: VolumeKernelRadiiPerMap::default(),
             min_radius: 0.0,
-            emission_guiding_reports: EmissionGuidingReportPerMap::default(),
+            emission_guiding_reports: EmissionGuidingReports::default(),
             density_estimate_shares: None,
         };
         if builder.traces_photons() {
@@ -257,7 +257,7 @@ impl<'a> PhotonMapBuilder<'a> {
             self.counts.unaimed = division.photons;
         } else {
             self.unaimed_source = None;
-            self.emission_guiding_reports.indirect = None;
+            self.emission_guiding_reports.unaimed = None;
         }
         self.indirect_division = division.map(Arc::new);
     }
@@ -275,7 +275,7 @@ impl<'a> PhotonMapBuilder<'a> {
             return IndirectTechnique::Photons;
         }
         match self.indirect_division.as_deref() {
-            Some(division) if pass < division.passes => IndirectTechnique::Both {
+            Some(division) if pass < division.passes => IndirectTechnique::Weighted {
                 division,
                 number: pass as f32 + 1.0,
                 area: self.relative_disc_area(pass) as f32,
@@ -362,7 +362,7 @@ impl<'a> PhotonMapBuilder<'a> {
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
-    ) -> (PhotonEstimator<'a>, AimedPathResults) {
+    ) -> (PhotonDensityEstimator<'a>, AimedPathResults) {
         let shares = self.density_estimate_shares.as_deref().filter(|_| options.connects_to_camera);
         let light_tracer = shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares)));
         let task = PhotonTracingTask {
@@ -399,7 +399,7 @@ impl<'a> PhotonMapBuilder<'a> {
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
-    ) -> PhotonEstimator<'a> {
+    ) -> PhotonDensityEstimator<'a> {
         let photons = if self.aimed_paths_fill_indirect_map() {
             after_caustic
         } else {
@@ -418,7 +418,7 @@ impl<'a> PhotonMapBuilder<'a> {
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
-    ) -> Option<PhotonEstimator<'a>> {
+    ) -> Option<PhotonDensityEstimator<'a>> {
         if matches!(self.indirect_technique(options.pass), IndirectTechnique::Paths) {
             return None;
         }
@@ -478,7 +478,7 @@ impl<'a> PhotonMapBuilder<'a> {
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
-    ) -> PhotonEstimator<'a> {
+    ) -> PhotonDensityEstimator<'a> {
         let start = Instant::now();
         let count = (photons.surface.len() + photons.volume.len()) as u64;
         monitor.begin_stage(PassStage::Indexing, count);
@@ -495,7 +495,7 @@ impl<'a> PhotonMapBuilder<'a> {
         photons: MapPhotons,
         DensityEstimateLimits { radii, k }: DensityEstimateLimits,
         options: &MapBuildOptions,
-    ) -> PhotonEstimator<'a> {
+    ) -> PhotonDensityEstimator<'a> {
         let (pass, RadiusLaw { alpha, kernel }) = (options.pass, self.radius_law());
         let area = squared_radius_ratio(alpha, pass);
         let (beam_dimensions, point_dimensions) = self.settings.volume.kernel_dimensions();
@@ -513,7 +513,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let shrunk_k = (f64::from(limit) * area).round().max(MIN_K) as u32;
         let bandwidth = Bandwidth { radius: radii.surface * area.sqrt() as f32, k: shrunk_k.min(limit) };
         let map = PhotonMap::build(photons.surface).with_min_radius(self.min_radius * area.sqrt() as f32);
-        PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume, has_density_estimate_shares: false }
+        PhotonDensityEstimator { scene: self.scene, map, bandwidth, kernel, volume, has_density_estimate_shares: false }
     }
 
     /// Returns the inputs of a photon pass from `source` that stores the kinds of photons of

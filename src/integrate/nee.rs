@@ -3,11 +3,11 @@
 mod medium;
 
 use super::environment_guide::EnvironmentGuide;
+use super::path_task::PathTask;
 use super::policy::{DirectionSampling, LightSampling, PathPolicy};
 use super::scatter;
 use super::scatter_point_guide::ScatterPointGuide;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
-use super::worker::PathWorker;
 use crate::color::Rgb;
 use crate::light::{DirectLightSample, EnvironmentLight, Light, LightBvhSampler, ShadowTarget};
 use crate::plan::{Effect, Effects};
@@ -164,12 +164,12 @@ impl<'a> NextEventEstimator<'a> {
         &self,
         vertex: &PathVertex<'_, I>,
         continues: bool,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Rgb {
         let rays = match (self.shadow_ray_scheme(vertex.history), &self.light_sampler) {
             (ShadowRayScheme::All(rays), _) => rays,
             (ShadowRayScheme::Chosen(rays), Some(sampler)) => {
-                return self.estimate_sampled_lights(sampler, rays, vertex, continues, worker);
+                return self.estimate_sampled_lights(sampler, rays, vertex, continues, task);
             }
             (ShadowRayScheme::Chosen(_), None) => return Rgb::ZERO,
         };
@@ -184,7 +184,7 @@ impl<'a> NextEventEstimator<'a> {
                 } else {
                     sampler.subsample_sampler(ray, rays).get_2d(Dimension::LightPosition)
                 };
-                sum += self.shadow_ray_contribution(i, vertex, u, rays as f32, continues, worker);
+                sum += self.shadow_ray_contribution(i, vertex, u, rays as f32, continues, task);
             }
         }
         sum
@@ -196,7 +196,7 @@ impl<'a> NextEventEstimator<'a> {
         rays: u32,
         vertex: &PathVertex<'_, I>,
         continues: bool,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Rgb {
         let point = &vertex.surface.point;
         let mut sum = Rgb::ZERO;
@@ -210,7 +210,7 @@ impl<'a> NextEventEstimator<'a> {
             };
             let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i as usize);
             let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
-            sum += self.shadow_ray_contribution(light, vertex, u, probability * rays as f32, continues, worker);
+            sum += self.shadow_ray_contribution(light, vertex, u, probability * rays as f32, continues, task);
         }
         sum
     }
@@ -244,24 +244,24 @@ impl<'a> NextEventEstimator<'a> {
         u: Vec2,
         rays: f32,
         continues: bool,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Rgb {
         let surface = vertex.surface;
         let Some(sample) = self.sample_li(light, surface.point.p, u) else {
             return Rgb::ZERO;
         };
-        let mut reflected = surface.bsdf_cosine(sample.wi) * sample.weight / rays;
+        let mut reflected = surface.bsdf_cosine(sample.wi) * sample.irradiance / rays;
         if reflected == Rgb::ZERO {
             return Rgb::ZERO;
         }
         if let (true, Some(pdf), false) = (continues, sample.pdf, self.centers) {
             let light_pdf = rays * pdf;
-            reflected *= light_pdf / (light_pdf + scatter::pdf(self.directions, vertex, sample.wi, worker));
+            reflected *= light_pdf / (light_pdf + scatter::pdf(self.directions, vertex, sample.wi, task));
         }
         if !self.effects.has(Effect::Shadows) {
             return reflected * self.transmittance(vertex, &sample);
         }
-        worker.counters.shadow_rays += 1;
+        task.counters.shadow_rays += 1;
         let ray = match sample.target {
             ShadowTarget::Point(target) => {
                 surface.spawn_ray_to(self.shadow_ray_end(light, &sample, target, surface.point.p), sample.wi)

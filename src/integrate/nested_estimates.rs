@@ -24,7 +24,7 @@ pub struct MeanGatherDisc {
 pub struct NestedEstimates {
     /// Two differences of radiance \[W/(m² sr)] between estimates with discs of neighbouring areas:
     /// full minus half, and half minus quarter.
-    pub steps: [Rgb; LEVELS - 1],
+    pub differences: [Rgb; LEVELS - 1],
     /// Mean radius and photon count of the estimates from the caustic map; `None` without an
     /// estimate.
     pub caustic: Option<MeanGatherDisc>,
@@ -87,9 +87,9 @@ impl NestedEstimateSum {
     /// resets them. `None`, or a sum that is not finite, drops the ray.
     #[inline]
     pub fn finish_camera_ray(&mut self, weight: Option<f32>) {
-        if let Some(weight) = weight.filter(|_| self.ray.iter().all(|step| step.is_finite())) {
-            for (sum, step) in self.pixel.iter_mut().zip(self.ray) {
-                *sum += step.as_dvec3() * f64::from(weight);
+        if let Some(weight) = weight.filter(|_| self.ray.iter().all(|difference| difference.is_finite())) {
+            for (sum, difference) in self.pixel.iter_mut().zip(self.ray) {
+                *sum += difference.as_dvec3() * f64::from(weight);
             }
         }
         self.ray = [Rgb::ZERO; LEVELS - 1];
@@ -99,8 +99,8 @@ impl NestedEstimateSum {
     ///
     /// Differences of radiance are means over the pixel's `rays` camera rays.
     pub fn finish_pixel(&mut self, rays: u32) -> NestedEstimates {
-        let steps = self.pixel.map(|sum| (sum / f64::from(rays)).as_vec3());
-        let estimates = NestedEstimates { steps, caustic: self.caustic.mean(), indirect: self.indirect.mean() };
+        let differences = self.pixel.map(|sum| (sum / f64::from(rays)).as_vec3());
+        let estimates = NestedEstimates { differences, caustic: self.caustic.mean(), indirect: self.indirect.mean() };
         *self = Self::default();
         estimates
     }
@@ -124,7 +124,7 @@ mod tests {
         sum.add(Rgb::ONE, levels(f32::INFINITY, 0.0, 0.0));
         sum.finish_camera_ray(Some(1.0));
         let estimates = sum.finish_pixel(2);
-        assert_eq!(estimates.steps, [Rgb::splat(0.5), Rgb::splat(-0.25)]);
+        assert_eq!(estimates.differences, [Rgb::splat(0.5), Rgb::splat(-0.25)]);
         assert_eq!(
             (estimates.caustic, estimates.indirect),
             (Some(MeanGatherDisc { radius: 1.0, photons: 15.0 }), None)

@@ -107,7 +107,7 @@ pub struct Pass {
     /// `image` and a radiance \[W/(m² sr)].
     ///
     /// Empty unless all passes share the camera paths of `image` and the error is estimated.
-    pub fresh: Vec<(u32, Rgb)>,
+    pub unshared_path_pixels: Vec<(u32, Rgb)>,
 }
 
 impl AddAssign for StageTimes {

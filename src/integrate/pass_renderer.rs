@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// Number of tiles that a pass renders a second time, with camera paths of its own, if all passes
 /// share camera paths. The difference measures the error that the shared paths cause.
-const FRESH_TILE_COUNT: u32 = 48;
+const UNSHARED_PATH_TILE_COUNT: u32 = 48;
 
 /// Scene, path policy, settings and sample counts from which passes are rendered.
 #[derive(Debug)]
@@ -197,8 +197,8 @@ impl<'a> PassRenderer<'a> {
         if !(sampling.nested && self.policy.shares_paths) {
             return None;
         }
-        let tile_stride = tiles::rendered_tile_stride(sampling.window.size(), FRESH_TILE_COUNT);
-        let key = Key::new(settings.seed).purpose_key(Purpose::Camera).fresh_paths_key(pass);
+        let tile_stride = tiles::rendered_tile_stride(sampling.window.size(), UNSHARED_PATH_TILE_COUNT);
+        let key = Key::new(settings.seed).purpose_key(Purpose::Camera).unshared_paths_key(pass);
         Some((FilmSampling { nested: false, tile_stride, ..sampling }, key))
     }
 }

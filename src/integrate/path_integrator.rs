@@ -15,7 +15,7 @@ use super::policy::{PathPolicy, PolicyFn};
 use super::prefix_pilot::find_prefix_ray_counts;
 use super::prefix_rays::PrefixRayCounts;
 use super::radius_law::RadiusLaw;
-use super::radius_pilot::{EmissionGuidingReportPerMap, GatherRadii};
+use super::radius_pilot::{EmissionGuidingReports, GatherRadii};
 use super::scatter_point_pilot::{ScatterPointGuidingReport, guide_scatter_points};
 use super::settings::{CameraPathSettings, IndirectPhotons, Settings};
 use super::shutter::{ShutterSlice, SlicedCameras};
@@ -93,8 +93,8 @@ impl Integrator for PathIntegrator<'_> {
             FilmSampling { slices: cameras(), groups_light, window, clamp, ..renderers[0].film_sampling(pass) };
         let render_camera_paths = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn ProgressMonitor| {
             for_interior!(paths[0].policy.effects, <I> {
-                render_tiles(sampling, key, monitor, |ray, sampler, worker, branches| {
-                    trace_camera_path::<I>(&paths[worker.slice], ray, sampler, worker, branches)
+                render_tiles(sampling, key, monitor, |ray, sampler, task, branches| {
+                    trace_camera_path::<I>(&paths[task.shutter_slice], ray, sampler, task, branches)
                 })
             })
         };
@@ -115,10 +115,10 @@ impl Integrator for PathIntegrator<'_> {
             add_splats(splats, &settings.filter, width, &mut out.image);
         }
 
-        // If passes share camera paths, trace some tiles a second time by fresh paths.
+        // If passes share camera paths, trace some tiles a second time by unshared paths.
         if let Some((sampling, key)) = renderers[0].unshared_path_sampling(pass, cameras()) {
-            let fresh = render_camera_paths(&sampling, key, &SilentMonitor);
-            out.fresh = fresh.pixels.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
+            let unshared = render_camera_paths(&sampling, key, &SilentMonitor);
+            out.unshared_path_pixels = unshared.pixels.iter().map(|i| (*i, unshared.image[*i as usize])).collect();
         }
         out.seconds.camera += start.elapsed().as_secs_f64();
         out
@@ -165,7 +165,7 @@ impl Integrator for PathIntegrator<'_> {
         map_builder.traces_photons().then(|| map_builder.radius_law())
     }
 
-    fn returns_nested_estimates(&self) -> bool {
+    fn estimates_error(&self) -> bool {
         self.renderer.settings.camera_paths.estimate_error
     }
 
@@ -185,7 +185,7 @@ impl Integrator for PathIntegrator<'_> {
         self.scatter_point_guiding
     }
 
-    fn emission_guiding_reports(&self) -> EmissionGuidingReportPerMap {
+    fn emission_guiding_reports(&self) -> EmissionGuidingReports {
         self.renderer.map_builder.emission_guiding_reports
     }
 }

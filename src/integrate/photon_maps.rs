@@ -2,9 +2,9 @@
 
 use super::light_group::LightGroup;
 use super::nested_estimates::GatherDiscSum;
+use super::path_task::PathTask;
 use super::vertex::{MediumPathSegment, PathHistory, PathVertex};
 use super::volume_estimate::{BeamAndPointMaps, wavelength_kernel_weight};
-use super::worker::PathWorker;
 use crate::bsdf::TransportMode;
 use crate::color::Rgb;
 use crate::photon::{
@@ -15,7 +15,7 @@ use crate::scene::{Interior, Scene};
 use rand::Rng;
 
 /// One photon map, of surfaces and media, with the bandwidth and kernel of its density estimates.
-pub(super) struct PhotonEstimator<'a> {
+pub(super) struct PhotonDensityEstimator<'a> {
     pub scene: &'a Scene,
     pub map: PhotonMap,
     pub bandwidth: Bandwidth,
@@ -33,7 +33,7 @@ pub(super) enum PhotonMapChoice {
     /// The caustic map.
     Caustic,
     /// The caustic map and the indirect map.
-    Both,
+    CausticAndIndirect,
 }
 
 /// Photon maps of one pass.
@@ -49,16 +49,16 @@ pub(super) enum PhotonMapChoice {
 /// indirect map of `pm`, it holds `Direct` photons too.
 pub(super) struct PhotonMaps<'a> {
     /// Caustic map: photons of kind [`PhotonKind::Caustic`](crate::photon::PhotonKind::Caustic).
-    pub caustic: PhotonEstimator<'a>,
+    pub caustic: PhotonDensityEstimator<'a>,
     /// Indirect map: photons of all indirect light except caustics. Jensen 2001 and the command
     /// line call it the global map.
     ///
     /// In `hybrid`, it holds only light that a receiver has reflected from a caustic. If
     /// final-gathering rays read the map, it also holds direct light.
-    pub indirect: PhotonEstimator<'a>,
+    pub indirect: PhotonDensityEstimator<'a>,
     /// Interreflection map of `hybrid`: photons that went straight from a light to a receiver and
     /// scattered there. `None` if camera paths carry all of this light.
-    pub interreflection: Option<PhotonEstimator<'a>>,
+    pub interreflection: Option<PhotonDensityEstimator<'a>>,
     /// Map of photons whose directions guide final-gathering rays.
     pub guides: PhotonMap,
     /// Splats on the film of caustic photons that light tracing connected to the camera; empty
@@ -78,23 +78,27 @@ impl PhotonMaps<'_> {
         vertex: &PathVertex<'_, I>,
         lookup: PhotonMapChoice,
         samples: f32,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Rgb {
-        let caustic = self.caustic.radiance(vertex, samples, |w| (&mut w.caustic, &mut w.nested.caustic), worker);
+        let caustic =
+            self.caustic.radiance(vertex, samples, |t| (&mut t.search_buffers.caustic, &mut t.nested.caustic), task);
         let indirect = match lookup {
             PhotonMapChoice::Caustic => Rgb::ZERO,
-            PhotonMapChoice::Both => {
-                self.indirect.radiance(vertex, samples, |w| (&mut w.indirect, &mut w.nested.indirect), worker)
-            }
+            PhotonMapChoice::CausticAndIndirect => self.indirect.radiance(
+                vertex,
+                samples,
+                |t| (&mut t.search_buffers.indirect, &mut t.nested.indirect),
+                task,
+            ),
         };
-        worker.groups.add(LightGroup::of_caustic_map(vertex.history), vertex.throughput * caustic * samples);
-        worker.groups.add(LightGroup::Indirect, vertex.throughput * indirect * samples);
+        task.groups.add(LightGroup::of_caustic_map(vertex.history), vertex.throughput * caustic * samples);
+        task.groups.add(LightGroup::Indirect, vertex.throughput * indirect * samples);
         (caustic + indirect) * samples
     }
 
     /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from the
     /// interreflection map, times `samples` \[W/(m² sr)]; 0 without that map. Also adds it, times
-    /// the throughput, to `worker.indirect_light` and the light groups.
+    /// the throughput, to `task.indirect_light` and the light groups.
     ///
     /// One camera path may read the map for all paths of its pixel. `samples` is then the number of
     /// these paths, times a weight.
@@ -103,14 +107,15 @@ impl PhotonMaps<'_> {
         &self,
         vertex: &PathVertex<'_, I>,
         samples: f32,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Rgb {
         let Some(map) = &self.interreflection else { return Rgb::ZERO };
-        worker.photon_step = Rgb::ZERO;
-        let radiance = map.radiance(vertex, samples, |w| (&mut w.interreflection, &mut w.nested.indirect), worker);
-        worker.indirect_light.photons += vertex.throughput * radiance * samples;
-        worker.indirect_light.photon_step += vertex.throughput * worker.photon_step * samples;
-        worker.groups.add(LightGroup::Indirect, vertex.throughput * radiance * samples);
+        task.nested_difference = Rgb::ZERO;
+        let radiance =
+            map.radiance(vertex, samples, |t| (&mut t.search_buffers.interreflection, &mut t.nested.indirect), task);
+        task.indirect_light.photons += vertex.throughput * radiance * samples;
+        task.indirect_light.nested_difference += vertex.throughput * task.nested_difference * samples;
+        task.groups.add(LightGroup::Indirect, vertex.throughput * radiance * samples);
         radiance * samples
     }
 
@@ -125,18 +130,18 @@ impl PhotonMaps<'_> {
         vertex: &MediumPathSegment<'_, I>,
         samples: f32,
         rng: &mut impl Rng,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Rgb {
-        let caustic = self.caustic.volume.radiance(self.caustic.scene, vertex, samples, rng, worker);
-        let indirect = self.indirect.volume.radiance(self.indirect.scene, vertex, samples, rng, worker);
-        worker.groups.add(LightGroup::of_caustic_map(vertex.history), vertex.throughput * caustic * samples);
-        worker.groups.add(LightGroup::Indirect, vertex.throughput * indirect * samples);
+        let caustic = self.caustic.volume.radiance(self.caustic.scene, vertex, samples, rng, task);
+        let indirect = self.indirect.volume.radiance(self.indirect.scene, vertex, samples, rng, task);
+        task.groups.add(LightGroup::of_caustic_map(vertex.history), vertex.throughput * caustic * samples);
+        task.groups.add(LightGroup::Indirect, vertex.throughput * indirect * samples);
         (caustic + indirect) * samples
     }
 
     /// Returns the radiance that a medium scatters to the start of a segment, estimated from the
     /// interreflection map, times `samples` \[W/(m² sr)]; 0 without that map. Also adds it, times
-    /// the throughput, to `worker.indirect_light` and the light groups.
+    /// the throughput, to `task.indirect_light` and the light groups.
     ///
     /// One camera path may read the map for all paths of its pixel. `samples` is then the number of
     /// these paths, times a weight.
@@ -146,19 +151,19 @@ impl PhotonMaps<'_> {
         vertex: &MediumPathSegment<'_, I>,
         samples: f32,
         rng: &mut impl Rng,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Rgb {
         let Some(map) = &self.interreflection else { return Rgb::ZERO };
-        worker.photon_step = Rgb::ZERO;
-        let radiance = map.volume.radiance(map.scene, vertex, samples, rng, worker);
-        worker.indirect_light.photons += vertex.throughput * radiance * samples;
-        worker.indirect_light.photon_step += vertex.throughput * worker.photon_step * samples;
-        worker.groups.add(LightGroup::Indirect, vertex.throughput * radiance * samples);
+        task.nested_difference = Rgb::ZERO;
+        let radiance = map.volume.radiance(map.scene, vertex, samples, rng, task);
+        task.indirect_light.photons += vertex.throughput * radiance * samples;
+        task.indirect_light.nested_difference += vertex.throughput * task.nested_difference * samples;
+        task.groups.add(LightGroup::Indirect, vertex.throughput * radiance * samples);
         radiance * samples
     }
 }
 
-impl PhotonEstimator<'_> {
+impl PhotonDensityEstimator<'_> {
     /// Returns the largest gather radius \[length].
     pub fn max_gather_radius(&self) -> f32 {
         self.bandwidth.radius
@@ -167,21 +172,21 @@ impl PhotonEstimator<'_> {
     /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the photons
     /// of this map \[W/(m² sr)].
     ///
-    /// `scratch` returns the worker's search buffers and sums for this map. `samples` is the number
+    /// `scratch` returns the task's search buffers and sums for this map. `samples` is the number
     /// of camera paths for which the estimate stands, times a weight. It multiplies only the nested
-    /// estimates in `worker`, not the result.
+    /// estimates in `task`, not the result.
     #[inline]
     fn radiance<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
         samples: f32,
-        scratch: fn(&mut PathWorker) -> (&mut PhotonSearchBuffers, &mut GatherDiscSum),
-        worker: &mut PathWorker,
+        scratch: fn(&mut PathTask) -> (&mut PhotonSearchBuffers, &mut GatherDiscSum),
+        task: &mut PathTask,
     ) -> Rgb {
         if self.has_density_estimate_shares && vertex.history == PathHistory::default() {
-            self.radiance_with_shares::<I, true>(vertex, samples, scratch, worker)
+            self.radiance_with_shares::<I, true>(vertex, samples, scratch, task)
         } else {
-            self.radiance_with_shares::<I, false>(vertex, samples, scratch, worker)
+            self.radiance_with_shares::<I, false>(vertex, samples, scratch, task)
         }
     }
 
@@ -194,13 +199,13 @@ impl PhotonEstimator<'_> {
         &self,
         vertex: &PathVertex<'_, I>,
         samples: f32,
-        scratch: fn(&mut PathWorker) -> (&mut PhotonSearchBuffers, &mut GatherDiscSum),
-        worker: &mut PathWorker,
+        scratch: fn(&mut PathTask) -> (&mut PhotonSearchBuffers, &mut GatherDiscSum),
+        task: &mut PathTask,
     ) -> Rgb {
         if self.map.is_empty() {
             return Rgb::ZERO;
         }
-        worker.counters.gathers += 1;
+        task.counters.gathers += 1;
         let surface = vertex.surface;
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let wavelength = vertex.interior.wavelength();
@@ -218,20 +223,20 @@ impl PhotonEstimator<'_> {
         };
         let (p, normal) = (surface.point.p, surface.facing_normal());
         let (bandwidth, kernel, key) = (self.bandwidth, self.kernel, vertex.sampler.sample_key());
-        let nested = worker.nests_estimates;
-        let (scratch, discs) = scratch(worker);
+        let nested = task.nests_estimates;
+        let (buffers, discs) = scratch(task);
         if !nested {
-            let estimate = self.map.estimate_radiance(p, normal, bandwidth, kernel, scratch, brdf);
-            worker.counters.gathered_photons += u64::from(estimate.count);
+            let estimate = self.map.estimate_radiance(p, normal, bandwidth, kernel, buffers, brdf);
+            task.counters.gathered_photons += u64::from(estimate.count);
             if estimate.count == 0 {
                 return Rgb::ZERO;
             }
             return estimate.radiance / disc_coverage(self.scene, p, normal, estimate.radius, kernel, key);
         }
         let NestedRadianceEstimate { whole, mut radiance } =
-            self.map.estimate_radiance_in_nested_discs(p, normal, bandwidth, kernel, scratch, brdf);
+            self.map.estimate_radiance_in_nested_discs(p, normal, bandwidth, kernel, buffers, brdf);
         discs.add(whole.radius, whole.count);
-        worker.counters.gathered_photons += u64::from(whole.count);
+        task.counters.gathered_photons += u64::from(whole.count);
         if whole.count == 0 {
             return Rgb::ZERO;
         }
@@ -244,8 +249,8 @@ impl PhotonEstimator<'_> {
             let levels = nested_disc_coverage(self.scene, p, normal, whole.radius, kernel, key);
             radiance.iter_mut().zip(levels).for_each(|(radiance, covered)| *radiance /= covered);
         }
-        worker.nested.add(vertex.throughput * samples, radiance);
-        worker.photon_step = radiance[0] - radiance[1];
+        task.nested.add(vertex.throughput * samples, radiance);
+        task.nested_difference = radiance[0] - radiance[1];
         estimate
     }
 }

@@ -25,7 +25,7 @@ use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::pilot_statistics::{box_mean, positive_median};
-use super::prefix_rays::{PrefixLight, PrefixRayCount, PrefixRayCounts};
+use super::prefix_rays::{PrefixLightSums, PrefixRayCount, PrefixRayCounts};
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
 use crate::plan::Effect;
@@ -100,15 +100,16 @@ impl RunningVariance {
 
 /// Light of one pixel in the prefix-ray pilot's pictures, averaged over RGB \[W/(m² sr)].
 #[derive(Clone, Copy, Debug, Default)]
-struct PixelLight {
+struct PixelLightStatistics {
     /// Light that camera paths find after their first receiver, as mean and variance.
-    rest: RunningVariance,
+    after_receiver: RunningVariance,
     /// Emission and direct light that camera paths find up to their first receiver, as mean and
     /// variance.
-    found: RunningVariance,
+    up_to_receiver: RunningVariance,
     /// Photon estimate at the first receiver, as mean and variance.
     photons: RunningVariance,
-    /// Sum over whole camera paths of (`rest` − its mean) times (`found` − its mean), from which
+    /// Sum over whole camera paths of (`after_receiver` − its mean) times (`up_to_receiver` − its
+    /// mean), from which
     /// their covariance follows.
     products: f64,
 }
@@ -117,12 +118,12 @@ struct PixelLight {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct PixelVariance {
     /// Variance of the light after the first receiver.
-    rest: f64,
+    after_receiver: f64,
     /// Variance of the emission and direct light that the path finds up to its first receiver.
     ///
-    /// If the covariance of this light and the light of `rest` is negative, twice the covariance is
+    /// If the covariance of this light and the light of `after_receiver` is negative, twice the covariance is
     /// added: a ray near an edge finds either one light or the other.
-    found: f64,
+    up_to_receiver: f64,
     /// Variance of the photon estimate at the first receiver.
     photons: f64,
 }
@@ -148,16 +149,16 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out)
     });
     let (width, height) = scene.camera().size();
-    let mut light = vec![PixelLight::default(); width as usize * height as usize];
+    let mut light = vec![PixelLightStatistics::default(); width as usize * height as usize];
     let mut whole_work = Counters::default();
     for i in 0..WHOLE_PICTURES {
         let picture = render_light_parts(renderer, maps.as_ref(), i, |_| PathParts::Whole);
         light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
-            let before = parts.x - light.rest.mean;
-            light.rest.add(parts.x);
-            light.found.add(parts.y);
+            let before = parts.x - light.after_receiver.mean;
+            light.after_receiver.add(parts.x);
+            light.up_to_receiver.add(parts.y);
             light.photons.add(parts.z);
-            light.products += f64::from(before) * f64::from(parts.y - light.found.mean);
+            light.products += f64::from(before) * f64::from(parts.y - light.up_to_receiver.mean);
         });
         whole_work += picture.counters;
     }
@@ -172,7 +173,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
             if looks_up(pixel) { PathParts::PrefixWithLookup } else { PathParts::Prefix }
         });
         light.par_iter_mut().zip(&picture.image).enumerate().for_each(|(pixel, (light, parts))| {
-            light.found.add(parts.y);
+            light.up_to_receiver.add(parts.y);
             if looks_up(pixel) {
                 light.photons.add(parts.z);
             }
@@ -238,7 +239,7 @@ enum PathParts {
 /// variance of the estimate is above about 1/n² of that of a camera path.
 fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool> {
     let n = f64::from(samples);
-    let total: f64 = variances.iter().map(|v| v.rest + v.found).sum();
+    let total: f64 = variances.iter().map(|v| v.after_receiver + v.up_to_receiver).sum();
     let least = CANDIDATE_VARIANCE * total / variances.len() as f64;
     variances.iter().map(|v| v.photons * n * n > least).collect()
 }
@@ -261,18 +262,18 @@ fn render_light_parts(
     let (paths, key) = (pilot.path_context(maps, pass), pilot.prefix_ray_key(pass));
     let sampling = tiles::FilmSampling { nested: false, ..pilot.film_sampling(pass) };
     for_interior!(pilot.policy.effects, <I> {
-        tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, worker, branches| {
-            let parts = parts(worker.film_position);
-            worker.prefix = PrefixLight {
+        tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, task, branches| {
+            let parts = parts(task.film_position);
+            task.prefix = PrefixLightSums {
                 ends_at_receiver: parts != PathParts::Whole,
                 lookups: u32::from(parts != PathParts::Prefix),
-                ..PrefixLight::default()
+                ..PrefixLightSums::default()
             };
-            let radiance = camera_path::trace_camera_path::<I>(&paths, ray, sampler, worker, branches);
+            let radiance = camera_path::trace_camera_path::<I>(&paths, ray, sampler, task, branches);
             let total = color::channel_mean(radiance);
-            let (found, photons) =
-                (color::channel_mean(worker.prefix.found), color::channel_mean(worker.prefix.photons));
-            Rgb::new((total - found - photons).max(0.0), found, photons)
+            let (up_to_receiver, photons) =
+                (color::channel_mean(task.prefix.up_to_receiver), color::channel_mean(task.prefix.photons));
+            Rgb::new((total - up_to_receiver - photons).max(0.0), up_to_receiver, photons)
         })
     })
 }
@@ -282,8 +283,8 @@ fn render_light_parts(
 /// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ its median over
 /// the picture. This measure lies between the absolute error, which neglects dark pixels, and the
 /// relative error, which neglects bright ones.
-fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<Vec<PixelVariance>> {
-    let mean: Vec<f32> = light.iter().map(|l| l.rest.mean + l.found.mean + l.photons.mean).collect();
+fn pixel_variances(light: &[PixelLightStatistics], width: usize, height: usize) -> Option<Vec<PixelVariance>> {
+    let mean: Vec<f32> = light.iter().map(|l| l.after_receiver.mean + l.up_to_receiver.mean + l.photons.mean).collect();
     let median = positive_median(mean.iter().map(|l| f64::from(*l)))?;
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
     // keeps detail, a larger one includes rare bright rays.
@@ -292,12 +293,12 @@ fn pixel_variances(light: &[PixelLight], width: usize, height: usize) -> Option<
     let variance = |i: usize| {
         let brightness = box_mean(&|i| f64::from(mean[i]), i, 1);
         let scale = 1.0 / (median * (brightness + median));
-        let found = smoothed(&|i| light[i].found.variance(), i);
+        let up_to_receiver = smoothed(&|i| light[i].up_to_receiver.variance(), i);
         let covariance = smoothed(&|i| light[i].products, i) / f64::from(WHOLE_PICTURES - 1);
         let photons = smoothed(&|i| light[i].photons.variance(), i);
         PixelVariance {
-            rest: box_mean(&|i| light[i].rest.variance(), i, 1) * scale,
-            found: (found + 2.0 * covariance.min(0.0)).max(0.0) * scale,
+            after_receiver: box_mean(&|i| light[i].after_receiver.variance(), i, 1) * scale,
+            up_to_receiver: (up_to_receiver + 2.0 * covariance.min(0.0)).max(0.0) * scale,
             photons: photons * scale,
         }
     };
@@ -332,7 +333,7 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
         // `max` ignores NaN, so a NaN variance gives no ray.
         let whole = |n: f64| n.max(0.0).floor().min(f64::from(u8::MAX));
         let lookups = whole(v.photons.sqrt() * scale * lookup_scale - 1.0);
-        (whole(v.found.sqrt() * scale * ray_scale - n).max(lookups), lookups)
+        (whole(v.up_to_receiver.sqrt() * scale * ray_scale - n).max(lookups), lookups)
     };
     let pixels = variances.len() as f64;
     let prefix_work = |scale: f64| {
@@ -347,7 +348,7 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
     let variance = |scale: f64| {
         let pixel_variance = |v: &PixelVariance| {
             let (rays, lookups) = count(v, scale);
-            photon_variance_factor * v.rest / n + v.found / (n + rays) + v.photons / (1.0 + lookups)
+            photon_variance_factor * v.after_receiver / n + v.up_to_receiver / (n + rays) + v.photons / (1.0 + lookups)
         };
         variances.iter().map(pixel_variance).sum::<f64>() / pixels
     };

@@ -12,12 +12,12 @@ use std::sync::Arc;
 /// weights. One camera path and l prefix rays share the photon estimate at the first receiver. If
 /// the pass has slices of the shutter interval, one camera path of each slice reads photon maps.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PrefixLight {
+pub(super) struct PrefixLightSums {
     /// Weight n/(n + m) of light that camera paths and prefix rays both find: emission, environment
     /// light, and direct light at casters such as glass or mirrors.
     ///
     /// The pixel has n camera paths and m prefix rays.
-    pub found_weight: f32,
+    pub up_to_receiver_weight: f32,
     /// Number of camera paths of the pixel, or of its prefix rays, that read photon maps: those
     /// with the lowest sample indices.
     pub lookups: u32,
@@ -31,7 +31,7 @@ pub(super) struct PrefixLight {
     pub ends_at_receiver: bool,
     /// Weighted sum of the light found up to the first receiver: emission, environment light and
     /// direct light at casters \[W/(m² sr)].
-    pub found: Rgb,
+    pub up_to_receiver: Rgb,
     /// Weighted sum of the photon estimates at the first receiver \[W/(m² sr)].
     pub photons: Rgb,
 }
@@ -45,21 +45,21 @@ pub(super) struct PrefixRayCount {
     pub lookups: u8,
 }
 
-impl Default for PrefixLight {
+impl Default for PrefixLightSums {
     /// Returns the weights of camera paths in a pixel without prefix rays.
     fn default() -> Self {
         Self {
-            found_weight: 1.0,
+            up_to_receiver_weight: 1.0,
             lookups: 1,
             lookup_weight: 1.0,
             ends_at_receiver: false,
-            found: Rgb::ZERO,
+            up_to_receiver: Rgb::ZERO,
             photons: Rgb::ZERO,
         }
     }
 }
 
-impl PrefixLight {
+impl PrefixLightSums {
     /// Returns the weights of the light that each of a pixel's `samples` camera paths finds.
     /// `prefix` counts the prefix rays of the pixel.
     ///
@@ -67,7 +67,7 @@ impl PrefixLight {
     pub fn camera_path_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.rays));
         let lookup_weight = 1.0 / (lookups as f32 + f32::from(prefix.lookups));
-        Self { found_weight: n / (n + m), lookups, lookup_weight, ..Self::default() }
+        Self { up_to_receiver_weight: n / (n + m), lookups, lookup_weight, ..Self::default() }
     }
 
     /// Returns the weights of the light that each prefix ray of a pixel finds. `prefix` counts the

@@ -82,14 +82,15 @@ pub struct GatherRadii {
 /// Work and benefit of guiding photon emission, for each set of photon paths; `None` if no pilot
 /// tried to guide them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct EmissionGuidingReportPerMap {
+pub struct EmissionGuidingReports {
     /// Report for the paths that start in all directions. They fill the indirect map or, in
     /// `hybrid`, the interreflection map.
     #[serde(rename = "global")]
-    pub indirect: Option<EmissionGuidingReport>,
+    pub unaimed: Option<EmissionGuidingReport>,
     /// Report for the paths aimed at casters, such as glass or mirrors. They fill the caustic map,
     /// and in `hybrid` the indirect map too.
-    pub caustic: Option<EmissionGuidingReport>,
+    #[serde(rename = "caustic")]
+    pub aimed: Option<EmissionGuidingReport>,
 }
 
 /// Returns the number of photon paths of a pilot: four times the `paths` of a pass, but at least

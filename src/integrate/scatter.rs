@@ -1,10 +1,10 @@
 //! Direction sampling at the vertices of camera paths.
 
 use super::gather_guide::GUIDE_PHOTONS;
+use super::path_task::PathTask;
 use super::photon_maps::PhotonMaps;
 use super::policy::DirectionSampling;
 use super::vertex::PathVertex;
-use super::worker::PathWorker;
 use crate::bsdf::{BsdfSample, TransportMode};
 use crate::color::Rgb;
 use crate::photon::{Bandwidth, Kernel};
@@ -17,21 +17,21 @@ use std::cell::RefCell;
 /// of such a ray.
 const GUIDE_RADIUS: f32 = 4.0;
 
-/// Sets the worker's gather guide to the directions from which photons arrived near `vertex`.
+/// Sets the task's gather guide to the directions from which photons arrived near `vertex`.
 pub(super) fn collect_gather_directions<I: Interior>(
     maps: &PhotonMaps<'_>,
     min_gather_distance: f32,
     vertex: &PathVertex<'_, I>,
-    worker: &mut PathWorker,
+    task: &mut PathTask,
 ) {
-    let PathWorker { gather_guide, guide_lookup, .. } = worker;
+    let PathTask { gather_guide, search_buffers, .. } = task;
     gather_guide.clear();
     let guide = RefCell::new(gather_guide);
     let bandwidth = Bandwidth { radius: min_gather_distance * GUIDE_RADIUS, k: GUIDE_PHOTONS };
     let (p, normal) = (vertex.surface.point.p, vertex.surface.facing_normal());
     // The lookup visits the photons; its estimate is not used.
-    let _ = maps.guides.estimate_radiance(p, normal, bandwidth, Kernel::Cone, guide_lookup, |flux| {
-        guide.borrow_mut().push(flux.incident_direction());
+    let _ = maps.guides.estimate_radiance(p, normal, bandwidth, Kernel::Cone, &mut search_buffers.guides, |flux| {
+        guide.borrow_mut().push_direction(flux.incident_direction());
         Rgb::ZERO
     });
 }
@@ -41,12 +41,12 @@ pub(super) fn collect_gather_directions<I: Interior>(
 pub(super) fn sample<I: Interior>(
     sampling: DirectionSampling,
     vertex: &PathVertex<'_, I>,
-    worker: &PathWorker,
+    task: &PathTask,
 ) -> Option<BsdfSample> {
     let surface = vertex.surface;
     let (lobe, u) = (vertex.sampler.get_1d(Dimension::BsdfLobe), vertex.sampler.get_2d(Dimension::BsdfDirection));
     if is_guided(sampling, vertex) {
-        return sample_bsdf_or_guide(vertex, worker);
+        return sample_bsdf_or_guide(vertex, task);
     }
     surface.sample(lobe, u, TransportMode::Radiance)
 }
@@ -57,13 +57,13 @@ pub(super) fn pdf<I: Interior>(
     sampling: DirectionSampling,
     vertex: &PathVertex<'_, I>,
     wi: Vec3,
-    worker: &PathWorker,
+    task: &PathTask,
 ) -> f32 {
     let bsdf = vertex.surface.pdf(wi);
     if !is_guided(sampling, vertex) {
         return bsdf;
     }
-    worker.gather_guide.pdf(wi).map_or(bsdf, |guide| 0.5 * (bsdf + guide))
+    task.gather_guide.pdf(wi).map_or(bsdf, |guide| 0.5 * (bsdf + guide))
 }
 
 /// True if directions at `vertex` are sampled from the BSDF and from the gather guide.
@@ -79,10 +79,10 @@ fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool
 }
 
 /// Samples a direction from the BSDF or from the gather guide, with equal probability.
-fn sample_bsdf_or_guide<I: Interior>(vertex: &PathVertex<'_, I>, worker: &PathWorker) -> Option<BsdfSample> {
+fn sample_bsdf_or_guide<I: Interior>(vertex: &PathVertex<'_, I>, task: &PathTask) -> Option<BsdfSample> {
     let surface = vertex.surface;
     let (lobe, u) = (vertex.sampler.get_1d(Dimension::BsdfLobe), vertex.sampler.get_2d(Dimension::BsdfDirection));
-    let mixed = |wi| pdf(DirectionSampling::Guided, vertex, wi, worker);
+    let mixed = |wi| pdf(DirectionSampling::Guided, vertex, wi, task);
     if lobe >= 0.5 {
         let mut sample = surface.sample(2.0 * lobe - 1.0, u, TransportMode::Radiance)?;
         let mixed = mixed(sample.wi);
@@ -90,7 +90,7 @@ fn sample_bsdf_or_guide<I: Interior>(vertex: &PathVertex<'_, I>, worker: &PathWo
         sample.pdf = mixed;
         return Some(sample);
     }
-    let Some(wi) = worker.gather_guide.sample(2.0 * lobe, u) else {
+    let Some(wi) = task.gather_guide.sample(2.0 * lobe, u) else {
         return surface.sample(2.0 * lobe, u, TransportMode::Radiance);
     };
     let reflected = surface.bsdf_cosine(wi);

@@ -19,7 +19,7 @@ const NEIGHBORHOOD_WEIGHT: f64 = 1.0;
 /// media. Start points of shadow rays are sampled in proportion to it.
 #[derive(Debug)]
 pub(super) struct ScatterPointGuide {
-    grid: Grid,
+    grid: CellGrid,
     /// Root mean square of the radiance that a shadow ray finds, by light and cell \[W/(m² sr)].
     values: Vec<f32>,
 }
@@ -27,7 +27,7 @@ pub(super) struct ScatterPointGuide {
 /// Data to which [`ScatterPointGuide`] is fitted: by light and cell, the number of pilot rays and
 /// the sum of the squared radiance that they found.
 pub(super) struct ScatterPointFit {
-    grid: Grid,
+    grid: CellGrid,
     counts: Vec<f64>,
     squares: Vec<f64>,
 }
@@ -60,7 +60,7 @@ pub(super) struct GuidedDistances {
 
 /// Grid of equal boxes over an axis-aligned box.
 #[derive(Clone, Debug)]
-struct Grid {
+struct CellGrid {
     origin: Vec3,
     /// Edges of a cell \[length].
     cell: Vec3,
@@ -81,7 +81,7 @@ impl ScatterPointGuide {
             // Any positive weight is unbiased: this one is close to exp(−depth).
             let depth = extinction * 0.5 * (from + to);
             let transmittance = 1.0 / (1.0 + depth * (1.0 + 0.5 * depth));
-            distances.push(from, to, values[cell] * transmittance * (to - from));
+            distances.push_piece(from, to, values[cell] * transmittance * (to - from));
         });
     }
 }
@@ -90,7 +90,7 @@ impl ScatterPointFit {
     /// Makes an empty fit for `lights` lights, over the bounding box of `points`. Returns `None` if
     /// the box is empty or not finite.
     pub fn new(points: impl Iterator<Item = Vec3>, lights: usize) -> Option<Self> {
-        let grid = Grid::new(&Bounds::from_points(points))?;
+        let grid = CellGrid::new(&Bounds::from_points(points))?;
         let len = grid.len() * lights;
         Some(Self { grid, counts: vec![0.0; len], squares: vec![0.0; len] })
     }
@@ -105,7 +105,7 @@ impl ScatterPointFit {
     /// Returns the guide fitted to the added rays.
     ///
     /// The mean of a cell is drawn towards the mean of the 3×3×3 cells around and including it.
-    pub fn guide(self) -> ScatterPointGuide {
+    pub fn fitted_guide(self) -> ScatterPointGuide {
         let len = self.grid.len();
         let mean = |i: usize| {
             let (mut count, mut square) = (0.0, 0.0);
@@ -130,25 +130,25 @@ impl GuidedDistances {
     }
 
     /// Adds a piece that begins at distance `from`, where the last one ended, and ends at `to`.
-    fn push(&mut self, from: f32, to: f32, weight: f32) {
+    fn push_piece(&mut self, from: f32, to: f32, weight: f32) {
         if self.ends.is_empty() {
             self.start = from;
         }
         let weight = if weight.is_finite() { weight } else { 0.0 };
-        self.cumulative.push(self.total() + weight);
+        self.cumulative.push(self.total_weight() + weight);
         self.ends.push(to);
     }
 
     /// Returns the sum of all weights; 0 if the distribution is empty.
-    pub fn total(&self) -> f32 {
+    pub fn total_weight(&self) -> f32 {
         self.cumulative.last().copied().unwrap_or(0.0)
     }
 
     /// Samples a distance by uniform `u` in \[0, 1). The distribution must not be empty.
     pub fn sample(&self, u: f32) -> f32 {
-        let target = u * self.total();
+        let target = u * self.total_weight();
         let i = self.cumulative.partition_point(|sum| *sum <= target).min(self.ends.len() - 1);
-        let (from, below) = self.start_of(i);
+        let (from, below) = self.piece_start(i);
         let fraction = (target - below) / (self.cumulative[i] - below);
         (from + fraction.clamp(0.0, 1.0) * (self.ends[i] - from)).min(self.ends[i])
     }
@@ -160,17 +160,17 @@ impl GuidedDistances {
         if t < self.start || i == self.ends.len() {
             return 0.0;
         }
-        let (from, below) = self.start_of(i);
-        (self.cumulative[i] - below) / (self.total() * (self.ends[i] - from))
+        let (from, below) = self.piece_start(i);
+        (self.cumulative[i] - below) / (self.total_weight() * (self.ends[i] - from))
     }
 
     /// Returns the distance at which piece `i` begins, and the sum of the weights before it.
-    fn start_of(&self, i: usize) -> (f32, f32) {
+    fn piece_start(&self, i: usize) -> (f32, f32) {
         if i == 0 { (self.start, 0.0) } else { (self.ends[i - 1], self.cumulative[i - 1]) }
     }
 }
 
-impl Grid {
+impl CellGrid {
     /// Makes a grid of nearly cubic cells over `bounds`; `None` if the box is empty or not finite.
     fn new(bounds: &Bounds) -> Option<Self> {
         let extent = bounds.extent();

@@ -70,7 +70,7 @@ pub(super) fn guide_scatter_points(
     }
     let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::ScatterPointGuiding);
 
-    let Some(learned) = learn_lit_parts(renderer, key, lights) else { return (ScatterPointSampling::Unguided, None) };
+    let Some(learned) = learn_guide(renderer, key, lights) else { return (ScatterPointSampling::Unguided, None) };
     let rays = learned.rays;
     let (sampling, gain) = choose_point_count(renderer, key, learned);
     let used = gain > MIN_GAIN;
@@ -89,24 +89,24 @@ struct LearnedGuide {
 
 /// Learns a guide for `lights` lights from camera paths that send shadow rays from many points of
 /// media. Returns `None` if no ray finds light.
-fn learn_lit_parts(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<LearnedGuide> {
+fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<LearnedGuide> {
     let (width, height) = renderer.scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
     let count = width.saturating_mul(height).clamp(PATHS.0, PATHS.1);
     let samplers = (0..count).map(|i| Sampler::new(key, i, count));
     let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
     let policy = PathPolicy { continuation: PathContinuation::Never, photons: PhotonLookups::Never, ..renderer.policy };
-    let workers = trace_with(renderer, &policy, ScatterPointSampling::Recorded, |paths| {
+    let tasks = with_path_context(renderer, &policy, ScatterPointSampling::Recorded, |paths| {
         trace_paths_through_film_points(paths, &points).1
     });
-    let samples = || workers.iter().flat_map(|worker| &worker.in_scattering);
+    let samples = || tasks.iter().flat_map(|task| &task.in_scattering_samples);
     let mean_radiance = samples().map(|sample| sample.contribution).sum::<f64>() / f64::from(count);
     if mean_radiance.is_nan() || mean_radiance <= 0.0 {
         return None;
     }
     let mut fit = ScatterPointFit::new(samples().map(|sample| sample.p), lights)?;
     samples().for_each(|sample| fit.add(sample));
-    Some(LearnedGuide { guide: Arc::new(fit.guide()), mean_radiance, rays: samples().count() as u64 })
+    Some(LearnedGuide { guide: Arc::new(fit.fitted_guide()), mean_radiance, rays: samples().count() as u64 })
 }
 
 /// Returns the guided sampling whose number of points has little noise for its work. Also returns
@@ -122,7 +122,7 @@ fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGui
     let estimate = |sampling: &ScatterPointSampling| {
         [0, 1].map(|set| {
             let points = film_points_in_pixels(renderer.scene, key, set);
-            trace_with(renderer, &renderer.policy, sampling.clone(), |paths| {
+            with_path_context(renderer, &renderer.policy, sampling.clone(), |paths| {
                 map_paths_through_film_points(paths, &points, false, |radiance, _| radiance)
             })
         })
@@ -147,7 +147,7 @@ fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGui
 
 /// Calls `trace` with the context of camera paths of `policy` that read no photons, and whose
 /// shadow rays in media start from the points of `sampling`.
-fn trace_with<T>(
+fn with_path_context<T>(
     renderer: &PassRenderer<'_>,
     policy: &PathPolicy,
     sampling: ScatterPointSampling,

@@ -85,14 +85,14 @@ struct RayAovs {
     /// Shading normal, as a weighted mean over the branches of the ray.
     normal: Vec3,
     /// Surface at the end of the branch with the largest weight; `None` if no branch reaches one.
-    seen: Option<SeenSurface>,
+    seen: Option<BranchEndSurface>,
     /// Motion on the film of what the ray sees first \[pixels to the right and down].
     motion: Vec2,
 }
 
 /// Surface at the end of a branch of a ray.
 #[derive(Clone, Copy)]
-struct SeenSurface {
+struct BranchEndSurface {
     /// Weight of the branch, as the mean of its channels.
     weight: f32,
     /// Length of the path from the camera \[length].
@@ -105,7 +105,7 @@ struct SeenSurface {
 /// State of one branch of a camera ray between two specular surfaces. Smooth dielectrics split a
 /// ray into a reflected and a refracted branch.
 #[derive(Clone, Copy)]
-struct Branch<I> {
+struct RayBranch<I> {
     path_ray: PathRay<I>,
     /// Factor from the albedo at the end of the branch to the albedo of the ray.
     weight: Rgb,
@@ -198,7 +198,7 @@ fn trace_ray<I: Interior>(at_time: &SceneAtTime<'_>, path_ray: PathRay<I>, sampl
     let SceneAtTime { scene, effects, follows_specular, .. } = *at_time;
     let mut found = RayAovs::default();
     let mut total_weight = 0.0;
-    let mut branches = vec![Branch { path_ray, weight: Rgb::ONE, depth: 0.0, bounces: 0, sampler }];
+    let mut branches = vec![RayBranch { path_ray, weight: Rgb::ONE, depth: 0.0, bounces: 0, sampler }];
     while let Some(mut branch) = branches.pop() {
         let hit = match branch.path_ray.next_vertex(scene, branch.sampler.sample_key(), |_| None) {
             PathEvent::Surface(hit) => hit,
@@ -258,7 +258,7 @@ fn clip_to_albedo(color: Rgb) -> Rgb {
     color.clamp(Rgb::ZERO, Rgb::ONE)
 }
 
-impl<I: Interior> Branch<I> {
+impl<I: Interior> RayBranch<I> {
     /// Adds the branches that leave a specular `surface` to `branches`: two at a smooth dielectric,
     /// else at most one.
     fn push_continuations(&self, surface: &SurfaceInteraction<'_>, branches: &mut Vec<Self>) {
@@ -288,7 +288,7 @@ impl<I: Interior> Branch<I> {
 impl RayAovs {
     /// Adds albedo and normal of the `surface` at the end of `branch`. Also sets `seen` if no other
     /// branch has a larger weight.
-    fn add_surface<I: Interior>(&mut self, scene: &Scene, branch: &Branch<I>, surface: &SurfaceInteraction<'_>) {
+    fn add_surface<I: Interior>(&mut self, scene: &Scene, branch: &RayBranch<I>, surface: &SurfaceInteraction<'_>) {
         let albedo = directional_albedo(surface, branch.sampler).max(surface.emission);
         self.albedo += branch.weight * clip_to_albedo(albedo);
         let weight = color::channel_mean(branch.weight);
@@ -299,7 +299,7 @@ impl RayAovs {
         {
             let (object, material) = scene.object_and_material_index(&hit);
             let position = scene.origin() + surface.point.p.as_dvec3();
-            self.seen = Some(SeenSurface { weight, depth: branch.depth, position, object, material });
+            self.seen = Some(BranchEndSurface { weight, depth: branch.depth, position, object, material });
         }
     }
 }

@@ -3,9 +3,9 @@
 use super::light_group::{GroupedLight, LightGroup};
 use super::nested_estimates::NestedEstimates;
 use super::pass::{PassStage, ProgressMonitor};
-use super::prefix_rays::{PrefixLight, PrefixRayCount};
+use super::path_task::PathTask;
+use super::prefix_rays::{PrefixLightSums, PrefixRayCount};
 use super::shutter::{RaySlices, SlicedCameras};
-use super::worker::PathWorker;
 use crate::camera::{Camera, CropWindow, Filter, FilterSample};
 use crate::color::Rgb;
 use crate::math::{CompensatedSum, Ray, gcd};
@@ -77,7 +77,7 @@ pub(super) struct FilmImage {
 
 impl FilmImage {
     /// Crops this picture, which shows the window `outer`, to the window `inner`.
-    fn cut(self, outer: CropWindow, inner: CropWindow) -> Self {
+    fn cropped_to_window(self, outer: CropWindow, inner: CropWindow) -> Self {
         let Self { image, nested, groups, clamped, pixels, counters } = self;
         let pixels = pixels.into_iter().filter_map(|i| {
             let (x, y) = (outer.left + i % outer.size().0, outer.top + i / outer.size().0);
@@ -85,10 +85,10 @@ impl FilmImage {
             is_inside.then(|| (y - inner.top) * inner.size().0 + x - inner.left)
         });
         Self {
-            image: cut_pixels(&image, outer, inner),
-            nested: cut_pixels(&nested, outer, inner),
-            groups: groups.iter().map(|group| cut_pixels(group, outer, inner)).collect(),
-            clamped: cut_pixels(&clamped, outer, inner),
+            image: cropped_pixels(&image, outer, inner),
+            nested: cropped_pixels(&nested, outer, inner),
+            groups: groups.iter().map(|group| cropped_pixels(group, outer, inner)).collect(),
+            clamped: cropped_pixels(&clamped, outer, inner),
             pixels: pixels.collect(),
             counters,
         }
@@ -96,7 +96,7 @@ impl FilmImage {
 }
 
 /// Crops `pixels`, which show the window `outer`, to the window `inner`; empty pixels stay empty.
-fn cut_pixels<T: Copy>(pixels: &[T], outer: CropWindow, inner: CropWindow) -> Vec<T> {
+fn cropped_pixels<T: Copy>(pixels: &[T], outer: CropWindow, inner: CropWindow) -> Vec<T> {
     let columns = (inner.left - outer.left) as usize..(inner.right - outer.left) as usize;
     let rows = pixels.chunks(outer.size().0 as usize).skip((inner.top - outer.top) as usize);
     rows.take(inner.size().1 as usize).flat_map(|row| &row[columns.clone()]).copied().collect()
@@ -135,11 +135,11 @@ impl<'a> Tile<'a> {
             clamped: Vec::new(),
         };
         let mut tiles: Vec<Self> = (0..width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE)).map(empty).collect();
-        cut_rows_at_tiles(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
-        cut_rows_at_tiles(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
-        cut_rows_at_tiles(clamped, width).for_each(|(tile, row)| tiles[tile].clamped.push(row));
+        row_pieces_by_tile(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
+        row_pieces_by_tile(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
+        row_pieces_by_tile(clamped, width).for_each(|(tile, row)| tiles[tile].clamped.push(row));
         for (group, pixels) in groups.iter_mut().enumerate() {
-            cut_rows_at_tiles(pixels, width).for_each(|(tile, row)| tiles[tile].groups[group].push(row));
+            row_pieces_by_tile(pixels, width).for_each(|(tile, row)| tiles[tile].groups[group].push(row));
         }
         tiles
     }
@@ -147,7 +147,7 @@ impl<'a> Tile<'a> {
 
 /// Cuts the rows of a picture at tile borders. Returns the pieces from the top, each with the index
 /// of its tile.
-fn cut_rows_at_tiles<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
+fn row_pieces_by_tile<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
     let (width, edge) = (width as usize, TILE_SIZE as usize);
     let tile = move |x: usize, y: usize| y / edge * width.div_ceil(edge) + x;
     let rows = picture.chunks_mut(width).enumerate();
@@ -236,7 +236,7 @@ pub(super) fn render_tiles<T: Default>(
     sampling: &FilmSampling<'_>,
     key: Key,
     monitor: &dyn ProgressMonitor,
-    radiance: impl Fn(&Ray, Sampler, &mut PathWorker, &mut T) -> Rgb + Sync,
+    radiance: impl Fn(&Ray, Sampler, &mut PathTask, &mut T) -> Rgb + Sync,
 ) -> FilmImage {
     let (whole_width, whole_height) = sampling.camera.size();
     // Searches for photons begin with the radius of the pixel before in the tile, which can change
@@ -261,7 +261,7 @@ pub(super) fn render_tiles<T: Default>(
 
     let work = tiles.into_par_iter().map(|mut tile| {
         let groups = GroupedLight::new(sampling.groups_light);
-        let mut worker = PathWorker { nests_estimates: sampling.nested, groups, ..PathWorker::default() };
+        let mut task = PathTask { nests_estimates: sampling.nested, groups, ..PathTask::default() };
         let mut tile_state = T::default();
         let mut rendered = 0;
         let tile_pixels = tile_pixels(tile.index, columns, width, height).take_while(|_| !monitor.is_cancelled());
@@ -274,60 +274,60 @@ pub(super) fn render_tiles<T: Default>(
             let mut group_sums = GroupSums::default();
             let mut removed = RemovedLight::default();
             let slices = sampling.divide_rays(x, y, samples);
-            worker.prefix = PrefixLight::camera_path_weights(samples, slices.used_slice_count(), prefix);
-            worker.film_position = corner + 0.5;
+            task.prefix = PrefixLightSums::camera_path_weights(samples, slices.used_slice_count(), prefix);
+            task.film_position = corner + 0.5;
             for sample in 0..samples {
                 // Trace one camera ray.
                 let sampler = Sampler::new(pixel, sample, samples);
-                worker.slice = slices.slice(sample);
-                let (ray, weight) = sampling.generate_ray(worker.slice, corner, sampler);
-                worker.counters.camera_rays += 1;
-                worker.photon_light = Rgb::ZERO;
-                let mut value = radiance(&ray, sampler, &mut worker, &mut tile_state);
+                task.shutter_slice = slices.slice(sample);
+                let (ray, weight) = sampling.generate_ray(task.shutter_slice, corner, sampler);
+                task.counters.camera_rays += 1;
+                task.photon_radiance = Rgb::ZERO;
+                let mut value = radiance(&ray, sampler, &mut task, &mut tile_state);
 
                 // Add its radiance to the pixel.
                 if let Some(limit) = sampling.clamp {
-                    removed.add_camera_ray(clamp_path_light(&mut value, limit, &mut worker), weight);
+                    removed.add_camera_ray(clamp_path_light(&mut value, limit, &mut task), weight);
                 }
                 let finite = value.is_finite();
                 if finite {
                     sum.add(value, weight);
-                    group_sums.add_camera_ray(&mut worker.groups, weight);
+                    group_sums.add_camera_ray(&mut task.groups, weight);
                 } else {
-                    worker.groups.take();
-                    worker.counters.rejected_samples += 1;
+                    task.groups.take_sums();
+                    task.counters.rejected_samples += 1;
                 }
                 if sampling.nested {
-                    worker.nested.finish_camera_ray(finite.then_some(weight));
+                    task.nested.finish_camera_ray(finite.then_some(weight));
                 }
             }
             let mut prefix_sum = CompensatedSum::default();
             if let Some(PrefixRays { key, .. }) = sampling.prefix_rays
                 && prefix.rays > 0
             {
-                worker.prefix = PrefixLight::prefix_ray_weights(samples, slices.used_slice_count(), prefix);
+                task.prefix = PrefixLightSums::prefix_ray_weights(samples, slices.used_slice_count(), prefix);
                 let slices = sampling.divide_rays(x, y, prefix.rays.into());
                 for ray in 0..u32::from(prefix.rays) {
                     // Trace one prefix ray and add its light.
                     let sampler = Sampler::new(key.pixel_key(x, y), ray, prefix.rays.into());
-                    worker.slice = slices.slice(ray);
-                    let (ray, weight) = sampling.generate_ray(worker.slice, corner, sampler);
-                    worker.counters.camera_rays += 1;
-                    worker.photon_light = Rgb::ZERO;
-                    let mut value = radiance(&ray, sampler, &mut worker, &mut tile_state);
+                    task.shutter_slice = slices.slice(ray);
+                    let (ray, weight) = sampling.generate_ray(task.shutter_slice, corner, sampler);
+                    task.counters.camera_rays += 1;
+                    task.photon_radiance = Rgb::ZERO;
+                    let mut value = radiance(&ray, sampler, &mut task, &mut tile_state);
                     if let Some(limit) = sampling.clamp {
-                        removed.add_prefix_ray(clamp_path_light(&mut value, limit, &mut worker), weight);
+                        removed.add_prefix_ray(clamp_path_light(&mut value, limit, &mut task), weight);
                     }
                     let finite = value.is_finite();
                     if finite {
                         prefix_sum.add(value.as_dvec3() * f64::from(weight));
-                        group_sums.add_prefix_ray(&mut worker.groups, weight);
+                        group_sums.add_prefix_ray(&mut task.groups, weight);
                     } else {
-                        worker.groups.take();
-                        worker.counters.rejected_samples += 1;
+                        task.groups.take_sums();
+                        task.counters.rejected_samples += 1;
                     }
                     if sampling.nested {
-                        worker.nested.finish_camera_ray(finite.then_some(weight));
+                        task.nested.finish_camera_ray(finite.then_some(weight));
                     }
                 }
             }
@@ -335,7 +335,7 @@ pub(super) fn render_tiles<T: Default>(
             let total = if is_signed { sum.weighted_sum() } else { sum.unweighted_sum() };
             tile.image[row][column] = ((total + prefix_sum.value()) / f64::from(samples)).as_vec3();
             if sampling.nested {
-                tile.nested[row][column] = worker.nested.finish_pixel(samples);
+                tile.nested[row][column] = task.nested.finish_pixel(samples);
             }
             if sampling.clamp.is_some() {
                 tile.clamped[row][column] = removed.pixel_value(is_signed, samples);
@@ -346,14 +346,14 @@ pub(super) fn render_tiles<T: Default>(
             rendered += 1;
         }
         monitor.report_progress(rendered);
-        worker.counters
+        task.counters
     });
     let counters = work.reduce(Counters::default, |mut a, b| {
         a += b;
         a
     });
     let picture = FilmImage { image, nested, groups, clamped, pixels: rendered_pixels, counters };
-    if window == sampling.window { picture } else { picture.cut(window, sampling.window) }
+    if window == sampling.window { picture } else { picture.cropped_to_window(window, sampling.window) }
 }
 
 /// Returns the stride n ≥ 2 for which rendering one of every n tiles renders about `wanted` tiles.
@@ -424,17 +424,17 @@ impl PixelSum {
 /// Scales the part of `value` that does not come from photon estimates, so that none of its
 /// channels exceeds `limit` \[W/(m² sr)]. Returns the radiance that this removes from `value`.
 ///
-/// Each channel of the ray's light groups in `worker` shrinks by the same factor as that channel of
+/// Each channel of the ray's light groups in `task` shrinks by the same factor as that channel of
 /// `value`. A `value` that is not finite stays as it is, because the caller rejects it.
-fn clamp_path_light(value: &mut Rgb, limit: f32, worker: &mut PathWorker) -> Rgb {
-    let found = *value - worker.photon_light;
+fn clamp_path_light(value: &mut Rgb, limit: f32, task: &mut PathTask) -> Rgb {
+    let found = *value - task.photon_radiance;
     let largest = found.max_element();
     if !(value.is_finite() && largest > limit) {
         return Rgb::ZERO;
     }
-    let clamped = worker.photon_light + found * (limit / largest);
+    let clamped = task.photon_radiance + found * (limit / largest);
     let removed = *value - clamped;
-    worker.groups.scale(Rgb::select(value.cmpgt(Rgb::ZERO), clamped / *value, Rgb::ONE));
+    task.groups.scale(Rgb::select(value.cmpgt(Rgb::ZERO), clamped / *value, Rgb::ONE));
     *value = clamped;
     removed
 }
@@ -476,7 +476,7 @@ impl GroupSums {
     /// Resets `light`.
     fn add_camera_ray(&mut self, light: &mut GroupedLight, weight: f32) {
         if light.is_wanted {
-            self.paths.iter_mut().zip(light.take()).for_each(|(sum, value)| sum.add(value, weight));
+            self.paths.iter_mut().zip(light.take_sums()).for_each(|(sum, value)| sum.add(value, weight));
         }
     }
 
@@ -485,7 +485,10 @@ impl GroupSums {
     fn add_prefix_ray(&mut self, light: &mut GroupedLight, weight: f32) {
         if light.is_wanted {
             let weight = f64::from(weight);
-            self.prefix_rays.iter_mut().zip(light.take()).for_each(|(sum, value)| sum.add(value.as_dvec3() * weight));
+            self.prefix_rays
+                .iter_mut()
+                .zip(light.take_sums())
+                .for_each(|(sum, value)| sum.add(value.as_dvec3() * weight));
         }
     }
 

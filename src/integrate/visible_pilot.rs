@@ -60,8 +60,8 @@ pub(super) fn record_receiver_points(
     let size = Vec2::new(width as f32, height as f32);
     let samplers = (0..rays).map(|i| Sampler::new(key, i, rays));
     let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
-    let (_, workers) = trace_paths_through_film_points(&paths, &points);
-    workers.into_iter().flat_map(|worker| worker.visible).collect()
+    let (_, tasks) = trace_paths_through_film_points(&paths, &points);
+    tasks.into_iter().flat_map(|task| task.visible_points).collect()
 }
 
 /// Returns the rules of camera paths that record visible points but compute no light.

@@ -1,7 +1,7 @@
 //! Photon estimates in media: the radiance that a medium scatters along a segment of a camera path.
 
+use super::path_task::PathTask;
 use super::vertex::MediumPathSegment;
-use super::worker::PathWorker;
 use crate::color::{Rgb, Wavelength};
 use crate::math::{Frame, Ray};
 use crate::medium::{self, Medium, TransmittanceCurve};
@@ -104,7 +104,7 @@ impl NestedKernelSums {
     /// not hidden. Photons behind a surface should be left out. Measuring c for all photons takes
     /// too many probe rays. So one photon is chosen with probability f/F, where F is the sum. The
     /// function adds F/c − F for it, or −F if it is hidden. This has the same mean.
-    fn corrected(mut self, scene: &Scene, axis: Vec3, radius: f32, factor: Rgb) -> [Rgb; LEVELS] {
+    fn with_coverage_correction(mut self, scene: &Scene, axis: Vec3, radius: f32, factor: Rgb) -> [Rgb; LEVELS] {
         if let Some(ChosenPhoton { radiance, x2, towards }) = self.chosen {
             let probes = KernelProbes::trace(scene, &towards, axis, self.dimensions, radius);
             let sees = probes.first_probe_is_clear(x2.sqrt() * radius);
@@ -156,21 +156,21 @@ impl BeamAndPointMaps {
     /// Estimates the radiance that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
     /// `samples` is the number of camera paths for which the estimate stands, times a weight. It
-    /// multiplies only the nested estimates in `worker`, not the result.
+    /// multiplies only the nested estimates in `task`, not the result.
     pub fn radiance<I: Interior>(
         &self,
         scene: &Scene,
         path_segment: &MediumPathSegment<'_, I>,
         samples: f32,
         rng: &mut impl Rng,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Rgb {
         if self.beams.is_empty() && self.points.is_empty() {
             return Rgb::ZERO;
         }
-        worker.counters.gathers += 1;
-        let nested = worker.nests_estimates;
-        let (count, curve) = (&mut worker.counters.gathered_photons, &mut worker.transmittance);
+        task.counters.gathers += 1;
+        let nested = task.nests_estimates;
+        let (count, curve) = (&mut task.counters.gathered_photons, &mut task.transmittance);
         let MediumSegment { ray, medium, .. } = path_segment.segment;
         let mut levels = [Rgb::ZERO; LEVELS];
         let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
@@ -187,8 +187,8 @@ impl BeamAndPointMaps {
             });
         }
         if nested {
-            worker.nested.add(path_segment.throughput * samples, levels);
-            worker.photon_step = levels[0] - levels[1];
+            task.nested.add(path_segment.throughput * samples, levels);
+            task.nested_difference = levels[0] - levels[1];
         }
         levels[0]
     }
@@ -217,7 +217,7 @@ impl BeamAndPointMaps {
             let towards = || ray_towards_beam(ray, beam, &crossing);
             sums.add(radiance, phase * crossing.weight, crossing.x2, rng, towards);
         });
-        sums.corrected(scene, ray.direction, self.beams.radius(), medium.scattering)
+        sums.with_coverage_correction(scene, ray.direction, self.beams.radius(), medium.scattering)
     }
 
     /// Estimates radiance from photon points, with a two-dimensional kernel around the ray. Returns
@@ -248,7 +248,7 @@ impl BeamAndPointMaps {
             };
             sums.add(radiance, phase * weight, x2, rng, towards);
         });
-        sums.corrected(scene, ray.direction, self.points.radius(), Rgb::ONE)
+        sums.with_coverage_correction(scene, ray.direction, self.points.radius(), Rgb::ONE)
     }
 
     /// Estimates radiance from photon points, with a three-dimensional kernel around one sampled
@@ -264,7 +264,7 @@ impl BeamAndPointMaps {
         let MediumSegment { ray, medium, index, interior, .. } = path_segment.segment;
         let own = interior.wavelength();
         let distance_sample = medium.distance_sample(ray, ray.t_max, path_segment.throughput, rng);
-        let Some(t) = distance_sample.scattered else { return [Rgb::ZERO; LEVELS] };
+        let Some(t) = distance_sample.scattering_distance else { return [Rgb::ZERO; LEVELS] };
         let p = ray.at(t);
         let mut sums = NestedKernelSums::new(3, nested);
         self.points.visit_near_point(p, |photon, weight, x2| {
@@ -279,7 +279,7 @@ impl BeamAndPointMaps {
         // The weight is σs·T over the pdf of the distance. Photons already carry scattered light,
         // so divide by σs.
         let factor = divide_by_scattering(distance_sample.weight, medium, p);
-        sums.corrected(scene, ray.direction, self.points.radius(), factor)
+        sums.with_coverage_correction(scene, ray.direction, self.points.radius(), factor)
     }
 }
 

@@ -261,7 +261,7 @@ impl LightSource for AreaLight {
         };
         let error = point.error + (point.p - p).abs() * relative_error;
         let target = ShadowTarget::Point(offset_ray_origin(point.p, error, point.ng, -wi));
-        Some(DirectLightSample { wi, target, weight: self.radiance_at(&point, coord) / pdf, pdf: Some(pdf) })
+        Some(DirectLightSample { wi, target, irradiance: self.radiance_at(&point, coord) / pdf, pdf: Some(pdf) })
     }
 
     #[inline]

@@ -27,7 +27,7 @@ impl LightSource for DirectionalLight {
     #[inline]
     fn sample_li(&self, _p: Vec3, _u: Vec2) -> Option<DirectLightSample> {
         let (wi, target) = (-self.direction, ShadowTarget::Infinity);
-        Some(DirectLightSample { wi, target, weight: self.irradiance, pdf: None })
+        Some(DirectLightSample { wi, target, irradiance: self.irradiance, pdf: None })
     }
 
     #[inline]

@@ -93,7 +93,12 @@ impl LightSource for EnvironmentLight {
     #[inline]
     fn sample_li(&self, _p: Vec3, u: Vec2) -> Option<DirectLightSample> {
         let (wi, pdf) = self.sample(u)?;
-        Some(DirectLightSample { wi, target: ShadowTarget::Infinity, weight: self.radiance(wi) / pdf, pdf: Some(pdf) })
+        Some(DirectLightSample {
+            wi,
+            target: ShadowTarget::Infinity,
+            irradiance: self.radiance(wi) / pdf,
+            pdf: Some(pdf),
+        })
     }
 
     #[inline]

@@ -86,9 +86,9 @@ impl<L: PositionalLight> LightSource for L {
     #[inline]
     fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectLightSample> {
         let (d2, wi, _) = crate::math::direction_and_distance(p, self.position())?;
-        let weight = self.intensity(-wi) / d2;
+        let irradiance = self.intensity(-wi) / d2;
         let target = ShadowTarget::Point(self.position());
-        (weight != Rgb::ZERO).then_some(DirectLightSample { wi, target, weight, pdf: None })
+        (irradiance != Rgb::ZERO).then_some(DirectLightSample { wi, target, irradiance, pdf: None })
     }
 
     #[inline]

@@ -26,7 +26,7 @@ pub struct DirectLightSample {
     pub target: ShadowTarget,
     /// Arriving radiance divided by `pdf`, without the cosine at the lit surface \[W/m²]. For a
     /// delta light, it is the irradiance on a surface that faces the light.
-    pub weight: Rgb,
+    pub irradiance: Rgb,
     /// Pdf of `wi` \[1/sr], equal to [`Light::pdf_li`]; `None` for delta lights.
     pub pdf: Option<f32>,
 }

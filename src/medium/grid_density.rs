@@ -152,7 +152,7 @@ impl GridDensity {
 
     /// Map from the unit cube to scene coordinates.
     #[must_use]
-    pub fn placement(&self) -> &DAffine3 {
+    pub fn unit_cube_to_scene(&self) -> &DAffine3 {
         self.placement.forward()
     }
 

@@ -62,12 +62,15 @@ pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, r
         let left = exp_neg(optical_depth(sigma, t));
         let density = probability.dot(sigma.as_dvec3() * left);
         DistanceSample {
-            scattered: Some(t as f32),
+            scattering_distance: Some(t as f32),
             weight: zero_unsampled_channels(medium.scattering.as_dvec3() * left / density, probability),
         }
     } else {
         let left = exp_neg(optical_depth(sigma, distance));
-        DistanceSample { scattered: None, weight: zero_unsampled_channels(left / probability.dot(left), probability) }
+        DistanceSample {
+            scattering_distance: None,
+            weight: zero_unsampled_channels(left / probability.dot(left), probability),
+        }
     }
 }
 

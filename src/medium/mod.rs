@@ -41,7 +41,7 @@ pub struct Medium {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DistanceSample {
     /// Distance of the scattering point; `None` if the ray passes through.
-    pub scattered: Option<f32>,
+    pub scattering_distance: Option<f32>,
     /// Factor by which the throughput changes; 0 in channels without throughput.
     ///
     /// After scattering, it is σs·T divided by the pdf of the distance, where T is the
@@ -184,7 +184,7 @@ impl Medium {
     #[must_use]
     pub fn distance_sample(&self, ray: &Ray, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> DistanceSample {
         if !self.scatters() {
-            return DistanceSample { scattered: None, weight: self.transmittance(ray, distance, rng) };
+            return DistanceSample { scattering_distance: None, weight: self.transmittance(ray, distance, rng) };
         }
         match &self.density {
             None => homogeneous::distance_sample(self, distance, throughput, rng),

@@ -199,7 +199,10 @@ pub(super) fn distance_sample(
             }
         });
     let lost = !through && scattered.is_none();
-    DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { zero_unsampled_channels(left, probabilities) } }
+    DistanceSample {
+        scattering_distance: scattered,
+        weight: if lost { Rgb::ZERO } else { zero_unsampled_channels(left, probabilities) },
+    }
 }
 
 /// Estimates the radiance that `medium` emits along the first `distance` of `ray`: the sum over

@@ -11,37 +11,37 @@ use wide::f32x8;
 /// Number of points or beam pieces in a packet.
 pub(super) const LANES: usize = 8;
 
-type Vectors = [f32x8; 3];
+type VectorLanes = [f32x8; 3];
 
-fn broadcast_to_lanes(v: Vec3) -> Vectors {
+fn broadcast_to_lanes(v: Vec3) -> VectorLanes {
     v.to_array().map(f32x8::splat)
 }
 
 #[inline]
-fn subtract(a: Vectors, b: Vectors) -> Vectors {
+fn subtract(a: VectorLanes, b: VectorLanes) -> VectorLanes {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline]
-fn dot(a: Vectors, b: Vectors) -> f32x8 {
+fn dot(a: VectorLanes, b: VectorLanes) -> f32x8 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline]
-fn cross(a: Vectors, b: Vectors) -> Vectors {
+fn cross(a: VectorLanes, b: VectorLanes) -> VectorLanes {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// Returns |x| + |y| + |z|, an upper bound of the length of `v`.
 #[inline]
-fn manhattan_length(v: Vectors) -> f32x8 {
+fn manhattan_length(v: VectorLanes) -> f32x8 {
     v[0].abs() + v[1].abs() + v[2].abs()
 }
 
 /// A line and a search radius, broadcast to all SIMD lanes.
 pub(super) struct LineQuery {
-    origin: Vectors,
-    direction: Vectors,
+    origin: VectorLanes,
+    direction: VectorLanes,
     radius: f32x8,
 }
 
@@ -70,7 +70,7 @@ pub(super) fn indices_of_set_bits(mut mask: u32) -> impl Iterator<Item = usize> 
 }
 
 /// Positions of up to eight points; unused lanes hold infinity.
-pub(super) struct PointPacket(Vectors);
+pub(super) struct PointPacket(VectorLanes);
 
 impl PointPacket {
     /// Creates a packet of the first eight positions of `points`.
@@ -128,8 +128,8 @@ pub(super) struct BeamPiece {
 
 /// Up to eight beam pieces; unused lanes hold empty intervals.
 pub(super) struct BeamPiecePacket {
-    start: Vectors,
-    direction: Vectors,
+    start: VectorLanes,
+    direction: VectorLanes,
     from: f32x8,
     to: f32x8,
     /// Index in [`PhotonBeamMap`](super::PhotonBeamMap) of the beam of each piece; the index in an

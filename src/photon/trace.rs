@@ -157,7 +157,7 @@ impl PhotonPass<'_> {
             let event = if I::HAS_MEDIA_OR_WAVELENGTH {
                 let (mut rng, mut weight) = (key.rng(), DVec3::ONE);
                 let event = path_ray.next_vertex(self.scene, key, |segment| {
-                    let kind = if segment.crossed { kind.kind_after_crossed_caster() } else { kind };
+                    let kind = if segment.crossed_hidden_boundary { kind.kind_after_crossed_caster() } else { kind };
                     phase_function = segment.medium.phase;
                     self.sample_medium_segment(segment, kind, flux, &mut weight, &mut rng, &mut deposit)
                 });
@@ -169,19 +169,21 @@ impl PhotonPass<'_> {
             if flux != flux_before_segment {
                 add_flux(&mut audit.absorbed, flux_before_segment - flux);
             }
-            let (surface, transmittance, crossed) = match event {
+            let (surface, transmittance, crossed_hidden_boundary) = match event {
                 PathEvent::Escaped { .. } => return add_flux(&mut audit.escaped, flux),
-                PathEvent::Surface(SurfaceVertex { surface, transmittance, crossed, .. }) => {
-                    (Some(surface), transmittance, crossed)
+                PathEvent::Surface(SurfaceVertex { surface, transmittance, crossed_hidden_boundary, .. }) => {
+                    (Some(surface), transmittance, crossed_hidden_boundary)
                 }
-                PathEvent::Scattered { transmittance, crossed } => (None, transmittance, crossed),
+                PathEvent::Scattered { transmittance, crossed_hidden_boundary } => {
+                    (None, transmittance, crossed_hidden_boundary)
+                }
             };
 
             // Attenuate the flux by the bodies through which the ray went.
             let transmitted = flux * transmittance;
             add_flux(&mut audit.absorbed, flux - transmitted);
             flux = transmitted;
-            if crossed {
+            if crossed_hidden_boundary {
                 kind = kind.kind_after_crossed_caster();
             }
 
@@ -277,7 +279,7 @@ impl PhotonPass<'_> {
         }
         let sample = medium.distance_sample(ray, ray.t_max, flux * weight.as_vec3(), rng);
         *weight *= sample.weight.as_dvec3();
-        if let Some(t) = sample.scattered
+        if let Some(t) = sample.scattering_distance
             && stored
             && !as_beam
         {
@@ -285,6 +287,6 @@ impl PhotonPass<'_> {
             let place = DepositPlace::Point { position: ray.at(t), direction: ray.direction, medium: *index };
             deposit(Deposit { kind, place, flux, wavelength });
         }
-        sample.scattered
+        sample.scattering_distance
     }
 }

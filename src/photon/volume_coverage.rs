@@ -49,7 +49,7 @@ impl KernelProbes {
                     .into_iter()
                     .for_each(|v| [v, -v].into_iter().for_each(&mut trace));
             }
-            _ => icosahedron(first).into_iter().for_each(|v| [v, -v].into_iter().for_each(&mut trace)),
+            _ => icosahedron_directions(first).into_iter().for_each(|v| [v, -v].into_iter().for_each(&mut trace)),
         }
         probes
     }
@@ -68,7 +68,7 @@ impl KernelProbes {
     /// exactly 1 if none of them hits a surface within `radius`.
     #[must_use]
     pub fn coverage(&self, radius: f32) -> f32 {
-        let parts = self.distances[..self.count].iter().map(|d| part_within(d / radius, self.dimensions));
+        let parts = self.distances[..self.count].iter().map(|d| kernel_fraction_within(d / radius, self.dimensions));
         (parts.sum::<f32>() / self.count as f32).max(MIN_COVERAGE)
     }
 }
@@ -77,7 +77,7 @@ impl KernelProbes {
 /// radius and `x` ≥ 0.
 ///
 /// Kernels in one and three `dimensions` are proportional to 1 − x², kernels in two to (1 − x²)².
-fn part_within(x: f32, dimensions: u32) -> f32 {
+fn kernel_fraction_within(x: f32, dimensions: u32) -> f32 {
     let x = x.min(1.0);
     let x2 = x * x;
     match dimensions {
@@ -89,7 +89,7 @@ fn part_within(x: f32, dimensions: u32) -> f32 {
 
 /// Returns unit vectors from the center of a regular icosahedron to six of its twelve corners, no
 /// two of them opposite. The first vector is `first`.
-fn icosahedron(first: Vec3) -> [Vec3; 6] {
+fn icosahedron_directions(first: Vec3) -> [Vec3; 6] {
     // cos 72°, sin 72°, cos 144° and sin 144°.
     const TURNS: [(f32, f32); 5] = [
         (1.0, 0.0),

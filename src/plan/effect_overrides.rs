@@ -6,36 +6,36 @@ use std::str::FromStr;
 /// Effects that the user forces on or off. The plan decides about all others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EffectOverrides {
-    on: Effects,
-    off: Effects,
+    forced_on: Effects,
+    forced_off: Effects,
 }
 
 impl EffectOverrides {
     /// No effect is forced on or off: the plan decides about all effects.
-    pub const PLANNED: Self = Self { on: Effects::NONE, off: Effects::NONE };
+    pub const PLANNED: Self = Self { forced_on: Effects::NONE, forced_off: Effects::NONE };
     /// All effects are forced on.
-    pub const ALL: Self = Self { on: Effects::ALL, off: Effects::NONE };
+    pub const ALL: Self = Self { forced_on: Effects::ALL, forced_off: Effects::NONE };
     /// All effects are forced off. Unshadowed direct light from the center of each light remains.
-    pub const NONE: Self = Self { on: Effects::NONE, off: Effects::ALL };
+    pub const NONE: Self = Self { forced_on: Effects::NONE, forced_off: Effects::ALL };
 
     /// Returns the overrides with `effect` forced on.
     #[must_use]
     pub fn with_effect(self, effect: Effect) -> Self {
-        Self { on: self.on.with_effect(effect), off: self.off.without_effect(effect) }
+        Self { forced_on: self.forced_on.with_effect(effect), forced_off: self.forced_off.without_effect(effect) }
     }
 
     /// Returns the overrides with `effect` forced off.
     #[must_use]
     pub fn without_effect(self, effect: Effect) -> Self {
-        Self { on: self.on.without_effect(effect), off: self.off.with_effect(effect) }
+        Self { forced_on: self.forced_on.without_effect(effect), forced_off: self.forced_off.with_effect(effect) }
     }
 
     /// True if `effect` is forced on, false if it is forced off; `None` if the plan decides.
     #[must_use]
     pub fn effect_override(self, effect: Effect) -> Option<bool> {
-        if self.on.has(effect) {
+        if self.forced_on.has(effect) {
             Some(true)
-        } else if self.off.has(effect) {
+        } else if self.forced_off.has(effect) {
             Some(false)
         } else {
             None

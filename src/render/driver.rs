@@ -76,7 +76,7 @@ pub struct RenderResult {
     /// Film with all passes; its mean is the picture.
     pub film: Film,
     /// Error estimator to which the passes were added; `None` if
-    /// [`Integrator::returns_nested_estimates`] is false.
+    /// [`Integrator::estimates_error`] is false.
     pub estimator: Option<ErrorEstimator>,
     /// Films of the light groups, whose means add up to the picture, in the order of
     /// [`LightGroup::ALL`]; empty unless [`Integrator::groups_light`] is true.
@@ -123,7 +123,7 @@ pub(super) const GIVE_UP_MARGIN: f64 = 0.8;
 /// holds.
 ///
 /// Calls `after_pass` after each pass. Estimates the error if
-/// [`Integrator::returns_nested_estimates`] is true. If [`ProgressMonitor::is_cancelled`] becomes
+/// [`Integrator::estimates_error`] is true. If [`ProgressMonitor::is_cancelled`] becomes
 /// true, the render ends without the current pass.
 pub fn render(
     integrator: &dyn Integrator,
@@ -207,7 +207,7 @@ impl RenderResult {
             film: Film::new(size.0, size.1),
             groups: (0..groups).map(|_| Film::new(size.0, size.1)).collect(),
             clamped: integrator.clamps_light().then(|| Film::new(size.0, size.1)),
-            estimator: integrator.returns_nested_estimates().then(|| ErrorEstimator::new(integrator.radius_law())),
+            estimator: integrator.estimates_error().then(|| ErrorEstimator::new(integrator.radius_law())),
             ended: EndReason::Passes,
             counters: Counters::default(),
             seconds: StageTimes::default(),

@@ -34,7 +34,7 @@ impl StopCriteria<'_> {
 
     fn expected_end_by_error(&self, forecast: &ErrorForecast) -> Option<(EndReason, u32)> {
         let target = self.target?;
-        match forecast.stop(target.error, target.interval_confidence()) {
+        match forecast.stop_forecast(target.error, target.interval_confidence()) {
             StopForecast::Passes(range) => Some((EndReason::Target, range.median.max(self.min_passes))),
             StopForecast::Never { floor } if self.ends_at_bias && GIVE_UP_MARGIN * floor > target.error => {
                 let n = forecast.passes_to_reach_noise(target.error)?;

@@ -46,7 +46,7 @@ impl RenderLimits {
     /// Returns the criteria that end a render with these limits by `integrator`, which `algorithm`
     /// prepared.
     ///
-    /// Errors are estimated if [`Integrator::returns_nested_estimates`] is true.
+    /// Errors are estimated if [`Integrator::estimates_error`] is true.
     #[must_use]
     pub fn stop_criteria<'a>(
         &self,
@@ -55,7 +55,7 @@ impl RenderLimits {
         interrupted: &'a AtomicBool,
     ) -> StopCriteria<'a> {
         let mut stop = StopCriteria { passes: self.passes, time: self.time, ..StopCriteria::unlimited(interrupted) };
-        if !integrator.returns_nested_estimates() {
+        if !integrator.estimates_error() {
             // A second pass of ray casting would repeat the first.
             if self.time.is_none() || algorithm == Algorithm::Raycast {
                 stop.passes = self.passes.or(Some(algorithm.default_passes()));

@@ -29,8 +29,8 @@ impl Integrator for NoisyIntegrator {
             Rgb::splat(self.sigma * (uniform - 0.5) * 12f32.sqrt())
         };
         let pixels = SIZE.0 * SIZE.1;
-        let steps = [0.5, 0.25].map(|part| Rgb::splat(part * self.bias));
-        let nested = NestedEstimates { steps, ..NestedEstimates::default() };
+        let differences = [0.5, 0.25].map(|part| Rgb::splat(part * self.bias));
+        let nested = NestedEstimates { differences, ..NestedEstimates::default() };
         Pass {
             image: (0..pixels).map(|pixel| Rgb::splat(1.0 + self.bias) + noise(pixel)).collect(),
             nested: vec![nested; pixels as usize],
@@ -50,7 +50,7 @@ impl Integrator for NoisyIntegrator {
         Some(RadiusLaw { alpha: 1.0, kernel: Kernel::Epanechnikov })
     }
 
-    fn returns_nested_estimates(&self) -> bool {
+    fn estimates_error(&self) -> bool {
         self.estimates_error
     }
 }

@@ -18,7 +18,7 @@ fn uniform_random_number(key: Key) -> f64 {
 }
 
 /// Returns pass `number` with radiance from `10^-decades` to `10^decades`, nested differences and
-/// fresh pixels.
+/// pixels by unshared paths.
 fn noisy_pass(number: u32, decades: f64) -> Pass {
     let key = Key::new(8).purpose_key(Purpose::Test).child_key(number.into());
     let value = |key: Key| {
@@ -30,14 +30,14 @@ fn noisy_pass(number: u32, decades: f64) -> Pass {
         Rgb::from_array([0, 1, 2].map(|channel| value(key.child_key(channel))))
     };
     let nested = |pixel| NestedEstimates {
-        steps: [color(pixel, 1) - color(pixel, 2), color(pixel, 3) - color(pixel, 4)],
+        differences: [color(pixel, 1) - color(pixel, 2), color(pixel, 3) - color(pixel, 4)],
         caustic: Some(MeanGatherDisc { radius: 1.0, photons: 2.0 }),
         indirect: None,
     };
     Pass {
         image: (0..PIXELS).map(|pixel| color(pixel, 0)).collect(),
         nested: (0..PIXELS).map(nested).collect(),
-        fresh: [3, 7, 20].map(|pixel| (pixel, color(pixel, 5))).to_vec(),
+        unshared_path_pixels: [3, 7, 20].map(|pixel| (pixel, color(pixel, 5))).to_vec(),
         ..Pass::default()
     }
 }

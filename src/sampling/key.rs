@@ -19,7 +19,7 @@
 //! | root, trial | `Key::purpose_key` | [`Purpose`] | one per purpose |
 //! | purpose | `Key::pass_key` | pass | one per pass; a pilot counts down from `u32::MAX` |
 //! | purpose `Camera` | `Key::shared_paths_key` | 0 | replaces the pass if passes share paths |
-//! | purpose `Camera` | `Key::fresh_paths_key` | pass + 1 | never the 0 of shared paths |
+//! | purpose `Camera` | `Key::unshared_paths_key` | pass + 1 | never the 0 of shared paths |
 //! | pass, slice, round | `Key::photon_path_key` | path | one per photon path |
 //! | pass of photon paths | `Key::shutter_slice_key` | 2³² + slice | above all words of paths |
 //! | path | `Key::photon_vertex_key` | bounce | one per vertex of a photon path |
@@ -183,7 +183,7 @@ impl Key {
     /// Key of camera paths that only pass `pass` traces. It serves integrators whose passes share
     /// all other camera paths.
     #[must_use]
-    pub fn fresh_paths_key(self, pass: u32) -> Self {
+    pub fn unshared_paths_key(self, pass: u32) -> Self {
         self.child_key(u64::from(pass) + 1)
     }
 

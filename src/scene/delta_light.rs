@@ -21,7 +21,7 @@ pub enum LegacyLight {
 pub enum LightStrength {
     /// Colour in the shading model of MIT course 6.837: the radiance that a white diffuse surface
     /// at the origin reflects when it faces the light.
-    Course(Rgb),
+    LegacyColor(Rgb),
     /// Intensity \[W/sr], or irradiance \[W/m²] of a directional light.
     Physical(Rgb),
     /// Flux \[W] of a light with a position; irradiance \[W/m²] of a directional light.
@@ -91,16 +91,16 @@ fn one_minus_cos(x: f64) -> f64 {
 /// Returns the light in coordinates relative to `origin`, and its counterpart in the shading model
 /// of MIT course 6.837.
 ///
-/// The strength [`LightStrength::Course`] with colour c becomes irradiance π·c, on a surface at
-/// `origin` that faces the light. A white diffuse surface there reflects radiance c.
-pub(super) fn resolve_light(kind: &DeltaLightKind, strength: LightStrength, origin: DVec3) -> (Light, LegacyLight) {
+/// The strength [`LightStrength::LegacyColor`] with colour c becomes irradiance π·c, on a surface
+/// at `origin` that faces the light. A white diffuse surface there reflects radiance c.
+pub(super) fn place_delta_light(kind: &DeltaLightKind, strength: LightStrength, origin: DVec3) -> (Light, LegacyLight) {
     // A light at the origin is treated as one unit away.
     let distance2 = |p: &DVec3| {
         let d2 = (*p - origin).length_squared() as f32;
         if d2 > 0.0 { d2 } else { 1.0 }
     };
     let to_intensity = |position: &DVec3, watts_to_intensity: f32| match strength {
-        LightStrength::Course(c) => (c * (PI * distance2(position)), c),
+        LightStrength::LegacyColor(c) => (c * (PI * distance2(position)), c),
         LightStrength::Physical(i) => (i, i / (PI * distance2(position))),
         LightStrength::Power(w) => (w * watts_to_intensity, w * (watts_to_intensity / (PI * distance2(position)))),
     };
@@ -130,7 +130,7 @@ pub(super) fn resolve_light(kind: &DeltaLightKind, strength: LightStrength, orig
         }
         DeltaLightKind::Directional { direction } => {
             let (irradiance, color) = match strength {
-                LightStrength::Course(c) => (c * PI, c),
+                LightStrength::LegacyColor(c) => (c * PI, c),
                 LightStrength::Physical(e) | LightStrength::Power(e) => (e, e / PI),
             };
             let direction = direction.normalize().as_vec3();

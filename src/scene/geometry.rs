@@ -1,7 +1,7 @@
 //! The geometry of a resolved scene, with the hierarchies that find intersections.
 
 use super::shape_list::ShapeList;
-use crate::accel::{Hierarchy, PrimitiveHit, PrimitiveIndex};
+use crate::accel::{Hierarchy, PrimitiveHit, PrimitiveIndex, ShapeHit};
 use crate::math::{Bounds, Ray};
 use crate::shape::{Mesh, Plane, Shape, SurfacePoint, TexCoord};
 use glam::Vec2;
@@ -63,7 +63,7 @@ pub(super) enum HitPrimitive {
     /// Index of a triangle, and the barycentric weights of its second and third corner.
     Triangle(u32, Vec2),
     /// Index of a shape, and the shape's own coordinates of the hit, as in
-    /// [`ShapeHit`](crate::shape::ShapeHit).
+    /// [`ShapeHit`].
     Shape(u32, Vec2),
     /// Index of an unbounded plane.
     Plane(u32),
@@ -219,7 +219,7 @@ impl Geometry {
         let mut hit: Option<Hit> = None;
         for (i, plane) in self.planes.iter().enumerate() {
             let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
-            if let Some((t, ..)) = plane.intersect(&within) {
+            if let Some(ShapeHit { t, .. }) = plane.intersect(&within) {
                 hit = Some(Hit { t, primitive: HitPrimitive::Plane(i as u32) });
             }
         }
@@ -257,7 +257,7 @@ impl Geometry {
             search(moving, self.shapes.moving(), self.shapes.first_moving());
         }
         for (i, plane) in self.planes.iter().enumerate() {
-            if let Some((t, ..)) = plane.intersect(ray) {
+            if let Some(ShapeHit { t, .. }) = plane.intersect(ray) {
                 visit(Hit { t, primitive: HitPrimitive::Plane(i as u32) });
             }
         }

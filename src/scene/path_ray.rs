@@ -37,7 +37,7 @@ pub struct MediumSegment<'a, I> {
     pub transmittance_before: Rgb,
     /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden) before
     /// this part. The boundary would block a shadow ray.
-    pub crossed: bool,
+    pub crossed_hidden_boundary: bool,
 }
 
 /// The event that ends a path segment.
@@ -53,13 +53,13 @@ pub enum PathEvent<'a> {
         transmittance: Rgb,
         /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden),
         /// which would block a shadow ray.
-        crossed: bool,
+        crossed_hidden_boundary: bool,
     },
     /// The ray leaves the scene without a hit.
     Escaped {
         /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden),
         /// which would block a shadow ray.
-        crossed: bool,
+        crossed_hidden_boundary: bool,
     },
 }
 
@@ -75,7 +75,7 @@ pub struct SurfaceVertex<'a> {
     pub distance: f32,
     /// True if the path segment crosses a [hidden boundary](super::BoundaryEvent::Hidden), which
     /// would block a shadow ray.
-    pub crossed: bool,
+    pub crossed_hidden_boundary: bool,
 }
 
 impl<I: Interior> PathRay<I> {
@@ -96,7 +96,7 @@ impl<I: Interior> PathRay<I> {
         let mut depth = DVec3::ZERO;
         let mut transmittance = Rgb::ONE;
         let mut distance = 0.0;
-        let mut crossed = false;
+        let mut crossed_hidden_boundary = false;
         loop {
             // Find the nearest surface along the ray.
             let hit = scene.geometry.intersect(&self.ray);
@@ -115,18 +115,24 @@ impl<I: Interior> PathRay<I> {
                     medium_segment(scene, &self.ray, hit.map_or(f32::INFINITY, |hit| hit.t), &self.interior)
             {
                 let (medium, interior) = (&scene.media[index as usize], self.interior);
-                let segment =
-                    MediumSegment { ray, index, medium, interior, transmittance_before: transmittance, crossed };
+                let segment = MediumSegment {
+                    ray,
+                    index,
+                    medium,
+                    interior,
+                    transmittance_before: transmittance,
+                    crossed_hidden_boundary,
+                };
                 if let Some(t) = sample_scattering(&segment) {
                     self.ray = Ray::new(ray.at(t), ray.direction);
                     self.cone = cone;
                     self.cone.widen_over_distance(from + t);
-                    return PathEvent::Scattered { transmittance, crossed };
+                    return PathEvent::Scattered { transmittance, crossed_hidden_boundary };
                 }
             }
 
             // Escape if there is no surface, else absorb along the segment.
-            let Some((surface, t)) = &mut surface else { return PathEvent::Escaped { crossed } };
+            let Some((surface, t)) = &mut surface else { return PathEvent::Escaped { crossed_hidden_boundary } };
             distance += *t;
             let more = self.interior.optical_depth(scene, *t);
             if more != Rgb::ZERO {
@@ -138,9 +144,14 @@ impl<I: Interior> PathRay<I> {
             match self.interior.resolve_boundary(scene, surface, key) {
                 BoundaryEvent::Surface => {
                     transmittance *= self.interior.wavelength_weight_before_scattering(surface);
-                    return PathEvent::Surface(SurfaceVertex { surface: *surface, transmittance, distance, crossed });
+                    return PathEvent::Surface(SurfaceVertex {
+                        surface: *surface,
+                        transmittance,
+                        distance,
+                        crossed_hidden_boundary,
+                    });
                 }
-                BoundaryEvent::Hidden => crossed = true,
+                BoundaryEvent::Hidden => crossed_hidden_boundary = true,
                 BoundaryEvent::NullInterface => {}
             }
 

@@ -214,7 +214,7 @@ impl Scene {
     pub(crate) fn move_origin_beyond_planes(&self, ray: Ray) -> Ray {
         let back = Ray::new(ray.origin, -ray.direction);
         let hits = self.geometry.planes.iter().filter_map(|plane| plane.intersect(&back));
-        let farthest = hits.map(|(t, ..)| t).fold(0.0, f32::max);
+        let farthest = hits.map(|hit| hit.t).fold(0.0, f32::max);
         if farthest == 0.0 {
             return ray;
         }

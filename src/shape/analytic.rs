@@ -1,8 +1,8 @@
 //! [`AnalyticShape`], which every bounded shape implements.
 
-use super::hit::ShapeHit;
 use super::surface_point::{ShapeSample, SolidAngleSampleResult, SurfacePoint};
 use super::texture_mapping::TexCoord;
+use crate::accel::ShapeHit;
 use crate::math::{BoundingSphere, Ray, Transform};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -17,13 +17,13 @@ pub(super) trait AnalyticShape: Sized {
         self.intersect(ray).is_some()
     }
 
-    /// World-space surface point at the hit (`t`, `uv.x`, `uv.y`) that `intersect` returned for
+    /// World-space surface point at the hit (`t`, `uv`) that `intersect` returned for
     /// `ray`.
     fn surface_point(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint;
 
     /// Texture coordinates at the world-space surface point `p`, as the shape itself defines them.
     ///
-    /// `uv` holds the last two numbers of the [`ShapeHit`] at `p`. By default, the texture
+    /// `uv` is that of the [`ShapeHit`] at `p`. By default, the texture
     /// coordinates are `uv` and their gradients are zero.
     fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {
         TexCoord { uv: uv.as_dvec2(), ..TexCoord::default() }

@@ -1,18 +1,19 @@
 //! Boxes and parallelepipeds.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit};
+use super::hit::{f64_ray_parameter, nearer_hit};
 use super::object_ray::{ObjectRay, world_coordinate_bound};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
 use super::texture_mapping::{TexCoord, upright_texture_axes};
+use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 
 /// Box or parallelepiped: the surface of the cube \[−1, 1]³ under an affine map.
 ///
 /// Faces are numbered from 0 to 5. Axis a is 0 for x, 1 for y and 2 for z. In object space, face
-/// 2·a lies at −1 on axis a, and face 2·a + 1 at 1. The last number of a [`ShapeHit`] is the number
-/// of the face.
+/// 2·a lies at −1 on axis a, and face 2·a + 1 at 1. The number `uv.y` of a [`ShapeHit`] is the
+/// number of the face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     to_world: Transform,
@@ -82,7 +83,7 @@ fn face_sign(face: usize) -> f64 {
     if face % 2 == 1 { 1.0 } else { -1.0 }
 }
 
-/// Number of the face that was hit; `uv` holds the last two numbers of the [`ShapeHit`].
+/// Number of the face that was hit; `uv` is that of the [`ShapeHit`].
 #[inline]
 fn face_of_hit(uv: Vec2) -> usize {
     (uv.y as usize).min(5)

@@ -1,14 +1,15 @@
 //! Discs, and ellipses in a plane.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, ray_to_f64, round_t_if_in_range};
+use super::hit::{ray_to_f64, round_t_if_in_range};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
+use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform, exact_cross, warp};
 use glam::{DVec2, DVec3, Vec2};
 
 /// Disc or ellipse: the points `center + x·a + y·b` with x² + y² ≤ 1.
 ///
-/// The outer side is the side of `a × b`. The last two numbers of a [`ShapeHit`] are x and y.
+/// The outer side is the side of `a × b`. `uv` of a [`ShapeHit`] is (x, y).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     center: DVec3,
@@ -71,7 +72,11 @@ impl AnalyticShape for Disc {
         let t = self.normal.dot(self.center - o) / self.normal.dot(d);
         let offset = o + d * t - self.center;
         let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
-        if x * x + y * y <= 1.0 { round_t_if_in_range(ray, t).map(|t| (t, x as f32, y as f32)) } else { None }
+        if x * x + y * y <= 1.0 {
+            round_t_if_in_range(ray, t).map(|t| ShapeHit { t, uv: Vec2::new(x as f32, y as f32) })
+        } else {
+            None
+        }
     }
 
     #[inline]

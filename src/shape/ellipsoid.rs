@@ -1,10 +1,11 @@
 //! Ellipsoids.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit};
+use super::hit::{f64_ray_parameter, nearer_hit};
 use super::object_ray::{object_ray, world_coordinate_bound};
 use super::sphere::Sphere;
 use super::surface_point::{ShapeSample, SurfacePoint};
+use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform, quadratic_roots, warp};
 use glam::{DAffine3, DMat3, DVec3, Vec2};
 

@@ -1,10 +1,11 @@
 //! Cylinders, cones and truncated cones.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit};
+use super::hit::{f64_ray_parameter, nearer_hit};
 use super::object_ray::{ObjectRay, world_coordinate_bound};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SurfacePoint};
 use super::texture_mapping::{TexCoord, upright_texture_axes};
+use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform, quadratic_roots};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, hypot, sincos};
@@ -42,7 +43,7 @@ enum FrustumPart {
 }
 
 impl FrustumPart {
-    /// Part of the surface that was hit; `uv` holds the last two numbers of the [`ShapeHit`].
+    /// Part of the surface that was hit; `uv` is that of the [`ShapeHit`].
     #[inline]
     fn from_hit_coordinates(uv: Vec2) -> Self {
         match uv.y as u32 {

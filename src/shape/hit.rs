@@ -1,12 +1,8 @@
-//! Hit records, and conversions between f32 rays and f64 solutions.
+//! Conversions between f32 rays and f64 solutions.
 
+use crate::accel::ShapeHit;
 use crate::math::Ray;
 use glam::{DVec3, Vec2};
-
-/// Hit (t, u, v) of a ray: the ray parameter t, and two numbers that locate the point on the shape.
-///
-/// Each kind of shape defines u and v, for example as surface parameters or as the index of a face.
-pub type ShapeHit = (f32, f32, f32);
 
 /// World-space origin and direction of the ray, converted to f64.
 #[inline]
@@ -27,8 +23,9 @@ pub(super) fn round_t_if_in_range(ray: &Ray, t: f64) -> Option<f32> {
 /// [`f64_ray_parameter`] restores t in f64 from t and r. In f32 alone, the error of a distant hit
 /// could exceed the thickness of the shape. `None` if t is outside (0, `ray.t_max`).
 #[inline]
-pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, second: f32) -> Option<ShapeHit> {
-    round_t_if_in_range(ray, t).map(|rounded| (rounded, (t / f64::from(rounded) - 1.0) as f32, second))
+pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, v: f32) -> Option<ShapeHit> {
+    round_t_if_in_range(ray, t)
+        .map(|rounded| ShapeHit { t: rounded, uv: Vec2::new((t / f64::from(rounded) - 1.0) as f32, v) })
 }
 
 /// First hit of `ray` with a convex shape; `None` if both intersections are outside (0,
@@ -42,7 +39,7 @@ pub(super) fn nearer_hit(ray: &Ray, near: (f64, f32), far: (f64, f32)) -> Option
         .or_else(|| if near.0 > 0.0 { None } else { hit_with_rounding_residual(ray, far.0, far.1) })
 }
 
-/// Ray parameter in f64 of a hit (`t`, `uv.x`, `uv.y`) from [`hit_with_rounding_residual`].
+/// Ray parameter in f64 of a hit (`t`, `uv`) from [`hit_with_rounding_residual`].
 #[inline]
 pub(super) fn f64_ray_parameter(t: f32, uv: Vec2) -> f64 {
     f64::from(t) * (1.0 + f64::from(uv.x))

@@ -1,12 +1,12 @@
 //! Mesh instances, which share the triangles of one mesh under different affine maps.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, round_t_if_in_range};
+use super::hit::round_t_if_in_range;
 use super::mesh::Mesh;
 use super::object_ray::object_ray;
 use super::surface_point::{ShapeSample, SurfacePoint, TRIANGLE_HIT_ERROR, position_error_bound};
 use super::texture_mapping::TexCoord;
-use crate::accel::{Hierarchy, PrimitiveIndex};
+use crate::accel::{Hierarchy, PrimitiveIndex, ShapeHit};
 use crate::math::{Ray, Transform, warp};
 use crate::sampling::DiscreteDistribution;
 use glam::{DVec3, Vec2, Vec3};
@@ -120,7 +120,7 @@ impl AnalyticShape for Instance {
         let hit = self.mesh.hierarchy.closest_hit(&near, |_, _| None)?;
         let t = round_t_if_in_range(ray, start + f64::from(hit.t))?;
         match hit.primitive {
-            PrimitiveIndex::Triangle(i) => Some((t, f32::from_bits(i), 0.0)),
+            PrimitiveIndex::Triangle(i) => Some(ShapeHit { t, uv: Vec2::new(f32::from_bits(i), 0.0) }),
             PrimitiveIndex::Other(_) => None,
         }
     }

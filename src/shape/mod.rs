@@ -25,7 +25,6 @@ pub use cuboid::Cuboid;
 pub use disc::Disc;
 pub use ellipsoid::Ellipsoid;
 pub use frustum::Frustum;
-pub use hit::ShapeHit;
 pub use instance::{Instance, MeshWithBvh};
 pub use mesh::{Mesh, Triangle};
 pub use parametric::{Patch, Revolution};
@@ -35,6 +34,7 @@ pub use sphere::Sphere;
 pub use surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint, TRIANGLE_HIT_ERROR};
 pub use texture_mapping::{TexCoord, TextureMapping, TextureMappingKind, upright_texture_axes};
 
+use crate::accel::ShapeHit;
 use crate::math::{self, Bounds, Ray, Transform};
 use analytic::AnalyticShape;
 use glam::{DVec3, Vec2, Vec3};
@@ -96,7 +96,7 @@ impl Shape {
         dispatch!(self, s, _w => s.occludes(ray))
     }
 
-    /// World-space surface point at the hit (`t`, `uv.x`, `uv.y`) that [`Shape::intersect`]
+    /// World-space surface point at the hit (`t`, `uv`) that [`Shape::intersect`]
     /// returned for `ray`.
     #[inline]
     #[must_use]
@@ -106,7 +106,7 @@ impl Shape {
 
     /// Texture coordinates at the world-space surface point `p`, as the shape itself defines them.
     ///
-    /// `uv` holds the last two numbers of the [`ShapeHit`] at `p`. Shapes without own texture
+    /// `uv` is that of the [`ShapeHit`] at `p`. Shapes without own texture
     /// coordinates return `uv`, with gradients of zero.
     #[must_use]
     pub fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {

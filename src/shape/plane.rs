@@ -1,9 +1,10 @@
 //! Infinite planes, which have no bounding box.
 
-use super::hit::{ShapeHit, ray_to_f64, round_t_if_in_range};
+use super::hit::{ray_to_f64, round_t_if_in_range};
 use super::surface_point::SurfacePoint;
+use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// Cosine between ray and normal below which the ray counts as parallel to the plane.
 ///
@@ -54,7 +55,7 @@ impl Plane {
         if across * across <= PARALLEL_COSINE * PARALLEL_COSINE * d.length_squared() {
             return None;
         }
-        round_t_if_in_range(ray, (self.offset - self.normal.dot(o)) / across).map(|t| (t, 0.0, 0.0))
+        round_t_if_in_range(ray, (self.offset - self.normal.dot(o)) / across).map(|t| ShapeHit { t, uv: Vec2::ZERO })
     }
 
     /// Surface point of the plane at the ray parameter `t` of a hit of `ray`.
@@ -76,7 +77,7 @@ mod tests {
     fn far_hits_stay_on_the_plane() {
         let plane = Plane::new(DVec3::new(0.0, -2.0, 0.0), DVec3::new(0.0, 3.0, 0.0));
         let ray = Ray::new(Vec3::ZERO, Vec3::new(1.0, -1e-4, 0.0));
-        let (t, ..) = plane.intersect(&ray).unwrap();
+        let ShapeHit { t, .. } = plane.intersect(&ray).unwrap();
         assert_eq!(plane.surface_point(&ray, t).p.y, -2.0);
     }
 

@@ -1,8 +1,9 @@
 //! Rectangles and parallelograms.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, ray_to_f64, round_t_if_in_range};
+use super::hit::{ray_to_f64, round_t_if_in_range};
 use super::surface_point::{EDGE_MARGIN, ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint};
+use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform, exact_cross};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, sincos};
@@ -26,7 +27,7 @@ const FAR_SIZE_RATIO2: f64 = 0.2;
 
 /// Rectangle or parallelogram: the points `corner + x·e0 + y·e1` with x, y in \[0, 1].
 ///
-/// The outer side is the side of `e0 × e1`. The last two numbers of a [`ShapeHit`] are x and y.
+/// The outer side is the side of `e0 × e1`. `uv` of a [`ShapeHit`] is (x, y).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     corner: DVec3,
@@ -132,7 +133,7 @@ impl AnalyticShape for Rectangle {
         let offset = o + d * t - self.corner;
         let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
         if (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y) {
-            round_t_if_in_range(ray, t).map(|t| (t, x as f32, y as f32))
+            round_t_if_in_range(ray, t).map(|t| ShapeHit { t, uv: Vec2::new(x as f32, y as f32) })
         } else {
             None
         }

@@ -1,8 +1,9 @@
 //! Spheres.
 
 use super::analytic::AnalyticShape;
-use super::hit::{ShapeHit, f64_ray_parameter, nearer_hit, ray_to_f64};
+use super::hit::{f64_ray_parameter, nearer_hit, ray_to_f64};
 use super::surface_point::{ShapeSample, SolidAngleSample, SolidAngleSampleResult, SurfacePoint};
+use crate::accel::ShapeHit;
 use crate::math::{BoundingSphere, Frame, Ray, Transform, direction_and_distance, quadratic_roots, warp};
 use glam::{DVec3, Vec2, Vec3};
 

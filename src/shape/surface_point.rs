@@ -44,7 +44,7 @@ pub struct ShapeSample {
     pub point: SurfacePoint,
     /// Probability density per area \[1/length²].
     pub pdf: f32,
-    /// Last two numbers of the [`ShapeHit`](super::ShapeHit) at the point.
+    /// Numbers `uv` of the [`ShapeHit`](crate::accel::ShapeHit) at the point.
     pub uv: Vec2,
 }
 

@@ -106,7 +106,8 @@ pub struct EffectContribution {
     /// Radiance that the effect adds, as a mean over pixels and channels \[W/(m² sr)].
     pub adds: f64,
     /// Radiance that the effect removes, as a positive mean over pixels and channels \[W/(m² sr)].
-    pub takes: f64,
+    #[serde(rename = "takes")]
+    pub removes: f64,
 }
 
 /// Cost of one effect, and the change that it makes to the picture.
@@ -119,7 +120,7 @@ pub struct EffectResult {
     /// Time and work that the effect adds.
     pub cost: EffectCost,
     /// Light that the effect adds to and removes from the picture.
-    pub gain: EffectContribution,
+    pub contribution: EffectContribution,
     /// Picture with all effects minus the picture without this effect \[W/(m² sr)].
     pub difference: Image,
 }
@@ -253,11 +254,11 @@ impl<'a> EffectStudy<'a> {
         for run in self.runs.into_iter().skip(1) {
             let Some(decision) = run.without else { continue };
             let without = image(&run)?;
-            let gain = effect_contribution(&picture, &without, mean)?;
+            let contribution = effect_contribution(&picture, &without, mean)?;
             let pairs = picture.pixels().iter().zip(without.pixels());
             let difference = Image::from_pixels(width, height, pairs.map(|(a, b)| *a - *b).collect())?;
             let cost = effect_cost(&whole, &run.spent);
-            effects.push(EffectResult { decision, without: run.spent, cost, gain, difference });
+            effects.push(EffectResult { decision, without: run.spent, cost, contribution, difference });
         }
         Ok(EffectStudyResult { plan, clock: self.clock, mean, whole, effects, interrupted, picture })
     }
@@ -289,9 +290,9 @@ fn effect_contribution(whole: &Image, without: &Image, mean_of_whole: f64) -> Re
     let rmse = rmse(whole, without)?;
     let differences = || whole.pixels().iter().zip(without.pixels()).map(|(a, b)| a.as_dvec3() - b.as_dvec3());
     let adds = mean_over_image(differences().map(|d| d.max(glam::DVec3::ZERO).element_sum()), whole);
-    let takes = mean_over_image(differences().map(|d| (-d).max(glam::DVec3::ZERO).element_sum()), whole);
+    let removes = mean_over_image(differences().map(|d| (-d).max(glam::DVec3::ZERO).element_sum()), whole);
     let relative_rmse = (mean_of_whole > 0.0).then(|| rmse / mean_of_whole);
-    Ok(EffectContribution { rmse, relative_rmse, adds, takes })
+    Ok(EffectContribution { rmse, relative_rmse, adds, removes })
 }
 
 fn effect_cost(whole: &PictureCost, without: &PictureCost) -> EffectCost {

@@ -52,7 +52,10 @@ fn unneeded_caustics_cost_rays_and_change_no_bit() {
     let found =
         run_effect_study(&diffuse_sphere_on_floor(24, 18), Algorithm::Hybrid, &settings_with_few_photons(overrides), 2);
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
-    assert_eq!((caustics.gain.rmse, caustics.gain.adds, caustics.gain.takes), (0.0, 0.0, 0.0));
+    assert_eq!(
+        (caustics.contribution.rmse, caustics.contribution.adds, caustics.contribution.removes),
+        (0.0, 0.0, 0.0)
+    );
     // Each of the 4,000 photon paths of the caustic map has at least one ray.
     assert!(caustics.cost.rays >= 4000.0, "{:?}", caustics.cost);
     let scene = diffuse_sphere_on_floor(24, 18);
@@ -70,8 +73,8 @@ fn shadows_only_remove_light() {
         1,
     );
     let shadows = found.effects.iter().find(|f| f.decision.effect == Effect::Shadows).unwrap();
-    assert_eq!(shadows.gain.adds, 0.0);
-    assert!(shadows.gain.takes > 0.0 && shadows.gain.rmse > shadows.gain.takes);
+    assert_eq!(shadows.contribution.adds, 0.0);
+    assert!(shadows.contribution.removes > 0.0 && shadows.contribution.rmse > shadows.contribution.removes);
     assert!(shadows.difference.pixels().iter().all(|d| d.max_element() <= 0.0));
     // Only the picture with all effects has shadow rays.
     assert!(shadows.cost.rays > 0.0);
@@ -91,13 +94,13 @@ fn contributions_equal_differences_of_means() {
     let sum: f64 = images.flatten().map(|p| p.as_dvec3().element_sum()).sum();
     let mean_without = sum / (3.0 * 3.0 * 24.0 * 18.0);
     // Pixels are stored in f32, which rounds them at 2⁻²⁴ of their value.
-    let expected = found.mean - caustics.gain.adds + caustics.gain.takes;
+    let expected = found.mean - caustics.contribution.adds + caustics.contribution.removes;
     assert!((expected / mean_without - 1.0).abs() < 1e-6, "{expected} {mean_without}");
-    assert!(caustics.gain.adds > caustics.gain.takes && caustics.cost.gathered_photons > 0.0);
+    assert!(caustics.contribution.adds > caustics.contribution.removes && caustics.cost.gathered_photons > 0.0);
     let again = run_effect_study(&scene, Algorithm::Hybrid, &settings_with_few_photons(EffectOverrides::PLANNED), 3);
     assert_eq!(
-        again.effects.iter().map(|f| f.gain).collect::<Vec<_>>(),
-        found.effects.iter().map(|f| f.gain).collect::<Vec<_>>()
+        again.effects.iter().map(|f| f.contribution).collect::<Vec<_>>(),
+        found.effects.iter().map(|f| f.contribution).collect::<Vec<_>>()
     );
 }
 

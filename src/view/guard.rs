@@ -9,7 +9,7 @@ const TOKEN_BYTES: usize = 16;
 
 /// Why a request is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Refusal {
+pub(super) enum RequestRefusal {
     /// The path of the request does not begin with the token of the page.
     Token,
     /// The header `Host` names no address of this server.
@@ -18,7 +18,7 @@ pub(super) enum Refusal {
     Origin,
 }
 
-impl Refusal {
+impl RequestRefusal {
     /// Returns the text of the response to the refused request.
     pub fn text(self) -> &'static str {
         match self {
@@ -44,19 +44,19 @@ pub(super) fn random_token() -> std::io::Result<String> {
 /// Other sites cannot know the token, which is the first part of the path. A site whose name
 /// resolves to this machine (DNS rebinding) sends its name as `Host`, so only IP addresses and
 /// `localhost` are accepted there.
-pub(super) fn check_request(path: &str, headers: &HeaderMap, token: &str, port: u16) -> Result<(), Refusal> {
-    let host = single_header(headers, HOST.as_str()).ok_or(Refusal::Host)?;
+pub(super) fn check_request(path: &str, headers: &HeaderMap, token: &str, port: u16) -> Result<(), RequestRefusal> {
+    let host = single_header(headers, HOST.as_str()).ok_or(RequestRefusal::Host)?;
     if !is_own_host(host, port) {
-        return Err(Refusal::Host);
+        return Err(RequestRefusal::Host);
     }
     if headers.contains_key(ORIGIN) {
         let origin = single_header(headers, ORIGIN.as_str()).and_then(|origin| origin.strip_prefix("http://"));
         if !origin.is_some_and(|origin| origin.eq_ignore_ascii_case(host)) {
-            return Err(Refusal::Origin);
+            return Err(RequestRefusal::Origin);
         }
     }
     let first = path.trim_start_matches('/').split('/').next().unwrap_or("");
-    if equal_in_constant_time(first.as_bytes(), token.as_bytes()) { Ok(()) } else { Err(Refusal::Token) }
+    if equal_in_constant_time(first.as_bytes(), token.as_bytes()) { Ok(()) } else { Err(RequestRefusal::Token) }
 }
 
 /// Returns the text of the header `name`; `None` unless the request has that header exactly once,
@@ -83,7 +83,7 @@ fn equal_in_constant_time(a: &[u8], b: &[u8]) -> bool {
 mod tests {
     use super::*;
 
-    fn checked(path: &str, headers: &[(&'static str, &str)]) -> Result<(), Refusal> {
+    fn checked(path: &str, headers: &[(&'static str, &str)]) -> Result<(), RequestRefusal> {
         let mut map = HeaderMap::new();
         headers.iter().for_each(|(name, value)| {
             map.append(*name, HeaderValue::from_str(value).unwrap());
@@ -98,16 +98,16 @@ mod tests {
             assert_eq!(checked("/abc123/", &[("host", host)]), Ok(()), "{host}");
         }
         for host in ["evil.example:8080", "127.0.0.1", "127.0.0.1:80", "localhost.evil.example:8080", ""] {
-            assert_eq!(checked("/abc123/", &[("host", host)]), Err(Refusal::Host), "{host}");
+            assert_eq!(checked("/abc123/", &[("host", host)]), Err(RequestRefusal::Host), "{host}");
         }
-        assert_eq!(checked("/abc123/", &[]), Err(Refusal::Host));
-        assert_eq!(checked("/abc123/", &[own, ("host", "evil.example")]), Err(Refusal::Host));
+        assert_eq!(checked("/abc123/", &[]), Err(RequestRefusal::Host));
+        assert_eq!(checked("/abc123/", &[own, ("host", "evil.example")]), Err(RequestRefusal::Host));
         assert_eq!(checked("/abc123/", &[own, ("origin", "http://127.0.0.1:8080")]), Ok(()));
         for origin in ["null", "https://127.0.0.1:8080", "http://evil.example", "http://127.0.0.1:8081"] {
-            assert_eq!(checked("/abc123/", &[own, ("origin", origin)]), Err(Refusal::Origin), "{origin}");
+            assert_eq!(checked("/abc123/", &[own, ("origin", origin)]), Err(RequestRefusal::Origin), "{origin}");
         }
         for path in ["/", "/abc124/", "/abc12/", "/abc1234/", "", "/events"] {
-            assert_eq!(checked(path, &[own]), Err(Refusal::Token), "{path}");
+            assert_eq!(checked(path, &[own]), Err(RequestRefusal::Token), "{path}");
         }
     }
 

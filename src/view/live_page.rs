@@ -127,12 +127,12 @@ impl LivePage {
 
     /// Returns true if a browser has asked for error maps since the last call, and forgets the
     /// request.
-    pub fn take_wish_for_maps(&self) -> bool {
+    pub fn take_map_request(&self) -> bool {
         self.wants_maps.swap(false, Ordering::Relaxed)
     }
 
     /// Asks the render to publish maps of the estimated error.
-    pub(super) fn wish_for_maps(&self) {
+    pub(super) fn request_maps(&self) {
         self.wants_maps.store(true, Ordering::Relaxed);
     }
 
@@ -152,7 +152,7 @@ impl LivePage {
     }
 
     /// Returns the newest published state.
-    pub(super) fn newest(&self) -> Arc<PublishedState> {
+    pub(super) fn newest_state(&self) -> Arc<PublishedState> {
         self.sender.borrow().clone()
     }
 

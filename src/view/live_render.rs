@@ -39,7 +39,7 @@ impl<'a> LiveRender<'a> {
 
     /// Returns the number that the page gave to this render, counted from 1.
     #[must_use]
-    pub fn number(&self) -> u32 {
+    pub fn render_number(&self) -> u32 {
         self.number
     }
 
@@ -98,7 +98,7 @@ impl<'a> LiveRender<'a> {
         self.publish_result(progress.rendered);
         self.picture_pace.record(start, Instant::now());
         let start = Instant::now();
-        if self.map_pace.is_due(start) && self.page.take_wish_for_maps() {
+        if self.map_pace.is_due(start) && self.page.take_map_request() {
             self.publish_maps(progress.rendered);
             self.map_pace.record(start, Instant::now());
         }
@@ -119,7 +119,7 @@ impl<'a> LiveRender<'a> {
     }
 
     /// Publishes the final result of a render. `phase` is [`Phase::Stopped`] or [`Phase::Ended`].
-    pub fn end(&mut self, rendered: &RenderResult, phase: Phase) {
+    pub fn publish_end(&mut self, rendered: &RenderResult, phase: Phase) {
         self.publish_result(rendered);
         self.publish_maps(rendered);
         self.publish(|state, _| {

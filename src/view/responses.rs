@@ -80,7 +80,7 @@ pub(super) fn state_events(
 
 /// Returns a response that tells the browser to ask again later, because there are too many
 /// requests.
-pub(super) fn busy() -> Response {
+pub(super) fn busy_response() -> Response {
     let mut response = (StatusCode::SERVICE_UNAVAILABLE, "too many requests at a time\n").into_response();
     response.headers_mut().insert(RETRY_AFTER, HeaderValue::from_static("1"));
     response
@@ -124,11 +124,11 @@ pub(super) async fn layer_pixels(
             return page.reference()?.encoded_layer(LayerKind::Picture);
         }
         let kind = LayerKind::from_name(&name)?;
-        let newest = page.newest();
+        let newest = page.newest_state();
         let frame = match kind.frame_kind() {
             FrameKind::Picture => &newest.state.picture,
             FrameKind::Maps => {
-                page.wish_for_maps();
+                page.request_maps();
                 &newest.state.maps
             }
             FrameKind::Surfaces => {
@@ -157,7 +157,7 @@ pub(super) async fn layer_pixels(
 
 /// Returns the response with the text of the scene file and its errors, as JSON.
 pub(super) fn scene_source(page: &LivePage) -> Response {
-    let source = page.newest().state.source.clone();
+    let source = page.newest_state().state.source.clone();
     match serde_json::to_string(&*source) {
         Ok(json) => ([(CONTENT_TYPE, "application/json")], json).into_response(),
         Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
@@ -175,7 +175,7 @@ pub(super) struct SaveOptions {
 /// Returns the response with the newest picture as a file to save. `file` ends with `.png` or
 /// `.exr`, which selects the format.
 pub(super) async fn saved_picture(page: Arc<LivePage>, file: String, options: SaveOptions) -> Response {
-    let newest = page.newest();
+    let newest = page.newest_state();
     let Some(frame) = newest.state.picture.clone().filter(|frame| !frame.is_preview) else {
         return (StatusCode::NOT_FOUND, "there is no pass yet\n").into_response();
     };

@@ -5,7 +5,7 @@ use super::guard::{check_request, random_token};
 use super::live_page::LivePage;
 use super::request::Request;
 use super::responses::{
-    KnownFrame, SaveOptions, busy, layer_pixels, page_html, saved_picture, scene_source, state_events,
+    KnownFrame, SaveOptions, busy_response, layer_pixels, page_html, saved_picture, scene_source, state_events,
 };
 use axum::Router;
 use axum::body::Bytes;
@@ -33,10 +33,10 @@ const MAX_BODY_BYTES: usize = 4096;
 
 /// Time for which the server stays open after the end of a render, so that browsers can fetch the
 /// last picture.
-const FAREWELL: Duration = Duration::from_millis(500);
+const LAST_FETCH_TIME: Duration = Duration::from_millis(500);
 
 /// Time that open connections get to finish after the server has ended. They are cut then.
-const CUT: Duration = Duration::from_millis(500);
+const CONNECTION_CUT_DELAY: Duration = Duration::from_millis(500);
 
 /// Function that handles the requests of browsers. It returns false for a request that it refuses.
 /// It must not block.
@@ -52,7 +52,7 @@ pub struct PageServer {
 }
 
 /// Data that the handlers of all HTTP routes share.
-struct Shared {
+struct RouteState {
     page: Arc<LivePage>,
     handler: RequestHandler,
     token: String,
@@ -80,7 +80,7 @@ impl PageServer {
         let token = random_token()?;
         let url = format!("http://{}/{token}/", SocketAddr::new(reachable_address(bound.ip()), bound.port()));
         let (end, receiver) = watch::channel(false);
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(RouteState {
             page: page.clone(),
             handler,
             token,
@@ -108,7 +108,7 @@ impl PageServer {
     /// the last picture.
     pub fn finish(self) {
         if self.page.reader_count() > 0 {
-            std::thread::sleep(FAREWELL);
+            std::thread::sleep(LAST_FETCH_TIME);
         }
     }
 }
@@ -134,7 +134,7 @@ fn reachable_address(ip: IpAddr) -> IpAddr {
 }
 
 /// Serves HTTP requests until the server ends.
-async fn serve(listener: TcpListener, shared: Arc<Shared>) {
+async fn serve(listener: TcpListener, shared: Arc<RouteState>) {
     let Ok(listener) = tokio::net::TcpListener::from_std(listener) else { return };
     let end = shared.end.clone();
     let router = Router::new()
@@ -145,12 +145,12 @@ async fn serve(listener: TcpListener, shared: Arc<Shared>) {
         .route("/{token}/save/{file}", get(send_file))
         .route("/{token}/request/{name}", post(take_request))
         .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
-        .layer(from_fn_with_state(shared.clone(), guard))
+        .layer(from_fn_with_state(shared.clone(), guard_request))
         .with_state(shared);
     let served = axum::serve(listener, router).with_graceful_shutdown(until_end(end.clone()));
     let cut = async {
         until_end(end).await;
-        tokio::time::sleep(CUT).await;
+        tokio::time::sleep(CONNECTION_CUT_DELAY).await;
     };
     tokio::select! {
         _ = served => {}
@@ -166,7 +166,7 @@ async fn until_end(mut end: watch::Receiver<bool>) {
 
 /// Middleware that refuses requests which do not come from the page ([`check_request`]), and adds
 /// security headers to all responses.
-async fn guard(State(shared): State<Arc<Shared>>, request: HttpRequest, next: Next) -> Response {
+async fn guard_request(State(shared): State<Arc<RouteState>>, request: HttpRequest, next: Next) -> Response {
     let checked = check_request(request.uri().path(), request.headers(), &shared.token, shared.port);
     let mut response = match checked {
         Ok(()) => next.run(request).await,
@@ -193,41 +193,41 @@ async fn send_page() -> Response {
     response
 }
 
-async fn send_events(State(shared): State<Arc<Shared>>) -> Response {
+async fn send_events(State(shared): State<Arc<RouteState>>) -> Response {
     match shared.readers.clone().try_acquire_owned() {
         Ok(permit) => state_events(&shared.page, until_end(shared.end.clone()), permit),
-        Err(_) => busy(),
+        Err(_) => busy_response(),
     }
 }
 
 async fn send_layer(
-    State(shared): State<Arc<Shared>>,
+    State(shared): State<Arc<RouteState>>,
     Path((_, name)): Path<(String, String)>,
     Query(known): Query<KnownFrame>,
 ) -> Response {
     match shared.pixel_responses.clone().try_acquire_owned() {
         Ok(permit) => layer_pixels(shared.page.clone(), name, known, permit).await,
-        Err(_) => busy(),
+        Err(_) => busy_response(),
     }
 }
 
-async fn send_source(State(shared): State<Arc<Shared>>) -> Response {
+async fn send_source(State(shared): State<Arc<RouteState>>) -> Response {
     scene_source(&shared.page)
 }
 
 async fn send_file(
-    State(shared): State<Arc<Shared>>,
+    State(shared): State<Arc<RouteState>>,
     Path((_, file)): Path<(String, String)>,
     Query(options): Query<SaveOptions>,
 ) -> Response {
     match shared.pixel_responses.clone().try_acquire_owned() {
         Ok(_permit) => saved_picture(shared.page.clone(), file, options).await,
-        Err(_) => busy(),
+        Err(_) => busy_response(),
     }
 }
 
 async fn take_request(
-    State(shared): State<Arc<Shared>>,
+    State(shared): State<Arc<RouteState>>,
     Path((_, name)): Path<(String, String)>,
     body: Bytes,
 ) -> Response {

@@ -229,7 +229,7 @@ impl ForecastReport {
     pub fn new(estimate: &ErrorEstimate, forecast: &ErrorForecast, stop: &StopCriteria<'_>) -> Self {
         let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
         let target = stop.target.unwrap_or(half);
-        let (passes, floor) = match forecast.stop(target.error, target.interval_confidence()) {
+        let (passes, floor) = match forecast.stop_forecast(target.error, target.interval_confidence()) {
             StopForecast::Passes(PassRange { low, median, high }) => ([Some(low), Some(median), high], None),
             StopForecast::Never { floor } => ([None; 3], Some(floor)),
             StopForecast::TooFar { at_least } => ([Some(at_least), None, None], None),

@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Live page with its server, which collects the requests of browsers.
-struct Served {
+struct ServedPage {
     page: Arc<LivePage>,
     server: PageServer,
     address: SocketAddr,
@@ -23,13 +23,13 @@ struct Served {
 }
 
 /// HTTP status code, headers and body of a response.
-struct Answer {
+struct HttpAnswer {
     code: u16,
     head: String,
     body: Vec<u8>,
 }
 
-impl Served {
+impl ServedPage {
     fn start() -> Self {
         Self::with_reference(None)
     }
@@ -56,7 +56,7 @@ impl Served {
     }
 
     /// Sends a request line with headers and a body.
-    fn send(&self, line: &str, headers: &str, body: &str) -> Answer {
+    fn send(&self, line: &str, headers: &str, body: &str) -> HttpAnswer {
         let mut stream = self.connect();
         let length = body.len();
         write!(stream, "{line} HTTP/1.1\r\n{headers}Connection: close\r\nContent-Length: {length}\r\n\r\n{body}")
@@ -65,7 +65,7 @@ impl Served {
         stream.read_to_end(&mut bytes).unwrap();
         let end = bytes.windows(4).position(|four| four == b"\r\n\r\n").unwrap();
         let head = String::from_utf8(bytes[..end].to_vec()).unwrap();
-        Answer { code: head[9..12].parse().unwrap(), head: head.to_lowercase(), body: bytes[end + 4..].to_vec() }
+        HttpAnswer { code: head[9..12].parse().unwrap(), head: head.to_lowercase(), body: bytes[end + 4..].to_vec() }
     }
 
     fn host(&self) -> String {
@@ -73,11 +73,11 @@ impl Served {
     }
 
     /// Requests a path below that of the page.
-    fn get(&self, path: &str) -> Answer {
+    fn get(&self, path: &str) -> HttpAnswer {
         self.send(&format!("GET {}{path}", self.root), &self.host(), "")
     }
 
-    fn post(&self, path: &str, body: &str) -> Answer {
+    fn post(&self, path: &str, body: &str) -> HttpAnswer {
         let headers = format!("{}Origin: http://{}\r\n", self.host(), self.address);
         self.send(&format!("POST {}{path}", self.root), &headers, body)
     }
@@ -131,7 +131,7 @@ fn shining_scene() -> Scene {
 
 #[test]
 fn foreign_requests_are_refused() {
-    let served = Served::start();
+    let served = ServedPage::start();
     let (own, root) = (served.host(), served.root.clone());
     assert_eq!(served.get("").code, 200);
     let refused = |line: &str, headers: &str| served.send(line, headers, "").code;
@@ -156,7 +156,7 @@ fn foreign_requests_are_refused() {
 
 #[test]
 fn the_page_needs_no_other_server() {
-    let served = Served::start();
+    let served = ServedPage::start();
     let answer = served.get("");
     let page = String::from_utf8(answer.body).unwrap();
     for address in ["http://", "https://", "src=", "@import", "{nonce}", "{style}", "{script}"] {
@@ -178,7 +178,7 @@ fn the_page_needs_no_other_server() {
 
 #[test]
 fn readers_receive_the_newest_state() {
-    let served = Served::start();
+    let served = ServedPage::start();
     let mut events = served.events();
     assert_eq!(next_state(&mut events)["render"], 0);
     let number = served.page.begin_render();
@@ -221,33 +221,33 @@ fn layers_keep_three_digits_of_all_values() {
 
 #[test]
 fn maps_are_made_only_when_asked_for() {
-    let served = Served::start();
+    let served = ServedPage::start();
     let number = served.page.begin_render();
     served.show(number, (2, 1), 0.25);
-    assert!(!served.page.take_wish_for_maps());
+    assert!(!served.page.take_map_request());
     let picture = served.get("layer/picture");
     let (head, values) = decode(&picture.body);
     assert_eq!((&head[1..], &values[..3]), (&[2, 1, 3][..], &[0.25, 0.125, -0.25][..]));
     assert_eq!(served.get(&format!("layer/picture?after={}", head[0])).code, 204);
     assert_eq!(served.get(&format!("layer/picture?after={}", head[0] - 1)).code, 200);
-    assert!(!served.page.take_wish_for_maps());
+    assert!(!served.page.take_map_request());
     assert_eq!(served.get("layer/noise").code, 404);
-    assert!(served.page.take_wish_for_maps() && !served.page.take_wish_for_maps());
+    assert!(served.page.take_map_request() && !served.page.take_map_request());
     assert!(!served.page.take_wish_for_surfaces());
     assert_eq!(served.get("layer/depth").code, 204);
     assert!(served.page.take_wish_for_surfaces() && !served.page.take_wish_for_surfaces());
     assert_eq!(served.get("layer/secret").code, 404);
     assert_eq!(served.get("layer/reference").code, 404);
     let reference = Image::from_pixels(1, 1, vec![Vec3::splat(2.0)]).unwrap();
-    let served = Served::with_reference(Some(Frame::from_image(&reference)));
+    let served = ServedPage::with_reference(Some(Frame::from_image(&reference)));
     assert_eq!(decode(&served.get("layer/reference").body).1, [2.0; 3]);
 }
 
 #[test]
 fn surface_layers_hold_the_aovs() {
-    let served = Served::start();
+    let served = ServedPage::start();
     let live = LiveRender::begin(&served.page, Instant::now());
-    served.show(live.number(), (2, 1), 0.25);
+    served.show(live.render_number(), (2, 1), 0.25);
     let aovs = SurfaceAovs {
         albedo: vec![Vec3::new(0.5, 0.25, 0.125), Vec3::ZERO],
         normal: vec![Vec3::Y, Vec3::ZERO],
@@ -276,7 +276,7 @@ fn surface_layers_hold_the_aovs() {
 
 #[test]
 fn saved_files_hold_the_newest_picture() {
-    let served = Served::start();
+    let served = ServedPage::start();
     assert_eq!(served.get("save/picture.png").code, 404);
     let number = served.page.begin_render();
     served.show(number, (2, 1), 0.3);
@@ -288,7 +288,7 @@ fn saved_files_hold_the_newest_picture() {
     assert_eq!(image.pixels(), [Vec3::new(0.3, 0.15, -0.3); 2]);
     let png = served.get("save/picture.png?exposure=1&tone=course");
     std::fs::write(folder.path().join("a.png"), &png.body).unwrap();
-    let tone = crate::image::ToneMap { curve: crate::image::ToneCurve::Course, exposure_stops: 1.0 };
+    let tone = crate::image::ToneMap { curve: crate::image::ToneCurve::Legacy, exposure_stops: 1.0 };
     let metadata = vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))];
     let options = crate::image::WriteOptions { tone, metadata, ..Default::default() };
     let expected = crate::image::encode(crate::image::OutputFormat::Png, &image, &options).unwrap().0;
@@ -300,7 +300,7 @@ fn saved_files_hold_the_newest_picture() {
 
 #[test]
 fn slow_readers_never_delay_publications() {
-    let served = Served::start();
+    let served = ServedPage::start();
     let number = served.page.begin_render();
     served.show(number, (1000, 1000), 1.0);
     // Clients that ask for states and pixels and never read them.
@@ -335,7 +335,7 @@ fn slow_readers_never_delay_publications() {
 
 #[test]
 fn the_server_ends_beside_open_connections() {
-    let served = Served::start();
+    let served = ServedPage::start();
     let mut events = served.events();
     next_state(&mut events);
     let _silent = served.connect();
@@ -362,12 +362,12 @@ fn publications_change_no_bit_of_a_render() {
     let mut live = LiveRender::begin(&page, Instant::now());
     live.begin_passes(PlanReport::new(integrator.plan(), Vec::new()), &stop, (24, 16));
     let shown: RenderResult = render(integrator.as_ref(), (24, 16), &stop, &SilentMonitor, |progress| {
-        page.wish_for_maps();
+        page.request_maps();
         live.after_pass(progress, &stop);
     });
-    live.end(&shown, Phase::Ended);
+    live.publish_end(&shown, Phase::Ended);
     assert_eq!(plain.film, shown.film);
-    let newest = page.newest();
+    let newest = page.newest_state();
     let (status, maps) = (&newest.state.status, newest.state.maps.as_ref().unwrap());
     assert_eq!((status.passes, status.phase), (6, Phase::Ended));
     assert_eq!(newest.state.picture.as_ref().unwrap().layer(LayerKind::Picture).unwrap().colors(), shown.film.mean());
@@ -386,7 +386,7 @@ fn publications_change_no_bit_of_a_render() {
 
 #[test]
 fn many_readers_share_one_encoding() {
-    let served = Served::start();
+    let served = ServedPage::start();
     let number = served.page.begin_render();
     served.show(number, (300, 300), 1.0);
     let good = AtomicU32::new(0);
@@ -400,7 +400,7 @@ fn many_readers_share_one_encoding() {
         }
     });
     assert_eq!(good.into_inner(), 16);
-    let newest = served.page.newest();
+    let newest = served.page.newest_state();
     let frame = newest.state.picture.as_ref().unwrap();
     let [a, b] = [0, 1].map(|_| frame.encoded_layer(LayerKind::Picture).unwrap().as_ptr());
     assert_eq!(a, b);

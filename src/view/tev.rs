@@ -77,7 +77,7 @@ struct SentImage {
 
 /// Images that wait to be sent, at most one of each name.
 #[derive(Debug, Default)]
-struct Waiting {
+struct WaitingImages {
     images: Vec<SentImage>,
     /// True after the render has handed over its last image.
     is_closed: bool,
@@ -87,13 +87,13 @@ struct Waiting {
 
 /// State that the thread of a render and the thread that sends its images share.
 #[derive(Debug, Default)]
-struct Shared {
-    waiting: Mutex<Waiting>,
+struct SenderState {
+    waiting: Mutex<WaitingImages>,
     changed: Condvar,
 }
 
-impl Shared {
-    fn change(&self, change: impl FnOnce(&mut Waiting)) {
+impl SenderState {
+    fn change_waiting(&self, change: impl FnOnce(&mut WaitingImages)) {
         change(&mut self.waiting.lock().unwrap_or_else(PoisonError::into_inner));
         self.changed.notify_one();
     }
@@ -119,7 +119,7 @@ impl Shared {
 /// [`finish`](Self::finish): before, a newer image replaces one of the same name that still waits.
 #[derive(Debug)]
 pub struct TevClient {
-    shared: Arc<Shared>,
+    shared: Arc<SenderState>,
     pace: Pace,
     /// Receiver whose sender is dropped when the sending thread ends.
     ended: Receiver<()>,
@@ -129,12 +129,12 @@ impl TevClient {
     /// Starts to connect to `address`. Calls `report` once if an error ends the connection.
     #[must_use]
     pub fn start(address: TevAddress, report: impl FnOnce(io::Error) + Send + 'static) -> Self {
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(SenderState::default());
         let (alive, ended) = channel();
         let client = Self { shared: shared.clone(), pace: Pace::default(), ended };
         thread::spawn(move || {
             if let Err(error) = send_images(&address, &shared) {
-                shared.change(|waiting| (waiting.has_failed, waiting.images) = (true, Vec::new()));
+                shared.change_waiting(|waiting| (waiting.has_failed, waiting.images) = (true, Vec::new()));
                 report(error);
             }
             drop(alive);
@@ -157,7 +157,7 @@ impl TevClient {
     /// Hands `layers` over to the sending thread, as image `name` of `size` (width, height) pixels.
     /// Does not wait.
     pub fn send(&self, name: &str, size: (u32, u32), layers: Vec<ExrLayer>) {
-        self.shared.change(|waiting| {
+        self.shared.change_waiting(|waiting| {
             if !waiting.has_failed {
                 waiting.images.retain(|image| image.name != name);
                 waiting.images.push(SentImage { name: name.to_owned(), size, layers });
@@ -169,13 +169,13 @@ impl TevClient {
     /// them in time.
     #[must_use]
     pub fn finish(self) -> bool {
-        self.shared.change(|waiting| waiting.is_closed = true);
+        self.shared.change_waiting(|waiting| waiting.is_closed = true);
         self.ended.recv_timeout(TIMEOUT) != Err(RecvTimeoutError::Timeout)
     }
 }
 
 /// Connects to `address` and sends the images of `shared` until the last one.
-fn send_images(address: &TevAddress, shared: &Shared) -> io::Result<()> {
+fn send_images(address: &TevAddress, shared: &SenderState) -> io::Result<()> {
     let mut stream = connect(address)?;
     stream.set_write_timeout(Some(TIMEOUT))?;
     // Name, size and channels of each image that the viewer knows.

@@ -32,7 +32,7 @@ fn render_course_image(scene: &Scene) -> RgbBytes {
     let picture = Image::from_pixels(width, height, integrator.render_pass(0, &SilentMonitor).image).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
-    let tone = ToneMap { curve: ToneCurve::Course, exposure_stops: 0.0 };
+    let tone = ToneMap { curve: ToneCurve::Legacy, exposure_stops: 0.0 };
     image::write(&path, &picture, &WriteOptions { tone, ..WriteOptions::default() }).unwrap();
     image::read_bytes(&path).unwrap()
 }

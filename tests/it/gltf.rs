@@ -190,7 +190,7 @@ fn cameras_and_nodes_have_their_transforms() {
     }
     let matrices = hierarchy.root.items.iter().filter_map(|item| match item {
         GroupItem::Object(object) => match &object.value {
-            ObjectDescription::Transform { maps, .. } => match maps[..] {
+            ObjectDescription::Transform { steps, .. } => match steps[..] {
                 [TransformStep::Matrix(matrix)] => Some(matrix),
                 _ => None,
             },

@@ -29,14 +29,14 @@ Group {
 ";
 
 /// A running program that serves a live page, in a temporary folder of its own.
-struct Shown {
+struct LiveProgram {
     child: Child,
     messages: BufReader<std::process::ChildStderr>,
     folder: tempfile::TempDir,
     address: String,
 }
 
-impl Shown {
+impl LiveProgram {
     /// Starts the program with the arguments `words`.
     fn start(words: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
@@ -96,7 +96,7 @@ impl Shown {
     }
 }
 
-impl Drop for Shown {
+impl Drop for LiveProgram {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
@@ -106,26 +106,26 @@ impl Drop for Shown {
 #[test]
 fn listening_renders_write_the_same_files() {
     let words = "render scene.txt -o a.exr --passes 5 --photons 2k --seed 3 --listen";
-    let mut shown = Shown::start(words);
-    let last = shown.wait_for(|state| state["phase"] == "ended");
+    let mut program = LiveProgram::start(words);
+    let last = program.wait_for(|state| state["phase"] == "ended");
     assert_eq!((&last["passes"], &last["ended"], &last["pass_limit"]), (&5.into(), &"passes".into(), &5.into()));
     assert!(last["plan"]["effects"].as_array().unwrap().len() > 5 && last["curve"].as_array().unwrap().len() == 2);
-    assert_eq!(shown.child.wait().unwrap().code(), Some(0));
-    let with_page = fs::read(shown.folder.path().join("a.exr")).unwrap();
+    assert_eq!(program.child.wait().unwrap().code(), Some(0));
+    let with_page = fs::read(program.folder.path().join("a.exr")).unwrap();
     let mut plain = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
     let words = words.replace("a.exr", "b.exr").replace(" --listen", "");
-    plain.current_dir(shown.folder.path()).args(words.split_whitespace()).assert().success();
-    assert!(fs::read(shown.folder.path().join("b.exr")).unwrap() == with_page);
+    plain.current_dir(program.folder.path()).args(words.split_whitespace()).assert().success();
+    assert!(fs::read(program.folder.path().join("b.exr")).unwrap() == with_page);
 }
 
 #[test]
 fn stop_ends_a_render_like_an_interrupt() {
-    let mut shown = Shown::start("render scene.txt -o a.exr --time 120s --photons 2k --listen 127.0.0.1:0");
-    shown.wait_for(|state| state["passes"].as_u64() > Some(0));
-    shown.post("stop");
+    let mut program = LiveProgram::start("render scene.txt -o a.exr --time 120s --photons 2k --listen 127.0.0.1:0");
+    program.wait_for(|state| state["passes"].as_u64() > Some(0));
+    program.post("stop");
     let mut said = String::new();
-    shown.messages.read_to_string(&mut said).unwrap();
-    assert_eq!(shown.child.wait().unwrap().code(), Some(130), "{said}");
+    program.messages.read_to_string(&mut said).unwrap();
+    assert_eq!(program.child.wait().unwrap().code(), Some(130), "{said}");
     assert!(said.contains("wrote a.exr"), "{said}");
 }
 
@@ -151,8 +151,8 @@ fn wrong_addresses_and_references_are_refused() {
 #[test]
 fn the_first_pixels_are_a_preview() {
     // The first pass takes seconds with so many photons.
-    let shown = Shown::start("view scene.txt --photons 4M --caustic-photons 4M --size 1920x1440");
-    let first = shown.wait_for(|state| !state["picture"].is_null());
+    let program = LiveProgram::start("view scene.txt --photons 4M --caustic-photons 4M --size 1920x1440");
+    let first = program.wait_for(|state| !state["picture"].is_null());
     assert_eq!((&first["picture"]["preview"], &first["passes"]), (&true.into(), &0.into()));
     assert_eq!((&first["picture"]["width"], &first["size"][0]), (&163.into(), &1920.into()));
     assert!(first["first_pixels_seconds"].as_f64() < Some(20.0), "{}", first["first_pixels_seconds"]);
@@ -160,31 +160,31 @@ fn the_first_pixels_are_a_preview() {
 
 #[test]
 fn views_follow_edits_of_the_scene() {
-    let shown = Shown::start("view scene.txt --photons 2k --passes 3");
-    let ended = shown.wait_for(|state| state["phase"] == "ended");
+    let program = LiveProgram::start("view scene.txt --photons 2k --passes 3");
+    let ended = program.wait_for(|state| state["phase"] == "ended");
     assert_eq!((&ended["passes"], &ended["render"], &ended["problems"]), (&3.into(), &1.into(), &0.into()));
     // An error in the scene keeps the picture. The page names the place of the error.
-    fs::write(shown.scene(), SCENE.replace("Sphere { center .45", "Spere { center .45")).unwrap();
-    let failed = shown.wait_for(|state| state["phase"] == "failed");
+    fs::write(program.scene(), SCENE.replace("Sphere { center .45", "Spere { center .45")).unwrap();
+    let failed = program.wait_for(|state| state["phase"] == "failed");
     assert_eq!((&failed["problems"], failed["picture"].is_null()), (&1.into(), false));
     let mut source = String::new();
-    let mut answer = shown.request("GET", "source");
+    let mut answer = program.request("GET", "source");
     while !source.contains("did you mean `Sphere`?") {
         assert!(answer.read_line(&mut source).unwrap() > 0, "{source}");
     }
     // The scene gets another camera and a smaller picture.
-    fs::write(shown.scene(), SCENE.replace("width 96  height 72", "width 40  height 30")).unwrap();
-    let mended = shown.wait_for(|state| state["phase"] == "ended" && state["problems"] == 0);
+    fs::write(program.scene(), SCENE.replace("width 96  height 72", "width 40  height 30")).unwrap();
+    let mended = program.wait_for(|state| state["phase"] == "ended" && state["problems"] == 0);
     assert_eq!((&mended["size"], &mended["passes"]), (&serde_json::json!([40, 30]), &3.into()));
     // A paused render finds the layers of surfaces that a page asks for.
     let mut status = String::new();
-    shown.request("GET", "layer/depth").read_line(&mut status).unwrap();
+    program.request("GET", "layer/depth").read_line(&mut status).unwrap();
     assert!(status.contains(" 204 "), "{status}");
-    let with_layers = shown.wait_for(|state| !state["surfaces"].is_null());
+    let with_layers = program.wait_for(|state| !state["surfaces"].is_null());
     assert_eq!((&with_layers["surfaces"]["width"], &with_layers["passes"]), (&40.into(), &3.into()));
     // The render pauses at its limit. A request ends the pause.
-    shown.post("resume");
-    shown.wait_for(|state| state["passes"].as_u64() > Some(5));
+    program.post("resume");
+    program.wait_for(|state| state["passes"].as_u64() > Some(5));
 }
 
 /// Processor time of a process and of its threads \[s]; `None` where the system does not tell.
@@ -230,7 +230,7 @@ fn the_first_picture_comes_before_a_third_of_the_first_pass() {
         |value: Value| -> Vec<f64> { value.as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect() };
     let scene = project_path("scenes/goblet.txt");
     let start = Instant::now();
-    let shown = Shown::start(&format!("view {} --time 600s", scene.display()));
+    let shown = LiveProgram::start(&format!("view {} --time 600s", scene.display()));
     browser.open(&shown.address, 1280, 800);
     let mut early = Vec::new();
     while early.is_empty() {
@@ -280,7 +280,7 @@ fn an_open_page_costs_at_most_three_percent() {
         cpu_seconds(folder.path())
     };
     let mut with_page = || {
-        let mut shown = Shown::start(&format!("render {words} --stats a.json --quiet --listen"));
+        let mut shown = LiveProgram::start(&format!("render {words} --stats a.json --quiet --listen"));
         browser.open(&shown.address, 1280, 800);
         browser.wait_for("Number(document.body.dataset.passes) >= 1");
         assert_eq!(shown.child.wait().unwrap().code(), Some(0));
@@ -308,7 +308,7 @@ fn the_page_works_in_a_browser() {
         eprintln!("SKIPPED: no chromium, chromium-browser or google-chrome in PATH, and CAUSTICA_CHROMIUM is not set");
         return;
     };
-    let shown = Shown::start("view scene.txt --photons 5k --time 600s --light-groups");
+    let program = LiveProgram::start("view scene.txt --photons 5k --time 600s --light-groups");
     let text = |id: &str| format!("document.getElementById('{id}').textContent");
     let click = |id: &str| format!("document.getElementById('{id}').click()");
     let passes = "Number(document.body.dataset.passes)";
@@ -317,7 +317,7 @@ fn the_page_works_in_a_browser() {
                    c.getContext('2d').getImageData(0, 0, c.width, c.height).data.reduce((a, b) => a + b, 0); })()";
 
     // The page loads, refines its picture, and shows error, plan and photons.
-    browser.open(&shown.address, 1280, 800);
+    browser.open(&program.address, 1280, 800);
     browser.wait_for(&format!("{passes} >= 5"));
     browser.wait_for("document.querySelector('#curve svg path.error')");
     browser.wait_for(&format!("{}.includes('the true error is probably between')", text("error-text")));
@@ -389,13 +389,13 @@ fn the_page_works_in_a_browser() {
     let before = browser.value(passes);
     browser.value(&click("stop"));
     browser.wait_for(&format!("{passes} > {before}"));
-    fs::write(shown.scene(), SCENE.replace("MaterialName glass", "MaterialName gloss")).unwrap();
+    fs::write(program.scene(), SCENE.replace("MaterialName glass", "MaterialName gloss")).unwrap();
     browser.wait_for(&format!(
         "!document.getElementById('problems').hidden && {}.includes('line 13')",
         text("problem-list")
     ));
     browser.wait_for("document.querySelector('#source .wrong')");
-    fs::write(shown.scene(), SCENE.replace("reflectance .75 .75 .75", "reflectance .2 .3 .75")).unwrap();
+    fs::write(program.scene(), SCENE.replace("reflectance .75 .75 .75", "reflectance .2 .3 .75")).unwrap();
     browser.wait_for(&format!("document.getElementById('problems').hidden && {passes} >= 1"));
     browser.wait_for(&format!("{}.includes('.2 .3 .75')", text("source")));
 
@@ -404,10 +404,10 @@ fn the_page_works_in_a_browser() {
     browser.press("o");
     browser.drag(&[(400.0, 400.0), (450.0, 410.0), (520.0, 420.0)]);
     browser.wait_for(&format!("Number(document.body.dataset.render) > {render} && {passes} >= 1"));
-    let moved = shown.wait_for(|state| state["orbit"]["yaw"] != 0.0);
+    let moved = program.wait_for(|state| state["orbit"]["yaw"] != 0.0);
     assert!(moved["orbit"]["yaw"].as_f64() < Some(-0.5), "{}", moved["orbit"]);
     browser.press("r");
-    shown.wait_for(|state| state["orbit"]["yaw"] == 0.0 && state["passes"].as_u64() > Some(0));
+    program.wait_for(|state| state["orbit"]["yaw"] == 0.0 && state["passes"].as_u64() > Some(0));
 
     // Nothing overflows in a narrow window, and the console has no complaints.
     browser.resize(500, 900);

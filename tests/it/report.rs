@@ -106,7 +106,7 @@ fn found() -> MethodStudyResult {
         machine: "an imagined processor, 2 threads".into(),
         seeds: SEEDS as u32,
         budget: 60.0,
-        share: 0.85,
+        thread_time_share: 0.85,
         truth: GroundTruth {
             source: "auto: 256 passes of hybrid, twice".into(),
             error: Some(0.004),

@@ -13,19 +13,19 @@ use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
 /// Intersection closure that reports no hit, for hierarchies of triangles only.
-fn miss_other_primitive(_: u32, _: &Ray) -> Option<(f32, f32, f32)> {
+fn miss_other_primitive(_: u32, _: &Ray) -> Option<ShapeHit> {
     None
 }
 
 /// Nearest hit of a sphere by the quadratic formula in f64.
 ///
 /// Returns t, and two arbitrary constants in place of u and v.
-fn intersect_sphere(center: Vec3, radius: f32, ray: &Ray) -> Option<(f32, f32, f32)> {
+fn intersect_sphere(center: Vec3, radius: f32, ray: &Ray) -> Option<ShapeHit> {
     let (o, d) = ((ray.origin - center).as_dvec3(), ray.direction.as_dvec3());
     let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - f64::from(radius * radius));
     let root = (b * b - a * c).sqrt();
     let t = [(-b - root) / a, (-b + root) / a].map(|t| t as f32);
-    t.into_iter().find(|&t| t > 0.0 && t < ray.t_max).map(|t| (t, 0.25, 0.75))
+    t.into_iter().find(|&t| t > 0.0 && t < ray.t_max).map(|t| ShapeHit { t, uv: Vec2::new(0.25, 0.75) })
 }
 
 /// Nearest hit of a ray, by testing every triangle and every sphere.
@@ -35,14 +35,14 @@ fn brute_force_hit(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option
         let packet = TrianglePacket::new(triangles, &[i]);
         let hit = packet
             .intersect_lane(0, &precalc)
-            .map(|c| (c.t * precalc.direction_scale, c.barycentric().0, c.barycentric().1));
+            .map(|hit| ShapeHit { t: hit.t * precalc.direction_scale, uv: hit.barycentric().into() });
         (PrimitiveIndex::Triangle(i), hit)
     };
     let round = |i: u32| (PrimitiveIndex::Other(i), intersect_sphere(balls[i as usize].0, balls[i as usize].1, ray));
     (0..triangles.len() as u32)
         .map(solid)
         .chain((0..balls.len() as u32).map(round))
-        .filter_map(|(primitive, hit)| hit.map(|(t, u, v)| PrimitiveHit { t, primitive, u, v }))
+        .filter_map(|(primitive, hit)| hit.map(|ShapeHit { t, uv }| PrimitiveHit { t, primitive, u: uv.x, v: uv.y }))
         .filter(|hit| 0.0 < hit.t && hit.t < ray.t_max)
         .min_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)))
 }
@@ -224,7 +224,9 @@ fn equal_distances_go_to_the_lowest_primitive_index() {
     // A triangle and another primitive in the same plane.
     let wall = [[Vec3::new(-1.0, -1.0, 2.0), Vec3::new(3.0, -1.0, 2.0), Vec3::new(-1.0, 3.0, 2.0)]];
     let tree = Hierarchy::build(&wall, &[Bounds::from_points(wall[0])]);
-    let hit = tree.closest_hit(&Ray::new(Vec3::ZERO, Vec3::Z), |_, ray| (2.0 < ray.t_max).then_some((2.0, 0.0, 0.0)));
+    let hit = tree.closest_hit(&Ray::new(Vec3::ZERO, Vec3::Z), |_, ray| {
+        (2.0 < ray.t_max).then_some(ShapeHit { t: 2.0, uv: Vec2::ZERO })
+    });
     assert_eq!(hit.map(|h| h.primitive), Some(PrimitiveIndex::Triangle(0)));
 }
 

@@ -31,14 +31,14 @@ pub(super) fn check_comparable(algorithms: &[Algorithm]) -> Result<(), Incomplet
 
 /// Estimated costs by the algorithm of `--integrator`, and by the algorithms of `--compare`.
 #[derive(Debug, Serialize)]
-pub(super) struct Comparison {
+pub(super) struct CostComparison {
     #[serde(flatten)]
     report: CostEstimateReport,
     /// Reports of the algorithms of `--compare`.
     compared: Vec<CostEstimateReport>,
 }
 
-impl Comparison {
+impl CostComparison {
     /// Creates a comparison that holds only `report`, the report of the algorithm of
     /// `--integrator`.
     pub(super) fn new(report: CostEstimateReport) -> Self {
@@ -46,11 +46,11 @@ impl Comparison {
     }
 
     /// True if there is no report by `algorithm`.
-    pub(super) fn lacks(&self, algorithm: Algorithm) -> bool {
+    pub(super) fn has_no_report_of(&self, algorithm: Algorithm) -> bool {
         self.reports().all(|report| report.integrator != algorithm.name())
     }
 
-    pub(super) fn add(&mut self, report: CostEstimateReport) {
+    pub(super) fn add_report(&mut self, report: CostEstimateReport) {
         self.compared.push(report);
     }
 

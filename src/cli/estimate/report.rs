@@ -227,7 +227,7 @@ impl CostEstimate {
             floor: None,
             flags: None,
         };
-        match forecast.stop(error, target.interval_confidence()) {
+        match forecast.stop_forecast(error, target.interval_confidence()) {
             StopForecast::Passes(range) => Self {
                 passes: Some(range.median),
                 seconds: Some(time(range.median)),

@@ -32,7 +32,7 @@ pub(super) fn next_wave(rendered: &RenderResult, division: Division, target: Err
         Some(EndReason::Floor) => return NextWave::Hopeless,
         Some(EndReason::Passes | EndReason::Time | EndReason::Interrupted) | None => {}
     }
-    let forecast = estimated.map(|(_, forecast)| forecast.stop(target.error, target.interval_confidence()));
+    let forecast = estimated.map(|(_, forecast)| forecast.stop_forecast(target.error, target.interval_confidence()));
     let wanted = match forecast {
         Some(StopForecast::Passes(range)) => range.median.saturating_sub(division.passes),
         Some(StopForecast::Never { .. } | StopForecast::TooFar { .. }) | None => u32::MAX,

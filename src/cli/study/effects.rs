@@ -133,7 +133,7 @@ fn effects_table(integrator: &str, found: &EffectStudyResult) -> String {
     }
     for finding in &found.effects {
         let EffectCost { seconds, seconds_error, ratio, rays, gathered_photons, .. } = finding.cost;
-        let EffectContribution { relative_rmse, adds, takes, rmse } = finding.gain;
+        let EffectContribution { relative_rmse, adds, removes, rmse } = finding.contribution;
         let error = seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         let share = |x: f64| if found.mean > 0.0 { percent_text(x / found.mean) } else { three_digit_text(x) };
         let _ = writeln!(
@@ -146,7 +146,7 @@ fn effects_table(integrator: &str, found: &EffectStudyResult) -> String {
             signed_count_text(gathered_photons),
             relative_rmse.map_or(three_digit_text(rmse), percent_text),
             share(adds),
-            share(takes),
+            share(removes),
         );
     }
     for decision in found.plan.decisions.iter().filter(|d| !d.is_simulated) {
@@ -189,7 +189,8 @@ struct EffectResultReport<'f> {
     /// Additional time and rays for the effect; `None` if the effect is off.
     cost: Option<EffectCost>,
     /// Light that the effect adds to and removes from the picture; `None` if the effect is off.
-    gain: Option<EffectContribution>,
+    #[serde(rename = "gain")]
+    contribution: Option<EffectContribution>,
 }
 
 impl<'f> From<&'f PictureCost> for PictureCostReport<'f> {
@@ -206,7 +207,7 @@ impl<'f> EffectStudyReport<'f> {
                 effect,
                 without: finding.map(|f| (&f.without).into()),
                 cost: finding.map(|f| f.cost),
-                gain: finding.map(|f| f.gain),
+                contribution: finding.map(|f| f.contribution),
             }
         };
         Self {

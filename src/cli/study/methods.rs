@@ -152,10 +152,10 @@ fn run_method_study(
     });
     progress.remove_progress_bar();
     let found = found.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
-    if found.share < MIN_THREAD_SHARE {
+    if found.thread_time_share < MIN_THREAD_SHARE {
         print_message(&format!(
             "warning: threads had only {:.0} % of their time: other programs ran, or the passes are too small for the threads",
-            100.0 * found.share
+            100.0 * found.thread_time_share
         ));
     }
     let text = if arguments.json {

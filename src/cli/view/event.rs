@@ -37,7 +37,7 @@ impl EventQueue {
     }
 
     /// Adds an event; returns false if the queue is full. Never waits.
-    pub fn put(&self, event: Event) -> bool {
+    pub fn try_send(&self, event: Event) -> bool {
         self.0.try_send(event).is_ok()
     }
 }

@@ -97,7 +97,7 @@ pub(super) struct JobContext<'a> {
     pub events: &'a EventQueue,
     /// Lock that a job holds while it runs pilots and passes, so that two renders never use memory
     /// at the same time.
-    pub turn: &'a Mutex<()>,
+    pub render_lock: &'a Mutex<()>,
 }
 
 /// A render of `caustica view` in its own thread, from reading its scene to its end.
@@ -129,7 +129,7 @@ impl<'a> Job<'a> {
                 if self.is_cancelled() {
                     return;
                 }
-                events.put(Event::Read { render: self.live.number(), files, loaded: loaded.clone() });
+                events.try_send(Event::Read { render: self.live.render_number(), files, loaded: loaded.clone() });
                 let failed = loaded.is_none();
                 self.live.publish(|state, _| {
                     state.source = Arc::new(source);
@@ -140,7 +140,7 @@ impl<'a> Job<'a> {
                 loaded
             }
         };
-        let moved = orbited_camera(&loaded.scene, loaded.up(), self.orbit);
+        let moved = orbited_camera(&loaded.scene, loaded.up_vector(), self.orbit);
         match moved.map(|camera| loaded.scene.with_camera(&camera)) {
             Some(scene) => self.render(&scene),
             None => self.render(&loaded.scene),
@@ -163,7 +163,7 @@ impl<'a> Job<'a> {
 
     /// Renders a preview of `scene`, then runs pilots and renders the picture pass by pass.
     fn render(&mut self, scene: &Scene) {
-        let JobContext { arguments, pool, turn, .. } = self.context;
+        let JobContext { arguments, pool, render_lock, .. } = self.context;
         let (algorithm, size) = (arguments.method.integrator, scene.camera().size());
         let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
         settings.camera_paths.estimate_error = algorithm != Algorithm::Raycast;
@@ -194,7 +194,7 @@ impl<'a> Job<'a> {
         {
             return;
         }
-        let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
+        let _render_lock = render_lock.lock().unwrap_or_else(PoisonError::into_inner);
         if self.is_cancelled() {
             return;
         }
@@ -259,7 +259,7 @@ impl<'a> Job<'a> {
             // Drop resume requests from before the pause, so that they do not end it.
             while self.resumed.try_recv().is_ok() {}
             let is_stopped = rendered.ended == EndReason::Interrupted;
-            self.live.end(&rendered, if is_stopped { Phase::Stopped } else { Phase::Ended });
+            self.live.publish_end(&rendered, if is_stopped { Phase::Stopped } else { Phase::Ended });
             loop {
                 match self.resumed.recv_timeout(SURFACE_INTERVAL) {
                     Ok(()) => break,

@@ -88,7 +88,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<Exit, CommandFailure> {
     let server = PageServer::start(
         arguments.listen,
         page.clone(),
-        Box::new(move |request| requests.put(Event::Request(request))),
+        Box::new(move |request| requests.try_send(Event::Request(request))),
     );
     let server = server.map_err(|error| CommandFailure::usage_error(Report::new(error)))?;
     listen_for_signals("the view ends after this pass");

@@ -40,7 +40,7 @@ mod tests {
     use crate::shape::{Shape, Sphere};
     use glam::Vec3;
 
-    fn ball() -> Scene {
+    fn ball_scene() -> Scene {
         let mut builder = SceneBuilder::new();
         let white = builder.add_material(Material::diffuse(Vec3::ONE));
         builder.add_shape(Shape::Sphere(Sphere::new(DVec3::new(3.0, 1.0, -5.0), 1.0)), white, Vec3::ZERO);
@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn orbits_keep_the_pivot_in_the_center() {
-        let scene = ball();
+        let scene = ball_scene();
         let point = DVec3::new(3.0, 1.0, -4.0);
         for (yaw, pitch, zoom) in [(0.7, 0.0, 0.0), (0.0, -0.4, 0.5), (-2.0, 9.0, -1.0)] {
             let camera = orbited_camera(&scene, DVec3::Y * 3.0, Orbit { yaw, pitch, zoom }).unwrap();

@@ -28,7 +28,7 @@ pub(super) struct LoadedScene {
 
 impl LoadedScene {
     /// Returns the up vector of the camera, in the coordinates of the scene file.
-    pub fn up(&self) -> DVec3 {
+    pub fn up_vector(&self) -> DVec3 {
         self.description.camera.up
     }
 }

@@ -24,7 +24,7 @@ pub(super) struct Session<'a> {
     page: &'a LivePage,
     pool: &'a ThreadPool,
     queue: EventQueue,
-    turn: Mutex<()>,
+    render_lock: Mutex<()>,
 }
 
 /// The current job, and the state that later jobs take over from it.
@@ -45,7 +45,7 @@ impl<'a> Session<'a> {
     /// Makes a session whose renders run in `pool` and appear on `page`. Its jobs report to
     /// `queue`.
     pub fn new(arguments: &'a ViewArguments, page: &'a LivePage, pool: &'a ThreadPool, queue: EventQueue) -> Self {
-        Self { arguments, page, pool, queue, turn: Mutex::new(()) }
+        Self { arguments, page, pool, queue, render_lock: Mutex::new(()) }
     }
 
     /// Renders until the first interrupting signal. `events` is the receiving end of the session's
@@ -61,11 +61,11 @@ impl<'a> Session<'a> {
             while !INTERRUPTED.load(Ordering::Relaxed) {
                 let first = events.recv_timeout(next_look.saturating_duration_since(Instant::now()));
                 // Of several camera movements, only the last one matters.
-                first.into_iter().chain(events.try_iter()).for_each(|event| state.apply(event));
-                let mut next_scene = state.moved_scene();
+                first.into_iter().chain(events.try_iter()).for_each(|event| state.handle_event(event));
+                let mut next_scene = state.scene_for_moved_camera();
                 if Instant::now() >= next_look {
                     next_look = Instant::now() + POLL_INTERVAL;
-                    if state.watch.look() {
+                    if state.watch.has_settled_change() {
                         next_scene = Some(JobScene::File(state.loaded.clone()));
                     }
                 }
@@ -88,8 +88,13 @@ impl<'a> Session<'a> {
         orbit: Orbit,
     ) -> (u32, JobHandle) {
         let live = LiveRender::begin(self.page, Instant::now());
-        let number = live.number();
-        let context = JobContext { arguments: self.arguments, pool: self.pool, events: &self.queue, turn: &self.turn };
+        let number = live.render_number();
+        let context = JobContext {
+            arguments: self.arguments,
+            pool: self.pool,
+            events: &self.queue,
+            render_lock: &self.render_lock,
+        };
         let (handle, job) = Job::new(context, live, orbit);
         scope.spawn(move || job.run(scene));
         (number, handle)
@@ -98,7 +103,7 @@ impl<'a> Session<'a> {
 
 impl SessionState {
     /// Passes a request of the page on to the job, or takes over the scene that a job has read.
-    fn apply(&mut self, event: Event) {
+    fn handle_event(&mut self, event: Event) {
         match event {
             Event::Request(Request::Stop) => self.job.stop(),
             Event::Request(Request::Resume) => self.job.resume(),
@@ -117,7 +122,7 @@ impl SessionState {
 
     /// Returns the scene to render with the moved camera; `None` if the camera has not moved, or no
     /// scene has been read.
-    fn moved_scene(&self) -> Option<JobScene> {
+    fn scene_for_moved_camera(&self) -> Option<JobScene> {
         self.loaded.clone().filter(|_| self.orbit_changed).map(JobScene::Loaded)
     }
 }

@@ -43,7 +43,7 @@ impl WatchedFiles {
     }
 
     /// Returns a list of these files with their present stamps.
-    fn refreshed(&self) -> Self {
+    fn with_present_stamps(&self) -> Self {
         Self(self.0.iter().map(|(path, _)| (path.clone(), file_stamp(path))).collect())
     }
 
@@ -98,8 +98,8 @@ impl FileWatch {
 
     /// Takes the stamps of all files. Returns true once after each change, when two calls in a row
     /// have found the same new stamps.
-    pub fn look(&mut self) -> bool {
-        let now = self.files.refreshed();
+    pub fn has_settled_change(&mut self) -> bool {
+        let now = self.files.with_present_stamps();
         if now == self.files {
             self.changed = None;
             return false;
@@ -130,17 +130,17 @@ mod tests {
         assert_eq!(files.0.len(), 2);
         let mut watch = FileWatch::default();
         watch.set_files(files.clone());
-        assert!(!watch.look());
+        assert!(!watch.has_settled_change());
         // A file that is still growing is not reported yet.
         fs::write(&scene, "ab").unwrap();
-        assert!(!watch.look());
+        assert!(!watch.has_settled_change());
         fs::write(&scene, "abc").unwrap();
-        assert!(!watch.look());
-        assert!(watch.look() && !watch.look() && files.has_same_inputs());
+        assert!(!watch.has_settled_change());
+        assert!(watch.has_settled_change() && !watch.has_settled_change() && files.has_same_inputs());
         // A file appears, and is removed again before two looks have found it.
         fs::write(&mesh, "v").unwrap();
-        assert!(!watch.look() && !files.has_same_inputs());
+        assert!(!watch.has_settled_change() && !files.has_same_inputs());
         fs::remove_file(&mesh).unwrap();
-        assert!(!watch.look() && !watch.look());
+        assert!(!watch.has_settled_change() && !watch.has_settled_change());
     }
 }

@@ -84,7 +84,7 @@ pub enum LightDescription {
         /// Steps of the motion. Rotations and scales are about the light's own position.
         ///
         /// The first listed step is applied last.
-        maps: Vec<TransformStep>,
+        steps: Vec<TransformStep>,
         /// The light as it is when the shutter opens.
         light: Box<Spanned<LightDescription>>,
     },

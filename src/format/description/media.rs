@@ -91,5 +91,5 @@ pub struct TransformedBoxDescription {
     /// Opposite corner, above `min` in every coordinate.
     pub max: DVec3,
     /// Steps of the transform to world space; see [`TransformStep::composed_matrix`].
-    pub maps: Vec<TransformStep>,
+    pub steps: Vec<TransformStep>,
 }

@@ -208,7 +208,7 @@ pub enum ObjectDescription {
     Transform {
         /// Steps of the transform from the object to its surroundings. The first listed step is
         /// applied last.
-        maps: Vec<TransformStep>,
+        steps: Vec<TransformStep>,
         /// Object before the steps are applied.
         object: Box<Spanned<ObjectDescription>>,
     },
@@ -218,7 +218,7 @@ pub enum ObjectDescription {
         ///
         /// Each step grows from the identity, when the shutter opens, to its full size, when the
         /// shutter closes. The first listed step is applied last.
-        maps: Vec<TransformStep>,
+        steps: Vec<TransformStep>,
         /// Object before the steps are applied.
         object: Box<Spanned<ObjectDescription>>,
     },

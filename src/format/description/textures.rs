@@ -75,7 +75,7 @@ pub enum TextureKindDescription {
         /// Amplitude of the noise, at least 0.
         amplitude: f64,
         /// Steps from pattern space to object space; see [`TransformStep::composed_matrix`].
-        maps: Vec<TransformStep>,
+        steps: Vec<TransformStep>,
     },
 }
 

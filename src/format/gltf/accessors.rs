@@ -26,7 +26,7 @@ impl AccessorValues {
     /// Returns the elements as arrays of `N` components.
     ///
     /// Fails with an error at `place` if elements have another width, or if a number is not finite.
-    pub fn vectors<const N: usize>(&self, context: &FileContext<'_>, place: &str) -> ReadResult<Vec<[f64; N]>> {
+    pub fn vector_elements<const N: usize>(&self, context: &FileContext<'_>, place: &str) -> ReadResult<Vec<[f64; N]>> {
         if self.width != N {
             return Err(context.error(place, format!("its elements have {} components instead of {N}", self.width)));
         }
@@ -47,19 +47,19 @@ impl<'a> Buffers<'a> {
 
     /// Returns a copy of the bytes of a buffer view.
     pub fn view_bytes(&self, view: &View<'_>) -> ReadResult<Box<[u8]>> {
-        let buffer = self.buffer(view)?;
+        let buffer = self.buffer_bytes(view)?;
         let (start, length) = (view.offset(), view.length());
         match start.checked_add(length).and_then(|end| buffer.get(start..end)) {
             Some(bytes) => {
                 self.context.check_memory(length as u64)?;
                 Ok(bytes.into())
             }
-            None => Err(self.too_long(view, buffer.len())),
+            None => Err(self.buffer_too_short_error(view, buffer.len())),
         }
     }
 
     /// Returns all bytes of the buffer that contains `view`. Reads the buffer at its first use.
-    fn buffer(&self, view: &View<'_>) -> ReadResult<Rc<[u8]>> {
+    fn buffer_bytes(&self, view: &View<'_>) -> ReadResult<Rc<[u8]>> {
         let buffer = view.buffer();
         let cell = &self.buffers[buffer.index()];
         if let Some(bytes) = cell.get() {
@@ -80,7 +80,7 @@ impl<'a> Buffers<'a> {
         Ok(Rc::clone(cell.get_or_init(|| bytes.into())))
     }
 
-    fn too_long(&self, view: &View<'_>, length: usize) -> crate::format::SceneReadError {
+    fn buffer_too_short_error(&self, view: &View<'_>, length: usize) -> crate::format::SceneReadError {
         let message = format!("it ends beyond its buffer, which has {length} bytes");
         self.context.error(format!("bufferViews[{}]", view.index()), message)
     }
@@ -150,9 +150,9 @@ impl<'a> Buffers<'a> {
             let message = format!("{count} elements of {element} bytes do not fit into bufferViews[{}]", view.index());
             return Err(self.context.error(place, message));
         }
-        let buffer = self.buffer(view)?;
+        let buffer = self.buffer_bytes(view)?;
         let bytes = view.offset().checked_add(view.length()).and_then(|end| buffer.get(view.offset()..end));
-        let Some(bytes) = bytes else { return Err(self.too_long(view, buffer.len())) };
+        let Some(bytes) = bytes else { return Err(self.buffer_too_short_error(view, buffer.len())) };
         self.context.check_memory(8 * (count * width) as u64)?;
         let mut numbers = Vec::with_capacity(count * width);
         for i in 0..count {

@@ -71,7 +71,7 @@ pub(super) fn parse_document(context: &FileContext<'_>, bytes: &[u8], notes: &mu
         return Err(context.error_with_help("asset", format!("glTF {} is not read", root.asset.version), help));
     }
     check_defects(context, &root)?;
-    if let Some(i) = root.images.iter().position(|image| !has_source(image)) {
+    if let Some(i) = root.images.iter().position(|image| !has_image_source(image)) {
         return Err(context.error(format!("images[{i}]"), "it has no URI, and no buffer view with a MIME type"));
     }
     Ok(GltfFile { document: Document::from_json_without_validation(root), blob })
@@ -191,7 +191,7 @@ fn check_positions(context: &FileContext<'_>, root: &Root) -> ReadResult<()> {
 /// True if an image has a URI, or a buffer view with a MIME type.
 ///
 /// The crate `gltf` would panic on any other image.
-fn has_source(image: &Image) -> bool {
+fn has_image_source(image: &Image) -> bool {
     if image.buffer_view.is_some() { image.mime_type.is_some() } else { image.uri.is_some() }
 }
 

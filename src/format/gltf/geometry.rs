@@ -15,13 +15,13 @@ const MEMORY_PER_CORNER: u64 = 200;
 
 /// Converts a primitive to a triangle mesh; `None` if it has no triangles.
 ///
-/// `set` is the index of the texture coordinates that the material uses (`TEXCOORD_0`, …); `None`
-/// if it uses none.
+/// `texcoord_set` is the index of the texture coordinates that the material uses (`TEXCOORD_0`, …);
+/// `None` if it uses none.
 pub(super) fn read_primitive(
     buffers: &Buffers<'_>,
     context: &FileContext<'_>,
     primitive: &Primitive<'_>,
-    (place, set): (&str, Option<u32>),
+    (place, texcoord_set): (&str, Option<u32>),
     notes: &mut ImportNotes,
 ) -> ReadResult<Option<TriangleMesh>> {
     let mode = primitive.mode();
@@ -34,7 +34,7 @@ pub(super) fn read_primitive(
         return Ok(None);
     };
     let name = |attribute: &str| format!("{place}.attributes.{attribute}");
-    let positions: Vec<[f64; 3]> = buffers.read(&positions)?.vectors(context, &name("POSITION"))?;
+    let positions: Vec<[f64; 3]> = buffers.read(&positions)?.vector_elements(context, &name("POSITION"))?;
     let corners: Vec<u32> = match primitive.indices() {
         Some(indices) => buffers.read_indices(&indices)?,
         None => (0..positions.len() as u32).collect(),
@@ -50,16 +50,16 @@ pub(super) fn read_primitive(
     };
     let normals = match primitive.get(&Semantic::Normals) {
         Some(accessor) => {
-            let normals: Vec<[f64; 3]> = buffers.read(&accessor)?.vectors(context, &name("NORMAL"))?;
+            let normals: Vec<[f64; 3]> = buffers.read(&accessor)?.vector_elements(context, &name("NORMAL"))?;
             check_count(name("NORMAL"), normals.len())?;
             Some(normals.into_iter().map(|n| unit_normal(n.into())).collect::<Vec<DVec3>>())
         }
         None => None,
     };
-    let texcoords = match set.map(|set| (set, primitive.get(&Semantic::TexCoords(set)))) {
+    let texcoords = match texcoord_set.map(|set| (set, primitive.get(&Semantic::TexCoords(set)))) {
         Some((set, Some(accessor))) => {
             let name = name(&format!("TEXCOORD_{set}"));
-            let texcoords: Vec<[f64; 2]> = buffers.read(&accessor)?.vectors(context, &name)?;
+            let texcoords: Vec<[f64; 2]> = buffers.read(&accessor)?.vector_elements(context, &name)?;
             check_count(name, texcoords.len())?;
             // In glTF, v grows downwards; in Caustica, it grows upwards.
             Some(texcoords.into_iter().map(|[u, v]| DVec2::new(u, 1.0 - v)).collect())
@@ -72,7 +72,7 @@ pub(super) fn read_primitive(
     };
     let mut mesh = TriangleMesh {
         positions: positions.into_iter().map(DVec3::from).collect(),
-        triangles: triangles(mode, &corners),
+        triangles: triangles_of_mode(mode, &corners),
         normals,
         texcoords,
         ..TriangleMesh::default()
@@ -82,7 +82,7 @@ pub(super) fn read_primitive(
 }
 
 /// Returns the triangles of a triangle list, strip or fan with the vertex indices `corners`.
-fn triangles(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
+fn triangles_of_mode(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::TriangleStrip => {
             let turned = |(i, t): (usize, &[u32])| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] };
@@ -107,9 +107,9 @@ pub(super) fn mean_vertex_color(
     let place = format!("{place}.attributes.COLOR_0");
     let values = buffers.read(&accessor)?;
     let colors: Vec<DVec4> = if values.width == 3 {
-        values.vectors::<3>(context, &place)?.into_iter().map(|c| DVec3::from(c).extend(1.0)).collect()
+        values.vector_elements::<3>(context, &place)?.into_iter().map(|c| DVec3::from(c).extend(1.0)).collect()
     } else {
-        values.vectors::<4>(context, &place)?.into_iter().map(DVec4::from).collect()
+        values.vector_elements::<4>(context, &place)?.into_iter().map(DVec4::from).collect()
     };
     let sum: DVec4 = colors.iter().map(|color| color.clamp(DVec4::ZERO, DVec4::ONE)).sum();
     Ok((!colors.is_empty()).then(|| sum / colors.len() as f64))
@@ -121,9 +121,9 @@ mod tests {
 
     #[test]
     fn strips_and_fans_keep_their_orientation() {
-        assert_eq!(triangles(Mode::TriangleStrip, &[0, 1, 2, 3]), [[0, 1, 2], [1, 3, 2]]);
-        assert_eq!(triangles(Mode::TriangleFan, &[0, 1, 2, 3]), [[1, 2, 0], [2, 3, 0]]);
-        assert_eq!(triangles(Mode::Triangles, &[0, 1, 2, 3]), [[0, 1, 2]]);
-        assert!(triangles(Mode::TriangleFan, &[]).is_empty());
+        assert_eq!(triangles_of_mode(Mode::TriangleStrip, &[0, 1, 2, 3]), [[0, 1, 2], [1, 3, 2]]);
+        assert_eq!(triangles_of_mode(Mode::TriangleFan, &[0, 1, 2, 3]), [[1, 2, 0], [2, 3, 0]]);
+        assert_eq!(triangles_of_mode(Mode::Triangles, &[0, 1, 2, 3]), [[0, 1, 2]]);
+        assert!(triangles_of_mode(Mode::TriangleFan, &[]).is_empty());
     }
 }

@@ -52,7 +52,7 @@ pub(super) struct ImportedMaterial {
     pub name: String,
     /// Index of the texture coordinates that its textures use (`TEXCOORD_0`, …); `None` without
     /// textures.
-    pub set: Option<u32>,
+    pub texcoord_set: Option<u32>,
     /// True if the surface is fully transparent.
     pub is_invisible: bool,
     /// True if the surface emits light.
@@ -71,7 +71,7 @@ pub(super) struct Materials<'a> {
 }
 
 /// Parameters of the metallic-roughness model that its metal part and its dielectric part share.
-struct Surface<'a> {
+struct MetallicRoughnessSurface<'a> {
     /// Base color in \[0, 1], which multiplies `base_texture`.
     base: DVec3,
     base_texture: Option<TextureReference<'a>>,
@@ -81,8 +81,8 @@ struct Surface<'a> {
     alpha: (TexturedValue<f64>, f64),
 }
 
-/// State of the conversion of one material.
-struct Conversion<'m, 'a> {
+/// Converter of one material, with the state of the conversion.
+struct MaterialConverter<'m, 'a> {
     materials: &'m mut Materials<'a>,
     notes: &'m mut ImportNotes,
     context: &'m FileContext<'a>,
@@ -90,7 +90,7 @@ struct Conversion<'m, 'a> {
     name: String,
     /// Set of texture coordinates that the material's first texture uses; `None` before any
     /// texture.
-    set: Option<u32>,
+    texcoord_set: Option<u32>,
     normal: Option<NormalPerturbationDescription>,
 }
 
@@ -105,7 +105,7 @@ impl<'a> Materials<'a> {
     /// first use.
     ///
     /// `vertex_color` multiplies the base color and alpha; `None` stands for white.
-    pub fn convert(
+    pub fn imported_material(
         &mut self,
         context: &FileContext<'a>,
         material: &gltf::Material<'_>,
@@ -119,8 +119,9 @@ impl<'a> Materials<'a> {
         }
         let number = material.index().map_or_else(|| "default".to_owned(), |i| format!("material {i}"));
         let name = self.unique_name(material.name().unwrap_or(&number));
-        let mut conversion = Conversion { materials: self, notes, context, name, set: None, normal: None };
-        let imported = conversion.convert(material, vertex_color)?;
+        let mut converter =
+            MaterialConverter { materials: self, notes, context, name, texcoord_set: None, normal: None };
+        let imported = converter.convert_material(material, vertex_color)?;
         self.used.insert(key, imported.clone());
         Ok(imported)
     }
@@ -160,7 +161,7 @@ impl<'a> Materials<'a> {
         self.pictures.keep_textures(&textures);
     }
 
-    fn push(
+    fn push_material(
         &mut self,
         name: String,
         kind: MaterialKindDescription,
@@ -178,17 +179,17 @@ impl<'a> Materials<'a> {
         }
         let name = self.unique_name("clear");
         let kind = MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() };
-        self.push(name.clone(), kind, None, None);
+        self.push_material(name.clone(), kind, None, None);
         self.clear = Some(name.clone());
         name
     }
 }
 
-impl Conversion<'_, '_> {
-    fn convert(&mut self, material: &gltf::Material<'_>, vertex_color: DVec4) -> ReadResult<ImportedMaterial> {
+impl MaterialConverter<'_, '_> {
+    fn convert_material(&mut self, material: &gltf::Material<'_>, vertex_color: DVec4) -> ReadResult<ImportedMaterial> {
         for (extension, message) in IGNORED_EXTENSIONS {
             if material.extension_value(extension).is_some() {
-                self.note(message);
+                self.add_note(message);
             }
         }
         let pbr = material.pbr_metallic_roughness();
@@ -197,35 +198,35 @@ impl Conversion<'_, '_> {
             Some(glossy) => (glossy.diffuse_factor(), glossy.diffuse_texture()),
             None => (pbr.base_color_factor(), pbr.base_color_texture()),
         };
-        let base_texture = self.reference(texture.as_ref());
-        let factor = DVec4::from(factor.map(unit)) * vertex_color;
+        let base_texture = self.texture_reference(texture.as_ref());
+        let factor = DVec4::from(factor.map(clamped_to_unit)) * vertex_color;
         let alpha = self.opacity(material, factor.w, base_texture.as_ref())?;
         let emission = self.emission(material, factor.truncate(), base_texture.as_ref())?;
         let emission = emission.map(|emission| self.masked_emission(emission, &alpha));
         let emits = emission.is_some();
         let kind = if material.unlit() {
-            self.note("unlit surfaces emit their base color, and reflect nothing");
+            self.add_note("unlit surfaces emit their base color, and reflect nothing");
             MaterialKindDescription::Diffuse { reflectance: DVec3::ZERO.into() }
         } else {
-            self.surface(material, factor.truncate(), base_texture)?
+            self.surface_description(material, factor.truncate(), base_texture)?
         };
         let kind = match &alpha {
             TexturedValue::Plain(alpha) if *alpha == 1.0 => kind,
             _ => {
-                let (clear, solid) = (self.materials.clear_material(), self.add_part("solid", kind));
-                mix(clear, solid, alpha.clone())
+                let (clear, solid) = (self.materials.clear_material(), self.add_mix_component("solid", kind));
+                mix_description(clear, solid, alpha.clone())
             }
         };
         let normal = if kind.mix_material_names().is_none() { self.normal.take() } else { None };
-        self.materials.push(self.name.clone(), kind, emission, normal);
+        self.materials.push_material(self.name.clone(), kind, emission, normal);
         let is_invisible = alpha == TexturedValue::Plain(0.0);
-        Ok(ImportedMaterial { name: self.name.clone(), set: self.set, is_invisible, emits })
+        Ok(ImportedMaterial { name: self.name.clone(), texcoord_set: self.texcoord_set, is_invisible, emits })
     }
 
     /// Converts the reflection and transmission of a material. Its alpha is not included.
     ///
     /// `base` and `base_texture` give the base color.
-    fn surface<'t>(
+    fn surface_description<'t>(
         &mut self,
         material: &gltf::Material<'t>,
         base: DVec3,
@@ -236,80 +237,93 @@ impl Conversion<'_, '_> {
         let (metallic, alpha) = match material.pbr_specular_glossiness() {
             Some(glossy) => {
                 if glossy.specular_glossiness_texture().is_some() {
-                    self.note("textures of specular color and glossiness are ignored");
+                    self.add_note("textures of specular color and glossiness are ignored");
                 }
-                let roughness = 1.0 - unit(glossy.glossiness_factor());
+                let roughness = 1.0 - clamped_to_unit(glossy.glossiness_factor());
                 (TexturedValue::Plain(0.0), (TexturedValue::Plain(roughness * roughness), roughness * roughness))
             }
             None => {
-                let texture = self.reference(pbr.metallic_roughness_texture().as_ref());
-                let roughness = unit(pbr.roughness_factor());
-                let metallic = self.scalar(texture.as_ref(), TextureUse::Channel(2, unit(pbr.metallic_factor())))?;
-                let alpha = self.scalar(texture.as_ref(), TextureUse::Roughness(roughness))?;
+                let texture = self.texture_reference(pbr.metallic_roughness_texture().as_ref());
+                let roughness = clamped_to_unit(pbr.roughness_factor());
+                let metallic = self.textured_scalar_and_mean(
+                    texture.as_ref(),
+                    TextureUse::Channel(2, clamped_to_unit(pbr.metallic_factor())),
+                )?;
+                let alpha = self.textured_scalar_and_mean(texture.as_ref(), TextureUse::Roughness(roughness))?;
                 (metallic.0, alpha)
             }
         };
         let index = self.refractive_index(material);
-        let surface = Surface { base, base_texture, f0: self.reflectance(material, index), alpha };
+        let surface = MetallicRoughnessSurface {
+            base,
+            base_texture,
+            f0: self.dielectric_normal_reflectance(material, index),
+            alpha,
+        };
         if metallic == TexturedValue::Plain(1.0) {
-            return self.metal(&surface);
+            return self.metal_description(&surface);
         }
-        let dielectric = self.dielectric_with_transmission(material, &surface, index)?;
+        let dielectric = self.dielectric_description(material, &surface, index)?;
         if metallic == TexturedValue::Plain(0.0) {
             return Ok(dielectric);
         }
-        let metal = self.metal(&surface)?;
-        let (first, second) = (self.add_part("dielectric", dielectric), self.add_part("metal", metal));
-        Ok(mix(first, second, metallic))
+        let metal = self.metal_description(&surface)?;
+        let (first, second) =
+            (self.add_mix_component("dielectric", dielectric), self.add_mix_component("metal", metal));
+        Ok(mix_description(first, second, metallic))
     }
 
     /// Converts the dielectric part of the metallic-roughness model.
     ///
     /// The result is opaque, transmits as glass, or is a mix of an opaque and a glass material.
-    fn dielectric_with_transmission(
+    fn dielectric_description(
         &mut self,
         material: &gltf::Material<'_>,
-        surface: &Surface<'_>,
+        surface: &MetallicRoughnessSurface<'_>,
         index: f64,
     ) -> ReadResult<MaterialKindDescription> {
-        let Some(transmission) = material.transmission() else { return self.coated(surface) };
-        let factor = unit(transmission.transmission_factor());
-        let texture = self.reference(transmission.transmission_texture().as_ref());
-        let (amount, _) = self.scalar(texture.as_ref(), TextureUse::Channel(0, factor))?;
+        let Some(transmission) = material.transmission() else { return self.opaque_dielectric_description(surface) };
+        let factor = clamped_to_unit(transmission.transmission_factor());
+        let texture = self.texture_reference(transmission.transmission_texture().as_ref());
+        let (amount, _) = self.textured_scalar_and_mean(texture.as_ref(), TextureUse::Channel(0, factor))?;
         if amount == TexturedValue::Plain(0.0) {
-            return self.coated(surface);
+            return self.opaque_dielectric_description(surface);
         }
-        let glass = self.glass(material, surface, index)?;
+        let glass = self.glass_description(material, surface, index)?;
         if amount == TexturedValue::Plain(1.0) {
             return Ok(glass);
         }
-        let coated = self.coated(surface)?;
-        let (first, second) = (self.add_part("opaque", coated), self.add_part("glass", glass));
-        Ok(mix(first, second, amount))
+        let opaque_dielectric = self.opaque_dielectric_description(surface)?;
+        let (first, second) =
+            (self.add_mix_component("opaque", opaque_dielectric), self.add_mix_component("glass", glass));
+        Ok(mix_description(first, second, amount))
     }
 
     /// Converts the opaque dielectric part of the metallic-roughness model.
     ///
     /// The result is diffuse, with a Phong lobe for the gloss.
-    fn coated(&mut self, surface: &Surface<'_>) -> ReadResult<MaterialKindDescription> {
-        let Surface { base, base_texture, f0, alpha } = surface;
+    fn opaque_dielectric_description(
+        &mut self,
+        surface: &MetallicRoughnessSurface<'_>,
+    ) -> ReadResult<MaterialKindDescription> {
+        let MetallicRoughnessSurface { base, base_texture, f0, alpha } = surface;
         let kept = 1.0 - f0.max_element();
-        let diffuse = self.color(base_texture.as_ref(), *base * kept)?;
+        let diffuse = self.textured_color(base_texture.as_ref(), *base * kept)?;
         if *f0 == DVec3::ZERO {
             return Ok(MaterialKindDescription::Diffuse { reflectance: diffuse });
         }
-        self.note("the gloss of non-metals is a Phong lobe, which does not grow towards grazing angles");
+        self.add_note("the gloss of non-metals is a Phong lobe, which does not grow towards grazing angles");
         let shininess = phong_exponent(alpha.1);
-        let specular = *f0 * phong_gain(shininess);
+        let specular = *f0 * phong_specular_color(shininess);
         Ok(MaterialKindDescription::Phong { diffuse, specular: specular.into(), shininess, texture: None })
     }
 
     /// Converts the metal part of the metallic-roughness model.
     ///
     /// Its reflectance at normal incidence is the base color.
-    fn metal(&mut self, surface: &Surface<'_>) -> ReadResult<MaterialKindDescription> {
-        let Surface { base, base_texture, alpha, .. } = surface;
-        if let TexturedValue::Plain(color) = self.color(base_texture.as_ref(), *base)? {
+    fn metal_description(&mut self, surface: &MetallicRoughnessSurface<'_>) -> ReadResult<MaterialKindDescription> {
+        let MetallicRoughnessSurface { base, base_texture, alpha, .. } = surface;
+        if let TexturedValue::Plain(color) = self.textured_color(base_texture.as_ref(), *base)? {
             // A conductor of index 1 + ik has the reflectance k² / (4 + k²) at normal incidence.
             let reflectance = color.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
             let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
@@ -317,39 +331,41 @@ impl Conversion<'_, '_> {
             let roughness = alpha.0.clone();
             return Ok(MaterialKindDescription::Conductor { metal, roughness, multiple_scattering: true });
         }
-        self.note("metals with a texture of color are mirrors or Phong lobes");
+        self.add_note("metals with a texture of color are mirrors or Phong lobes");
         if alpha.1 < MIN_PHONG_ALPHA {
-            return Ok(MaterialKindDescription::Mirror { reflectance: self.color(base_texture.as_ref(), *base)? });
+            return Ok(MaterialKindDescription::Mirror {
+                reflectance: self.textured_color(base_texture.as_ref(), *base)?,
+            });
         }
         let shininess = phong_exponent(alpha.1);
-        let specular = self.color(base_texture.as_ref(), *base * phong_gain(shininess))?;
+        let specular = self.textured_color(base_texture.as_ref(), *base * phong_specular_color(shininess))?;
         Ok(MaterialKindDescription::Phong { diffuse: DVec3::ZERO.into(), specular, shininess, texture: None })
     }
 
     /// Converts transmission: to a body of glass if the material has a volume, else to a thin pane.
-    fn glass(
+    fn glass_description(
         &mut self,
         material: &gltf::Material<'_>,
-        surface: &Surface<'_>,
+        surface: &MetallicRoughnessSurface<'_>,
         index: f64,
     ) -> ReadResult<MaterialKindDescription> {
-        let Surface { base, base_texture, alpha, .. } = surface;
+        let MetallicRoughnessSurface { base, base_texture, alpha, .. } = surface;
         let Some(volume) = material.volume().filter(|volume| volume.thickness_factor() > 0.0) else {
             if alpha.1 > 0.0 {
-                self.note("panes (transmission without volume) are smooth");
+                self.add_note("panes (transmission without volume) are smooth");
             }
-            let transmittance = match self.color(base_texture.as_ref(), *base)? {
+            let transmittance = match self.textured_color(base_texture.as_ref(), *base)? {
                 TexturedValue::Plain(color) => color.max(DVec3::splat(MIN_TRANSMITTANCE)).into(),
                 texture @ TexturedValue::Texture(_) => texture,
             };
             return Ok(MaterialKindDescription::Thin { index, transmittance });
         };
         if base_texture.is_some() || *base != DVec3::ONE {
-            self.note("the base color of bodies of glass is ignored: their color is that of their attenuation");
+            self.add_note("the base color of bodies of glass is ignored: their color is that of their attenuation");
         }
         let distance = f64::from(volume.attenuation_distance());
         let distance = if distance > 0.0 { distance.max(MIN_ATTENUATION_DISTANCE) } else { distance };
-        let color = DVec3::from(volume.attenuation_color().map(unit)).max(DVec3::splat(MIN_TRANSMITTANCE));
+        let color = DVec3::from(volume.attenuation_color().map(clamped_to_unit)).max(DVec3::splat(MIN_TRANSMITTANCE));
         let is_clear = !(distance > 0.0 && distance.is_finite()) || color == DVec3::ONE;
         let attenuation =
             if is_clear { DielectricAbsorption::None } else { DielectricAbsorption::Tint { color, distance } };
@@ -360,7 +376,7 @@ impl Conversion<'_, '_> {
                 RefractiveIndexDescription::Abbe { index, abbe }
             }
             Some(_) => {
-                self.note("dispersion that is larger than that of any glass is ignored");
+                self.add_note("dispersion that is larger than that of any glass is ignored");
                 index.into()
             }
             None => index.into(),
@@ -377,7 +393,7 @@ impl Conversion<'_, '_> {
             return index;
         }
         if index != 0.0 {
-            self.note("an index of refraction below 1 or above 1000 is taken as 1.5");
+            self.add_note("an index of refraction below 1 or above 1000 is taken as 1.5");
         }
         1.5
     }
@@ -385,17 +401,17 @@ impl Conversion<'_, '_> {
     /// Returns the reflectance of the material's dielectric part at normal incidence.
     ///
     /// `index` is the refractive index.
-    fn reflectance(&mut self, material: &gltf::Material<'_>, index: f64) -> DVec3 {
+    fn dielectric_normal_reflectance(&mut self, material: &gltf::Material<'_>, index: f64) -> DVec3 {
         if let Some(glossy) = material.pbr_specular_glossiness() {
-            return glossy.specular_factor().map(unit).into();
+            return glossy.specular_factor().map(clamped_to_unit).into();
         }
         let root = if material.ior() == Some(0.0) { 1.0 } else { (index - 1.0) / (index + 1.0) };
         let Some(specular) = material.specular() else { return DVec3::splat(root * root) };
         if specular.specular_texture().is_some() || specular.specular_color_texture().is_some() {
-            self.note("textures of specular strength and color are ignored");
+            self.add_note("textures of specular strength and color are ignored");
         }
         let color = specular.specular_color_factor().map(|c| f64::from(c).clamp(0.0, 1e6));
-        (DVec3::from(color) * root * root).min(DVec3::ONE) * unit(specular.specular_factor())
+        (DVec3::from(color) * root * root).min(DVec3::ONE) * clamped_to_unit(specular.specular_factor())
     }
 
     /// Returns the opacity in \[0, 1] that the material's alpha mode gives, as a constant or a
@@ -413,7 +429,7 @@ impl Conversion<'_, '_> {
             AlphaMode::Blend => TextureUse::Channel(3, factor),
             AlphaMode::Mask => TextureUse::AlphaMask(factor, f64::from(material.alpha_cutoff().unwrap_or(0.5))),
         };
-        Ok(self.scalar(texture, wanted)?.0)
+        Ok(self.textured_scalar_and_mean(texture, wanted)?.0)
     }
 
     /// Returns the emitted radiance, constant or by a texture; `None` if the surface emits nothing.
@@ -429,19 +445,19 @@ impl Conversion<'_, '_> {
         if !strength.is_finite() {
             return Err(self.context.error(&self.name, "its emissive strength is not finite"));
         }
-        let own = self.reference(material.emissive_texture().as_ref());
+        let own = self.texture_reference(material.emissive_texture().as_ref());
         let (factor, texture, scale) = if material.unlit() {
             (base, base_texture, 1.0)
         } else {
-            (material.emissive_factor().map(unit).into(), own.as_ref(), strength)
+            (material.emissive_factor().map(clamped_to_unit).into(), own.as_ref(), strength)
         };
         if factor * scale == DVec3::ZERO {
             return Ok(None);
         }
         if material.double_sided() {
-            self.note("surfaces emit light from their front only");
+            self.add_note("surfaces emit light from their front only");
         }
-        Ok(match self.color(texture, factor)? {
+        Ok(match self.textured_color(texture, factor)? {
             TexturedValue::Plain(color) if color == DVec3::ZERO => None,
             TexturedValue::Plain(color) => Some(EmissionDescription::Radiance(color * scale)),
             TexturedValue::Texture(name) => Some(EmissionDescription::Texture { name, scale }),
@@ -455,7 +471,7 @@ impl Conversion<'_, '_> {
         let alpha = match alpha {
             TexturedValue::Plain(alpha) => *alpha,
             TexturedValue::Texture(_) => {
-                self.note("surfaces with a texture of alpha emit light from their transparent points too");
+                self.add_note("surfaces with a texture of alpha emit light from their transparent points too");
                 1.0
             }
         };
@@ -467,10 +483,11 @@ impl Conversion<'_, '_> {
 
     fn normal_map(&mut self, material: &gltf::Material<'_>) -> ReadResult<Option<NormalPerturbationDescription>> {
         let Some(normal) = material.normal_texture() else { return Ok(None) };
-        let reference = Some(TextureReference::from_normal_texture(&normal)).filter(TextureReference::is_valid);
+        let reference =
+            Some(TextureReference::from_normal_texture(&normal)).filter(TextureReference::has_valid_transform);
         let scale = f64::from(normal.scale());
         let values =
-            self.values(reference.as_ref(), TextureUse::Normal(if scale.is_finite() { scale } else { 1.0 }))?;
+            self.texture_values(reference.as_ref(), TextureUse::Normal(if scale.is_finite() { scale } else { 1.0 }))?;
         Ok(match values {
             Some(TextureValues::Texture(name, _)) => Some(NormalPerturbationDescription::NormalMap(name)),
             Some(TextureValues::Constant(_)) | None => None,
@@ -480,18 +497,22 @@ impl Conversion<'_, '_> {
     /// Returns the texture that a material refers to, with its coordinates.
     ///
     /// `None` if there is no texture, or if its transform is not valid.
-    fn reference<'t>(&mut self, info: Option<&gltf::texture::Info<'t>>) -> Option<TextureReference<'t>> {
+    fn texture_reference<'t>(&mut self, info: Option<&gltf::texture::Info<'t>>) -> Option<TextureReference<'t>> {
         let reference = TextureReference::from_info(info?);
-        if reference.is_valid() {
+        if reference.has_valid_transform() {
             return Some(reference);
         }
-        self.note("textures that are scaled to nothing are left out");
+        self.add_note("textures that are scaled to nothing are left out");
         None
     }
 
     /// Returns the color of a surface: `factor` times the texture, if there is one.
-    fn color(&mut self, texture: Option<&TextureReference<'_>>, factor: DVec3) -> ReadResult<TexturedValue<DVec3>> {
-        Ok(match self.values(texture, TextureUse::Color(factor))? {
+    fn textured_color(
+        &mut self,
+        texture: Option<&TextureReference<'_>>,
+        factor: DVec3,
+    ) -> ReadResult<TexturedValue<DVec3>> {
+        Ok(match self.texture_values(texture, TextureUse::Color(factor))? {
             Some(TextureValues::Constant(color)) => TexturedValue::Plain(color),
             Some(TextureValues::Texture(name, _)) => TexturedValue::Texture(name),
             None => TexturedValue::Plain(factor),
@@ -501,7 +522,7 @@ impl Conversion<'_, '_> {
     /// Returns a parameter in \[0, 1], as a constant or a texture, and its mean.
     ///
     /// `wanted` selects the conversion from the pixels of `texture` to the parameter.
-    fn scalar(
+    fn textured_scalar_and_mean(
         &mut self,
         texture: Option<&TextureReference<'_>>,
         wanted: TextureUse,
@@ -512,7 +533,7 @@ impl Conversion<'_, '_> {
             TextureUse::AlphaMask(factor, cutoff) => f64::from(factor >= cutoff),
             TextureUse::Color(_) | TextureUse::Normal(_) => 1.0,
         };
-        Ok(match self.values(texture, wanted)? {
+        Ok(match self.texture_values(texture, wanted)? {
             Some(TextureValues::Constant(value)) => (TexturedValue::Plain(value.x), value.x),
             Some(TextureValues::Texture(name, mean)) => (TexturedValue::Texture(name), mean.x),
             None => (TexturedValue::Plain(alone), alone),
@@ -524,17 +545,17 @@ impl Conversion<'_, '_> {
     ///
     /// A material of Caustica has one set of texture coordinates: that of its first texture. A
     /// later texture with another set becomes its mean.
-    fn values(
+    fn texture_values(
         &mut self,
         texture: Option<&TextureReference<'_>>,
         wanted: TextureUse,
     ) -> ReadResult<Option<TextureValues>> {
         let Some(texture) = texture else { return Ok(None) };
-        let values = self.materials.pictures.values(texture, wanted, self.notes)?;
+        let values = self.materials.pictures.texture_values(texture, wanted, self.notes)?;
         if let Some(TextureValues::Texture(..)) = &values {
-            let set = *self.set.get_or_insert(texture.set);
-            if set != texture.set {
-                self.note("textures with other texture coordinates than the first one become their mean");
+            let texcoord_set = *self.texcoord_set.get_or_insert(texture.texcoord_set);
+            if texcoord_set != texture.texcoord_set {
+                self.add_note("textures with other texture coordinates than the first one become their mean");
                 return Ok(values.map(|values| TextureValues::Constant(values.mean())));
             }
         }
@@ -542,19 +563,19 @@ impl Conversion<'_, '_> {
     }
 
     /// Adds a part of a mix as a material, and returns the material's name.
-    fn add_part(&mut self, suffix: &str, kind: MaterialKindDescription) -> String {
+    fn add_mix_component(&mut self, suffix: &str, kind: MaterialKindDescription) -> String {
         let name = self.materials.unique_name(&format!("{} {suffix}", self.name));
         let normal = if kind.mix_material_names().is_none() { self.normal.clone() } else { None };
-        self.materials.push(name.clone(), kind, None, normal);
+        self.materials.push_material(name.clone(), kind, None, normal);
         name
     }
 
-    fn note(&mut self, message: &str) {
+    fn add_note(&mut self, message: &str) {
         self.notes.add_unsupported(message, format!("material `{}`", self.name));
     }
 }
 
-fn mix(first: String, second: String, amount: TexturedValue<f64>) -> MaterialKindDescription {
+fn mix_description(first: String, second: String, amount: TexturedValue<f64>) -> MaterialKindDescription {
     let [first, second] = [first, second].map(|name| Spanned::new(name, Span::default()));
     MaterialKindDescription::Mix { first, second, amount }
 }
@@ -569,11 +590,11 @@ fn phong_exponent(alpha: f64) -> f64 {
 /// Returns the specular coefficient with which a Phong lobe reflects all light at normal incidence.
 ///
 /// `shininess` is the exponent of the lobe.
-fn phong_gain(shininess: f64) -> f64 {
+fn phong_specular_color(shininess: f64) -> f64 {
     0.5 * (shininess + 2.0)
 }
 
 /// Returns `factor` clamped to \[0, 1]; 0 for NaN.
-fn unit(factor: f32) -> f64 {
+fn clamped_to_unit(factor: f32) -> f64 {
     if factor.is_nan() { 0.0 } else { f64::from(factor).clamp(0.0, 1.0) }
 }

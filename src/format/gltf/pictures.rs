@@ -21,7 +21,7 @@ pub(super) struct TextureReference<'a> {
     /// The texture.
     pub texture: gltf::Texture<'a>,
     /// Index of the texture coordinates that the texture uses (`TEXCOORD_0`, …).
-    pub set: u32,
+    pub texcoord_set: u32,
     /// Transform from the texture coordinates of the imported mesh, with v upwards, to those of the
     /// picture.
     pub transform: TexcoordTransformDescription,
@@ -92,7 +92,7 @@ impl<'a> Pictures<'a> {
     }
 
     /// Converts a texture for the use `wanted`; `None` if its picture has an unsupported format.
-    pub fn values(
+    pub fn texture_values(
         &mut self,
         reference: &TextureReference<'_>,
         wanted: TextureUse,
@@ -108,14 +108,16 @@ impl<'a> Pictures<'a> {
             Some(values) => values.clone(),
             None => {
                 let Some(levels) = self.decoded_levels(image.index(), &image, notes)? else { return Ok(None) };
-                let values = self.embed(&levels, wanted)?;
+                let values = self.embed_picture(&levels, wanted)?;
                 self.embedded.insert(key, values.clone());
                 values
             }
         };
         Ok(Some(match values {
             TextureValues::Constant(_) => values,
-            TextureValues::Texture(path, mean) => TextureValues::Texture(self.texture(reference, path, notes), mean),
+            TextureValues::Texture(path, mean) => {
+                TextureValues::Texture(self.texture_name(reference, path, notes), mean)
+            }
         }))
     }
 
@@ -135,7 +137,7 @@ impl<'a> Pictures<'a> {
     /// Returns the name of the imported scene's texture that shows the embedded picture `path`.
     ///
     /// `reference` gives its wrap mode and transform. Adds the texture at its first use.
-    fn texture(
+    fn texture_name(
         &mut self,
         reference: &TextureReference<'_>,
         path: Spanned<String>,
@@ -198,7 +200,7 @@ impl<'a> Pictures<'a> {
     ///
     /// Returns the path of the picture in place of a texture's name. Equal pixels give a constant,
     /// and no picture.
-    fn embed(&mut self, levels: &RgbaLevels, wanted: TextureUse) -> ReadResult<TextureValues> {
+    fn embed_picture(&mut self, levels: &RgbaLevels, wanted: TextureUse) -> ReadResult<TextureValues> {
         self.context.check_memory(12 * levels.pixels.len() as u64)?;
         let greatest = f64::from(levels.greatest);
         let srgb = if matches!(wanted, TextureUse::Color(_)) { levels.srgb_table() } else { Vec::new() };
@@ -243,11 +245,11 @@ impl<'a> TextureReference<'a> {
     /// Returns the texture that `info` refers to, with the extension KHR_texture_transform applied.
     pub fn from_info(info: &gltf::texture::Info<'a>) -> Self {
         let extension = info.texture_transform();
-        let set = extension.as_ref().and_then(|t| t.tex_coord()).unwrap_or(info.tex_coord());
+        let texcoord_set = extension.as_ref().and_then(|t| t.tex_coord()).unwrap_or(info.tex_coord());
         let transform = extension.map_or_else(TexcoordTransformDescription::default, |t| {
-            scene_transform(t.offset().map(f64::from), f64::from(t.rotation()), t.scale().map(f64::from))
+            texcoord_transform_description(t.offset().map(f64::from), f64::from(t.rotation()), t.scale().map(f64::from))
         });
-        Self { texture: info.texture(), set, transform }
+        Self { texture: info.texture(), texcoord_set, transform }
     }
 
     /// Returns the texture of a normal map, with the extension KHR_texture_transform applied.
@@ -260,17 +262,21 @@ impl<'a> TextureReference<'a> {
             [0, 1].map(|i| number(i).unwrap_or(default))
         };
         let number = |key: &str| extension?.get(key)?.as_f64();
-        let set = number("texCoord").map_or(normal.tex_coord(), |set| set as u32);
+        let texcoord_set = number("texCoord").map_or(normal.tex_coord(), |set| set as u32);
         let transform = if extension.is_some() {
-            scene_transform(numbers("offset", 0.0), number("rotation").unwrap_or(0.0), numbers("scale", 1.0))
+            texcoord_transform_description(
+                numbers("offset", 0.0),
+                number("rotation").unwrap_or(0.0),
+                numbers("scale", 1.0),
+            )
         } else {
             TexcoordTransformDescription::default()
         };
-        Self { texture: normal.texture(), set, transform }
+        Self { texture: normal.texture(), texcoord_set, transform }
     }
 
     /// True if all numbers of the transform are finite and no scale is 0.
-    pub fn is_valid(&self) -> bool {
+    pub fn has_valid_transform(&self) -> bool {
         let TexcoordTransformDescription { scale, rotate, offset } = self.transform;
         scale.is_finite() && scale.x != 0.0 && scale.y != 0.0 && rotate.is_finite() && offset.is_finite()
     }
@@ -279,7 +285,7 @@ impl<'a> TextureReference<'a> {
 /// Converts a transform of texture coordinates from glTF, where v grows downwards.
 ///
 /// In the result, v of the mesh and v of the picture grow upwards.
-fn scene_transform(offset: [f64; 2], rotation: f64, scale: [f64; 2]) -> TexcoordTransformDescription {
+fn texcoord_transform_description(offset: [f64; 2], rotation: f64, scale: [f64; 2]) -> TexcoordTransformDescription {
     let (sin, cos) = (libm::sin(rotation), libm::cos(rotation));
     TexcoordTransformDescription {
         scale: scale.into(),

@@ -131,7 +131,7 @@ fn local_transform(node: &gltf::Node<'_>) -> DAffine3 {
         gltf::scene::Transform::Matrix { matrix } => {
             DAffine3::from_mat4(DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))))
         }
-        gltf::scene::Transform::Decomposed { translation, rotation, scale } => placement(
+        gltf::scene::Transform::Decomposed { translation, rotation, scale } => trs_transform(
             DVec3::from(translation.map(f64::from)),
             rotation.map(f64::from),
             DVec3::from(scale.map(f64::from)),
@@ -142,7 +142,7 @@ fn local_transform(node: &gltf::Node<'_>) -> DAffine3 {
 /// Returns the affine map that scales, then rotates, then translates.
 ///
 /// `rotation` is a quaternion x, y, z, w of any length.
-fn placement(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DAffine3 {
+fn trs_transform(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DAffine3 {
     let rotation = DQuat::from_array(rotation);
     let length = rotation.length();
     let rotation = if length > 0.0 && length.is_finite() { rotation / length } else { DQuat::IDENTITY };
@@ -163,7 +163,7 @@ impl NodeWalker<'_, '_> {
             let instances = self.instance_transforms(node)?;
             self.context.check_memory(MEMORY_PER_INSTANCE * (instances.len() * mesh.primitives().len()) as u64)?;
             for primitive in mesh.primitives() {
-                let Some(imported) = self.primitive(&mesh, &primitive)? else { continue };
+                let Some(imported) = self.import_primitive(&mesh, &primitive)? else { continue };
                 for instance in &instances {
                     self.add_object(&imported, to_world * *instance, &place);
                 }
@@ -173,7 +173,7 @@ impl NodeWalker<'_, '_> {
             if self.content.camera.is_some() {
                 self.notes.add_unsupported("only the first camera is used", place);
             } else {
-                self.content.camera = Some(self.camera(camera.index(), to_world)?);
+                self.content.camera = Some(self.camera_description(camera.index(), to_world)?);
             }
         }
         if let Some(light) = node.light() {
@@ -197,12 +197,12 @@ impl NodeWalker<'_, '_> {
             found.map(Some).ok_or_else(|| self.context.error(format!("{place}.{name}"), "an index out of range"))
         };
         let [translation, rotation, scale] = [accessor("TRANSLATION")?, accessor("ROTATION")?, accessor("SCALE")?];
-        let vectors = |accessor: Option<gltf::Accessor<'_>>| -> ReadResult<Option<Vec<[f64; 3]>>> {
-            accessor.map(|a| self.buffers.read(&a)?.vectors(self.context, &place)).transpose()
+        let vector_elements = |accessor: Option<gltf::Accessor<'_>>| -> ReadResult<Option<Vec<[f64; 3]>>> {
+            accessor.map(|a| self.buffers.read(&a)?.vector_elements(self.context, &place)).transpose()
         };
-        let (translations, scales) = (vectors(translation)?, vectors(scale)?);
+        let (translations, scales) = (vector_elements(translation)?, vector_elements(scale)?);
         let rotations: Option<Vec<[f64; 4]>> =
-            rotation.map(|a| self.buffers.read(&a)?.vectors(self.context, &place)).transpose()?;
+            rotation.map(|a| self.buffers.read(&a)?.vector_elements(self.context, &place)).transpose()?;
         let counts =
             [translations.as_ref().map(Vec::len), rotations.as_ref().map(Vec::len), scales.as_ref().map(Vec::len)];
         let count = counts.into_iter().flatten().next().unwrap_or(0);
@@ -211,7 +211,7 @@ impl NodeWalker<'_, '_> {
         }
         self.context.check_memory(MEMORY_PER_INSTANCE * count as u64)?;
         let transform = |i: usize| {
-            placement(
+            trs_transform(
                 translations.as_ref().map_or(DVec3::ZERO, |t| t[i].into()),
                 rotations.as_ref().map_or([0.0, 0.0, 0.0, 1.0], |r| r[i]),
                 scales.as_ref().map_or(DVec3::ONE, |s| s[i].into()),
@@ -223,7 +223,7 @@ impl NodeWalker<'_, '_> {
     /// Converts the mesh and material of a primitive, unless this was done before.
     ///
     /// `None` if the primitive has no triangles or is fully transparent.
-    fn primitive(
+    fn import_primitive(
         &mut self,
         mesh: &gltf::Mesh<'_>,
         primitive: &gltf::Primitive<'_>,
@@ -240,8 +240,8 @@ impl NodeWalker<'_, '_> {
         if color.is_some() {
             self.notes.add_unsupported("vertex colors become their mean", place.clone());
         }
-        let material = self.materials.convert(self.context, &primitive.material(), color, self.notes)?;
-        let read = read_primitive(self.buffers, self.context, primitive, (&place, material.set), self.notes)?;
+        let material = self.materials.imported_material(self.context, &primitive.material(), color, self.notes)?;
+        let read = read_primitive(self.buffers, self.context, primitive, (&place, material.texcoord_set), self.notes)?;
         let imported = read.filter(|_| !material.is_invisible).map(|triangles| {
             let path = format!("mesh{}-{}", key.0, key.1);
             let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -271,8 +271,8 @@ impl NodeWalker<'_, '_> {
         let shape = ShapeDescription::Mesh { path, options: MeshOptions::default() };
         let mut object = ObjectDescription::Shape { shape, emission: None };
         if to_world != DAffine3::IDENTITY {
-            let maps = vec![TransformStep::Matrix(to_world.into())];
-            object = ObjectDescription::Transform { maps, object: Box::new(Spanned::new(object, Span::default())) };
+            let steps = vec![TransformStep::Matrix(to_world.into())];
+            object = ObjectDescription::Transform { steps, object: Box::new(Spanned::new(object, Span::default())) };
         }
         let material = Spanned::new(material.clone(), Span::default());
         let items = &mut self.content.root.items;
@@ -281,7 +281,7 @@ impl NodeWalker<'_, '_> {
     }
 
     /// Converts a camera. It looks along −z of its node, whose transform is `to_world`.
-    fn camera(&self, index: usize, to_world: DAffine3) -> ReadResult<CameraDescription> {
+    fn camera_description(&self, index: usize, to_world: DAffine3) -> ReadResult<CameraDescription> {
         let place = format!("cameras[{index}]");
         let camera = &self.document.as_json().cameras[index];
         let invalid = |message: &str| self.context.error(&place, message);

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 
 /// Returns the JSON of a scene with one triangle, the material `material`, and the node `node`.
-fn triangle(material: Value, node: Value) -> Value {
+fn triangle_scene(material: Value, node: Value) -> Value {
     let corners: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
     let uv: [[u8; 4]; 3] = [[0, 0, 0, 0], [255, 0, 0, 0], [0, 51, 0, 0]];
     let mut bytes: Vec<u8> = corners.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
@@ -36,7 +36,7 @@ fn triangle(material: Value, node: Value) -> Value {
         "buffers": [{ "byteLength": 48, "uri": data_uri(&bytes) }],
         "textures": [{ "source": 0, "sampler": 0 }],
         "samplers": [{ "wrapS": 33071, "wrapT": 33071 }],
-        "images": [{ "uri": data_uri(&two_pixels()) }],
+        "images": [{ "uri": data_uri(&two_pixel_png()) }],
     })
 }
 
@@ -45,7 +45,7 @@ fn data_uri(bytes: &[u8]) -> String {
 }
 
 /// Returns a PNG of two pixels with alpha: (255, 0, 51, 255) and (0, 255, 102, 0).
-fn two_pixels() -> Vec<u8> {
+fn two_pixel_png() -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, 2, 1);
     encoder.set_color(png::ColorType::Rgba);
@@ -55,18 +55,18 @@ fn two_pixels() -> Vec<u8> {
     file
 }
 
-fn read(scene: &Value) -> ImportedScene {
+fn import_json(scene: &Value) -> ImportedScene {
     decode(Path::new("a.gltf"), scene.to_string().as_bytes(), &ImportOptions::default()).unwrap()
 }
 
 #[track_caller]
-fn expect_error(scene: &Value, part: &str) {
+fn assert_import_error(scene: &Value, part: &str) {
     let error = decode(Path::new("a.gltf"), scene.to_string().as_bytes(), &ImportOptions::default()).unwrap_err();
     assert!(error.to_string().contains(part), "{error}");
 }
 
 /// Returns the model of the material that is called `name`.
-fn kind<'a>(scene: &'a ImportedScene, name: &str) -> &'a MaterialKindDescription {
+fn material_kind<'a>(scene: &'a ImportedScene, name: &str) -> &'a MaterialKindDescription {
     let found = scene.description.materials.iter().find(|m| m.name.as_deref() == Some(name));
     &found.unwrap_or_else(|| panic!("{name}: {:#?}", scene.description.materials)).value.kind
 }
@@ -74,9 +74,9 @@ fn kind<'a>(scene: &'a ImportedScene, name: &str) -> &'a MaterialKindDescription
 #[test]
 fn metals_reflect_their_base_color() {
     let material = json!({ "name": "gold", "pbrMetallicRoughness": { "baseColorFactor": [0.75, 0.5, 0.25, 1], "roughnessFactor": 0.5 } });
-    let scene = read(&triangle(material, json!({})));
+    let scene = import_json(&triangle_scene(material, json!({})));
     let MaterialKindDescription::Conductor { metal: MetalDescription::Index { eta, k }, roughness, .. } =
-        kind(&scene, "gold")
+        material_kind(&scene, "gold")
     else {
         panic!()
     };
@@ -98,15 +98,17 @@ fn textures_keep_factor_channel_and_place() {
             "metallicRoughnessTexture": { "index": 0 },
         },
     });
-    let scene = read(&triangle(material, json!({})));
+    let scene = import_json(&triangle_scene(material, json!({})));
     // Alpha mixes the surface with a transparent one. The blue channel mixes metal in.
-    let MaterialKindDescription::Mix { amount: TexturedValue::Texture(alpha), .. } = kind(&scene, "a") else {
+    let MaterialKindDescription::Mix { amount: TexturedValue::Texture(alpha), .. } = material_kind(&scene, "a") else {
         panic!()
     };
-    let MaterialKindDescription::Mix { amount: TexturedValue::Texture(metal), .. } = kind(&scene, "a solid") else {
+    let MaterialKindDescription::Mix { amount: TexturedValue::Texture(metal), .. } = material_kind(&scene, "a solid")
+    else {
         panic!()
     };
-    let MaterialKindDescription::Phong { diffuse: TexturedValue::Texture(base), .. } = kind(&scene, "a dielectric")
+    let MaterialKindDescription::Phong { diffuse: TexturedValue::Texture(base), .. } =
+        material_kind(&scene, "a dielectric")
     else {
         panic!()
     };
@@ -146,19 +148,19 @@ fn transmission_makes_bodies_and_panes() {
             },
         })
     };
-    let body = read(&triangle(glass(json!({ "thicknessFactor": 1 })), json!({})));
-    let MaterialKindDescription::Dielectric { refraction, .. } = kind(&body, "g") else { panic!() };
+    let body = import_json(&triangle_scene(glass(json!({ "thicknessFactor": 1 })), json!({})));
+    let MaterialKindDescription::Dielectric { refraction, .. } = material_kind(&body, "g") else { panic!() };
     assert_eq!(*refraction, RefractiveIndexDescription::Abbe { index: 1.5, abbe: 40.0 });
-    let pane = read(&triangle(glass(json!({ "thicknessFactor": 0 })), json!({})));
-    assert!(matches!(kind(&pane, "g"), MaterialKindDescription::Thin { index: 1.5, .. }));
+    let pane = import_json(&triangle_scene(glass(json!({ "thicknessFactor": 0 })), json!({})));
+    assert!(matches!(material_kind(&pane, "g"), MaterialKindDescription::Thin { index: 1.5, .. }));
 }
 
 #[test]
 fn what_is_not_supported_is_noted_once() {
     let material = json!({ "name": "a", "extensions": { "KHR_materials_sheen": {}, "KHR_materials_clearcoat": {} } });
-    let mut scene = triangle(material, json!({ "weights": [0.5] }));
+    let mut scene = triangle_scene(material, json!({ "weights": [0.5] }));
     scene["animations"] = json!([{}, {}]);
-    let notes = read(&scene).notes;
+    let notes = import_json(&scene).notes;
     let count = |part: &str| notes.iter().filter(|note| note.message.contains(part) && note.is_unsupported).count();
     for part in ["sheen is ignored", "clear coats are ignored", "morph targets", "(2×: animations[0], animations[1])"]
     {
@@ -174,7 +176,7 @@ fn surfaces_emit_by_strength_and_alpha() {
         "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 1, 0.5] },
         "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 8 } },
     });
-    let scene = read(&triangle(material, json!({})));
+    let scene = import_json(&triangle_scene(material, json!({})));
     let emission = scene.description.materials.iter().find_map(|material| material.emission.clone());
     assert_eq!(emission, Some(EmissionDescription::Radiance(DVec3::new(4.0, 2.0, 1.0))));
     assert!(!scene.notes.iter().any(|note| note.message.contains("no light")), "{:?}", scene.notes);
@@ -183,7 +185,7 @@ fn surfaces_emit_by_strength_and_alpha() {
 #[test]
 fn instances_become_objects() {
     let instancing = json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 0 } } });
-    let scene = read(&triangle(json!({}), json!({ "extensions": instancing, "scale": [2, 2, 2] })));
+    let scene = import_json(&triangle_scene(json!({}), json!({ "extensions": instancing, "scale": [2, 2, 2] })));
     assert_eq!(scene.description.root.items.len(), 6);
     let printed = scene.description.to_string();
     assert!(printed.contains("2 0 0 0 0 2 0 0 0 0 2 0 0 4 0 1"), "{printed}");
@@ -193,40 +195,59 @@ fn instances_become_objects() {
 #[test]
 fn broken_files_are_refused_with_their_place() {
     let with = |change: &dyn Fn(&mut Value)| {
-        let mut scene = triangle(json!({}), json!({}));
+        let mut scene = triangle_scene(json!({}), json!({}));
         change(&mut scene);
         scene
     };
-    expect_error(&with(&|s| s["accessors"][0]["count"] = 4.into()), "accessors[0]: 4 elements of 12 bytes do not fit");
-    expect_error(
+    assert_import_error(
+        &with(&|s| s["accessors"][0]["count"] = 4.into()),
+        "accessors[0]: 4 elements of 12 bytes do not fit",
+    );
+    assert_import_error(
         &with(&|s| s["bufferViews"][0]["byteOffset"] = 20.into()),
         "bufferViews[0]: it ends beyond its buffer",
     );
-    expect_error(&with(&|s| s["buffers"][0]["byteLength"] = 49.into()), "buffers[0]: it has 48 bytes instead of 49");
-    expect_error(&with(&|s| s["buffers"][0]["uri"] = "data:;base64,*".into()), "buffers[0]: its data URI is damaged");
-    expect_error(&with(&|s| s["buffers"][0]["uri"] = "none.bin".into()), "buffers[0]: the file `none.bin` does not");
-    expect_error(&with(&|s| s["buffers"][0]["uri"] = "http://a/b".into()), "`http://a/b` is not a local file");
-    expect_error(&with(&|s| s["accessors"][0]["type"] = "VEC2".into()), "attributes.POSITION");
-    expect_error(&with(&|s| s["nodes"][0]["mesh"] = 9.into()), "nodes[0].mesh is an index out of range");
+    assert_import_error(
+        &with(&|s| s["buffers"][0]["byteLength"] = 49.into()),
+        "buffers[0]: it has 48 bytes instead of 49",
+    );
+    assert_import_error(
+        &with(&|s| s["buffers"][0]["uri"] = "data:;base64,*".into()),
+        "buffers[0]: its data URI is damaged",
+    );
+    assert_import_error(
+        &with(&|s| s["buffers"][0]["uri"] = "none.bin".into()),
+        "buffers[0]: the file `none.bin` does not",
+    );
+    assert_import_error(&with(&|s| s["buffers"][0]["uri"] = "http://a/b".into()), "`http://a/b` is not a local file");
+    assert_import_error(&with(&|s| s["accessors"][0]["type"] = "VEC2".into()), "attributes.POSITION");
+    assert_import_error(&with(&|s| s["nodes"][0]["mesh"] = 9.into()), "nodes[0].mesh is an index out of range");
     let attributes = "meshes[0].primitives[0].attributes.POSITION: it is an index out of range";
-    expect_error(&with(&|s| s["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 9.into()), attributes);
-    expect_error(&with(&|s| s["nodes"][0]["children"] = json!([0])), "nodes[0]: it is reached twice");
-    expect_error(
+    assert_import_error(&with(&|s| s["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 9.into()), attributes);
+    assert_import_error(&with(&|s| s["nodes"][0]["children"] = json!([0])), "nodes[0]: it is reached twice");
+    assert_import_error(
         &with(&|s| s["nodes"][0]["translation"] = json!([1e39, 0, 0])),
         "nodes[0]: its transform is not finite",
     );
-    expect_error(&with(&|s| s["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])), "`KHR_draco_mesh_");
-    expect_error(&with(&|s| s["asset"]["version"] = "1.0".into()), "glTF 1.0 is not read");
+    assert_import_error(
+        &with(&|s| s["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])),
+        "`KHR_draco_mesh_",
+    );
+    assert_import_error(&with(&|s| s["asset"]["version"] = "1.0".into()), "glTF 1.0 is not read");
     let mut indexed = with(&|s| s["meshes"][0]["primitives"][0]["indices"] = 1.into());
-    expect_error(&indexed, "accessors[1]: indices must be unsigned integers");
+    assert_import_error(&indexed, "accessors[1]: indices must be unsigned integers");
     indexed["accessors"][1]["type"] = "SCALAR".into();
     indexed["accessors"][1]["normalized"] = false.into();
-    expect_error(&indexed, "index 255 is out of range: there are 3 vertices");
+    assert_import_error(&indexed, "index 255 is out of range: there are 3 vertices");
     let sparse =
         json!({ "count": 1, "indices": { "bufferView": 1, "componentType": 5121 }, "values": { "bufferView": 0 } });
     let mut huge = with(&|s| s["accessors"][0]["sparse"] = sparse.clone());
     huge["accessors"][0].as_object_mut().unwrap().remove("bufferView");
-    assert_eq!(read(&huge).assets.meshes["mesh0-0"].positions, [DVec3::ZERO], "one element is replaced, by zero");
+    assert_eq!(
+        import_json(&huge).assets.meshes["mesh0-0"].positions,
+        [DVec3::ZERO],
+        "one element is replaced, by zero"
+    );
     huge["accessors"][0]["count"] = 1_000_000_000_u64.into();
     let options = ImportOptions { memory: MemoryLimit::Limit(1 << 33), ..ImportOptions::default() };
     let error = decode(Path::new("a.gltf"), huge.to_string().as_bytes(), &options).unwrap_err();
@@ -238,14 +259,14 @@ fn files_outside_the_folder_need_permission() {
     let folder = tempfile::tempdir().unwrap();
     let inside = folder.path().join("in");
     std::fs::create_dir(&inside).unwrap();
-    let mut scene = triangle(json!({}), json!({}));
+    let mut scene = triangle_scene(json!({}), json!({}));
     let bytes = STANDARD.decode(scene["buffers"][0]["uri"].as_str().unwrap().split(',').nth(1).unwrap()).unwrap();
     std::fs::write(folder.path().join("a b.bin"), bytes).unwrap();
     scene["buffers"][0]["uri"] = "../a%20b.bin".into();
-    let read = |allows_outside_files| {
+    let import = |allows_outside_files| {
         let options = ImportOptions { allows_outside_files, ..ImportOptions::default() };
         decode(&inside.join("a.gltf"), scene.to_string().as_bytes(), &options)
     };
-    assert!(read(false).unwrap_err().to_string().contains("`../a b.bin` is outside the folder of the scene"));
-    assert_eq!(read(true).unwrap().assets.meshes.len(), 1);
+    assert!(import(false).unwrap_err().to_string().contains("`../a b.bin` is outside the folder of the scene"));
+    assert_eq!(import(true).unwrap().assets.meshes.len(), 1);
 }

@@ -189,8 +189,8 @@ fn parse_light<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<L
     if word.text == "Moving" {
         let mut movable = block_keywords(&["Moving"], LIGHTS);
         movable.retain(|keyword| *keyword != ENVIRONMENT.keyword);
-        let (maps, light) = parse_moving_block(parser, word, &movable, parse_light)?;
-        return Ok(Spanned::new(LightDescription::Moving { maps, light: Box::new(light) }, word.span()));
+        let (steps, light) = parse_moving_block(parser, word, &movable, parse_light)?;
+        return Ok(Spanned::new(LightDescription::Moving { steps, light: Box::new(light) }, word.span()));
     }
     let (entry, fields) = parse_block_by_keyword(parser, word, LIGHTS)?;
     Ok(Spanned::new((entry.parse)(&fields)?, word.span()))
@@ -292,9 +292,9 @@ fn parse_area_strength(f: &BlockFields<'_>) -> Result<AreaLightStrength, SceneEr
 /// Writes a light as scene text.
 pub(super) fn write_light(out: &mut SceneWriter<'_, '_>, light: &LightDescription) -> fmt::Result {
     match light {
-        LightDescription::Moving { maps, light } => {
+        LightDescription::Moving { steps, light } => {
             out.begin_block("Moving")?;
-            write_transform_steps(out, maps)?;
+            write_transform_steps(out, steps)?;
             write_light(out, light)?;
         }
         LightDescription::Point { position, strength } => {

@@ -196,7 +196,7 @@ fn parse_medium_box(f: &BlockFields<'_>) -> Result<TransformedBoxDescription, Sc
     let sides = max - min;
     let is_valid = sides.min_element() > 0.0 && sides.is_finite();
     f.require_field("max")?.ensure_valid(is_valid, "must be above `min` in each component")?;
-    Ok(TransformedBoxDescription { min, max, maps: f.optional_value("Transform").unwrap_or_default() })
+    Ok(TransformedBoxDescription { min, max, steps: f.optional_value("Transform").unwrap_or_default() })
 }
 
 /// Writes a medium as scene text.
@@ -247,5 +247,5 @@ pub(super) fn write_medium(out: &mut SceneWriter<'_, '_>, medium: &MediumDescrip
 fn write_medium_box(out: &mut SceneWriter<'_, '_>, extent: &TransformedBoxDescription) -> fmt::Result {
     out.write_vec3("min", extent.min)?;
     out.write_vec3("max", extent.max)?;
-    write_transform_field(out, &extent.maps)
+    write_transform_field(out, &extent.steps)
 }

@@ -102,12 +102,12 @@ fn parse_object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spann
     let object = match keyword.text {
         "Group" => ObjectDescription::Group(parse_group(parser, keyword)?),
         "Transform" => {
-            let (maps, object) = parse_transform_block(parser, keyword, &object_keywords(), parse_boxed_object)?;
-            ObjectDescription::Transform { maps, object }
+            let (steps, object) = parse_transform_block(parser, keyword, &object_keywords(), parse_boxed_object)?;
+            ObjectDescription::Transform { steps, object }
         }
         "Moving" => {
-            let (maps, object) = parse_moving_block(parser, keyword, &object_keywords(), parse_boxed_object)?;
-            ObjectDescription::Moving { maps, object }
+            let (steps, object) = parse_moving_block(parser, keyword, &object_keywords(), parse_boxed_object)?;
+            ObjectDescription::Moving { steps, object }
         }
         _ => {
             let (shape, emission) = parse_shape(parser, keyword)?;
@@ -135,8 +135,8 @@ pub(super) fn write_group(out: &mut SceneWriter<'_, '_>, group: &ObjectGroup) ->
 fn write_object(out: &mut SceneWriter<'_, '_>, object: &Spanned<ObjectDescription>) -> fmt::Result {
     match &object.value {
         ObjectDescription::Group(group) => write_group(out, group),
-        ObjectDescription::Transform { maps, object } => write_transformed_object(out, "Transform", maps, object),
-        ObjectDescription::Moving { maps, object } => write_transformed_object(out, "Moving", maps, object),
+        ObjectDescription::Transform { steps, object } => write_transformed_object(out, "Transform", steps, object),
+        ObjectDescription::Moving { steps, object } => write_transformed_object(out, "Moving", steps, object),
         ObjectDescription::Shape { shape, emission } => write_shape(out, shape, *emission),
     }
 }

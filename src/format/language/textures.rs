@@ -150,7 +150,7 @@ fn parse_solid_pattern(
         octaves: f.value("octaves")?,
         frequency: f.value("frequency")?,
         amplitude: f.value("amplitude")?,
-        maps: f.optional_value("Transform").unwrap_or_default(),
+        steps: f.optional_value("Transform").unwrap_or_default(),
     })
 }
 
@@ -196,12 +196,12 @@ pub(super) fn write_texture(out: &mut SceneWriter<'_, '_>, texture: &TextureDesc
             write_pattern_colors(out, colors)?;
             write_texcoord_transform(out, coordinates)?;
         }
-        TextureKindDescription::Solid { pattern: _, colors, octaves, frequency, amplitude, maps } => {
+        TextureKindDescription::Solid { pattern: _, colors, octaves, frequency, amplitude, steps } => {
             write_pattern_colors(out, colors)?;
             out.write_field("octaves", octaves)?;
             out.write_number("frequency", *frequency)?;
             out.write_number("amplitude", *amplitude)?;
-            write_transform_field(out, maps)?;
+            write_transform_field(out, steps)?;
         }
     }
     out.end_block()

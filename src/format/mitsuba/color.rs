@@ -88,7 +88,7 @@ impl ColorValue {
 
     /// Returns the value of a uniform spectrum, or of an RGB color with equal channels; else
     /// `None`.
-    pub fn uniform(&self) -> Option<f64> {
+    pub fn uniform_value(&self) -> Option<f64> {
         match self {
             Self::Uniform(value) => Some(*value),
             Self::Rgb(rgb) if rgb.x == rgb.y && rgb.y == rgb.z => Some(rgb.x),
@@ -97,7 +97,7 @@ impl ColorValue {
     }
 
     /// Returns linear RGB values. `meaning` selects the conversion of a sampled spectrum.
-    pub fn rgb(&self, meaning: ColorMeaning) -> DVec3 {
+    pub fn to_rgb(&self, meaning: ColorMeaning) -> DVec3 {
         let spectrum = match self {
             Self::Rgb(rgb) => return *rgb,
             Self::Uniform(value) | Self::Daylight(value) => return DVec3::splat(*value),
@@ -114,7 +114,7 @@ impl ColorValue {
     }
 
     /// Returns the value as a function of wavelength; `None` for RGB, blackbodies and daylight.
-    pub fn spectrum(&self) -> Option<Spectrum> {
+    pub fn to_spectrum(&self) -> Option<Spectrum> {
         match self {
             Self::Sampled(spectrum) => Some(spectrum.clone()),
             Self::Uniform(value) => Some(Spectrum::constant(*value)),
@@ -141,7 +141,7 @@ mod tests {
         assert!((hex - DVec3::new(1.0, 0.215_860_5, 0.0)).abs().max_element() < 1e-6, "{hex}");
         assert!(ColorValue::parse_rgb("#ff80", false).is_none() && ColorValue::parse_rgb("1 2", false).is_none());
         let sampled = ColorValue::parse_spectrum("400:0.5, 700:0.5").unwrap();
-        assert!((sampled.rgb(ColorMeaning::Reflectance) - 0.5).abs().max_element() < 1e-9);
+        assert!((sampled.to_rgb(ColorMeaning::Reflectance) - 0.5).abs().max_element() < 1e-9);
         assert!(ColorValue::parse_spectrum("400:x").is_none() && ColorValue::parse_spectrum("700:1, 400:1").is_none());
     }
 }

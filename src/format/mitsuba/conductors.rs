@@ -47,43 +47,49 @@ pub(super) fn conductor(
     let name = named.unwrap_or("none");
     let is_ideal = match (&eta, &k) {
         (None, None) => name == "none",
-        (_, Some(k)) => eta.as_ref().is_some_and(|eta| eta.uniform() == Some(0.0)) && k.uniform() == Some(1.0),
+        (_, Some(k)) => {
+            eta.as_ref().is_some_and(|eta| eta.uniform_value() == Some(0.0)) && k.uniform_value() == Some(1.0)
+        }
         _ => false,
     };
     if is_ideal {
         return Ok(match roughness {
             TexturedValue::Plain(0.0) => MaterialKindDescription::Mirror { reflectance: tint.into_color() },
-            roughness => metal_of_reflectance(tint.mean(), roughness),
+            roughness => metal_from_reflectance(tint.mean(), roughness),
         });
     }
     let metal = if eta.is_some() || k.is_some() {
-        index_metal(bsdf, eta, k)?
+        metal_from_index(bsdf, eta, k)?
     } else if let Some((_, known)) = METAL_NAMES.iter().find(|(theirs, _)| *theirs == name) {
         MetalDescription::Named(Spanned::new((*known).to_owned(), Span::default()))
     } else {
-        context.note(&format!("the metal `{name}` is not known: it becomes chromium"), bsdf);
+        context.add_note(&format!("the metal `{name}` is not known: it becomes chromium"), bsdf);
         MetalDescription::Named(Spanned::new("chromium".to_owned(), Span::default()))
     };
     let mean = tint.mean();
     if mean == DVec3::ONE {
         return Ok(MaterialKindDescription::Conductor { metal, roughness, multiple_scattering: false });
     }
-    context.note("factors of metals change their reflectance at normal incidence", bsdf);
-    Ok(metal_of_reflectance(mean * normal_reflectance(&metal), roughness))
+    context.add_note("factors of metals change their reflectance at normal incidence", bsdf);
+    Ok(metal_from_reflectance(mean * normal_reflectance(&metal), roughness))
 }
 
 /// Returns the metal with the index η + ik of the BSDF, relative to the index outside.
 ///
 /// `eta` and `k` are RGB values or spectra; `None` stands for 0.
-fn index_metal(bsdf: &SceneObject, eta: Option<ColorValue>, k: Option<ColorValue>) -> ReadResult<MetalDescription> {
+fn metal_from_index(
+    bsdf: &SceneObject,
+    eta: Option<ColorValue>,
+    k: Option<ColorValue>,
+) -> ReadResult<MetalDescription> {
     let (eta, k) = (eta.unwrap_or(ColorValue::Uniform(0.0)), k.unwrap_or(ColorValue::Uniform(0.0)));
     let outer = bsdf.number("ext_eta").unwrap_or(1.0);
     let (eta, k) = match (&eta, &k) {
-        (ColorValue::Sampled(_), _) | (_, ColorValue::Sampled(_)) => match (eta.spectrum(), k.spectrum()) {
+        (ColorValue::Sampled(_), _) | (_, ColorValue::Sampled(_)) => match (eta.to_spectrum(), k.to_spectrum()) {
             (Some(eta), Some(k)) => conductor_rgb(&eta, &k),
-            _ => (eta.rgb(ColorMeaning::Coefficient), k.rgb(ColorMeaning::Coefficient)),
+            _ => (eta.to_rgb(ColorMeaning::Coefficient), k.to_rgb(ColorMeaning::Coefficient)),
         },
-        _ => (eta.rgb(ColorMeaning::Coefficient), k.rgb(ColorMeaning::Coefficient)),
+        _ => (eta.to_rgb(ColorMeaning::Coefficient), k.to_rgb(ColorMeaning::Coefficient)),
     };
     if !(eta.min_element() >= 0.0 && k.min_element() >= 0.0 && eta.max_element() < 1e6 && k.max_element() < 1e6) {
         return Err(bsdf.place.error("the index of this metal is not valid", "give `eta` and `k` at least 0"));
@@ -92,7 +98,7 @@ fn index_metal(bsdf: &SceneObject, eta: Option<ColorValue>, k: Option<ColorValue
 }
 
 /// Returns a conductor of index 1 + ik whose reflectance at normal incidence is `reflectance`.
-pub(super) fn metal_of_reflectance(reflectance: DVec3, roughness: TexturedValue<f64>) -> MaterialKindDescription {
+pub(super) fn metal_from_reflectance(reflectance: DVec3, roughness: TexturedValue<f64>) -> MaterialKindDescription {
     let reflectance = reflectance.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
     // Such a conductor reflects k² / (4 + k²) at normal incidence.
     let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;

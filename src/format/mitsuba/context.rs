@@ -51,8 +51,8 @@ pub(super) struct ImportContext<'a> {
 
 impl ImportContext<'_> {
     /// Adds a message that a part of `object` is ignored or approximated.
-    pub fn note(&self, message: &str, object: &SceneObject) {
-        let place = object.place.described(&self.files.path.display().to_string());
+    pub fn add_note(&self, message: &str, object: &SceneObject) {
+        let place = object.place.position_text(&self.files.path.display().to_string());
         let place = match &object.id {
             Some(id) => format!("`{id}`, {place}"),
             None => place,
@@ -63,9 +63,9 @@ impl ImportContext<'_> {
     /// Adds a message that the whole `object` is ignored or approximated.
     ///
     /// Marks all its values as read, so that they cause no further messages.
-    pub fn note_whole(&self, message: &str, object: &SceneObject) {
+    pub fn add_note_on_object(&self, message: &str, object: &SceneObject) {
         object.mark_as_read();
-        self.note(message, object);
+        self.add_note(message, object);
     }
 
     /// Returns the nested objects of class `class`, with their names in `object`.
@@ -134,7 +134,7 @@ impl ImportContext<'_> {
         let scale = || texture.number("scale").or_else(|| texture.number("value")).unwrap_or(1.0);
         Ok(match texture.plugin.as_str() {
             "d65" => match self.color_value(texture, "color")? {
-                Some(color) => Some(ColorValue::Rgb(color.rgb(ColorMeaning::Reflectance) * scale())),
+                Some(color) => Some(ColorValue::Rgb(color.to_rgb(ColorMeaning::Reflectance) * scale())),
                 None => Some(ColorValue::Daylight(scale())),
             },
             "blackbody" => {
@@ -179,7 +179,7 @@ impl ImportContext<'_> {
     ///
     /// Fails if a component is negative or above 10³⁰.
     pub fn color(&self, object: &SceneObject, name: &str, meaning: ColorMeaning, default: f64) -> ReadResult<DVec3> {
-        let color = self.color_value(object, name)?.map_or(DVec3::splat(default), |color| color.rgb(meaning));
+        let color = self.color_value(object, name)?.map_or(DVec3::splat(default), |color| color.to_rgb(meaning));
         if color.min_element() >= 0.0 && color.max_element() <= 1e30 {
             return Ok(color);
         }
@@ -195,7 +195,7 @@ impl ImportContext<'_> {
         while let Some(object) = pending.pop() {
             for (name, (_, is_read)) in &object.values {
                 if object.is_used.get() && !is_read.get() && !SILENT_VALUES.contains(&name.as_str()) {
-                    self.note(&format!("`{name}` of `{}` is ignored", object.plugin), object);
+                    self.add_note(&format!("`{name}` of `{}` is ignored", object.plugin), object);
                 }
             }
             pending.extend(object.own_children());

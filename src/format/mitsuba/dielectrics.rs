@@ -40,14 +40,14 @@ const MAX_GAS_INDEX: f64 = 1.001;
 /// dielectric. The other dielectric may then surround this one. In this case, returns the inner
 /// index alone, because nested bodies in Caustica have absolute indices.
 pub(super) fn refractive_index(context: &ImportContext<'_>, bsdf: &SceneObject) -> ReadResult<f64> {
-    let inner = named_index(bsdf, "int_ior", if bsdf.plugin.contains("plastic") { 1.49 } else { 1.5046 })?;
-    let outer = named_index(bsdf, "ext_ior", 1.000_277)?;
+    let inner = index_parameter(bsdf, "int_ior", if bsdf.plugin.contains("plastic") { 1.49 } else { 1.5046 })?;
+    let outer = index_parameter(bsdf, "ext_ior", 1.000_277)?;
     if outer <= MAX_GAS_INDEX {
         return Ok(inner / outer);
     }
     let surrounds = |object: &SceneObject| {
         object.plugin.contains("dielectric")
-            && named_index(object, "int_ior", 1.5046).is_ok_and(|index| (index - outer).abs() < 1e-3)
+            && index_parameter(object, "int_ior", 1.5046).is_ok_and(|index| (index - outer).abs() < 1e-3)
     };
     let is_nested = context.tree.any_object(&surrounds);
     Ok(if is_nested { inner } else { inner / outer })
@@ -55,11 +55,11 @@ pub(super) fn refractive_index(context: &ImportContext<'_>, bsdf: &SceneObject) 
 
 /// True if a relative refractive index is 1, apart from rounding, so that the interface has no
 /// effect.
-pub(super) fn is_air(index: f64) -> bool {
+pub(super) fn is_index_matched(index: f64) -> bool {
     (index - 1.0).abs() < 1e-9
 }
 
-fn named_index(bsdf: &SceneObject, name: &str, default: f64) -> ReadResult<f64> {
+fn index_parameter(bsdf: &SceneObject, name: &str, default: f64) -> ReadResult<f64> {
     let index = match bsdf.value(name) {
         None => default,
         Some(Value::Text(text)) => {

@@ -49,7 +49,7 @@ pub(super) fn read_tree(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<Ob
         bytes: 0,
         elements: 0,
     };
-    let mut root = Contents::default();
+    let mut root = ObjectContents::default();
     reader.read_text(files.path, bytes, None, &mut root)?;
     for (alias, id, place) in std::mem::take(&mut reader.aliases) {
         let Some(object) = reader.by_id.get(&id).cloned() else { return Err(unknown_reference(&place, &id)) };
@@ -84,12 +84,12 @@ struct TreeReader<'r, 'a> {
 
 /// Values and nested objects of one object, collected while the object is read.
 #[derive(Default)]
-struct Contents {
+struct ObjectContents {
     values: BTreeMap<String, (Value, Cell<bool>)>,
     children: Vec<(String, ChildObject)>,
 }
 
-impl Contents {
+impl ObjectContents {
     fn into_object(self, class: ObjectClass, plugin: &str, id: Option<String>, place: Place) -> SceneObject {
         let Self { values, children } = self;
         SceneObject { class, plugin: plugin.to_owned(), id, place, values, children, is_used: Cell::new(false) }
@@ -108,7 +108,7 @@ impl CurrentFile {
     ///
     /// To save time, counts lines from the element that was read last, which usually stands
     /// earlier.
-    fn place(&self, node: &Node<'_, '_>) -> Place {
+    fn element_place(&self, node: &Node<'_, '_>) -> Place {
         let range = node.range();
         let (offset, line) = self.last.get();
         let text = self.source.text().as_bytes();
@@ -133,7 +133,7 @@ impl TreeReader<'_, '_> {
         path: &Path,
         bytes: Vec<u8>,
         includer: Option<&Place>,
-        contents: &mut Contents,
+        contents: &mut ObjectContents,
     ) -> ReadResult<()> {
         let name = path.display().to_string();
         let whole = |text: &str| Place { source: SourceText::new(&name, text), span: Span::default(), line: 1 };
@@ -157,7 +157,7 @@ impl TreeReader<'_, '_> {
         })?;
         let file = CurrentFile { source: SourceText::new(&name, &text), last: Cell::new((0, 1)) };
         let root = document.root_element();
-        let place = file.place(&root);
+        let place = file.element_place(&root);
         self.included.push(path.canonicalize().unwrap_or_else(|_| path.to_owned()));
         if root.tag_name().name() == "scene" {
             for child in root.children().filter(Node::is_element) {
@@ -179,11 +179,11 @@ impl TreeReader<'_, '_> {
         file: &CurrentFile,
         node: Node<'_, '_>,
         depth: u32,
-        contents: &mut Contents,
+        contents: &mut ObjectContents,
     ) -> ReadResult<()> {
-        let place = file.place(&node);
+        let place = file.element_place(&node);
         self.elements += 1;
-        self.files.check_total(MEMORY_PER_ELEMENT * self.elements)?;
+        self.files.check_total_memory(MEMORY_PER_ELEMENT * self.elements)?;
         if self.elements > MAX_ELEMENTS {
             return Err(place.error("the scene has more than four million elements", "put meshes into files"));
         }
@@ -192,28 +192,28 @@ impl TreeReader<'_, '_> {
         }
         let tag = node.tag_name().name().to_ascii_lowercase();
         let attribute = |name: &str| node.attribute(name);
-        let name = snake_case(&self.expanded(attribute("name").unwrap_or_default(), &place)?);
+        let name = snake_case(&self.with_expanded_parameters(attribute("name").unwrap_or_default(), &place)?);
         match tag.as_str() {
             "default" => {
-                let value = self.expanded(required(&node, "value", &place)?, &place)?;
-                let name = required(&node, "name", &place)?;
+                let value = self.with_expanded_parameters(required_attribute(&node, "value", &place)?, &place)?;
+                let name = required_attribute(&node, "name", &place)?;
                 self.parameters.entry(name.to_owned()).or_insert(value);
                 return Ok(());
             }
             "path" => {
-                let value = self.expanded(required(&node, "value", &place)?, &place)?;
+                let value = self.with_expanded_parameters(required_attribute(&node, "value", &place)?, &place)?;
                 self.files.add_folder(&value);
                 return Ok(());
             }
-            "include" => return self.include(&node, &place, contents),
+            "include" => return self.read_include(&node, &place, contents),
             "alias" => {
-                let id = self.expanded(required(&node, "id", &place)?, &place)?;
-                let alias = self.expanded(required(&node, "as", &place)?, &place)?;
+                let id = self.with_expanded_parameters(required_attribute(&node, "id", &place)?, &place)?;
+                let alias = self.with_expanded_parameters(required_attribute(&node, "as", &place)?, &place)?;
                 self.aliases.push((alias, id, place));
                 return Ok(());
             }
             "ref" => {
-                let id = self.expanded(required(&node, "id", &place)?, &place)?;
+                let id = self.with_expanded_parameters(required_attribute(&node, "id", &place)?, &place)?;
                 contents.children.push((name, ChildObject::Reference(id, place)));
                 return Ok(());
             }
@@ -223,9 +223,9 @@ impl TreeReader<'_, '_> {
             *class != ObjectClass::Scene && (*class != ObjectClass::Texture || attribute("type").is_some())
         });
         if let Some(class) = class {
-            let plugin = self.expanded(attribute("type").unwrap_or_default(), &place)?;
-            let id = attribute("id").map(|id| self.expanded(id, &place)).transpose()?;
-            let mut nested = Contents::default();
+            let plugin = self.with_expanded_parameters(attribute("type").unwrap_or_default(), &place)?;
+            let id = attribute("id").map(|id| self.with_expanded_parameters(id, &place)).transpose()?;
+            let mut nested = ObjectContents::default();
             for child in node.children().filter(Node::is_element) {
                 self.read_element(file, child, depth + 1, &mut nested)?;
             }
@@ -238,7 +238,7 @@ impl TreeReader<'_, '_> {
             contents.children.push((name, ChildObject::Own(object)));
             return Ok(());
         }
-        let value = self.value(file, &tag, &node, &place)?;
+        let value = self.parse_value(file, &tag, &node, &place)?;
         if name.is_empty() {
             return Err(place.error(format!("this `{tag}` has no name"), "write an attribute `name`"));
         }
@@ -247,9 +247,9 @@ impl TreeReader<'_, '_> {
     }
 
     /// Reads the file that an `include` element names, and adds it to `contents`.
-    fn include(&mut self, node: &Node<'_, '_>, place: &Place, contents: &mut Contents) -> ReadResult<()> {
-        let name = self.expanded(required(node, "filename", place)?, place)?;
-        let path = self.files.find(&name, place)?;
+    fn read_include(&mut self, node: &Node<'_, '_>, place: &Place, contents: &mut ObjectContents) -> ReadResult<()> {
+        let name = self.with_expanded_parameters(required_attribute(node, "filename", place)?, place)?;
+        let path = self.files.find_file(&name, place)?;
         let absolute = path.canonicalize().unwrap_or_else(|_| path.clone());
         if self.included.contains(&absolute) {
             return Err(place.error(format!("`{name}` includes itself"), "remove the include"));
@@ -262,13 +262,13 @@ impl TreeReader<'_, '_> {
         if self.includes > MAX_INCLUDES {
             return Err(place.error(format!("the scene has more than {MAX_INCLUDES} includes"), "join files"));
         }
-        let bytes = self.files.read(&path)?;
+        let bytes = self.files.read_file(&path)?;
         self.read_text(&path, bytes, Some(place), contents)
     }
 
     /// Parses an element that holds a value, such as `float` or `transform`, and not an object.
-    fn value(&self, file: &CurrentFile, tag: &str, node: &Node<'_, '_>, place: &Place) -> ReadResult<Value> {
-        let text = |name: &str| self.expanded(required(node, name, place)?, place);
+    fn parse_value(&self, file: &CurrentFile, tag: &str, node: &Node<'_, '_>, place: &Place) -> ReadResult<Value> {
+        let text = |name: &str| self.with_expanded_parameters(required_attribute(node, name, place)?, place);
         let invalid = |what: &str, text: &str| {
             let excerpt: String = text.chars().take(40).collect();
             place.error(format!("`{excerpt}` is not {what}"), "correct the attribute `value`")
@@ -287,14 +287,14 @@ impl TreeReader<'_, '_> {
                 other => return Err(invalid("`true` or `false`", other)),
             },
             "string" => Value::Text(text("value")?),
-            "point" | "vector" => Value::Vector(parse_vector(self.attributes(node, place)?, 0.0, place)?),
+            "point" | "vector" => Value::Vector(parse_vector(self.expanded_attributes(node, place)?, 0.0, place)?),
             "rgb" | "srgb" | "color" => {
                 let text = text("value")?;
                 let color = ColorValue::parse_rgb(&text, tag == "srgb");
                 Value::Color(color.ok_or_else(|| invalid("a color: three numbers or `#rrggbb`", &text))?)
             }
             "spectrum" => match node.attribute("filename") {
-                Some(name) => Value::Color(self.spectrum_file(&self.expanded(name, place)?, place)?),
+                Some(name) => Value::Color(self.spectrum_file(&self.with_expanded_parameters(name, place)?, place)?),
                 None => {
                     let text = text("value")?;
                     let spectrum = ColorValue::parse_spectrum(&text);
@@ -305,7 +305,7 @@ impl TreeReader<'_, '_> {
                 let kelvin = text("temperature")?;
                 let temperature: Option<f64> = kelvin.trim().trim_end_matches(['K', 'k']).trim().parse().ok();
                 let scale = match node.attribute("scale") {
-                    Some(scale) => self.expanded(scale, place)?.trim().parse().ok(),
+                    Some(scale) => self.with_expanded_parameters(scale, place)?.trim().parse().ok(),
                     None => Some(1.0),
                 };
                 match (temperature, scale) {
@@ -318,8 +318,8 @@ impl TreeReader<'_, '_> {
             "transform" | "animation" => {
                 let steps = node.children().filter(Node::is_element);
                 let steps = steps.map(|step| {
-                    let place = file.place(&step);
-                    let attributes = self.attributes(&step, &place)?;
+                    let place = file.element_place(&step);
+                    let attributes = self.expanded_attributes(&step, &place)?;
                     Ok((step.tag_name().name().to_ascii_lowercase(), attributes, place))
                 });
                 if tag == "animation" {
@@ -335,8 +335,8 @@ impl TreeReader<'_, '_> {
     }
 
     fn spectrum_file(&self, name: &str, place: &Place) -> ReadResult<ColorValue> {
-        let path = self.files.find(name, place)?;
-        let bytes = self.files.read(&path)?;
+        let path = self.files.find_file(name, place)?;
+        let bytes = self.files.read_file(&path)?;
         let spectrum = std::str::from_utf8(&bytes).ok().and_then(ColorValue::parse_spectrum_file);
         spectrum.ok_or_else(|| {
             let message = format!("the file `{name}` is not a list of wavelengths and values");
@@ -345,15 +345,15 @@ impl TreeReader<'_, '_> {
     }
 
     /// Returns the attributes of an element, with parameters replaced by their values.
-    fn attributes(&self, node: &Node<'_, '_>, place: &Place) -> ReadResult<HashMap<String, String>> {
-        let expanded = |text: &str| self.expanded(text, place);
+    fn expanded_attributes(&self, node: &Node<'_, '_>, place: &Place) -> ReadResult<HashMap<String, String>> {
+        let expanded = |text: &str| self.with_expanded_parameters(text, place);
         node.attributes().map(|a| Ok((a.name().to_ascii_lowercase(), expanded(a.value())?))).collect()
     }
 
     /// Returns `text` with each parameter `$name` replaced by its value.
     ///
     /// If several parameter names match at one `$`, the longest is used.
-    fn expanded(&self, text: &str, place: &Place) -> ReadResult<String> {
+    fn with_expanded_parameters(&self, text: &str, place: &Place) -> ReadResult<String> {
         if !text.contains('$') {
             return Ok(text.to_owned());
         }
@@ -377,7 +377,7 @@ impl TreeReader<'_, '_> {
 }
 
 /// Returns the attribute `name` of an element; an error if there is none.
-fn required<'n>(node: &Node<'n, '_>, name: &str, place: &Place) -> ReadResult<&'n str> {
+fn required_attribute<'n>(node: &Node<'n, '_>, name: &str, place: &Place) -> ReadResult<&'n str> {
     node.attribute(name).ok_or_else(|| {
         let message = format!("this `{}` has no attribute `{name}`", node.tag_name().name());
         place.error(message, "add the attribute")

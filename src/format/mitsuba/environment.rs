@@ -27,7 +27,7 @@ pub(super) fn read_environment(
     emitter: &SceneObject,
     to_world: DMat4,
 ) -> ReadResult<EnvironmentRadiance> {
-    let (file, image) = textures.picture(context, emitter, false)?;
+    let (file, image) = textures.read_picture(context, emitter, false)?;
     let scale = emitter.number("scale").unwrap_or(1.0);
     if !(0.0..=1e30).contains(&scale) {
         return Err(emitter.place.error("the scale of the environment map is negative", "correct `scale`"));
@@ -54,10 +54,10 @@ pub(super) fn read_environment(
         let angle = libm::atan2(linear.z_axis.x, linear.z_axis.z).to_degrees() + 180.0;
         if angle >= 360.0 { angle - 360.0 } else { angle }
     } else {
-        image = resampled(&image, linear).ok_or_else(singular)?;
+        image = resampled_environment(&image, linear).ok_or_else(singular)?;
         180.0
     };
-    let path = Spanned::new(textures.embed(image), Span::default());
+    let path = Spanned::new(textures.embed_picture(image), Span::default());
     Ok(EnvironmentRadiance::Picture { path, scale, rotate })
 }
 
@@ -65,7 +65,7 @@ pub(super) fn read_environment(
 ///
 /// The result has as many pixels as `image`. Each pixel is the mean of [`SAMPLES`]² values of
 /// `image`. Returns `None` if the transform is singular.
-fn resampled(image: &Image, to_world: DMat3) -> Option<Image> {
+fn resampled_environment(image: &Image, to_world: DMat3) -> Option<Image> {
     let inverse = to_world.inverse();
     if !inverse.is_finite() {
         return None;
@@ -81,7 +81,7 @@ fn resampled(image: &Image, to_world: DMat3) -> Option<Image> {
                 let theta = (f64::from(row) + within(sample / SAMPLES)) / f64::from(height) * PI;
                 let (sin, cos) = (libm::sin(theta), libm::cos(theta));
                 let world = DVec3::new(libm::sin(phi) * sin, cos, -libm::cos(phi) * sin);
-                sum += value(image, (inverse * world).normalize_or(DVec3::Y)).as_dvec3();
+                sum += radiance_in_direction(image, (inverse * world).normalize_or(DVec3::Y)).as_dvec3();
             }
             pixels.push((sum / f64::from(SAMPLES * SAMPLES)).as_vec3());
         }
@@ -92,7 +92,7 @@ fn resampled(image: &Image, to_world: DMat3) -> Option<Image> {
 /// Returns the radiance of Mitsuba's map `image` in a unit direction of the map's own frame.
 ///
 /// The radiance is interpolated between pixels.
-fn value(image: &Image, direction: DVec3) -> Rgb {
+fn radiance_in_direction(image: &Image, direction: DVec3) -> Rgb {
     let (width, height) = (i64::from(image.width()), i64::from(image.height()));
     let x = (libm::atan2(direction.x, -direction.z) / TAU).rem_euclid(1.0) * width as f64 - 0.5;
     let y = libm::acos(direction.y.clamp(-1.0, 1.0)) / PI * height as f64 - 0.5;
@@ -121,11 +121,11 @@ mod tests {
         }
         let image = Image::from_pixels(width, height, pixels).unwrap();
         let tilt = DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y);
-        let tilted = resampled(&image, tilt).unwrap();
+        let tilted = resampled_environment(&image, tilt).unwrap();
         // Not the direction Z, which is at the pole of the map. There, the nearest pixels are half
         // a pixel away.
         for direction in [DVec3::X, DVec3::Y, DVec3::NEG_X, DVec3::new(0.6, -0.64, 0.48)] {
-            let (found, expected) = (value(&tilted, tilt * direction), color(direction));
+            let (found, expected) = (radiance_in_direction(&tilted, tilt * direction), color(direction));
             // Two interpolations of a sine between pixels of 0.1 rad, and averaging, cause the
             // error.
             assert!((found - expected).abs().max_element() < 0.01, "{direction}: {found} instead of {expected}");

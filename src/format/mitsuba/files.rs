@@ -32,7 +32,7 @@ impl Place {
     /// Returns the position as text for messages, such as `line 3`.
     ///
     /// The text begins with the file's name, unless this is `main`.
-    pub fn described(&self, main: &str) -> String {
+    pub fn position_text(&self, main: &str) -> String {
         let Self { source, line, .. } = self;
         if source.name() == main { format!("line {line}") } else { format!("{} line {line}", source.name()) }
     }
@@ -76,7 +76,7 @@ impl<'a> SceneFiles<'a> {
     /// that was free before reading.
     ///
     /// This check is fast enough for each element. A query of the free memory is not.
-    pub fn check_total(&self, total: u64) -> ReadResult<()> {
+    pub fn check_total_memory(&self, total: u64) -> ReadResult<()> {
         match self.free_at_start {
             Some(free) if total > free => {
                 Err(SceneReadError::Memory { path: self.path.to_owned(), needed: total, free })
@@ -86,7 +86,7 @@ impl<'a> SceneFiles<'a> {
     }
 
     /// Returns the content of a file; an error if it exceeds the free memory.
-    pub fn read(&self, path: &Path) -> ReadResult<Vec<u8>> {
+    pub fn read_file(&self, path: &Path) -> ReadResult<Vec<u8>> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (file, length) = open_file(path).map_err(unreadable)?;
         self.check_memory(path, length)?;
@@ -97,7 +97,7 @@ impl<'a> SceneFiles<'a> {
 
     /// Adds the search folder `name` of a `path` element, relative to the folder of the scene.
     pub fn add_folder(&self, name: &str) {
-        self.folders.borrow_mut().push(self.scene_folder().join(portable(name)));
+        self.folders.borrow_mut().push(self.scene_folder().join(path_with_slashes(name)));
     }
 
     /// Returns the path of the existing file to which the element at `place` refers as `name`.
@@ -105,8 +105,8 @@ impl<'a> SceneFiles<'a> {
     /// Reports the file to the monitor. Searches the folders of `path` elements, then the folder of
     /// the scene, then the folder of the file that contains `place`. The file must lie inside the
     /// scene's folder, unless the options allow outside files.
-    pub fn find(&self, name: &str, place: &Place) -> ReadResult<PathBuf> {
-        let relative = portable(name);
+    pub fn find_file(&self, name: &str, place: &Place) -> ReadResult<PathBuf> {
+        let relative = path_with_slashes(name);
         let own = Path::new(place.source.name()).parent().map(Path::to_owned);
         let folders = self.folders.borrow();
         let candidates = folders.iter().rev().cloned().chain([self.scene_folder()]).chain(own);
@@ -134,6 +134,6 @@ impl<'a> SceneFiles<'a> {
 }
 
 /// Returns the path `name` with backslashes, as in scenes from Windows, replaced by slashes.
-fn portable(name: &str) -> PathBuf {
+fn path_with_slashes(name: &str) -> PathBuf {
     PathBuf::from(name.replace('\\', "/"))
 }

@@ -4,7 +4,7 @@ use super::color::ColorMeaning;
 use super::context::ImportContext;
 use super::environment::read_environment;
 use super::files::ReadResult;
-use super::sensor::half_height;
+use super::sensor::half_image_height;
 use super::textures::Textures;
 use super::tree::{ObjectClass, SceneObject};
 use crate::color::Rgb;
@@ -38,11 +38,11 @@ pub(super) fn read_light(
 ) -> ReadResult<Option<LightDescription>> {
     let to_world = emitter.transform("to_world").unwrap_or(DMat4::IDENTITY);
     let position = emitter.vector("position").unwrap_or(to_world.w_axis.truncate());
-    let axis = |column: DVec3| column.try_normalize().ok_or_else(|| singular(emitter));
+    let axis = |column: DVec3| column.try_normalize().ok_or_else(|| singular_transform_error(emitter));
     let color = |name: &str| context.color(emitter, name, ColorMeaning::Emission, 1.0);
     let light = match emitter.plugin.as_str() {
         "point" => {
-            let strength = scaled(emitter, color("intensity")?);
+            let strength = scaled_strength(emitter, color("intensity")?);
             LightDescription::Point { position, strength: PointLightStrength::Intensity(strength) }
         }
         "spot" => read_spot(context, textures, emitter, to_world)?,
@@ -52,10 +52,12 @@ pub(super) fn read_light(
                 Some(direction) => axis(to_world.transform_vector3(direction))?,
                 None => axis(to_world.z_axis.truncate())?,
             };
-            let irradiance = scaled(emitter, color("irradiance")?);
+            let irradiance = scaled_strength(emitter, color("irradiance")?);
             LightDescription::Directional { direction, strength: DirectionalLightStrength::Irradiance(irradiance) }
         }
-        "constant" => LightDescription::Environment(EnvironmentRadiance::Constant(scaled(emitter, color("radiance")?))),
+        "constant" => {
+            LightDescription::Environment(EnvironmentRadiance::Constant(scaled_strength(emitter, color("radiance")?)))
+        }
         "envmap" => LightDescription::Environment(read_environment(context, textures, emitter, to_world)?),
         "sky" | "sun" | "sunsky" => {
             let message = format!("the daylight model `{}` is not supported", emitter.plugin);
@@ -64,7 +66,7 @@ pub(super) fn read_light(
         // An area light is the emission of its shape.
         "area" | "directionalarea" => return Ok(None),
         other => {
-            context.note_whole(&format!("emitters of kind `{other}` are left out"), emitter);
+            context.add_note_on_object(&format!("emitters of kind `{other}` are left out"), emitter);
             return Ok(None);
         }
     };
@@ -74,11 +76,11 @@ pub(super) fn read_light(
 /// Returns `strength` times the emitter's parameter `scale`, or times 1 without this parameter.
 ///
 /// Only scenes before version 2 of the format have it.
-fn scaled(emitter: &SceneObject, strength: DVec3) -> DVec3 {
+fn scaled_strength(emitter: &SceneObject, strength: DVec3) -> DVec3 {
     strength * emitter.number("scale").unwrap_or(1.0).max(0.0)
 }
 
-fn singular(emitter: &SceneObject) -> crate::format::import::SceneReadError {
+fn singular_transform_error(emitter: &SceneObject) -> crate::format::import::SceneReadError {
     emitter.place.error("the direction of this emitter is zero", "correct its transform")
 }
 
@@ -122,21 +124,23 @@ fn read_spot(
     let falloff = |degrees: f64| {
         if degrees <= beam { 1.0 } else { ((cutoff - degrees) / (cutoff - beam)).max(0.0) }
     };
-    let intensity = scaled(emitter, context.color(emitter, "intensity", ColorMeaning::Emission, 1.0)?);
+    let intensity = scaled_strength(emitter, context.color(emitter, "intensity", ColorMeaning::Emission, 1.0)?);
     let strength = PointLightStrength::Intensity(intensity);
     let position = to_world.w_axis.truncate();
     let [right, up, axis] = emitter_axes(emitter, to_world)?;
     let texture = context.named_child(emitter, ObjectClass::Texture, "texture")?;
-    let embed = |textures: &mut Textures, width, height, pixels| {
+    let embed_picture = |textures: &mut Textures, width, height, pixels| {
         let image = Image::from_pixels(width, height, pixels);
-        image.map(|image| textures.embed(image)).map_err(|error| emitter.place.error(error, "use another texture"))
+        image
+            .map(|image| textures.embed_picture(image))
+            .map_err(|error| emitter.place.error(error, "use another texture"))
     };
     if let Some(texture) = texture.filter(|texture| texture.plugin == "bitmap") {
         if cutoff > MAX_PICTURE_CUTOFF {
             let message = format!("a spotlight with a texture is wider than {MAX_PICTURE_CUTOFF} degrees");
             return Err(emitter.place.error(message, "choose a smaller `cutoff_angle`"));
         }
-        let (_, picture) = textures.picture(context, &texture, texture.boolean("raw", false))?;
+        let (_, picture) = textures.read_picture(context, &texture, texture.boolean("raw", false))?;
         let size = SPOT_PICTURE_SIZE;
         let tangent = libm::tan(cutoff.to_radians());
         let mut pixels = Vec::with_capacity((size * size) as usize);
@@ -146,18 +150,18 @@ fn read_spot(
                 // The right side of the picture is −x of the emitter's frame, and its top is +y.
                 let (x, y) = (-centered(column), -centered(row));
                 let degrees = libm::atan(libm::hypot(x, y) * tangent).to_degrees();
-                let value = interpolated(&picture, 0.5 + 0.5 * x, 0.5 + 0.5 * y);
+                let value = interpolated_pixel(&picture, 0.5 + 0.5 * x, 0.5 + 0.5 * y);
                 pixels.push(value * falloff(degrees) as f32);
             }
         }
-        let path = Spanned::new(embed(textures, size, size, pixels)?, Span::default());
+        let path = Spanned::new(embed_picture(textures, size, size, pixels)?, Span::default());
         let pattern = LightPattern::Picture { path, angle: 2.0 * cutoff };
         let aim = DirectionOrTarget::Direction(axis);
         return Ok(LightDescription::Oriented { position, aim, up: Some(up), pattern, strength });
     }
     let angle = |row: u32| (f64::from(row) + 0.5) * 180.0 / f64::from(SPOT_ROWS);
     let pixels: Vec<Rgb> = (0..SPOT_ROWS).map(|row| Vec3::splat(falloff(angle(row)) as f32)).collect();
-    let path = Spanned::new(embed(textures, 1, SPOT_ROWS, pixels)?, Span::default());
+    let path = Spanned::new(embed_picture(textures, 1, SPOT_ROWS, pixels)?, Span::default());
     // The intensity map is symmetric about its up direction, which is the light's axis.
     let aim = DirectionOrTarget::Direction(right);
     Ok(LightDescription::Oriented { position, aim, up: Some(axis), pattern: LightPattern::Map(path), strength })
@@ -176,7 +180,7 @@ fn read_projector(
     let scale = emitter.number("scale").unwrap_or(1.0).max(0.0);
     let texture = context.named_child(emitter, ObjectClass::Texture, "irradiance")?;
     let image = match texture.filter(|texture| texture.plugin == "bitmap") {
-        Some(texture) => (*textures.picture(context, &texture, texture.boolean("raw", false))?.1).clone(),
+        Some(texture) => (*textures.read_picture(context, &texture, texture.boolean("raw", false))?.1).clone(),
         None => {
             let irradiance = context.color(emitter, "irradiance", ColorMeaning::Emission, 1.0)?;
             let image = Image::from_pixels(1, 1, vec![irradiance.as_vec3()]);
@@ -185,7 +189,7 @@ fn read_projector(
     };
     let (width, height) = (image.width(), image.height());
     let size = [f64::from(width), f64::from(height)];
-    let half = half_height(emitter, size)?;
+    let half = half_image_height(emitter, size)?;
     let mut image = image;
     for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
         let (column, row) = (i as u32 % width, i as u32 / width);
@@ -197,7 +201,7 @@ fn read_projector(
         *pixel = value * (PI * squared * squared.sqrt()) as f32;
     }
     let pattern = LightPattern::Picture {
-        path: Spanned::new(textures.embed(image), Span::default()),
+        path: Spanned::new(textures.embed_picture(image), Span::default()),
         angle: 2.0 * libm::atan(half).to_degrees(),
     };
     let strength = PointLightStrength::Intensity(DVec3::splat(scale));
@@ -211,9 +215,11 @@ fn read_projector(
 /// In the emitter's own frame, they are −x, +y and +z.
 fn emitter_axes(emitter: &SceneObject, to_world: DMat4) -> ReadResult<[DVec3; 3]> {
     let axes = [-to_world.x_axis.truncate(), to_world.y_axis.truncate(), to_world.z_axis.truncate()];
-    let [Some(right), Some(up), Some(forward)] = axes.map(DVec3::try_normalize) else { return Err(singular(emitter)) };
+    let [Some(right), Some(up), Some(forward)] = axes.map(DVec3::try_normalize) else {
+        return Err(singular_transform_error(emitter));
+    };
     if forward.cross(up).length() < 1e-6 {
-        return Err(singular(emitter));
+        return Err(singular_transform_error(emitter));
     }
     Ok([right, up, forward])
 }
@@ -221,7 +227,7 @@ fn emitter_axes(emitter: &SceneObject, to_world: DMat4) -> ReadResult<[DVec3; 3]
 /// Returns the value of a picture at (u, v) in \[0, 1]², interpolated between pixels.
 ///
 /// v = 0 is the top of the picture. Negative and infinite values become 0.
-fn interpolated(image: &Image, u: f64, v: f64) -> Rgb {
+fn interpolated_pixel(image: &Image, u: f64, v: f64) -> Rgb {
     let (width, height) = (f64::from(image.width()), f64::from(image.height()));
     let (x, y) = (u * width - 0.5, v * height - 0.5);
     let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);

@@ -2,7 +2,7 @@
 
 use super::conductors::conductor;
 use super::context::ImportContext;
-use super::dielectrics::{is_air, refractive_index};
+use super::dielectrics::{is_index_matched, refractive_index};
 use super::files::ReadResult;
 use super::meshes::TexcoordConvention;
 use super::textures::{TextureUse, TextureValues, Textures};
@@ -75,12 +75,12 @@ pub(super) struct Materials {
 }
 
 /// Result of the conversion of a BSDF: reflection and transmission, and a bump map or normal map.
-struct Surface {
+struct ConvertedBsdf {
     kind: MaterialKindDescription,
     normal: Option<NormalPerturbationDescription>,
 }
 
-impl From<MaterialKindDescription> for Surface {
+impl From<MaterialKindDescription> for ConvertedBsdf {
     fn from(kind: MaterialKindDescription) -> Self {
         Self { kind, normal: None }
     }
@@ -90,7 +90,7 @@ impl Materials {
     /// Returns the material of a shape. Converts the shape's BSDF if no equal variant exists yet.
     ///
     /// A shape without a BSDF has a gray diffuse material.
-    pub fn material(
+    pub fn imported_material(
         &mut self,
         context: &ImportContext<'_>,
         textures: &mut Textures,
@@ -104,15 +104,16 @@ impl Materials {
         let MaterialVariant { medium, emission, convention } = variant;
         let wanted = bsdf.and_then(|bsdf| bsdf.id.clone()).unwrap_or_else(|| "material".to_owned());
         let name = self.unique_name(&wanted);
-        let mut conversion = Conversion { materials: self, textures, context, convention: *convention, name: &name };
+        let mut converter =
+            MaterialConverter { materials: self, textures, context, convention: *convention, name: &name };
         let surface = match bsdf {
-            Some(bsdf) => conversion.convert(bsdf, 0)?,
-            None => diffuse(DVec3::splat(0.5)).into(),
+            Some(bsdf) => converter.convert_bsdf(bsdf, 0)?,
+            None => diffuse_description(DVec3::splat(0.5)).into(),
         };
-        let Surface { mut kind, normal } = surface;
+        let ConvertedBsdf { mut kind, normal } = surface;
         let emission = emission.clone().map(|(name, scale)| EmissionDescription::Texture { name, scale });
         if kind.is_null_interface() && emission.is_some() {
-            kind = diffuse(DVec3::ZERO);
+            kind = diffuse_description(DVec3::ZERO);
         }
         let boundary = match &kind {
             MaterialKindDescription::Dielectric { .. } => MaterialBoundary::Body,
@@ -145,26 +146,26 @@ impl Materials {
 
     /// Returns the name of the null-interface material that bounds `medium`. Adds it at its first
     /// use.
-    pub fn interface(&mut self, medium: &str) -> String {
+    pub fn null_interface(&mut self, medium: &str) -> String {
         if let Some(name) = self.interfaces.get(medium) {
             return name.clone();
         }
         let name = self.unique_name("boundary");
         let kind = MaterialKindDescription::NullInterface { priority: 0 };
         let filling = Some(Spanned::new(medium.to_owned(), Span::default()));
-        self.push(name.clone(), kind, None, filling);
+        self.push_material(name.clone(), kind, None, filling);
         self.interfaces.insert(medium.to_owned(), name.clone());
         name
     }
 
     /// Returns the name of a material that reflects and transmits nothing. Adds it at its first
     /// use.
-    pub fn black(&mut self) -> String {
+    pub fn black_material(&mut self) -> String {
         if let Some(name) = &self.black {
             return name.clone();
         }
         let name = self.unique_name("black");
-        self.push(name.clone(), diffuse(DVec3::ZERO), None, None);
+        self.push_material(name.clone(), diffuse_description(DVec3::ZERO), None, None);
         self.black = Some(name.clone());
         name
     }
@@ -185,7 +186,7 @@ impl Materials {
         self.descriptions.iter().flat_map(|m| m.texture_names()).map(|name| name.value.clone()).collect()
     }
 
-    fn push(
+    fn push_material(
         &mut self,
         name: String,
         kind: MaterialKindDescription,
@@ -218,7 +219,7 @@ impl Materials {
         }
         let name = self.unique_name("clear");
         let kind = MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() };
-        self.push(name.clone(), kind, None, None);
+        self.push_material(name.clone(), kind, None, None);
         self.clear = Some(name.clone());
         name
     }
@@ -234,12 +235,12 @@ fn collect_material_names(group: &ObjectGroup, names: &mut HashSet<String>) {
     }
 }
 
-fn diffuse(reflectance: DVec3) -> MaterialKindDescription {
+fn diffuse_description(reflectance: DVec3) -> MaterialKindDescription {
     MaterialKindDescription::Diffuse { reflectance: reflectance.into() }
 }
 
-/// State of the conversion of one BSDF to a material.
-struct Conversion<'c, 'a> {
+/// Converter of one BSDF to a material, with the state of the conversion.
+struct MaterialConverter<'c, 'a> {
     materials: &'c mut Materials,
     textures: &'c mut Textures,
     context: &'c ImportContext<'a>,
@@ -248,23 +249,23 @@ struct Conversion<'c, 'a> {
     name: &'c str,
 }
 
-impl Conversion<'_, '_> {
-    fn convert(&mut self, bsdf: &Rc<SceneObject>, depth: u32) -> ReadResult<Surface> {
+impl MaterialConverter<'_, '_> {
+    fn convert_bsdf(&mut self, bsdf: &Rc<SceneObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         if depth > MAX_DEPTH {
             return Err(bsdf.place.error("BSDFs are nested too deep, or contain themselves", "nest them less deep"));
         }
         let context = self.context;
         Ok(match bsdf.plugin.as_str() {
             "diffuse" | "lambertian" => {
-                let reflectance = self.color(bsdf, "reflectance", 0.5)?;
+                let reflectance = self.textured_color(bsdf, "reflectance", 0.5)?;
                 MaterialKindDescription::Diffuse { reflectance }.into()
             }
             "roughdiffuse" | "difftrans" => {
-                context.note_whole(&format!("`{}` becomes diffuse", bsdf.plugin), bsdf);
-                let reflectance = self.color(bsdf, "reflectance", 0.5)?;
+                context.add_note_on_object(&format!("`{}` becomes diffuse", bsdf.plugin), bsdf);
+                let reflectance = self.textured_color(bsdf, "reflectance", 0.5)?;
                 MaterialKindDescription::Diffuse { reflectance }.into()
             }
-            "dielectric" | "roughdielectric" => self.dielectric(bsdf)?,
+            "dielectric" | "roughdielectric" => self.convert_dielectric(bsdf)?,
             "thindielectric" => {
                 self.note_tints(bsdf)?;
                 let index = refractive_index(context, bsdf)?;
@@ -273,67 +274,67 @@ impl Conversion<'_, '_> {
             }
             "conductor" | "roughconductor" => {
                 let roughness = if bsdf.plugin == "conductor" { 0.0.into() } else { self.roughness(bsdf)? };
-                let tint = self.values(bsdf, "specular_reflectance", 1.0, TextureUse::Color)?;
+                let tint = self.texture_values(bsdf, "specular_reflectance", 1.0, TextureUse::Color)?;
                 conductor(context, bsdf, tint, roughness)?.into()
             }
-            "plastic" | "roughplastic" => self.plastic(bsdf)?,
-            "principled" | "principledthin" => self.principled(bsdf)?,
-            "phong" => self.phong(bsdf)?,
+            "plastic" | "roughplastic" => self.convert_plastic(bsdf)?,
+            "principled" | "principledthin" => self.convert_principled(bsdf)?,
+            "phong" => self.convert_phong(bsdf)?,
             "twosided" => {
                 let sides = context.children(bsdf, ObjectClass::Bsdf)?;
                 if sides.len() > 1 {
-                    context.note("surfaces with two BSDFs have the first one on both sides", bsdf);
+                    context.add_note("surfaces with two BSDFs have the first one on both sides", bsdf);
                 }
-                self.nested(bsdf, &sides, depth)?
+                self.convert_first_nested(bsdf, &sides, depth)?
             }
             "mask" => {
-                let opacity = self.values(bsdf, "opacity", 0.5, TextureUse::Fraction)?.into_number();
+                let opacity = self.texture_values(bsdf, "opacity", 0.5, TextureUse::Fraction)?.into_number();
                 let sides = context.children(bsdf, ObjectClass::Bsdf)?;
-                let solid = self.nested(bsdf, &sides, depth)?;
-                self.masked(solid, opacity)
+                let solid = self.convert_first_nested(bsdf, &sides, depth)?;
+                self.mix_with_clear(solid, opacity)
             }
-            "blendbsdf" | "mixturebsdf" => self.blend(bsdf, depth)?,
+            "blendbsdf" | "mixturebsdf" => self.convert_blend(bsdf, depth)?,
             "bumpmap" | "bump" => {
                 let sides = context.children(bsdf, ObjectClass::Bsdf)?;
-                let mut surface = self.nested(bsdf, &sides, depth)?;
+                let mut surface = self.convert_first_nested(bsdf, &sides, depth)?;
                 let scale = bsdf.number("scale").unwrap_or(1.0);
                 let heights = context.children(bsdf, ObjectClass::Texture)?;
                 if let Some((_, texture)) = heights.first() {
                     let wanted = (TextureUse::Height, self.convention);
                     if let TextureValues::Texture(texture, _) =
-                        self.textures.texture(context, texture, wanted, 1.0, 0)?
+                        self.textures.convert_texture(context, texture, wanted, 1.0, 0)?
                     {
                         surface.normal = Some(NormalPerturbationDescription::Bump { texture, height: scale });
                     }
                 }
-                self.perturb_parts(bsdf, surface)
+                self.without_mix_perturbation(bsdf, surface)
             }
             "normalmap" => {
                 let sides = context.children(bsdf, ObjectClass::Bsdf)?;
-                let mut surface = self.nested(bsdf, &sides, depth)?;
+                let mut surface = self.convert_first_nested(bsdf, &sides, depth)?;
                 let wanted = (TextureUse::Normal, self.convention);
                 let values = match context.children(bsdf, ObjectClass::Texture)?.first() {
-                    Some((_, texture)) => Some(self.textures.texture(context, texture, wanted, 1.0, 0)?),
+                    Some((_, texture)) => Some(self.textures.convert_texture(context, texture, wanted, 1.0, 0)?),
                     // A fork of Mitsuba names the picture file in the BSDF itself.
                     None if bsdf.values.contains_key("filename") => {
-                        Some(self.textures.bitmap(context, bsdf, wanted, 1.0)?)
+                        Some(self.textures.convert_bitmap(context, bsdf, wanted, 1.0)?)
                     }
                     None => None,
                 };
                 if let Some(TextureValues::Texture(name, _)) = values {
                     surface.normal = Some(NormalPerturbationDescription::NormalMap(name));
                 }
-                self.perturb_parts(bsdf, surface)
+                self.without_mix_perturbation(bsdf, surface)
             }
             "null" => MaterialKindDescription::NullInterface { priority: 0 }.into(),
             "coating" | "roughcoating" => {
-                context.note_whole(&format!("the coat of `{}` is ignored", bsdf.plugin), bsdf);
+                context.add_note_on_object(&format!("the coat of `{}` is ignored", bsdf.plugin), bsdf);
                 let sides = context.children(bsdf, ObjectClass::Bsdf)?;
-                self.nested(bsdf, &sides, depth)?
+                self.convert_first_nested(bsdf, &sides, depth)?
             }
             other => {
-                context.note_whole(&format!("BSDFs of kind `{other}` become diffuse gray"), bsdf);
-                diffuse(DVec3::splat(0.5)).into()
+                context.add_note_on_object(&format!("BSDFs of kind `{other}` become diffuse gray"), bsdf);
+                diffuse_description(DVec3::splat(0.5)).into()
             }
         })
     }
@@ -341,25 +342,25 @@ impl Conversion<'_, '_> {
     /// Converts the first of the nested BSDFs `sides`; an error if the list is empty.
     ///
     /// `bsdf` is the BSDF around them, at nesting depth `depth`.
-    fn nested(
+    fn convert_first_nested(
         &mut self,
         bsdf: &Rc<SceneObject>,
         sides: &[(String, Rc<SceneObject>)],
         depth: u32,
-    ) -> ReadResult<Surface> {
+    ) -> ReadResult<ConvertedBsdf> {
         let Some((_, inner)) = sides.first() else {
             let message = format!("`{}` has no nested BSDF", bsdf.plugin);
             return Err(bsdf.place.error(message, "nest a `bsdf` in it, or refer to one"));
         };
-        self.convert(inner, depth + 1)
+        self.convert_bsdf(inner, depth + 1)
     }
 
-    fn dielectric(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<Surface> {
+    fn convert_dielectric(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<ConvertedBsdf> {
         self.note_tints(bsdf)?;
         let index = refractive_index(self.context, bsdf)?;
         let roughness = if bsdf.plugin == "dielectric" { 0.0.into() } else { self.roughness(bsdf)? };
         let (refraction, attenuation) = (index.into(), DielectricAbsorption::None);
-        if is_air(index) && roughness == TexturedValue::Plain(0.0) {
+        if is_index_matched(index) && roughness == TexturedValue::Plain(0.0) {
             return Ok(MaterialKindDescription::NullInterface { priority: 0 }.into());
         }
         let multiple_scattering = false;
@@ -376,20 +377,20 @@ impl Conversion<'_, '_> {
     /// Adds a message for each specular tint of a dielectric that is not 1. Tints are ignored.
     fn note_tints(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<()> {
         for name in ["specular_reflectance", "specular_transmittance"] {
-            if self.values(bsdf, name, 1.0, TextureUse::Color)?.mean() != DVec3::ONE {
-                self.context.note(&format!("`{name}` of dielectrics is ignored: it is 1"), bsdf);
+            if self.texture_values(bsdf, name, 1.0, TextureUse::Color)?.mean() != DVec3::ONE {
+                self.context.add_note(&format!("`{name}` of dielectrics is ignored: it is 1"), bsdf);
             }
         }
         Ok(())
     }
 
-    fn plastic(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<Surface> {
+    fn convert_plastic(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<ConvertedBsdf> {
         let index = refractive_index(self.context, bsdf)?;
-        let base = self.values(bsdf, "diffuse_reflectance", 0.5, TextureUse::Color)?;
-        let tint = self.values(bsdf, "specular_reflectance", 1.0, TextureUse::Color)?.mean();
+        let base = self.texture_values(bsdf, "diffuse_reflectance", 0.5, TextureUse::Color)?;
+        let tint = self.texture_values(bsdf, "specular_reflectance", 1.0, TextureUse::Color)?.mean();
         let alpha = if bsdf.plugin == "plastic" { 0.0 } else { self.mean_roughness(bsdf)? };
         if tint != DVec3::ONE {
-            self.context.note("`specular_reflectance` of plastic is ignored", bsdf);
+            self.context.add_note("`specular_reflectance` of plastic is ignored", bsdf);
         }
         let kind = MaterialKindDescription::CoatedDiffuse {
             reflectance: base.into_color(),
@@ -400,17 +401,17 @@ impl Conversion<'_, '_> {
         Ok(kind.into())
     }
 
-    fn principled(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<Surface> {
+    fn convert_principled(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<ConvertedBsdf> {
         let context = self.context;
         for name in ["clearcoat", "sheen", "flatness", "anisotropic", "spec_tint"] {
             if bsdf.number(name).is_some_and(|strength| strength != 0.0) {
-                context.note(&format!("`{name}` of `principled` is ignored"), bsdf);
+                context.add_note(&format!("`{name}` of `principled` is ignored"), bsdf);
             }
         }
-        let base = self.values(bsdf, "base_color", 0.5, TextureUse::Color)?;
-        let metallic = self.values(bsdf, "metallic", 0.0, TextureUse::Fraction)?.into_number();
-        let rough = self.values(bsdf, "roughness", 0.5, TextureUse::Fraction)?.mean().x;
-        let transmission = self.values(bsdf, "spec_trans", 0.0, TextureUse::Fraction)?.into_number();
+        let base = self.texture_values(bsdf, "base_color", 0.5, TextureUse::Color)?;
+        let metallic = self.texture_values(bsdf, "metallic", 0.0, TextureUse::Fraction)?.into_number();
+        let rough = self.texture_values(bsdf, "roughness", 0.5, TextureUse::Fraction)?.mean().x;
+        let transmission = self.texture_values(bsdf, "spec_trans", 0.0, TextureUse::Fraction)?.into_number();
         let index = match bsdf.number("eta") {
             Some(eta) if eta > 1.0 => eta,
             _ => {
@@ -421,8 +422,8 @@ impl Conversion<'_, '_> {
             }
         };
         let alpha = rough * rough;
-        context.note("the gloss of `principled` is a Phong lobe, which does not grow towards grazing angles", bsdf);
-        let mut kind = glossy(base.clone().into_color(), DVec3::splat(normal_reflectance(index)), alpha);
+        context.add_note("the gloss of `principled` is a Phong lobe, which does not grow towards grazing angles", bsdf);
+        let mut kind = phong_description(base.clone().into_color(), DVec3::splat(normal_reflectance(index)), alpha);
         if transmission != TexturedValue::Plain(0.0) {
             let glass = MaterialKindDescription::Dielectric {
                 refraction: index.into(),
@@ -431,73 +432,73 @@ impl Conversion<'_, '_> {
                 multiple_scattering: false,
                 priority: 0,
             };
-            kind = self.mix(kind, glass, transmission);
+            kind = self.add_mix(kind, glass, transmission);
         }
         if metallic != TexturedValue::Plain(0.0) {
-            let metal = super::conductors::metal_of_reflectance(base.mean(), alpha.into());
+            let metal = super::conductors::metal_from_reflectance(base.mean(), alpha.into());
             if matches!(base, TextureValues::Texture(..)) {
-                context.note("metals with a texture of color have its mean", bsdf);
+                context.add_note("metals with a texture of color have its mean", bsdf);
             }
-            kind = self.mix(kind, metal, metallic);
+            kind = self.add_mix(kind, metal, metallic);
         }
         Ok(kind.into())
     }
 
-    fn phong(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<Surface> {
-        let diffuse = self.color(bsdf, "diffuse_reflectance", 0.5)?;
-        let specular = self.values(bsdf, "specular_reflectance", 0.2, TextureUse::Color)?.mean();
+    fn convert_phong(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<ConvertedBsdf> {
+        let diffuse = self.textured_color(bsdf, "diffuse_reflectance", 0.5)?;
+        let specular = self.texture_values(bsdf, "specular_reflectance", 0.2, TextureUse::Color)?.mean();
         let shininess = bsdf.number("exponent").unwrap_or(30.0).clamp(0.0, 1e6);
-        let specular = specular * phong_gain(shininess);
+        let specular = specular * phong_specular_color(shininess);
         Ok(MaterialKindDescription::Phong { diffuse, specular: specular.into(), shininess, texture: None }.into())
     }
 
-    fn blend(&mut self, bsdf: &Rc<SceneObject>, depth: u32) -> ReadResult<Surface> {
+    fn convert_blend(&mut self, bsdf: &Rc<SceneObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         let weight = if bsdf.plugin == "mixturebsdf" {
             let weights = bsdf.text("weights").and_then(super::color::parse_numbers).unwrap_or_default();
             match weights[..] {
                 [a, b] if a >= 0.0 && b >= 0.0 && a + b > 0.0 => {
                     if (a + b - 1.0).abs() > 1e-6 {
-                        self.context.note("weights of mixtures are scaled to the sum 1", bsdf);
+                        self.context.add_note("weights of mixtures are scaled to the sum 1", bsdf);
                     }
                     (b / (a + b)).into()
                 }
                 _ => return Err(bsdf.place.error("this mixture has not two weights", "give `weights` of two BSDFs")),
             }
         } else {
-            self.values(bsdf, "weight", 0.5, TextureUse::Fraction)?.into_number()
+            self.texture_values(bsdf, "weight", 0.5, TextureUse::Fraction)?.into_number()
         };
         let parts = self.context.children(bsdf, ObjectClass::Bsdf)?;
         let [(_, first), (_, second)] = &parts[..] else {
             return Err(bsdf.place.error("a blend needs two BSDFs", "nest two `bsdf` elements in it"));
         };
-        let (first, second) = (self.convert(first, depth + 1)?, self.convert(second, depth + 1)?);
-        let names = [self.add_part("first", first), self.add_part("second", second)];
-        Ok(mix_of(names, weight).into())
+        let (first, second) = (self.convert_bsdf(first, depth + 1)?, self.convert_bsdf(second, depth + 1)?);
+        let names = [self.add_mix_component("first", first), self.add_mix_component("second", second)];
+        Ok(mix_description(names, weight).into())
     }
 
     /// Returns a mix of `solid`, with the weight `opacity`, and a fully transparent material.
     ///
     /// If `opacity` is 1, returns `solid`.
-    fn masked(&mut self, solid: Surface, opacity: TexturedValue<f64>) -> Surface {
+    fn mix_with_clear(&mut self, solid: ConvertedBsdf, opacity: TexturedValue<f64>) -> ConvertedBsdf {
         if opacity == TexturedValue::Plain(1.0) {
             return solid;
         }
-        let names = [self.materials.clear_material(), self.add_part("solid", solid)];
-        mix_of(names, opacity).into()
+        let names = [self.materials.clear_material(), self.add_mix_component("solid", solid)];
+        mix_description(names, opacity).into()
     }
 
     /// Returns `surface`; if it is a mix, without its own bump map or normal map.
     ///
     /// Only the parts of a mix can have such maps. Adds a message if a map is removed.
-    fn perturb_parts(&mut self, bsdf: &SceneObject, surface: Surface) -> Surface {
+    fn without_mix_perturbation(&mut self, bsdf: &SceneObject, surface: ConvertedBsdf) -> ConvertedBsdf {
         if surface.kind.mix_material_names().is_some() && surface.normal.is_some() {
-            self.context.note("bump maps and normal maps of mixes are ignored", bsdf);
+            self.context.add_note("bump maps and normal maps of mixes are ignored", bsdf);
             return surface.kind.into();
         }
         surface
     }
 
-    fn mix(
+    fn add_mix(
         &mut self,
         first: MaterialKindDescription,
         second: MaterialKindDescription,
@@ -506,19 +507,19 @@ impl Conversion<'_, '_> {
         if amount == TexturedValue::Plain(1.0) {
             return second;
         }
-        let names = [self.add_part("first", first.into()), self.add_part("second", second.into())];
-        mix_of(names, amount)
+        let names = [self.add_mix_component("first", first.into()), self.add_mix_component("second", second.into())];
+        mix_description(names, amount)
     }
 
     /// Adds a part of a mix as a material, and returns the material's name.
     ///
     /// For a null interface, returns the fully transparent material instead.
-    fn add_part(&mut self, suffix: &str, surface: Surface) -> String {
+    fn add_mix_component(&mut self, suffix: &str, surface: ConvertedBsdf) -> String {
         if surface.kind.is_null_interface() {
             return self.materials.clear_material();
         }
         let name = self.materials.unique_name(&format!("{} {suffix}", self.name));
-        self.materials.push(name.clone(), surface.kind, surface.normal, None);
+        self.materials.push_material(name.clone(), surface.kind, surface.normal, None);
         name
     }
 
@@ -529,16 +530,16 @@ impl Conversion<'_, '_> {
     fn roughness(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<TexturedValue<f64>> {
         let is_ggx = bsdf.text("distribution").unwrap_or("beckmann") == "ggx";
         if !is_ggx {
-            self.context.note("Beckmann distributions become GGX with the same median slope", bsdf);
+            self.context.add_note("Beckmann distributions become GGX with the same median slope", bsdf);
         }
         let factor = if is_ggx { 1.0 } else { std::f64::consts::LN_2.sqrt() };
         let _ = bsdf.boolean("sample_visible", true);
         if bsdf.values.contains_key("alpha_u") || bsdf.values.contains_key("alpha_v") {
-            self.context.note("anisotropic roughness becomes isotropic", bsdf);
-            let [u, v] = ["alpha_u", "alpha_v"].map(|name| self.values(bsdf, name, 0.1, TextureUse::Fraction));
+            self.context.add_note("anisotropic roughness becomes isotropic", bsdf);
+            let [u, v] = ["alpha_u", "alpha_v"].map(|name| self.texture_values(bsdf, name, 0.1, TextureUse::Fraction));
             return Ok((factor * (u?.mean().x * v?.mean().x).sqrt()).into());
         }
-        Ok(match self.values(bsdf, "alpha", 0.1, TextureUse::Fraction)?.into_number() {
+        Ok(match self.texture_values(bsdf, "alpha", 0.1, TextureUse::Fraction)?.into_number() {
             TexturedValue::Plain(alpha) => (factor * alpha).into(),
             texture @ TexturedValue::Texture(_) => texture,
         })
@@ -547,26 +548,26 @@ impl Conversion<'_, '_> {
     fn mean_roughness(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<f64> {
         match self.roughness(bsdf)? {
             TexturedValue::Plain(alpha) => Ok(alpha),
-            TexturedValue::Texture(_) => Ok(self.values(bsdf, "alpha", 0.1, TextureUse::Fraction)?.mean().x),
+            TexturedValue::Texture(_) => Ok(self.texture_values(bsdf, "alpha", 0.1, TextureUse::Fraction)?.mean().x),
         }
     }
 
-    fn values(
+    fn texture_values(
         &mut self,
         bsdf: &SceneObject,
         name: &str,
         default: f64,
         wanted: TextureUse,
     ) -> ReadResult<TextureValues> {
-        self.textures.values(self.context, bsdf, (name, default), (wanted, self.convention))
+        self.textures.texture_values(self.context, bsdf, (name, default), (wanted, self.convention))
     }
 
-    fn color(&mut self, bsdf: &SceneObject, name: &str, default: f64) -> ReadResult<TexturedValue<DVec3>> {
-        Ok(self.values(bsdf, name, default, TextureUse::Color)?.into_color())
+    fn textured_color(&mut self, bsdf: &SceneObject, name: &str, default: f64) -> ReadResult<TexturedValue<DVec3>> {
+        Ok(self.texture_values(bsdf, name, default, TextureUse::Color)?.into_color())
     }
 }
 
-fn mix_of([first, second]: [String; 2], amount: TexturedValue<f64>) -> MaterialKindDescription {
+fn mix_description([first, second]: [String; 2], amount: TexturedValue<f64>) -> MaterialKindDescription {
     let [first, second] = [first, second].map(|name| Spanned::new(name, Span::default()));
     MaterialKindDescription::Mix { first, second, amount }
 }
@@ -580,16 +581,16 @@ fn normal_reflectance(index: f64) -> f64 {
 /// Returns a diffuse surface with a Phong lobe whose total reflectance is `specular`.
 ///
 /// The lobe's exponent is 2/α² − 2, where α = `alpha` is a GGX roughness.
-fn glossy(diffuse: TexturedValue<DVec3>, specular: DVec3, alpha: f64) -> MaterialKindDescription {
+fn phong_description(diffuse: TexturedValue<DVec3>, specular: DVec3, alpha: f64) -> MaterialKindDescription {
     let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
     let shininess = 2.0 / (alpha * alpha) - 2.0;
-    let specular = (specular * phong_gain(shininess)).into();
+    let specular = (specular * phong_specular_color(shininess)).into();
     MaterialKindDescription::Phong { diffuse, specular, shininess, texture: None }
 }
 
 /// Returns the specular coefficient with which a Phong lobe reflects all light at normal incidence.
 ///
 /// `shininess` is the exponent of the lobe.
-fn phong_gain(shininess: f64) -> f64 {
+fn phong_specular_color(shininess: f64) -> f64 {
     0.5 * (shininess + 2.0)
 }

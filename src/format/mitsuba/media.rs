@@ -39,32 +39,36 @@ pub(super) struct Media {
 
 impl Media {
     /// Returns the name of a medium in the imported scene. Converts the medium at its first use.
-    pub fn name(&mut self, context: &ImportContext<'_>, medium: &Rc<SceneObject>) -> ReadResult<Spanned<String>> {
+    pub fn medium_name(
+        &mut self,
+        context: &ImportContext<'_>,
+        medium: &Rc<SceneObject>,
+    ) -> ReadResult<Spanned<String>> {
         let key = Rc::as_ptr(medium);
         if let Some(name) = self.names.get(&key) {
             return Ok(Spanned::new(name.clone(), Span::default()));
         }
         let name = format!("medium{}", self.descriptions.len());
-        let description = self.convert(context, medium, &name)?;
+        let description = self.convert_medium(context, medium, &name)?;
         self.descriptions.push(Spanned::new(description, Span::default()));
         self.names.insert(key, name.clone());
         Ok(Spanned::new(name, Span::default()))
     }
 
-    fn convert(
+    fn convert_medium(
         &mut self,
         context: &ImportContext<'_>,
         medium: &SceneObject,
         name: &str,
     ) -> ReadResult<MediumDescription> {
-        let phase = read_phase(context, medium)?;
+        let phase = read_phase_function(context, medium)?;
         let scale = medium.number("scale").unwrap_or(1.0);
         if !(0.0..=1e12).contains(&scale) {
             return Err(medium.place.error("the scale of the medium is negative or too large", "correct `scale`"));
         }
         let (coefficients, density) = match medium.plugin.as_str() {
-            "homogeneous" => (self.homogeneous(context, medium, scale)?, DensityDescription::Homogeneous),
-            "heterogeneous" => self.heterogeneous(context, medium, (name, scale))?,
+            "homogeneous" => (self.homogeneous_coefficients(context, medium, scale)?, DensityDescription::Homogeneous),
+            "heterogeneous" => self.heterogeneous_medium(context, medium, (name, scale))?,
             other => {
                 let help = "use a `homogeneous` or `heterogeneous` medium";
                 return Err(medium.place.error(format!("media of kind `{other}` are not supported"), help));
@@ -74,7 +78,7 @@ impl Media {
         Ok(MediumDescription { name: name.to_owned(), coefficients, emission, phase, density })
     }
 
-    fn homogeneous(
+    fn homogeneous_coefficients(
         &self,
         context: &ImportContext<'_>,
         medium: &SceneObject,
@@ -106,7 +110,7 @@ impl Media {
         Ok(MediumCoefficients::ExtinctionAlbedo { extinction, albedo })
     }
 
-    fn heterogeneous(
+    fn heterogeneous_medium(
         &mut self,
         context: &ImportContext<'_>,
         medium: &SceneObject,
@@ -140,20 +144,20 @@ impl Media {
         let gray = mean.element_sum() / 3.0;
         let color = if gray > 0.0 { mean / gray } else { DVec3::ONE };
         if grid.channels == 3 && !is_one_cell {
-            context.note("a color of extinction that varies in space becomes its mean", medium);
+            context.add_note("a color of extinction that varies in space becomes its mean", medium);
         }
         let cells = grid.values.chunks(grid.channels);
         let densities: Vec<f32> = cells.map(|cell| cell.iter().sum::<f32>() / cell.len() as f32).collect();
         let albedo = match albedo {
             VolumeValues::Constant(albedo, _) => albedo,
             VolumeValues::Grid(albedos, albedo_to_world) => {
-                context.note("an albedo that varies in space becomes its mean", medium);
+                context.add_note("an albedo that varies in space becomes its mean", medium);
                 let is_aligned = albedos.size == grid.size && albedo_to_world == to_world;
                 weighted_mean(&albedos, |cell| if is_aligned { f64::from(densities[cell]) } else { 1.0 })
             }
         };
-        let maps = vec![TransformStep::Matrix(to_world)];
-        let extent = TransformedBoxDescription { min: DVec3::ZERO, max: DVec3::ONE, maps };
+        let steps = vec![TransformStep::Matrix(to_world)];
+        let extent = TransformedBoxDescription { min: DVec3::ZERO, max: DVec3::ONE, steps };
         self.grids.insert(name.to_owned(), Arc::new(DensityGrid { size: grid.size, values: densities }));
         let path = Spanned::new(name.to_owned(), Span::default());
         let coefficients =
@@ -183,7 +187,7 @@ fn read_volume(context: &ImportContext<'_>, volume: &SceneObject) -> ReadResult<
             let color = context.color(volume, "value", ColorMeaning::Coefficient, 1.0)?;
             let to_world = volume.transform("to_world").unwrap_or(DMat4::IDENTITY);
             if to_world.determinant() == 0.0 || !to_world.is_finite() {
-                return Err(singular(volume));
+                return Err(singular_transform_error(volume));
             }
             Ok(VolumeValues::Constant(color, to_world))
         }
@@ -191,8 +195,8 @@ fn read_volume(context: &ImportContext<'_>, volume: &SceneObject) -> ReadResult<
             let Some(name) = volume.text("filename") else {
                 return Err(volume.place.error("this volume has no file", "give it a `filename`"));
             };
-            let file = context.files.find(name, &volume.place)?;
-            let bytes = context.files.read(&file)?;
+            let file = context.files.find_file(name, &volume.place)?;
+            let bytes = context.files.read_file(&file)?;
             context.files.check_memory(&file, 4 * bytes.len() as u64)?;
             let damaged = |defect| volume.place.error(format!("`{name}`: {defect}"), "export the volume again");
             let grid = volume::decode(&bytes).map_err(damaged)?;
@@ -204,10 +208,10 @@ fn read_volume(context: &ImportContext<'_>, volume: &SceneObject) -> ReadResult<
                 to_world *= DMat4::from_translation(low) * DMat4::from_scale(high - low);
             }
             if volume.text("filter_type") == Some("nearest") {
-                context.note("volumes are interpolated instead of showing cells", volume);
+                context.add_note("volumes are interpolated instead of showing cells", volume);
             }
             if to_world.determinant() == 0.0 || !to_world.is_finite() {
-                return Err(singular(volume));
+                return Err(singular_transform_error(volume));
             }
             Ok(VolumeValues::Grid(grid, to_world))
         }
@@ -218,11 +222,11 @@ fn read_volume(context: &ImportContext<'_>, volume: &SceneObject) -> ReadResult<
     }
 }
 
-fn singular(volume: &SceneObject) -> SceneReadError {
+fn singular_transform_error(volume: &SceneObject) -> SceneReadError {
     volume.place.error("the transform of the volume is singular", "scale it less")
 }
 
-fn read_phase(context: &ImportContext<'_>, medium: &SceneObject) -> ReadResult<PhaseFunctionDescription> {
+fn read_phase_function(context: &ImportContext<'_>, medium: &SceneObject) -> ReadResult<PhaseFunctionDescription> {
     let Some(phase) = context.child(medium, ObjectClass::Phase, "phase")? else {
         return Ok(PhaseFunctionDescription::Isotropic);
     };
@@ -234,7 +238,7 @@ fn read_phase(context: &ImportContext<'_>, medium: &SceneObject) -> ReadResult<P
             PhaseFunctionDescription::HenyeyGreenstein(g)
         }
         other => {
-            context.note_whole(&format!("phase functions of kind `{other}` become isotropic"), &phase);
+            context.add_note_on_object(&format!("phase functions of kind `{other}` become isotropic"), &phase);
             PhaseFunctionDescription::Isotropic
         }
     })

@@ -41,7 +41,7 @@ impl Meshes {
     /// Reads the mesh file of a shape and embeds the mesh, unless this was done before.
     ///
     /// Returns the path of the embedded mesh, and the convention for its texture coordinates.
-    pub fn mesh(
+    pub fn embed_mesh_file(
         &mut self,
         context: &ImportContext<'_>,
         shape: &SceneObject,
@@ -53,7 +53,7 @@ impl Meshes {
         let is_obj = shape.plugin == "obj";
         let turns = shape.boolean("flip_tex_coords", is_obj);
         let convention = if turns { TexcoordConvention::Flipped } else { TexcoordConvention::Same };
-        let file = context.files.find(name, &shape.place)?;
+        let file = context.files.find_file(name, &shape.place)?;
         let index = shape.number("shape_index").unwrap_or(0.0);
         if !(0.0..1e9).contains(&index) {
             return Err(shape.place.error("the number of the mesh is negative or too large", "correct `shape_index`"));
@@ -64,7 +64,7 @@ impl Meshes {
             return Ok((path.clone(), convention));
         }
         let (mut triangles, is_flat, is_split) = if shape.plugin == "serialized" {
-            let bytes = context.files.read(&file)?;
+            let bytes = context.files.read_file(&file)?;
             let free = context.files.free_memory().map(|free| free.saturating_sub(bytes.len() as u64));
             let decoded = serialized::decode(&bytes, index as usize, free);
             let damaged = |defect| shape.place.error(format!("`{name}`: {defect}"), "export the mesh again");
@@ -80,14 +80,14 @@ impl Meshes {
             (loaded.mesh, false, is_split)
         };
         if shape.number("max_smooth_angle").is_some() {
-            context.note("`max_smooth_angle` is ignored: normals are those of the file", shape);
+            context.add_note("`max_smooth_angle` is ignored: normals are those of the file", shape);
         }
         // For a mesh without normals, Mitsuba computes smooth ones across all faces that share a
         // vertex.
         match triangles.normals {
             _ if flags[0] || is_flat => triangles.normals = None,
             None if !is_split => triangles.compute_smooth_normals(180.0),
-            None => context.note("meshes without normals that repeat vertices have flat faces", shape),
+            None => context.add_note("meshes without normals that repeat vertices have flat faces", shape),
             Some(_) => {}
         }
         if flags[1] {
@@ -95,7 +95,7 @@ impl Meshes {
         }
         triangles.materials.clear();
         triangles.triangle_materials.clear();
-        let path = self.embed(triangles);
+        let path = self.embed_mesh(triangles);
         self.known.insert(key, path.clone());
         Ok((path, convention))
     }
@@ -103,7 +103,7 @@ impl Meshes {
     /// Returns the path of an embedded mesh of the cube \[−1, 1]³. Embeds it at its first use.
     ///
     /// Each side has texture coordinates that cover the unit square.
-    pub fn cube(&mut self) -> String {
+    pub fn cube_path(&mut self) -> String {
         if let Some(path) = &self.cube {
             return path.clone();
         }
@@ -122,7 +122,7 @@ impl Meshes {
             }
         }
         cube.texcoords = Some(texcoords);
-        let path = self.embed(cube);
+        let path = self.embed_mesh(cube);
         self.cube = Some(path.clone());
         path
     }
@@ -130,7 +130,7 @@ impl Meshes {
     /// Returns the path of an embedded mesh of the unit sphere with inward normals.
     ///
     /// Embeds it at its first use.
-    pub fn inward_sphere(&mut self) -> String {
+    pub fn inward_sphere_path(&mut self) -> String {
         const STACKS: u32 = 128;
         const SLICES: u32 = 2 * STACKS;
         if let Some(path) = &self.sphere {
@@ -162,7 +162,7 @@ impl Meshes {
         }
         sphere.normals = Some(sphere.positions.iter().map(|p| -p.normalize()).collect());
         sphere.merge_equal_vertices();
-        let path = self.embed(sphere);
+        let path = self.embed_mesh(sphere);
         self.sphere = Some(path.clone());
         path
     }
@@ -171,7 +171,7 @@ impl Meshes {
     ///
     /// Embeds the copy at its first use. It bounds the medium inside a thin wall, because the wall
     /// itself cannot bound a medium.
-    pub fn inner_copy(&mut self, path: &str) -> String {
+    pub fn inner_copy_path(&mut self, path: &str) -> String {
         if let Some(inner) = self.inner.get(path) {
             return inner.clone();
         }
@@ -189,12 +189,12 @@ impl Meshes {
         }
         (copy.normals, copy.texcoords) = (None, None);
         copy.merge_equal_vertices();
-        let inner = self.embed(copy);
+        let inner = self.embed_mesh(copy);
         self.inner.insert(path.to_owned(), inner.clone());
         inner
     }
 
-    fn embed(&mut self, mesh: TriangleMesh) -> String {
+    fn embed_mesh(&mut self, mesh: TriangleMesh) -> String {
         let path = format!("mesh{}", self.embedded.len());
         self.embedded.insert(path.clone(), Arc::new(mesh));
         path

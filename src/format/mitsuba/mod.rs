@@ -61,7 +61,7 @@ impl SceneImporter for MitsubaImporter {
         options: &ImportOptions,
     ) -> Result<ImportedScene, SceneReadError> {
         let files = SceneFiles::new(path, monitor, options);
-        let bytes = files.read(path)?;
+        let bytes = files.read_file(path)?;
         import_bytes(&files, bytes)
     }
 }
@@ -81,24 +81,24 @@ fn import_bytes(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ImportedSc
     let context = ImportContext { files, tree: &tree, notes: RefCell::default() };
     let (mut shapes, mut textures) = (Shapes::default(), Textures::default());
     for (_, shape) in context.children(&tree.root, ObjectClass::Shape)? {
-        shapes.add(&context, &mut textures, &shape)?;
+        shapes.add_shape(&context, &mut textures, &shape)?;
     }
     let lights = read_lights(&context, &mut textures, shapes.has_emitters)?;
     let sensors = context.children(&tree.root, ObjectClass::Sensor)?;
     let sensor = sensors.first().map(|(_, sensor)| sensor);
     if let Some((_, second)) = sensors.get(1) {
-        context.note("sensors after the first one are ignored", second);
+        context.add_note("sensors after the first one are ignored", second);
     }
     let mut camera = None;
     let mut ambient_medium = None;
     if let Some(sensor) = sensor {
         camera = read_camera(&context, sensor)?;
         if camera.is_none() {
-            context.note_whole(&format!("sensors of kind `{}` are ignored", sensor.plugin), sensor);
+            context.add_note_on_object(&format!("sensors of kind `{}` are ignored", sensor.plugin), sensor);
         }
         // The medium of the sensor fills the space outside all shapes.
         if let Some((_, medium)) = context.children(sensor, ObjectClass::Medium)?.first() {
-            ambient_medium = Some(shapes.media.name(&context, medium)?);
+            ambient_medium = Some(shapes.media.medium_name(&context, medium)?);
         }
     }
     let camera = camera.unwrap_or_else(|| {
@@ -113,7 +113,7 @@ fn import_bytes(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ImportedSc
     }
     context.note_unread_values();
     let used_textures = shapes.materials.keep_used(&shapes.root);
-    textures.keep(&used_textures, &lights.iter().filter_map(light_picture).collect());
+    textures.keep_textures(&used_textures, &lights.iter().filter_map(light_picture).collect());
     let notes = context.notes.into_inner();
     let description = SceneDescription {
         camera: Spanned::new(camera, Span::default()),
@@ -145,7 +145,7 @@ fn read_lights(
     for (_, emitter) in &emitters {
         let Some(light) = read_light(context, textures, emitter)? else { continue };
         if is_environment(&light) && lights.iter().any(|light| is_environment(&light.value)) {
-            context.note("environment emitters after the first one are left out", emitter);
+            context.add_note("environment emitters after the first one are left out", emitter);
             continue;
         }
         lights.push(Spanned::new(light, Span::default()));

@@ -40,10 +40,10 @@ pub(super) fn read_camera(context: &ImportContext<'_>, sensor: &SceneObject) -> 
         return Err(sensor.place.error("the transform of the sensor is singular", "scale it by numbers above 0"));
     }
     if determinant < 0.0 {
-        context.note("sensors that mirror show the scene without mirroring", sensor);
+        context.add_note("sensors that mirror show the scene without mirroring", sensor);
     }
     let projection = match sensor.plugin.as_str() {
-        "perspective" | "perspective_rdist" => perspective(context, sensor, &film, None)?,
+        "perspective" | "perspective_rdist" => perspective_projection(context, sensor, &film, None)?,
         "thinlens" => {
             let missing = |name: &str| sensor.place.error(format!("the lens has no `{name}` above 0"), "give it");
             let radius = sensor.number("aperture_radius").filter(|radius| *radius >= 0.0);
@@ -53,7 +53,7 @@ pub(super) fn read_camera(context: &ImportContext<'_>, sensor: &SceneObject) -> 
                 focus: FocusDescription::Distance(focus.ok_or_else(|| missing("focus_distance"))?),
                 blades: 0,
             };
-            perspective(context, sensor, &film, Some(lens))?
+            perspective_projection(context, sensor, &film, Some(lens))?
         }
         "orthographic" => {
             let size = 2.0 * axes[0].length() * film.size[1] / film.size[0] * (film.crop[1] / film.size[1]);
@@ -74,18 +74,18 @@ pub(super) fn read_camera(context: &ImportContext<'_>, sensor: &SceneObject) -> 
 }
 
 /// Returns the perspective projection of a sensor. A crop of the film narrows the field of view.
-fn perspective(
+fn perspective_projection(
     context: &ImportContext<'_>,
     sensor: &SceneObject,
     film: &Film,
     lens: Option<LensDescription>,
 ) -> ReadResult<ProjectionDescription> {
-    let half_height = half_height(sensor, film.size)?;
+    let half_height = half_image_height(sensor, film.size)?;
     if ["principal_point_offset_x", "principal_point_offset_y"]
         .iter()
         .any(|name| sensor.number(name).unwrap_or(0.0) != 0.0)
     {
-        context.note("offsets of the principal point are ignored: the view is centered", sensor);
+        context.add_note("offsets of the principal point are ignored: the view is centered", sensor);
     }
     let angle = 2.0 * libm::atan(half_height * film.crop[1] / film.size[1]).to_degrees();
     Ok(ProjectionDescription::Perspective { angle, lens })
@@ -95,7 +95,7 @@ fn perspective(
 ///
 /// `size` is the width and height of the picture; only their ratio matters. `sensor` may also be a
 /// projector, which has the same parameters.
-pub(super) fn half_height(sensor: &SceneObject, size: [f64; 2]) -> ReadResult<f64> {
+pub(super) fn half_image_height(sensor: &SceneObject, size: [f64; 2]) -> ReadResult<f64> {
     let [width, height] = size;
     let diagonal = libm::hypot(width, height);
     let Some(angle) = sensor.number("fov") else {
@@ -138,6 +138,6 @@ fn read_film(context: &ImportContext<'_>, sensor: &SceneObject) -> ReadResult<Fi
     if is_centered {
         return Ok(Film { size, crop });
     }
-    context.note("crops that are not centered are ignored: the picture shows the whole film", &film);
+    context.add_note("crops that are not centered are ignored: the picture shows the whole film", &film);
     Ok(Film { size, crop: size })
 }

@@ -54,18 +54,19 @@ pub(super) fn decode(file: &[u8], index: usize, free: Option<u64>) -> Result<Ser
     if version != 3 && version != 4 {
         return Err(format!("version {version} of the format is not known"));
     }
-    let start = if index == 0 { 0 } else { mesh_offset(file, index, version).ok_or_else(|| missing(index))? };
+    let start =
+        if index == 0 { 0 } else { mesh_offset(file, index, version).ok_or_else(|| missing_mesh_error(index))? };
     if u16_at(start)? != SIGNATURE {
         return Err("the list of meshes at the end of the file is damaged".to_owned());
     }
     let data = file.get(start + 4..).ok_or_else(truncated)?;
     let mut reader = MeshReader { stream: ZlibDecoder::new(data), is_double: false };
-    let flags = u32::from_le_bytes(reader.array()?);
+    let flags = u32::from_le_bytes(reader.read_array()?);
     reader.is_double = flags & DOUBLE_PRECISION != 0;
     if version == 4 {
         reader.skip_name()?;
     }
-    let (vertices, triangles) = (u64::from_le_bytes(reader.array()?), u64::from_le_bytes(reader.array()?));
+    let (vertices, triangles) = (u64::from_le_bytes(reader.read_array()?), u64::from_le_bytes(reader.read_array()?));
     let needed = vertices.saturating_add(triangles).saturating_mul(MEMORY_PER_ITEM);
     // A vertex or triangle takes at least twelve decompressed bytes.
     if needed / MEMORY_PER_ITEM * 12 > MAX_COMPRESSION * data.len() as u64 || vertices > i32::MAX as u64 {
@@ -75,19 +76,23 @@ pub(super) fn decode(file: &[u8], index: usize, free: Option<u64>) -> Result<Ser
         return Err(format!("the mesh takes {needed} bytes of memory, and {free} are free"));
     }
     let count = vertices as usize;
-    let positions: Vec<DVec3> = reader.vectors(count)?;
-    let normals = if flags & HAS_NORMALS != 0 { Some(reader.vectors(count)?) } else { None };
+    let positions: Vec<DVec3> = reader.read_vectors(count)?;
+    let normals = if flags & HAS_NORMALS != 0 { Some(reader.read_vectors(count)?) } else { None };
     let texcoords: Option<Vec<DVec2>> = if flags & HAS_TEXCOORDS != 0 {
-        Some((0..count).map(|_| Ok(DVec2::new(reader.number()?, reader.number()?))).collect::<Result<_, Defect>>()?)
+        Some(
+            (0..count)
+                .map(|_| Ok(DVec2::new(reader.read_number()?, reader.read_number()?)))
+                .collect::<Result<_, Defect>>()?,
+        )
     } else {
         None
     };
     if flags & HAS_COLORS != 0 {
-        reader.vectors(count)?;
+        reader.read_vectors(count)?;
     }
     let mut corners = Vec::with_capacity(triangles as usize);
     for _ in 0..triangles {
-        let corner = [0; 3].map(|_: u8| reader.array().map(u32::from_le_bytes));
+        let corner = [0; 3].map(|_: u8| reader.read_array().map(u32::from_le_bytes));
         let [Ok(a), Ok(b), Ok(c)] = corner else { return Err(truncated()) };
         if let Some(index) = [a, b, c].into_iter().find(|index| u64::from(*index) >= vertices) {
             return Err(format!("index {index} is out of range: there are {vertices} vertices"));
@@ -103,7 +108,7 @@ pub(super) fn decode(file: &[u8], index: usize, free: Option<u64>) -> Result<Ser
     Ok(SerializedMesh { mesh, has_face_normals: flags & FACE_NORMALS != 0 })
 }
 
-fn missing(index: usize) -> Defect {
+fn missing_mesh_error(index: usize) -> Defect {
     format!("the file has no mesh with number {index}")
 }
 
@@ -130,7 +135,7 @@ struct MeshReader<'f> {
 }
 
 impl MeshReader<'_> {
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], Defect> {
+    fn read_array<const N: usize>(&mut self) -> Result<[u8; N], Defect> {
         let mut bytes = [0; N];
         self.stream.read_exact(&mut bytes).map_err(|error| format!("the compressed data are damaged: {error}"))?;
         Ok(bytes)
@@ -139,19 +144,23 @@ impl MeshReader<'_> {
     /// Skips the name of the mesh, a text that ends with a zero byte.
     fn skip_name(&mut self) -> Result<(), Defect> {
         for _ in 0..MAX_NAME {
-            if self.array::<1>()? == [0] {
+            if self.read_array::<1>()? == [0] {
                 return Ok(());
             }
         }
         Err("the name of the mesh has no end".to_owned())
     }
 
-    fn number(&mut self) -> Result<f64, Defect> {
-        Ok(if self.is_double { f64::from_le_bytes(self.array()?) } else { f32::from_le_bytes(self.array()?).into() })
+    fn read_number(&mut self) -> Result<f64, Defect> {
+        Ok(if self.is_double {
+            f64::from_le_bytes(self.read_array()?)
+        } else {
+            f32::from_le_bytes(self.read_array()?).into()
+        })
     }
 
-    fn vectors(&mut self, count: usize) -> Result<Vec<DVec3>, Defect> {
-        (0..count).map(|_| Ok(DVec3::new(self.number()?, self.number()?, self.number()?))).collect()
+    fn read_vectors(&mut self, count: usize) -> Result<Vec<DVec3>, Defect> {
+        (0..count).map(|_| Ok(DVec3::new(self.read_number()?, self.read_number()?, self.read_number()?))).collect()
     }
 }
 

@@ -73,7 +73,7 @@ impl Shapes {
     /// Converts and adds a shape at the top level of the file.
     ///
     /// A shape group adds nothing by itself: only its instances do.
-    pub fn add(
+    pub fn add_shape(
         &mut self,
         context: &ImportContext<'_>,
         textures: &mut Textures,
@@ -82,14 +82,14 @@ impl Shapes {
         if shape.plugin == "shapegroup" {
             return Ok(());
         }
-        for placed in self.placed(context, textures, shape, 0)? {
-            self.push(context, placed, shape)?;
+        for placed in self.placed_shapes(context, textures, shape, 0)? {
+            self.push_shape(context, placed, shape)?;
         }
         Ok(())
     }
 
     /// Converts a shape, an instance or a shape group to one or more shapes with transforms.
-    fn placed(
+    fn placed_shapes(
         &mut self,
         context: &ImportContext<'_>,
         textures: &mut Textures,
@@ -101,20 +101,20 @@ impl Shapes {
         }
         match shape.plugin.as_str() {
             "instance" => {
-                let to_world = matrix(shape);
+                let to_world = to_world_matrix(shape);
                 let groups = context.children(shape, ObjectClass::Shape)?;
                 let Some((_, group)) = groups.first() else {
                     return Err(shape.place.error("this instance names no shape group", "refer to one by its id"));
                 };
-                let members = self.group(context, textures, group, depth)?;
+                let members = self.shapes_of_group(context, textures, group, depth)?;
                 Ok(members.iter().map(|m| PlacedShape { to_world: to_world * m.to_world, ..m.clone() }).collect())
             }
-            "shapegroup" | "merge" => Ok(self.group(context, textures, shape, depth)?.to_vec()),
-            _ => self.single(context, textures, shape),
+            "shapegroup" | "merge" => Ok(self.shapes_of_group(context, textures, shape, depth)?.to_vec()),
+            _ => self.convert_single_shape(context, textures, shape),
         }
     }
 
-    fn group(
+    fn shapes_of_group(
         &mut self,
         context: &ImportContext<'_>,
         textures: &mut Textures,
@@ -126,8 +126,8 @@ impl Shapes {
         }
         let mut members = Vec::new();
         for (_, shape) in context.children(group, ObjectClass::Shape)? {
-            members.extend(self.placed(context, textures, &shape, depth + 1)?);
-            context.files.check_total(MEMORY_PER_OBJECT * members.len() as u64)?;
+            members.extend(self.placed_shapes(context, textures, &shape, depth + 1)?);
+            context.files.check_total_memory(MEMORY_PER_OBJECT * members.len() as u64)?;
         }
         let members = Rc::new(members);
         self.groups.insert(Rc::as_ptr(group), Rc::clone(&members));
@@ -139,7 +139,7 @@ impl Shapes {
     ///
     /// Returns an empty list if the kind of shape is not supported, or if a null interface contains
     /// no medium.
-    fn single(
+    fn convert_single_shape(
         &mut self,
         context: &ImportContext<'_>,
         textures: &mut Textures,
@@ -147,38 +147,38 @@ impl Shapes {
     ) -> ReadResult<Vec<PlacedShape>> {
         let bsdf = context.children(shape, ObjectClass::Bsdf)?.into_iter().next().map(|(_, bsdf)| bsdf);
         let medium = match context.named_child(shape, ObjectClass::Medium, "interior")? {
-            Some(medium) => Some(self.media.name(context, &medium)?.value),
+            Some(medium) => Some(self.media.medium_name(context, &medium)?.value),
             None => None,
         };
         if !context.children(shape, ObjectClass::Subsurface)?.is_empty() {
-            context.note("subsurface scattering is ignored", shape);
+            context.add_note("subsurface scattering is ignored", shape);
         }
         let is_mesh = matches!(shape.plugin.as_str(), "obj" | "ply" | "serialized");
         let (mesh, convention) = if is_mesh {
-            let (path, convention) = self.meshes.mesh(context, shape)?;
+            let (path, convention) = self.meshes.embed_mesh_file(context, shape)?;
             (Some(path), convention)
         } else {
             (None, if shape.plugin == "sphere" { TexcoordConvention::Flipped } else { TexcoordConvention::Same })
         };
-        let emission = self.emission(context, textures, shape, convention)?;
+        let emission = self.shape_emission(context, textures, shape, convention)?;
         let variant = MaterialVariant { medium: medium.clone(), emission: emission.texture.clone(), convention };
-        let material = self.materials.material(context, textures, bsdf.as_ref(), &variant)?;
+        let material = self.materials.imported_material(context, textures, bsdf.as_ref(), &variant)?;
         let Some(ShapeGeometry { surface, to_world, bounds }) =
-            self.geometry(context, shape, mesh.as_deref(), material.is_textured, material.boundary)?
+            self.shape_geometry(context, shape, mesh.as_deref(), material.is_textured, material.boundary)?
         else {
             return Ok(Vec::new());
         };
         let (mut name, boundary) = (material.name, material.boundary);
         if boundary == MaterialBoundary::Null && emission.radiance.is_some() {
-            context.note("emitters without a surface become black", shape);
-            name = self.materials.black();
+            context.add_note("emitters without a surface become black", shape);
+            name = self.materials.black_material();
         } else if boundary == MaterialBoundary::Null && medium.is_none() {
             return Ok(Vec::new());
         }
         let place = |material: String, shape, emission| PlacedShape { material, shape, emission, to_world, bounds };
         let mut placed = vec![place(name, surface.clone(), emission.radiance)];
         if let (MaterialBoundary::Pane, Some(medium)) = (boundary, medium) {
-            let interface = self.materials.interface(&medium);
+            let interface = self.materials.null_interface(&medium);
             let inner = self.inner_shape(surface);
             placed.push(place(interface, inner, None));
         }
@@ -188,7 +188,7 @@ impl Shapes {
     /// Returns the emission of a shape, as the `area` emitter nested in it states.
     ///
     /// Other kinds of emitters are ignored with a message.
-    fn emission(
+    fn shape_emission(
         &mut self,
         context: &ImportContext<'_>,
         textures: &mut Textures,
@@ -199,11 +199,11 @@ impl Shapes {
         let Some((_, emitter)) = emitters.first() else { return Ok(ShapeEmission::default()) };
         if emitter.plugin != "area" {
             let message = format!("emitters of kind `{}` on surfaces are ignored", emitter.plugin);
-            context.note_whole(&message, emitter);
+            context.add_note_on_object(&message, emitter);
             return Ok(ShapeEmission::default());
         }
         let wanted = (TextureUse::Radiance, convention);
-        Ok(match textures.values(context, emitter, ("radiance", 1.0), wanted)? {
+        Ok(match textures.texture_values(context, emitter, ("radiance", 1.0), wanted)? {
             TextureValues::Constant(_) => {
                 let radiance = context.color(emitter, "radiance", ColorMeaning::Emission, 1.0)?;
                 let radiance = Some(radiance).filter(|radiance| *radiance != DVec3::ZERO);
@@ -221,7 +221,7 @@ impl Shapes {
     ///
     /// `mesh` is the path of the shape's embedded mesh, if it comes from a file. `is_textured` and
     /// `boundary` are those of its material.
-    fn geometry(
+    fn shape_geometry(
         &mut self,
         context: &ImportContext<'_>,
         shape: &SceneObject,
@@ -229,7 +229,7 @@ impl Shapes {
         is_textured: bool,
         boundary: MaterialBoundary,
     ) -> ReadResult<Option<ShapeGeometry>> {
-        let mut to_world = matrix(shape);
+        let mut to_world = to_world_matrix(shape);
         if let Some(path) = mesh {
             let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
             let positions = self.meshes.embedded.get(path).into_iter().flat_map(|mesh| &mesh.positions);
@@ -251,9 +251,9 @@ impl Shapes {
                 to_world *= DAffine3::from_translation(center);
                 let is_inward = is_turned && boundary != MaterialBoundary::Null;
                 if is_inward {
-                    context.note("spheres with flipped normals become meshes of 65,000 triangles", shape);
+                    context.add_note("spheres with flipped normals become meshes of 65,000 triangles", shape);
                     to_world *= DAffine3::from_scale(DVec3::splat(radius));
-                    (mesh_shape(self.meshes.inward_sphere()), unit)
+                    (mesh_shape(self.meshes.inward_sphere_path()), unit)
                 } else {
                     if is_textured {
                         // Longitude and latitude of texture coordinates refer to other axes than in
@@ -272,14 +272,14 @@ impl Shapes {
             }
             "disk" => {
                 if is_textured {
-                    context.note("textures lie flat on disks instead of by radius and angle", shape);
+                    context.add_note("textures lie flat on disks instead of by radius and angle", shape);
                 }
                 let normal = if is_turned { DVec3::NEG_Z } else { DVec3::Z };
                 (ShapeDescription::Disc { center: DVec3::ZERO, normal, radius: 1.0 }, flat)
             }
             "cylinder" => {
                 if is_turned {
-                    context.note("flipped normals of cylinders are ignored", shape);
+                    context.add_note("flipped normals of cylinders are ignored", shape);
                 }
                 let ends = [shape.vector("p0").unwrap_or(DVec3::ZERO), shape.vector("p1").unwrap_or(DVec3::Z)];
                 let radius = radius(1.0)?;
@@ -291,13 +291,13 @@ impl Shapes {
             }
             "cube" if is_textured || is_turned => {
                 if is_turned {
-                    context.note("flipped normals of cubes are ignored", shape);
+                    context.add_note("flipped normals of cubes are ignored", shape);
                 }
-                (mesh_shape(self.meshes.cube()), unit)
+                (mesh_shape(self.meshes.cube_path()), unit)
             }
             "cube" => (ShapeDescription::Box { min: unit.0, max: unit.1 }, unit),
             other => {
-                context.note_whole(&format!("shapes of kind `{other}` are left out"), shape);
+                context.add_note_on_object(&format!("shapes of kind `{other}` are left out"), shape);
                 return Ok(None);
             }
         };
@@ -312,7 +312,7 @@ impl Shapes {
         const SHRINK: f64 = 1.0 - 1e-4;
         match shape {
             ShapeDescription::Mesh { path, options } => {
-                let inner = self.meshes.inner_copy(&path.value);
+                let inner = self.meshes.inner_copy_path(&path.value);
                 ShapeDescription::Mesh { path: Spanned::new(inner, Span::default()), options }
             }
             ShapeDescription::Sphere { center, radius } => ShapeDescription::Sphere { center, radius: radius * SHRINK },
@@ -333,14 +333,14 @@ impl Shapes {
     /// Adds a shape to the imported scene. `source` is the shape's object in the Mitsuba file.
     ///
     /// A shape with a singular transform is left out with a message.
-    fn push(&mut self, context: &ImportContext<'_>, placed: PlacedShape, source: &SceneObject) -> ReadResult<()> {
+    fn push_shape(&mut self, context: &ImportContext<'_>, placed: PlacedShape, source: &SceneObject) -> ReadResult<()> {
         let PlacedShape { material, shape, emission, to_world, bounds: (low, high) } = placed;
         if Transform::new(to_world).is_err() {
-            context.note("objects that are scaled to nothing are left out", source);
+            context.add_note("objects that are scaled to nothing are left out", source);
             return Ok(());
         }
         let objects = self.root.items.len() as u64 / 2 + 1;
-        context.files.check_total(MEMORY_PER_OBJECT * objects)?;
+        context.files.check_total_memory(MEMORY_PER_OBJECT * objects)?;
         for corner in 0..8 {
             let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
             let corner = to_world.transform_point3(DVec3::new(pick(0), pick(1), pick(2)));
@@ -349,8 +349,8 @@ impl Shapes {
         }
         let mut object = ObjectDescription::Shape { shape, emission };
         if to_world != DAffine3::IDENTITY {
-            let maps = vec![TransformStep::Matrix(to_world.into())];
-            object = ObjectDescription::Transform { maps, object: Box::new(Spanned::new(object, Span::default())) };
+            let steps = vec![TransformStep::Matrix(to_world.into())];
+            object = ObjectDescription::Transform { steps, object: Box::new(Spanned::new(object, Span::default())) };
         }
         self.root.items.push(GroupItem::MaterialName(Spanned::new(material, Span::default())));
         self.root.items.push(GroupItem::Object(Spanned::new(object, Span::default())));
@@ -362,6 +362,6 @@ fn mesh_shape(path: String) -> ShapeDescription {
     ShapeDescription::Mesh { path: Spanned::new(path, Span::default()), options: MeshOptions::default() }
 }
 
-fn matrix(shape: &SceneObject) -> DAffine3 {
+fn to_world_matrix(shape: &SceneObject) -> DAffine3 {
     DAffine3::from_mat4(shape.transform("to_world").unwrap_or(DMat4::IDENTITY))
 }

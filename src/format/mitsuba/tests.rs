@@ -13,46 +13,46 @@ use glam::{DAffine3, DVec2, DVec3};
 use std::path::Path;
 
 /// Returns the text of a scene file with the elements `content`.
-fn xml(content: &str) -> String {
+fn scene_xml(content: &str) -> String {
     format!("<scene version=\"3.0.0\">{content}</scene>")
 }
 
-fn read(content: &str) -> ImportedScene {
-    read_in(Path::new("/nowhere"), content)
+fn import_text(content: &str) -> ImportedScene {
+    import_text_in_folder(Path::new("/nowhere"), content)
 }
 
-fn read_in(folder: &Path, content: &str) -> ImportedScene {
-    let result = decode(&folder.join("a.xml"), xml(content).as_bytes(), &ImportOptions::default());
+fn import_text_in_folder(folder: &Path, content: &str) -> ImportedScene {
+    let result = decode(&folder.join("a.xml"), scene_xml(content).as_bytes(), &ImportOptions::default());
     result.unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn error_of(content: &str) -> String {
-    error_in(Path::new("/nowhere"), content, &ImportOptions::default())
+fn import_error(content: &str) -> String {
+    import_error_in_folder(Path::new("/nowhere"), content, &ImportOptions::default())
 }
 
-fn error_in(folder: &Path, content: &str, options: &ImportOptions) -> String {
-    decode(&folder.join("a.xml"), xml(content).as_bytes(), options).unwrap_err().to_string()
+fn import_error_in_folder(folder: &Path, content: &str, options: &ImportOptions) -> String {
+    decode(&folder.join("a.xml"), scene_xml(content).as_bytes(), options).unwrap_err().to_string()
 }
 
 #[track_caller]
-fn expect_error(content: &str, part: &str) {
-    let error = error_of(content);
+fn assert_import_error(content: &str, part: &str) {
+    let error = import_error(content);
     assert!(error.contains(part), "{error}");
 }
 
 /// Returns the material of the only shape, which is a sphere with `bsdf`.
-fn material(bsdf: &str) -> MaterialDescription {
-    let scene = read(&format!("<shape type=\"sphere\">{bsdf}</shape>"));
+fn sphere_material(bsdf: &str) -> MaterialDescription {
+    let scene = import_text(&format!("<shape type=\"sphere\">{bsdf}</shape>"));
     scene.description.materials.last().unwrap().value.clone()
 }
 
 /// Returns all objects with their transforms.
-fn objects(scene: &ImportedScene) -> Vec<(DAffine3, ObjectDescription)> {
+fn placed_objects(scene: &ImportedScene) -> Vec<(DAffine3, ObjectDescription)> {
     let items = scene.description.root.items.iter();
     let object = |item: &GroupItem| match item {
         GroupItem::Object(object) => Some(match &object.value {
-            ObjectDescription::Transform { maps, object } => {
-                (crate::format::transform_step::TransformStep::composed_matrix(maps), object.value.clone())
+            ObjectDescription::Transform { steps, object } => {
+                (crate::format::transform_step::TransformStep::composed_matrix(steps), object.value.clone())
             }
             other => (DAffine3::IDENTITY, other.clone()),
         }),
@@ -67,7 +67,7 @@ fn has_note(scene: &ImportedScene, part: &str) -> bool {
 
 #[test]
 fn parameters_references_and_spellings_are_resolved() {
-    let scene = read(
+    let scene = import_text(
         r#"<default name="r" value="0.25"/><default name="r" value="9"/><default name="radius" value="2"/>
         <shape type="sphere"><float name="radius" value="$radius"/><ref id="paint"/>
           <transform name="toWorld"><translate x="$r"/></transform></shape>
@@ -78,7 +78,7 @@ fn parameters_references_and_spellings_are_resolved() {
     let reflectance = DVec3::new(0.25, 0.5, 1.0).into();
     assert_eq!(scene.description.materials[0].kind, MaterialKindDescription::Diffuse { reflectance });
     assert_eq!(scene.description.materials.len(), 1);
-    let (to_world, object) = &objects(&scene)[0];
+    let (to_world, object) = &placed_objects(&scene)[0];
     assert_eq!(to_world.translation, DVec3::new(0.25, 0.0, 0.0));
     let ObjectDescription::Shape { shape: ShapeDescription::Sphere { radius, .. }, .. } = object else { panic!() };
     assert_eq!(*radius, 2.0);
@@ -88,19 +88,27 @@ fn parameters_references_and_spellings_are_resolved() {
 fn files_are_included_once_and_never_in_circles() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("parts")).unwrap();
-    let part =
-        xml(r#"<default name="size" value="7"/><shape type="sphere"><float name="radius" value="$size"/></shape>"#);
+    let part = scene_xml(
+        r#"<default name="size" value="7"/><shape type="sphere"><float name="radius" value="$size"/></shape>"#,
+    );
     std::fs::write(folder.path().join("parts/part.xml"), part).unwrap();
-    std::fs::write(folder.path().join("circle.xml"), xml(r#"<include filename="circle.xml"/>"#)).unwrap();
-    let scene = read_in(folder.path(), r#"<path value="parts"/><include filename="part.xml"/>"#);
-    assert_eq!(objects(&scene).len(), 1);
-    let error = error_in(folder.path(), r#"<include filename="circle.xml"/>"#, &ImportOptions::default());
+    std::fs::write(folder.path().join("circle.xml"), scene_xml(r#"<include filename="circle.xml"/>"#)).unwrap();
+    let scene = import_text_in_folder(folder.path(), r#"<path value="parts"/><include filename="part.xml"/>"#);
+    assert_eq!(placed_objects(&scene).len(), 1);
+    let error = import_error_in_folder(folder.path(), r#"<include filename="circle.xml"/>"#, &ImportOptions::default());
     assert!(error.contains("includes itself"), "{error}");
     let inner = folder.path().join("parts");
-    let error = error_in(&inner, r#"<path value=".."/><include filename="circle.xml"/>"#, &ImportOptions::default());
+    let error = import_error_in_folder(
+        &inner,
+        r#"<path value=".."/><include filename="circle.xml"/>"#,
+        &ImportOptions::default(),
+    );
     assert!(error.contains("outside the folder"), "{error}");
     let trusting = ImportOptions { allows_outside_files: true, ..ImportOptions::default() };
-    assert!(error_in(&inner, r#"<path value=".."/><include filename="circle.xml"/>"#, &trusting).contains("itself"));
+    assert!(
+        import_error_in_folder(&inner, r#"<path value=".."/><include filename="circle.xml"/>"#, &trusting)
+            .contains("itself")
+    );
 }
 
 #[test]
@@ -109,39 +117,42 @@ fn growing_includes_and_parameters_end_with_an_error() {
     // Each file includes the next one ten times.
     for i in 0..15 {
         let text = format!(r#"<include filename="{}.xml"/>"#, i + 1).repeat(10);
-        std::fs::write(folder.path().join(format!("{i}.xml")), xml(&text)).unwrap();
+        std::fs::write(folder.path().join(format!("{i}.xml")), scene_xml(&text)).unwrap();
     }
-    std::fs::write(folder.path().join("15.xml"), xml(&"<shape type=\"sphere\"/>".repeat(10))).unwrap();
-    let error = error_in(folder.path(), r#"<include filename="0.xml"/>"#, &ImportOptions::default());
+    std::fs::write(folder.path().join("15.xml"), scene_xml(&"<shape type=\"sphere\"/>".repeat(10))).unwrap();
+    let error = import_error_in_folder(folder.path(), r#"<include filename="0.xml"/>"#, &ImportOptions::default());
     assert!(error.contains("more than 10000 includes"), "{error}");
     let limited = ImportOptions { memory: MemoryLimit::Limit(0), ..ImportOptions::default() };
-    let error = error_in(folder.path(), "<shape type=\"sphere\"/>", &limited);
+    let error = import_error_in_folder(folder.path(), "<shape type=\"sphere\"/>", &limited);
     assert!(error.contains("memory"), "{error}");
     let doubled = |i: usize| format!(r#"<default name="p{}_" value="$p{i}_$p{i}_"/>"#, i + 1);
     let doubling: String = (0..40).map(doubled).collect();
-    expect_error(&format!(r#"<default name="p0_" value="laugh"/>{doubling}"#), "too long");
+    assert_import_error(&format!(r#"<default name="p0_" value="laugh"/>{doubling}"#), "too long");
 }
 
 #[test]
 fn damaged_documents_are_errors_with_a_place() {
-    expect_error("<shape", "XML is damaged");
-    expect_error(
+    assert_import_error("<shape", "XML is damaged");
+    assert_import_error(
         "\n\n<shape type=\"sphere\"><float name=\"radius\" value=\"x\"/></shape>",
         "a.xml:3:22: `x` is not a number",
     );
-    expect_error("<shape type=\"sphere\"><ref id=\"a\"/></shape>", "no object has the id `a`");
-    expect_error("<string name=\"a\" value=\"$b\"/>", "parameter `$b` has no value");
-    expect_error("<bsdf type=\"diffuse\" id=\"a\"/><bsdf type=\"diffuse\" id=\"a\"/>", "two objects");
-    expect_error("<shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/></shape>", "`a.obj` does not exist");
-    expect_error("<emitter type=\"sunsky\"/>", "`sunsky` is not supported");
+    assert_import_error("<shape type=\"sphere\"><ref id=\"a\"/></shape>", "no object has the id `a`");
+    assert_import_error("<string name=\"a\" value=\"$b\"/>", "parameter `$b` has no value");
+    assert_import_error("<bsdf type=\"diffuse\" id=\"a\"/><bsdf type=\"diffuse\" id=\"a\"/>", "two objects");
+    assert_import_error(
+        "<shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/></shape>",
+        "`a.obj` does not exist",
+    );
+    assert_import_error("<emitter type=\"sunsky\"/>", "`sunsky` is not supported");
     let nested = "<bsdf type=\"twosided\">".repeat(100) + &"</bsdf>".repeat(100);
-    expect_error(&nested, "nested deeper");
+    assert_import_error(&nested, "nested deeper");
     let circle = r#"<bsdf type="twosided" id="a"><ref id="b"/></bsdf><bsdf type="twosided" id="b"><ref id="a"/></bsdf>
         <shape type="sphere"><ref id="a"/></shape>"#;
-    expect_error(circle, "contain themselves");
+    assert_import_error(circle, "contain themselves");
     let group = r#"<shape type="shapegroup" id="g"><shape type="instance"><ref id="g"/></shape></shape>
         <shape type="instance"><ref id="g"/></shape>"#;
-    expect_error(group, "contain themselves");
+    assert_import_error(group, "contain themselves");
     let root = decode(Path::new("a.xml"), b"<svg/>", &ImportOptions::default()).unwrap_err().to_string();
     assert!(root.contains("the root of a Mitsuba scene is `scene`"), "{root}");
 }
@@ -149,7 +160,7 @@ fn damaged_documents_are_errors_with_a_place() {
 #[test]
 fn fields_of_view_follow_their_axis() {
     let camera = |values: &str, size: [u32; 2]| {
-        let scene = read(&format!(
+        let scene = import_text(&format!(
             r#"<sensor type="perspective">{values}<transform name="to_world">
               <lookat origin="1, 2, 3" target="1, 2, -7" up="0, 1, 0"/></transform>
               <film type="hdrfilm"><integer name="width" value="{}"/><integer name="height" value="{}"/></film></sensor>"#,
@@ -173,13 +184,13 @@ fn fields_of_view_follow_their_axis() {
     // 50 mm on film of 36 × 24 mm: the height is 24 mm.
     let found = angle("", [300, 200]);
     assert!((found - 2.0 * libm::atan(12.0 / 50.0).to_degrees()).abs() < 1e-9, "{found}");
-    expect_error("<sensor type=\"perspective\"><float name=\"fov\" value=\"180\"/></sensor>", "field of view");
+    assert_import_error("<sensor type=\"perspective\"><float name=\"fov\" value=\"180\"/></sensor>", "field of view");
 }
 
 #[test]
 fn centered_crops_narrow_the_view() {
     let scene = |offset: u32| {
-        read(&format!(
+        import_text(&format!(
             r#"<sensor type="perspective"><float name="fov" value="90"/><film type="hdrfilm">
               <integer name="width" value="100"/><integer name="height" value="100"/>
               <integer name="crop_width" value="50"/><integer name="crop_height" value="50"/>
@@ -196,14 +207,14 @@ fn centered_crops_narrow_the_view() {
 
 #[test]
 fn smooth_and_rough_materials_have_their_parameters() {
-    let glass = material(
+    let glass = sphere_material(
         "<bsdf type=\"dielectric\"><string name=\"intIOR\" value=\"diamond\"/><float name=\"extIOR\" value=\"1\"/></bsdf>",
     );
     let MaterialKindDescription::Dielectric { refraction, roughness, .. } = glass.kind else { panic!() };
     assert_eq!((refraction, roughness), (RefractiveIndexDescription::Index(2.419), TexturedValue::Plain(0.0)));
-    let pane = material("<bsdf type=\"thindielectric\"/>").kind;
+    let pane = sphere_material("<bsdf type=\"thindielectric\"/>").kind;
     assert!(matches!(pane, MaterialKindDescription::Thin { index, .. } if (index - 1.5046 / 1.000_277).abs() < 1e-12));
-    let gold = material(
+    let gold = sphere_material(
         r#"<bsdf type="roughconductor"><string name="material" value="Au"/><float name="alpha" value="0.3"/>
         <string name="distribution" value="ggx"/></bsdf>"#,
     );
@@ -211,13 +222,14 @@ fn smooth_and_rough_materials_have_their_parameters() {
         panic!()
     };
     assert_eq!((&*name.value, roughness), ("gold", TexturedValue::Plain(0.3)));
-    let index =
-        material(r#"<bsdf type="conductor"><rgb name="eta" value="1 2 3"/><spectrum name="k" value="4"/></bsdf>"#);
+    let index = sphere_material(
+        r#"<bsdf type="conductor"><rgb name="eta" value="1 2 3"/><spectrum name="k" value="4"/></bsdf>"#,
+    );
     let MaterialKindDescription::Conductor { metal: MetalDescription::Index { eta, k }, .. } = index.kind else {
         panic!()
     };
     assert_eq!((eta, k), (DVec3::new(1.0, 2.0, 3.0), DVec3::splat(4.0)));
-    let mirror = material(
+    let mirror = sphere_material(
         "<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/><rgb name=\"specular_reflectance\" value=\"0.5\"/></bsdf>",
     );
     assert_eq!(mirror.kind, MaterialKindDescription::Mirror { reflectance: DVec3::splat(0.5).into() });
@@ -225,7 +237,7 @@ fn smooth_and_rough_materials_have_their_parameters() {
 
 #[test]
 fn tinted_metals_keep_their_reflectance_at_normal_incidence() {
-    let tinted = material(
+    let tinted = sphere_material(
         r#"<bsdf type="conductor"><float name="eta" value="2"/><float name="k" value="3"/>
         <rgb name="specular_reflectance" value="0.5"/></bsdf>"#,
     );
@@ -240,17 +252,18 @@ fn tinted_metals_keep_their_reflectance_at_normal_incidence() {
 #[test]
 fn wrapped_materials_become_mixes_and_perturbations() {
     let inner = "<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"0.1\"/></bsdf>";
-    let masked = material(&format!("<bsdf type=\"mask\"><float name=\"opacity\" value=\"0.25\"/>{inner}</bsdf>"));
+    let masked =
+        sphere_material(&format!("<bsdf type=\"mask\"><float name=\"opacity\" value=\"0.25\"/>{inner}</bsdf>"));
     let MaterialKindDescription::Mix { first, amount, .. } = masked.kind else { panic!() };
     assert_eq!((&*first.value, amount), ("clear", TexturedValue::Plain(0.25)));
-    let two = material(&format!("<bsdf type=\"twosided\">{inner}</bsdf>"));
+    let two = sphere_material(&format!("<bsdf type=\"twosided\">{inner}</bsdf>"));
     assert_eq!(two.kind, MaterialKindDescription::Diffuse { reflectance: DVec3::splat(0.1).into() });
-    let blend = material(&format!(
+    let blend = sphere_material(&format!(
         "<bsdf type=\"blendbsdf\"><float name=\"weight\" value=\"0.75\"/>{inner}<bsdf type=\"conductor\"/></bsdf>"
     ));
     let MaterialKindDescription::Mix { amount, .. } = blend.kind else { panic!() };
     assert_eq!(amount, TexturedValue::Plain(0.75));
-    let bumps = material(&format!(
+    let bumps = sphere_material(&format!(
         "<bsdf type=\"bumpmap\"><float name=\"scale\" value=\"3\"/><texture type=\"checkerboard\"/>{inner}</bsdf>"
     ));
     assert!(matches!(bumps.normal_perturbation, Some(NormalPerturbationDescription::Bump { height: 3.0, .. })));
@@ -258,7 +271,7 @@ fn wrapped_materials_become_mixes_and_perturbations() {
 
 #[test]
 fn unknown_parts_are_one_note_for_each_kind() {
-    let scene = read(
+    let scene = import_text(
         r#"<shape type="hair"/><shape type="hair"/>
         <shape type="sphere"><boolean name="caustic_caster" value="true"/><bsdf type="velvet"/></shape>"#,
     );
@@ -271,7 +284,7 @@ fn unknown_parts_are_one_note_for_each_kind() {
 
 #[test]
 fn checkerboards_have_half_the_period_of_the_description() {
-    let scene = read(
+    let scene = import_text(
         r#"<shape type="rectangle"><bsdf type="diffuse"><texture name="reflectance" type="checkerboard">
           <rgb name="color0" value="0.1"/><rgb name="color1" value="0.9"/>
           <transform name="to_uv"><scale x="3" y="5"/></transform></texture></bsdf></shape>"#,
@@ -290,7 +303,7 @@ fn bitmaps_are_decoded_and_upright() {
     encoder.write_header().unwrap().write_image_data(&[255, 0, 0, 0, 0, 255]).unwrap();
     std::fs::write(folder.path().join("a.png"), file).unwrap();
     let texture = r#"type="bitmap"><string name="filename" value="a.png"/></texture>"#;
-    let scene = read_in(
+    let scene = import_text_in_folder(
         folder.path(),
         &format!(
             r#"<shape type="rectangle"><bsdf type="diffuse"><texture name="reflectance" {texture}</bsdf>
@@ -308,7 +321,7 @@ fn bitmaps_are_decoded_and_upright() {
 
 #[test]
 fn lights_have_the_strength_of_their_emitter() {
-    let lights = |content: &str| read(content).description.lights;
+    let lights = |content: &str| import_text(content).description.lights;
     let point = lights(
         r#"<emitter type="point"><point name="position" value="1, 2, 3"/><rgb name="intensity" value="4"/></emitter>"#,
     );
@@ -324,7 +337,7 @@ fn lights_have_the_strength_of_their_emitter() {
 /// Compares the falloff with the formula in Mitsuba's documentation, which is linear in the angle.
 #[test]
 fn spotlights_fall_off_linearly_in_the_angle() {
-    let scene = read(
+    let scene = import_text(
         r#"<emitter type="spot"><float name="cutoff_angle" value="40"/><float name="beam_width" value="20"/>
           <transform name="to_world"><lookat origin="0,5,0" target="0,0,0" up="0,0,1"/></transform></emitter>"#,
     );
@@ -345,19 +358,19 @@ fn spotlights_fall_off_linearly_in_the_angle() {
 fn media_fill_the_shapes_that_name_them() {
     let medium = r#"<medium name="interior" type="homogeneous"><rgb name="sigma_t" value="1 2 3"/>
         <rgb name="albedo" value="0.5"/><float name="scale" value="2"/><phase type="hg"><float name="g" value="0.3"/></phase></medium>"#;
-    let scene = read(&format!("<shape type=\"sphere\"><bsdf type=\"null\"/>{medium}</shape>"));
+    let scene = import_text(&format!("<shape type=\"sphere\"><bsdf type=\"null\"/>{medium}</shape>"));
     let expected =
         MediumCoefficients::ExtinctionAlbedo { extinction: DVec3::new(2.0, 4.0, 6.0), albedo: DVec3::splat(0.5) };
     assert_eq!(scene.description.media[0].coefficients, expected);
     assert_eq!(scene.description.materials[0].medium.as_ref().unwrap().value, scene.description.media[0].name);
     // A thin wall around a medium needs a second surface, just inside.
-    let walled = read(&format!("<shape type=\"sphere\"><bsdf type=\"thindielectric\"/>{medium}</shape>"));
-    let radii = objects(&walled).into_iter().map(|(_, object)| match object {
+    let walled = import_text(&format!("<shape type=\"sphere\"><bsdf type=\"thindielectric\"/>{medium}</shape>"));
+    let radii = placed_objects(&walled).into_iter().map(|(_, object)| match object {
         ObjectDescription::Shape { shape: ShapeDescription::Sphere { radius, .. }, .. } => radius,
         other => panic!("{other:?}"),
     });
     assert_eq!(radii.collect::<Vec<f64>>(), [1.0, 0.9999]);
-    assert!(objects(&read("<shape type=\"sphere\"><bsdf type=\"null\"/></shape>")).is_empty());
+    assert!(placed_objects(&import_text("<shape type=\"sphere\"><bsdf type=\"null\"/></shape>")).is_empty());
 }
 
 #[test]
@@ -367,7 +380,7 @@ fn gridded_media_have_the_densities_of_their_volume() {
     [1_u32, 2, 1, 1, 3].iter().for_each(|n| file.extend(n.to_le_bytes()));
     [0.0_f32, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 3.0, 2.0, 4.0, 6.0].iter().for_each(|x| file.extend(x.to_le_bytes()));
     std::fs::write(folder.path().join("a.vol"), file).unwrap();
-    let scene = read_in(
+    let scene = import_text_in_folder(
         folder.path(),
         r#"<shape type="cube"><bsdf type="null"/><medium name="interior" type="heterogeneous"><float name="scale" value="10"/>
           <volume name="sigma_t" type="gridvolume"><string name="filename" value="a.vol"/></volume>
@@ -383,20 +396,20 @@ fn gridded_media_have_the_densities_of_their_volume() {
 
 #[test]
 fn instances_place_all_members_of_their_group() {
-    let scene = read(
+    let scene = import_text(
         r#"<shape type="shapegroup" id="g"><shape type="sphere"><transform name="to_world"><translate x="1"/></transform></shape>
           <shape type="rectangle"/></shape>
         <shape type="instance"><ref id="g"/></shape>
         <shape type="instance"><ref id="g"/><transform name="to_world"><scale value="2"/></transform></shape>"#,
     );
-    let objects = objects(&scene);
+    let objects = placed_objects(&scene);
     assert_eq!(objects.len(), 4);
     assert_eq!(objects[2].0.transform_point3(DVec3::ZERO), DVec3::new(2.0, 0.0, 0.0));
 }
 
 #[test]
 fn settings_of_the_file_become_suggested_flags() {
-    let scene = read(
+    let scene = import_text(
         r#"<integrator type="moment"><integrator type="volpath"><integer name="max_depth" value="6"/></integrator></integrator>
         <sensor type="perspective"><film type="hdrfilm"><rfilter type="tent"/></film></sensor>"#,
     );

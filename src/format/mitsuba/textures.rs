@@ -96,7 +96,7 @@ impl Textures {
     ///
     /// `wanted` is the quantity that the values stand for. `convention` is that of the shape's
     /// texture coordinates.
-    pub fn values(
+    pub fn texture_values(
         &mut self,
         context: &ImportContext<'_>,
         object: &SceneObject,
@@ -111,15 +111,15 @@ impl Textures {
         if context.color_value(object, name)?.is_none()
             && let Some(texture) = context.named_child(object, ObjectClass::Texture, name)?
         {
-            return self.texture(context, &texture, (wanted, convention), 1.0, 0);
+            return self.convert_texture(context, &texture, (wanted, convention), 1.0, 0);
         }
-        Ok(TextureValues::Constant(limited(context.color(object, name, meaning, default)?, wanted)))
+        Ok(TextureValues::Constant(clamped_to_range(context.color(object, name, meaning, default)?, wanted)))
     }
 
     /// Converts a texture object to the quantity `wanted`, with its values multiplied by `factor`.
     ///
     /// `depth` is the number of textures around this one.
-    pub fn texture(
+    pub fn convert_texture(
         &mut self,
         context: &ImportContext<'_>,
         texture: &SceneObject,
@@ -131,23 +131,23 @@ impl Textures {
             return Err(texture.place.error("textures are nested too deep", "nest them less deep"));
         }
         if let Some(color) = context.spectrum_object(texture)? {
-            let color = color.rgb(ColorMeaning::Reflectance).max(DVec3::ZERO) * factor;
-            return Ok(TextureValues::Constant(limited(color, wanted)));
+            let color = color.to_rgb(ColorMeaning::Reflectance).max(DVec3::ZERO) * factor;
+            return Ok(TextureValues::Constant(clamped_to_range(color, wanted)));
         }
         match texture.plugin.as_str() {
-            "bitmap" => self.bitmap(context, texture, (wanted, convention), factor),
-            "checkerboard" => self.checkerboard(context, texture, (wanted, convention), factor, depth),
+            "bitmap" => self.convert_bitmap(context, texture, (wanted, convention), factor),
+            "checkerboard" => self.convert_checkerboard(context, texture, (wanted, convention), factor, depth),
             "scale" => {
                 let own = factor * texture.number("scale").or_else(|| texture.number("value")).unwrap_or(1.0);
                 match context.children(texture, ObjectClass::Texture)?.first() {
-                    Some((_, inner)) => self.texture(context, inner, (wanted, convention), own, depth + 1),
-                    None => Ok(TextureValues::Constant(limited(DVec3::splat(own), wanted))),
+                    Some((_, inner)) => self.convert_texture(context, inner, (wanted, convention), own, depth + 1),
+                    None => Ok(TextureValues::Constant(clamped_to_range(DVec3::splat(own), wanted))),
                 }
             }
             _ => {
                 let message = format!("textures of kind `{}` become gray of reflectance 0.5", texture.plugin);
-                context.note_whole(&message, texture);
-                Ok(TextureValues::Constant(limited(DVec3::splat(0.5 * factor), wanted)))
+                context.add_note_on_object(&message, texture);
+                Ok(TextureValues::Constant(clamped_to_range(DVec3::splat(0.5 * factor), wanted)))
             }
         }
     }
@@ -155,7 +155,7 @@ impl Textures {
     /// Reads the picture file of a `bitmap` texture or emitter. Returns its path and the picture.
     ///
     /// Integer values are decoded as sRGB, unless `is_raw` is true.
-    pub fn picture(
+    pub fn read_picture(
         &mut self,
         context: &ImportContext<'_>,
         object: &SceneObject,
@@ -164,11 +164,11 @@ impl Textures {
         let Some(name) = object.text("filename") else {
             return Err(object.place.error("this picture has no file", "give it a `filename`"));
         };
-        let file = context.files.find(name, &object.place)?;
+        let file = context.files.find_file(name, &object.place)?;
         if let Some(image) = self.decoded.get(&(file.clone(), is_raw)) {
             return Ok((file, Rc::clone(image)));
         }
-        let bytes = context.files.read(&file)?;
+        let bytes = context.files.read_file(&file)?;
         let free = context.files.free_memory().map(|free| free.saturating_sub(bytes.len() as u64));
         let failed = |error: ReadError| {
             let help = "repair the picture or name another: PNG, JPEG, BMP, OpenEXR or Radiance HDR";
@@ -199,7 +199,7 @@ impl Textures {
     }
 
     /// Embeds a picture and returns its path.
-    pub fn embed(&mut self, image: Image) -> String {
+    pub fn embed_picture(&mut self, image: Image) -> String {
         let path = format!("picture{}", self.pictures.len());
         self.pictures.insert(path.clone(), Arc::new(image));
         path
@@ -208,7 +208,7 @@ impl Textures {
     /// Keeps only the textures called `names`, and the pictures that these textures or lights show.
     ///
     /// `others` are the paths of the pictures that lights show.
-    pub fn keep(&mut self, names: &HashSet<String>, others: &HashSet<String>) {
+    pub fn keep_textures(&mut self, names: &HashSet<String>, others: &HashSet<String>) {
         self.descriptions.retain(|texture| names.contains(&texture.name));
         let shown: HashSet<&str> = self
             .descriptions
@@ -221,11 +221,11 @@ impl Textures {
         self.pictures.retain(|path, _| shown.contains(path.as_str()) || others.contains(path));
     }
 
-    /// Converts the picture file of a `bitmap` texture, with its values multiplied by `factor`.
+    /// Converts the picture file of a `convert_bitmap` texture, with its values multiplied by `factor`.
     ///
     /// `wanted` is the quantity that the values stand for. Returns a constant if all pixels are
     /// equal.
-    pub fn bitmap(
+    pub fn convert_bitmap(
         &mut self,
         context: &ImportContext<'_>,
         texture: &SceneObject,
@@ -236,13 +236,13 @@ impl Textures {
         let is_raw = wanted == TextureUse::Normal
             || texture.boolean("raw", false)
             || texture.number("gamma").is_some_and(|gamma| gamma == 1.0);
-        let (file, picture) = self.picture(context, texture, is_raw)?;
+        let (file, picture) = self.read_picture(context, texture, is_raw)?;
         let key = (file, is_raw, wanted, factor.to_bits());
         let values = match self.embedded.get(&key) {
             Some(values) => values.clone(),
             None => {
                 context.files.check_memory(&key.0, 12 * picture.pixels().len() as u64)?;
-                let value = |pixel: &Rgb| -> Vec3 { used_value(*pixel * factor as f32, wanted) };
+                let value = |pixel: &Rgb| -> Vec3 { value_for_use(*pixel * factor as f32, wanted) };
                 let pixels: Vec<Rgb> = picture.pixels().iter().map(value).collect();
                 let mean = pixels.iter().map(|pixel| pixel.as_dvec3()).sum::<DVec3>() / pixels.len() as f64;
                 let values = if pixels.iter().all(|pixel| *pixel == pixels[0]) {
@@ -250,7 +250,7 @@ impl Textures {
                 } else {
                     let image = Image::from_pixels(picture.width(), picture.height(), pixels);
                     let image = image.map_err(|error| texture.place.error(error, "name another picture"))?;
-                    TextureValues::Texture(Spanned::new(self.embed(image), Span::default()), mean)
+                    TextureValues::Texture(Spanned::new(self.embed_picture(image), Span::default()), mean)
                 };
                 self.embedded.insert(key, values.clone());
                 values
@@ -258,7 +258,7 @@ impl Textures {
         };
         let TextureValues::Texture(path, mean) = values else { return Ok(values) };
         if texture.text("filter_type") == Some("nearest") {
-            context.note("textures are interpolated instead of showing square pixels", texture);
+            context.add_note("textures are interpolated instead of showing square pixels", texture);
         }
         let wrap = ["wrap_mode", "wrap_mode_u"].iter().find_map(|name| texture.text(name)).unwrap_or("repeat");
         let wrap = match wrap {
@@ -266,18 +266,18 @@ impl Textures {
             "mirror" => WrapMode::Mirror,
             "clamp" => WrapMode::Clamp,
             _ => {
-                context.note("textures end with their border pixels", texture);
+                context.add_note("textures end with their border pixels", texture);
                 WrapMode::Clamp
             }
         };
-        let to_uv = mitsuba_transform(context, texture, convention);
+        let to_uv = mitsuba_texcoord_transform(context, texture, convention);
         // v = 0 is the top of a picture in Mitsuba, and the bottom in Caustica.
-        let coordinates = decomposed(context, texture, turned(to_uv));
+        let coordinates = texcoord_transform_description(context, texture, flipped_v(to_uv));
         let kind = TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates };
-        Ok(TextureValues::Texture(self.name(kind), mean))
+        Ok(TextureValues::Texture(self.texture_name(kind), mean))
     }
 
-    fn checkerboard(
+    fn convert_checkerboard(
         &mut self,
         context: &ImportContext<'_>,
         texture: &SceneObject,
@@ -293,26 +293,26 @@ impl Textures {
             };
             *color = match inner {
                 Some(inner) => {
-                    context.note("textures inside a checkerboard become their mean", &inner);
-                    self.texture(context, &inner, (wanted, convention), factor, depth + 1)?.mean()
+                    context.add_note("textures inside a checkerboard become their mean", &inner);
+                    self.convert_texture(context, &inner, (wanted, convention), factor, depth + 1)?.mean()
                 }
                 None => {
                     let color = context.color(texture, name, ColorMeaning::Reflectance, default)? * factor;
-                    limited(color, wanted)
+                    clamped_to_range(color, wanted)
                 }
             };
         }
         let mean = 0.5 * (colors[0] + colors[1]);
         // Mitsuba's checkerboard has period 1, and Caustica's has period 2.
-        let (linear, offset) = mitsuba_transform(context, texture, convention);
-        let coordinates = decomposed(context, texture, (linear * 2.0, offset * 2.0));
-        let name = self.name(TextureKindDescription::Checker { colors, coordinates });
+        let (linear, offset) = mitsuba_texcoord_transform(context, texture, convention);
+        let coordinates = texcoord_transform_description(context, texture, (linear * 2.0, offset * 2.0));
+        let name = self.texture_name(TextureKindDescription::Checker { colors, coordinates });
         Ok(TextureValues::Texture(name, mean))
     }
 
     /// Returns the name of the texture with this content. Adds it to the imported scene if it is
     /// new.
-    fn name(&mut self, kind: TextureKindDescription) -> Spanned<String> {
+    fn texture_name(&mut self, kind: TextureKindDescription) -> Spanned<String> {
         let next = format!("texture{}", self.descriptions.len());
         let name = self.names.entry(format!("{kind:?}")).or_insert_with(|| next.clone()).clone();
         if name == next {
@@ -324,7 +324,7 @@ impl Textures {
 }
 
 /// Returns a color clamped to the range of the quantity `wanted`.
-fn limited(color: DVec3, wanted: TextureUse) -> DVec3 {
+fn clamped_to_range(color: DVec3, wanted: TextureUse) -> DVec3 {
     match wanted {
         TextureUse::Color | TextureUse::Fraction | TextureUse::Normal => color.clamp(DVec3::ZERO, DVec3::ONE),
         TextureUse::Height | TextureUse::Radiance => color.max(DVec3::ZERO),
@@ -333,7 +333,7 @@ fn limited(color: DVec3, wanted: TextureUse) -> DVec3 {
 
 /// Converts a pixel to the quantity `wanted`, clamped to its range. Infinite values and NaN become
 /// 0.
-fn used_value(pixel: Rgb, wanted: TextureUse) -> Vec3 {
+fn value_for_use(pixel: Rgb, wanted: TextureUse) -> Vec3 {
     let pixel = if pixel.is_finite() { pixel } else { Rgb::ZERO };
     let pixel = match wanted {
         TextureUse::Color | TextureUse::Radiance | TextureUse::Normal => pixel,
@@ -350,7 +350,7 @@ fn used_value(pixel: Rgb, wanted: TextureUse) -> Vec3 {
 ///
 /// The result is the linear part and the offset. It includes the `to_uv` transform of `texture`.
 /// Singular transforms are ignored with a message.
-fn mitsuba_transform(
+fn mitsuba_texcoord_transform(
     context: &ImportContext<'_>,
     texture: &SceneObject,
     convention: TexcoordConvention,
@@ -368,7 +368,7 @@ fn mitsuba_transform(
     linear *= DMat2::from_diagonal(scale);
     offset += DVec2::new(number("uoffset", 0.0), number("voffset", 0.0));
     if !(linear.determinant() != 0.0 && linear.is_finite() && offset.is_finite()) {
-        context.note("transforms of texture coordinates that are singular are ignored", texture);
+        context.add_note("transforms of texture coordinates that are singular are ignored", texture);
         (linear, offset) = (DMat2::IDENTITY, DVec2::ZERO);
     }
     match convention {
@@ -380,7 +380,7 @@ fn mitsuba_transform(
 }
 
 /// Returns the given affine map, followed by a flip that replaces v by 1 − v.
-fn turned((linear, offset): (DMat2, DVec2)) -> (DMat2, DVec2) {
+fn flipped_v((linear, offset): (DMat2, DVec2)) -> (DMat2, DVec2) {
     let flip = DMat2::from_diagonal(DVec2::new(1.0, -1.0));
     (flip * linear, flip * offset + DVec2::Y)
 }
@@ -388,14 +388,14 @@ fn turned((linear, offset): (DMat2, DVec2)) -> (DMat2, DVec2) {
 /// Decomposes an affine map of texture coordinates into scale, rotation and offset.
 ///
 /// A shear is ignored with a message.
-fn decomposed(
+fn texcoord_transform_description(
     context: &ImportContext<'_>,
     texture: &SceneObject,
     (linear, offset): (DMat2, DVec2),
 ) -> TexcoordTransformDescription {
     let (u, v) = (linear.x_axis, linear.y_axis);
     if u.dot(v).abs() > 1e-9 * u.length() * v.length() {
-        context.note("textures are not sheared", texture);
+        context.add_note("textures are not sheared", texture);
     }
     let scale = DVec2::new(u.length(), linear.determinant() / u.length());
     let is_half_turn = u.y == 0.0 && u.x < 0.0;

@@ -105,7 +105,7 @@ mod tests {
     use crate::format::SourceText;
     use crate::format::description::Span;
 
-    fn element(tag: &str, attributes: &[(&str, &str)]) -> TransformElement {
+    fn transform_element(tag: &str, attributes: &[(&str, &str)]) -> TransformElement {
         let place = Place { source: SourceText::new("a.xml", ""), span: Span::default(), line: 1 };
         let attributes = attributes.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned()));
         (tag.to_owned(), attributes.collect(), place)
@@ -114,21 +114,21 @@ mod tests {
     #[test]
     fn elements_apply_in_the_order_of_the_file() {
         let elements = [
-            element("scale", &[("value", "2")]),
-            element("rotate", &[("z", "1"), ("angle", "90")]),
-            element("translate", &[("x", "1")]),
-            element("matrix", &[("value", "1 0 0 0  0 1 0 5  0 0 1 0  0 0 0 1")]),
+            transform_element("scale", &[("value", "2")]),
+            transform_element("rotate", &[("z", "1"), ("angle", "90")]),
+            transform_element("translate", &[("x", "1")]),
+            transform_element("matrix", &[("value", "1 0 0 0  0 1 0 5  0 0 1 0  0 0 0 1")]),
         ];
         let moved = parse_transform(&elements).unwrap().transform_point3(DVec3::X);
         assert!((moved - DVec3::new(1.0, 7.0, 0.0)).length() < 1e-12, "{moved}");
-        assert!(parse_transform(&[element("shear", &[])]).is_err());
-        assert!(parse_transform(&[element("matrix", &[("value", "1 2 3")])]).is_err());
+        assert!(parse_transform(&[transform_element("shear", &[])]).is_err());
+        assert!(parse_transform(&[transform_element("matrix", &[("value", "1 2 3")])]).is_err());
     }
 
     #[test]
     fn views_look_along_z_with_x_left() {
         let attributes = [("origin", "0, 0, 5"), ("target", "0 0 0"), ("up", "0, 1, 0")];
-        let view = parse_transform(&[element("lookat", &attributes)]).unwrap();
+        let view = parse_transform(&[transform_element("lookat", &attributes)]).unwrap();
         assert_eq!(view.transform_vector3(DVec3::Z), DVec3::NEG_Z);
         assert_eq!(view.transform_vector3(DVec3::Y), DVec3::Y);
         assert_eq!(view.transform_vector3(DVec3::X), DVec3::NEG_X);

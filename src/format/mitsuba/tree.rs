@@ -156,7 +156,7 @@ impl SceneObject {
         match self.value(name)? {
             Value::Number(number) => Some(*number),
             Value::Text(text) => text.trim().parse().ok().filter(|number: &f64| number.is_finite()),
-            Value::Color(color) => color.uniform(),
+            Value::Color(color) => color.uniform_value(),
             Value::Boolean(_) | Value::Vector(_) | Value::Transform(_) => None,
         }
     }

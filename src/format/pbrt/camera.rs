@@ -44,13 +44,13 @@ pub(super) fn film_size(name: &str, parameters: &Parameters, notes: &mut ImportN
     if crop.is_none() {
         notes.add_unsupported(
             "crop windows off the center are ignored: the whole picture is rendered",
-            place.described(),
+            place.position_text(),
         );
     }
     let gain = parameters.number_or("iso", 100.0) / 100.0 * parameters.number_or("exposuretime", 1.0);
     let is_physical = parameters.text("sensor").is_some_and(|sensor| sensor != "cie1931");
     if is_physical || gain != 1.0 || parameters.number_or("scale", 1.0) != 1.0 {
-        notes.add_unsupported("sensors and exposures of films are ignored: pixels are radiance", place.described());
+        notes.add_unsupported("sensors and exposures of films are ignored: pixels are radiance", place.position_text());
     }
     Ok(FilmSize { whole: whole.map(|side| side as u32), crop: crop.unwrap_or(whole).map(|side| side as u32) })
 }
@@ -97,7 +97,7 @@ pub(super) fn read_camera(
     let is_even = lengths.iter().all(|length| (length / scale - 1.0).abs() < 1e-4)
         && axes.x_axis.dot(axes.y_axis).abs() + axes.y_axis.dot(axes.z_axis).abs() < 1e-4 * scale * scale;
     if !is_even {
-        notes.add_unsupported("cameras that are sheared or stretched are not", place.described());
+        notes.add_unsupported("cameras that are sheared or stretched are not", place.position_text());
     }
     let is_spherical = matches!(name, "spherical" | "environment");
     // A spherical camera shows all directions. Its picture has the same right side in pbrt and
@@ -107,7 +107,7 @@ pub(super) fn read_camera(
     let placed = mirror * to_world;
     let motion = object_motion(&MovingTransform([placed, mirror * at_end]));
     if motion.as_ref().is_some_and(|motion| motion.omits_scale) {
-        notes.add_unsupported("cameras whose scale changes over the shutter only move and turn", place.described());
+        notes.add_unsupported("cameras whose scale changes over the shutter only move and turn", place.position_text());
     }
     let aspect = parameters.number("frameaspectratio").unwrap_or(f64::from(width) / f64::from(height));
     let aspect = if aspect > 0.0 { aspect } else { 1.0 };
@@ -122,7 +122,7 @@ pub(super) fn read_camera(
     let is_square = ((right - left) * f64::from(height) / ((top - bottom) * f64::from(width)) - 1.0).abs() < 1e-3;
     if !(is_centered && is_square) {
         let message = "screen windows off the center, and pixels that are not square, are centered and square";
-        notes.add_unsupported(message, place.described());
+        notes.add_unsupported(message, place.position_text());
     }
     let half_height = 0.5 * (top - bottom) * f64::from(film.crop[1]) / f64::from(height);
     let projection = match name {
@@ -143,17 +143,17 @@ pub(super) fn read_camera(
         }
         "orthographic" => {
             if parameters.number_or("lensradius", 0.0) > 0.0 {
-                notes.add_unsupported("lenses of orthographic cameras are ignored", place.described());
+                notes.add_unsupported("lenses of orthographic cameras are ignored", place.position_text());
             }
             ProjectionDescription::Orthographic { size: 2.0 * half_height * scale }
         }
         "spherical" | "environment" => {
             if parameters.text("mapping") != Some("equirectangular") && name == "spherical" {
                 let message = "spherical cameras of equal area have an equirectangular picture";
-                notes.add_unsupported(message, place.described());
+                notes.add_unsupported(message, place.position_text());
             }
             if film.crop != film.whole {
-                notes.add_unsupported("crop windows of spherical cameras show all directions", place.described());
+                notes.add_unsupported("crop windows of spherical cameras show all directions", place.position_text());
             }
             ProjectionDescription::Environment
         }

@@ -22,7 +22,7 @@ pub(super) enum MapLayout {
 ///
 /// `to_world` maps the light's own space to world space. Returns `None` if it is singular, or if
 /// the converted map would be too large.
-pub(super) fn equirectangular(image: &Image, layout: MapLayout, to_world: DMat3) -> Option<Image> {
+pub(super) fn to_equirectangular(image: &Image, layout: MapLayout, to_world: DMat3) -> Option<Image> {
     let inverse = to_world.inverse();
     if !inverse.is_finite() {
         return None;
@@ -41,7 +41,7 @@ pub(super) fn equirectangular(image: &Image, layout: MapLayout, to_world: DMat3)
                 let theta = (f64::from(row) + within(sample / SAMPLES)) / f64::from(height) * PI;
                 let (sin, cos) = (libm::sin(theta), libm::cos(theta));
                 let world = DVec3::new(libm::sin(phi) * sin, cos, -libm::cos(phi) * sin);
-                sum += value(image, layout, (inverse * world).normalize_or(DVec3::Z)).as_dvec3();
+                sum += radiance_in_direction(image, layout, (inverse * world).normalize_or(DVec3::Z)).as_dvec3();
             }
             pixels.push((sum / f64::from(SAMPLES * SAMPLES)).as_vec3());
         }
@@ -51,7 +51,7 @@ pub(super) fn equirectangular(image: &Image, layout: MapLayout, to_world: DMat3)
 
 /// Returns the radiance of pbrt's map in a unit direction of the light's own space, interpolated
 /// between pixels.
-fn value(image: &Image, layout: MapLayout, direction: DVec3) -> Rgb {
+fn radiance_in_direction(image: &Image, layout: MapLayout, direction: DVec3) -> Rgb {
     let (width, height) = (i64::from(image.width()), i64::from(image.height()));
     let place = match layout {
         MapLayout::Octahedral => octahedral_coordinates(direction),

@@ -28,7 +28,7 @@ impl Place {
     }
 
     /// Returns the position as text for messages, such as `scene.pbrt line 3`.
-    pub fn described(&self) -> String {
+    pub fn position_text(&self) -> String {
         let name = Path::new(&*self.file).file_name().unwrap_or_default().to_string_lossy();
         format!("{name} line {}", self.line)
     }
@@ -72,7 +72,7 @@ impl<'a> SceneFiles<'a> {
     }
 
     /// Returns the content of a file, and adds its size to the scene's memory.
-    pub fn read(&self, path: &Path) -> ReadResult<Vec<u8>> {
+    pub fn read_file(&self, path: &Path) -> ReadResult<Vec<u8>> {
         let unreadable = |source| SceneReadError::Unreadable { path: path.to_owned(), source };
         let (file, length) = open_file(path).map_err(unreadable)?;
         self.count_memory(length)?;
@@ -85,7 +85,7 @@ impl<'a> SceneFiles<'a> {
     ///
     /// `name` is relative to the folder of the scene file. Reports the file to the monitor. The
     /// file must lie inside that folder, unless the options allow outside files.
-    pub fn resolve(&self, place: &Place, name: &str) -> ReadResult<PathBuf> {
+    pub fn resolve_path(&self, place: &Place, name: &str) -> ReadResult<PathBuf> {
         let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let file = folder.join(name);
         let Ok(absolute) = file.canonicalize() else {
@@ -102,7 +102,7 @@ impl<'a> SceneFiles<'a> {
     }
 
     /// Returns the decompressed content of a gzip file.
-    pub fn unzipped(&self, bytes: &[u8], place: &Place) -> ReadResult<Vec<u8>> {
+    pub fn gunzipped(&self, bytes: &[u8], place: &Place) -> ReadResult<Vec<u8>> {
         let free = self.free_memory().unwrap_or(u64::MAX);
         let mut out = Vec::new();
         let read = flate2::read::MultiGzDecoder::new(bytes).take(free).read_to_end(&mut out);

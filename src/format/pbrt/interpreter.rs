@@ -10,7 +10,7 @@ use super::parameters::{Parameters, parse_number};
 use super::settings::SuggestedFlags;
 use super::shapes::read_shape;
 use super::state::{AreaLight, CurrentMaterial, GraphicsState, MovingTransform, object_motion, transform_map};
-use super::surfaces::{back_side, is_sheet, world_area};
+use super::surfaces::{back_side_shape, is_sheet, world_area};
 use super::textures::Textures;
 use super::tokens::{Token, TokenKind, Tokens};
 use crate::format::SourceText;
@@ -164,7 +164,7 @@ impl<'a> Interpreter<'a> {
         });
         let ambient_medium =
             (!self.ambient_medium.is_empty()).then(|| Spanned::new(self.ambient_medium.to_string(), Span::default()));
-        let flags = self.settings.joined();
+        let flags = self.settings.flags_text();
         if !flags.is_empty() {
             let message = format!("the settings of the file are not applied: they stand for `{flags}`");
             self.content.notes.add_missing(&message);
@@ -193,7 +193,7 @@ impl<'a> Interpreter<'a> {
         let text = String::from_utf8_lossy(bytes);
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
         let mut tokens = Tokens::new(text, file);
-        while let Some(token) = tokens.next()? {
+        while let Some(token) = tokens.next_token()? {
             let place = tokens.place(token.line);
             let TokenKind::Word(directive) = token.kind else {
                 return Err(place.error("a value stands outside of a directive", "begin with a directive, as `Shape`"));
@@ -218,7 +218,7 @@ impl<'a> Interpreter<'a> {
                     "LookAt" => 9,
                     _ => 16,
                 };
-                let map = transform_map(directive, &numbers(tokens, count, &place)?, &place)?;
+                let map = transform_map(directive, &read_numbers(tokens, count, &place)?, &place)?;
                 if directive == "Transform" {
                     self.state.set_transform(MovingTransform::IDENTITY);
                 }
@@ -228,15 +228,15 @@ impl<'a> Interpreter<'a> {
                 self.state.set_transform(MovingTransform::IDENTITY);
                 Ok(())
             }
-            "TransformTimes" => numbers(tokens, 2, &place).map(|_| ()),
+            "TransformTimes" => read_numbers(tokens, 2, &place).map(|_| ()),
             "CoordinateSystem" => {
-                let name = quoted(tokens, &place)?;
+                let name = read_quoted(tokens, &place)?;
                 self.files.count_memory(MEMORY_PER_STATE)?;
                 self.coordinates.insert(name, self.state.transform);
                 Ok(())
             }
             "CoordSysTransform" => {
-                let name = quoted(tokens, &place)?;
+                let name = read_quoted(tokens, &place)?;
                 let known = self.coordinates.get(&name).copied();
                 let transform = known.ok_or_else(|| {
                     let help = "define it with `CoordinateSystem`; `camera` needs a camera before";
@@ -246,7 +246,7 @@ impl<'a> Interpreter<'a> {
                 Ok(())
             }
             "ActiveTransform" => {
-                let word = match tokens.next()? {
+                let word = match tokens.next_token()? {
                     Some(Token { kind: TokenKind::Word(word), .. }) => word,
                     _ => "",
                 };
@@ -282,7 +282,7 @@ impl<'a> Interpreter<'a> {
             }
             "WorldEnd" => Ok(()),
             "ObjectBegin" => {
-                let name = quoted(tokens, &place)?;
+                let name = read_quoted(tokens, &place)?;
                 if self.open_object.is_some() {
                     return Err(place.error("an object is defined inside an object", "close the first: `ObjectEnd`"));
                 }
@@ -298,34 +298,34 @@ impl<'a> Interpreter<'a> {
                 Ok(())
             }
             "ObjectInstance" => {
-                let name = quoted(tokens, &place)?;
+                let name = read_quoted(tokens, &place)?;
                 self.add_instance(&name, &place)
             }
             "Include" | "Import" => {
-                let name = quoted(tokens, &place)?;
-                self.include(&name, directive == "Import", &place, depth)
+                let name = read_quoted(tokens, &place)?;
+                self.run_included_file(&name, directive == "Import", &place, depth)
             }
             "MediumInterface" => {
-                let inside = quoted(tokens, &place)?;
-                let outside = match tokens.peek()? {
-                    Some(Token { kind: TokenKind::Quoted(_), .. }) => quoted(tokens, &place)?,
+                let inside = read_quoted(tokens, &place)?;
+                let outside = match tokens.peek_token()? {
+                    Some(Token { kind: TokenKind::Quoted(_), .. }) => read_quoted(tokens, &place)?,
                     _ => inside.clone(),
                 };
                 self.state.media = [inside.into(), outside.into()];
                 Ok(())
             }
             "NamedMaterial" => {
-                let name = quoted(tokens, &place)?;
+                let name = read_quoted(tokens, &place)?;
                 self.state.material = CurrentMaterial::Named(name.into(), place);
                 Ok(())
             }
             "Texture" => {
                 let (name, value_kind, class) =
-                    (quoted(tokens, &place)?, quoted(tokens, &place)?, quoted(tokens, &place)?);
+                    (read_quoted(tokens, &place)?, read_quoted(tokens, &place)?, read_quoted(tokens, &place)?);
                 let parameters = Parameters::read(tokens, place, self.files)?;
                 let SceneContent { textures, notes, .. } = &mut self.content;
                 let is_color = value_kind != "float";
-                textures.define((&name, &class, is_color), &parameters, self.files, notes)
+                textures.define_texture((&name, &class, is_color), &parameters, self.files, notes)
             }
             _ => {
                 let known = IGNORED_DIRECTIVES.contains(&directive)
@@ -345,15 +345,15 @@ impl<'a> Interpreter<'a> {
                     let message = format!("`{directive}` is not a directive of pbrt");
                     return Err(place.error(message, "correct its spelling; a directive ends where its file ends"));
                 }
-                let name = quoted(tokens, &place)?;
+                let name = read_quoted(tokens, &place)?;
                 let parameters = Parameters::read(tokens, place, self.files)?;
-                self.run_parametrized(directive, &name, parameters)
+                self.run_parametrized_directive(directive, &name, parameters)
             }
         }
     }
 
     /// Executes a directive that has a name and parameters, such as `Shape "sphere"`.
-    fn run_parametrized(&mut self, directive: &str, name: &str, parameters: Parameters) -> ReadResult<()> {
+    fn run_parametrized_directive(&mut self, directive: &str, name: &str, parameters: Parameters) -> ReadResult<()> {
         let place = parameters.place.clone();
         match directive {
             "Film" => {
@@ -372,7 +372,7 @@ impl<'a> Interpreter<'a> {
             }
             "Attribute" => {
                 let message = "parameters by `Attribute` are ignored";
-                self.content.notes.add_unsupported(message, place.described());
+                self.content.notes.add_unsupported(message, place.position_text());
                 Ok(())
             }
             "Material" => {
@@ -386,16 +386,16 @@ impl<'a> Interpreter<'a> {
             }
             "MakeNamedMedium" => {
                 let (to_world, notes) = (self.state.transform.0[0], &mut self.content.notes);
-                self.media.add(name, &parameters, to_world, self.files, notes)
+                self.media.add_medium(name, &parameters, to_world, self.files, notes)
             }
             "LightSource" => {
                 let transform = self.state.transform;
                 if !transform.is_still() {
                     let message = "lights that move stay where they are when the shutter opens";
-                    self.content.notes.add_unsupported(message, place.described());
+                    self.content.notes.add_unsupported(message, place.position_text());
                 }
                 let mirrored = self.mirror * transform.0[0];
-                self.lights.add(name, &parameters, mirrored, &mut self.content, self.files)
+                self.lights.add_light(name, &parameters, mirrored, &mut self.content, self.files)
             }
             "AreaLightSource" => {
                 if !matches!(name, "diffuse" | "area") {
@@ -408,7 +408,7 @@ impl<'a> Interpreter<'a> {
             "Shape" => self.add_shape(name, &parameters),
             // Directives that change only how pbrt samples or stores a picture.
             _ => {
-                self.settings.add(directive, name, &parameters);
+                self.settings.add_directive(directive, name, &parameters);
                 Ok(())
             }
         }
@@ -436,15 +436,15 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    fn include(&mut self, name: &str, is_import: bool, place: &Place, depth: usize) -> ReadResult<()> {
+    fn run_included_file(&mut self, name: &str, is_import: bool, place: &Place, depth: usize) -> ReadResult<()> {
         self.includes += 1;
         if depth >= MAX_INCLUDE_DEPTH || self.includes > MAX_INCLUDES {
             let help = "let no file include itself";
             return Err(place.error(format!("files include each other too often, last `{name}`"), help));
         }
-        let path = self.files.resolve(place, name)?;
-        let bytes = self.files.read(&path)?;
-        let bytes = if name.ends_with(".gz") { self.files.unzipped(&bytes, place)? } else { bytes };
+        let path = self.files.resolve_path(place, name)?;
+        let bytes = self.files.read_file(&path)?;
+        let bytes = if name.ends_with(".gz") { self.files.gunzipped(&bytes, place)? } else { bytes };
         // State changes that an imported file makes end with this file.
         let saved = is_import.then(|| self.state.clone());
         self.run_file(&bytes, path.display().to_string().into(), depth + 1)?;
@@ -469,25 +469,28 @@ impl<'a> Interpreter<'a> {
         let emission = match (&self.state.area_light, &self.open_object) {
             (Some(_), Some(_)) => {
                 let message = "shapes of object instances emit no light";
-                self.content.notes.add_unsupported(message, place.described());
+                self.content.notes.add_unsupported(message, place.position_text());
                 None
             }
-            (Some(light), None) => Some(ShapeEmission::read(&light.parameters, self.files, &mut self.content)?),
+            (Some(light), None) => {
+                Some(ShapeEmission::from_parameters(&light.parameters, self.files, &mut self.content)?)
+            }
             (None, _) => None,
         };
         let alpha = parameters.find("alpha");
         let SceneContent { meshes, textures, materials, notes, .. } = &mut self.content;
-        let material = materials.resolve(&self.state.material, (medium, alpha), textures, self.files, notes)?;
+        let material =
+            materials.imported_material_name(&self.state.material, (medium, alpha), textures, self.files, notes)?;
         let separates_media = inside != self.state.media[1];
         if separates_media && !materials.bounds_body(&material) && is_sheet(&shape, meshes) {
             // pbrt lets light that leaves the back of a sheet travel through the inner medium.
             let message = "sheets do not separate media: the medium around is on both sides";
-            notes.add_unsupported(message, place.described());
+            notes.add_unsupported(message, place.position_text());
         }
         let transform = self.state.transform;
         let mut shapes = vec![shape];
         if emission.is_some_and(|emission| emission.is_two_sided) {
-            shapes.extend(back_side(&shapes[0], &name, meshes, self.files)?);
+            shapes.extend(back_side_shape(&shapes[0], &name, meshes, self.files)?);
         }
         let emission = emission.map(|emission| emission.radiance(|| world_area(&shapes[0], meshes, transform.0[0])));
         self.lights.has_emitters |= emission.is_some_and(|radiance| radiance != DVec3::ZERO);
@@ -501,7 +504,7 @@ impl<'a> Interpreter<'a> {
         group.items.push(GroupItem::MaterialName(Spanned::new(material, Span::default())));
         for shape in shapes {
             let object = Spanned::new(ObjectDescription::Shape { shape, emission }, Span::default());
-            group.items.push(GroupItem::Object(placed(object, outer, &transform, place, notes)));
+            group.items.push(GroupItem::Object(transformed_object(object, outer, &transform, place, notes)));
         }
         Ok(())
     }
@@ -520,11 +523,11 @@ impl<'a> Interpreter<'a> {
                 }
                 outer.shapes += definition.shapes;
                 outer.depth = outer.depth.max(definition.depth + 1);
-                let placed = placed(object, DAffine3::IDENTITY, &transform, place, &mut self.content.notes);
+                let placed = transformed_object(object, DAffine3::IDENTITY, &transform, place, &mut self.content.notes);
                 outer.group.items.push(GroupItem::Object(placed));
             }
             None => {
-                let placed = placed(object, self.mirror, &transform, place, &mut self.content.notes);
+                let placed = transformed_object(object, self.mirror, &transform, place, &mut self.content.notes);
                 self.root.items.push(GroupItem::Object(placed));
             }
         }
@@ -535,7 +538,7 @@ impl<'a> Interpreter<'a> {
 /// Returns `object` transformed by `outer` · `transform`.
 ///
 /// The object moves if `transform` differs between shutter start and shutter end.
-fn placed(
+fn transformed_object(
     object: Spanned<ObjectDescription>,
     outer: DAffine3,
     transform: &MovingTransform,
@@ -546,23 +549,23 @@ fn placed(
         if map == DAffine3::IDENTITY {
             return object;
         }
-        let maps = vec![TransformStep::Matrix(DMat4::from(map))];
-        Spanned::new(ObjectDescription::Transform { maps, object: Box::new(object) }, Span::default())
+        let steps = vec![TransformStep::Matrix(DMat4::from(map))];
+        Spanned::new(ObjectDescription::Transform { steps, object: Box::new(object) }, Span::default())
     };
     let Some(motion) = object_motion(transform) else { return under(outer * transform.0[0], object) };
     if motion.omits_scale {
-        notes.add_unsupported("scales that change over the shutter stay as at its start", place.described());
+        notes.add_unsupported("scales that change over the shutter stay as at its start", place.position_text());
     }
     let center = DAffine3::from_translation(motion.center);
     let object = under(center.inverse() * transform.0[0], object);
-    let moving = ObjectDescription::Moving { maps: motion.steps, object: Box::new(object) };
+    let moving = ObjectDescription::Moving { steps: motion.steps, object: Box::new(object) };
     under(outer * center, Spanned::new(moving, Span::default()))
 }
 
 /// Reads a text in quotes, and returns it without the quotes; an error if the next token is
 /// another.
-fn quoted(tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<String> {
-    match tokens.next()? {
+fn read_quoted(tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<String> {
+    match tokens.next_token()? {
         Some(Token { kind: TokenKind::Quoted(text), .. }) => Ok(text.into_owned()),
         _ => {
             Err(place.error("a name in quotes is missing", "write the name after the directive, as `Shape \"sphere\"`"))
@@ -571,18 +574,18 @@ fn quoted(tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<String> {
 }
 
 /// Reads exactly `count` numbers, with or without brackets around them.
-fn numbers(tokens: &mut Tokens<'_>, count: usize, place: &Place) -> ReadResult<Vec<f64>> {
+fn read_numbers(tokens: &mut Tokens<'_>, count: usize, place: &Place) -> ReadResult<Vec<f64>> {
     let mut numbers = Vec::with_capacity(count);
     let missing = || place.error(format!("the directive needs {count} numbers"), "add the missing numbers");
     let mut is_open = false;
     while numbers.len() < count {
-        match tokens.next()?.ok_or_else(missing)?.kind {
+        match tokens.next_token()?.ok_or_else(missing)?.kind {
             TokenKind::Open if numbers.is_empty() && !is_open => is_open = true,
             TokenKind::Word(word) => numbers.push(parse_number(word, place)?),
             TokenKind::Open | TokenKind::Close | TokenKind::Quoted(_) => return Err(missing()),
         }
     }
-    if is_open && !matches!(tokens.next()?, Some(Token { kind: TokenKind::Close, .. })) {
+    if is_open && !matches!(tokens.next_token()?, Some(Token { kind: TokenKind::Close, .. })) {
         return Err(place.error("a bracket is not closed", "close it with `]`"));
     }
     Ok(numbers)

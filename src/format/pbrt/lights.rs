@@ -1,7 +1,7 @@
 //! Converts lights of pbrt scenes.
 
 use super::content::SceneContent;
-use super::environment::{MapLayout, equirectangular};
+use super::environment::{MapLayout, to_equirectangular};
 use super::files::{Place, ReadResult, SceneFiles};
 use super::parameters::{Parameter, Parameters};
 use super::spectra::{ColorUse, color};
@@ -35,7 +35,7 @@ impl Lights {
     /// Converts and adds a light.
     ///
     /// `kind` is the light's type in pbrt. `to_world` maps the light's own space to world space.
-    pub fn add(
+    pub fn add_light(
         &mut self,
         kind: &str,
         parameters: &Parameters,
@@ -96,7 +96,7 @@ impl Lights {
                 LightDescription::Directional { direction, strength }
             }
             "infinite" | "exinfinite" => {
-                return self.add_infinite(parameters, (to_world.matrix3, scale), color_of("L")?, content, files);
+                return self.add_infinite_light(parameters, (to_world.matrix3, scale), color_of("L")?, content, files);
             }
             "goniometric" => {
                 let intensity = strength(color_of("I")?);
@@ -107,14 +107,17 @@ impl Lights {
                         // The map has −z at its left edge.
                         aim: DirectionOrTarget::Direction(DVec3::Z),
                         up: Some(DVec3::Y),
-                        pattern: LightPattern::Map(Spanned::new(content.textures.embed(map, files)?, Span::default())),
+                        pattern: LightPattern::Map(Spanned::new(
+                            content.textures.embed_picture(map, files)?,
+                            Span::default(),
+                        )),
                         strength: intensity,
                     },
                 }
             }
             "projection" => {
                 let (picture, angle) = projected_picture(parameters, to_world.matrix3, files)?;
-                let path = Spanned::new(content.textures.embed(picture, files)?, Span::default());
+                let path = Spanned::new(content.textures.embed_picture(picture, files)?, Span::default());
                 LightDescription::Oriented {
                     position: to_world.translation,
                     aim: DirectionOrTarget::Direction(to_world.transform_vector3(DVec3::Z)),
@@ -134,7 +137,7 @@ impl Lights {
         Ok(())
     }
 
-    fn add_infinite(
+    fn add_infinite_light(
         &mut self,
         parameters: &Parameters,
         (axes, scale): (DMat3, DVec3),
@@ -144,7 +147,7 @@ impl Lights {
     ) -> ReadResult<()> {
         let place = &parameters.place;
         if parameters.find("portal").is_some() {
-            content.notes.add_unsupported("portals of infinite lights are ignored", place.described());
+            content.notes.add_unsupported("portals of infinite lights are ignored", place.position_text());
         }
         let Some(parameter) = parameters.find_any(&["filename", "mapname"]) else {
             self.sky += match parameters.number("illuminance").filter(|value| *value > 0.0) {
@@ -154,19 +157,19 @@ impl Lights {
             return Ok(());
         };
         if parameters.find("illuminance").is_some() {
-            content.notes.add_unsupported("the illuminance of environment maps is ignored", place.described());
+            content.notes.add_unsupported("the illuminance of environment maps is ignored", place.position_text());
         }
-        let (image, layout) = directional_map(parameter, place, content, files)?;
+        let (image, layout) = environment_map(parameter, place, content, files)?;
         files.count_memory(36 * image.pixels().len() as u64)?;
         let factor = if parameter.name == "mapname" { constant } else { scale };
-        let map = equirectangular(&image, layout, axes);
+        let map = to_equirectangular(&image, layout, axes);
         let mut map = map.ok_or_else(|| place.error("the transform of the light is singular", "scale it less"))?;
         for pixel in map.pixels_mut() {
-            *pixel = finite_light(*pixel * factor.as_vec3());
+            *pixel = nonnegative_finite_pixel(*pixel * factor.as_vec3());
         }
         if self.map.is_some() {
             let message = "of several environment maps, only the last lights the scene";
-            content.notes.add_unsupported(message, place.described());
+            content.notes.add_unsupported(message, place.position_text());
         }
         self.map = Some(map);
         Ok(())
@@ -184,7 +187,7 @@ impl Lights {
             Some(mut map) => {
                 let sky = self.sky.as_vec3();
                 map.pixels_mut().iter_mut().for_each(|pixel| *pixel += sky);
-                let path = Spanned::new(content.textures.embed(map, files)?, Span::default());
+                let path = Spanned::new(content.textures.embed_picture(map, files)?, Span::default());
                 Some(EnvironmentRadiance::Picture { path, scale: 1.0, rotate: LEFT_EDGE_ROTATION })
             }
             None => (self.sky != DVec3::ZERO).then_some(EnvironmentRadiance::Constant(self.sky)),
@@ -199,7 +202,7 @@ impl Lights {
 /// Reads the environment map that a parameter names, and returns it with its layout.
 ///
 /// A square map of pbrt-v4 is octahedral; any other is by latitude and longitude.
-fn directional_map(
+fn environment_map(
     parameter: &Parameter,
     place: &Place,
     content: &mut SceneContent,
@@ -212,7 +215,7 @@ fn directional_map(
         (true, _) | (false, "mapname") => MapLayout::LatitudeLongitude,
         (false, _) => {
             let message = "maps of directions of pbrt-v4 that are not square are read by latitude and longitude";
-            content.notes.add_unsupported(message, place.described());
+            content.notes.add_unsupported(message, place.position_text());
             MapLayout::LatitudeLongitude
         }
     };
@@ -231,16 +234,16 @@ fn goniometric_map(
 ) -> ReadResult<Option<Image>> {
     let place = &parameters.place;
     let Some(parameter) = parameters.find_any(&["filename", "mapname"]) else { return Ok(None) };
-    let (mut image, layout) = directional_map(parameter, place, content, files)?;
+    let (mut image, layout) = environment_map(parameter, place, content, files)?;
     for pixel in image.pixels_mut() {
-        let value = finite_light(*pixel);
+        let value = nonnegative_finite_pixel(*pixel);
         // pbrt-v4 uses the mean of the channels.
         *pixel = if parameter.name == "filename" { Vec3::splat(value.element_sum() / 3.0) } else { value };
     }
     files.count_memory(36 * image.pixels().len() as u64)?;
     // The z axis of the map is the y axis of the light.
     let axes = axes * DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y);
-    let map = equirectangular(&image, layout, axes);
+    let map = to_equirectangular(&image, layout, axes);
     map.map(Some).ok_or_else(|| place.error("the transform of the light is singular", "scale it less"))
 }
 
@@ -257,7 +260,7 @@ fn projected_picture(parameters: &Parameters, axes: DMat3, files: &SceneFiles<'_
     let name = parameter.and_then(|parameter| parameter.texts.first());
     let name = name.ok_or_else(|| place.error("the projection light has no picture", "give its `filename`"))?;
     let mut image = read_picture(name, PixelMeaning::Radiance, place, files)?;
-    image.pixels_mut().iter_mut().for_each(|pixel| *pixel = finite_light(*pixel));
+    image.pixels_mut().iter_mut().for_each(|pixel| *pixel = nonnegative_finite_pixel(*pixel));
     // Seen from the light, +x is to the right if the axes are left-handed.
     if axes.determinant() > 0.0 {
         let width = image.width() as usize;
@@ -270,7 +273,7 @@ fn projected_picture(parameters: &Parameters, axes: DMat3, files: &SceneFiles<'_
 }
 
 /// Returns a pixel with negative channels set to 0; black if a channel is infinite or NaN.
-fn finite_light(pixel: Vec3) -> Vec3 {
+fn nonnegative_finite_pixel(pixel: Vec3) -> Vec3 {
     if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO }
 }
 
@@ -295,7 +298,11 @@ pub(super) struct ShapeEmission {
 
 impl ShapeEmission {
     /// Reads the emission that the parameters of an `AreaLightSource` directive state.
-    pub fn read(parameters: &Parameters, files: &SceneFiles<'_>, content: &mut SceneContent) -> ReadResult<Self> {
+    pub fn from_parameters(
+        parameters: &Parameters,
+        files: &SceneFiles<'_>,
+        content: &mut SceneContent,
+    ) -> ReadResult<Self> {
         let place: &Place = &parameters.place;
         let wanted = ColorUse::Light { is_v3: content.is_v3 };
         let radiance = match parameters.find("L") {
@@ -303,7 +310,9 @@ impl ShapeEmission {
             None => DVec3::ONE,
         };
         if parameters.find("filename").is_some() {
-            content.notes.add_unsupported("pictures of area lights are ignored: they emit evenly", place.described());
+            content
+                .notes
+                .add_unsupported("pictures of area lights are ignored: they emit evenly", place.position_text());
         }
         let power = parameters.number("power").filter(|power| *power > 0.0);
         let is_two_sided = parameters.flag("twosided") == Some(true);

@@ -67,8 +67,8 @@ pub(super) struct Materials {
     pub descriptions: Vec<Spanned<MaterialDescription>>,
 }
 
-/// State of the conversion of one pbrt material for a shape.
-struct Conversion<'m> {
+/// Converter of one pbrt material for a shape, with the state of the conversion.
+struct MaterialConverter<'m> {
     materials: &'m mut Materials,
     textures: &'m mut Textures,
     files: &'m SceneFiles<'m>,
@@ -109,7 +109,7 @@ impl Materials {
     ///
     /// `medium` is the name of the medium inside the shape; `None` for vacuum. `alpha` is the
     /// shape's opacity parameter.
-    pub fn resolve(
+    pub fn imported_material_name(
         &mut self,
         material: &CurrentMaterial,
         (medium, alpha): (Option<&str>, Option<&Parameter>),
@@ -125,14 +125,14 @@ impl Materials {
         if let Some(name) = self.used.get(&key) {
             return Ok(name.clone());
         }
-        let mut conversion = Conversion { materials: self, textures, files, notes, medium };
-        let mut name = conversion.convert(material, 0)?;
+        let mut converter = MaterialConverter { materials: self, textures, files, notes, medium };
+        let mut name = converter.convert_material(material, 0)?;
         if let Some(parameter) = alpha {
             let place = Place { file: files.path.display().to_string().into(), line: 0 };
-            let value = conversion.textures.parameter_value(parameter, false, &place, files)?;
-            let (amount, mean) = conversion.scalar(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
+            let value = converter.textures.parameter_value(parameter, false, &place, files)?;
+            let (amount, mean) = converter.textured_scalar_and_mean(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
             if amount != TexturedValue::Plain(1.0) && mean < 1.0 {
-                name = conversion.masked(&name, amount)?;
+                name = converter.mix_with_clear(&name, amount)?;
             }
         }
         self.used.insert(key, name.clone());
@@ -147,9 +147,9 @@ impl Materials {
     }
 }
 
-impl Conversion<'_> {
+impl MaterialConverter<'_> {
     /// Converts a pbrt material, adds it to the imported scene, and returns its name there.
-    fn convert(&mut self, material: &CurrentMaterial, depth: usize) -> ReadResult<String> {
+    fn convert_material(&mut self, material: &CurrentMaterial, depth: usize) -> ReadResult<String> {
         let missing = |name: &str, place: &Place| {
             place.error(format!("no material is called `{name}`"), "define it with `MakeNamedMaterial`")
         };
@@ -160,25 +160,26 @@ impl Conversion<'_> {
             }
         };
         let Some(FileMaterial { kind, parameters }) = found else {
-            return self.push(MaterialKindDescription::Diffuse { reflectance: DVec3::splat(0.5).into() }, None);
+            return self
+                .push_material(MaterialKindDescription::Diffuse { reflectance: DVec3::splat(0.5).into() }, None);
         };
         let place = &parameters.place;
         if kind == "mix" {
-            return self.mix(&parameters, depth);
+            return self.convert_mix(&parameters, depth);
         }
-        let surface = self.surface(&kind, &parameters)?;
-        let normal = self.perturbation(&parameters)?;
-        let name = self.push(surface, normal)?;
+        let surface = self.surface_description(&kind, &parameters)?;
+        let normal = self.normal_perturbation(&parameters)?;
+        let name = self.push_material(surface, normal)?;
         if kind != "uber" {
             return Ok(name);
         }
         let Some(opacity) = parameters.find("opacity") else { return Ok(name) };
         let value = self.textures.parameter_value(opacity, true, place, self.files)?;
-        let (amount, mean) = self.scalar(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
-        if mean < 1.0 { self.masked(&name, amount) } else { Ok(name) }
+        let (amount, mean) = self.textured_scalar_and_mean(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
+        if mean < 1.0 { self.mix_with_clear(&name, amount) } else { Ok(name) }
     }
 
-    fn push(
+    fn push_material(
         &mut self,
         kind: MaterialKindDescription,
         normal_perturbation: Option<NormalPerturbationDescription>,
@@ -195,16 +196,19 @@ impl Conversion<'_> {
 
     /// Returns the name of a mix of the material `name`, with the weight `opacity`, and a fully
     /// transparent one.
-    fn masked(&mut self, name: &str, opacity: TexturedValue<f64>) -> ReadResult<String> {
+    fn mix_with_clear(&mut self, name: &str, opacity: TexturedValue<f64>) -> ReadResult<String> {
         let clear = MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() };
-        let clear = self.push(clear, None)?;
+        let clear = self.push_material(clear, None)?;
         let part = |name: &str| Spanned::new(name.to_owned(), Span::default());
-        self.push(MaterialKindDescription::Mix { first: part(&clear), second: part(name), amount: opacity }, None)
+        self.push_material(
+            MaterialKindDescription::Mix { first: part(&clear), second: part(name), amount: opacity },
+            None,
+        )
     }
 
     /// Converts a mix of two named materials, adds it, and returns its name. `depth` counts outer
     /// mixes.
-    fn mix(&mut self, parameters: &Parameters, depth: usize) -> ReadResult<String> {
+    fn convert_mix(&mut self, parameters: &Parameters, depth: usize) -> ReadResult<String> {
         let place = &parameters.place;
         if depth >= MAX_MIX_DEPTH {
             return Err(place.error("mixes of materials nest too deep", "let no mix contain itself"));
@@ -221,39 +225,39 @@ impl Conversion<'_> {
             Some(parameter) => self.textures.parameter_value(parameter, false, place, self.files)?,
             None => TextureValue::Constant(DVec3::splat(0.5)),
         };
-        let (amount, _) = self.scalar(&amount, &|amount| amount.clamp(0.0, 1.0))?;
+        let (amount, _) = self.textured_scalar_and_mean(&amount, &|amount| amount.clamp(0.0, 1.0))?;
         let mut parts = Vec::new();
         for name in names {
-            let name = self.convert(&CurrentMaterial::Named(name.into(), place.clone()), depth + 1)?;
+            let name = self.convert_material(&CurrentMaterial::Named(name.into(), place.clone()), depth + 1)?;
             parts.push(Spanned::new(name, Span::default()));
         }
         let [first, second] = [parts[0].clone(), parts[1].clone()];
-        self.push(MaterialKindDescription::Mix { first, second, amount }, None)
+        self.push_material(MaterialKindDescription::Mix { first, second, amount }, None)
     }
 
     /// Converts the reflection and transmission of the pbrt material `kind` with the parameters
     /// `p`.
-    fn surface(&mut self, kind: &str, p: &Parameters) -> ReadResult<MaterialKindDescription> {
+    fn surface_description(&mut self, kind: &str, p: &Parameters) -> ReadResult<MaterialKindDescription> {
         let place = &p.place;
         let diffuse = |reflectance: TexturedValue<DVec3>| MaterialKindDescription::Diffuse { reflectance };
         Ok(match kind {
-            "diffuse" => diffuse(self.color(p, "reflectance", 0.5, &|c| c)?.0),
+            "diffuse" => diffuse(self.textured_color_and_mean(p, "reflectance", 0.5, &|c| c)?.0),
             "matte" => {
                 if p.find("sigma").is_some_and(|sigma| sigma.numbers != [0.0]) {
-                    self.note("rough diffuse surfaces (`sigma`) are Lambertian", place);
+                    self.add_note("rough diffuse surfaces (`sigma`) are Lambertian", place);
                 }
-                diffuse(self.color(p, "Kd", 0.5, &|c| c)?.0)
+                diffuse(self.textured_color_and_mean(p, "Kd", 0.5, &|c| c)?.0)
             }
             "coateddiffuse" => {
-                let index = self.index(p, &["eta"])?.clamp(1.0, f64::from(MAX_COAT_INDEX));
+                let index = self.refractive_index(p, &["eta"])?.clamp(1.0, f64::from(MAX_COAT_INDEX));
                 let roughness = self.roughness(p, 0.0, false)?;
                 if p.find("albedo").is_some_and(|albedo| albedo.numbers.iter().any(|a| *a != 0.0)) {
-                    self.note("scattering inside coats (`albedo`) is left out: they absorb only", place);
+                    self.add_note("scattering inside coats (`albedo`) is left out: they absorb only", place);
                 }
                 let thickness = p.number_or("thickness", COAT_THICKNESS).max(0.0);
                 let coat = LossyCoat::new(index, roughness.mean, thickness);
                 let under_coat = |c: DVec3| c.map(|reflectance| coat.equivalent_reflectance(reflectance));
-                let (reflectance, _) = self.color(p, "reflectance", 0.5, &under_coat)?;
+                let (reflectance, _) = self.textured_color_and_mean(p, "reflectance", 0.5, &under_coat)?;
                 let roughness = roughness.alpha;
                 MaterialKindDescription::CoatedDiffuse { reflectance, index, roughness, nonlinear: true }
             }
@@ -261,53 +265,64 @@ impl Conversion<'_> {
                 let name = if kind == "disney" { "color" } else { "Kd" };
                 let default = if kind == "plastic" || kind == "uber" { 0.25 } else { 0.5 };
                 let message = format!("`{kind}` is a diffuse surface and a Phong lobe of constant strength");
-                self.note(&message, place);
+                self.add_note(&message, place);
                 if p.find_any(&["Kr", "Kt"]).is_some() {
-                    self.note("mirrors and transmission of `uber` (Kr, Kt) are left out", place);
+                    self.add_note("mirrors and transmission of `uber` (Kr, Kt) are left out", place);
                 }
-                let (_, gloss) = self.color(p, "Ks", if kind == "disney" { 0.04 } else { default }, &|c| c)?;
-                let f0 = if matches!(kind, "plastic" | "uber") { normal_fresnel(COAT_INDEX) * gloss } else { gloss };
+                let (_, gloss) =
+                    self.textured_color_and_mean(p, "Ks", if kind == "disney" { 0.04 } else { default }, &|c| c)?;
+                let f0 =
+                    if matches!(kind, "plastic" | "uber") { normal_reflectance(COAT_INDEX) * gloss } else { gloss };
                 let kept = DVec3::splat(1.0 - f0.max_element());
-                let (diffuse, _) = self.color(p, name, default, &|c| c * kept)?;
+                let (diffuse, _) = self.textured_color_and_mean(p, name, default, &|c| c * kept)?;
                 let roughness = self.roughness(p, 0.1, true)?;
-                phong(diffuse, f0, roughness.mean)
+                phong_description(diffuse, f0, roughness.mean)
             }
-            "mirror" => MaterialKindDescription::Mirror { reflectance: self.color(p, "Kr", 0.9, &|c| c)?.0 },
+            "mirror" => {
+                MaterialKindDescription::Mirror { reflectance: self.textured_color_and_mean(p, "Kr", 0.9, &|c| c)?.0 }
+            }
             "glass" | "dielectric" => {
                 let is_v3 = kind == "glass";
                 if p.find_any(&["Kr", "Kt"]).is_some_and(|color| color.numbers.iter().any(|c| *c != 1.0)) {
-                    self.note("colors of glass (Kr, Kt) are ignored", place);
+                    self.add_note("colors of glass (Kr, Kt) are ignored", place);
                 }
                 let roughness = self.roughness(p, 0.0, is_v3)?;
                 MaterialKindDescription::Dielectric {
-                    refraction: self.refraction(p)?,
+                    refraction: self.refractive_index_description(p)?,
                     attenuation: DielectricAbsorption::None,
                     roughness: roughness.alpha,
                     multiple_scattering: false,
                     priority: 0,
                 }
             }
-            "thindielectric" => {
-                MaterialKindDescription::Thin { index: self.index(p, &["eta"])?, transmittance: DVec3::ONE.into() }
-            }
+            "thindielectric" => MaterialKindDescription::Thin {
+                index: self.refractive_index(p, &["eta"])?,
+                transmittance: DVec3::ONE.into(),
+            },
             "conductor" | "metal" => {
                 let roughness = self.roughness(p, if kind == "metal" { 0.01 } else { 0.0 }, kind == "metal")?;
-                self.conductor(p, ["reflectance", "eta", "k"], roughness.alpha)?
+                self.conductor_description(p, ["reflectance", "eta", "k"], roughness.alpha)?
             }
             "coatedconductor" => {
-                self.note("coats of conductors are left out: the conductor is bare", place);
-                let alpha = self.roughness_of(p, ["conductor.uroughness", "conductor.vroughness"], 0.0, false)?.alpha;
-                self.conductor(p, ["reflectance", "conductor.eta", "conductor.k"], alpha)?
+                self.add_note("coats of conductors are left out: the conductor is bare", place);
+                let alpha =
+                    self.roughness_from_names(p, ["conductor.uroughness", "conductor.vroughness"], 0.0, false)?.alpha;
+                self.conductor_description(p, ["reflectance", "conductor.eta", "conductor.k"], alpha)?
             }
             "diffusetransmission" => {
-                self.note("diffuse transmission is left out: surfaces only reflect", place);
+                self.add_note("diffuse transmission is left out: surfaces only reflect", place);
                 let scale = p.number_or("scale", 1.0);
-                diffuse(self.color(p, "reflectance", 0.25, &|c| (c * scale).clamp(DVec3::ZERO, DVec3::ONE))?.0)
+                diffuse(
+                    self.textured_color_and_mean(p, "reflectance", 0.25, &|c| {
+                        (c * scale).clamp(DVec3::ZERO, DVec3::ONE)
+                    })?
+                    .0,
+                )
             }
             "translucent" => {
-                self.note("diffuse transmission is left out: surfaces only reflect", place);
+                self.add_note("diffuse transmission is left out: surfaces only reflect", place);
                 let share = p.find("reflect").map_or(0.5, |reflect| reflect.numbers.first().copied().unwrap_or(0.5));
-                diffuse(self.color(p, "Kd", 0.25, &|c| c * share.clamp(0.0, 1.0))?.0)
+                diffuse(self.textured_color_and_mean(p, "Kd", 0.25, &|c| c * share.clamp(0.0, 1.0))?.0)
             }
             "interface" | "none" | "" => {
                 if self.medium.is_none() {
@@ -317,9 +332,9 @@ impl Conversion<'_> {
                 MaterialKindDescription::NullInterface { priority: 0 }
             }
             "subsurface" | "kdsubsurface" => {
-                self.note("subsurface scattering is left out: surfaces are diffuse", place);
+                self.add_note("subsurface scattering is left out: surfaces are diffuse", place);
                 let name = if kind == "kdsubsurface" { "Kd" } else { "reflectance" };
-                diffuse(self.color(p, name, 0.5, &|c| c)?.0)
+                diffuse(self.textured_color_and_mean(p, name, 0.5, &|c| c)?.0)
             }
             _ => {
                 let message = format!("the material `{kind}` is not supported");
@@ -332,7 +347,7 @@ impl Conversion<'_> {
     /// + ik.
     ///
     /// The three texts are the names of the parameters for the reflectance, η and k.
-    fn conductor(
+    fn conductor_description(
         &mut self,
         p: &Parameters,
         [reflectance, eta, k]: [&str; 3],
@@ -340,9 +355,9 @@ impl Conversion<'_> {
     ) -> ReadResult<MaterialKindDescription> {
         let place = &p.place;
         let (eta, k) = if p.find(reflectance).is_some() {
-            let (value, mean) = self.color(p, reflectance, 0.5, &|c| c)?;
+            let (value, mean) = self.textured_color_and_mean(p, reflectance, 0.5, &|c| c)?;
             if value.texture_name().is_some() {
-                self.note("textures of metals are their mean", place);
+                self.add_note("textures of metals are their mean", place);
             }
             // A conductor of index 1 + ik has the reflectance k² / (4 + k²) at normal incidence.
             let r = mean.clamp(DVec3::ZERO, DVec3::splat(MAX_METAL_REFLECTANCE));
@@ -351,7 +366,7 @@ impl Conversion<'_> {
             let mut value = |name: &str, is_eta: bool| match p.find(name) {
                 Some(parameter) if parameter.kind == "texture" => {
                     let value = self.textures.parameter_value(parameter, true, place, self.files)?;
-                    Ok(SpectralValue::Channels(self.textures.add(&value, &|c| c, self.files)?.1))
+                    Ok(SpectralValue::Channels(self.textures.add_texture(&value, &|c| c, self.files)?.1))
                 }
                 Some(parameter) => spectral_value(parameter, place, self.files),
                 None => {
@@ -361,7 +376,7 @@ impl Conversion<'_> {
             };
             match (value(eta, true)?, value(k, false)?) {
                 (SpectralValue::Spectrum(eta), SpectralValue::Spectrum(k)) => conductor_rgb(&eta, &k),
-                (eta, k) => (eta.channels(), k.channels()),
+                (eta, k) => (eta.mean_rgb(), k.mean_rgb()),
             }
         };
         if !(eta.min_element() > 0.0 && k.min_element() >= 0.0) {
@@ -375,7 +390,7 @@ impl Conversion<'_> {
     ///
     /// It is a glass that Caustica knows by name, an index with an Abbe number, or a constant
     /// index.
-    fn refraction(&mut self, p: &Parameters) -> ReadResult<RefractiveIndexDescription> {
+    fn refractive_index_description(&mut self, p: &Parameters) -> ReadResult<RefractiveIndexDescription> {
         let glass = p.find("eta").filter(|eta| eta.kind == "spectrum").and_then(|eta| eta.texts.first());
         if let Some(name) = glass.and_then(|name| name.strip_prefix("glass-")) {
             if glass_by_name(name).is_some() {
@@ -385,22 +400,22 @@ impl Conversion<'_> {
                 return Ok(RefractiveIndexDescription::Abbe { index: *index, abbe: *abbe });
             }
         }
-        self.index(p, &["eta", "index"]).map(RefractiveIndexDescription::Index)
+        self.refractive_index(p, &["eta", "index"]).map(RefractiveIndexDescription::Index)
     }
 
     /// Returns the refractive index from the first parameter with one of `names`; 1.5 if there is
     /// none.
     ///
     /// A spectrum gives its green channel. A texture gives 1.5, with a message.
-    fn index(&mut self, p: &Parameters, names: &[&str]) -> ReadResult<f64> {
+    fn refractive_index(&mut self, p: &Parameters, names: &[&str]) -> ReadResult<f64> {
         let place = &p.place;
         let index = match p.find_any(names) {
             None => COAT_INDEX,
             Some(parameter) if parameter.kind == "texture" => {
-                self.note("textures of the index of refraction are 1.5", place);
+                self.add_note("textures of the index of refraction are 1.5", place);
                 COAT_INDEX
             }
-            Some(parameter) => spectral_value(parameter, place, self.files)?.channels().y,
+            Some(parameter) => spectral_value(parameter, place, self.files)?.mean_rgb().y,
         };
         if !(0.01..=100.0).contains(&index) {
             return Err(place.error("the index of refraction is not between 0.01 and 100", "correct `eta`"));
@@ -410,13 +425,19 @@ impl Conversion<'_> {
 
     /// Returns GGX α from pbrt's parameters `roughness`, `uroughness` and `vroughness`.
     fn roughness(&mut self, p: &Parameters, default: f64, is_v3: bool) -> ReadResult<Roughness> {
-        self.roughness_of(p, ["uroughness", "vroughness"], default, is_v3)
+        self.roughness_from_names(p, ["uroughness", "vroughness"], default, is_v3)
     }
 
     /// Returns GGX α from the roughness parameters `u` and `v`, or else from the isotropic one.
     ///
     /// If both directions differ, returns their geometric mean.
-    fn roughness_of(&mut self, p: &Parameters, [u, v]: [&str; 2], default: f64, is_v3: bool) -> ReadResult<Roughness> {
+    fn roughness_from_names(
+        &mut self,
+        p: &Parameters,
+        [u, v]: [&str; 2],
+        default: f64,
+        is_v3: bool,
+    ) -> ReadResult<Roughness> {
         let place = &p.place;
         let prefix = u.strip_suffix("uroughness").unwrap_or_default();
         let common = format!("{prefix}roughness");
@@ -440,10 +461,10 @@ impl Conversion<'_> {
             };
             if alpha < SMOOTH_ALPHA { 0.0 } else { alpha.min(1.0) }
         };
-        let (mut first, mean) = self.scalar(&first, &alpha)?;
-        let (_, other) = self.scalar(&second, &alpha)?;
+        let (mut first, mean) = self.textured_scalar_and_mean(&first, &alpha)?;
+        let (_, other) = self.textured_scalar_and_mean(&second, &alpha)?;
         if (mean - other).abs() > 1e-9 {
-            self.note("roughness that differs by direction is even: the geometric mean", place);
+            self.add_note("roughness that differs by direction is even: the geometric mean", place);
             first = TexturedValue::Plain((mean * other).sqrt());
         }
         Ok(Roughness { alpha: first, mean })
@@ -451,7 +472,7 @@ impl Conversion<'_> {
 
     /// Returns a color parameter, clamped to \[0, 1] and mapped by `map`, and its mean over the
     /// texture.
-    fn color(
+    fn textured_color_and_mean(
         &mut self,
         p: &Parameters,
         name: &str,
@@ -463,16 +484,20 @@ impl Conversion<'_> {
             None => TextureValue::Constant(DVec3::splat(default)),
         };
         let unit = |color: DVec3| map(color.clamp(DVec3::ZERO, DVec3::ONE));
-        self.textures.add(&value, &unit, self.files)
+        self.textures.add_texture(&value, &unit, self.files)
     }
 
     /// Converts a texture to numbers: takes the mean of the channels, and applies `map` to it.
     ///
     /// Returns the number or number texture, and its mean over the texture.
-    fn scalar(&mut self, value: &TextureValue, map: &dyn Fn(f64) -> f64) -> ReadResult<(TexturedValue<f64>, f64)> {
+    fn textured_scalar_and_mean(
+        &mut self,
+        value: &TextureValue,
+        map: &dyn Fn(f64) -> f64,
+    ) -> ReadResult<(TexturedValue<f64>, f64)> {
         let mean = |c: DVec3| if c.x == c.y && c.y == c.z { c.x } else { c.element_sum() / 3.0 };
         let gray = |color: DVec3| DVec3::splat(map(mean(color)));
-        let (value, mean) = self.textures.add(value, &gray, self.files)?;
+        let (value, mean) = self.textures.add_texture(value, &gray, self.files)?;
         Ok(match value {
             TexturedValue::Plain(value) => (TexturedValue::Plain(value.x), value.x),
             TexturedValue::Texture(name) => (TexturedValue::Texture(name), mean.x),
@@ -480,7 +505,7 @@ impl Conversion<'_> {
     }
 
     /// Returns the bump map or normal map of a material; `None` if it has neither.
-    fn perturbation(&mut self, p: &Parameters) -> ReadResult<Option<NormalPerturbationDescription>> {
+    fn normal_perturbation(&mut self, p: &Parameters) -> ReadResult<Option<NormalPerturbationDescription>> {
         if let Some(name) = p.text("normalmap") {
             let meaning = crate::image::PixelMeaning::Data;
             let image = super::textures::read_picture(name, meaning, &p.place, self.files)?;
@@ -491,25 +516,25 @@ impl Conversion<'_> {
                 wrap: crate::format::description::WrapMode::Repeat,
                 coordinates,
             };
-            let (value, _) = self.textures.add(&value, &|c| c, self.files)?;
+            let (value, _) = self.textures.add_texture(&value, &|c| c, self.files)?;
             return Ok(value.texture_name().cloned().map(NormalPerturbationDescription::NormalMap));
         }
         let Some(parameter) = p.find_any(&["displacement", "bumpmap"]) else { return Ok(None) };
         let value = self.textures.parameter_value(parameter, false, &p.place, self.files)?;
-        let (value, _) = self.textures.add(&value, &|c| c, self.files)?;
+        let (value, _) = self.textures.add_texture(&value, &|c| c, self.files)?;
         let texture = value.texture_name().cloned();
         Ok(texture.map(|texture| NormalPerturbationDescription::Bump { texture, height: 1.0 }))
     }
 
-    fn note(&mut self, message: &str, place: &Place) {
-        self.notes.add_unsupported(message, place.described());
+    fn add_note(&mut self, message: &str, place: &Place) {
+        self.notes.add_unsupported(message, place.position_text());
     }
 }
 
 /// Returns a diffuse surface with a Phong lobe whose total reflectance is `f0`.
 ///
 /// The lobe's exponent is 2/α² − 2, where α = `alpha` is a GGX roughness.
-fn phong(diffuse: TexturedValue<DVec3>, f0: DVec3, alpha: f64) -> MaterialKindDescription {
+fn phong_description(diffuse: TexturedValue<DVec3>, f0: DVec3, alpha: f64) -> MaterialKindDescription {
     let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
     let shininess = 2.0 / (alpha * alpha) - 2.0;
     let specular = f0 * (0.5 * (shininess + 2.0));
@@ -517,7 +542,7 @@ fn phong(diffuse: TexturedValue<DVec3>, f0: DVec3, alpha: f64) -> MaterialKindDe
 }
 
 /// Returns the Fresnel reflectance at normal incidence of a dielectric with a given index.
-fn normal_fresnel(index: f64) -> f64 {
+fn normal_reflectance(index: f64) -> f64 {
     let root = (index - 1.0) / (index + 1.0);
     root * root
 }

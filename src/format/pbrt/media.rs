@@ -49,7 +49,7 @@ impl Media {
         for medium in &mut self.descriptions {
             if let DensityDescription::Grid { extent, .. } = &mut medium.value.density {
                 // A matrix applies after all earlier steps.
-                extent.maps.push(TransformStep::Matrix(DMat4::from(map)));
+                extent.steps.push(TransformStep::Matrix(DMat4::from(map)));
             }
         }
         (self.descriptions, self.grids)
@@ -58,7 +58,7 @@ impl Media {
     /// Adds the medium `name`, whose own space is mapped by `to_world`.
     ///
     /// Media of unknown kinds are left out with a note.
-    pub fn add(
+    pub fn add_medium(
         &mut self,
         name: &str,
         parameters: &Parameters,
@@ -72,16 +72,16 @@ impl Media {
             return Err(place.error("the scale is negative, or g is not between -1 and 1", "correct the medium"));
         }
         let values = match parameters.text("type") {
-            Some("homogeneous") | None => homogeneous(parameters, files, notes)?,
-            Some("uniformgrid" | "heterogeneous") => self.uniform_grid(parameters, to_world, files, notes)?,
-            Some("rgbgrid") => self.color_grid(parameters, to_world, files, notes)?,
+            Some("homogeneous") | None => homogeneous_medium(parameters, files, notes)?,
+            Some("uniformgrid" | "heterogeneous") => self.uniform_grid_medium(parameters, to_world, files, notes)?,
+            Some("rgbgrid") => self.rgb_grid_medium(parameters, to_world, files, notes)?,
             Some("nanovdb") => {
                 let help = "export the density as a `uniformgrid` medium";
                 return Err(place.error(format!("the medium `{name}` is a NanoVDB file, which is not read"), help));
             }
             Some(kind) => {
                 let message = format!("media of kind `{kind}` are left out: their shapes are empty");
-                notes.add_unsupported(&message, format!("{}: `{name}`", place.described()));
+                notes.add_unsupported(&message, format!("{}: `{name}`", place.position_text()));
                 return Ok(());
             }
         };
@@ -98,7 +98,7 @@ impl Media {
     }
 
     /// Reads the values of a grid medium with one density per cell, and embeds its grid.
-    fn uniform_grid(
+    fn uniform_grid_medium(
         &mut self,
         parameters: &Parameters,
         to_world: DAffine3,
@@ -107,26 +107,26 @@ impl Media {
     ) -> ReadResult<MediumValues> {
         let place = &parameters.place;
         let size = grid_size(parameters)?;
-        let densities = cells::<1>(parameters, "density", size)?;
+        let densities = cell_values::<1>(parameters, "density", size)?;
         let densities =
             densities.ok_or_else(|| place.error("the medium has no `density`", "give one for each cell"))?;
         let is_v3 = parameters.text("type") == Some("heterogeneous");
-        let [absorption, scattering] = coefficients(parameters, !is_v3, files)?;
+        let [absorption, scattering] = absorption_and_scattering(parameters, !is_v3, files)?;
         if parameters.find("temperature").is_some() {
-            notes.add_unsupported("emission by the temperature of media is left out", place.described());
+            notes.add_unsupported("emission by the temperature of media is left out", place.position_text());
         }
         // Emission counts once per absorption in pbrt.
         let mut emission = emission(parameters, files)? * absorption;
         if emission != DVec3::ZERO
-            && let Some(factors) = cells::<1>(parameters, "Lescale", size)?
+            && let Some(factors) = cell_values::<1>(parameters, "Lescale", size)?
         {
-            notes.add_unsupported("emission of media that varies in space becomes its mean", place.described());
+            notes.add_unsupported("emission of media that varies in space becomes its mean", place.position_text());
             let weight: f64 = densities.iter().map(|[density]| density).sum();
             let sum: f64 = densities.iter().zip(factors).map(|([density], [factor])| density * factor).sum();
             emission *= if weight > 0.0 { sum / weight } else { 0.0 };
         }
         let densities = densities.iter().map(|[density]| *density as f32).collect();
-        let density = self.embed((size, densities), parameters, to_world, files)?;
+        let density = self.embed_grid((size, densities), parameters, to_world, files)?;
         let coefficients = MediumCoefficients::AbsorptionScattering { absorption, scattering };
         Ok(MediumValues { coefficients, emission, density })
     }
@@ -135,7 +135,7 @@ impl Media {
     ///
     /// Caustica varies only the density over cells: it is the mean of the extinction's channels.
     /// The colors become density-weighted means over all cells, with a message.
-    fn color_grid(
+    fn rgb_grid_medium(
         &mut self,
         parameters: &Parameters,
         to_world: DAffine3,
@@ -144,12 +144,13 @@ impl Media {
     ) -> ReadResult<MediumValues> {
         let place = &parameters.place;
         let size = grid_size(parameters)?;
-        let (absorption, scattering) = (cells(parameters, "sigma_a", size)?, cells(parameters, "sigma_s", size)?);
+        let (absorption, scattering) =
+            (cell_values(parameters, "sigma_a", size)?, cell_values(parameters, "sigma_s", size)?);
         let count = absorption.or(scattering).map(<[_]>::len);
         let count =
             count.ok_or_else(|| place.error("the medium has no coefficients", "give `sigma_a` or `sigma_s`"))?;
         let color_of = |values: Option<&[[f64; 3]]>, i: usize| values.map_or(DVec3::ONE, |v| DVec3::from_array(v[i]));
-        let emitted = cells(parameters, "Le", size)?.filter(|_| absorption.is_some());
+        let emitted = cell_values(parameters, "Le", size)?.filter(|_| absorption.is_some());
         let mut densities = Vec::with_capacity(count);
         let (mut weight, mut sums) = (0.0, [DVec3::ZERO; 3]);
         for i in 0..count {
@@ -168,10 +169,10 @@ impl Media {
             deviation.max_element() > COLOR_DEVIATION * density
         });
         if deviates || light != DVec3::ZERO {
-            notes.add_unsupported("colors of media that vary in space become their mean", place.described());
+            notes.add_unsupported("colors of media that vary in space become their mean", place.position_text());
         }
         let scale = parameters.number_or("scale", 1.0);
-        let density = self.embed((size, densities), parameters, to_world, files)?;
+        let density = self.embed_grid((size, densities), parameters, to_world, files)?;
         let coefficients =
             MediumCoefficients::AbsorptionScattering { absorption: absorbed * scale, scattering: scattered * scale };
         let emission = light * scale * parameters.number_or("Lescale", 1.0).max(0.0);
@@ -180,7 +181,7 @@ impl Media {
 
     /// Embeds a density grid that fills the medium's box, and returns the density that refers to
     /// it.
-    fn embed(
+    fn embed_grid(
         &mut self,
         (size, values): ([u32; 3], Vec<f32>),
         parameters: &Parameters,
@@ -194,7 +195,7 @@ impl Media {
             return Err(place.error("the box of the medium is empty", "give a `p1` above `p0` in every coordinate"));
         }
         files.count_memory(MEMORY_PER_CELL * values.len() as u64)?;
-        let extent = TransformedBoxDescription { min, max, maps: vec![TransformStep::Matrix(DMat4::from(to_world))] };
+        let extent = TransformedBoxDescription { min, max, steps: vec![TransformStep::Matrix(DMat4::from(to_world))] };
         let path = format!("grid{}", self.grids.len());
         self.grids.insert(path.clone(), Arc::new(DensityGrid { size, values }));
         Ok(DensityDescription::Grid { path: Spanned::new(path, Span::default()), scale: 1.0, extent })
@@ -202,12 +203,16 @@ impl Media {
 }
 
 /// Reads the values of a homogeneous medium.
-fn homogeneous(parameters: &Parameters, files: &SceneFiles<'_>, notes: &mut ImportNotes) -> ReadResult<MediumValues> {
+fn homogeneous_medium(
+    parameters: &Parameters,
+    files: &SceneFiles<'_>,
+    notes: &mut ImportNotes,
+) -> ReadResult<MediumValues> {
     if let Some(preset) = parameters.text("preset") {
         let message = format!("media by preset have pbrt's default coefficients, not those of `{preset}`");
-        notes.add_unsupported(&message, parameters.place.described());
+        notes.add_unsupported(&message, parameters.place.position_text());
     }
-    let [absorption, scattering] = coefficients(parameters, false, files)?;
+    let [absorption, scattering] = absorption_and_scattering(parameters, false, files)?;
     // Emission counts once per absorption in pbrt.
     let emission = emission(parameters, files)? * parameters.number_or("Lescale", 1.0).max(0.0) * absorption;
     let coefficients = MediumCoefficients::AbsorptionScattering { absorption, scattering };
@@ -217,7 +222,11 @@ fn homogeneous(parameters: &Parameters, files: &SceneFiles<'_>, notes: &mut Impo
 /// Returns σa and σs \[1/length], multiplied by the parameter `scale`.
 ///
 /// A missing coefficient is 1 if `defaults_to_one`, else that of whole milk per millimeter.
-fn coefficients(parameters: &Parameters, defaults_to_one: bool, files: &SceneFiles<'_>) -> ReadResult<[DVec3; 2]> {
+fn absorption_and_scattering(
+    parameters: &Parameters,
+    defaults_to_one: bool,
+    files: &SceneFiles<'_>,
+) -> ReadResult<[DVec3; 2]> {
     let place = &parameters.place;
     let scale = parameters.number_or("scale", 1.0);
     let value = |name: &str, milk: DVec3| -> ReadResult<DVec3> {
@@ -248,7 +257,7 @@ fn grid_size(parameters: &Parameters) -> ReadResult<[u32; 3]> {
 }
 
 /// Returns the values of a parameter with `N` numbers for each cell; `None` if it is missing.
-fn cells<'p, const N: usize>(
+fn cell_values<'p, const N: usize>(
     parameters: &'p Parameters,
     name: &str,
     size: [u32; 3],

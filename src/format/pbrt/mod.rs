@@ -46,7 +46,7 @@ impl SceneImporter for PbrtImporter {
         options: &ImportOptions,
     ) -> Result<ImportedScene, SceneReadError> {
         let files = SceneFiles::new(path, monitor, options);
-        let bytes = files.read(path)?;
+        let bytes = files.read_file(path)?;
         import_bytes(&files, &bytes)
     }
 }

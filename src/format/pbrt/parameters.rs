@@ -47,7 +47,7 @@ impl Parameters {
     /// Reads the parameters of the directive at `place`, up to the next directive.
     pub fn read(tokens: &mut Tokens<'_>, place: Place, files: &SceneFiles<'_>) -> ReadResult<Self> {
         let mut list = Vec::new();
-        while let Some(token) = tokens.peek()? {
+        while let Some(token) = tokens.peek_token()? {
             let TokenKind::Quoted(declaration) = &token.kind else { break };
             let place = Place { file: place.file.clone(), line: token.line };
             let mut words = declaration.split_whitespace();
@@ -57,7 +57,7 @@ impl Parameters {
             };
             let mut parameter =
                 Parameter { kind: kind.to_owned(), name: name.to_owned(), numbers: Vec::new(), texts: Vec::new() };
-            tokens.next()?;
+            tokens.next_token()?;
             parameter.read_values(tokens, &place)?;
             let texts: usize = parameter.texts.iter().map(|text| text.len() + 24).sum();
             files.count_memory(MEMORY_PER_PARAMETER + 8 * parameter.numbers.len() as u64 + texts as u64)?;
@@ -126,20 +126,21 @@ impl Parameter {
     /// Reads the values after a parameter's type and name: one value, or all values in brackets.
     fn read_values(&mut self, tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<()> {
         let missing = |name: &str| place.error(format!("the parameter `{name}` has no values"), VALUE_HELP);
-        let first = tokens.next()?.ok_or_else(|| missing(&self.name))?;
+        let first = tokens.next_token()?.ok_or_else(|| missing(&self.name))?;
         if first.kind != TokenKind::Open {
-            return self.push(&first.kind, place);
+            return self.push_value(&first.kind, place);
         }
         loop {
-            let token = tokens.next()?.ok_or_else(|| place.error("a bracket is not closed", "close it with `]`"))?;
+            let token =
+                tokens.next_token()?.ok_or_else(|| place.error("a bracket is not closed", "close it with `]`"))?;
             match &token.kind {
                 TokenKind::Close => return Ok(()),
-                kind @ (TokenKind::Open | TokenKind::Word(_) | TokenKind::Quoted(_)) => self.push(kind, place)?,
+                kind @ (TokenKind::Open | TokenKind::Word(_) | TokenKind::Quoted(_)) => self.push_value(kind, place)?,
             }
         }
     }
 
-    fn push(&mut self, kind: &TokenKind<'_>, place: &Place) -> ReadResult<()> {
+    fn push_value(&mut self, kind: &TokenKind<'_>, place: &Place) -> ReadResult<()> {
         match kind {
             TokenKind::Quoted(text) => self.texts.push(text.clone().into_owned()),
             TokenKind::Word(word @ ("true" | "false")) => self.texts.push((*word).to_owned()),

@@ -37,7 +37,7 @@ impl Generatrix {
     /// axis.
     ///
     /// Its normals are ∂p/∂u × ∂p/∂v.
-    fn turned(&self, phi_max: f64) -> TriangleMesh {
+    fn surface_of_revolution(&self, phi_max: f64) -> TriangleMesh {
         let columns = (TURN_SEGMENTS * phi_max / (2.0 * PI)).ceil().max(1.0) as u32;
         let rows = self.points.len() as u32;
         let mut mesh = TriangleMesh::default();
@@ -135,7 +135,7 @@ pub(super) fn quadric_mesh(kind: &str, parameters: &Parameters) -> ReadResult<Op
         }
         _ => return Ok(None),
     };
-    Ok(Some(generatrix.turned(phi_max)))
+    Ok(Some(generatrix.surface_of_revolution(phi_max)))
 }
 
 #[cfg(test)]

@@ -41,7 +41,7 @@ impl SuggestedFlags {
     /// Converts a directive to flags, if it is an integrator, a pixel filter or a sampler.
     ///
     /// Other directives are ignored. `name` and `parameters` are those of the directive.
-    pub fn add(&mut self, directive: &str, name: &str, parameters: &Parameters) {
+    pub fn add_directive(&mut self, directive: &str, name: &str, parameters: &Parameters) {
         match directive {
             "Integrator" | "SurfaceIntegrator" => {
                 self.integrator.clear();
@@ -71,7 +71,7 @@ impl SuggestedFlags {
     }
 
     /// Returns all flags, with spaces between; empty if the file has no settings.
-    pub fn joined(&self) -> String {
+    pub fn flags_text(&self) -> String {
         let flags = self.integrator.iter().chain(&self.filter).chain(&self.sampler);
         flags.map(String::as_str).collect::<Vec<_>>().join(" ")
     }

@@ -4,7 +4,7 @@ use super::content::SceneContent;
 use super::files::{ReadResult, SceneFiles};
 use super::parameters::Parameters;
 use super::quadrics::quadric_mesh;
-use super::subdivision::subdivided;
+use super::subdivision::loop_subdivided;
 use crate::format::description::{MeshOptions, ShapeDescription, Span, Spanned};
 use crate::format::mesh::{TriangleMesh, decode};
 use glam::{DVec2, DVec3};
@@ -61,7 +61,7 @@ pub(super) fn read_shape(
         }
         "sphere" | "disk" | "cylinder" | "cone" | "paraboloid" | "hyperboloid" => {
             let message = "parts of spheres, cylinders and disks, and other quadrics, are meshes of facets";
-            notes.add_unsupported(message, place.described());
+            notes.add_unsupported(message, place.position_text());
             files.count_memory(MAX_QUADRIC_CORNERS * MEMORY_PER_CORNER)?;
             quadric_mesh(kind, parameters)?.unwrap_or_default()
         }
@@ -76,25 +76,25 @@ pub(super) fn read_shape(
             let corners = 3 * base.triangles.len() as u64 + base.positions.len() as u64;
             // Each level has four times as many triangles. The estimate includes tables of edges.
             files.count_memory((6 * MEMORY_PER_CORNER * corners).saturating_mul(1 << (2 * levels as u64)))?;
-            subdivided(base.positions, base.triangles, levels as u32)
+            loop_subdivided(base.positions, base.triangles, levels as u32)
         }
         "plymesh" => {
             let file = parameters.text("filename").unwrap_or_default();
-            let path = files.resolve(place, file)?;
-            let bytes = files.read(&path)?;
-            let bytes = if bytes.starts_with(&[0x1f, 0x8b]) { files.unzipped(&bytes, place)? } else { bytes };
+            let path = files.resolve_path(place, file)?;
+            let bytes = files.read_file(&path)?;
+            let bytes = if bytes.starts_with(&[0x1f, 0x8b]) { files.gunzipped(&bytes, place)? } else { bytes };
             // The extension selects the reader, and `.ply.gz` is PLY too.
             let named = Path::new(file.strip_suffix(".gz").unwrap_or(file));
             let loaded = decode(named, bytes, files.monitor, files.free_memory());
             let mesh = loaded.map_err(|e| place.error(e, "export the mesh again, or check it: `caustica mesh`"))?.mesh;
             files.count_memory(MEMORY_PER_CORNER * (mesh.positions.len() + 3 * mesh.triangles.len()) as u64)?;
             if parameters.find("displacement").is_some() {
-                notes.add_unsupported("displacement of meshes is ignored", place.described());
+                notes.add_unsupported("displacement of meshes is ignored", place.position_text());
             }
             TriangleMesh { materials: Vec::new(), triangle_materials: Vec::new(), ..mesh }
         }
         "curve" => {
-            notes.add_unsupported("curves are left out", place.described());
+            notes.add_unsupported("curves are left out", place.position_text());
             return Ok(None);
         }
         _ => {
@@ -108,7 +108,7 @@ pub(super) fn read_shape(
     }
     mesh.merge_equal_vertices();
     if mesh.triangles.is_empty() {
-        notes.add_unsupported("meshes without triangles are left out", place.described());
+        notes.add_unsupported("meshes without triangles are left out", place.position_text());
         return Ok(None);
     }
     content.meshes.insert(name.to_owned(), Arc::new(mesh));
@@ -126,7 +126,7 @@ fn cuts_quadric(kind: &str, parameters: &Parameters) -> bool {
 }
 
 /// Returns the vertex indices of the parameter `indices`. Fails if one is not below `count`.
-fn indices(parameters: &Parameters, count: usize, files: &SceneFiles<'_>) -> ReadResult<Vec<u32>> {
+fn vertex_indices(parameters: &Parameters, count: usize, files: &SceneFiles<'_>) -> ReadResult<Vec<u32>> {
     let numbers = parameters.numbers("indices");
     files.count_memory(MEMORY_PER_CORNER * numbers.len() as u64)?;
     let index = |number: &f64| {
@@ -140,7 +140,7 @@ fn indices(parameters: &Parameters, count: usize, files: &SceneFiles<'_>) -> Rea
 }
 
 /// Returns a mesh with the positions, normals and texture coordinates of a shape, but no triangles.
-fn vertices(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<TriangleMesh> {
+fn mesh_of_vertices(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<TriangleMesh> {
     let place = &parameters.place;
     let positions = parameters.points("P")?;
     files.count_memory(MEMORY_PER_CORNER * positions.len() as u64)?;
@@ -166,8 +166,8 @@ fn vertices(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<Trian
 
 /// Returns the mesh of a `trianglemesh` or the control mesh of a `loopsubdiv` shape.
 fn triangle_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<TriangleMesh> {
-    let mut mesh = vertices(parameters, files)?;
-    let mut corners = indices(parameters, mesh.positions.len(), files)?;
+    let mut mesh = mesh_of_vertices(parameters, files)?;
+    let mut corners = vertex_indices(parameters, mesh.positions.len(), files)?;
     if corners.is_empty() && mesh.positions.len() == 3 {
         corners = vec![0, 1, 2];
     }
@@ -176,13 +176,13 @@ fn triangle_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<
         return Err(parameters.place.error(message, "give three `indices` for each triangle"));
     }
     mesh.triangles = corners.as_chunks().0.to_vec();
-    face_normals(&mut mesh);
+    orient_along_normals(&mut mesh);
     Ok(mesh)
 }
 
 /// Flips each triangle whose winding opposes its vertex normals, because vertex normals orient
 /// pbrt's faces.
-fn face_normals(mesh: &mut TriangleMesh) {
+fn orient_along_normals(mesh: &mut TriangleMesh) {
     let TriangleMesh { positions, triangles, normals: Some(normals), .. } = mesh else { return };
     for triangle in triangles {
         let [a, b, c] = triangle.map(|i| positions[i as usize]);
@@ -197,8 +197,8 @@ fn face_normals(mesh: &mut TriangleMesh) {
 ///
 /// Any other patch is divided into [`PATCH_SEGMENTS`]² quads.
 fn bilinear_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<TriangleMesh> {
-    let base = vertices(parameters, files)?;
-    let mut corners = indices(parameters, base.positions.len(), files)?;
+    let base = mesh_of_vertices(parameters, files)?;
+    let mut corners = vertex_indices(parameters, base.positions.len(), files)?;
     if corners.is_empty() && base.positions.len() == 4 {
         corners = vec![0, 1, 2, 3];
     }
@@ -240,6 +240,6 @@ fn bilinear_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<
         }
     }
     (mesh.normals, mesh.texcoords) = (Some(normals), Some(texcoords));
-    face_normals(&mut mesh);
+    orient_along_normals(&mut mesh);
     Ok(mesh)
 }

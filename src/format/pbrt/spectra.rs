@@ -32,7 +32,7 @@ pub(super) enum SpectralValue {
 impl SpectralValue {
     /// Returns the values for red, green and blue. For a spectrum, these are means over wavelength
     /// ranges.
-    pub fn channels(&self) -> DVec3 {
+    pub fn mean_rgb(&self) -> DVec3 {
         match self {
             Self::Spectrum(spectrum) => spectrum.channel_means(),
             Self::Channels(rgb) => *rgb,
@@ -91,14 +91,14 @@ pub(super) fn spectral_value(
         ("float", [value], _) => channels(DVec3::splat(*value)),
         ("spectrum", [value], None) => channels(DVec3::splat(*value)),
         ("spectrum", _, Some(text)) => named_spectrum(text, place, files),
-        ("spectrum", pairs @ [_, _, ..], None) => sampled(pairs, place).map(SpectralValue::Spectrum),
+        ("spectrum", pairs @ [_, _, ..], None) => sampled_spectrum(pairs, place).map(SpectralValue::Spectrum),
         _ => Err(place
             .error(format!("`{kind} {name}` has {} numbers", numbers.len()), "write colors as `\"rgb L\" [ 1 1 1 ]`")),
     }
 }
 
 /// Returns the spectrum of a list that alternates between wavelength \[nm] and value.
-fn sampled(pairs: &[f64], place: &Place) -> ReadResult<Spectrum> {
+fn sampled_spectrum(pairs: &[f64], place: &Place) -> ReadResult<Spectrum> {
     let samples = pairs.as_chunks::<2>().0.to_vec();
     let spectrum = if pairs.len().is_multiple_of(2) { Spectrum::from_samples(samples) } else { None };
     spectrum.ok_or_else(|| {
@@ -124,8 +124,8 @@ fn named_spectrum(name: &str, place: &Place, files: &SceneFiles<'_>) -> ReadResu
     if name.starts_with("stdillum-") || name.starts_with("illum-") || name.starts_with("glass-") {
         return Err(place.error(format!("the spectrum `{name}` has no color here"), "give its samples, or an `rgb`"));
     }
-    let path = files.resolve(place, name)?;
-    let bytes = files.read(&path)?;
+    let path = files.resolve_path(place, name)?;
+    let bytes = files.read_file(&path)?;
     let text = String::from_utf8_lossy(&bytes);
     let mut numbers = Vec::new();
     let file: std::rc::Rc<str> = path.display().to_string().into();
@@ -135,7 +135,7 @@ fn named_spectrum(name: &str, place: &Place, files: &SceneFiles<'_>) -> ReadResu
             numbers.push(parse_number(word, &place)?);
         }
     }
-    sampled(&numbers, &Place { file, line: 1 }).map(SpectralValue::Spectrum)
+    sampled_spectrum(&numbers, &Place { file, line: 1 }).map(SpectralValue::Spectrum)
 }
 
 /// Returns η, or k if `is_eta` is false, of a metal for red, green and blue; `None` if unknown.

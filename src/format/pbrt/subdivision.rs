@@ -20,16 +20,16 @@ struct Neighborhood {
 /// Edges of a mesh. A key holds both vertex indices, the lower one first.
 ///
 /// A value holds the number of triangles at the edge, and the corners that lie opposite in them.
-type Edges = HashMap<[u32; 2], (u32, [u32; 2])>;
+type EdgeTable = HashMap<[u32; 2], (u32, [u32; 2])>;
 
 /// Returns the mesh after `levels` Loop subdivisions, at its limit positions and with smooth
 /// normals.
-pub(super) fn subdivided(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, levels: u32) -> TriangleMesh {
+pub(super) fn loop_subdivided(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, levels: u32) -> TriangleMesh {
     let (mut positions, mut triangles) = (positions, triangles);
     for _ in 0..levels {
         (positions, triangles) = subdivided_once(&positions, &triangles);
     }
-    let edges = edges(&triangles);
+    let edges = edges_of_triangles(&triangles);
     let neighbors = neighborhoods(&positions, &edges);
     let limits = positions.iter().zip(&neighbors).map(|(position, around)| limit_position(*position, around));
     let mut mesh = TriangleMesh { positions: limits.collect(), triangles, ..TriangleMesh::default() };
@@ -39,7 +39,7 @@ pub(super) fn subdivided(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, levels
 
 /// Returns the mesh after one subdivision: each triangle becomes four.
 fn subdivided_once(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let edges = edges(triangles);
+    let edges = edges_of_triangles(triangles);
     let neighbors = neighborhoods(positions, &edges);
     let mut fine: Vec<DVec3> = positions.iter().zip(&neighbors).map(|(p, around)| even_position(*p, around)).collect();
     let mut middles: HashMap<[u32; 2], u32> = HashMap::with_capacity(edges.len());
@@ -63,8 +63,8 @@ fn subdivided_once(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<DVec3>, 
 }
 
 /// Returns the edges of a mesh. The two vertex indices of each edge are sorted.
-fn edges(triangles: &[[u32; 3]]) -> Edges {
-    let mut edges = Edges::with_capacity(2 * triangles.len());
+fn edges_of_triangles(triangles: &[[u32; 3]]) -> EdgeTable {
+    let mut edges = EdgeTable::with_capacity(2 * triangles.len());
     for &[a, b, c] in triangles {
         for (start, end, opposite) in [(a, b, c), (b, c, a), (c, a, b)] {
             let (count, corners) = edges.entry([start.min(end), start.max(end)]).or_default();
@@ -78,7 +78,7 @@ fn edges(triangles: &[[u32; 3]]) -> Edges {
 }
 
 /// Returns, for each vertex, sums over its neighbors.
-fn neighborhoods(positions: &[DVec3], edges: &Edges) -> Vec<Neighborhood> {
+fn neighborhoods(positions: &[DVec3], edges: &EdgeTable) -> Vec<Neighborhood> {
     let mut neighbors = vec![Neighborhood::default(); positions.len()];
     // A floating-point sum depends on the order of its terms, and a hash map has no order.
     let mut sorted: Vec<_> = edges.iter().collect();
@@ -142,8 +142,8 @@ mod tests {
     #[test]
     fn limits_do_not_depend_on_the_level() {
         let (positions, triangles) = octahedron();
-        let coarse = subdivided(positions.clone(), triangles.clone(), 0);
-        let fine = subdivided(positions, triangles, 3);
+        let coarse = loop_subdivided(positions.clone(), triangles.clone(), 0);
+        let fine = loop_subdivided(positions, triangles, 3);
         assert_eq!(fine.triangles.len(), 8 * 64);
         for corner in &coarse.positions {
             assert!(fine.positions.iter().any(|p| p.abs_diff_eq(*corner, 1e-12)), "{corner}");
@@ -160,7 +160,7 @@ mod tests {
     #[test]
     fn a_flat_square_keeps_its_plane_and_boundary() {
         let square = vec![DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
-        let mesh = subdivided(square, vec![[0, 1, 2], [0, 2, 3]], 2);
+        let mesh = loop_subdivided(square, vec![[0, 1, 2], [0, 2, 3]], 2);
         assert_eq!(mesh.triangles.len(), 32);
         let inside = |p: &DVec3| p.z == 0.0 && p.x >= 0.0 && p.y >= 0.0 && p.x <= 1.0 && p.y <= 1.0;
         assert!(mesh.positions.iter().all(inside));

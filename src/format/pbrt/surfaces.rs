@@ -40,7 +40,7 @@ pub(super) fn is_sheet(shape: &ShapeDescription, meshes: &BTreeMap<String, Arc<T
 /// The second shape faces backwards. It lies behind the sheet by a fraction of the sheet's size,
 /// because two coincident surfaces would be one hit. Its mesh, if any, is added under a name that
 /// begins with `name`. The back of a closed shape is not visible. The back of a tube stays dark.
-pub(super) fn back_side(
+pub(super) fn back_side_shape(
     shape: &ShapeDescription,
     name: &str,
     meshes: &mut BTreeMap<String, Arc<TriangleMesh>>,

@@ -10,29 +10,29 @@ use crate::stats::MemoryLimit;
 use glam::{DAffine3, DVec3, Vec3};
 use std::path::Path;
 
-pub(super) fn import(text: &str) -> Result<ImportedScene, SceneReadError> {
+pub(super) fn try_import_text(text: &str) -> Result<ImportedScene, SceneReadError> {
     let options = ImportOptions { memory: MemoryLimit::Limit(1 << 28), ..ImportOptions::default() };
     decode(Path::new("/nowhere/test.pbrt"), text.as_bytes(), &options)
 }
 
-pub(super) fn imported(text: &str) -> ImportedScene {
-    import(text).unwrap_or_else(|e| panic!("{e}"))
+pub(super) fn import_text(text: &str) -> ImportedScene {
+    try_import_text(text).unwrap_or_else(|e| panic!("{e}"))
 }
 
-pub(super) fn messages(scene: &ImportedScene) -> String {
+pub(super) fn note_messages(scene: &ImportedScene) -> String {
     scene.notes.iter().map(|note| format!("{}\n", note.message)).collect()
 }
 
 /// Returns the material of the only shape in a scene with the directives `text`.
-fn material(text: &str) -> MaterialKindDescription {
-    let scene = imported(&format!("WorldBegin {text} Shape \"sphere\""));
+fn sphere_material(text: &str) -> MaterialKindDescription {
+    let scene = import_text(&format!("WorldBegin {text} Shape \"sphere\""));
     scene.description.materials.last().unwrap().kind.clone()
 }
 
 #[test]
 fn the_camera_has_the_view_and_handedness_of_pbrt() {
     let head = "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100";
-    let scene = imported(&format!(
+    let scene = import_text(&format!(
         "{head} LookAt 0 0 -5 0 0 0 0 1 0 Camera \"perspective\" \"float fov\" [ 90 ] \"float lensradius\" 2 \
          \"float focaldistance\" [3] WorldBegin LightSource \"point\" \"point3 from\" [1 2 3]"
     ));
@@ -48,7 +48,7 @@ fn the_camera_has_the_view_and_handedness_of_pbrt() {
     let LightDescription::Point { position, .. } = scene.description.lights[0].value else { panic!() };
     assert_eq!(position, DVec3::new(1.0, 2.0, -3.0));
     // A scene that mirrors itself is not mirrored again.
-    let scene = imported(
+    let scene = import_text(
         "Scale -1 1 1 LookAt 0 0 -5 0 0 0 0 1 0 Camera \"perspective\" WorldBegin \
          LightSource \"point\" \"point3 from\" [1 2 3]",
     );
@@ -61,7 +61,7 @@ fn the_camera_has_the_view_and_handedness_of_pbrt() {
 
 #[test]
 fn lights_have_the_strength_of_the_file() {
-    let scene = imported(
+    let scene = import_text(
         "WorldBegin LightSource \"point\" \"rgb I\" [1 2 3] \"float scale\" 2 \
          LightSource \"infinite\" \"rgb L\" [.5 .5 .5] LightSource \"infinite\" \"float scale\" .25 \
          LightSource \"spot\" \"spectrum I\" [400 9 700 9] \
@@ -85,10 +85,10 @@ fn lights_have_the_strength_of_the_file() {
 
 #[test]
 fn materials_of_both_versions_are_read() {
-    let diffuse = material("Material \"diffuse\" \"rgb reflectance\" [.1 .2 .3]");
+    let diffuse = sphere_material("Material \"diffuse\" \"rgb reflectance\" [.1 .2 .3]");
     assert_eq!(diffuse, MaterialKindDescription::Diffuse { reflectance: DVec3::new(0.1, 0.2, 0.3).into() });
-    assert_eq!(material("Material \"matte\" \"color Kd\" [.1 .2 .3]"), diffuse);
-    let MaterialKindDescription::Conductor { metal, roughness, .. } = material(
+    assert_eq!(sphere_material("Material \"matte\" \"color Kd\" [.1 .2 .3]"), diffuse);
+    let MaterialKindDescription::Conductor { metal, roughness, .. } = sphere_material(
         "Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\" \"float roughness\" .09",
     ) else {
         panic!()
@@ -100,17 +100,22 @@ fn materials_of_both_versions_are_read() {
     let TexturedValue::Plain(alpha) = roughness else { panic!() };
     assert!((alpha - 0.3).abs() < 1e-12);
     let MaterialKindDescription::Dielectric { roughness, .. } =
-        material("Material \"dielectric\" \"float roughness\" .09 \"bool remaproughness\" false")
+        sphere_material("Material \"dielectric\" \"float roughness\" .09 \"bool remaproughness\" false")
     else {
         panic!()
     };
     assert_eq!(roughness, TexturedValue::Plain(0.09));
-    assert!(import("WorldBegin Material \"measured\" Shape \"sphere\"").unwrap_err().to_string().contains("measured"));
+    assert!(
+        try_import_text("WorldBegin Material \"measured\" Shape \"sphere\"")
+            .unwrap_err()
+            .to_string()
+            .contains("measured")
+    );
 }
 
 #[test]
 fn textures_become_constants_or_textures() {
-    let scaled = material(
+    let scaled = sphere_material(
         "Texture \"a\" \"spectrum\" \"constant\" \"rgb value\" [.2 .4 .8] \
          Texture \"b\" \"spectrum\" \"scale\" \"texture tex\" \"a\" \"float scale\" .5 \
          Material \"diffuse\" \"texture reflectance\" \"b\"",
@@ -118,37 +123,37 @@ fn textures_become_constants_or_textures() {
     assert_eq!(scaled, MaterialKindDescription::Diffuse { reflectance: DVec3::new(0.1, 0.2, 0.4).into() });
     let checker = "Texture \"c\" \"spectrum\" \"checkerboard\" \"rgb tex1\" [1 0 0] \"float uscale\" 4 \
          Material \"diffuse\" \"texture reflectance\" \"c\"";
-    let MaterialKindDescription::Diffuse { reflectance: TexturedValue::Texture(_) } = material(checker) else {
+    let MaterialKindDescription::Diffuse { reflectance: TexturedValue::Texture(_) } = sphere_material(checker) else {
         panic!()
     };
 }
 
 #[test]
 fn blocks_restore_the_state_and_instances_repeat_objects() {
-    let scene = imported(
+    let scene = import_text(
         "WorldBegin ObjectBegin \"o\" Shape \"sphere\" Shape \"disk\" ObjectEnd \
          AttributeBegin Translate 1 0 0 ObjectInstance \"o\" AttributeEnd ObjectInstance \"o\"",
     );
     assert_eq!(scene.description.root.items.len(), 2);
     let text = scene.description.to_string();
     assert_eq!(text.matches("Sphere").count(), 2, "{text}");
-    assert!(messages(&scene).contains("no light"));
-    assert!(import("WorldBegin AttributeEnd").is_err());
-    assert!(import("WorldBegin ObjectInstance \"missing\"").is_err());
+    assert!(note_messages(&scene).contains("no light"));
+    assert!(try_import_text("WorldBegin AttributeEnd").is_err());
+    assert!(try_import_text("WorldBegin ObjectInstance \"missing\"").is_err());
 }
 
 #[test]
 fn motion_between_active_transforms_is_kept() {
-    let scene = imported(
+    let scene = import_text(
         "WorldBegin ActiveTransform EndTime Translate 0 2 0 Rotate 90 0 0 1 ActiveTransform All Shape \"sphere\"",
     );
     let text = scene.description.to_string();
-    assert!(text.contains("Moving") && messages(&scene).contains("no light"), "{text}");
+    assert!(text.contains("Moving") && note_messages(&scene).contains("no light"), "{text}");
 }
 
 #[test]
 fn moving_cameras_turn_about_themselves() {
-    let scene = imported(
+    let scene = import_text(
         "ActiveTransform EndTime Rotate -30 0 1 0 Translate 0 0 2 ActiveTransform All LookAt 1 0 0 1 0 5 0 1 0 \
          Camera \"perspective\" WorldBegin",
     );
@@ -171,10 +176,10 @@ fn centered_crops_narrow_the_view() {
         let text = format!(
             "Film \"rgb\" \"integer xresolution\" 200 \"integer yresolution\" 100 {film} Camera \"perspective\" WorldBegin"
         );
-        let scene = imported(&text);
+        let scene = import_text(&text);
         let camera = &scene.description.camera;
         let ProjectionDescription::Perspective { angle, .. } = camera.projection else { panic!() };
-        ((camera.width, camera.height), libm::tan((0.5 * angle).to_radians()), messages(&scene))
+        ((camera.width, camera.height), libm::tan((0.5 * angle).to_radians()), note_messages(&scene))
     };
     let (whole, tangent, _) = view("");
     assert_eq!((whole, (tangent - 1.0).abs() < 1e-9), ((200, 100), true));
@@ -189,31 +194,32 @@ fn centered_crops_narrow_the_view() {
 
 #[test]
 fn settings_of_the_file_become_flags() {
-    let scene = imported(
+    let scene = import_text(
         "Integrator \"sppm\" \"integer maxdepth\" 7 \"float radius\" .05 PixelFilter \"triangle\" \
          Sampler \"halton\" \"integer pixelsamples\" 16 WorldBegin",
     );
     let flags = "--integrator sppm --max-bounces 6 --radius 0.05 --filter tent --spp 16";
-    assert!(messages(&scene).contains(flags), "{}", messages(&scene));
-    let scene = imported("Integrator \"path\" Integrator \"unknown\" WorldBegin");
-    assert!(!messages(&scene).contains("settings"));
+    assert!(note_messages(&scene).contains(flags), "{}", note_messages(&scene));
+    let scene = import_text("Integrator \"path\" Integrator \"unknown\" WorldBegin");
+    assert!(!note_messages(&scene).contains("settings"));
 }
 
 #[test]
 fn parts_of_quadrics_become_meshes() {
-    let scene = imported(
+    let scene = import_text(
         "WorldBegin Shape \"sphere\" \"float phimax\" 90 Shape \"disk\" \"float innerradius\" .5 \
          Shape \"cone\" Shape \"sphere\" \"float zmin\" -1 Shape \"cylinder\"",
     );
     assert_eq!(scene.assets.meshes.len(), 3);
-    assert!(messages(&scene).contains("parts of spheres"), "{}", messages(&scene));
+    assert!(note_messages(&scene).contains("parts of spheres"), "{}", note_messages(&scene));
 }
 
 #[test]
 fn sheets_between_media_are_noted() {
     let media = "WorldBegin MakeNamedMedium \"fog\" MediumInterface \"\" \"fog\"";
     let sheet = "Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]";
-    let notes = |text: &str| messages(&imported(&format!("{media} {text}"))).contains("sheets do not separate media");
+    let notes =
+        |text: &str| note_messages(&import_text(&format!("{media} {text}"))).contains("sheets do not separate media");
     assert!(notes(sheet) && notes("Shape \"disk\"") && !notes("Shape \"sphere\""));
     assert!(!notes(&format!("MediumInterface \"fog\" \"fog\" {sheet}")));
     assert!(!notes(&format!("Material \"interface\" MediumInterface \"fog\" \"\" {sheet}")));
@@ -283,7 +289,7 @@ fn defects_are_refused_with_their_line() {
         "MakeNamedMedium \"m\" \"string type\" \"rgbgrid\" \"rgb sigma_a\" [1 1]",
     ];
     for defect in defects {
-        let error = import(&format!("\n{defect}")).err().unwrap_or_else(|| panic!("{defect} is accepted"));
+        let error = try_import_text(&format!("\n{defect}")).err().unwrap_or_else(|| panic!("{defect} is accepted"));
         assert!(error.to_string().contains("line 2") || defect.starts_with("Obj"), "{defect}: {error}");
     }
 }
@@ -291,14 +297,14 @@ fn defects_are_refused_with_their_line() {
 #[test]
 fn deep_and_large_scenes_are_refused() {
     let deep = "AttributeBegin ".repeat(20_000);
-    assert!(import(&deep).unwrap_err().to_string().contains("too deep"));
+    assert!(try_import_text(&deep).unwrap_err().to_string().contains("too deep"));
     // Nested objects that stand for 2⁴⁰ spheres.
     let mut text = "WorldBegin ObjectBegin \"0\" Shape \"sphere\" ObjectEnd ".to_owned();
     for i in 0..40 {
         let next = i + 1;
         text += &format!("ObjectBegin \"{next}\" ObjectInstance \"{i}\" ObjectInstance \"{i}\" ObjectEnd ");
     }
-    assert!(matches!(import(&text), Err(SceneReadError::Memory { .. })));
+    assert!(matches!(try_import_text(&text), Err(SceneReadError::Memory { .. })));
 }
 
 #[test]

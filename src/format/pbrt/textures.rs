@@ -52,7 +52,7 @@ pub(super) enum TextureValue {
 
 impl TextureValue {
     /// Returns the texture with `map` applied to all its values.
-    fn mapped(&self, map: &dyn Fn(DVec3) -> DVec3) -> Self {
+    fn with_mapped_values(&self, map: &dyn Fn(DVec3) -> DVec3) -> Self {
         match self {
             Self::Constant(value) => Self::Constant(map(*value)),
             Self::Picture { image, factor, wrap, coordinates } => {
@@ -85,7 +85,7 @@ impl TextureValue {
     }
 
     /// Returns the memory that a copy of the texture takes \[bytes].
-    fn memory(&self) -> u64 {
+    fn memory_bytes(&self) -> u64 {
         match self {
             Self::Picture { image, .. } => 12 * image.pixels().len() as u64,
             Self::Constant(_) | Self::Checker { .. } | Self::Solid { .. } => 0,
@@ -110,7 +110,7 @@ impl Textures {
     ///
     /// `class` is its type, such as `imagemap`. `is_color` is true for colors, and false for
     /// numbers.
-    pub fn define(
+    pub fn define_texture(
         &mut self,
         (name, class, is_color): (&str, &str, bool),
         parameters: &Parameters,
@@ -131,12 +131,12 @@ impl Textures {
                     (_, TextureValue::Constant(factor)) => (&first, *factor),
                     _ => {
                         let message = "products of two textures are the first, times the mean of the second";
-                        notes.add_unsupported(message, place.described());
+                        notes.add_unsupported(message, place.position_text());
                         (&first, second.mean())
                     }
                 };
-                files.count_memory(texture.memory())?;
-                texture.mapped(&|value| value * factor)
+                files.count_memory(texture.memory_bytes())?;
+                texture.with_mapped_values(&|value| value * factor)
             }
             "mix" | "directionmix" => {
                 let (first, second) = (value(&["tex1"], 0.0)?, value(&["tex2"], 1.0)?);
@@ -144,11 +144,11 @@ impl Textures {
                 match (&first, &second, &amount) {
                     (TextureValue::Constant(a), TextureValue::Constant(b), amount) => {
                         let (a, b) = (*a, *b);
-                        files.count_memory(amount.memory())?;
-                        amount.mapped(&|t| a + (b - a) * t)
+                        files.count_memory(amount.memory_bytes())?;
+                        amount.with_mapped_values(&|t| a + (b - a) * t)
                     }
                     _ => {
-                        notes.add_unsupported("mixes of textures are their mean", place.described());
+                        notes.add_unsupported("mixes of textures are their mean", place.position_text());
                         let (a, b) = (first.mean(), second.mean());
                         TextureValue::Constant(a + (b - a) * amount.mean())
                     }
@@ -157,9 +157,9 @@ impl Textures {
             "checkerboard" => {
                 let colors = [value(&["tex1"], 1.0)?.mean(), value(&["tex2"], 0.0)?.mean()];
                 if parameters.number_or("dimension", 2.0) != 2.0 {
-                    notes.add_unsupported("checkerboards of three dimensions have two", place.described());
+                    notes.add_unsupported("checkerboards of three dimensions have two", place.position_text());
                 }
-                TextureValue::Checker { colors, coordinates: coordinates(parameters, notes) }
+                TextureValue::Checker { colors, coordinates: texcoord_transform_description(parameters, notes) }
             }
             "imagemap" => {
                 let name = parameters.text("filename").unwrap_or_default();
@@ -177,16 +177,24 @@ impl Textures {
                 let wrap = match parameters.text("wrap") {
                     Some("clamp") => WrapMode::Clamp,
                     Some("black") => {
-                        notes.add_unsupported("textures that are black beyond their edges repeat", place.described());
+                        notes.add_unsupported(
+                            "textures that are black beyond their edges repeat",
+                            place.position_text(),
+                        );
                         WrapMode::Repeat
                     }
                     _ => WrapMode::Repeat,
                 };
                 let factor = DVec3::splat(parameters.number_or("scale", 1.0).max(0.0));
-                TextureValue::Picture { image: image.into(), factor, wrap, coordinates: coordinates(parameters, notes) }
+                TextureValue::Picture {
+                    image: image.into(),
+                    factor,
+                    wrap,
+                    coordinates: texcoord_transform_description(parameters, notes),
+                }
             }
             "fbm" | "wrinkled" | "windy" | "marble" => {
-                notes.add_unsupported("procedural textures have Caustica's noise, not pbrt's", place.described());
+                notes.add_unsupported("procedural textures have Caustica's noise, not pbrt's", place.position_text());
                 let (pattern, colors) = match class {
                     "marble" => (SolidPatternDescription::Marble, [DVec3::new(0.2, 0.2, 0.3), DVec3::splat(0.9)]),
                     _ => (SolidPatternDescription::Noise, [DVec3::ZERO, DVec3::ONE]),
@@ -195,7 +203,7 @@ impl Textures {
                 TextureValue::Solid { pattern, colors, octaves }
             }
             "bilerp" => {
-                notes.add_unsupported("textures between four corners are their mean", place.described());
+                notes.add_unsupported("textures between four corners are their mean", place.position_text());
                 let mut sum = DVec3::ZERO;
                 for (name, default) in [("v00", 0.0), ("v01", 1.0), ("v10", 0.0), ("v11", 1.0)] {
                     sum += value(&[name], default)?.mean();
@@ -203,7 +211,7 @@ impl Textures {
                 TextureValue::Constant(0.25 * sum)
             }
             "dots" => {
-                notes.add_unsupported("textures of dots have the color between the dots", place.described());
+                notes.add_unsupported("textures of dots have the color between the dots", place.position_text());
                 value(&["outside"], 0.0)?
             }
             _ => {
@@ -211,7 +219,7 @@ impl Textures {
                 return Err(place.error(message, "use imagemap, constant, scale, mix or checkerboard"));
             }
         };
-        files.count_memory(400 + texture.memory())?;
+        files.count_memory(400 + texture.memory_bytes())?;
         self.defined.insert((is_color, name.to_owned()), texture);
         Ok(())
     }
@@ -244,14 +252,14 @@ impl Textures {
     ///
     /// Returns the new texture's name, or the value if it is constant, and the mean of the new
     /// values.
-    pub fn add(
+    pub fn add_texture(
         &mut self,
         value: &TextureValue,
         map: &dyn Fn(DVec3) -> DVec3,
         files: &SceneFiles<'_>,
     ) -> ReadResult<(TexturedValue<DVec3>, DVec3)> {
-        files.count_memory(value.memory())?;
-        let mapped = value.mapped(map);
+        files.count_memory(value.memory_bytes())?;
+        let mapped = value.with_mapped_values(map);
         let mean = mapped.mean();
         let kind = match mapped {
             TextureValue::Constant(value) => return Ok((TexturedValue::Plain(value), value)),
@@ -260,7 +268,7 @@ impl Textures {
                 if image.pixels().iter().all(|pixel| *pixel == first) {
                     return Ok((TexturedValue::Plain(first.as_dvec3()), first.as_dvec3()));
                 }
-                let path = Spanned::new(self.embed((*image).clone(), files)?, Span::default());
+                let path = Spanned::new(self.embed_picture((*image).clone(), files)?, Span::default());
                 TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates }
             }
             TextureValue::Checker { colors, coordinates } => TextureKindDescription::Checker { colors, coordinates },
@@ -270,7 +278,7 @@ impl Textures {
                 octaves,
                 frequency: 1.0,
                 amplitude: 1.0,
-                maps: Vec::new(),
+                steps: Vec::new(),
             },
         };
         files.count_memory(400)?;
@@ -280,7 +288,7 @@ impl Textures {
     }
 
     /// Embeds a picture in the imported scene, and returns its path there.
-    pub fn embed(&mut self, image: Image, files: &SceneFiles<'_>) -> ReadResult<String> {
+    pub fn embed_picture(&mut self, image: Image, files: &SceneFiles<'_>) -> ReadResult<String> {
         files.count_memory(12 * image.pixels().len() as u64)?;
         let path = format!("picture{}", self.pictures.len());
         self.pictures.insert(path.clone(), image.into());
@@ -289,10 +297,10 @@ impl Textures {
 }
 
 /// Returns the transform of texture coordinates that a texture's parameters give.
-fn coordinates(parameters: &Parameters, notes: &mut ImportNotes) -> TexcoordTransformDescription {
+fn texcoord_transform_description(parameters: &Parameters, notes: &mut ImportNotes) -> TexcoordTransformDescription {
     if parameters.text("mapping").is_some_and(|mapping| mapping != "uv") {
         let message = "textures are mapped by texture coordinates only";
-        notes.add_unsupported(message, parameters.place.described());
+        notes.add_unsupported(message, parameters.place.position_text());
     }
     let pair =
         |u: &str, v: &str, default: f64| DVec2::new(parameters.number_or(u, default), parameters.number_or(v, default));
@@ -311,8 +319,8 @@ pub(super) fn read_picture(
     place: &Place,
     files: &SceneFiles<'_>,
 ) -> ReadResult<Image> {
-    let path = files.resolve(place, name)?;
-    let bytes = files.read(&path)?;
+    let path = files.resolve_path(place, name)?;
+    let bytes = files.read_file(&path)?;
     let failed = |e: &dyn std::fmt::Display| place.error(e, "convert the picture to PNG or OpenEXR");
     let is_tga = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("tga"));
     if (is_tga || bytes.starts_with(&JPEG_SIGNATURE))

@@ -47,22 +47,22 @@ impl<'t> Tokens<'t> {
     }
 
     /// Returns the next token and moves past it; `None` at the end of the file.
-    pub fn next(&mut self) -> ReadResult<Option<Token<'t>>> {
+    pub fn next_token(&mut self) -> ReadResult<Option<Token<'t>>> {
         if let Some(token) = self.peeked.take() {
             return Ok(Some(token));
         }
-        self.read()
+        self.read_token()
     }
 
     /// Returns the next token without moving past it; `None` at the end of the file.
-    pub fn peek(&mut self) -> ReadResult<Option<&Token<'t>>> {
+    pub fn peek_token(&mut self) -> ReadResult<Option<&Token<'t>>> {
         if self.peeked.is_none() {
-            self.peeked = self.read()?;
+            self.peeked = self.read_token()?;
         }
         Ok(self.peeked.as_ref())
     }
 
-    fn read(&mut self) -> ReadResult<Option<Token<'t>>> {
+    fn read_token(&mut self) -> ReadResult<Option<Token<'t>>> {
         self.skip_blanks();
         let line = self.line;
         let rest = &self.text[self.position..];
@@ -76,7 +76,7 @@ impl<'t> Tokens<'t> {
                 self.position += 1;
                 TokenKind::Close
             }
-            b'"' => TokenKind::Quoted(self.quoted(&rest[1..])?),
+            b'"' => TokenKind::Quoted(self.read_quoted_text(&rest[1..])?),
             _ => {
                 let ends = |c: u8| c.is_ascii_whitespace() || matches!(c, b'"' | b'[' | b']' | b'#');
                 let length = rest.bytes().position(ends).unwrap_or(rest.len());
@@ -108,7 +108,7 @@ impl<'t> Tokens<'t> {
     /// Returns the quoted text at the start of `rest`, and moves past its closing quote.
     ///
     /// `rest` starts after the opening quote.
-    fn quoted(&mut self, rest: &'t str) -> ReadResult<Cow<'t, str>> {
+    fn read_quoted_text(&mut self, rest: &'t str) -> ReadResult<Cow<'t, str>> {
         let mut is_escaped = false;
         for (i, byte) in rest.bytes().enumerate() {
             match byte {
@@ -117,7 +117,7 @@ impl<'t> Tokens<'t> {
                 b'"' if !is_escaped => {
                     self.position += i + 2;
                     let text = &rest[..i];
-                    return Ok(if text.contains('\\') { unescaped(text).into() } else { text.into() });
+                    return Ok(if text.contains('\\') { unescaped_text(text).into() } else { text.into() });
                 }
                 _ => is_escaped = false,
             }
@@ -127,7 +127,7 @@ impl<'t> Tokens<'t> {
 }
 
 /// Returns `text` with its escape sequences replaced by the characters that they stand for.
-fn unescaped(text: &str) -> String {
+fn unescaped_text(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut characters = text.chars();
     while let Some(c) = characters.next() {
@@ -147,24 +147,24 @@ fn unescaped(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn kinds(text: &str) -> Vec<TokenKind<'_>> {
+    fn token_kinds(text: &str) -> Vec<TokenKind<'_>> {
         let mut tokens = Tokens::new(text, "test".into());
-        std::iter::from_fn(|| tokens.next().unwrap().map(|token| token.kind)).collect()
+        std::iter::from_fn(|| tokens.next_token().unwrap().map(|token| token.kind)).collect()
     }
 
     #[test]
     fn comments_and_blanks_separate_tokens() {
         use TokenKind::{Close, Open, Quoted, Word};
-        let found = kinds("Shape\"a b\"[.5#x\n-1e3]#end");
+        let found = token_kinds("Shape\"a b\"[.5#x\n-1e3]#end");
         assert_eq!(found, [Word("Shape"), Quoted("a b".into()), Open, Word(".5"), Word("-1e3"), Close]);
-        assert_eq!(kinds(r#""a\"b\\c\n""#), [Quoted("a\"b\\c\n".into())]);
-        assert!(kinds(" \r\n# only a comment").is_empty());
+        assert_eq!(token_kinds(r#""a\"b\\c\n""#), [Quoted("a\"b\\c\n".into())]);
+        assert!(token_kinds(" \r\n# only a comment").is_empty());
     }
 
     #[test]
     fn an_open_quote_is_an_error_with_its_line() {
         let mut tokens = Tokens::new("a\n\"b\n\"", "test".into());
-        assert!(tokens.next().is_ok());
-        assert!(tokens.next().unwrap_err().to_string().contains("line 2"));
+        assert!(tokens.next_token().is_ok());
+        assert!(tokens.next_token().unwrap_err().to_string().contains("line 2"));
     }
 }

@@ -25,8 +25,8 @@ pub(super) fn add_light(
     motion: &Motion,
 ) -> Result<(), SceneError> {
     match &light.value {
-        LightDescription::Moving { maps, light } => {
-            let motion = motion.preceded_by_steps(maps.iter().map(TransformStep::motion_step));
+        LightDescription::Moving { steps, light } => {
+            let motion = motion.preceded_by_steps(steps.iter().map(TransformStep::motion_step));
             add_light(r, light, &motion)?;
         }
         LightDescription::Point { position, strength } => {
@@ -51,7 +51,7 @@ pub(super) fn add_light(
         }
         LightDescription::Directional { direction, strength } => {
             let strength = match strength {
-                DirectionalLightStrength::Color(c) => LightStrength::Course(rgb(*c)),
+                DirectionalLightStrength::Color(c) => LightStrength::LegacyColor(rgb(*c)),
                 DirectionalLightStrength::Irradiance(e) => LightStrength::Physical(rgb(*e)),
             };
             add_delta_light(r, DeltaLightKind::Directional { direction: *direction }, strength, motion);
@@ -183,7 +183,7 @@ fn add_area_light(
 
 fn point_light_strength(strength: PointLightStrength) -> LightStrength {
     match strength {
-        PointLightStrength::Color(c) => LightStrength::Course(rgb(c)),
+        PointLightStrength::Color(c) => LightStrength::LegacyColor(rgb(c)),
         PointLightStrength::Intensity(i) => LightStrength::Physical(rgb(i)),
         PointLightStrength::Power(w) => LightStrength::Power(rgb(w)),
     }

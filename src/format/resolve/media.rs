@@ -185,7 +185,7 @@ fn medium_by_name(r: &Resolver<'_>, name: &Spanned<String>) -> Result<(u32, Medi
 /// Returns the map from the unit cube \[0, 1]³ to the transformed box `extent` in world space.
 fn unit_cube_to_world(extent: &TransformedBoxDescription) -> DAffine3 {
     let fit = DAffine3::from_scale(extent.max - extent.min);
-    TransformStep::composed_matrix(&extent.maps) * DAffine3 { translation: extent.min, ..fit }
+    TransformStep::composed_matrix(&extent.steps) * DAffine3 { translation: extent.min, ..fit }
 }
 
 /// Returns the number of grid cells along each axis of a box, with `resolution` along its longest

@@ -216,14 +216,14 @@ impl Resolver<'_> {
     fn add_object(&mut self, object: &Spanned<ObjectDescription>, to_world: &Motion) -> Result<(), SceneError> {
         match &object.value {
             ObjectDescription::Group(group) => self.add_group(group, to_world),
-            ObjectDescription::Transform { maps, object: inner } => {
+            ObjectDescription::Transform { steps, object: inner } => {
                 self.transform_span = Some(object.span);
-                let step = MotionStep::Fixed(TransformStep::composed_matrix(maps));
+                let step = MotionStep::Fixed(TransformStep::composed_matrix(steps));
                 self.add_object(inner, &to_world.preceded_by_steps([step]))
             }
-            ObjectDescription::Moving { maps, object: inner } => {
+            ObjectDescription::Moving { steps, object: inner } => {
                 self.transform_span = Some(object.span);
-                self.add_object(inner, &to_world.preceded_by_steps(maps.iter().map(TransformStep::motion_step)))
+                self.add_object(inner, &to_world.preceded_by_steps(steps.iter().map(TransformStep::motion_step)))
             }
             ObjectDescription::Shape { shape, emission } => {
                 let emission = self.object_emission(*emission)?;

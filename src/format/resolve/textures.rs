@@ -64,8 +64,8 @@ impl<'a> Resolver<'a> {
                     );
                     self.add_texture(checker, false)
                 }
-                TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
-                    let to_object = Transform::new(TransformStep::composed_matrix(maps))
+                TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, steps } => {
+                    let to_object = Transform::new(TransformStep::composed_matrix(steps))
                         .map_err(|e| self.error_at(texture.span, &e.to_string(), SINGULAR_REMEDY))?;
                     let solid = SolidTexture {
                         kind: match pattern {

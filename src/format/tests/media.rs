@@ -33,10 +33,10 @@ fn random_transformed_box() -> impl Strategy<Value = TransformedBoxDescription> 
         let sides = max - min;
         (sides.min_element() > 0.0 && sides.is_finite()).then_some((min, max))
     });
-    (corners, vec(random_transform_step(), 0..3)).prop_map(|((min, max), maps)| TransformedBoxDescription {
+    (corners, vec(random_transform_step(), 0..3)).prop_map(|((min, max), steps)| TransformedBoxDescription {
         min,
         max,
-        maps,
+        steps,
     })
 }
 

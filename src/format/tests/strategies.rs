@@ -78,7 +78,7 @@ fn random_area_light_strength() -> impl Strategy<Value = AreaLightStrength> {
 
 fn random_light() -> impl Strategy<Value = LightDescription> {
     (random_still_light(), option::of(vec(random_motion_step(true), 0..3))).prop_map(|(light, motion)| match motion {
-        Some(maps) => LightDescription::Moving { maps, light: Box::new(with_empty_span(light)) },
+        Some(steps) => LightDescription::Moving { steps, light: Box::new(with_empty_span(light)) },
         None => light,
     })
 }
@@ -151,13 +151,13 @@ fn random_texture_kind() -> impl Strategy<Value = TextureKindDescription> {
         ([random_color(), random_color()], coordinates())
             .prop_map(|(colors, coordinates)| TextureKindDescription::Checker { colors, coordinates }),
         (pattern, [random_color(), random_color()], noise, vec(random_transform_step(), 0..3)).prop_map(
-            |(pattern, colors, (octaves, frequency, amplitude), maps)| TextureKindDescription::Solid {
+            |(pattern, colors, (octaves, frequency, amplitude), steps)| TextureKindDescription::Solid {
                 pattern,
                 colors,
                 octaves,
                 frequency,
                 amplitude,
-                maps,
+                steps,
             }
         ),
     ]
@@ -424,11 +424,11 @@ fn random_group_item() -> impl Strategy<Value = GroupItem> {
         ];
         prop_oneof![
             vec(grouped, 0..4).prop_map(|items| ObjectDescription::Group(ObjectGroup { items })),
-            (vec(random_transform_step(), 0..3), inner.clone()).prop_map(|(maps, object)| {
-                ObjectDescription::Transform { maps, object: Box::new(with_empty_span(object)) }
+            (vec(random_transform_step(), 0..3), inner.clone()).prop_map(|(steps, object)| {
+                ObjectDescription::Transform { steps, object: Box::new(with_empty_span(object)) }
             }),
-            (vec(random_motion_step(true), 0..3), inner).prop_map(|(maps, object)| ObjectDescription::Moving {
-                maps,
+            (vec(random_motion_step(true), 0..3), inner).prop_map(|(steps, object)| ObjectDescription::Moving {
+                steps,
                 object: Box::new(with_empty_span(object))
             }),
         ]

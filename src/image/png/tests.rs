@@ -20,7 +20,7 @@ fn decode_failure_message<T>(result: Result<T, DecodeFailure>) -> String {
 
 #[test]
 fn eight_bit_levels_are_read_back() {
-    let (file, report) = encode(&color_ramp_image(), &png_write_options(ToneCurve::Course, BitDepth::Eight)).unwrap();
+    let (file, report) = encode(&color_ramp_image(), &png_write_options(ToneCurve::Legacy, BitDepth::Eight)).unwrap();
     let bytes = unwrap_decoded(read_bytes(&file));
     for (i, rgb) in bytes.pixels().iter().enumerate() {
         let up = (255.0 * (i as f32 / 34.0)) as u8;
@@ -45,7 +45,7 @@ fn reading_undoes_srgb_to_half_a_level() {
 
 #[test]
 fn only_the_course_curve_omits_srgb() {
-    for (curve, stated) in [(ToneCurve::Srgb, true), (ToneCurve::Filmic, true), (ToneCurve::Course, false)] {
+    for (curve, stated) in [(ToneCurve::Srgb, true), (ToneCurve::Filmic, true), (ToneCurve::Legacy, false)] {
         let (file, _) = encode(&color_ramp_image(), &png_write_options(curve, BitDepth::Eight)).unwrap();
         assert_eq!(file.windows(4).any(|w| w == b"sRGB"), stated, "{curve}");
         assert!(!file.windows(4).any(|w| w == b"gAMA"), "{curve}");

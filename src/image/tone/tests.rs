@@ -24,7 +24,7 @@ fn every_srgb_byte_survives_decoding_and_encoding() {
 #[test]
 fn exposure_is_in_stops() {
     assert_eq!(quantized_level(ToneCurve::Srgb, 2.0, 0.125), quantized_level(ToneCurve::Srgb, 0.0, 0.5));
-    assert_eq!(quantized_level(ToneCurve::Course, -1.0, 1.0), 127);
+    assert_eq!(quantized_level(ToneCurve::Legacy, -1.0, 1.0), 127);
     for stops in [f32::NAN, f32::INFINITY, -64.5] {
         assert!(Quantizer::new(ToneMap { curve: ToneCurve::Srgb, exposure_stops: stops }, 255).is_err());
     }
@@ -34,7 +34,7 @@ fn exposure_is_in_stops() {
 fn course_truncates_without_gamma() {
     // 255 · .5 = 127.5 and 255 · .999 = 254.7 both lose their fraction.
     assert_eq!(
-        [0.5, 0.999, 1.0, -3.0, 7.0].map(|c| quantized_level(ToneCurve::Course, 0.0, c)),
+        [0.5, 0.999, 1.0, -3.0, 7.0].map(|c| quantized_level(ToneCurve::Legacy, 0.0, c)),
         [127, 254, 255, 0, 255]
     );
 }
@@ -67,7 +67,7 @@ fn clipped_pixels_count_once_per_report_field() {
 
 #[test]
 fn white_itself_is_not_too_bright() {
-    for (curve, white) in [(ToneCurve::Srgb, 1.0), (ToneCurve::Course, 1.0), (ToneCurve::Filmic, 7.24)] {
+    for (curve, white) in [(ToneCurve::Srgb, 1.0), (ToneCurve::Legacy, 1.0), (ToneCurve::Filmic, 7.24)] {
         let quantizer = Quantizer::new(ToneMap { curve, exposure_stops: 0.0 }, 255).unwrap();
         let count = |c: f32| {
             let mut report = ClippedPixelReport::default();

@@ -4,9 +4,9 @@ use super::{PathContext, PathState, is_path_continued, shares_indirect_light};
 use crate::color::Rgb;
 use crate::integrate::indirect_division::IndirectWeights;
 use crate::integrate::light_group::LightGroup;
+use crate::integrate::path_task::PathTask;
 use crate::integrate::policy::{PathContinuation, PhotonLookups};
 use crate::integrate::vertex::{MediumPathSegment, PathHistory, PrevVertex};
-use crate::integrate::worker::PathWorker;
 use crate::medium::PhaseFunction;
 use crate::sampling::Dimension;
 use crate::scene::{Interior, MediumSegment, PathEvent};
@@ -21,7 +21,7 @@ use rand::rngs::SmallRng;
 pub(super) fn advance_to_vertex<'a, I: Interior>(
     paths: &PathContext<'a>,
     path: &mut PathState<I>,
-    worker: &mut PathWorker,
+    task: &mut PathTask,
     radiance: &mut Rgb,
 ) -> (PathEvent<'a>, PhaseFunction) {
     let mut rng = path.sampler.sample_key().medium_tracking_key(paths.pass).rng();
@@ -30,7 +30,7 @@ pub(super) fn advance_to_vertex<'a, I: Interior>(
     let mut weight = DVec3::ONE;
     let event = path_ray.next_vertex(paths.scene, path.sampler.sample_key(), |segment| {
         phase = segment.medium.phase;
-        cross_medium(paths, path, segment, &mut weight, &mut rng, worker, radiance)
+        cross_medium(paths, path, segment, &mut weight, &mut rng, task, radiance)
     });
     path.path_ray = path_ray;
     path.throughput *= weight.as_vec3();
@@ -48,7 +48,7 @@ fn cross_medium<I: Interior>(
     segment: &MediumSegment<'_, I>,
     weight: &mut DVec3,
     rng: &mut SmallRng,
-    worker: &mut PathWorker,
+    task: &mut PathTask,
     radiance: &mut Rgb,
 ) -> Option<f32> {
     let MediumSegment { medium, ray, .. } = segment;
@@ -56,10 +56,11 @@ fn cross_medium<I: Interior>(
     let throughput = path.throughput * weight.as_vec3() * segment.transmittance_before;
 
     // Add emission. It is direct light of the last receiver, so it has no weight of indirect light.
-    let history = PathHistory { casters: path.history.casters + u32::from(segment.crossed), ..path.history };
+    let history =
+        PathHistory { casters: path.history.casters + u32::from(segment.crossed_hidden_boundary), ..path.history };
     if medium.emits() {
         let emitted = throughput * medium.emitted_radiance(ray, ray.t_max, rng);
-        worker.groups.add(LightGroup::of_found_light(history), emitted);
+        task.groups.add(LightGroup::of_found_light(history), emitted);
         *radiance += emitted;
     }
     let throughput = throughput * path.indirect_weight;
@@ -69,7 +70,7 @@ fn cross_medium<I: Interior>(
     }
 
     // Add single scattering of the lights, and light that photons carried.
-    let indirect = worker.indirect_weights;
+    let indirect = task.indirect_weights;
     let continues = policy.continuation == PathContinuation::Always
         && path.bounce < paths.max_bounces
         && (!shares_indirect_light(indirect, history) || is_path_continued(indirect, path.sampler));
@@ -78,19 +79,19 @@ fn cross_medium<I: Interior>(
     let path_segment = MediumPathSegment { segment, history, throughput, sampler: path.sampler, shadow_sampler };
     let mut scattered = Rgb::ZERO;
     if policy.direct_light {
-        scattered += paths.nee.estimate_direct_light_in_medium(&path_segment, &distance_sample, continues, worker);
-        worker.groups.add(LightGroup::of_direct_light(history), throughput * scattered);
+        scattered += paths.nee.estimate_direct_light_in_medium(&path_segment, &distance_sample, continues, task);
+        task.groups.add(LightGroup::of_direct_light(history), throughput * scattered);
     }
-    scattered += photon_radiance(paths, &path_segment, rng, worker);
+    scattered += photon_radiance(paths, &path_segment, rng, task);
     *radiance += throughput * scattered;
     if path.shares_indirect {
-        worker.indirect_light.paths += throughput * scattered;
+        task.indirect_light.paths += throughput * scattered;
     }
 
     // Scatter, or continue to the end of the segment.
     if continues {
         *weight *= distance_sample.weight.as_dvec3();
-        return distance_sample.scattered;
+        return distance_sample.scattering_distance;
     }
     *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
     None
@@ -104,7 +105,7 @@ fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     path_segment: &MediumPathSegment<'_, I>,
     rng: &mut SmallRng,
-    worker: &mut PathWorker,
+    task: &mut PathTask,
 ) -> Rgb {
     let Some(maps) = paths.maps else { return Rgb::ZERO };
     let samples = match paths.policy.photons {
@@ -115,13 +116,13 @@ fn photon_radiance<I: Interior>(
         },
         PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => 1.0,
     };
-    let mut estimate = maps.radiance_in_medium(path_segment, samples, rng, worker);
-    let indirect = worker.indirect_weights;
+    let mut estimate = maps.radiance_in_medium(path_segment, samples, rng, task);
+    let indirect = task.indirect_weights;
     if shares_indirect_light(indirect, path_segment.history) {
-        estimate += maps.interreflection_radiance_in_medium(path_segment, samples * indirect.photons, rng, worker);
+        estimate += maps.interreflection_radiance_in_medium(path_segment, samples * indirect.photons, rng, task);
     }
-    worker.prefix.photons += path_segment.throughput * estimate;
-    worker.photon_light += path_segment.throughput * estimate;
+    task.prefix.photons += path_segment.throughput * estimate;
+    task.photon_radiance += path_segment.throughput * estimate;
     estimate
 }
 

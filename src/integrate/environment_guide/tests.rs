@@ -27,7 +27,7 @@ fn half_lit_guide() -> EnvironmentGuide {
         let square = if u.x < 0.25 && p.x < 0.5 { 4.0 } else { 0.0 };
         fit.add(Vec3::new(p.x, p.y, 0.5), u, square);
     }
-    fit.guide().unwrap()
+    fit.fitted_guide().unwrap()
 }
 
 /// The pdf integrates to 1, and samples weighted by 1/pdf integrate a function over the sphere,
@@ -55,7 +55,7 @@ fn guided_directions_follow_their_pdf() {
         let (mean, error) = mean_and_error(&|u| {
             guide.sample_li(&sky, p, u).map_or(0.0, |sample| {
                 assert_eq!(sample.pdf.map(f64::from), Some(pdf(sample.wi)));
-                f64::from(sample.weight.x * (1.0 + sample.wi.z))
+                f64::from(sample.irradiance.x * (1.0 + sample.wi.z))
             })
         });
         let tolerance = 5.0 * error.hypot(integral_error);
@@ -80,23 +80,23 @@ fn guided_samples_lie_where_rays_contributed() {
 #[test]
 fn guides_need_a_ray_that_contributes() {
     let mut fit = EnvironmentGuideFit::new(&unit_cube());
-    assert!(fit.guide().is_none());
+    assert!(fit.fitted_guide().is_none());
     fit.add(Vec3::splat(0.5), Vec2::splat(0.5), 0.0);
-    assert!(fit.guide().is_none());
+    assert!(fit.fitted_guide().is_none());
     fit.add(Vec3::splat(0.5), Vec2::splat(0.5), 1.0);
-    assert!(fit.guide().is_some());
+    assert!(fit.fitted_guide().is_some());
 }
 
 /// A bin of any level holds 32 bins of the next finer level: 8 cells of 4 bins.
 #[test]
 fn parent_bins_have_32_children() {
-    for level in (1..=REFINEMENTS).map(Level) {
-        let mut children = vec![0; Level(level.0 - 1).bin_count()];
+    for level in (1..=REFINEMENTS).map(RefinementLevel) {
+        let mut children = vec![0; RefinementLevel(level.0 - 1).bin_count()];
         (0..level.bin_count()).for_each(|bin| children[level.parent_bin(bin)] += 1);
         assert!(children.iter().all(|n| *n == 32), "{level:?}");
     }
-    let ones = vec![1.0; Level(REFINEMENTS).bin_count()];
-    assert_eq!(Level(0).sums(&ones), vec![32.0 * 32.0 * 32.0; Level(0).bin_count()]);
+    let ones = vec![1.0; RefinementLevel(REFINEMENTS).bin_count()];
+    assert_eq!(RefinementLevel(0).bin_sums(&ones), vec![32.0 * 32.0 * 32.0; RefinementLevel(0).bin_count()]);
 }
 
 #[test]

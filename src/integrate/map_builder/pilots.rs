@@ -74,7 +74,7 @@ impl<'a> PhotonMapBuilder<'a> {
             *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
             Some(report)
         };
-        self.emission_guiding_reports.caustic =
+        self.emission_guiding_reports.aimed =
             guide(&mut self.aimed_source, self.request.aimed, settings.caustic_photons, EmissionGuidingPilot::PATHS);
         // If gather rays read the indirect map, its photons are needed everywhere: do not guide
         // them.
@@ -84,7 +84,7 @@ impl<'a> PhotonMapBuilder<'a> {
             } else {
                 MAX_INTERREFLECTION_GUIDING_PATHS
             };
-            self.emission_guiding_reports.indirect =
+            self.emission_guiding_reports.unaimed =
                 guide(&mut self.unaimed_source, self.request.unaimed, settings.photons, max_paths);
         }
     }

@@ -3,9 +3,9 @@
 
 use super::{CENTER, NextEventEstimator, ScatterPointSampling, ShadowRayScheme, stratified_sample};
 use crate::color::{self, Rgb};
+use crate::integrate::path_task::PathTask;
 use crate::integrate::scatter_point_guide::{GuidedDistances, InScatteringSample};
 use crate::integrate::vertex::MediumPathSegment;
-use crate::integrate::worker::PathWorker;
 use crate::light::ShadowTarget;
 use crate::math::Ray;
 use crate::medium::DistanceSample;
@@ -48,11 +48,11 @@ impl NextEventEstimator<'_> {
         path_segment: &MediumPathSegment<'_, I>,
         distance_sample: &DistanceSample,
         continues: bool,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Rgb {
         let segment = path_segment.segment;
         let path_point = || {
-            let t = distance_sample.scattered?;
+            let t = distance_sample.scattering_distance?;
             Some(ScatterPoint { p: segment.ray.at(t), weight: distance_sample.weight })
         };
         let mut sum = Rgb::ZERO;
@@ -62,7 +62,7 @@ impl NextEventEstimator<'_> {
                     let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
                     let sampler = path_segment.shadow_sampler.nth_shadow_ray_sampler(i);
                     if segment.medium.is_homogeneous() && path_segment.history.receivers == 0 {
-                        let guided = self.estimate_at_guided_points(i, rays, path_segment, sampler, continues, worker);
+                        let guided = self.estimate_at_guided_points(i, rays, path_segment, sampler, continues, task);
                         if let Some(found) = guided {
                             sum += found;
                             continue;
@@ -81,7 +81,7 @@ impl NextEventEstimator<'_> {
                                 sampler,
                                 rays as f32,
                                 continues,
-                                worker,
+                                task,
                             );
                         }
                     }
@@ -102,7 +102,7 @@ impl NextEventEstimator<'_> {
                         sampler,
                         rays,
                         continues,
-                        worker,
+                        task,
                     );
                 }
             }
@@ -123,10 +123,10 @@ impl NextEventEstimator<'_> {
         path_segment: &MediumPathSegment<'_, I>,
         sampler: Sampler,
         continues: bool,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Option<Rgb> {
         let MediumSegment { ray, medium, .. } = path_segment.segment;
-        let mut guided = std::mem::take(&mut worker.guided_distances);
+        let mut guided = std::mem::take(&mut task.guided_distances);
         guided.clear();
 
         // Find how many points the segment deserves.
@@ -135,7 +135,8 @@ impl NextEventEstimator<'_> {
             ScatterPointSampling::Recorded => (RECORDED_POINTS, true),
             ScatterPointSampling::Guided { guide, points_per_radiance } => {
                 guide.distances_along(light, ray, color::channel_mean(medium.extinction()), &mut guided);
-                let scattered = color::channel_mean(path_segment.throughput * medium.scattering) * guided.total();
+                let scattered =
+                    color::channel_mean(path_segment.throughput * medium.scattering) * guided.total_weight();
                 let wanted = (scattered * points_per_radiance).clamp(MIN_POINTS, MAX_POINTS);
                 (if wanted > 1.0 { wanted.round() } else { wanted }, false)
             }
@@ -153,7 +154,7 @@ impl NextEventEstimator<'_> {
         let points = ScatterPointDistribution {
             path_segment,
             angles: self.lights[light].emission_point().map(|pivot| EquiangularDistribution::new(ray, pivot)),
-            guided: (guided.total() > 0.0).then_some(&guided),
+            guided: (guided.total_weight() > 0.0).then_some(&guided),
         };
         let mut sum = Rgb::ZERO;
         for i in 0..count {
@@ -166,16 +167,16 @@ impl NextEventEstimator<'_> {
                 sampler,
                 rays as f32,
                 continues,
-                worker,
+                task,
             );
             sum += found;
             if records {
                 let radiance = f64::from(color::channel_mean(found) / color::channel_mean(point.weight));
                 let contribution = f64::from(color::channel_mean(path_segment.throughput * found) / expected_count);
-                worker.in_scattering.push(InScatteringSample { light, p: point.p, radiance, contribution });
+                task.in_scattering_samples.push(InScatteringSample { light, p: point.p, radiance, contribution });
             }
         }
-        worker.guided_distances = guided;
+        task.guided_distances = guided;
         Some(sum / expected_count)
     }
 
@@ -193,7 +194,7 @@ impl NextEventEstimator<'_> {
         sampler: Sampler,
         rays: f32,
         continues: bool,
-        worker: &mut PathWorker,
+        task: &mut PathTask,
     ) -> Rgb {
         let segment = path_segment.segment;
         let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
@@ -201,7 +202,7 @@ impl NextEventEstimator<'_> {
         // Light arrives along −`wi` and leaves along the reversed ray direction: the two signs
         // cancel.
         let phase = segment.medium.phase.evaluate(segment.ray.direction.dot(sample.wi));
-        let mut scattered = point.weight * sample.weight * (phase / rays);
+        let mut scattered = point.weight * sample.irradiance * (phase / rays);
         if scattered == Rgb::ZERO {
             return Rgb::ZERO;
         }
@@ -217,7 +218,7 @@ impl NextEventEstimator<'_> {
             ShadowTarget::Infinity => (Ray::new(point.p, sample.wi), f32::INFINITY),
         };
         if self.effects.has(Effect::Shadows) {
-            worker.counters.shadow_rays += 1;
+            task.counters.shadow_rays += 1;
             if self.scene.occluded(&ray) {
                 return if self.has_null_interfaces {
                     scattered * self.scene.shadow_transmittance(&ray, segment.interior, sampler.sample_key())
@@ -268,7 +269,7 @@ impl<I: Interior> ScatterPointDistribution<'_, I> {
         let t = match (self.guided, &self.angles) {
             (Some(guided), _) if which < guided_fraction => guided.sample(u),
             (_, Some(angles)) if which >= 1.0 - angle_fraction => angles.sample(u),
-            _ => medium.distance_sample(ray, ray.t_max, self.path_segment.throughput, &mut rng).scattered?,
+            _ => medium.distance_sample(ray, ray.t_max, self.path_segment.throughput, &mut rng).scattering_distance?,
         };
         let pdf = guided_fraction * self.guided.map_or(0.0, |guided| guided.pdf(t))
             + angle_fraction * self.angles.as_ref().map_or(0.0, |angles| angles.pdf(t))
@@ -285,35 +286,37 @@ impl<I: Interior> ScatterPointDistribution<'_, I> {
 /// such as a point light (Kulla and Fajardo 2012).
 struct EquiangularDistribution {
     /// Distance along the ray from its origin to the position closest to the pivot \[length].
-    closest: f32,
+    closest_distance: f32,
     /// Smallest distance between the ray's line and the pivot \[length].
-    distance: f32,
+    pivot_distance: f32,
     /// Angle from the closest position to the start of the ray, seen from the pivot \[rad].
-    from: f32,
+    start_angle: f32,
     /// Angle from the closest position to the end of the ray, seen from the pivot \[rad].
-    to: f32,
+    end_angle: f32,
 }
 
 impl EquiangularDistribution {
     fn new(ray: &Ray, pivot: Vec3) -> Self {
         let to = pivot - ray.origin;
-        let closest = to.dot(ray.direction);
+        let closest_distance = to.dot(ray.direction);
         // Any positive distance is unbiased. With a distance below rounding errors, all samples
         // would fall on the closest point.
-        let distance = (to - ray.direction * closest).length().max(1e-5 * to.length()).max(f32::MIN_POSITIVE);
-        let angle = |t: f32| libm::atanf((t - closest) / distance);
-        Self { closest, distance, from: angle(0.0), to: angle(ray.t_max) }
+        let pivot_distance =
+            (to - ray.direction * closest_distance).length().max(1e-5 * to.length()).max(f32::MIN_POSITIVE);
+        let angle = |t: f32| libm::atanf((t - closest_distance) / pivot_distance);
+        Self { closest_distance, pivot_distance, start_angle: angle(0.0), end_angle: angle(ray.t_max) }
     }
 
     /// Returns the distance along the ray for uniform `u` in \[0, 1) \[length].
     fn sample(&self, u: f32) -> f32 {
-        self.closest + self.distance * libm::tanf(self.from + (self.to - self.from) * u)
+        self.closest_distance
+            + self.pivot_distance * libm::tanf(self.start_angle + (self.end_angle - self.start_angle) * u)
     }
 
     /// Returns the pdf of distance `t` along the ray \[1/length].
     fn pdf(&self, t: f32) -> f32 {
-        let x = (t - self.closest) / self.distance;
-        let range = self.to - self.from;
-        if range > 0.0 { 1.0 / (self.distance * (1.0 + x * x) * range) } else { 0.0 }
+        let x = (t - self.closest_distance) / self.pivot_distance;
+        let range = self.end_angle - self.start_angle;
+        if range > 0.0 { 1.0 / (self.pivot_distance * (1.0 + x * x) * range) } else { 0.0 }
     }
 }

@@ -16,7 +16,7 @@ fn guide_of_lit_end() -> ScatterPointGuide {
         let p = random_point(i) * size;
         fit.add(&InScatteringSample { light: 1, p, radiance: if p.x > 3.0 { 2.0 } else { 0.0 }, contribution: 0.0 });
     }
-    fit.guide()
+    fit.fitted_guide()
 }
 
 #[test]
@@ -37,7 +37,7 @@ fn guided_distances_cover_the_lit_part() {
         (2, ray),
     ] {
         guide.distances_along(light, &ray, 0.0, &mut distances);
-        assert_eq!(distances.total(), 0.0);
+        assert_eq!(distances.total_weight(), 0.0);
     }
 }
 
@@ -50,7 +50,7 @@ fn guided_distances_match_their_pdf() {
         let (from, to) = (random_point(i) * 8.0 - 2.0, random_point(1000 + i) * Vec3::new(4.0, 2.0, 1.0));
         let ray = Ray { t_max: 6.0, ..Ray::new(from, (to - from).normalize()) };
         guide.distances_along(1, &ray, 0.3, &mut distances);
-        if distances.total() == 0.0 {
+        if distances.total_weight() == 0.0 {
             continue;
         }
         checked += 1;
@@ -74,7 +74,7 @@ fn guided_distances_match_their_pdf() {
 /// middle of their part.
 #[test]
 fn rays_cross_all_cells_on_their_way() {
-    let grid = Grid::new(&Bounds::from_points([Vec3::splat(-1.0), Vec3::new(1.0, 0.5, 3.0)])).unwrap();
+    let grid = CellGrid::new(&Bounds::from_points([Vec3::splat(-1.0), Vec3::new(1.0, 0.5, 3.0)])).unwrap();
     assert!((12_000..=24_000).contains(&grid.len()), "{}", grid.len());
     for i in 0..2000 {
         let direction = random_point(i) - 0.5;
@@ -98,7 +98,7 @@ fn rays_cross_all_cells_on_their_way() {
         assert!(pieces < 200);
     }
     // A flat or empty box is no problem.
-    assert!(Grid::new(&Bounds::from_points([Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0)])).is_some());
-    assert!(Grid::new(&Bounds::from_points([Vec3::ZERO])).is_none());
-    assert!(Grid::new(&Bounds::from_points([])).is_none());
+    assert!(CellGrid::new(&Bounds::from_points([Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0)])).is_some());
+    assert!(CellGrid::new(&Bounds::from_points([Vec3::ZERO])).is_none());
+    assert!(CellGrid::new(&Bounds::from_points([])).is_none());
 }

@@ -2,6 +2,7 @@
 
 use super::chi_square::{DirectionCells, INTEGRAL_ERROR, sidak_significance_level};
 use super::*;
+use crate::accel::ShapeHit;
 use crate::math::Transform;
 use crate::sampling::DiscreteDistribution;
 use crate::shape::{Ellipsoid, Mesh, SurfacePoint};
@@ -25,9 +26,7 @@ pub fn mesh_light_surface(mesh: Arc<Mesh>) -> LightSurface {
 fn first_hit_on_light_surface(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
     let ray = crate::math::Ray::new(p, wi);
     match emitter {
-        LightSurface::Shape(shape) => {
-            shape.intersect(&ray).map(|(t, u, v)| shape.surface_point(&ray, t, Vec2::new(u, v)))
-        }
+        LightSurface::Shape(shape) => shape.intersect(&ray).map(|ShapeHit { t, uv }| shape.surface_point(&ray, t, uv)),
         LightSurface::Triangles { mesh, .. } => {
             let cross = |i: usize| {
                 let [a, b, c] = mesh.corners(i).map(|v| v.as_dvec3() - p.as_dvec3());
@@ -103,7 +102,7 @@ fn direct_samples_follow_pdf_li() {
             // · 25 d/cos².
             let cos = -sample.wi.dot(point.ng);
             assert!((density / pdf - 1.0).abs() < 1e-5 / (cos * cos), "{light:?} {p}: {density} {pdf}");
-            assert!((sample.weight.x * pdf - 1.0).abs() < 1e-5);
+            assert!((sample.irradiance.x * pdf - 1.0).abs() < 1e-5);
             (cos > least_cos).then_some(sample.wi)
         };
         let density = |wi: Vec3| {

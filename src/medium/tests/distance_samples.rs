@@ -59,8 +59,8 @@ fn assert_distance_samples_unbiased(medium: &Medium, ray: &Ray, distance: f32, d
                 (throughput * distance_sample.weight).element_sum() <= whole * (1.0 + 1e-6),
                 "{name}: {distance_sample:?}"
             );
-            let t = distance_sample.scattered.map_or(0.0, f64::from);
-            let through = f64::from(u8::from(distance_sample.scattered.is_none()));
+            let t = distance_sample.scattering_distance.map_or(0.0, f64::from);
+            let through = f64::from(u8::from(distance_sample.scattering_distance.is_none()));
             assert!((0.0..=f64::from(distance)).contains(&t));
             means[0].add_sample(w * through);
             means[1].add_sample(w * (1.0 - through));
@@ -108,7 +108,7 @@ fn distance_weights_match_their_pdf() {
     let mut random = test_rng(4);
     for _ in 0..1000 {
         let distance_sample = medium.distance_sample(&ray, f32::INFINITY, throughput, &mut random);
-        let t = distance_sample.scattered.expect("every channel has extinction");
+        let t = distance_sample.scattering_distance.expect("every channel has extinction");
         let left = medium.transmittance(&ray, t, &mut random);
         let expected = medium.scattering * left / medium.distance_pdf(t, throughput).unwrap();
         // A rounding error of 1 ulp in t changes the transmittance by σt·t ulps, at most 2.1 · 30.
@@ -137,7 +137,7 @@ fn constant_density_grid(density: f32) -> GridDensity {
 #[test]
 fn constant_grid_equals_homogeneous_slab() {
     let field = constant_density_grid(1.7);
-    let axis = field.placement().matrix3.x_axis.normalize().as_vec3();
+    let axis = field.unit_cube_to_scene().matrix3.x_axis.normalize().as_vec3();
     // Up to rounding, the slab extends from distance 1 to distance 5 along the ray.
     let ray = Ray::new(axis * -3.0, axis);
     let depth = |t: f64| 1.7f32 as f64 * (t - 1.0).clamp(0.0, 4.0);

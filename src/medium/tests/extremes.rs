@@ -29,7 +29,7 @@ fn empty_media_have_no_effect() {
             assert_eq!(medium.transmittance(&ray, distance, random), Vec3::ONE);
             assert_eq!(medium.emitted_radiance(&ray, distance, random), Vec3::ZERO);
             let distance_sample = medium.distance_sample(&ray, distance, Vec3::ONE, random);
-            assert_eq!(distance_sample, DistanceSample { scattered: None, weight: Vec3::ONE });
+            assert_eq!(distance_sample, DistanceSample { scattering_distance: None, weight: Vec3::ONE });
         }
     }
 }
@@ -54,7 +54,7 @@ fn large_optical_depths_stay_finite() {
             for _ in 0..10_000 {
                 for (medium, albedo) in [(&grey, 0.75), (&white, 1.0)] {
                     let distance_sample = medium.distance_sample(&ray, distance, Vec3::ONE, random);
-                    assert!(distance_sample.scattered.is_some_and(|t| t < 0.01), "{distance_sample:?}");
+                    assert!(distance_sample.scattering_distance.is_some_and(|t| t < 0.01), "{distance_sample:?}");
                     assert!((distance_sample.weight - albedo).abs().max_element() < 1e-6, "{distance_sample:?}");
                 }
                 for throughput in [Vec3::ONE, Vec3::X, Vec3::Z, Vec3::ZERO, Vec3::new(1e-30, 1.0, 1e30), Vec3::INFINITY]
@@ -68,7 +68,7 @@ fn large_optical_depths_stay_finite() {
                     let after = (throughput * distance_sample.weight).element_sum();
                     assert!(!whole.is_finite() || after <= whole * (1.0 + 1e-6), "{throughput} {distance_sample:?}");
                     if throughput == Vec3::Z {
-                        assert_eq!(distance_sample, DistanceSample { scattered: None, weight: Vec3::Z });
+                        assert_eq!(distance_sample, DistanceSample { scattering_distance: None, weight: Vec3::Z });
                     }
                 }
             }

@@ -99,7 +99,7 @@ fn majorants_bound_the_density_along_rays() {
 
 /// Returns the interval of distances t ≥ 0 at which `ray` is inside the box of `field`.
 fn ray_interval_in_grid_box(field: &GridDensity, ray: &Ray) -> (f64, f64) {
-    let inverse = field.placement().inverse();
+    let inverse = field.unit_cube_to_scene().inverse();
     let (o, d) = (inverse.transform_point3(ray.origin.as_dvec3()), inverse.transform_vector3(ray.direction.as_dvec3()));
     let (a, b) = (-o / d, (1.0 - o) / d);
     (a.min(b).max_element().max(0.0), a.max(b).min_element())

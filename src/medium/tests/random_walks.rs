@@ -10,7 +10,7 @@ fn random_walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
     let (mut p, mut direction, mut collisions) = (Vec3::ZERO, Vec3::X, 0.0);
     loop {
         let distance_sample = medium.distance_sample(&Ray::new(p, direction), f32::INFINITY, Vec3::ONE, random);
-        let t = distance_sample.scattered.expect("the medium has no end");
+        let t = distance_sample.scattering_distance.expect("the medium has no end");
         p += direction * t;
         collisions += 1.0;
         if random.random::<f32>() >= distance_sample.weight.x {

@@ -76,7 +76,7 @@ impl NestedDifferenceMoments {
     /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
     /// radius r. The weight is 1 if the measured ‖D₀‖² is positive without noise, and 0 if it is
     /// not positive.
-    pub fn trust(&self) -> f64 {
+    pub fn measurement_weight(&self) -> f64 {
         let d0 = self.d0.max(0.0);
         if d0 > 0.0 { d0 * d0 / (d0 * d0 + 4.0 * self.d0_variance) } else { 0.0 }
     }
@@ -122,7 +122,7 @@ impl BlurEstimate {
         if d0 <= 0.0 {
             return Self { square: 0.0, variance: 16.0 * differences.d0_variance, ratio: 0.5, extrapolation: 0.0 };
         }
-        let trust = differences.trust();
+        let trust = differences.measurement_weight();
         let squared = 0.25 + trust * ((differences.d1 / d0).clamp(0.0, ROUGH[2].0) - 0.25);
         let correlation = 0.5 + trust * (differences.correlation() - 0.5);
         let whole = squared_bias_ratio(correlation, squared);

@@ -43,18 +43,18 @@ impl DiscAreaSums {
     /// Adds passes until the sums hold `passes` passes. Does nothing if they hold as many or more.
     pub fn advance_to(&mut self, passes: u32) {
         while self.passes < passes {
-            if self.passes + self.group() > passes { self.add_pass() } else { self.add_group() }
+            if self.passes + self.group_size() > passes { self.add_pass() } else { self.add_group() }
         }
     }
 
     /// Adds the next group of passes: one pass below [`EXACT_PASSES`] passes, later
     /// 1/[`GROUP_DIVISOR`] of the passes summed so far.
     pub fn add_group(&mut self) {
-        if self.group() > 1 { self.add_passes_by_midpoint(self.group()) } else { self.add_pass() }
+        if self.group_size() > 1 { self.add_passes_by_midpoint(self.group_size()) } else { self.add_pass() }
     }
 
     /// Number of passes that the next [`add_group`](Self::add_group) adds.
-    fn group(&self) -> u32 {
+    fn group_size(&self) -> u32 {
         if self.passes < EXACT_PASSES { 1 } else { self.passes / GROUP_DIVISOR }
     }
 

@@ -309,17 +309,17 @@ impl NestedEstimateSums {
 
     fn add(&mut self, number: u32, pixels: &[NestedEstimates]) {
         for (step, sums) in self.differences.iter_mut().enumerate() {
-            sums.add(|i| pixels[i].steps[step].as_dvec3().to_array());
+            sums.add(|i| pixels[i].differences[step].as_dvec3().to_array());
         }
         self.products.add(|i| {
-            let [a, b] = pixels[i].steps.map(|step| step.as_dvec3());
+            let [a, b] = pixels[i].differences.map(|difference| difference.as_dvec3());
             [a.dot(a), a.dot(b), b.dot(b)]
         });
         for ([caustic, indirect], pixel) in self.discs.iter_mut().zip(pixels) {
             caustic.add(pixel.caustic);
             indirect.add(pixel.indirect);
         }
-        self.leading.add(number, LEADING_PASSES_OF_DIFFERENCES, pixels.iter().map(|pixel| pixel.steps[0]));
+        self.leading.add(number, LEADING_PASSES_OF_DIFFERENCES, pixels.iter().map(|pixel| pixel.differences[0]));
     }
 
     /// Adds the passes of `other`, which must have the same number of pixels.

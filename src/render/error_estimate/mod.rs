@@ -7,7 +7,7 @@
 //!   bias. The three estimates share their photons. Squares and products of differences are taken
 //!   between different passes, so their noise has mean zero.
 //! - *Shared-path error*: `ppm` uses the same camera paths in all passes. A few pixels are also
-//!   rendered with fresh camera paths. Their mean difference is the error of the shared paths.
+//!   rendered with unshared camera paths. Their mean difference is the error of the shared paths.
 //! - *Clamping*: a render that clamps the light of camera paths measures what it removes. This is
 //!   its bias, up to the sign.
 

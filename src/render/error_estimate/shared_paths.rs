@@ -13,31 +13,31 @@ const BLOCK: u32 = 16;
 
 /// Sums over passes from which the error of shared camera paths is estimated, for a few pixels.
 ///
-/// Shared paths are the same in all passes. Fresh paths are new in each pass. The error is the mean
-/// difference between radiance by shared paths and radiance by fresh paths.
+/// Shared paths are the same in all passes. Unshared paths are new in each pass. The error is the
+/// mean difference between radiance by shared paths and radiance by unshared paths.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct SharedPathErrorSums {
-    /// Indices of the pixels that each pass also renders with fresh camera paths, in rows from the
-    /// top.
+    /// Indices of the pixels that each pass also renders with unshared camera paths, in rows from
+    /// the top.
     pixels: Vec<u32>,
-    /// Sum over passes of radiance by shared paths minus radiance by fresh paths, for each pixel
+    /// Sum over passes of radiance by shared paths minus radiance by unshared paths, for each pixel
     /// and channel.
     sums: BinnedSums<3>,
     /// Sum over passes and channels of the squared difference between radiance by shared and by
-    /// fresh paths, for each pixel.
+    /// unshared paths, for each pixel.
     squares: BinnedSums<1>,
 }
 
 impl SharedPathErrorSums {
     pub(super) fn add(&mut self, pass: &Pass) {
         if self.pixels.is_empty() {
-            self.pixels = pass.fresh.iter().map(|(i, _)| *i).collect();
+            self.pixels = pass.unshared_path_pixels.iter().map(|(i, _)| *i).collect();
             self.sums = BinnedSums::new(self.pixels.len());
             self.squares = BinnedSums::new(self.pixels.len());
         }
         let difference = |i: usize| {
-            let (at, fresh) = pass.fresh[i];
-            pass.image[at as usize].as_dvec3() - fresh.as_dvec3()
+            let (at, unshared) = pass.unshared_path_pixels[i];
+            pass.image[at as usize].as_dvec3() - unshared.as_dvec3()
         };
         self.sums.add(|i| difference(i).to_array());
         self.squares.add(|i| [difference(i).length_squared()]);
@@ -57,7 +57,7 @@ impl SharedPathErrorSums {
         are_pixels && self.sums.len() == count && self.squares.len() == count
     }
 
-    /// Returns the indices of the pixels that each pass also renders with fresh camera paths, by
+    /// Returns the indices of the pixels that each pass also renders with unshared camera paths, by
     /// rows from the top.
     pub(super) fn pixels(&self) -> &[u32] {
         &self.pixels

@@ -73,7 +73,7 @@ pub struct PassRange {
 }
 
 /// Random variates for one simulated render of a forecast, one for each unknown quantity.
-struct Draw {
+struct ForecastDraw {
     /// Standard normal variate that determines the expected noise of the picture.
     noise: f64,
     /// Uniform variate that determines the exponent of [`POWERS`] by which blur decays.
@@ -87,14 +87,14 @@ struct Draw {
 /// The [`DRAWS`] draws of every forecast. Their `noise` is stratified; their other quantities
 /// follow an additive recurrence (Roberts 2018, "The unreasonable effectiveness of quasirandom
 /// sequences").
-static ALL_DRAWS: LazyLock<Vec<Draw>> = LazyLock::new(|| {
+static ALL_DRAWS: LazyLock<Vec<ForecastDraw>> = LazyLock::new(|| {
     // Positive root of x⁴ = x + 1.
     let root: f64 = 1.220_744_084_605_759_5;
     let steps = [1.0 / root, 1.0 / (root * root), 1.0 / (root * root * root)];
     let draw = |i: usize| {
         let [power, blur, later_blur] = steps.map(|step| (0.5 + i as f64 * step).fract());
         let noise = (i as f64 + 0.5) / DRAWS as f64;
-        Draw { noise: normal_quantile(noise), power, blur, later_blur: normal_quantile(later_blur) }
+        ForecastDraw { noise: normal_quantile(noise), power, blur, later_blur: normal_quantile(later_blur) }
     };
     (0..DRAWS).map(draw).collect()
 });
@@ -112,7 +112,7 @@ impl ErrorForecast {
     /// `confidence` is the confidence of the interval. The render is assumed to estimate its error
     /// after the passes of [`EstimateSchedule`].
     #[must_use]
-    pub fn stop(&self, target: f64, confidence: Confidence) -> StopForecast {
+    pub fn stop_forecast(&self, target: f64, confidence: Confidence) -> StopForecast {
         if let Some(floor) = self.bias_floor().filter(|floor| *floor >= target) {
             return StopForecast::Never { floor };
         }
@@ -123,12 +123,12 @@ impl ErrorForecast {
         let [low, median, high] = [tail, 0.5, 1.0 - tail].map(quantile);
         match (low, median) {
             (Some(low), Some(median)) => StopForecast::Passes(PassRange { low, median, high }),
-            _ => StopForecast::TooFar { at_least: low.unwrap_or_else(|| self.horizon()) },
+            _ => StopForecast::TooFar { at_least: low.unwrap_or_else(|| self.max_simulated_passes()) },
         }
     }
 
     /// Largest number of passes for which a forecast simulates the render.
-    fn horizon(&self) -> u32 {
+    fn max_simulated_passes(&self) -> u32 {
         self.estimate.passes.saturating_mul(MAX_EXTRAPOLATION).min(MAX_PASSES)
     }
 
@@ -137,16 +137,19 @@ impl ErrorForecast {
     ///
     /// A render ends once the upper end of its error interval is at most `target`. `half_width` is
     /// the half width of the interval, in standard deviations of the squared error. The number is
-    /// `None`, and comes last, for a render that ends beyond [`horizon`](Self::horizon).
+    /// `None`, and comes last, for a render that ends beyond
+    /// [`max_simulated_passes`](Self::max_simulated_passes).
     fn ends_of_draws(&self, target: f64, half_width: f64) -> Vec<Option<u32>> {
         let made = self.estimate.passes;
         let ended = self.estimate.parts.error_interval(half_width).1 <= target;
-        let possible = if ended { MIN_PASSES..=made } else { made + 1..=self.horizon() };
+        let possible = if ended { MIN_PASSES..=made } else { made + 1..=self.max_simulated_passes() };
         let (weights, densities) = (self.power_weights(), self.blur_quantiles());
         let mut sums = POWERS.map(|power| DiscAreaSums::new(self.alpha, power));
         let at_pilot = POWERS.map(|power| DiscAreaSums::of_passes(self.alpha, power, made));
-        let choices: Vec<(usize, f64)> =
-            ALL_DRAWS.iter().map(|draw| (index_at(&weights, draw.power), quantile_at(&densities, draw.blur))).collect();
+        let choices: Vec<(usize, f64)> = ALL_DRAWS
+            .iter()
+            .map(|draw| (cumulative_index(&weights, draw.power), quantile_at(&densities, draw.blur)))
+            .collect();
         let mut ends = vec![None; DRAWS];
         let due = EstimateSchedule::due_passes().skip_while(|n| n < possible.start());
         for passes in due.take_while(|n| possible.contains(n)) {
@@ -177,7 +180,7 @@ impl ErrorForecast {
     /// estimate with disc radius r.
     fn simulated_parts(
         &self,
-        draw: &Draw,
+        draw: &ForecastDraw,
         power: usize,
         d0: f64,
         (sums, at_pilot): (&DiscAreaSums, &DiscAreaSums),
@@ -203,7 +206,7 @@ impl ErrorForecast {
     /// [`simulated_parts`](Self::simulated_parts) explains the arguments.
     fn simulated_blur(
         &self,
-        draw: &Draw,
+        draw: &ForecastDraw,
         power: usize,
         d0: f64,
         (sums, at_pilot): (&DiscAreaSums, &DiscAreaSums),
@@ -218,10 +221,10 @@ impl ErrorForecast {
         let (expected, variance) = (d0 * decay * decay, measured.variance * growth);
         let d0_variance = NestedDifferenceMoments::d0_estimate_variance(expected, variance, measured.scatter, n);
         let d0 = expected + draw.later_blur * d0_variance.sqrt();
-        let squared = squared_ratio(POWERS[power]);
-        let smooth_to_edge = (squared - 0.25) / (squared_ratio(POWERS[0]) - 0.25);
+        let squared = squared_difference_ratio(POWERS[power]);
+        let smooth_to_edge = (squared - 0.25) / (squared_difference_ratio(POWERS[0]) - 0.25);
         let correlation = 0.5 + (EDGE_CORRELATION - 0.5) * smooth_to_edge;
-        let trust = measured.trust();
+        let trust = measured.measurement_weight();
         let correlation =
             if trust > 0.0 { correlation + trust * (measured.correlation() - correlation) } else { correlation };
         BlurEstimate::from_differences(&NestedDifferenceMoments {
@@ -247,7 +250,7 @@ impl ErrorForecast {
         // both exponents, even if it has no noise.
         let rounding = 1e-4 * measured.d0 * measured.d0;
         let square = |power: f64| {
-            let ratio = squared_ratio(power);
+            let ratio = squared_difference_ratio(power);
             let difference = measured.d1 - ratio * measured.d0;
             let variance = (1.0 + ratio * ratio) * measured.d0_variance + rounding;
             if variance > 0.0 { difference * difference / variance } else { 0.0 }
@@ -293,13 +296,13 @@ impl ErrorForecast {
 ///
 /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
 /// radius r.
-fn squared_ratio(power: f64) -> f64 {
+fn squared_difference_ratio(power: f64) -> f64 {
     libm::exp2(-2.0 * power)
 }
 
 /// Returns the first index whose cumulative weight exceeds `uniform` times the last cumulative
 /// weight.
-fn index_at(cumulative: &[f64], uniform: f64) -> usize {
+fn cumulative_index(cumulative: &[f64], uniform: f64) -> usize {
     let total = cumulative.last().copied().unwrap_or(0.0);
     cumulative.partition_point(|weight| *weight <= uniform * total).min(cumulative.len() - 1)
 }

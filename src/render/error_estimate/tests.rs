@@ -29,7 +29,7 @@ fn render_noisy_passes(passes: u32, seed: u64, sigma: f32, bias: f32) -> (ErrorE
     for i in 0..passes {
         let part = |pixel: usize, which: u64| Rgb::splat(sigma * uniform_noise(i, seed, pixel, which));
         let pixel = |p: usize| NestedEstimates {
-            steps: [Rgb::splat(0.5 * bias) + part(p, 1), Rgb::splat(0.25 * bias) + part(p, 2)],
+            differences: [Rgb::splat(0.5 * bias) + part(p, 1), Rgb::splat(0.25 * bias) + part(p, 2)],
             ..NestedEstimates::default()
         };
         let image = (0..PIXELS).map(|p| Rgb::splat(1.0 + bias) + part(p, 0)).collect();
@@ -87,20 +87,21 @@ fn intervals_contain_the_true_error() {
     assert!(held >= 180 - 13, "{held}");
 }
 
-/// The error of shared paths is reported as bias. Here it is 0.2 at each of 16 pixels; fresh paths
-/// have only noise.
+/// The error of shared paths is reported as bias. Here it is 0.2 at each of 16 pixels; unshared
+/// paths have only noise.
 #[test]
 fn shared_paths_are_bias() {
     let (mut estimator, mut film) = (ErrorEstimator::new(None), Film::new(WIDTH, WIDTH));
     for i in 0..32 {
         let image = vec![Rgb::splat(1.2); PIXELS];
-        let fresh = (0..16).map(|p| (p as u32 * 100, Rgb::splat(1.0 + 0.1 * uniform_noise(i, 3, p, 0)))).collect();
-        let pass = Pass { image, fresh, ..Pass::default() };
+        let unshared_path_pixels =
+            (0..16).map(|p| (p as u32 * 100, Rgb::splat(1.0 + 0.1 * uniform_noise(i, 3, p, 0)))).collect();
+        let pass = Pass { image, unshared_path_pixels, ..Pass::default() };
         estimator.add(i, &pass);
         film.add(&pass.image);
     }
     let estimate = estimator.estimate(&film);
-    // The noise of a fresh pixel is 0.1/√32, over 16 pixels.
+    // The noise of a pixel by unshared paths is 0.1/√32, over 16 pixels.
     let expected = 0.2 / 1.2 / 2f64.sqrt();
     assert!(
         (estimate.shared_paths / expected - 1.0).abs() < 5.0 * 0.1 / (32f64 * 16.0).sqrt() / 0.2,
@@ -134,7 +135,7 @@ fn edges_are_not_extrapolated_as_smooth() {
     for i in 0..8 {
         let splat = |v: f64| Rgb::splat(v as f32);
         let pixel = |v: &[f64; 4]| NestedEstimates {
-            steps: [splat(v[0] - v[1]), splat(v[1] - v[2])],
+            differences: [splat(v[0] - v[1]), splat(v[1] - v[2])],
             ..NestedEstimates::default()
         };
         let image = row.iter().map(|v| splat(v[0])).collect();

@@ -6,7 +6,7 @@ use crate::light::{AreaLight, EmissionTexture, EnvironmentLight, Light, LightSur
 use crate::math::Motion;
 use crate::sampling::DiscreteDistribution;
 use crate::scene::animation::{MID_SHUTTER, delta_light_at_time, physical_light_strength_at_mid_shutter};
-use crate::scene::delta_light::{legacy_area_light, resolve_light};
+use crate::scene::delta_light::{legacy_area_light, place_delta_light};
 use crate::scene::{BuildError, DeltaLightKind, LegacyLight, LightStrength};
 use crate::texture::Texture;
 use glam::{DAffine3, DVec3};
@@ -56,7 +56,7 @@ pub(super) fn collect_lights(
         of_object: Vec::new(),
     };
     for source in delta_lights.iter().filter(|source| source.motion.is_none()) {
-        found.add_light(resolve_light(&source.kind, source.strength, origin));
+        found.add_light(place_delta_light(&source.kind, source.strength, origin));
     }
     for source in delta_lights {
         let Some(motion) = &source.motion else { continue };
@@ -64,7 +64,7 @@ pub(super) fn collect_lights(
         let strength = physical_light_strength_at_mid_shutter(&source.kind, source.strength, &motion);
         let placed = delta_light_at_time(&source.kind, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
         found.moving.push((found.lights.len(), source.kind.clone(), strength, motion));
-        found.add_light(resolve_light(&placed, strength, DVec3::ZERO));
+        found.add_light(place_delta_light(&placed, strength, DVec3::ZERO));
     }
     let mut shapes = geometry.shapes.iter();
     for (object, mapping) in objects.iter().zip(&mappings.of_object) {

@@ -92,7 +92,7 @@ fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<Cam
     let size = Vec2::new(width as f32, height as f32);
     let rays = [Vec2::splat(0.5), Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].map(|p| local.generate_ray(p * size, None));
     let distances = shapes.iter().map(|shape| shape.translated(-position)).flat_map(|shape| {
-        let nearest = rays.iter().filter_map(|ray| Some(shape.intersect(ray)?.0)).reduce(f32::min);
+        let nearest = rays.iter().filter_map(|ray| Some(shape.intersect(ray)?.t)).reduce(f32::min);
         nearest.into_iter()
     });
     Some((position, f64::from(distances.reduce(f32::min)?)))

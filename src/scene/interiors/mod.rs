@@ -179,10 +179,10 @@ impl Interior for InteriorStack {
     const HAS_MEDIA_OR_WAVELENGTH: bool = false;
 
     fn interior_at_camera(scene: &Scene, ray: &Ray, _: Effects) -> Self {
-        if scene.camera.has_single_viewpoint() {
-            scene.derived.camera_interior
-        } else {
+        if scene.camera.is_orthographic() {
             interior_stack_at(scene, ray.origin)
+        } else {
+            scene.derived.camera_interior
         }
     }
 
@@ -251,8 +251,8 @@ fn resolve_interface(
             boundary_sides(stack, scene, surface, &body, entering);
         surface.roughness = roughness;
         let (inner, outer) = if entering { (far, near) } else { (near, far) };
-        let real = inner.map(|(material, _)| material) != outer.map(|(material, _)| material);
-        let interface = BodyInterface { real, outside: outer.map(|(_, body)| *body) };
+        let is_hidden = inner.map(|(material, _)| material) == outer.map(|(material, _)| material);
+        let interface = BodyInterface { is_hidden, outside: outer.map(|(_, body)| *body) };
         let inner = inner.map_or_else(|| Body::new(1.0), |(_, body)| *body);
         return (
             if is_null_interface { BoundaryEvent::NullInterface } else { interface.boundary_event() },

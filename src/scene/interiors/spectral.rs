@@ -100,7 +100,7 @@ impl Interior for SpectralInterior {
             return event;
         }
         let disperses = body.glass.is_some() || interface.outside.is_some_and(|body| body.glass.is_some());
-        if disperses && interface.real && self.wavelength.is_none() {
+        if disperses && !interface.is_hidden && self.wavelength.is_none() {
             // `take`: a second wavelength of this path needs a new random number.
             let u = self.wavelength_sample.take().unwrap_or_else(|| key.uniform_1d(Dimension::Wavelength));
             self.wavelength = Some(Wavelength::sample(u));

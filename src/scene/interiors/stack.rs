@@ -20,9 +20,9 @@ pub struct InteriorStack {
 /// The boundary of a dielectric body, with the body on its outer side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::scene) struct BodyInterface {
-    /// True if light interacts with the boundary. False if a dielectric body of higher priority
-    /// fills both sides.
-    pub real: bool,
+    /// True if a dielectric body of higher priority fills both sides, so that light does not
+    /// interact with the boundary.
+    pub is_hidden: bool,
     /// The dielectric body on the outer side of the boundary; `None` is air.
     pub outside: Option<Body>,
 }
@@ -31,7 +31,7 @@ impl BodyInterface {
     /// Returns the event for a path at this boundary, which must not be a null interface.
     #[inline]
     pub fn boundary_event(&self) -> BoundaryEvent {
-        if self.real { BoundaryEvent::Surface } else { BoundaryEvent::Hidden }
+        if self.is_hidden { BoundaryEvent::Hidden } else { BoundaryEvent::Surface }
     }
 
     /// Refractive index of `body` relative to the outer side.
@@ -135,16 +135,16 @@ impl InteriorStack {
         materials: &[Material],
     ) -> BodyInterface {
         let mut around = *self;
-        let real = if entering {
-            self.top_refracting_body(materials).is_none_or(|(_, top)| body.priority >= top.priority)
+        let is_hidden = if entering {
+            self.top_refracting_body(materials).is_some_and(|(_, top)| body.priority < top.priority)
         } else {
             // Among bodies of equal priority, the one entered last fills the space before the
             // boundary.
-            let top = self.top_refracting_body(materials).is_none_or(|(index, _)| index == material);
+            let lies_below_top = self.top_refracting_body(materials).is_some_and(|(index, _)| index != material);
             around.remove_body(material);
-            top
+            lies_below_top
         };
-        BodyInterface { real, outside: around.top_refracting_body(materials).map(|(_, body)| *body) }
+        BodyInterface { is_hidden, outside: around.top_refracting_body(materials).map(|(_, body)| *body) }
     }
 
     /// Pushes or removes the dielectric body of `material`, depending on the unit `direction` of

@@ -3,7 +3,7 @@
 /// Factor by which the position error bound of parametric surfaces exceeds that of other shapes.
 ///
 /// The larger bound covers the errors of polynomial evaluation and the tolerance for tangent rays.
-pub(super) const HIT_ERROR_SCALE: f64 = 256.0;
+pub(super) const PARAMETRIC_ERROR_FACTOR: f64 = 256.0;
 
 /// Points and weights of five-point Gauss–Legendre quadrature on \[−1, 1].
 pub(super) const GAUSS_LEGENDRE: [(f64, f64); 5] = [

@@ -1,15 +1,16 @@
 //! Tensor-product surfaces: Bézier patches, B-splines and NURBS.
 
 use super::box_bvh::{BoxBvh, Line};
-use super::numeric::{GAUSS_LEGENDRE, HIT_ERROR_SCALE};
+use super::numeric::{GAUSS_LEGENDRE, PARAMETRIC_ERROR_FACTOR};
 use super::patch_build::{PatchBuilder, PatchLeaf, SubdivisionCut, SubdivisionNode};
 use super::patch_piece::PatchPiece;
 use super::polynomial::Coefficients;
 use super::spline::{SplineBasis, SplineError};
+use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform};
 use crate::sampling::DiscreteDistribution;
 use crate::shape::analytic::AnalyticShape;
-use crate::shape::hit::{ShapeHit, round_t_if_in_range};
+use crate::shape::hit::round_t_if_in_range;
 use crate::shape::object_ray::{ObjectRay, world_coordinate_bound};
 use crate::shape::surface_point::{ShapeSample, SurfacePoint};
 use crate::shape::texture_mapping::TexCoord;
@@ -175,7 +176,10 @@ impl Patch {
         // The inverse transpose keeps the outer side of a mirror image.
         let normal = self.to_world.transform_normal(subdivided.leaf_normal(leaf, at)).normalize();
         let scale = world_coordinate_bound(&self.to_world, subdivided.size);
-        SurfacePoint { uv, ..SurfacePoint::from_f64(self.to_world.transform_point(p), normal, scale * HIT_ERROR_SCALE) }
+        SurfacePoint {
+            uv,
+            ..SurfacePoint::from_f64(self.to_world.transform_point(p), normal, scale * PARAMETRIC_ERROR_FACTOR)
+        }
     }
 }
 
@@ -206,7 +210,7 @@ impl AnalyticShape for Patch {
         let (leaf, at, t) = found?;
         let t = round_t_if_in_range(ray, (start + t) / length)?;
         let uv = subdivided.leaves[leaf].leaf_to_surface_uv(at);
-        Some((t, uv.x, uv.y))
+        Some(ShapeHit { t, uv })
     }
 
     fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {

@@ -31,9 +31,9 @@ pub struct LinearTermsWithBounds {
     /// Coefficients of the constant term, the term in y, and the term in x.
     linear: [Coefficients<4>; 3],
     /// Bound on the sum of the terms aᵢⱼ xⁱ yʲ of degree 2 and above over the piece: Σ |aᵢⱼ|.
-    rest: Coefficients<4>,
+    higher_term_bounds: Coefficients<4>,
     /// Bound on the change of the first derivatives over the piece: Σ (i + j)|aᵢⱼ|.
-    turn: Coefficients<4>,
+    derivative_change_bounds: Coefficients<4>,
 }
 
 impl LinearTermsWithBounds {
@@ -41,12 +41,13 @@ impl LinearTermsWithBounds {
     /// x.
     #[inline]
     pub fn from_powers(a: &[Coefficients<4>], columns: usize) -> Self {
-        let mut bounds = Self { linear: [a[0], a[1], a[columns]], rest: [0.0; 4], turn: [0.0; 4] };
+        let mut bounds =
+            Self { linear: [a[0], a[1], a[columns]], higher_term_bounds: [0.0; 4], derivative_change_bounds: [0.0; 4] };
         for (i, row) in a.chunks_exact(columns).enumerate() {
             for (j, c) in row.iter().enumerate().skip(2usize.saturating_sub(i)) {
                 for (k, c) in c.iter().enumerate() {
-                    bounds.rest[k] += c.abs();
-                    bounds.turn[k] += (i + j) as f64 * c.abs();
+                    bounds.higher_term_bounds[k] += c.abs();
+                    bounds.derivative_change_bounds[k] += (i + j) as f64 * c.abs();
                 }
             }
         }
@@ -200,14 +201,14 @@ impl PatchPiece<'_> {
         let [middle, along_y, along_x] = bounds.linear.map(|a| offset_from_base(&a, line.base));
         let reach = along_x.abs()
             + along_y.abs()
-            + LinearTermsWithBounds::offset_bound_from_base(&bounds.rest, line.base)
+            + LinearTermsWithBounds::offset_bound_from_base(&bounds.higher_term_bounds, line.base)
             + self.noise;
         let (a1, a2) = ((middle - reach) * line.inverse, (middle + reach) * line.inverse);
         let (lo, hi) = (a1.min(a2).max_element(), a1.max(a2).min_element());
         // `lo` and `hi` bound w·τ, where w is the weight, which is positive and close to its value
         // at the centre. They are divided by the largest or smallest w to bound τ.
         let [w, along_y, along_x] = bounds.linear.map(|a| a[3]);
-        let spread = along_x.abs() + along_y.abs() + bounds.rest[3];
+        let spread = along_x.abs() + along_y.abs() + bounds.higher_term_bounds[3];
         let (least, most) = ((w - spread).max(0.0), w + spread);
         let at_least = if lo > 0.0 { lo / most } else { lo / least };
         let at_most = if hi > 0.0 { hi / least } else { hi / most };
@@ -254,11 +255,11 @@ fn classify_roots(
     let (for_x, for_y) = (d.cross(along_y), along_x.cross(d));
     let (size_x, size_y) = (for_x.abs(), for_y.abs());
     let (x, y) = (for_x.dot(miss), for_y.dot(miss));
-    let error = LinearTermsWithBounds::offset_bound_from_base(&bounds.rest, line.base) + noise;
+    let error = LinearTermsWithBounds::offset_bound_from_base(&bounds.higher_term_bounds, line.base) + noise;
     if x.abs() > least + size_x.dot(error) || y.abs() > least + size_y.dot(error) {
         return RootClassification::NoRoot;
     }
-    let turn = LinearTermsWithBounds::offset_bound_from_base(&bounds.turn, line.base);
+    let turn = LinearTermsWithBounds::offset_bound_from_base(&bounds.derivative_change_bounds, line.base);
     let (turn_x, turn_y) = (size_x.dot(turn), size_y.dot(turn));
     if turn_x.max(turn_y) < MAX_DERIVATIVE_CHANGE * least {
         let blur = noise * size_x.element_sum().max(size_y.element_sum()) / least;

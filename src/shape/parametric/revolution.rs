@@ -1,16 +1,17 @@
 //! Surfaces of revolution, intersected in the plane of their profiles.
 
 use super::cylindrical_ray::{CylindricalRay, Interval, polar_radius_and_direction};
-use super::numeric::{GAUSS_LEGENDRE, HIT_ERROR_SCALE};
+use super::numeric::{GAUSS_LEGENDRE, PARAMETRIC_ERROR_FACTOR};
 use super::polynomial::{Coefficients, evaluate_with_derivative};
 use super::profile::ProfilePiece;
 use super::revolution_build::{MAX_HALVINGS, ProfileBuilder, ProfileLeaf};
 use super::ring_bvh::{RingBounds, RingBvh};
 use super::spline::{SplineBasis, SplineError};
+use crate::accel::ShapeHit;
 use crate::math::{Ray, Transform};
 use crate::sampling::DiscreteDistribution;
 use crate::shape::analytic::AnalyticShape;
-use crate::shape::hit::{ShapeHit, round_t_if_in_range};
+use crate::shape::hit::round_t_if_in_range;
 use crate::shape::object_ray::{ObjectRay, object_ray, world_coordinate_bound};
 use crate::shape::surface_point::{ShapeSample, SurfacePoint};
 use crate::shape::texture_mapping::TexCoord;
@@ -137,7 +138,7 @@ impl Revolution {
         let p = self.to_world.transform_point(profile.leaf_point(leaf, x, radial));
         let scale = world_coordinate_bound(&self.to_world, profile.size);
         let normal = self.to_world.transform_normal(profile.leaf_normal(leaf, x, radial)).normalize();
-        SurfacePoint { uv, ..SurfacePoint::from_f64(p, normal, scale * HIT_ERROR_SCALE) }
+        SurfacePoint { uv, ..SurfacePoint::from_f64(p, normal, scale * PARAMETRIC_ERROR_FACTOR) }
     }
 }
 
@@ -168,7 +169,8 @@ impl AnalyticShape for Revolution {
         let (leaf, x, at) = found?;
         let t = round_t_if_in_range(ray, (start + at) / length)?;
         let p = line.base + line.direction * at;
-        Some((t, self.profile.leaf_to_profile_parameter(leaf, x) as f32, self.angle_in_turns(p, leaf) as f32))
+        let (u, v) = (self.profile.leaf_to_profile_parameter(leaf, x), self.angle_in_turns(p, leaf));
+        Some(ShapeHit { t, uv: Vec2::new(u as f32, v as f32) })
     }
 
     fn surface_point(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {

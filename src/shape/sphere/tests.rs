@@ -4,7 +4,7 @@ use crate::sampling::{Dimension, Key, Purpose};
 #[test]
 fn sphere_hits_of_tangent_and_inner_rays() {
     let s = Sphere::new(DVec3::ZERO, 1.0);
-    let hit = |o: Vec3, d: Vec3| s.intersect(&Ray::new(o, d)).map(|c| c.0);
+    let hit = |o: Vec3, d: Vec3| s.intersect(&Ray::new(o, d)).map(|hit| hit.t);
     assert_eq!(hit(Vec3::new(0.0, 0.0, 3.0), -Vec3::Z), Some(2.0));
     assert_eq!(hit(Vec3::ZERO, Vec3::X * 0.5), Some(2.0));
     assert_eq!(hit(Vec3::new(0.0, 1.0, 3.0), -Vec3::Z), Some(3.0));
@@ -36,7 +36,7 @@ fn sampled_visible_points_are_first_hits() {
             };
             let w = (point.p - from).normalize();
             sum += f64::from(w.dot(axis));
-            if let Some((t, ..)) = s.intersect(&Ray::new(from, w)) {
+            if let Some(ShapeHit { t, .. }) = s.intersect(&Ray::new(from, w)) {
                 let reached = (point.p - from).length();
                 assert!((t - reached).abs() < 2e-3 * reached.max(0.05), "{t} {reached}");
             }

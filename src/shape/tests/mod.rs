@@ -50,9 +50,9 @@ fn sampled_points_have_their_stated_density() {
             if i < 1000 {
                 let above = s.point.p + s.point.ng * 0.1;
                 let ray = Ray::new(above, -s.point.ng);
-                let (t, u, v) = shape.intersect(&ray).expect("a ray at a sampled point hits");
+                let ShapeHit { t, uv } = shape.intersect(&ray).expect("a ray at a sampled point hits");
                 assert!((t - 0.1).abs() < 1e-5, "{shape:?} {t}");
-                let back = shape.surface_point(&ray, t, Vec2::new(u, v));
+                let back = shape.surface_point(&ray, t, uv);
                 assert!((back.p - s.point.p).length() < 1e-5 && back.ng.dot(s.point.ng) > 1.0 - 1e-4);
             }
         }
@@ -78,7 +78,7 @@ fn offset_origins_prevent_self_intersection() {
                 let out = Ray::new(offset_ray_origin(s.p, s.error, s.ng, d), d);
                 assert!(sphere.intersect(&out).is_none(), "{scale} {center} {i}");
                 let inside = Ray::new(offset_ray_origin(s.p, s.error, s.ng, -d), -d);
-                let (t, ..) = sphere.intersect(&inside).expect("an inner ray meets the far side");
+                let ShapeHit { t, .. } = sphere.intersect(&inside).expect("an inner ray meets the far side");
                 let chord = 2.0 * scale as f32 * d.dot(s.ng);
                 assert!((t - chord).abs() < 1e-3 * chord + 4.0 * s.error.max_element() / d.dot(s.ng), "{t} {chord}");
             }

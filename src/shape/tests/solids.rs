@@ -182,10 +182,10 @@ fn hits_agree_with_bisection() {
                 let found = shape.intersect(&ray);
                 assert_eq!(found.is_some(), expected.is_some(), "{solid:?} {m} {i} {ray:?} {found:?} {expected:?}");
                 compared += 1;
-                let (Some((t, u, v)), Some(expected)) = (found, expected) else { continue };
+                let (Some(ShapeHit { t, uv }), Some(expected)) = (found, expected) else { continue };
                 hits += 1;
                 assert!((f64::from(t) / expected - 1.0).abs() < 1e-6, "{solid:?} {m} {i}: {t} {expected}");
-                let point = shape.surface_point(&ray, t, Vec2::new(u, v));
+                let point = shape.surface_point(&ray, t, uv);
                 let p = map.inverse().transform_point3(point.p.as_dvec3());
                 let rows = map.inverse().matrix3.transpose();
                 let widest = rows.x_axis.length().max(rows.y_axis.length()).max(rows.z_axis.length());
@@ -241,15 +241,15 @@ fn offset_origins_prevent_self_intersection_of_solids() {
                 };
                 let inner = map.transform_point(solid.center() + 0.1 * random_direction(i + 7)).as_vec3();
                 let ray = Ray::new(inner, map.transform_point(target).as_vec3() - inner);
-                let (t, u, v) = shape.intersect(&ray).expect("inner rays hit");
-                let s = shape.surface_point(&ray, t, Vec2::new(u, v));
+                let ShapeHit { t, uv } = shape.intersect(&ray).expect("inner rays hit");
+                let s = shape.surface_point(&ray, t, uv);
                 let d = warp::square_to_cosine_hemisphere(random_key(i).uniform_2d(Dimension::LightPosition));
                 let d = crate::math::Frame::from_normal(s.ng).to_world(d);
                 let out = Ray::new(offset_ray_origin(s.p, s.error, s.ng, d), d);
                 assert!(shape.intersect(&out).is_none(), "{solid:?} {scale} {i} {out:?}");
                 let back = Ray::new(offset_ray_origin(s.p, s.error, s.ng, -d), -d);
-                let (t, u, v) = shape.intersect(&back).expect("an inward ray hits the far side");
-                let far = shape.surface_point(&back, t, Vec2::new(u, v));
+                let ShapeHit { t, uv } = shape.intersect(&back).expect("an inward ray hits the far side");
+                let far = shape.surface_point(&back, t, uv);
                 assert!(far.ng.dot(back.direction) > 0.0, "{solid:?} {scale} {i} {back:?}");
             }
         }
@@ -261,7 +261,7 @@ fn offset_origins_prevent_self_intersection_of_solids() {
 #[test]
 fn grazing_and_axial_rays_hit_at_known_distances() {
     let cube = Shape::Cuboid(Cuboid::new(DVec3::NEG_ONE, DVec3::ONE).unwrap());
-    let hit = |shape: &Shape, o: Vec3, d: Vec3| shape.intersect(&Ray::new(o, d)).map(|h| h.0);
+    let hit = |shape: &Shape, o: Vec3, d: Vec3| shape.intersect(&Ray::new(o, d)).map(|hit| hit.t);
     assert_eq!(hit(&cube, Vec3::new(-3.0, 0.0, 0.0), Vec3::X), Some(2.0));
     assert_eq!(hit(&cube, Vec3::ZERO, Vec3::X * 0.5), Some(2.0));
     assert_eq!(hit(&cube, Vec3::new(-3.0, 1.0f32.next_up(), 0.0), Vec3::X), None);
@@ -455,7 +455,7 @@ fn mirrored_solids_face_outward() {
     for solid in SOLIDS {
         let shape = solid.to_transformed_shape(&mirror);
         let ray = Ray::new(Vec3::new(9.0, 0.8, 0.0), Vec3::NEG_X);
-        let (t, u, v) = shape.intersect(&ray).unwrap();
-        assert!(shape.surface_point(&ray, t, Vec2::new(u, v)).ng.x > 0.5, "{solid:?}");
+        let ShapeHit { t, uv } = shape.intersect(&ray).unwrap();
+        assert!(shape.surface_point(&ray, t, uv).ng.x > 0.5, "{solid:?}");
     }
 }

@@ -118,7 +118,7 @@ pub struct MethodStudyResult {
     /// wall time and threads; the minimum over methods.
     ///
     /// Below 0.9, other programs disturbed the measurement. It is 1 if processor time is unknown.
-    pub share: f64,
+    pub thread_time_share: f64,
     /// Reference picture that errors are measured against.
     pub truth: GroundTruth,
     /// Results of each method that the study compares.

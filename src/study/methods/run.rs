@@ -243,7 +243,7 @@ impl<'a> MethodStudy<'a> {
             machine: super::clock::machine_description(threads),
             seeds: self.seeds,
             budget: limits.budget,
-            share: shares.fold(1.0, f64::min),
+            thread_time_share: shares.fold(1.0, f64::min),
             truth: references.ground_truth(),
             methods: self.runs.into_iter().filter_map(|run| run.into_result(subject)).collect(),
             interrupted,

@@ -193,7 +193,9 @@ fn methods_run_until_their_budget() {
     let last = found.methods[0].checkpoints.last().unwrap();
     assert!((last.seconds - 6.0).abs() < 1e-9 && (last.rays - 6.0 * 15.5).abs() < 1e-9 && last.photons == 900.0);
     assert!((last.wall * 0.8 * rayon::current_num_threads() as f64 - 6.0).abs() < 1e-9);
-    assert!(!found.interrupted && (found.share - if cpu_seconds().is_some() { 0.8 } else { 1.0 }).abs() < 1e-9);
+    assert!(
+        !found.interrupted && (found.thread_time_share - if cpu_seconds().is_some() { 0.8 } else { 1.0 }).abs() < 1e-9
+    );
     assert!(found.methods[1].command.ends_with(" --spp 3 --seed 0 --passes 24 -o of-0.2-s.exr"));
 }
 

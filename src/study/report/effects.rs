@@ -119,7 +119,7 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
         "<h2>Figures</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">effect</th>".to_owned();
     heads.iter().for_each(|head| table += &format!("<th scope=\"col\" class=\"n\">{head}</th>"));
     table += "</tr></thead>\n<tbody>\n";
-    for EffectResult { decision, cost, gain, .. } in &findings.effects {
+    for EffectResult { decision, cost, contribution, .. } in &findings.effects {
         let error = cost.seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         let cells = [
             signed_milliseconds_text(cost.seconds) + &error,
@@ -127,10 +127,10 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
             signed_milliseconds_text(cost.setup),
             signed_count_text(cost.rays),
             signed_count_text(cost.gathered_photons),
-            three_digit_text(gain.rmse),
-            gain.relative_rmse.map_or("–".to_owned(), percent_text),
-            percent_of_mean_text(gain.adds, findings.mean),
-            percent_of_mean_text(gain.takes, findings.mean),
+            three_digit_text(contribution.rmse),
+            contribution.relative_rmse.map_or("–".to_owned(), percent_text),
+            percent_of_mean_text(contribution.adds, findings.mean),
+            percent_of_mean_text(contribution.removes, findings.mean),
         ];
         let _ = write!(table, "<tr><th scope=\"row\"><a href=\"#{0}\">{0}</a></th>", decision.effect);
         table += &number_cells_html(&cells);
@@ -161,7 +161,7 @@ fn effects_table_html(findings: &EffectStudyResult) -> String {
 }
 
 fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
-    let EffectResult { decision, cost, gain, difference, .. } = finding;
+    let EffectResult { decision, cost, contribution, difference, .. } = finding;
     let effect = decision.effect;
     let mut article = format!("<article id=\"{effect}\">\n<h3>{effect}</h3>\n<dl>\n");
     let because = if decision.is_forced_by_user() {
@@ -169,11 +169,12 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
     } else {
         decision.reason.to_string()
     };
-    let changes = if gain.rmse == 0.0 {
+    let changes = if contribution.rmse == 0.0 {
         "nothing: the picture is equal bit for bit".to_owned()
     } else {
-        let of_mean = gain.relative_rmse.map_or(String::new(), |r| format!(", {} of the mean", percent_text(r)));
-        format!("RMSE {} W/(m² sr){of_mean}", three_digit_text(gain.rmse))
+        let of_mean =
+            contribution.relative_rmse.map_or(String::new(), |r| format!(", {} of the mean", percent_text(r)));
+        format!("RMSE {} W/(m² sr){of_mean}", three_digit_text(contribution.rmse))
     };
     let costs = format!(
         "{} ms per pass, {:.2} times the time without it; {} rays and {} gathered photons per pass",
@@ -191,8 +192,11 @@ fn effect_article_html(finding: &EffectResult) -> Result<String, StudyError> {
         let _ = writeln!(article, "<dt>{term}</dt><dd>{}</dd>", escape_html(text));
     }
     article += "</dl>\n";
-    let most = gain.adds.max(gain.takes);
-    let parts = [("added", gain.adds, positive_part(difference)?), ("removed", gain.takes, negative_part(difference)?)];
+    let most = contribution.adds.max(contribution.removes);
+    let parts = [
+        ("added", contribution.adds, positive_part(difference)?),
+        ("removed", contribution.removes, negative_part(difference)?),
+    ];
     article += "<div class=\"pictures\">\n";
     for (how, mean, image) in parts {
         let Some(exposure) = auto_exposure_stops(&image).filter(|_| mean >= MIN_SHOWN_PART * most) else { continue };

@@ -146,12 +146,12 @@ fn statistics(grid: &Grid, tiles: &[Vec<DVec3>]) -> (Vec<DVec3>, Vec<DVec3>) {
 /// Fails if two estimates of one image differ by more than their biases and noise explain.
 ///
 /// The false-alarm rate is [`RATE`] over all tiles and channels. Also fails if noise and bias of
-/// the mean tile exceed `sharp` times its mean, because they could then hide an error.
+/// the mean tile exceed `max_relative_error` times its mean, because they could then hide an error.
 #[track_caller]
-pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, sharp: f64) {
+pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, max_relative_error: f64) {
     let dof = ours.dof.min(theirs.dof);
     let (mut worst, mut place, mut beyond) = (0.0f64, String::new(), 0);
-    let (mut blunt, mut level) = (0.0, 0.0);
+    let (mut total_error, mut total_mean) = (0.0, 0.0);
     for i in 0..ours.mean.len() {
         for c in 0..3 {
             let (a, b) = (ours.mean[i][c], theirs.mean[i][c]);
@@ -161,7 +161,7 @@ pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, sharp: f64) {
             let excess = ((a - b).abs() - allowed).max(0.0);
             let t = if excess == 0.0 { 0.0 } else { excess / sigma };
             beyond += u32::from((a - b).abs() > 2.0 * sigma);
-            (blunt, level) = (blunt + sigma + allowed, level + b.abs());
+            (total_error, total_mean) = (total_error + sigma + allowed, total_mean + b.abs());
             if t > worst {
                 (worst, place) =
                     (t, format!("tile {i}, channel {c}: {a:.5e} against {b:.5e} ± {sigma:.1e} and {allowed:.1e}"));
@@ -175,11 +175,11 @@ pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, sharp: f64) {
         "{what}: {tests} numbers, ratio of sums {:.4}, {:.1} % beyond 2σ, error bar {:.2} %, worst t {worst:.1}, p of all {p:.1e}: {place}",
         sum(ours) / sum(theirs),
         100.0 * f64::from(beyond) / tests,
-        100.0 * blunt / level
+        100.0 * total_error / total_mean
     );
     eprintln!("{line}");
     assert!(p >= RATE, "{line}");
-    assert!(blunt <= sharp * level, "too blunt: {line}");
+    assert!(total_error <= max_relative_error * total_mean, "too blunt: {line}");
 }
 
 /// Applies [`compare`] by tiles, with the limit `tiles` on noise, and to the whole image, with the

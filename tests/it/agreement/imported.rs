@@ -13,12 +13,12 @@ const EFFORT: Effort = Effort { passes: 16, samples: 4, photons: 6_000, caustic:
 ///
 /// All renders have the same random numbers. So noise of equal scenes is equal, and the
 /// comparison is sharper than its error bars.
-fn compare_forms(name: &str, method: Method, sharp: (f64, f64)) {
+fn compare_forms(name: &str, method: Method, max_relative_errors: (f64, f64)) {
     let ours = Renders::new(method, &scene_from_file(&format!("tests/scenes/{name}.txt"), SIZE), EFFORT);
     for extension in ["pbrt", "xml"] {
         let scene = scene_from_file(&format!("tests/data/import/{name}.{extension}"), SIZE);
         let theirs = Renders::new(method, &scene, EFFORT);
-        compare_renders(&format!("{name}.{extension}"), &theirs, &ours, &Grid::new(SIZE, 16), sharp);
+        compare_renders(&format!("{name}.{extension}"), &theirs, &ours, &Grid::new(SIZE, 16), max_relative_errors);
     }
 }
 

@@ -45,23 +45,33 @@ impl Reference {
 /// Compares each method with the reference `name`: by tiles, over windows, and over the whole
 /// image.
 ///
-/// Tiles have 4 × 4 pixels, or 16 × 16 where caustic paths are rare. `sharp` limits the noise of
-/// these three comparisons, as in [`compare`].
-fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usize; 4])], sharp: [f64; 3]) {
+/// Tiles have 4 × 4 pixels, or 16 × 16 where caustic paths are rare. `max_relative_errors`
+/// limits the noise of these three comparisons, as in [`compare`].
+fn compare_all(
+    name: &str,
+    methods: &[(Method, Effort)],
+    windows: &[(&str, [usize; 4])],
+    max_relative_errors: [f64; 3],
+) {
     let reference = Reference::read(name);
     let scene = scene_from_file(&format!("tests/scenes/{name}.txt"), reference.size);
     for (method, effort) in methods {
         let rare = name == "cbox-caustic" && *method == Method::Path;
         let grid = Grid { kept: reference.kept.clone(), ..Grid::new(reference.size, if rare { 16 } else { 4 }) };
         let renders = Renders::new(*method, &scene, *effort);
-        let against = |what: &str, grid: &Grid, sharp: f64| {
-            compare(&format!("{name}, {what}, {method:?}"), &renders.over(grid), &reference.over(grid), sharp);
+        let against = |what: &str, grid: &Grid, max_relative_error: f64| {
+            compare(
+                &format!("{name}, {what}, {method:?}"),
+                &renders.over(grid),
+                &reference.over(grid),
+                max_relative_error,
+            );
         };
-        against("tiles", &grid, sharp[0]);
+        against("tiles", &grid, max_relative_errors[0]);
         for (what, [left, right, top, bottom]) in windows {
-            against(what, &grid.window(*left..*right, *top..*bottom), sharp[1]);
+            against(what, &grid.window(*left..*right, *top..*bottom), max_relative_errors[1]);
         }
-        against("whole", &grid.single_window(), sharp[2]);
+        against("whole", &grid.single_window(), max_relative_errors[2]);
     }
 }
 

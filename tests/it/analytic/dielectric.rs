@@ -45,7 +45,7 @@ fn add_slab(b: &mut SceneBuilder) {
     b.add_plane(Plane::new(-DVec3::Y * THICKNESS, -DVec3::Y), glass, Vec3::ZERO);
 }
 
-fn beam_scene(angle: f64) -> DVec3 {
+fn beam_direction(angle: f64) -> DVec3 {
     dvec3(libm::sin(angle), -libm::cos(angle), 0.0)
 }
 
@@ -65,7 +65,7 @@ fn photons_pass_slab_by_its_transmittance() {
             b.add_shape(Shape::Sphere(Sphere::new(dvec3(x, 5.0, 0.0), 1e-3)), white, Vec3::ZERO);
         }
         b.add_delta_light(
-            DeltaLightKind::Directional { direction: beam_scene(angle) },
+            DeltaLightKind::Directional { direction: beam_direction(angle) },
             LightStrength::Physical(Vec3::ONE),
         );
         let scene = photon_only_scene(b);
@@ -102,7 +102,7 @@ fn camera_sees_slab_transmittance() {
         let wall = Rectangle::new(corner, DVec3::Z * 200.0, DVec3::X * 200.0);
         b.add_shape(Shape::Rectangle(wall), black, emitted.as_vec3());
         b.set_background(sky.as_vec3());
-        let eye = -beam_scene(angle) * 2.0;
+        let eye = -beam_direction(angle) * 2.0;
         let scene = b.build(square_camera(eye, DVec3::ZERO, 0.01, 8)).unwrap();
         let (through, back) = per_channel(angle);
         let settings = caustica::integrate::Settings {

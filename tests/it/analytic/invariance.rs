@@ -74,12 +74,12 @@ fn mean_image(scene: &Scene, pass: u32) -> Vec<Vec3> {
 
 /// Fails if the passes of two settings differ in their mean.
 ///
-/// Passes are compared in pairs. `sharp` limits the noise, as in [`assert_mean`].
-fn assert_same_images(what: &str, a: &[DVec3], b: &[DVec3], sharp: f64) {
+/// Passes are compared in pairs. `max_relative_error` limits the noise, as in [`assert_mean`].
+fn assert_same_images(what: &str, a: &[DVec3], b: &[DVec3], max_relative_error: f64) {
     for c in 0..3 {
         let level = b.iter().map(|v| v[c]).sum::<f64>() / b.len() as f64;
         let samples: Vec<f64> = a.iter().zip(b).map(|(a, b)| level + a[c] - b[c]).collect();
-        assert_mean(&format!("{what}, channel {c}"), &samples, level, level * HUE_ROUNDING, sharp);
+        assert_mean(&format!("{what}, channel {c}"), &samples, level, level * HUE_ROUNDING, max_relative_error);
     }
 }
 

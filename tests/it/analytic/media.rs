@@ -33,10 +33,16 @@ fn mean_radiance_of_passes(scene: &Scene, algorithm: Algorithm, settings: Settin
 
 /// Applies [`assert_mean`] to each channel.
 #[track_caller]
-fn assert_mean_each(what: &str, samples: &[DVec3], expected: DVec3, slack: DVec3, sharp: f64) {
+fn assert_mean_each(what: &str, samples: &[DVec3], expected: DVec3, slack: DVec3, max_relative_error: f64) {
     for c in 0..3 {
         let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
-        assert_mean(&format!("{what}, channel {c}"), &channel, expected[c], slack[c] + ROUNDING * expected[c], sharp);
+        assert_mean(
+            &format!("{what}, channel {c}"),
+            &channel,
+            expected[c],
+            slack[c] + ROUNDING * expected[c],
+            max_relative_error,
+        );
     }
 }
 
@@ -52,7 +58,7 @@ fn assert_blurred_mean(
     look: impl Fn(f64) -> Vec<DVec3>,
     wide: f64,
     expected: DVec3,
-    (blur, sharp): (f64, f64),
+    (blur, max_relative_error): (f64, f64),
 ) {
     let (narrow, wide) = (look(0.5 * wide), look(wide));
     let slack = |c: usize| {
@@ -62,7 +68,7 @@ fn assert_blurred_mean(
         assert!(slack < blur * expected[c], "{what}: blurred by {}", slack / expected[c]);
         slack
     };
-    assert_mean_each(what, &narrow, expected, DVec3::new(slack(0), slack(1), slack(2)), sharp);
+    assert_mean_each(what, &narrow, expected, DVec3::new(slack(0), slack(1), slack(2)), max_relative_error);
 }
 
 fn per_channel(v: [f64; 3], f: impl Fn(f64) -> f64) -> DVec3 {

@@ -77,7 +77,7 @@ fn flux_along_cup_axis_matches_closed_form() {
 const SLOPE: f64 = 0.5;
 
 /// Builds the cup's floor under oblique light, which falls by `SLOPE` per unit of z.
-fn floor_irradiance() -> Scene {
+fn floor_scene() -> Scene {
     let screen = Rectangle::new(dvec3(-1.0, 0.0, 0.0), DVec3::Z, DVec3::X * 2.0);
     cup_scene(screen, dvec3(0.0, -SLOPE, 1.0))
 }
@@ -118,7 +118,7 @@ fn nephroid_fold(t: f64) -> DVec2 {
 
 #[test]
 fn cup_floor_flux_matches_ray_tracing() {
-    let scene = floor_irradiance();
+    let scene = floor_scene();
     let maps: Vec<PhotonMap> =
         reflected_ray(&scene).into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
     // The points are at the cusp, on both sides of it, on the fold, and away from it.
@@ -141,7 +141,7 @@ fn cup_floor_flux_matches_ray_tracing() {
 /// Within ±.03 along the fold, the distance of the curve from its tangent is below .03²/2 = 5·10⁻⁴.
 #[test]
 fn flux_peaks_at_the_nephroid() {
-    let scene = floor_irradiance();
+    let scene = floor_scene();
     let passes = reflected_ray(&scene);
     for t in [0.4, 0.6, -0.8] {
         let tangent = (nephroid_fold(t + 1e-5) - nephroid_fold(t - 1e-5)).normalize();

@@ -19,7 +19,7 @@ fn tile_means(pixels: &[f64], kept: &[bool]) -> Vec<f64> {
     sums.iter().map(|(sum, n)| if *n > 0.0 { sum / n } else { 0.0 }).collect()
 }
 
-fn mean_tiles(image: &[Vec3]) -> Vec<f64> {
+fn channel_means(image: &[Vec3]) -> Vec<f64> {
     image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
 }
 
@@ -35,7 +35,7 @@ fn mean_tiles(image: &[Vec3]) -> Vec<f64> {
 #[ignore = "long: t-tests of 1024 tiles"]
 fn sppm_matches_caustic_reference_by_tiles() {
     let (mean, error) = (reference_image("cbox-caustic.exr"), reference_image("cbox-caustic-stderr.exr"));
-    let (reference, error) = (mean_tiles(mean.pixels()), mean_tiles(error.pixels()));
+    let (reference, error) = (channel_means(mean.pixels()), channel_means(error.pixels()));
     let kept: Vec<bool> = reference.iter().zip(&error).map(|(r, e)| *e <= 0.5 * r).collect();
     let left_out = kept.iter().filter(|k| !**k).count();
     assert!(left_out < EDGE * EDGE / 100, "{left_out} fireflies in the reference");
@@ -47,7 +47,7 @@ fn sppm_matches_caustic_reference_by_tiles() {
             ..fixed_radius_settings(50_000, 150_000, radius)
         };
         let method = Algorithm::Sppm.prepare(&scene, settings);
-        (0..PASSES).map(|i| mean_tiles(&method.render_pass(i, &SilentMonitor).image)).collect()
+        (0..PASSES).map(|i| channel_means(&method.render_pass(i, &SilentMonitor).image)).collect()
     };
     let (narrow, wide) = (render(0.012), render(0.024));
     let by_pass = |passes: &[Vec<f64>]| passes.iter().map(|p| tile_means(p, &kept)).collect::<Vec<_>>();
@@ -83,13 +83,13 @@ fn sppm_matches_caustic_reference_by_tiles() {
         rows.map(|i| image[i]).sum::<f64>() / (4.0 * 6.0)
     };
     let whole = |image: &[f64]| image.iter().sum::<f64>() / (EDGE * EDGE) as f64;
-    let compare = |what: &str, part: &dyn Fn(&[f64]) -> f64, sharp: f64| {
+    let compare = |what: &str, part: &dyn Fn(&[f64]) -> f64, max_relative_error: f64| {
         let of = |passes: &[Vec<f64>]| passes.iter().map(|p| part(p)).collect::<Vec<f64>>();
         let (ours, blurred) = (of(&narrow), mean_and_error(&of(&wide)).0);
         let bias = (blurred - mean_and_error(&ours).0).abs();
         let truth = part(&reference);
         eprintln!("{what}: bias within {bias:.1e}, ratio {}", mean_and_error(&ours).0 / truth);
-        assert_mean(what, &ours, truth, bias, sharp);
+        assert_mean(what, &ours, truth, bias, max_relative_error);
     };
     compare("caustic window", &window, 0.01);
     compare("whole picture", &whole, 2e-3);

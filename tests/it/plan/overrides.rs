@@ -192,6 +192,6 @@ fn unused_media_change_nothing() {
             .emission_guiding_reports()
     };
     let planned = distributions(EffectOverrides::PLANNED);
-    assert!(planned.caustic.is_some());
+    assert!(planned.aimed.is_some());
     assert_eq!(planned, distributions(EffectOverrides::ALL));
 }

@@ -33,14 +33,15 @@ pub fn student_t_tail(t: f64, dof: f64) -> f64 {
 /// Panics if `samples` contradict a mean within `expected` ± `slack`.
 ///
 /// The test is Student's, with the false-alarm rate [`FALSE_ALARM_RATE`]. Also panics if the
-/// standard error exceeds `sharp` · `expected`, because noise could then hide an error.
+/// standard error exceeds `max_relative_error` · `expected`, because noise could then hide an
+/// error.
 #[track_caller]
-pub fn assert_mean(what: &str, samples: &[f64], expected: f64, slack: f64, sharp: f64) {
+pub fn assert_mean(what: &str, samples: &[f64], expected: f64, slack: f64, max_relative_error: f64) {
     let (mean, error) = mean_and_error(samples);
     let excess = ((mean - expected).abs() - slack).max(0.0);
     let p = if excess == 0.0 { 1.0 } else { student_t_tail(excess / error, samples.len() as f64 - 1.0) };
     let line = format!("{what}: {mean:.6e} ± {error:.1e}, expected {expected:.6e} (p = {p:.1e})");
     eprintln!("{line}");
     assert!(p >= FALSE_ALARM_RATE, "{line}");
-    assert!(error <= sharp * expected.abs(), "{line}: too blunt, {:.1e}", error / expected.abs());
+    assert!(error <= max_relative_error * expected.abs(), "{line}: too blunt, {:.1e}", error / expected.abs());
 }

@@ -159,11 +159,11 @@ pub fn red_channels(values: &[DVec3]) -> Vec<f64> {
 ///
 /// Red and green are stored to half a step of the channel sum; blue is the remainder.
 #[track_caller]
-pub fn assert_mean_rgb(what: &str, samples: &[DVec3], expected: DVec3, sharp: f64) {
+pub fn assert_mean_rgb(what: &str, samples: &[DVec3], expected: DVec3, max_relative_error: f64) {
     let slack = expected.element_sum() * HUE_ROUNDING * 2.0 / 3.0;
     for (c, name) in ["red", "green", "blue"].iter().enumerate() {
         let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
-        assert_mean(&format!("{what}, {name}"), &channel, expected[c], slack, sharp);
+        assert_mean(&format!("{what}, {name}"), &channel, expected[c], slack, max_relative_error);
     }
 }
 
@@ -188,7 +188,7 @@ pub fn assert_estimates(
     maps: &[PhotonMap],
     expected: f64,
     quadrature: f64,
-    sharp: f64,
+    max_relative_error: f64,
 ) {
     let (p, n) = ((probe.at - probe.scene.origin()).as_vec3(), probe.normal.as_vec3());
     let one = |map: &PhotonMap| {
@@ -206,7 +206,7 @@ pub fn assert_estimates(
     let slack = expected * (quadrature + 2.0 * HUE_ROUNDING + f64::from(most.min(64)) / 16_777_216.0);
     let samples: Vec<f64> = estimates.iter().map(|e| f64::from(e.radiance.x)).collect();
     let what = format!("{what}, {:?} of {} at {:.3}", probe.kernel, probe.radius, probe.at);
-    assert_mean(&what, &samples, expected, slack, sharp);
+    assert_mean(&what, &samples, expected, slack, max_relative_error);
 }
 
 /// Returns the value of a kernel at the distance `d` from its center.

@@ -65,13 +65,13 @@ fn densities_come_from_grids_or_noise() {
     let extent = TransformedBoxDescription {
         min: DVec3::new(-1.0, 0.0, 1.0),
         max: DVec3::new(1.0, 2.0, 3.0),
-        maps: vec![TransformStep::RotateY(30.0)],
+        steps: vec![TransformStep::RotateY(30.0)],
     };
     assert_eq!(
         smoke.density,
         DensityDescription::Grid { path: name_with_empty_span("dir/s.grid"), scale: 3.0, extent }
     );
-    let extent = TransformedBoxDescription { min: DVec3::ZERO, max: DVec3::ONE, maps: vec![] };
+    let extent = TransformedBoxDescription { min: DVec3::ZERO, max: DVec3::ONE, steps: vec![] };
     let expected = |cover, softness, octaves, frequency, seed, resolution| {
         let extent = extent.clone();
         DensityDescription::Cloud { cover, softness, octaves, frequency, seed, resolution, extent }

@@ -30,9 +30,9 @@ fn textures_read_all_their_fields() {
         TextureKindDescription::Checker { colors, coordinates: TexcoordTransformDescription::default() }
     );
     match &m.kind {
-        TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
+        TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, steps } => {
             assert_eq!((*pattern, *octaves, *frequency, *amplitude), (SolidPatternDescription::Marble, 16, 2.5, 0.0));
-            assert_eq!((colors[0], maps.len()), (DVec3::ZERO, 2));
+            assert_eq!((colors[0], steps.len()), (DVec3::ZERO, 2));
         }
         other => panic!("{other:?}"),
     }

@@ -15,7 +15,7 @@ const MIN_CHUNK_BYTES: usize = 1 << 22;
 pub(super) struct InvalidObjLine {
     /// Line number, from 1.
     pub line: usize,
-    pub wrong: MessageAndRemedy,
+    pub defect: MessageAndRemedy,
 }
 
 /// Flags for the indices that a face corner has: position, texture coordinate, normal.
@@ -191,7 +191,7 @@ impl<'u> ObjChunkChecker<'u> {
             used,
         };
         for_each_statement(text, |i, line| {
-            chunk.check_obj_line(line).map_err(|wrong| InvalidObjLine { line: before.all + i + 1, wrong })
+            chunk.check_obj_line(line).map_err(|defect| InvalidObjLine { line: before.all + i + 1, defect })
         })?;
         Ok(chunk)
     }

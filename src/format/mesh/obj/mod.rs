@@ -39,7 +39,7 @@ pub(super) fn read(
     check_memory(path, length, free)?;
     let text = String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
     let checked = check::check_obj_lines(text.strip_prefix('\u{feff}').unwrap_or(&text), monitor)
-        .map_err(|e| MeshError::error_at_line(path, e.line, e.wrong))?;
+        .map_err(|e| MeshError::error_at_line(path, e.line, e.defect))?;
     drop(text);
     // The original text is freed. The following steps take less memory than it did.
     check_memory(

@@ -38,7 +38,7 @@ fn maps_show_the_rotated_sky() {
     }
     let image = Image::from_pixels(width, height, pixels).unwrap();
     let tilt = DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y);
-    let map = equirectangular(&image, MapLayout::LatitudeLongitude, tilt).unwrap();
+    let map = to_equirectangular(&image, MapLayout::LatitudeLongitude, tilt).unwrap();
     for direction in [DVec3::X, DVec3::Z, DVec3::new(0.6, -0.64, 0.48)] {
         let phi = libm::atan2(direction.x, -direction.z).rem_euclid(TAU);
         let (x, y) = (phi / TAU * 64.0, libm::acos(direction.y) / PI * 32.0);

@@ -6,13 +6,13 @@ use crate::format::description::{
 };
 use crate::format::import::{ImportOptions, ImportedScene};
 use crate::format::pbrt::decode;
-use crate::format::pbrt::tests::imported;
+use crate::format::pbrt::tests::import_text;
 use crate::image::{Image, WriteOptions, write};
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
 /// Returns the scene of a text that names the picture `a.exr`; pixels are in rows from the top.
-fn with_picture((width, height): (u32, u32), pixels: &[f32], text: &str) -> ImportedScene {
+fn import_with_picture((width, height): (u32, u32), pixels: &[f32], text: &str) -> ImportedScene {
     let folder = tempfile::tempdir().unwrap();
     let image = Image::from_pixels(width, height, pixels.iter().map(|p| Vec3::splat(*p)).collect()).unwrap();
     write(&folder.path().join("a.exr"), &image, &WriteOptions::default()).unwrap();
@@ -20,7 +20,7 @@ fn with_picture((width, height): (u32, u32), pixels: &[f32], text: &str) -> Impo
 }
 
 /// Returns emitted radiance and shape of all shapes.
-fn emitters(scene: &ImportedScene) -> Vec<(DVec3, ShapeDescription)> {
+fn emitting_shapes(scene: &ImportedScene) -> Vec<(DVec3, ShapeDescription)> {
     fn shape(object: &Spanned<ObjectDescription>) -> (DVec3, ShapeDescription) {
         match &object.value {
             ObjectDescription::Shape { shape, emission } => (emission.unwrap_or_default(), shape.clone()),
@@ -36,7 +36,7 @@ fn emitters(scene: &ImportedScene) -> Vec<(DVec3, ShapeDescription)> {
 fn pictures_of_projectors_stay_upright() {
     let light = "LightSource \"projection\" \"string filename\" \"a.exr\" \"float fov\" 90 \"float scale\" 3";
     for (head, pixels) in [("", [1.0, 2.0, 3.0, 4.0]), ("Scale -1 1 1", [2.0, 1.0, 4.0, 3.0])] {
-        let scene = with_picture((2, 2), &[1.0, 2.0, 3.0, 4.0], &format!("WorldBegin {head} {light}"));
+        let scene = import_with_picture((2, 2), &[1.0, 2.0, 3.0, 4.0], &format!("WorldBegin {head} {light}"));
         let LightDescription::Oriented { aim, up, pattern, strength, .. } = &scene.description.lights[0].value else {
             panic!()
         };
@@ -48,7 +48,7 @@ fn pictures_of_projectors_stay_upright() {
         assert_eq!(values, pixels, "{head}");
     }
     // The field of view is that of the shorter side.
-    let scene = with_picture((1, 2), &[1.0, 2.0], &format!("WorldBegin {light}"));
+    let scene = import_with_picture((1, 2), &[1.0, 2.0], &format!("WorldBegin {light}"));
     let LightDescription::Oriented { pattern: LightPattern::Picture { angle, .. }, .. } =
         scene.description.lights[0].value
     else {
@@ -64,7 +64,7 @@ fn maps_of_goniometric_lights_keep_their_directions() {
     // The left quarter of the top half.
     [0, 1, 8, 9].iter().for_each(|i| pixels[*i] = 1.0);
     let text = "WorldBegin LightSource \"goniometric\" \"string mapname\" \"a.exr\"";
-    let scene = with_picture((8, 4), &pixels, text);
+    let scene = import_with_picture((8, 4), &pixels, text);
     let LightDescription::Oriented { aim, pattern: LightPattern::Map(path), .. } = &scene.description.lights[0].value
     else {
         panic!()
@@ -77,20 +77,20 @@ fn maps_of_goniometric_lights_keep_their_directions() {
         let is_bright = x < 2.0 && y < 2.0;
         assert!((pixel.x > 0.4) == is_bright, "{x} {y}: {pixel}");
     }
-    let plain = imported("WorldBegin LightSource \"goniometric\" \"rgb I\" [1 2 3]");
+    let plain = import_text("WorldBegin LightSource \"goniometric\" \"rgb I\" [1 2 3]");
     assert!(matches!(plain.description.lights[0].value, LightDescription::Point { .. }));
 }
 
 #[test]
 fn power_replaces_the_unit_of_lights() {
-    let scene = imported(
+    let scene = import_text(
         "WorldBegin LightSource \"point\" \"float power\" 10 \"rgb I\" [1 .5 0] \"float scale\" 2 \
          AreaLightSource \"diffuse\" \"float power\" 12 Scale 2 2 2 Shape \"sphere\" \
          Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]",
     );
     let LightDescription::Point { strength, .. } = scene.description.lights[0].value else { panic!() };
     assert_eq!(strength, PointLightStrength::Power(DVec3::new(20.0, 10.0, 0.0)));
-    let radiance: Vec<f64> = emitters(&scene).iter().map(|(radiance, _)| radiance.x).collect();
+    let radiance: Vec<f64> = emitting_shapes(&scene).iter().map(|(radiance, _)| radiance.x).collect();
     for (radiance, area) in radiance.iter().zip([16.0 * PI, 2.0]) {
         assert!((radiance * PI * area - 12.0).abs() < 1e-9, "{radiance}");
     }
@@ -98,11 +98,11 @@ fn power_replaces_the_unit_of_lights() {
 
 #[test]
 fn two_sided_lamps_emit_on_their_back() {
-    let scene = imported(
+    let scene = import_text(
         "WorldBegin AreaLightSource \"diffuse\" \"bool twosided\" true \"float power\" 6 Shape \"disk\" \
          Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] Shape \"sphere\"",
     );
-    let lamps = emitters(&scene);
+    let lamps = emitting_shapes(&scene);
     assert_eq!(lamps.len(), 5);
     let [
         (front, ShapeDescription::Disc { center, normal, .. }),

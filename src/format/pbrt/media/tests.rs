@@ -2,50 +2,50 @@
 
 use crate::format::description::{DensityDescription, MediumCoefficients, MediumDescription, TransformStep};
 use crate::format::import::ImportedScene;
-use crate::format::pbrt::tests::{imported, messages};
+use crate::format::pbrt::tests::{import_text, note_messages};
 use glam::DVec3;
 
 /// Returns absorption and scattering of the only medium.
-fn coefficients(scene: &ImportedScene) -> (DVec3, DVec3) {
-    let MediumCoefficients::AbsorptionScattering { absorption, scattering } = medium(scene).coefficients else {
+fn absorption_and_scattering_of_scene(scene: &ImportedScene) -> (DVec3, DVec3) {
+    let MediumCoefficients::AbsorptionScattering { absorption, scattering } = only_medium(scene).coefficients else {
         panic!()
     };
     (absorption, scattering)
 }
 
-fn medium(scene: &ImportedScene) -> &MediumDescription {
+fn only_medium(scene: &ImportedScene) -> &MediumDescription {
     &scene.description.media[0].value
 }
 
 #[test]
 fn uniform_grids_keep_densities_and_their_box() {
-    let scene = imported(
+    let scene = import_text(
         "Translate 0 0 3 MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer nz\" 2 \
          \"float density\" [0 1 2 3] \"rgb sigma_a\" [1 2 3] \"float scale\" 2 \"rgb Le\" [1 1 0] \"point3 p0\" \
          [-1 -1 -1] \"float Lescale\" [5 .5 1 1] Identity Camera \"perspective\" WorldBegin",
     );
-    let DensityDescription::Grid { path, scale, extent } = &medium(&scene).density else { panic!() };
+    let DensityDescription::Grid { path, scale, extent } = &only_medium(&scene).density else { panic!() };
     let grid = &scene.assets.grids[&path.value];
     assert_eq!((grid.size, &grid.values[..], *scale), ([2, 1, 2], &[0.0, 1.0, 2.0, 3.0][..], 1.0));
-    assert_eq!(coefficients(&scene), (DVec3::new(2.0, 4.0, 6.0), DVec3::splat(2.0)));
+    assert_eq!(absorption_and_scattering_of_scene(&scene), (DVec3::new(2.0, 4.0, 6.0), DVec3::splat(2.0)));
     // The mean factor by density is (0.5 + 2 + 3) / 6. Light counts once per absorption.
-    assert!(medium(&scene).emission.abs_diff_eq(DVec3::new(2.0, 4.0, 0.0) * 5.5 / 6.0, 1e-12));
+    assert!(only_medium(&scene).emission.abs_diff_eq(DVec3::new(2.0, 4.0, 0.0) * 5.5 / 6.0, 1e-12));
     // The world is mirrored along z.
-    let map = TransformStep::composed_matrix(&extent.maps);
+    let map = TransformStep::composed_matrix(&extent.steps);
     assert!(map.transform_point3(extent.min).abs_diff_eq(DVec3::new(-1.0, -1.0, -2.0), 1e-12));
     assert!(map.transform_point3(extent.max).abs_diff_eq(DVec3::new(1.0, 1.0, -4.0), 1e-12));
-    assert!(messages(&scene).contains("emission of media that varies"));
+    assert!(note_messages(&scene).contains("emission of media that varies"));
 }
 
 #[test]
 fn color_grids_keep_their_totals() {
-    let scene = imported(
+    let scene = import_text(
         "MakeNamedMedium \"m\" \"string type\" \"rgbgrid\" \"integer ny\" 2 \"float g\" .5 \
          \"rgb sigma_a\" [1 1 1 2 2 2] \"rgb sigma_s\" [1 2 3 2 4 6] \"rgb Le\" [1 0 0 0 0 0] \"float Lescale\" 3 WorldBegin",
     );
-    let DensityDescription::Grid { path, .. } = &medium(&scene).density else { panic!() };
+    let DensityDescription::Grid { path, .. } = &only_medium(&scene).density else { panic!() };
     let densities = scene.assets.grids[&path.value].values.clone();
-    let (absorption, scattering) = coefficients(&scene);
+    let (absorption, scattering) = absorption_and_scattering_of_scene(&scene);
     for (density, factor) in densities.iter().zip([1.0, 2.0]) {
         let density = f64::from(*density);
         assert!((absorption * density).abs_diff_eq(DVec3::splat(factor), 1e-6));
@@ -53,18 +53,18 @@ fn color_grids_keep_their_totals() {
     }
     // Both cells together emit 3 · 1 · 1.
     let total: f64 = densities.iter().map(|density| f64::from(*density)).sum();
-    assert!((medium(&scene).emission * total).abs_diff_eq(DVec3::new(3.0, 0.0, 0.0), 1e-6));
-    let plain = imported(
+    assert!((only_medium(&scene).emission * total).abs_diff_eq(DVec3::new(3.0, 0.0, 0.0), 1e-6));
+    let plain = import_text(
         "MakeNamedMedium \"m\" \"string type\" \"rgbgrid\" \"integer ny\" 2 \
          \"rgb sigma_s\" [1 1 1 0 0 0] \"rgb sigma_a\" [1 1 1 0 0 0] WorldBegin",
     );
-    assert!(messages(&scene).contains("colors of media") && !messages(&plain).contains("colors of media"));
+    assert!(note_messages(&scene).contains("colors of media") && !note_messages(&plain).contains("colors of media"));
 }
 
 #[test]
 fn homogeneous_media_emit_by_their_absorption() {
-    let scene = imported(
+    let scene = import_text(
         "MakeNamedMedium \"m\" \"rgb sigma_a\" [1 2 3] \"rgb sigma_s\" [0 0 0] \"rgb Le\" [1 1 1] \"float Lescale\" 2 WorldBegin",
     );
-    assert_eq!(medium(&scene).emission, DVec3::new(2.0, 4.0, 6.0));
+    assert_eq!(only_medium(&scene).emission, DVec3::new(2.0, 4.0, 6.0));
 }

@@ -3,12 +3,12 @@
 use super::*;
 use crate::format::pbrt::files::Place;
 
-fn mesh(kind: &str, numbers: &[(&str, &[f64])]) -> TriangleMesh {
+fn quadric_mesh_of_numbers(kind: &str, numbers: &[(&str, &[f64])]) -> TriangleMesh {
     let place = Place { file: "test".into(), line: 1 };
     quadric_mesh(kind, &Parameters::of_numbers(place, numbers)).unwrap().unwrap()
 }
 
-fn area(mesh: &TriangleMesh) -> f64 {
+fn mesh_area(mesh: &TriangleMesh) -> f64 {
     mesh.triangles.iter().map(|triangle| mesh.triangle_area(*triangle)).sum()
 }
 
@@ -16,16 +16,19 @@ fn area(mesh: &TriangleMesh) -> f64 {
 #[test]
 fn facets_have_the_area_of_their_surface() {
     let cases = [
-        (mesh("sphere", &[("radius", &[2.0]), ("zmin", &[-1.0]), ("zmax", &[0.5])]), 2.0 * PI * 2.0 * 1.5),
-        (mesh("sphere", &[("phimax", &[90.0])]), PI),
-        (mesh("cylinder", &[("radius", &[0.5]), ("zmax", &[3.0]), ("phimax", &[180.0])]), 2.0 * PI),
-        (mesh("disk", &[("radius", &[2.0]), ("innerradius", &[1.0])]), 3.0 * PI),
-        (mesh("cone", &[("radius", &[3.0]), ("height", &[4.0])]), PI * 3.0 * 5.0),
+        (
+            quadric_mesh_of_numbers("sphere", &[("radius", &[2.0]), ("zmin", &[-1.0]), ("zmax", &[0.5])]),
+            2.0 * PI * 2.0 * 1.5,
+        ),
+        (quadric_mesh_of_numbers("sphere", &[("phimax", &[90.0])]), PI),
+        (quadric_mesh_of_numbers("cylinder", &[("radius", &[0.5]), ("zmax", &[3.0]), ("phimax", &[180.0])]), 2.0 * PI),
+        (quadric_mesh_of_numbers("disk", &[("radius", &[2.0]), ("innerradius", &[1.0])]), 3.0 * PI),
+        (quadric_mesh_of_numbers("cone", &[("radius", &[3.0]), ("height", &[4.0])]), PI * 3.0 * 5.0),
         // r = √z: the area is π/6 (5^(3/2) − 1).
-        (mesh("paraboloid", &[]), PI / 6.0 * (5.0 * 5.0_f64.sqrt() - 1.0)),
+        (quadric_mesh_of_numbers("paraboloid", &[]), PI / 6.0 * (5.0 * 5.0_f64.sqrt() - 1.0)),
     ];
     for (mesh, exact) in cases {
-        let ratio = area(&mesh) / exact;
+        let ratio = mesh_area(&mesh) / exact;
         assert!(ratio < 1.0 && ratio > 0.995, "{ratio}");
     }
 }
@@ -34,7 +37,7 @@ fn facets_have_the_area_of_their_surface() {
 #[test]
 fn normals_point_outwards() {
     for kind in ["sphere", "cylinder", "disk", "cone", "paraboloid", "hyperboloid"] {
-        let mesh = mesh(kind, &[("phimax", &[270.0])]);
+        let mesh = quadric_mesh_of_numbers(kind, &[("phimax", &[270.0])]);
         let normals = mesh.normals.as_ref().unwrap();
         for triangle in &mesh.triangles {
             let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
@@ -46,7 +49,7 @@ fn normals_point_outwards() {
             assert!(mesh.positions.iter().zip(normals).all(|(p, n)| p.abs_diff_eq(*n, 1e-12)));
         }
     }
-    let line = mesh("hyperboloid", &[("p1", &[1.0, 0.0, 0.0]), ("p2", &[1.0, 0.0, 2.0])]);
-    let tube = mesh("cylinder", &[("zmin", &[0.0]), ("zmax", &[2.0])]);
-    assert!((area(&line) - area(&tube)).abs() < 1e-9);
+    let line = quadric_mesh_of_numbers("hyperboloid", &[("p1", &[1.0, 0.0, 0.0]), ("p2", &[1.0, 0.0, 2.0])]);
+    let tube = quadric_mesh_of_numbers("cylinder", &[("zmin", &[0.0]), ("zmax", &[2.0])]);
+    assert!((mesh_area(&line) - mesh_area(&tube)).abs() < 1e-9);
 }

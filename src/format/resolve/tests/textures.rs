@@ -99,10 +99,10 @@ fn meshes_without_texcoords_take_solid_textures_only() {
 /// A solid texture is in object space: a rotated object keeps its pattern.
 #[test]
 fn solid_textures_move_with_their_objects() {
-    let of = |maps: &str| {
+    let of = |steps: &str| {
         resolve_scene_text(&format!(
             "Textures {{ Wood t {{ frequency 3 }} }} Materials {{ Diffuse {{ reflectance t }} }}
-             Group {{ MaterialIndex 0 Transform {{ {maps} Sphere {{ center 0 0 0 radius 1 }} }} }}"
+             Group {{ MaterialIndex 0 Transform {{ {steps} Sphere {{ center 0 0 0 radius 1 }} }} }}"
         ))
     };
     let plain = of("UniformScale 1");

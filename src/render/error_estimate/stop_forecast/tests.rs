@@ -41,7 +41,7 @@ fn normal_quantiles_match_tables() {
 
 #[test]
 fn draws_are_spread_evenly() {
-    let mean = |of: fn(&Draw) -> f64| ALL_DRAWS.iter().map(of).sum::<f64>() / DRAWS as f64;
+    let mean = |of: fn(&ForecastDraw) -> f64| ALL_DRAWS.iter().map(of).sum::<f64>() / DRAWS as f64;
     assert!(mean(|draw| draw.noise).abs() < 0.05 && mean(|draw| draw.later_blur).abs() < 0.05);
     assert!((mean(|draw| draw.power) - 0.5).abs() < 0.02 && (mean(|draw| draw.blur) - 0.5).abs() < 0.02);
     assert!((mean(|draw| draw.noise * draw.noise) - 1.0).abs() < 0.1);
@@ -53,7 +53,7 @@ fn draws_are_spread_evenly() {
 #[test]
 fn noise_alone_needs_four_times_the_passes() {
     let forecast = forecast_with(NestedDifferenceMoments::default(), None);
-    let PassRange { low, median, high } = range(forecast.stop(0.05, CENTER));
+    let PassRange { low, median, high } = range(forecast.stop_forecast(0.05, CENTER));
     assert!((31..=34).contains(&median), "{median}");
     // Deviation 0.2·¾ of the variance, and the schedule of estimates.
     let factor = libm::exp(1.2816 * 0.15);
@@ -66,8 +66,8 @@ fn noise_alone_needs_four_times_the_passes() {
 fn forecast_uses_the_upper_end_of_the_interval() {
     let mut forecast = forecast_with(NestedDifferenceMoments::default(), None);
     forecast.estimate.parts.noise_scatter = 0.04;
-    let center = range(forecast.stop(0.05, CENTER)).median;
-    let upper = range(forecast.stop(0.05, Confidence::new(0.8).unwrap())).median;
+    let center = range(forecast.stop_forecast(0.05, CENTER)).median;
+    let upper = range(forecast.stop_forecast(0.05, Confidence::new(0.8).unwrap())).median;
     let expected = 1.0 + 1.2816 * 0.2;
     assert!((f64::from(upper) / f64::from(center) / expected - 1.0).abs() < 0.06, "{upper} {center}");
 }
@@ -76,18 +76,18 @@ fn forecast_uses_the_upper_end_of_the_interval() {
 #[test]
 fn reached_targets_are_not_in_the_future() {
     let forecast = forecast_with(NestedDifferenceMoments::default(), None);
-    let PassRange { low, median, high } = range(forecast.stop(0.1001, CENTER));
+    let PassRange { low, median, high } = range(forecast.stop_forecast(0.1001, CENTER));
     assert!(MIN_PASSES <= low && median <= 8 && high.unwrap() <= 8, "{low} {median} {high:?}");
-    assert!(range(forecast.stop(0.5, CENTER)).high == Some(MIN_PASSES));
-    assert!(range(forecast.stop(0.0999, CENTER)).low > 8);
+    assert!(range(forecast.stop_forecast(0.5, CENTER)).high == Some(MIN_PASSES));
+    assert!(range(forecast.stop_forecast(0.0999, CENTER)).low > 8);
 }
 
 #[test]
 fn fixed_radii_never_reach_targets_below_their_blur() {
     let forecast = forecast_with(smooth(1e-4), Some(1.0));
-    assert_eq!(forecast.stop(0.019, CENTER), StopForecast::Never { floor: 0.02 });
+    assert_eq!(forecast.stop_forecast(0.019, CENTER), StopForecast::Never { floor: 0.02 });
     // 0.01·8/n + 0.02² = 0.03².
-    let median = range(forecast.stop(0.03, CENTER)).median;
+    let median = range(forecast.stop_forecast(0.03, CENTER)).median;
     assert!((155..=175).contains(&median), "{median}");
 }
 
@@ -99,7 +99,7 @@ fn blur_at_edges_decays_slowly() {
     let [smooth, edge] = [smooth(0.25e-2), edge(0.01 / 14.6)].map(|differences| {
         let forecast = forecast_with(differences, Some(2.0 / 3.0));
         assert!((forecast.estimate.blur / 0.1 - 1.0).abs() < 0.02, "{}", forecast.estimate.blur);
-        range(forecast.stop(0.08, CENTER)).median
+        range(forecast.stop_forecast(0.08, CENTER)).median
     });
     assert!(edge > 2 * smooth, "{edge} {smooth}");
 }
@@ -111,7 +111,7 @@ fn unknown_blur_widens_the_range() {
     let deviation = 2e-4;
     let noisy = NestedDifferenceMoments { d0_variance: deviation * deviation, variance: 0.01, ..Default::default() };
     let unknown = forecast_with(NestedDifferenceMoments { scatter: 0.02, ..noisy }, Some(2.0 / 3.0));
-    let ends = [&known, &unknown].map(|forecast| range(forecast.stop(0.04, CENTER)));
+    let ends = [&known, &unknown].map(|forecast| range(forecast.stop_forecast(0.04, CENTER)));
     assert!(ends[1].median >= ends[0].median);
     let width = |range: &PassRange| f64::from(range.high.unwrap_or(u32::MAX)) / f64::from(range.low);
     assert!(width(&ends[1]) > 1.3 * width(&ends[0]), "{ends:?}");
@@ -120,5 +120,5 @@ fn unknown_blur_widens_the_range() {
 #[test]
 fn distant_targets_have_no_forecast() {
     let forecast = forecast_with(NestedDifferenceMoments::default(), None);
-    assert_eq!(forecast.stop(1e-6, CENTER), StopForecast::TooFar { at_least: 8000 });
+    assert_eq!(forecast.stop_forecast(1e-6, CENTER), StopForecast::TooFar { at_least: 8000 });
 }

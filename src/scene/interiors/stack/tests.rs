@@ -25,14 +25,14 @@ fn the_highest_priority_wins_in_any_entry_order() {
         assert_eq!(interior_stack_of_materials(&order).top_body(&m).unwrap().0, 2);
     }
     assert!(
-        !interior_stack_of_materials(&[2]).interface_at_boundary(0, &body_of_material(0), true, &m).real,
+        interior_stack_of_materials(&[2]).interface_at_boundary(0, &body_of_material(0), true, &m).is_hidden,
         "water begins inside the glass"
     );
-    assert!(!interior_stack_of_materials(&[2, 0]).interface_at_boundary(0, &body_of_material(0), false, &m).real);
+    assert!(interior_stack_of_materials(&[2, 0]).interface_at_boundary(0, &body_of_material(0), false, &m).is_hidden);
     let out = interior_stack_of_materials(&[2, 0]).interface_at_boundary(2, &body_of_material(2), false, &m);
     assert_eq!(
         out,
-        BodyInterface { real: true, outside: Some(body_of_material(0)) },
+        BodyInterface { is_hidden: false, outside: Some(body_of_material(0)) },
         "glass to the water that began inside it"
     );
     assert_eq!(out.relative_ior(&body_of_material(2), |b| b.index), 1.5 / 1.33);
@@ -86,7 +86,7 @@ fn null_interfaces_yield_and_do_not_refract() {
     assert_eq!(interior_stack_of_materials(&[2, 4]).top_body(&m).unwrap().0, 4, "smoke that displaces glass");
     assert_eq!(interior_stack_of_materials(&[2, 4]).top_refracting_body(&m).unwrap().0, 2, "but the glass bends light");
     let into = interior_stack_of_materials(&[4]).interface_at_boundary(2, &body_of_material(2), true, &m);
-    assert_eq!(into, BodyInterface { real: true, outside: None });
+    assert_eq!(into, BodyInterface { is_hidden: false, outside: None });
 }
 
 #[test]

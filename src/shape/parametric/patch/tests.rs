@@ -44,8 +44,8 @@ fn leaves_are_wider_than_float_spacing() {
     for i in 0..4000 {
         let x = (i as f32 + 0.5) * 0.001;
         let ray = Ray::new(Vec3::new(x, 5.0, 0.5), Vec3::NEG_Y);
-        let (t, u, v) = patch.intersect(&ray).unwrap();
-        let found = patch.surface_point(&ray, t, Vec2::new(u, v)).p;
+        let ShapeHit { t, uv } = patch.intersect(&ray).unwrap();
+        let found = patch.surface_point(&ray, t, uv).p;
         assert!((found - Vec3::new(x, 5.0 - t, 0.5)).length() < 1e-5, "{x} {found}");
     }
 }
@@ -57,9 +57,9 @@ fn rational_quarter_circles_make_a_sphere() {
     for d in [Vec3::ONE, Vec3::new(0.1, 0.7, 0.4), Vec3::new(1e-3, 1.0, 1e-3), Vec3::new(0.5, 0.01, 0.02), Vec3::Y] {
         let d = d.normalize();
         let ray = Ray::new(d * 3.0, -d);
-        let (t, u, v) = patch.intersect(&ray).unwrap();
+        let ShapeHit { t, uv } = patch.intersect(&ray).unwrap();
         assert!((t - 2.0).abs() < 1e-6, "{d} {t}");
-        let p = patch.surface_point(&ray, t, Vec2::new(u, v));
+        let p = patch.surface_point(&ray, t, uv);
         assert!((p.p - d).length() < 1e-6 && p.ng.dot(d).abs() > 1.0 - 1e-6, "{d} {p:?}");
     }
 }

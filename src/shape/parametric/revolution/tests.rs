@@ -13,7 +13,7 @@ fn revolved_line_segment(controls: [[f64; 2]; 2]) -> Revolution {
 
 /// Ray parameter of the nearest hit of a ray with origin `o` and direction `d`.
 fn hit_parameter(s: &Revolution, o: Vec3, d: Vec3) -> Option<f32> {
-    s.intersect(&Ray::new(o, d)).map(|c| c.0)
+    s.intersect(&Ray::new(o, d)).map(|hit| hit.t)
 }
 
 #[test]

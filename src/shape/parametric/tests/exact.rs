@@ -4,6 +4,7 @@ use super::{
     Patch, Revolution, SplineBasis, cup_test_surface, parametric_test_surfaces, patch_test_surface, random_key,
     random_ray_near_shape,
 };
+use crate::accel::ShapeHit;
 use crate::math::{Frame, Ray, Transform, offset_ray_origin, warp};
 use crate::sampling::Dimension;
 use crate::shape::Shape;
@@ -69,10 +70,10 @@ fn a_nurbs_sphere_matches_the_sphere() {
             if nearest > 1.0 { None } else { [(-b - root) / a, (-b + root) / a].into_iter().find(|t| *t > 1e-7) };
         match (found, truth) {
             (None, None) => {}
-            (Some((t, u, v)), Some(truth)) => {
+            (Some(ShapeHit { t, uv }), Some(truth)) => {
                 hits += 1;
                 assert!((f64::from(t) - truth).abs() <= 1e-7 * truth, "{i}: {t} {truth}");
-                let p = shape.surface_point(&ray, t, Vec2::new(u, v));
+                let p = shape.surface_point(&ray, t, uv);
                 assert!((p.p.length() - 1.0).abs() < 2e-7 && p.ng.dot(p.p) > 1.0 - 1e-6, "{i}: {p:?}");
             }
             _ => panic!("{i}: {found:?} {truth:?} {nearest}"),
@@ -94,16 +95,16 @@ fn a_nurbs_torus_matches_the_torus() {
         let ray = random_ray_near_shape(&shape, i);
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let found = shape.intersect(&ray);
-        let end = found.map_or(8.0 / d.length(), |(t, ..)| f64::from(t));
+        let end = found.map_or(8.0 / d.length(), |hit| f64::from(hit.t));
         let side = value(o).signum();
         for k in 1..400 {
             let here = value(o + d * (end * f64::from(k) / 400.0));
             assert!(here * side > -1e-6, "{i}: {found:?} passes over {here}");
         }
-        if let Some((t, u, v)) = found {
+        if let Some(ShapeHit { t, uv }) = found {
             hits += 1;
             assert!(value(o + d * f64::from(t)).abs() < 4e-7, "{i}");
-            let p = shape.surface_point(&ray, t, Vec2::new(u, v));
+            let p = shape.surface_point(&ray, t, uv);
             let step = p.p.as_dvec3() + p.ng.as_dvec3() * 1e-3;
             assert!((value(step) - 1e-3).abs() < 2e-6, "{i}: the normal points outward");
         }
@@ -158,7 +159,7 @@ fn revolved_lines_match_quadric_intersections() {
                     }
                 }
             }
-            let found = shape.intersect(&ray).map_or(f64::INFINITY, |(t, ..)| f64::from(t));
+            let found = shape.intersect(&ray).map_or(f64::INFINITY, |hit| f64::from(hit.t));
             hits += u32::from(found.is_finite());
             let same = found == truth || (found - truth).abs() <= 1e-6 * truth.max(1.0);
             assert!(same || edge || grazes, "{a:?} {b:?} {i}: {found} {truth}");
@@ -176,14 +177,14 @@ fn tangent_rays_terminate() {
     for (height, expected) in [(0.5f32, None), (0.5f32.next_up(), Some(false)), (0.5f32.next_down(), Some(true))] {
         let found = hits(&ring, DVec3::new(-3.0, f64::from(height), 0.0), DVec3::X);
         assert!(expected.is_none_or(|e| e == found.is_some()), "{height} {found:?}");
-        if let Some((t, ..)) = found {
+        if let Some(ShapeHit { t, .. }) = found {
             assert!((t - 2.0).abs() < 2e-3, "{t}");
         }
     }
     for x in [1.5f32.next_up(), 1.5, 1.5f32.next_down()] {
         let found = hits(&ring, DVec3::new(f64::from(x), 0.0, 3.0), DVec3::NEG_Z);
         assert!(
-            found.is_none_or(|(t, ..)| (t - 3.0).abs() < 2e-3) && (x == 1.5 || found.is_some() == (x < 1.5)),
+            found.is_none_or(|hit| (hit.t - 3.0).abs() < 2e-3) && (x == 1.5 || found.is_some() == (x < 1.5)),
             "{x}"
         );
     }
@@ -191,9 +192,9 @@ fn tangent_rays_terminate() {
     let cup = cup_test_surface().shape;
     // The rays run along the axis from above, from below and from within, and slightly beside it.
     for x in [0.0, 1e-30, 1e-9, 1e-7] {
-        let (t, ..) = hits(&cup, DVec3::new(x, 3.0, 0.0), DVec3::NEG_Y).unwrap();
+        let ShapeHit { t, .. } = hits(&cup, DVec3::new(x, 3.0, 0.0), DVec3::NEG_Y).unwrap();
         assert!((t - 3.3).abs() < 2e-6, "{x} {t}");
-        let (t, ..) = hits(&cup, DVec3::new(x, -3.0, x), DVec3::Y * 0.5).unwrap();
+        let ShapeHit { t, .. } = hits(&cup, DVec3::new(x, -3.0, x), DVec3::Y * 0.5).unwrap();
         assert!((t - 3.2).abs() < 4e-6, "{x} {t}");
         assert!(hits(&cup, DVec3::new(0.0, -0.8, x), DVec3::Y).is_some());
     }
@@ -212,8 +213,8 @@ fn rays_in_a_flat_patch_miss() {
     for d in [Vec3::X, Vec3::new(1.0, 0.0, 0.3), Vec3::new(-1.0, 0.0, 1.0)] {
         assert!(flat.shape.intersect(&Ray::new(-d * 3.0, d)).is_none());
     }
-    let (t, u, v) = flat.shape.intersect(&Ray::new(Vec3::new(0.5, 2.0, -0.5), -Vec3::Y)).unwrap();
-    assert!((t, u, v) == (2.0, 0.75, 0.25));
+    let ShapeHit { t, uv } = flat.shape.intersect(&Ray::new(Vec3::new(0.5, 2.0, -0.5), -Vec3::Y)).unwrap();
+    assert!(t == 2.0 && uv == Vec2::new(0.75, 0.25));
 }
 
 /// Normals have unit length everywhere, also at poles and collapsed edges, where derivatives
@@ -223,8 +224,8 @@ fn poles_and_collapsed_edges_have_normals() {
     let ball = Shape::Patch(sphere_patch());
     for side in [1.0, -1.0] {
         let ray = Ray::new(Vec3::Y * (3.0 * side), Vec3::Y * -side);
-        let (t, u, v) = ball.intersect(&ray).unwrap();
-        let p = ball.surface_point(&ray, t, Vec2::new(u, v));
+        let ShapeHit { t, uv } = ball.intersect(&ray).unwrap();
+        let p = ball.surface_point(&ray, t, uv);
         assert!((t - 2.0).abs() < 1e-6 && (p.ng - Vec3::Y * side).length() < 1e-4, "{p:?}");
     }
     for case in parametric_test_surfaces() {
@@ -288,7 +289,7 @@ fn leaving_rays_do_not_hit_their_surface_again() {
             for d in [d, -d] {
                 let origin = offset_ray_origin(s.p, s.error, s.ng, d);
                 assert!((origin - s.p).length() < 1e-6 * (size + s.p.length()), "{name}");
-                if let Some((t, ..)) = shape.intersect(&Ray::new(origin, d)) {
+                if let Some(ShapeHit { t, .. }) = shape.intersect(&Ray::new(origin, d)) {
                     assert!(t > 2e-5 * size, "{name} {i}: {t} of {size}");
                 }
             }
@@ -312,9 +313,9 @@ fn area_samples_match_their_pdf() {
             squares += inverse * inverse;
             let from = sample.point.p + sample.point.ng * (1e-3 * size);
             let ray = Ray::new(from, -sample.point.ng);
-            let found = shape.intersect(&ray).filter(|(t, ..)| (t - 1e-3 * size).abs() < 1e-5 * size);
-            if let Some((t, u, v)) = found.filter(|_| !may_be_near_apex(&shape, sample.pdf)) {
-                let again = shape.pdf(&shape.surface_point(&ray, t, Vec2::new(u, v)));
+            let found = shape.intersect(&ray).filter(|hit| (hit.t - 1e-3 * size).abs() < 1e-5 * size);
+            if let Some(ShapeHit { t, uv }) = found.filter(|_| !may_be_near_apex(&shape, sample.pdf)) {
+                let again = shape.pdf(&shape.surface_point(&ray, t, uv));
                 // The pdf jumps between leaves, and rounding may move a point into the next leaf.
                 strays += u32::from((again / sample.pdf - 1.0).abs() > 0.05);
             }

@@ -5,9 +5,10 @@ mod reference;
 
 use super::super::Shape;
 use super::{Patch, Revolution, SplineBasis};
+use crate::accel::ShapeHit;
 use crate::math::{Ray, warp};
 use crate::sampling::{Dimension, Key, Purpose};
-use glam::{DVec2, DVec4, Vec2, Vec3};
+use glam::{DVec2, DVec4, Vec3};
 use reference::{ReferenceHits, ReferencePiece, ReferenceSurface};
 
 /// Parametric surface, and the reference pieces that describe the same surface.
@@ -181,14 +182,14 @@ fn compare_with_reference(case: &TestSurface, rays: std::ops::Range<u64>) -> Com
         case.pieces.iter().for_each(|p| p.find_quads_near_ray(o, d, error, &mut found));
         let ours = case.shape.intersect(&ray);
         let message = || format!("{} ray {i}: {ours:?} against {:?}", case.name, found.hit);
-        if let Some((t, u, v)) = ours {
+        if let Some(ShapeHit { t, uv }) = ours {
             counts.hits += 1;
-            let surface = case.shape.surface_point(&ray, t, Vec2::new(u, v));
+            let surface = case.shape.surface_point(&ray, t, uv);
             let off = surface.p.as_dvec3() - o;
             let beside = (off - d * (off.dot(d) / d.length_squared())).length();
             assert!(beside <= 4e-6 * (size + o.length()), "{}: {beside} beside the ray", message());
         }
-        let t = ours.map(|(t, ..)| f64::from(t));
+        let t = ours.map(|hit| f64::from(hit.t));
         let length = d.length();
         let near = |a: f64, b: f64| (a - b).abs() * length;
         let within = |[lo, hi]: [f64; 2], t: f64, by: f64| (lo - t) * length <= by && (t - hi) * length <= by;

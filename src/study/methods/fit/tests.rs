@@ -305,7 +305,7 @@ fn pareto_front_and_recommendation_have_least_error() {
         machine: "test".into(),
         seeds: 8,
         budget: 64.0,
-        share: 1.0,
+        thread_time_share: 1.0,
         truth: GroundTruth { source: "closed form".into(), error: None, picture },
         methods: vec![method_without_noise(), early],
         interrupted: false,

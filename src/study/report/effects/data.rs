@@ -46,10 +46,10 @@ pub fn csv_report(findings: &EffectStudyResult) -> String {
             number_cell(&|f| Some(f.cost.rays)),
             number_cell(&|f| Some(f.cost.gathers)),
             number_cell(&|f| Some(f.cost.gathered_photons)),
-            number_cell(&|f| Some(f.gain.rmse)),
-            number_cell(&|f| f.gain.relative_rmse),
-            number_cell(&|f| Some(f.gain.adds)),
-            number_cell(&|f| Some(f.gain.takes)),
+            number_cell(&|f| Some(f.contribution.rmse)),
+            number_cell(&|f| f.contribution.relative_rmse),
+            number_cell(&|f| Some(f.contribution.adds)),
+            number_cell(&|f| Some(f.contribution.removes)),
         ]);
     }
     table
@@ -73,7 +73,7 @@ pub fn markdown_report(about: &ReportContext, findings: &EffectStudyResult) -> S
         a_pass(findings.whole.counters.gathered_photons),
         three_digit_text(findings.mean),
     );
-    let row = |EffectResult { decision, cost, gain, .. }: &EffectResult| {
+    let row = |EffectResult { decision, cost, contribution, .. }: &EffectResult| {
         let error = cost.seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         vec![
             decision.effect.to_string(),
@@ -81,9 +81,9 @@ pub fn markdown_report(about: &ReportContext, findings: &EffectStudyResult) -> S
             format!("{:.2}", cost.ratio),
             signed_count_text(cost.rays),
             signed_count_text(cost.gathered_photons),
-            gain.relative_rmse.map_or(three_digit_text(gain.rmse), percent_text),
-            percent_of_mean_text(gain.adds, findings.mean),
-            percent_of_mean_text(gain.takes, findings.mean),
+            contribution.relative_rmse.map_or(three_digit_text(contribution.rmse), percent_text),
+            percent_of_mean_text(contribution.adds, findings.mean),
+            percent_of_mean_text(contribution.removes, findings.mean),
         ]
     };
     let rows: Vec<Vec<String>> = findings.effects.iter().map(row).collect();

@@ -83,7 +83,8 @@ struct MethodStudyJson<'f> {
     height: u32,
     seeds: u32,
     budget: f64,
-    share: f64,
+    #[serde(rename = "share")]
+    thread_time_share: f64,
     interrupted: bool,
     warnings: Vec<String>,
     truth: GroundTruthJson<'f>,
@@ -167,7 +168,7 @@ pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json
         height: found.truth.picture.height(),
         seeds: found.seeds,
         budget: found.budget,
-        share: found.share,
+        thread_time_share: found.thread_time_share,
         interrupted: found.interrupted,
         warnings: study_warnings(found),
         truth: GroundTruthJson { source: &found.truth.source, error: found.truth.error },

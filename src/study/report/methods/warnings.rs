@@ -19,11 +19,11 @@ pub(super) fn study_warnings(found: &MethodStudyResult) -> Vec<String> {
     if found.interrupted {
         warnings.push("The study was interrupted: methods may have had less time than the budget.".to_owned());
     }
-    if found.share < MIN_THREAD_TIME_SHARE {
+    if found.thread_time_share < MIN_THREAD_TIME_SHARE {
         warnings.push(format!(
             "The machine was busy: this program had only {:.0} % of its threads' time at worst. Wall times are too long, and processor \
              times may be too.",
-            100.0 * found.share
+            100.0 * found.thread_time_share
         ));
     }
     if let Some(truth) = found.truth.error {

@@ -46,7 +46,7 @@ fn half_floats_saturate_at_65504_with_report() {
 
 #[test]
 fn sixteen_bit_png_saturates_at_white_with_report() {
-    for curve in [ToneCurve::Srgb, ToneCurve::Course] {
+    for curve in [ToneCurve::Srgb, ToneCurve::Legacy] {
         let tone = ToneMap { curve, exposure_stops: 0.0 };
         let options = WriteOptions { tone, depth: BitDepth::Sixteen, ..WriteOptions::default() };
         let report = |value: f32| {

@@ -2,6 +2,7 @@
 
 use crate::robustness::transforms::double_double::{DoubleDouble, DoubleDoubleVec};
 use crate::support::render_one_pass;
+use caustica::accel::ShapeHit;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
@@ -47,12 +48,12 @@ fn far_spheres_are_hit_correctly() {
                 continue;
             }
             assert_eq!(found.is_some(), discriminant > DoubleDouble::ZERO, "{ray:?}");
-            let Some((t, u, v)) = found else { continue };
+            let Some(ShapeHit { t, uv }) = found else { continue };
             hits += 1;
             let exact = (-b - discriminant.sqrt()) / a;
             // t is rounded only once.
             assert!((f64::from(t) / exact.value() - 1.0).abs() <= 1.0 / 16_777_216.0, "{ray:?}: {t}");
-            let s = ball.surface_point(&ray, t, Vec2::new(u, v));
+            let s = ball.surface_point(&ray, t, uv);
             let n = (l + d.scaled(exact)).value();
             // The first term is half an ulp of each component, for coordinates below 2. The second
             // term is the effect of an ulp in the square root at grazing incidence.

@@ -1,5 +1,6 @@
 //! Surfaces of degree 20 with closed forms, with poles, cusps on the axis and edges without length.
 
+use caustica::accel::ShapeHit;
 use caustica::math::{Ray, warp};
 use caustica::shape::parametric::SplineBasis;
 use caustica::shape::{Patch, Revolution, Shape};
@@ -221,10 +222,10 @@ fn degree_20_surfaces_are_hit_correctly() {
             match (truth, found) {
                 _ if doubt => doubtful += 1,
                 (None, None) => {}
-                (Some(t), Some((f, u, v))) => {
+                (Some(t), Some(ShapeHit { t: f, uv })) => {
                     hits += 1;
                     assert!((f64::from(f) - t).abs() <= 6e-8 * t + 1e-7, "{} {ray:?}: {f} {t}", known.name);
-                    let s = known.shape.surface_point(&ray, f, Vec2::new(u, v));
+                    let s = known.shape.surface_point(&ray, f, uv);
                     let p = o + d * t;
                     assert!((s.p.as_dvec3() - p).length() < 2e-6, "{} {ray:?}: {} {p}", known.name, s.p);
                     let h = 1e-6;
@@ -241,7 +242,7 @@ fn degree_20_surfaces_are_hit_correctly() {
                 // The tip is a point of the surface. A ray that passes it within its own rounding
                 // may miss.
                 (a, b) => {
-                    let there = a.or(b.map(|b| f64::from(b.0))).is_some_and(|t| near(o + d * t, 1e-9));
+                    let there = a.or(b.map(|b| f64::from(b.t))).is_some_and(|t| near(o + d * t, 1e-9));
                     assert!(there, "{} {ray:?}: {found:?} {truth:?}", known.name);
                     doubtful += 1;
                 }
@@ -282,7 +283,7 @@ fn sphere_poles_are_hit_from_inside() {
         rays.par_iter().for_each(|(from, pole)| {
             let ray = Ray::new(*from, pole - from);
             let hits = halves.iter().filter_map(|half| half.intersect(&ray));
-            let t = hits.map(|hit| hit.0).fold(f32::INFINITY, f32::min);
+            let t = hits.map(|hit| hit.t).fold(f32::INFINITY, f32::min);
             // The direction rounds to 2⁻²⁴ of itself, and so does t.
             assert!((t - 1.0).abs() <= 2.0 * f32::EPSILON, "{degrees:?} {ray:?}: {t}");
         });

@@ -1,5 +1,6 @@
 //! Tangent rays at silhouettes and double roots; integer arithmetic gives the exact answer.
 
+use caustica::accel::ShapeHit;
 use caustica::math::{Ray, Transform};
 use caustica::shape::{Shape, Sphere};
 use glam::{DAffine3, DVec3, I64Vec3};
@@ -71,7 +72,7 @@ fn silhouettes_match_closed_form() {
                 assert_eq!(found.is_some(), discriminant > 0 && exact > 0.0, "{ray:?} {shape:?}: {discriminant}");
                 decided += 1;
             }
-            if let Some((t, ..)) = found {
+            if let Some(ShapeHit { t, .. }) = found {
                 assert!((f64::from(t) - exact).abs() <= allowed, "{ray:?} {shape:?}: {t} {exact} {allowed}");
             }
         }

@@ -64,7 +64,7 @@ fn discs_after_million_passes_hold_photons() {
                 // positions.
                 assert!(found > 100.0 * expected && found < 1e-5, "{found} {expected}");
             }
-            assert!(pixel.steps.iter().all(|s| s.is_finite()));
+            assert!(pixel.differences.iter().all(|s| s.is_finite()));
         }
         if law {
             let stored = pass.aimed.stored as f64;

@@ -38,7 +38,7 @@ pub fn summary(image: &[Rgb], (width, height): (u32, u32)) -> Vec<f64> {
 pub fn mean_difference(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, detectable: f64) -> Option<String> {
     let dof = ours.len() as f64 - 1.0;
     let column = |of: &[Vec<f64>], i: usize| of.iter().map(|pass| pass[i]).collect::<Vec<f64>>();
-    let sharp = detectable / quantile(RATE, dof);
+    let max_relative_error = detectable / quantile(RATE, dof);
     let brightest = (0..3).map(|i| mean_and_error(&column(theirs, i)).0).fold(0.0, f64::max);
     if brightest <= 0.0 {
         return Some("all is black".to_owned());
@@ -50,9 +50,10 @@ pub fn mean_difference(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, detec
         let (mean, error) = mean_and_error(&differences);
         let excess = (mean.abs() - slack * level.abs()).max(0.0);
         let p = if excess == 0.0 { 1.0 } else { student_t_tail(excess / error, dof) };
-        let blunt = i < 3 && error > sharp * brightest;
-        let why = if blunt { "the error bar is too wide" } else { "the means differ" };
-        (p < RATE || blunt).then(|| format!("number {i}: {why}: {mean:.3e} ± {error:.1e} of {level:.6e}, p = {p:.1e}"))
+        let is_too_noisy = i < 3 && error > max_relative_error * brightest;
+        let why = if is_too_noisy { "the error bar is too wide" } else { "the means differ" };
+        (p < RATE || is_too_noisy)
+            .then(|| format!("number {i}: {why}: {mean:.3e} ± {error:.1e} of {level:.6e}, p = {p:.1e}"))
     })
 }
 

@@ -47,18 +47,18 @@ impl Similarity {
         media.iter_mut().for_each(|medium| self.medium(&mut medium.value));
         materials.iter_mut().for_each(|material| self.material(&mut material.value));
         let inner = Spanned::new(ObjectDescription::Group(std::mem::take(root)), Span::default());
-        let outer = ObjectDescription::Transform { maps: self.maps(), object: Box::new(inner) };
+        let outer = ObjectDescription::Transform { steps: self.steps(), object: Box::new(inner) };
         root.items.push(GroupItem::Object(Spanned::new(outer, Span::default())));
         d
     }
 
-    fn maps(&self) -> Vec<TransformStep> {
-        let mut maps = vec![TransformStep::Translate(self.shift)];
+    fn steps(&self) -> Vec<TransformStep> {
+        let mut steps = vec![TransformStep::Translate(self.shift)];
         if self.turns() {
-            maps.push(TransformStep::Rotate { axis: self.turn.0, angle: self.turn.1 });
+            steps.push(TransformStep::Rotate { axis: self.turn.0, angle: self.turn.1 });
         }
-        maps.push(TransformStep::UniformScale(self.scale));
-        maps
+        steps.push(TransformStep::UniformScale(self.scale));
+        steps
     }
 
     fn turns(&self) -> bool {
@@ -66,7 +66,7 @@ impl Similarity {
     }
 
     fn matrix(&self) -> DAffine3 {
-        TransformStep::composed_matrix(&self.maps())
+        TransformStep::composed_matrix(&self.steps())
     }
 
     /// Returns the image of a point.
@@ -102,8 +102,8 @@ impl Similarity {
     }
 
     /// Transforms the steps of a motion, for which the object's position is the origin.
-    fn motion(&self, maps: &mut [TransformStep]) {
-        for map in maps {
+    fn motion(&self, steps: &mut [TransformStep]) {
+        for map in steps {
             *map = match *map {
                 TransformStep::Translate(mut by) => {
                     self.vector(&mut by);
@@ -193,8 +193,8 @@ impl Similarity {
                 self.vector(edge1);
                 self.radiance(strength);
             }
-            LightDescription::Moving { maps, light } => {
-                self.motion(maps);
+            LightDescription::Moving { steps, light } => {
+                self.motion(steps);
                 self.light(&mut light.value);
             }
             LightDescription::Environment(EnvironmentRadiance::Constant(_)) => {}
@@ -250,10 +250,10 @@ impl Similarity {
 
     /// Replaces the steps of a box's transform by one matrix that includes this map.
     ///
-    /// A matrix appended to the steps would be applied after the maps before it.
+    /// A matrix appended to the steps would be applied after the steps before it.
     fn extent(&self, extent: &mut TransformedBoxDescription) {
-        let TransformedBoxDescription { min: _, max: _, maps } = extent;
-        *maps = vec![TransformStep::Matrix(DMat4::from(self.matrix() * TransformStep::composed_matrix(maps)))];
+        let TransformedBoxDescription { min: _, max: _, steps } = extent;
+        *steps = vec![TransformStep::Matrix(DMat4::from(self.matrix() * TransformStep::composed_matrix(steps)))];
     }
 
     fn material(&self, material: &mut MaterialDescription) {

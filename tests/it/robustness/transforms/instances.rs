@@ -3,6 +3,7 @@
 use super::double_double::{Affine, DoubleDouble, DoubleDoubleVec};
 use super::maps::maps;
 use crate::robustness::triangles::closed::sphere_mesh;
+use caustica::accel::ShapeHit;
 use caustica::math::{Ray, Transform, offset_ray_origin, warp};
 use caustica::shape::{Instance, Mesh, MeshWithBvh, Shape};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
@@ -91,7 +92,7 @@ fn instance_hits_match_double_double_transforms() {
             let found = instance.intersect(&ray);
             assert_eq!(found.is_some(), expected.is_some(), "{name} {ray:?}: {found:?} {expected:?}");
             assert_eq!(instance.occludes(&ray), found.is_some(), "{name} {ray:?}");
-            let (Some((t, u, v)), Some(exactly)) = (found, expected) else { continue };
+            let (Some(ShapeHit { t, uv }), Some(exactly)) = (found, expected) else { continue };
             hits += 1;
             let off = (f64::from(t) - exactly).abs();
             assert!(
@@ -99,7 +100,7 @@ fn instance_hits_match_double_double_transforms() {
                 "{name} {ray:?}: {t} {exactly}, off by {off:e} of {:e}",
                 blur(end)
             );
-            let s = instance.surface_point(&ray, t, Vec2::new(u, v));
+            let s = instance.surface_point(&ray, t, uv);
             // If two faces are closer than the rounding of the test, either may be reported.
             // Otherwise, the reported face must be the one that the ray hits.
             let sure = gaps[end] > 4.0 * blur(end);

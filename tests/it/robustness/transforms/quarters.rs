@@ -1,5 +1,6 @@
 //! Planes rotated by multiples of 90°.
 
+use caustica::accel::ShapeHit;
 use caustica::color::Rgb;
 use caustica::format::description::TransformStep;
 use caustica::format::{SourceText, parse, resolve};
@@ -43,7 +44,7 @@ fn rays_along_a_plane_miss_it() {
         }
     }
     let plane = Plane::new(DVec3::X * 5.0, DVec3::X);
-    let (t, ..) = plane.intersect(&Ray::new(Vec3::ZERO, Vec3::new(1e-14, 1.0, 0.0))).unwrap();
+    let ShapeHit { t, .. } = plane.intersect(&Ray::new(Vec3::ZERO, Vec3::new(1e-14, 1.0, 0.0))).unwrap();
     assert!((t / 5e14 - 1.0).abs() < 1e-6, "{t}");
 }
 

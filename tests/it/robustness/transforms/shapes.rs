@@ -2,6 +2,7 @@
 
 use super::double_double::{Affine, DoubleDouble, DoubleDoubleVec};
 use super::maps::maps;
+use caustica::accel::ShapeHit;
 use caustica::math::{Ray, Transform, offset_ray_origin, warp};
 use caustica::shape::parametric::SplineBasis;
 use caustica::shape::{Disc, Patch, Rectangle, Revolution, Shape, Sphere, SurfacePoint};
@@ -241,11 +242,11 @@ fn shape_hits_match_double_double_transforms() {
             }
             let found = shape.intersect(&ray);
             assert_eq!(found.is_some(), known.t.is_some(), "{own:?} {name} {ray:?}: {found:?} {:?}", known.t);
-            let (Some((t, u, v)), Some(exactly)) = (found, known.t) else { continue };
+            let (Some(ShapeHit { t, uv }), Some(exactly)) = (found, known.t) else { continue };
             hits += 1;
             let off = (f64::from(t) - exactly).abs();
             assert!(off <= known.blur, "{own:?} {name} {ray:?}: {t} {exactly}, off by {off:e} of {:e}", known.blur);
-            let s = shape.surface_point(&ray, t, Vec2::new(u, v));
+            let s = shape.surface_point(&ray, t, uv);
             let turned = s.ng.as_dvec3().cross(known.normal).length();
             assert!(turned <= known.turn, "{own:?} {name} {ray:?}: turned by {turned:e} of {:e}", known.turn);
             if let Some(off) = distance_off_shape(own, &exact, &s, known.hit) {

@@ -1,13 +1,13 @@
 //! Rays at edges with exact crossings, triangles without area, and edges of many triangles.
 
 use super::closed::point;
-use caustica::accel::{Hierarchy, PrimitiveIndex};
+use caustica::accel::{Hierarchy, PrimitiveIndex, ShapeHit};
 use caustica::math::{Ray, rounding_error_bound};
 use glam::{DVec3, I64Vec3, Vec3};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
-fn never_hit(_: u32, _: &Ray) -> Option<(f32, f32, f32)> {
+fn never_hit(_: u32, _: &Ray) -> Option<ShapeHit> {
     None
 }
 

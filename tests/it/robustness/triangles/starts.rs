@@ -1,6 +1,7 @@
 //! Rays that start where others end: on a surface, at an edge, or in a corner.
 
 use super::closed::{ClosedMesh, cube, point, sphere_mesh, torus_mesh, turned_cube};
+use caustica::accel::ShapeHit;
 use caustica::accel::{Hierarchy, PrimitiveIndex};
 use caustica::math::{Ray, Transform, offset_ray_origin, rotation_matrix};
 use caustica::shape::{Mesh, Rectangle, Shape, SurfacePoint};
@@ -133,7 +134,7 @@ fn rectangle_rooms_trap_rays_from_their_edges() {
         let corner = |i: u32| low + x * f64::from(i & 1) + y * f64::from(i >> 1 & 1) + z * f64::from(i >> 2);
         let near = |ray: &Ray| {
             let hits = faces.iter().filter_map(|f| f.intersect(ray).map(|hit| (hit, f)));
-            hits.min_by(|a, b| a.0.0.total_cmp(&b.0.0)).map(|((t, u, v), f)| f.surface_point(ray, t, Vec2::new(u, v)))
+            hits.min_by(|a, b| a.0.t.total_cmp(&b.0.t)).map(|(ShapeHit { t, uv }, f)| f.surface_point(ray, t, uv))
         };
         let mut rng = SmallRng::seed_from_u64(9);
         let (mut left, mut lost) = (0, 0);
