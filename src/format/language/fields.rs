@@ -377,8 +377,7 @@ impl<'a> BlockFields<'a> {
 
     /// Fails if any field of `names` is present in the block.
     ///
-    /// The error's help text is the name of that field, followed by `rule`, such as "has no effect
-    /// here".
+    /// The error's help text is the name of that field, followed by `rule`.
     pub fn forbid_fields(&self, names: &[&str], rule: &str) -> Result<(), SceneError> {
         names.iter().find_map(|name| self.get(name)).map_or(Ok(()), |field| field.ensure_valid(false, rule))
     }

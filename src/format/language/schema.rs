@@ -71,7 +71,7 @@ pub(super) enum FieldRange {
     Between(f64, f64),
     /// Above the first bound, up to and including the second.
     UpTo(f64, f64),
-    /// Range that this text describes, such as "above 0". The schema does not check it; the
+    /// Range that this text describes. The schema does not check it; the
     /// function that converts the block does.
     Special(&'static str),
 }
