@@ -25,8 +25,8 @@ pub struct ConvertedScene {
     pub pictures: Vec<(PathBuf, Arc<Image>)>,
     /// Embedded density grids, each with the path of the grid file to write.
     pub grids: Vec<(PathBuf, Arc<DensityGrid>)>,
-    /// Paths of the other files that the text refers to, which exist already, such as meshes and
-    /// pictures.
+    /// Paths of existing files that the text refers to, such as meshes and pictures. Files still to
+    /// be written are not included.
     pub named_files: Vec<PathBuf>,
 }
 

@@ -18,7 +18,7 @@ use crate::scene::Scene;
 use crate::stats::MemoryLimit;
 use std::path::{Path, PathBuf};
 
-/// Importers of all scene formats. A file with another extension is read as scene text.
+/// Importers of all scene formats. A file whose extension no importer lists is read as scene text.
 pub const IMPORTERS: &[&dyn SceneImporter] = &[&SceneTextImporter, &GltfImporter, &MitsubaImporter, &PbrtImporter];
 
 /// A scene file that was read, before the [`Scene`] is built. Its description may still be changed.
@@ -28,7 +28,7 @@ pub struct SceneFile {
     pub description: SceneDescription,
     /// Text that the spans of the description refer to.
     pub source: SourceText,
-    /// Meshes and pictures that the file itself holds.
+    /// Meshes, pictures and density grids that the scene file itself contains.
     pub assets: EmbeddedAssets,
     /// Messages of the importer about content that it ignored, approximated or added.
     pub notes: Vec<ImportNote>,

@@ -69,7 +69,7 @@ pub struct ImportedScene {
     pub description: SceneDescription,
     /// Text that the spans of the description refer to; empty for a binary format.
     pub source: SourceText,
-    /// Meshes and pictures that the file itself holds.
+    /// Meshes, pictures and density grids that the scene file itself contains.
     pub assets: EmbeddedAssets,
     /// Messages about content that was ignored, approximated or added.
     pub notes: Vec<ImportNote>,
@@ -135,7 +135,7 @@ const FOREIGN_SCENE_EXTENSIONS: &[&str] =
 /// Extensions of mesh formats that are not read.
 const UNREAD_MESH_EXTENSIONS: &[&str] = &["stl", "off"];
 
-/// Extensions of mesh formats that scenes can name.
+/// File extensions of the meshes that a scene file can refer to.
 const MESH_EXTENSIONS: &[&str] = &["obj", "ply"];
 
 /// True if the extension belongs to a known format from which no meshes are read.

@@ -131,13 +131,13 @@ impl Medium {
         nowhere || (self.extinction() == Rgb::ZERO && self.emission == Rgb::ZERO)
     }
 
-    /// True if the scattering coefficient is above 0 in a color channel.
+    /// True if the medium scatters in a color channel; false if its density is 0 everywhere.
     #[must_use]
     pub fn scatters(&self) -> bool {
         self.scattering != Rgb::ZERO && !self.is_empty()
     }
 
-    /// True if the medium emits radiance in a color channel.
+    /// True if the medium emits in a color channel; false if its density is 0 everywhere.
     #[must_use]
     pub fn emits(&self) -> bool {
         self.emission != Rgb::ZERO && !self.is_empty()

@@ -69,10 +69,11 @@ pub enum LightDescription {
     Oriented {
         /// Position of the light.
         position: DVec3,
-        /// Direction of the light's axis. A projector and an intensity profile are aligned with it;
-        /// an intensity map has its center there.
+        /// Axis of the light. A projector and an intensity profile are aligned with it; an
+        /// intensity map has its center there.
         aim: DirectionOrTarget,
-        /// Up direction of the pattern; `None` for +y, or for −z if `aim` is parallel to y.
+        /// Up direction of the light's pattern; `None` for +y, or for −z if the axis is parallel to
+        /// y.
         up: Option<DVec3>,
         /// Intensity in each direction, relative to `strength`.
         pattern: LightPattern,
@@ -94,8 +95,8 @@ pub enum LightDescription {
 }
 
 impl LightDescription {
-    /// Returns the path of the light's picture or intensity profile; `None` if the light uses no
-    /// file.
+    /// Returns the path of the file that the light reads: a picture or an intensity profile; `None`
+    /// if it reads no file.
     #[must_use]
     pub fn file_path_mut(&mut self) -> Option<&mut String> {
         match self {
@@ -162,7 +163,7 @@ pub enum LightPattern {
     },
     /// Path of an equirectangular picture of the intensity in all directions.
     Map(Spanned<String>),
-    /// Path of a table of the intensity by the angle from the light's axis.
+    /// Path of a text file that lists the intensity by the angle from the light's axis.
     Profile(Spanned<String>),
 }
 
@@ -190,7 +191,7 @@ pub enum DirectionalLightStrength {
 /// Strength of an area light: its radiance or its flux.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AreaLightStrength {
-    /// Radiance in W/(m² sr), equal in all directions of the emitting side.
+    /// Radiance in W/(m² sr), equal in all directions on the emitting side.
     Radiance(DVec3),
     /// Radiant flux in W.
     Power(DVec3),

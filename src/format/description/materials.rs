@@ -15,9 +15,10 @@ pub struct MaterialDescription {
     pub kind: MaterialKindDescription,
     /// Emitted radiance; `None` for a material that does not emit.
     pub emission: Option<EmissionDescription>,
-    /// Perturbation of shading normals by a bump map or normal map.
+    /// Bump map or normal map that perturbs shading normals; `None` without one.
     pub normal_perturbation: Option<NormalPerturbationDescription>,
-    /// Name of the medium inside a body with this material, for `Dielectric` and `NullInterface`.
+    /// Name of the medium that fills a body with this material; only for `Dielectric` and
+    /// `NullInterface`.
     pub medium: Option<Spanned<String>>,
 }
 
@@ -32,7 +33,8 @@ pub enum MaterialKindDescription {
         specular: TexturedValue<DVec3>,
         /// Phong exponent, at least 0.
         shininess: f64,
-        /// Name of a texture, or else path of a picture, that multiplies kd.
+        /// Name of a texture that multiplies kd. If no texture has the name, it is the path of a
+        /// picture.
         texture: Option<Spanned<String>>,
     },
     /// A Lambertian surface.
@@ -104,9 +106,10 @@ pub enum MaterialKindDescription {
 }
 
 impl MaterialDescription {
-    /// Returns the names of all textures that the material uses.
+    /// Returns the names of all textures that the material uses: in its parameters, its bump or
+    /// normal map, and its emission.
     ///
-    /// The texture of a `Phong` material, of a bump map or of a normal map may be the path of a
+    /// A name in a bump map, a normal map or a `Phong` material's `texture` may be the path of a
     /// picture instead.
     #[must_use]
     pub fn texture_names(&self) -> Vec<&Spanned<String>> {
@@ -124,7 +127,8 @@ impl MaterialDescription {
         textures
     }
 
-    /// Returns the fields that hold either the name of a texture or the path of a picture.
+    /// Iterates over the material's fields that hold either the name of a texture or the path of a
+    /// picture.
     pub fn texture_names_or_paths_mut(&mut self) -> impl Iterator<Item = &mut Spanned<String>> {
         let normal_perturbation = match &mut self.normal_perturbation {
             Some(
@@ -137,7 +141,8 @@ impl MaterialDescription {
 }
 
 impl MaterialKindDescription {
-    /// Returns the names of the textures that the material's parameters use.
+    /// Returns the names of the textures that this kind's parameters use, without bump maps and
+    /// emission.
     fn texture_names(&self) -> Vec<&Spanned<String>> {
         match self {
             Self::Phong { diffuse, specular, texture, .. } => {
@@ -156,9 +161,10 @@ impl MaterialKindDescription {
         }
     }
 
-    /// Returns the field that holds either the name of a texture or the path of a picture.
+    /// Returns the material's field that holds the name of a texture or the path of a picture;
+    /// `None` if the field is absent.
     ///
-    /// Only a `Phong` material may have such a field.
+    /// Only a `Phong` material may have such a field: `texture`.
     fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
         match self {
             Self::Phong { texture, .. } => texture.as_mut(),
@@ -252,7 +258,7 @@ pub const MIN_REFRACTIVE_INDEX: f64 = 0.001;
 /// within single precision.
 pub const MAX_REFRACTIVE_INDEX: f64 = 1000.0;
 
-/// Complex index of refraction of a conductor.
+/// Complex index of refraction of a conductor: that of a named metal, or given numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MetalDescription {
     /// Name of a metal with a known complex index.
@@ -267,8 +273,8 @@ pub enum MetalDescription {
 }
 
 impl MetalDescription {
-    /// Returns a conductor with the index η + ik, each component clamped to the range for
-    /// materials.
+    /// Returns the conductor index η + ik, with each component clamped to the range that materials
+    /// accept.
     #[must_use]
     pub fn with_nearest_index(eta: DVec3, k: DVec3) -> Self {
         let [least, greatest] = [MIN_REFRACTIVE_INDEX, MAX_REFRACTIVE_INDEX].map(DVec3::splat);
@@ -276,7 +282,7 @@ impl MetalDescription {
     }
 }
 
-/// Absorption inside a dielectric body.
+/// Absorption inside a dielectric body: none, a coefficient, or a transmittance over a distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DielectricAbsorption {
     /// A body that absorbs nothing.
@@ -293,7 +299,7 @@ pub enum DielectricAbsorption {
 }
 
 impl DielectricAbsorption {
-    /// Returns the absorption coefficient in 1/length, by Beer's law.
+    /// Returns the absorption coefficient \[1/length] of the body, by Beer's law; 0 for `None`.
     #[must_use]
     pub fn absorption_coefficient(self) -> DVec3 {
         match self {

@@ -39,7 +39,7 @@ pub enum MediumCoefficients {
     },
 }
 
-/// Phase function of a medium.
+/// Phase function of a medium, which gives the distribution of directions after scattering.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PhaseFunctionDescription {
     /// Equal scattering in all directions.
@@ -50,7 +50,7 @@ pub enum PhaseFunctionDescription {
     HenyeyGreenstein(f64),
 }
 
-/// Density of a medium by position. It multiplies the medium's coefficients.
+/// Density of a medium as a function of position. It multiplies the medium's coefficients.
 #[derive(Clone, Debug, PartialEq)]
 pub enum DensityDescription {
     /// Density 1 everywhere.
@@ -68,7 +68,7 @@ pub enum DensityDescription {
     Cloud {
         /// Cloud cover, from 0 (empty) to 1 (everywhere).
         cover: f64,
-        /// Fraction of the ellipsoid's radius over which the edge fades, inside [0, 1].
+        /// Width of the cloud's soft edge, as a fraction of the ellipsoid's radius, inside [0, 1].
         softness: f64,
         /// Number of noise octaves, from 1 to 16.
         octaves: u32,

@@ -52,7 +52,7 @@ pub struct Spanned<T> {
 }
 
 impl<T> Spanned<T> {
-    /// Returns `value` with its position in the text.
+    /// Creates a value with `span`, its position in the text.
     pub const fn new(value: T, span: Span) -> Self {
         Self { value, span }
     }
@@ -89,7 +89,7 @@ pub struct SceneDescription {
     pub media: Vec<Spanned<MediumDescription>>,
     /// Materials, in the order of the file; `MaterialIndex` counts them from 0.
     pub materials: Vec<Spanned<MaterialDescription>>,
-    /// Objects, with the materials that apply to them.
+    /// Top-level group: all objects of the scene, with the entries that set their materials.
     pub root: ObjectGroup,
 }
 
@@ -150,7 +150,8 @@ pub struct LensDescription {
 pub enum ApertureDescription {
     /// Lens radius, at least 0.
     Radius(f64),
-    /// Ratio of focal length to diameter. Sensor height and field of view give the focal length.
+    /// Given by the f-number: the ratio of focal length to lens diameter. The sensor height and the
+    /// field of view give the focal length.
     FNumber {
         /// The f-number, above 0.
         number: f64,
@@ -162,9 +163,9 @@ pub enum ApertureDescription {
 /// Position of the plane in focus, which is perpendicular to the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FocusDescription {
-    /// Distance from the lens, above 0.
+    /// Distance of the plane in focus from the lens, above 0.
     Distance(f64),
-    /// A point on the plane, in front of the camera.
+    /// A point on the plane in focus, in front of the camera.
     Point(DVec3),
 }
 
@@ -177,7 +178,7 @@ pub enum DirectionOrTarget {
     LookAt(DVec3),
 }
 
-/// A list of objects, with the materials that apply to them.
+/// Objects in the order of the file, with the entries that set their materials.
 ///
 /// In a parsed scene, groups and transforms nest at most
 /// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep.
@@ -191,9 +192,9 @@ pub struct ObjectGroup {
 /// Entry of a group: an object, or the material of the objects that follow.
 #[derive(Clone, Debug, PartialEq)]
 pub enum GroupItem {
-    /// Index of the material, from 0, for the objects that follow in the file.
+    /// Sets the material of the objects that follow in the file, by its index from 0.
     MaterialIndex(Spanned<u32>),
-    /// Name of the material for the objects that follow in the file.
+    /// Sets the material of the objects that follow in the file, by its name.
     MaterialName(Spanned<String>),
     /// An object or a nested group.
     Object(Spanned<ObjectDescription>),
@@ -209,7 +210,7 @@ pub enum ObjectDescription {
         /// Steps of the transform from the object to its surroundings. The first listed step is
         /// applied last.
         steps: Vec<TransformStep>,
-        /// Object before the steps are applied.
+        /// Object that the steps transform, in its own space.
         object: Box<Spanned<ObjectDescription>>,
     },
     /// An object that moves while the shutter is open.
@@ -219,10 +220,10 @@ pub enum ObjectDescription {
         /// Each step grows from the identity, when the shutter opens, to its full size, when the
         /// shutter closes. The first listed step is applied last.
         steps: Vec<TransformStep>,
-        /// Object before the steps are applied.
+        /// Object that moves, in its own space.
         object: Box<Spanned<ObjectDescription>>,
     },
-    /// A surface, with its own emission or that of its material.
+    /// A surface that has its own emission or that of its material.
     Shape {
         /// Geometry in object space.
         shape: ShapeDescription,
@@ -295,7 +296,8 @@ pub enum ShapeDescription {
     Triangle {
         /// Corners of the triangle.
         vertices: [DVec3; 3],
-        /// Shading normals at the corners, of any length.
+        /// Shading normals at the corners, of any length; `None` for the triangle's geometric
+        /// normal.
         normals: Option<[DVec3; 3]>,
         /// Texture coordinates at the corners; `None` for (0, 0), (1, 0), (0, 1).
         uv: Option<Box<[DVec2; 3]>>,
@@ -304,7 +306,7 @@ pub enum ShapeDescription {
     Mesh {
         /// Path of the mesh file as the text writes it: not empty, without line breaks.
         path: Spanned<String>,
-        /// Selection of the materials and normals that the mesh file provides.
+        /// Choice of the triangles' materials and normals.
         options: MeshOptions,
     },
     /// Surface of revolution: the points (x cos θ, y, x sin θ) for all points (x, y) of a profile.
@@ -338,32 +340,35 @@ pub enum ShapeDescription {
     },
 }
 
-/// Selection of the materials and normals that a mesh file provides.
+/// Options of a mesh shape: which materials and which normals its triangles get.
 ///
-/// The default keeps the scene's material and the file's normals, and computes no smooth normals.
+/// By default, triangles get the scene's current material and the file's normals. No smooth normals
+/// are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshOptions {
-    /// True if faces have the materials of the mesh's file instead of the scene's.
+    /// True if faces get the materials that the mesh file names; false if they get the scene's
+    /// current material.
     pub uses_file_materials: bool,
     /// True if the file's normals are ignored.
     pub ignores_normals: bool,
-    /// Greatest angle in degrees, inside [0, 180], between neighboring faces that share smooth
-    /// normals.
+    /// Largest angle between two neighboring faces that share smooth normals, in degrees, inside
+    /// [0, 180].
     ///
-    /// `None` for flat faces. It applies only to faces without normals in the file.
+    /// `None` computes no smooth normals, so such faces are flat. The angle applies only to faces
+    /// without normals in the file.
     pub max_smoothing_angle: Option<f64>,
 }
 
 /// A polynomial curve in the xy plane, the profile of a surface of revolution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProfileCurve {
-    /// Polynomial basis of the control points.
+    /// Polynomial basis to which `controls` belong.
     pub basis: CurveBasis,
     /// Control points: at least 2 for Bézier curves and 4 for B-splines.
     pub controls: Vec<DVec3>,
 }
 
-/// Polynomial basis of a curve.
+/// Polynomial basis of a profile curve, which defines its degree and its knots.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CurveBasis {
     /// One Bézier curve of degree n − 1 for n control points.

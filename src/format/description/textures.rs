@@ -90,13 +90,13 @@ pub enum SolidPatternDescription {
     Wood,
 }
 
-/// Encoding of the integer values of a picture, such as a PNG file.
+/// Encoding of pictures with integer values, such as PNG files.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PictureEncoding {
-    /// Values encoded by the sRGB transfer function.
+    /// Values are encoded by the sRGB transfer function, as in photographs.
     #[default]
     Srgb,
-    /// Linear values, such as heights or normals.
+    /// Values are linear, such as heights or normals.
     Linear,
 }
 
@@ -131,19 +131,20 @@ pub enum EmissionDescription {
     },
 }
 
-/// Perturbation of shading normals by a texture.
+/// Perturbation of shading normals by the values of a texture: a bump map or a normal map.
 ///
-/// The texture is given by its name, or else by the path of a picture.
+/// The field that refers to the texture holds its name. If no texture has the name, the field is
+/// the path of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NormalPerturbationDescription {
     /// Bump map (Blinn 1978): heights by which the surface is displaced along its normal for
     /// shading.
     Bump {
-        /// Name or picture path of the texture that holds the heights.
+        /// Name of the texture that holds the heights, or path of a picture.
         texture: Spanned<String>,
         /// Height of texture value 1 in world units; may be negative.
         height: f64,
     },
-    /// Tangent-space normal map, by texture name or picture path.
+    /// Tangent-space normal map: name of a texture, or path of a picture.
     NormalMap(Spanned<String>),
 }

@@ -22,7 +22,7 @@ pub(super) struct ParsedFieldValue {
     /// In a field that accepts numbers or a texture: the texture's name, or empty for numbers.
     name: String,
     steps: Vec<TransformStep>,
-    /// Polynomial basis of a `profile` curve, whose control points are in `points`.
+    /// Polynomial basis of a `profile` curve; `points` holds its control points.
     basis: CurveBasis,
     points: Vec<DVec3>,
     weighted_points: Vec<DVec4>,
@@ -31,7 +31,7 @@ pub(super) struct ParsedFieldValue {
 
 /// A type that a parsed field value can be converted to, such as [`DVec3`].
 pub(super) trait FromFieldValue {
-    /// Returns the parsed value as this type. The field's [`FieldKind`] must fit the type.
+    /// Returns `value` as this type. The [`FieldKind`] of its field must fit the type.
     fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self;
 }
 
@@ -81,9 +81,10 @@ impl FromFieldValue for Vec<TransformStep> {
     }
 }
 
-/// Keyword of a field that holds a color, and the function that converts the color to a `T`.
+/// Field keyword with a conversion function. The field holds a color, and the function converts the
+/// color to a `T`.
 ///
-/// A block has exactly one of several variants: a light, for example, has `radiance` or `power`.
+/// A block has exactly one of several such fields: a light, for example, has `radiance` or `power`.
 pub(super) type ColorVariant<'a, T> = (&'a str, fn(DVec3) -> T);
 
 /// Fields of a block that was parsed.
@@ -104,7 +105,8 @@ pub(super) struct ParsedField<'f, 'a> {
     value: &'f Spanned<ParsedFieldValue>,
 }
 
-/// Parses a block whose `keyword` has been read. The keyword must be in `table`.
+/// Parses the rest of a block whose `keyword` has been read. Fails if no block of `table` has this
+/// keyword.
 ///
 /// Returns the block's entry in `table`, and the parsed fields.
 pub(super) fn parse_block_by_keyword<'a, P>(
@@ -118,11 +120,11 @@ pub(super) fn parse_block_by_keyword<'a, P>(
     Ok((entry, parse_block_fields(parser, keyword, entry.block)?))
 }
 
-/// Parses `{ … }` with fields of the schema `block`. Each may occur once, with a value in its
-/// range.
+/// Parses the `{ … }` of a block with schema `block`. Each field may occur once, with a value in
+/// its range.
 ///
-/// Continues after errors. Appends all errors but the last to `parser.errors`, and returns the
-/// last.
+/// Continues after errors in fields. Appends all errors but the last to `parser.errors`, and
+/// returns the last.
 pub(super) fn parse_block_fields<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -158,7 +160,8 @@ pub(super) fn parse_block_fields<'a>(
     last_error.map_or(Ok(fields), Err)
 }
 
-/// True if `word` could start a new block: it is capitalized and resembles no name in `fields`.
+/// True if `word` could be the keyword of a new block: it is capitalized and resembles no field
+/// keyword in `fields`.
 fn looks_like_block_keyword(word: &str, fields: &[&str]) -> bool {
     word.starts_with(|c: char| c.is_ascii_uppercase()) && nearest_word(word, fields.iter().copied()).is_none()
 }
@@ -297,9 +300,9 @@ fn parse_weighted_points<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result
     Ok(points)
 }
 
-/// Parses the curve block after the keyword `profile`.
+/// Parses the curve block that follows the keyword `profile`.
 ///
-/// The returned span covers the block's own keyword.
+/// The returned span is that of the block's keyword, such as `BezierCurve`.
 fn parse_profile_curve(parser: &mut Parser<'_>) -> Result<Spanned<ProfileCurve>, SceneError> {
     let keyword = parser.lexer.peek_token();
     let (block, basis) = match keyword.text {
@@ -343,10 +346,9 @@ impl<'a> BlockFields<'a> {
         })
     }
 
-    /// Returns the one field among `names` that the block contains.
+    /// Returns the only field among `names` that is present in the block.
     ///
-    /// # Errors
-    /// If no field or more than one field of `names` is present.
+    /// # Errors If no field or more than one field of `names` is present.
     pub fn require_one_field_of(&self, names: &[&str]) -> Result<ParsedField<'_, 'a>, SceneError> {
         let mut found = self.list.iter().filter(|(field, ..)| names.contains(&field.name));
         let block = self.keyword.text;
@@ -362,11 +364,10 @@ impl<'a> BlockFields<'a> {
         Ok(ParsedField { block: self, field, word: *word, value })
     }
 
-    /// Returns the color in the one field of `variants` that the block contains, converted to a
-    /// `T`.
+    /// Returns the value of the only field among `variants` that is present in the block. The
+    /// variant's function converts the color to a `T`.
     ///
-    /// # Errors
-    /// If no field or more than one field of `variants` is present.
+    /// # Errors If no field or more than one field of `variants` is present.
     pub fn require_color_variant<T>(&self, variants: &[ColorVariant<'_, T>]) -> Result<T, SceneError> {
         let names: Vec<&str> = variants.iter().map(|(name, _)| *name).collect();
         let field = self.require_one_field_of(&names)?;
@@ -374,9 +375,9 @@ impl<'a> BlockFields<'a> {
         Ok(variants[index].1(field.value()))
     }
 
-    /// Fails if a field of `names` is present.
+    /// Fails if any field of `names` is present in the block.
     ///
-    /// The error's help text is the name of that field, then `rule`.
+    /// The error's help text is the name of that field, followed by `rule`.
     pub fn forbid_fields(&self, names: &[&str], rule: &str) -> Result<(), SceneError> {
         names.iter().find_map(|name| self.get(name)).map_or(Ok(()), |field| field.ensure_valid(false, rule))
     }
@@ -389,11 +390,10 @@ impl<'a> BlockFields<'a> {
         }
     }
 
-    /// Returns the value of the field `name`. If it is absent, returns the schema's default
+    /// Returns the value of the field `name`. If the field is absent, returns the schema's default
     /// numbers.
     ///
-    /// # Errors
-    /// If the field is absent and has no default numbers.
+    /// # Errors If the field is absent and its schema has no default numbers.
     pub fn value<T: FromFieldValue>(&self, name: &str) -> Result<T, SceneError> {
         let default = self.block.find_field(name).map(|field| field.default);
         if let (None, Some(FieldDefault::Numbers(default))) = (self.get(name), default) {
@@ -410,10 +410,10 @@ impl<'a> BlockFields<'a> {
         self.get(name).map(|field| field.value())
     }
 
-    /// Returns the word in the field `name`. If it is absent, returns the schema's default word.
+    /// Returns the word in the field `name`. If the field is absent, returns the schema's default
+    /// word.
     ///
-    /// # Errors
-    /// If the field is absent and has no default word.
+    /// # Errors If the field is absent and its schema has no default word.
     pub fn field_word_or_default(&self, name: &str) -> Result<&str, SceneError> {
         match (self.get(name), self.block.find_field(name).map(|field| field.default)) {
             (Some(found), _) => Ok(&found.value.value.name),
@@ -444,10 +444,10 @@ impl<'f, 'a> ParsedField<'f, 'a> {
         ProfileCurve { basis: self.value.basis, controls: self.value.points.clone() }
     }
 
-    /// Returns the curve with this polynomial `basis` and the control points in this field.
+    /// Returns the curve that has the control points in this field and the given polynomial
+    /// `basis`.
     ///
-    /// # Errors
-    /// If a Bézier curve has fewer than 2 points, or a B-spline fewer than 4.
+    /// # Errors If a Bézier curve has fewer than 2 points, or a B-spline fewer than 4.
     pub fn curve_with_basis(&self, basis: CurveBasis) -> Result<ProfileCurve, SceneError> {
         let controls = self.value.points.clone();
         let fewest = match basis {

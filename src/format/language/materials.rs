@@ -36,7 +36,7 @@ pub(super) static MATERIALS: &[BlockParser<ParseMaterial>] = &[
 
 /// Function that converts the parsed fields of a material block to a material.
 ///
-/// The parser gives a `Mix` access to the materials before it.
+/// A `Mix` needs the parser to look up the materials before it.
 type ParseMaterial = for<'a> fn(&Parser<'a>, &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError>;
 
 /// Largest accepted nesting depth of mixes. Each level can double the number of materials in a mix.
@@ -226,7 +226,8 @@ pub(super) fn parse_materials_block<'a>(parser: &mut Parser<'a>, block: Token<'a
     })
 }
 
-/// Parses the optional name of a new material. Records it with the index of the material.
+/// Parses the optional name of a new material. Registers the name in the parser's scope with the
+/// index that the material will have.
 fn parse_new_material_name(parser: &mut Parser<'_>) -> Result<Option<String>, SceneError> {
     let Some(name) = parse_block_name(parser, "material")? else { return Ok(None) };
     if parser.scope.material_indices.contains_key(&name.value) {
@@ -257,13 +258,15 @@ fn parse_material<'a>(
     Ok(MaterialDescription { name, kind, emission: parse_emission(f)?, normal_perturbation, medium })
 }
 
-/// Fields that a kind of material accepts: `medium`, and those of bump or normal maps.
+/// Flags for the fields that a kind of material accepts: `medium`, and those of bump and normal
+/// maps.
 struct AcceptedMaterialFields {
     medium: bool,
     normal_perturbation: bool,
 }
 
-/// Tells whether materials of this `kind` accept the field `medium`, and a bump or normal map.
+/// Returns which fields materials of this `kind` accept: `medium`, and those of bump and normal
+/// maps.
 fn accepted_material_fields(kind: &MaterialKindDescription) -> AcceptedMaterialFields {
     match kind {
         MaterialKindDescription::Dielectric { .. } | MaterialKindDescription::NullInterface { .. } => {
@@ -336,7 +339,8 @@ fn parse_coated_diffuse(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialK
     })
 }
 
-/// Returns the absorption inside a dielectric, given by the field `absorption` or `tint`.
+/// Returns the absorption inside a dielectric, from the field `absorption` or `tint`; none if both
+/// are absent.
 fn parse_dielectric_absorption(f: &BlockFields<'_>) -> Result<DielectricAbsorption, SceneError> {
     f.forbid_both_fields("absorption", "tint")?;
     let Some(color) = f.optional_value("tint") else {
@@ -368,7 +372,7 @@ fn parse_metal(f: &BlockFields<'_>) -> Result<MetalDescription, SceneError> {
     Ok(MetalDescription::Index { eta: f.value("eta")?, k: f.value("k")? })
 }
 
-/// Parses the fields of a `Mix`. Both of its materials must stand before it in the text.
+/// Parses the fields of a `Mix`. The text must define both of its materials before it.
 fn parse_mix_material<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<MaterialKindDescription, SceneError> {
     let first = parse_mix_component(parser, f.require_field("first")?)?;
     let second = parse_mix_component(parser, f.require_field("second")?)?;
@@ -403,8 +407,8 @@ fn parse_mix_material<'a>(parser: &Parser<'a>, f: &BlockFields<'a>) -> Result<Ma
     Ok(MaterialKindDescription::Mix { first, second, amount })
 }
 
-/// Returns the name of a material in a field of a `Mix`. Fails unless the material stands before
-/// it.
+/// Returns the name of a material that a `Mix` refers to in `field`. Fails unless the text defines
+/// this material before the mix.
 fn parse_mix_component<'a>(parser: &Parser<'a>, field: ParsedField<'_, 'a>) -> Result<Spanned<String>, SceneError> {
     let name: Spanned<String> = field.value();
     let help = "a mix is made of materials that stand before it";

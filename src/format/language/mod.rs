@@ -133,14 +133,14 @@ pub fn parse_scene_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, S
     Err(SceneError::error_at_span(&source, Span { start: at, len: 3 }, message, "not text", help))
 }
 
-/// Camera, background, lights and objects of a scene text, as far as they were parsed.
+/// Content of the top-level blocks that were parsed so far: camera, background, lights and objects.
 ///
 /// Textures, media and materials are in [`Parser::scope`].
 #[derive(Default)]
 struct SceneFileBlocks {
     camera: Option<Spanned<CameraDescription>>,
-    /// Radiance of the background \[W/(m² sr)], and the medium outside all bodies; `None` without a
-    /// `Background` block.
+    /// Radiance of the background \[W/(m² sr)], and the name of the medium outside all bodies;
+    /// `None` without a `Background` block.
     background: Option<(DVec3, Option<Spanned<String>>)>,
     lights: Vec<Spanned<LightDescription>>,
     root: Option<ObjectGroup>,
@@ -185,10 +185,10 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
     Ok(SceneDescription { camera, background, ambient_medium, lights, textures, media, materials, root })
 }
 
-/// Parses a top-level block whose keyword `word` has been read, and stores its content.
+/// Parses a top-level block whose keyword `word` has been read, and stores its content in `blocks`
+/// or in the parser's `scope`.
 ///
-/// The content goes to `blocks` or to the parser's `scope`. It replaces that of an earlier block of
-/// the same kind.
+/// The content replaces that of an earlier block of the same kind.
 fn parse_file_block<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
@@ -234,9 +234,9 @@ impl Display for SceneDescription {
     }
 }
 
-/// Writes a list block such as `Lights`: the number of entries, then the entries.
+/// Writes a list block such as `Lights`: the number of its entries, then the entries.
 ///
-/// `count` is the keyword before the number. Writes nothing if `list` is empty.
+/// `count` is the keyword before the number. An empty `list` writes nothing.
 fn write_list_block<T>(
     out: &mut SceneWriter<'_, '_>,
     keyword: &str,

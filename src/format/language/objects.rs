@@ -15,7 +15,7 @@ use super::writer::SceneWriter;
 /// Keywords of objects that contain other objects.
 const NESTING_OBJECT_KEYWORDS: [&str; 3] = ["Group", "Transform", "Moving"];
 
-/// Keywords of those entries of a group that are not objects.
+/// Keywords of a group's entries that are not objects.
 const OTHER_ITEM_KEYWORDS: [&str; 3] = ["numObjects", "MaterialIndex", "MaterialName"];
 
 fn object_keywords() -> Vec<&'static str> {
@@ -57,7 +57,8 @@ pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Re
 // The functions below are not inlined into `parse_group`: it recurses, and its stack frame must
 // stay small.
 
-/// Appends the `item` to `items`. If parsing it failed, returns the error instead.
+/// Appends the parsed `item` to `items`, and returns `None`. If parsing failed, appends nothing and
+/// returns the error.
 #[inline(never)]
 fn push_item_or_return_error(item: Result<GroupItem, SceneError>, items: &mut Vec<GroupItem>) -> Option<SceneError> {
     match item {
@@ -69,10 +70,10 @@ fn push_item_or_return_error(item: Result<GroupItem, SceneError>, items: &mut Ve
     }
 }
 
-/// Records `error`, and skips to the next entry of the group.
+/// Records `error`, and skips the rest of the group's entry that has this error.
 ///
-/// `mark` is the block nesting before the entry with the error. Returns `error` instead if the text
-/// has ended or the list of errors is full.
+/// `mark` is the block nesting before the entry. Returns `error` instead if the text has ended or
+/// the list of errors is full.
 #[inline(never)]
 fn skip_to_next_item(parser: &mut Parser<'_>, error: SceneError, mark: SavedBlockNesting) -> Result<(), SceneError> {
     parser.record_error(error)?;

@@ -10,7 +10,7 @@ use super::text::clip_for_message;
 
 /// Parser of a scene text: its position, and the definitions and errors so far.
 pub(super) struct Parser<'a> {
-    /// Lexer, with the scene text and the current position.
+    /// Lexer, which holds the scene text and the current position.
     pub lexer: Lexer<'a>,
     /// Textures, media and materials defined so far.
     pub scope: ParserScope<'a>,
@@ -26,9 +26,10 @@ pub(super) struct Parser<'a> {
     has_unclosed_block: bool,
 }
 
-/// Numbers of open and closed blocks before an entry of a block.
+/// Numbers of open and closed blocks, saved before an entry of a block is parsed.
 ///
-/// After an error in the entry, the parser uses them to find the end of the entry.
+/// After an error in the entry, the parser compares them with the current numbers to find the
+/// entry's end.
 #[derive(Clone, Copy)]
 pub(super) struct SavedBlockNesting {
     open_blocks: usize,
@@ -50,7 +51,8 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Joins all errors into one [`SceneError`], in the order of the text; `None` without errors.
+    /// Joins the recorded errors and `last` into one [`SceneError`], in the order of the text;
+    /// `None` without errors.
     ///
     /// `last` is the error that stopped the parser, if any. If the text ends inside a block, an
     /// earlier error is the likely cause. Then `last` is dropped unless it is the only error.
@@ -59,13 +61,12 @@ impl<'a> Parser<'a> {
         SceneError::from_errors(self.errors)
     }
 
-    /// Calls `parse_entry`. If it fails, records its error and skips to the next entry of the
+    /// Calls `parse_entry`. If it fails, records the error and skips to the next entry of the
     /// block.
     ///
-    /// The words in `allowed` start entries.
+    /// An entry starts with a word of `allowed`.
     ///
-    /// # Errors
-    /// The error of `parse_entry`, if the text has ended or the list of errors is full.
+    /// # Errors The error of `parse_entry`, if the text has ended or the list of errors is full.
     pub fn recover_from_error(
         &mut self,
         allowed: &[&str],
@@ -79,7 +80,8 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Records `error`; returns it instead if the text has ended or the list of errors is full.
+    /// Adds `error` to the list of errors. Returns it as `Err` instead if the text has ended or the
+    /// list is full.
     #[inline(never)]
     pub fn record_error(&mut self, error: SceneError) -> Result<(), SceneError> {
         if self.has_unclosed_block || self.errors.len() + 1 >= MAX_ERRORS {
@@ -89,8 +91,8 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Returns the numbers of open and closed blocks, which
-    /// [`skip_to_next_entry`](Self::skip_to_next_entry) compares with later ones.
+    /// Returns the current numbers of open and closed blocks, for
+    /// [`skip_to_next_entry`](Self::skip_to_next_entry).
     pub fn current_block_nesting(&self) -> SavedBlockNesting {
         SavedBlockNesting {
             open_blocks: self.open_blocks.len(),
@@ -99,12 +101,12 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Skips the rest of a block's entry, a field or an object, that has a syntax error.
+    /// Skips the rest of a block's entry that has a syntax error. An entry is a field or an object.
     ///
-    /// `mark` is the block nesting before the entry.
+    /// `mark` is the block nesting before the entry, and words of `allowed` start entries.
     ///
     /// - If the entry opened blocks that are still open, skips past their ends.
-    /// - If it opened and closed a block, it has ended: skips nothing.
+    /// - If the entry opened and closed a block, it has ended, so nothing is skipped.
     /// - Otherwise, skips to a word of `allowed` or a `}`, or past the next block.
     #[inline(never)]
     pub fn skip_to_next_entry(&mut self, mark: SavedBlockNesting, allowed: &[&str]) {
@@ -138,11 +140,12 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Parses a list block such as `Lights`: entries, and an optional field with the number of
-    /// entries.
+    /// Parses a list block such as `Lights`: its entries, and an optional field that states their
+    /// number.
     ///
-    /// `count` is the keyword of that field. Each entry starts with a word of `allowed`, and
-    /// `parse_entry` parses the rest of it. Error messages call an entry `what`.
+    /// `count` is the keyword of this field. Each entry starts with a word of `allowed`, and
+    /// `parse_entry` parses the rest of it. Error messages call an entry `what`. Fails if the
+    /// stated number differs from the number of entries.
     pub fn parse_list_block(
         &mut self,
         keyword: Token<'a>,
@@ -195,17 +198,19 @@ impl<'a> Parser<'a> {
         self.open_block(keyword)
     }
 
-    /// Decrements the nesting depth, after the `}` of a `Group`, `Transform` or `Moving` block.
+    /// Decrements the nesting depth. The caller has parsed the `}` of a `Group`, `Transform` or
+    /// `Moving` block.
     pub fn leave_nested_block(&mut self) {
         self.nesting_depth -= 1;
     }
 
-    /// True if the text ended inside a block.
+    /// True if a previous call found that the text ends inside a block.
     pub fn has_unclosed_block(&self) -> bool {
         self.has_unclosed_block
     }
 
-    /// Closes the innermost block, as if `}` stood before `word`, and moves back to `word`.
+    /// Closes the innermost block as if its missing `}` stood before `word`, and moves back to
+    /// `word`.
     pub fn close_block_before(&mut self, word: Token<'a>) {
         self.open_blocks.pop();
         self.closed_blocks += 1;
@@ -227,8 +232,10 @@ impl<'a> Parser<'a> {
         Err(self.lexer.error_at(token.span(), message, "here", format!("put `{mark}` before it")))
     }
 
-    /// Reads the next word of the innermost block. At the block's `}`, closes it and returns
-    /// `None`.
+    /// Reads the next word of the innermost block; `None` at the block's `}`, which it reads and
+    /// closes.
+    ///
+    /// # Errors If the text ends inside the block.
     pub fn next_word(&mut self) -> Result<Option<Token<'a>>, SceneError> {
         let token = self.lexer.peek_token();
         if token.is_end_of_text() {
@@ -243,7 +250,7 @@ impl<'a> Parser<'a> {
         Ok(Some(token))
     }
 
-    /// Parses `N` finite numbers. Error messages name `owner`, the keyword before them.
+    /// Parses `N` finite numbers. Error messages name `owner`, the keyword before the numbers.
     pub fn parse_numbers<const N: usize>(&mut self, owner: Token<'a>) -> Result<Spanned<[f64; N]>, SceneError> {
         let mut values = [0.0; N];
         let mut span: Option<Span> = None;
@@ -265,7 +272,8 @@ impl<'a> Parser<'a> {
         Ok(Spanned::new(values, span.unwrap_or_default()))
     }
 
-    /// Parses a whole number. Error messages name `owner`, the keyword before it.
+    /// Parses a whole number from 0 to 2³² − 1. Error messages name `owner`, the keyword before the
+    /// number.
     pub fn parse_integer(&mut self, owner: Token<'a>) -> Result<Spanned<u32>, SceneError> {
         let fraction = { self.lexer }.number_token();
         let token = self.lexer.integer_token();
@@ -287,9 +295,10 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Returns the error for missing numbers after the keyword `owner`.
+    /// Returns the error for a token that is not one of the numbers which the keyword `owner`
+    /// needs.
     ///
-    /// The keyword needs `wanted` numbers; `kind` is "number" or "whole number".
+    /// `wanted` is the count of numbers; `kind` is "number" or "whole number".
     fn missing_number_error(&mut self, owner: Token<'a>, wanted: usize, kind: &str) -> SceneError {
         let token = self.lexer.peek_token();
         if token.is_end_of_text() {
@@ -315,7 +324,7 @@ impl<'a> Parser<'a> {
     }
 
     /// Parses a path or name, in quotes or bare. Error messages name `owner`, the keyword before
-    /// it.
+    /// the path or name.
     pub fn parse_name(&mut self, owner: Token<'a>) -> Result<Spanned<String>, SceneError> {
         let read = self.lexer.read_name()?;
         if !read.value.is_empty() {
@@ -331,7 +340,8 @@ impl<'a> Parser<'a> {
         Err(self.lexer.error_at(span, format!("`{name}` wants a name"), "a name belongs here", help))
     }
 
-    /// Parses a number of entries, and stores it in `count`. Its keyword `word` has been read.
+    /// Parses the value of a field that states a number of entries, and stores it in `count`. The
+    /// keyword `word` has been read.
     ///
     /// Fails if `count` already holds a number.
     pub fn parse_count(&mut self, word: Token<'a>, count: &mut Option<Spanned<u32>>) -> Result<(), SceneError> {
@@ -342,8 +352,8 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Fails if the number of entries that a block states (`count`) differs from the number
-    /// `found`.
+    /// Fails if `count`, the number of entries that a block states, differs from `found`, the real
+    /// number; `None` never fails.
     ///
     /// `name` is the keyword of the stated number. Error messages call an entry `what`.
     pub fn check_entry_count(
@@ -364,7 +374,8 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Returns the error for a field or block `word` that may occur only once, but is repeated.
+    /// Returns the error for a second occurrence of `word`, a field or block that may occur only
+    /// once.
     pub fn repeated_word_error(&self, word: Token<'a>) -> SceneError {
         let message = format!("`{}` is given twice in {}", word.text, self.innermost_block_name());
         self.lexer.error_at(word.span(), message, "the second", "keep one of them".to_owned())

@@ -38,13 +38,13 @@ pub(super) enum FieldKind {
     Whole,
     /// A path or name, quoted or bare.
     Name,
-    /// One of these words.
+    /// One of the listed words.
     Word(&'static [&'static str]),
     /// A `BezierCurve` or `BsplineCurve` block.
     Curve,
-    /// Points in brackets, `[ x y z ]`.
+    /// Any number of points in brackets, each `[ x y z ]`.
     Points,
-    /// Points in brackets with an optional weight, `[ x y z w ]`.
+    /// Any number of points in brackets, each with an optional weight: `[ x y z w ]`.
     WeightedPoints,
     /// A list of numbers of any length.
     Numbers,
@@ -71,7 +71,8 @@ pub(super) enum FieldRange {
     Between(f64, f64),
     /// Above the first bound, up to and including the second.
     UpTo(f64, f64),
-    /// Range that this text describes. The function that converts the block checks the value.
+    /// Range that this text describes. The schema does not check it; the
+    /// function that converts the block does.
     Special(&'static str),
 }
 
@@ -80,8 +81,8 @@ pub(super) enum FieldRange {
 pub(super) enum FieldDefault {
     /// The field must be present.
     Required,
-    /// The field may be absent. This text tells readers of the language reference what absence
-    /// means.
+    /// The field may be absent, without a default value. The text states in the language reference
+    /// what absence means.
     Absent(&'static str),
     /// The parser uses these numbers if the field is absent.
     Numbers(&'static [f64]),
@@ -113,13 +114,13 @@ pub(super) struct FieldSchema {
 /// Schema of one kind of block: `keyword { fields }` or `keyword name { fields }`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BlockSchema {
-    /// The keyword that the writer prints.
+    /// Keyword of the block. The scene writer prints it; the parser also accepts `aliases`.
     pub keyword: &'static str,
-    /// Other accepted keywords.
+    /// Further keywords that the parser accepts for the block.
     pub aliases: &'static [&'static str],
     /// Fields that only this kind of block has.
     pub own_fields: &'static [FieldSchema],
-    /// Lists of fields that this kind of block shares with other kinds.
+    /// Lists of fields that several kinds of blocks share.
     pub shared_fields: &'static [&'static [FieldSchema]],
     /// Meaning of the block, in one line of the language reference.
     pub help: &'static str,
@@ -127,7 +128,8 @@ pub(super) struct BlockSchema {
     pub is_course_syntax: bool,
 }
 
-/// A kind of block, and the function that converts its parsed fields.
+/// Entry of a table of blocks: the schema of one kind of block, and the function that converts its
+/// parsed fields.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BlockParser<P: 'static> {
     /// Schema of the block: keywords, fields and help.
@@ -136,9 +138,9 @@ pub(super) struct BlockParser<P: 'static> {
     pub parse: P,
 }
 
-/// Returns the schema of an optional field `name` without unit, alias and default.
+/// Creates the schema of an optional field called `name`. It has no unit, alias or default yet.
 ///
-/// Colors have the range [`FieldRange::NonNegative`], other kinds have [`FieldRange::Any`].
+/// Colors have the range [`FieldRange::NonNegative`], all other kinds [`FieldRange::Any`].
 pub(super) const fn field_schema(name: &'static str, kind: FieldKind, help: &'static str) -> FieldSchema {
     let range = match kind {
         FieldKind::Color | FieldKind::ColorOrTexture => FieldRange::NonNegative,
@@ -148,7 +150,7 @@ pub(super) const fn field_schema(name: &'static str, kind: FieldKind, help: &'st
     FieldSchema { name, alias: "", kind, range, unit: "", default, help, is_course_syntax: false }
 }
 
-/// Returns the schema of a block that has no fields and aliases yet.
+/// Creates the schema of a block, without fields and aliases.
 pub(super) const fn block_schema(keyword: &'static str, help: &'static str) -> BlockSchema {
     BlockSchema { keyword, aliases: &[], own_fields: &[], shared_fields: &[], help, is_course_syntax: false }
 }
@@ -178,8 +180,8 @@ impl FieldSchema {
         self
     }
 
-    /// Makes the field optional. `meaning` tells readers of the language reference what absence
-    /// means.
+    /// Makes the field optional without a default value. `meaning` states in the language reference
+    /// what it means if the field is absent.
     pub const fn with_default_description(mut self, meaning: &'static str) -> Self {
         self.default = FieldDefault::Absent(meaning);
         self
@@ -203,13 +205,13 @@ impl FieldSchema {
         self
     }
 
-    /// True if `word` is the field's keyword or alias.
+    /// True if `word` is the field's keyword or its alias.
     pub fn is_keyword(&self, word: &str) -> bool {
         self.name == word || (!self.alias.is_empty() && self.alias == word)
     }
 
-    /// Returns the rule that `numbers` violate, such as "must be above 0"; `None` if they are
-    /// allowed.
+    /// Returns the rule that `numbers`, a field value, violate, such as "must be above 0"; `None`
+    /// if the field allows them.
     pub fn violated_rule(&self, numbers: &[f64]) -> Option<String> {
         if self.kind == FieldKind::Direction && !is_normalizable(DVec3::from_slice(numbers)) {
             return Some("must have a length above 0 (and below 1e154)".to_owned());
@@ -228,9 +230,9 @@ impl FieldSchema {
         (!ok).then(|| self.describe_violated_range(numbers))
     }
 
-    /// Returns the rule of the field's range that `numbers` violate, for error messages.
+    /// Describes in an error message the range that `numbers` violate.
     ///
-    /// For example, a field with range [`FieldRange::NonNegative`] gives "must not be negative".
+    /// For example, a field with range `NonNegative` gives "must not be negative".
     fn describe_violated_range(&self, numbers: &[f64]) -> String {
         let each = if numbers.len() > 1 { " in each component" } else { "" };
         let unit = if self.unit.is_empty() { String::new() } else { format!(" {}", self.unit) };
@@ -325,7 +327,7 @@ impl BlockSchema {
         self
     }
 
-    /// Sets the lists of fields that this kind of block shares with other kinds.
+    /// Returns the schema with `groups`, lists of fields that several kinds of blocks share.
     pub const fn with_shared_fields(mut self, groups: &'static [&'static [FieldSchema]]) -> Self {
         self.shared_fields = groups;
         self
@@ -368,7 +370,7 @@ pub(super) fn block_schemas<P>(table: &'static [BlockParser<P>]) -> Vec<&'static
     table.iter().map(|entry| entry.block).collect()
 }
 
-/// Returns the words of `before`, then the keywords and aliases of all blocks in `table`.
+/// Returns the words of `before`, followed by the keywords and aliases of all blocks in `table`.
 pub(super) fn block_keywords<P>(before: &[&'static str], table: &'static [BlockParser<P>]) -> Vec<&'static str> {
     let blocks = table.iter().map(|entry| entry.block);
     let words = blocks.flat_map(|block| std::iter::once(block.keyword).chain(block.aliases.iter().copied()));
@@ -414,7 +416,7 @@ fn join_in_backticks(words: &[&str]) -> String {
     words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
 }
 
-/// Displays a bound of a [`FieldRange`]. Numbers from a million on have an exponent.
+/// Displays a bound of a field's range, such as 0.5. Numbers from a million on have an exponent.
 struct RangeBound(f64);
 
 impl std::fmt::Display for RangeBound {

@@ -8,7 +8,7 @@ use super::lexer::{Lexer, Token};
 use super::suggest::nearest_word;
 use super::text::clip_for_message;
 
-/// Textures, media and materials that the blocks parsed so far define.
+/// Textures, media and materials that the text has defined up to the current position.
 #[derive(Default)]
 pub(super) struct ParserScope<'a> {
     /// Textures of the last `Textures` block.
@@ -17,38 +17,39 @@ pub(super) struct ParserScope<'a> {
     pub media: Vec<Spanned<MediumDescription>>,
     /// Materials of the last `Materials` block; a material index counts them from 0.
     pub materials: Vec<Spanned<MaterialDescription>>,
-    /// Index of each named material, by name.
+    /// Index into `materials` of each named material, by name.
     pub material_indices: HashMap<String, usize>,
     /// [`MixConstraints`] of each material, by material index.
     mix_constraints: Vec<MixConstraints>,
     /// True if the last `Group` refers to a material.
     pub group_uses_materials: bool,
-    /// Keyword of a `Materials` block that follows a `Group` with materials; `None` if there is
-    /// none.
+    /// Keyword of a `Materials` block that follows a `Group` which refers to a material; `None` if
+    /// there is none.
     ///
-    /// Such a block is an error, because it replaces the materials in use.
+    /// Such a block is an error, because it replaces the materials that the group uses.
     pub late_materials: Option<Token<'a>>,
 }
 
 /// Properties of a material that limit its use in a mix.
 #[derive(Clone, Copy, Default)]
 pub(super) struct MixConstraints {
-    /// Material index of a `Dielectric`: the material itself, or one that it mixes; `None` without
-    /// one.
+    /// Index of a `Dielectric` material: the material itself, or one that it mixes; `None` if it is
+    /// no dielectric and mixes none.
     pub dielectric: Option<usize>,
     /// Nesting depth of mixes: 0 for a material that is no mix, 1 for a mix of such materials.
     pub mix_depth: u8,
 }
 
 impl ParserScope<'_> {
-    /// Removes all materials.
+    /// Removes all materials from the scope, with their names.
     pub fn clear_materials(&mut self) {
         self.materials.clear();
         self.material_indices.clear();
         self.mix_constraints.clear();
     }
 
-    /// Appends a material and its [`MixConstraints`]. The caller registers its name.
+    /// Appends `material` to the list of materials, with its [`MixConstraints`]. The caller
+    /// registers its name.
     pub fn add_material(&mut self, material: Spanned<MaterialDescription>) {
         let kind = &material.value.kind;
         let summary = match kind.mix_material_names() {
@@ -68,14 +69,14 @@ impl ParserScope<'_> {
         self.materials.push(material);
     }
 
-    /// Returns the [`MixConstraints`] of the material called `name`.
-    ///
-    /// An unknown name gives mix depth 0 and no dielectric.
+    /// Returns the [`MixConstraints`] of the material called `name`; for an unknown name, mix depth
+    /// 0 and no dielectric.
     pub fn constraints_of_mixed_material(&self, name: &str) -> MixConstraints {
         self.material_indices.get(name).and_then(|&index| self.mix_constraints.get(index)).copied().unwrap_or_default()
     }
 
-    /// Fails if `block`, which holds textures or media, follows a `Materials` block.
+    /// Fails if materials are already defined. `block` holds textures or media, which must precede
+    /// the `Materials` that use them.
     pub fn check_precedes_materials(&self, lexer: Lexer<'_>, block: Token<'_>) -> Result<(), SceneError> {
         if self.materials.is_empty() {
             return Ok(());
@@ -113,7 +114,7 @@ impl ParserScope<'_> {
 
     /// Fails if no material is called `name`.
     ///
-    /// The error suggests a similar name. If there is none, its help text is `help`.
+    /// The error suggests the most similar name. If no name is similar, its help text is `help`.
     pub fn check_material_exists(
         &self,
         lexer: Lexer<'_>,
@@ -128,9 +129,10 @@ impl ParserScope<'_> {
     }
 }
 
-/// Fails if `names` do not contain `name`.
+/// Fails if `names` do not contain `name`. Error messages call the named thing `what`, such as
+/// "texture".
 ///
-/// The error suggests the most similar name. If none is similar, its help text is `help`.
+/// The error suggests the most similar name. If no name is similar, its help text is `help`.
 fn check_name_exists<'n, I: Iterator<Item = &'n str>>(
     lexer: Lexer<'_>,
     what: &str,

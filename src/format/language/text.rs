@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// True if the squared length of `v` neither underflows nor overflows.
+/// True if `v` can be normalized: its squared length neither underflows nor overflows.
 pub(super) fn is_normalizable(v: DVec3) -> bool {
     v.length_squared().is_normal()
 }
@@ -18,7 +18,8 @@ pub(super) fn is_nonfinite_number(word: &str) -> bool {
     ["nan", "inf", "infinity"].contains(&word.to_ascii_lowercase().as_str())
 }
 
-/// Returns at most 40 characters of `text` on one line, with control characters escaped.
+/// Returns at most the first 40 characters of `text` on one line, for messages. Control characters
+/// are escaped, and `…` marks a cut.
 pub(super) fn clip_for_message(text: &str) -> String {
     let start: String = text.chars().take(40).collect();
     let more = if start.len() < text.len() { "…" } else { "" };

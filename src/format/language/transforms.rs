@@ -21,7 +21,8 @@ type ParseObject<'a, T> = fn(&mut Parser<'a>, Token<'a>) -> Result<T, SceneError
 
 /// Parses a `Transform` block: transform steps, then one object. Returns the steps and the object.
 ///
-/// `parse_object` parses the object after its keyword, which must be in `allowed`.
+/// `parse_object` parses the object after its keyword, which must be in `allowed`. Fails if the
+/// product of the steps is singular.
 pub(super) fn parse_transform_block<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -33,10 +34,11 @@ pub(super) fn parse_transform_block<'a, T>(
     Ok((steps, object))
 }
 
-/// Parses a `Moving` block: transform steps, then one object, light or camera. Returns both.
+/// Parses a `Moving` block: the steps of a motion, then the object, light or camera that moves.
+/// Returns the steps and the object, light or camera.
 ///
-/// The steps are the motion while the shutter is open. `parse_object` parses the moving item after
-/// its keyword, which must be in `allowed`.
+/// `parse_object` parses the object, light or camera after its keyword, which must be in `allowed`.
+/// Fails if a step cannot be animated.
 pub(super) fn parse_moving_block<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -48,9 +50,10 @@ pub(super) fn parse_moving_block<'a, T>(
     Ok((steps, object))
 }
 
-/// Parses `{ … }` with transform steps, then one object, light or camera. Returns both.
+/// Parses `{ … }` with transform steps, then one object, light or camera. Returns the steps and the
+/// object, light or camera.
 ///
-/// The keyword of the item must be in `allowed`.
+/// Its keyword must be in `allowed`, and `parse_object` parses the rest.
 fn parse_steps_and_object<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -68,8 +71,8 @@ fn parse_steps_and_object<'a, T>(
 // The functions below are not inlined into `parse_steps_and_object`: it recurses, and its stack
 // frame must stay small.
 
-/// Parses transform steps and appends them to `steps`. Returns the first word of `allowed` after
-/// them.
+/// Parses transform steps and appends them to `steps`. Returns the first word after them, which
+/// must be in `allowed`.
 #[inline(never)]
 fn parse_steps_before_object<'a>(
     parser: &mut Parser<'a>,
@@ -95,7 +98,8 @@ fn parse_steps_before_object<'a>(
     }
 }
 
-/// Parses `{ … }` with transform steps only. Fails if their product is singular.
+/// Parses the `{ … }` after `keyword`, which holds only transform steps. Fails if their product is
+/// singular.
 pub(super) fn parse_transform_steps<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -234,7 +238,7 @@ pub(super) fn write_transform_steps(out: &mut SceneWriter<'_, '_>, steps: &[Tran
     })
 }
 
-/// Writes the field `Transform` of a texture or medium; nothing if there are no steps.
+/// Writes the field `Transform` of a texture or medium. Writes nothing if `steps` is empty.
 pub(super) fn write_transform_field(out: &mut SceneWriter<'_, '_>, steps: &[TransformStep]) -> fmt::Result {
     if steps.is_empty() {
         return Ok(());

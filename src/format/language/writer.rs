@@ -12,9 +12,9 @@ use super::text::{is_identifier, is_nonfinite_number};
 pub(super) struct SceneWriter<'f, 'a> {
     out: &'f mut Formatter<'a>,
     depth: usize,
-    /// Schema of the block that was started last, among those with a schema.
+    /// Schema of the last started block that has a schema.
     ///
-    /// Debug builds check that it has each field that is written.
+    /// Debug builds check that this schema has each field that is written.
     block: Option<&'static BlockSchema>,
 }
 
@@ -44,40 +44,41 @@ impl SceneWriter<'_, '_> {
         self.write_line("}")
     }
 
-    /// Writes the keyword of `block` and `{`. Its fields are written next.
+    /// Writes the keyword of `block` and `{`. The caller then writes its fields.
     pub fn begin_schema_block(&mut self, block: &'static BlockSchema) -> Result {
         self.block = Some(block);
         self.begin_block(block.keyword)
     }
 
-    /// Writes the keyword of `block`, its `name` and `{`. Its fields are written next.
+    /// Writes the keyword of `block`, the given `name` and `{`. The caller then writes the block's
+    /// fields.
     pub fn begin_named_block(&mut self, block: &'static BlockSchema, name: &str) -> Result {
         self.block = Some(block);
         self.begin_block(format_args!("{} {}", block.keyword, QuotedUnlessIdentifier(name)))
     }
 
-    /// Writes the line `name value` of a field.
+    /// Writes the line `name value`, the field `name` of the current block.
     pub fn write_field(&mut self, name: &str, value: impl Display) -> Result {
         debug_assert!(self.block.is_none_or(|block| block.find_field(name).is_some()), "no table has `{name}`");
         self.write_line(format_args!("{name} {value}"))
     }
 
-    /// Writes a field with one number.
+    /// Writes the field `name` with one number.
     pub fn write_number(&mut self, name: &str, value: f64) -> Result {
         self.write_field(name, ShortestNumber(value))
     }
 
-    /// Writes a field with two numbers.
+    /// Writes the field `name` with two numbers.
     pub fn write_vec2(&mut self, name: &str, value: DVec2) -> Result {
         self.write_field(name, SpacedNumbers(&value.to_array()))
     }
 
-    /// Writes a field with three numbers.
+    /// Writes the field `name` with three numbers.
     pub fn write_vec3(&mut self, name: &str, value: DVec3) -> Result {
         self.write_field(name, SpacedNumbers(&value.to_array()))
     }
 
-    /// Writes a field with a name or path.
+    /// Writes the field `name` with the name or path `value`.
     pub fn write_name(&mut self, name: &str, value: &str) -> Result {
         self.write_field(name, QuotedIfNeeded(value))
     }
@@ -87,7 +88,7 @@ impl SceneWriter<'_, '_> {
         self.write_line(format_args!("MaterialName {}", QuotedIfNeeded(name)))
     }
 
-    /// Writes a field with a color or a texture's name.
+    /// Writes the field `name` with a color, or with the name of a texture.
     pub fn write_color_or_texture(&mut self, name: &str, value: &TexturedValue<DVec3>) -> Result {
         match value {
             TexturedValue::Plain(value) => self.write_vec3(name, *value),
@@ -95,7 +96,7 @@ impl SceneWriter<'_, '_> {
         }
     }
 
-    /// Writes a field with a number or a texture's name.
+    /// Writes the field `name` with a number, or with the name of a texture.
     pub fn write_number_or_texture(&mut self, name: &str, value: &TexturedValue<f64>) -> Result {
         match value {
             TexturedValue::Plain(value) => self.write_number(name, *value),
@@ -103,18 +104,20 @@ impl SceneWriter<'_, '_> {
         }
     }
 
-    /// Writes a texture's name in a field that accepts numbers or a texture.
+    /// Writes the field `name` with the name of a texture. The field is one that also accepts
+    /// numbers.
     pub fn write_texture_name(&mut self, name: &str, texture: &Spanned<String>) -> Result {
         self.write_field(name, QuotedUnlessIdentifier(texture))
     }
 
-    /// Writes a field with points, one on each line.
+    /// Writes the field `name` with `points`, one on each line.
     pub fn write_points(&mut self, name: &str, points: &[DVec3]) -> Result {
         self.write_line(name)?;
         points.iter().try_for_each(|p| self.write_line(format_args!("    [ {} ]", SpacedNumbers(&p.to_array()))))
     }
 
-    /// Writes a field with weighted points, one on each line. Omits the weights if all are 1.
+    /// Writes the field `name` with weighted points, one on each line. Omits the weights if all are
+    /// 1.
     pub fn write_weighted_points(&mut self, name: &str, points: &[DVec4]) -> Result {
         self.write_line(name)?;
         let numbers = if points.iter().all(|p| p.w == 1.0) { 3 } else { 4 };
@@ -124,7 +127,7 @@ impl SceneWriter<'_, '_> {
     }
 }
 
-/// Displays a number as the shortest text that parses to it.
+/// Displays a number as the shortest decimal text that parses to the same number.
 ///
 /// Numbers below 1e-5 or from 1e16 on have an exponent.
 struct ShortestNumber(f64);
@@ -167,9 +170,9 @@ impl Display for QuotedIfNeeded<'_> {
     }
 }
 
-/// Displays a name, in quotes unless it is an identifier.
+/// Displays the name of a texture or block, in quotes unless it is an identifier.
 ///
-/// It serves fields whose parser would misread other bare words as a number or `{`.
+/// The fields that it is written in would misread other bare words as a number or `{`.
 struct QuotedUnlessIdentifier<'a>(&'a str);
 
 impl Display for QuotedUnlessIdentifier<'_> {

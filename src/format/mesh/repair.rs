@@ -83,7 +83,7 @@ fn remove_triangles(mesh: &mut TriangleMesh, unwanted: &[bool]) -> usize {
     before - mesh.triangles.len()
 }
 
-/// Removes materials that no triangle uses, and renumbers the others.
+/// Keeps only the materials that a triangle uses, and renumbers them.
 fn remove_unused_materials(mesh: &mut TriangleMesh) {
     let mut used = vec![false; mesh.materials.len()];
     for number in &mesh.triangle_materials {

@@ -109,9 +109,10 @@ impl ParityUnionFind {
         (root, turned)
     }
 
-    /// Joins the sets of `a` and `b`. `turned` is true if `a` is flipped relative to `b`.
+    /// Joins the sets of `a` and `b`. `turned` is true if the winding of `a` is flipped relative to
+    /// `b`.
     ///
-    /// Returns false if both are in one set already, with the opposite relation.
+    /// Returns false if one set already holds both and contradicts `turned`; else true.
     pub fn union_sets(&mut self, a: usize, b: usize, turned: bool) -> bool {
         let ((a, a_turned), (b, b_turned)) = (self.find_root(a), self.find_root(b));
         let turned = turned ^ a_turned ^ b_turned;
