@@ -121,8 +121,8 @@ struct PixelVariance {
     after_receiver: f64,
     /// Variance of the emission and direct light that the path finds up to its first receiver.
     ///
-    /// If the covariance of this light and the light of `after_receiver` is negative, twice the covariance is
-    /// added: a ray near an edge finds either one light or the other.
+    /// If the covariance of this light and the light of `after_receiver` is negative, twice the
+    /// covariance is added: a ray near an edge finds either one light or the other.
     up_to_receiver: f64,
     /// Variance of the photon estimate at the first receiver.
     photons: f64,

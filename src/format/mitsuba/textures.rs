@@ -221,7 +221,7 @@ impl Textures {
         self.pictures.retain(|path, _| shown.contains(path.as_str()) || others.contains(path));
     }
 
-    /// Converts the picture file of a `convert_bitmap` texture, with its values multiplied by `factor`.
+    /// Converts the picture file of a `bitmap` texture, with its values multiplied by `factor`.
     ///
     /// `wanted` is the quantity that the values stand for. Returns a constant if all pixels are
     /// equal.
