@@ -34,6 +34,7 @@ impl Failure {
                 let remedy = match error {
                     MemoryError::Pixels(_) => "choose a smaller `size`",
                     MemoryError::Picture { .. } => "choose a smaller `size`, or allow more `memory`",
+                    MemoryError::Films { .. } => "allow more `memory`",
                     MemoryError::Indices { .. } | MemoryError::Photons { .. } => {
                         "choose fewer `photons` or `caustic_photons` and more `passes`"
                     }
