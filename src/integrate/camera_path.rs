@@ -95,7 +95,7 @@ pub(super) struct PathState<I> {
 }
 
 /// Traces the camera path that starts with `ray`, and returns its radiance \[W/(m² sr)]. Adds ray
-/// counts, light groups and records of pilots to `worker`.
+/// counts, light groups and records of pilots to `task`.
 ///
 /// `stack` holds branches of the path that are still to be traced; it is empty before and after.
 pub(super) fn trace_camera_path<I: Interior>(
@@ -317,7 +317,7 @@ fn continue_path<I: Interior>(
 /// maps \[W/(m² sr)].
 ///
 /// Returns 0 if the policy reads no map at `vertex`. With [`PhotonLookups::RecordVisible`], records
-/// `vertex` as a visible point instead. Adds the estimate to the sums of `worker`.
+/// `vertex` as a visible point instead. Adds the estimate to the sums of `task`.
 #[inline]
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
@@ -378,7 +378,7 @@ fn is_path_continued(indirect: IndirectWeights, sampler: Sampler) -> bool {
 /// light at a caster. Also adds the weighted light to sums of `task`.
 ///
 /// Up to the first receiver, extra prefix rays find the same light, so it has the weight of
-/// [`PrefixLightSums`](super::prefix_rays::PrefixLight). Later the weight is 1.
+/// [`PrefixLightSums`](super::prefix_rays::PrefixLightSums). Later the weight is 1.
 #[inline]
 fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, task: &mut PathTask) -> Rgb {
     if path.history.receivers > 0 {

@@ -71,7 +71,7 @@ impl PhotonMaps<'_> {
     /// maps that `lookup` names, times `samples` \[W/(m² sr)].
     ///
     /// One camera path may read the maps for all paths of its pixel. `samples` is then the number
-    /// of these paths, times a weight. Also adds the estimates to the light groups of `worker`.
+    /// of these paths, times a weight. Also adds the estimates to the light groups of `task`.
     #[inline]
     pub fn radiance<I: Interior>(
         &self,
@@ -123,7 +123,7 @@ impl PhotonMaps<'_> {
     /// caustic and the indirect map, times `samples` \[W/(m² sr)].
     ///
     /// One camera path may read the maps for all paths of its pixel; `samples` is then the number
-    /// of these paths. Also adds the estimates to the light groups of `worker`.
+    /// of these paths. Also adds the estimates to the light groups of `task`.
     #[inline]
     pub fn radiance_in_medium<I: Interior>(
         &self,

@@ -231,7 +231,7 @@ impl FilmSampling<'_> {
 /// Renders the pixels in the window of `sampling` by tiles, in parallel.
 ///
 /// `radiance` returns the radiance along a camera ray \[W/(m² sr)]. Its arguments are the ray, the
-/// sampler of the ray, the worker of the tile, and a `T` that all rays of a tile share.
+/// sampler of the ray, the task of the tile, and a `T` that all rays of a tile share.
 pub(super) fn render_tiles<T: Default>(
     sampling: &FilmSampling<'_>,
     key: Key,

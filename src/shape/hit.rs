@@ -17,8 +17,7 @@ pub(super) fn round_t_if_in_range(ray: &Ray, t: f64) -> Option<f32> {
     (t > 0.0 && t < ray.t_max).then_some(t)
 }
 
-/// Hit (t, r, `second`) of `ray`: t rounded to f32, the relative rounding error r, and a given
-/// number.
+/// Hit of `ray` with t rounded to f32, and `uv` = (r, `v`). r is the relative rounding error of t.
 ///
 /// [`f64_ray_parameter`] restores t in f64 from t and r. In f32 alone, the error of a distant hit
 /// could exceed the thickness of the shape. `None` if t is outside (0, `ray.t_max`).

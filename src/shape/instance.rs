@@ -46,7 +46,8 @@ impl MeshWithBvh {
 /// Triangle mesh under an affine map to world space.
 ///
 /// Object-space ray directions are not normalised, so the ray parameter t of a point is the same in
-/// object space and in world space. A [`ShapeHit`] is (t, bits of the triangle's index, 0).
+/// object space and in world space. `uv` of a [`ShapeHit`] is (bits of the
+/// triangle's index, 0).
 #[derive(Clone, Debug)]
 pub struct Instance {
     mesh: Arc<MeshWithBvh>,

@@ -20,7 +20,7 @@ pub struct SurfacePoint {
     /// shape does not need them.
     ///
     /// On a mesh, they are the barycentric weights of the triangle's second and third corner. On
-    /// other shapes, they are the last two numbers of the [`ShapeHit`](super::ShapeHit) at `p`.
+    /// other shapes, they are `uv` of the [`ShapeHit`](crate::accel::ShapeHit) at `p`.
     pub uv: Vec2,
 }
 

@@ -137,12 +137,12 @@ impl LivePage {
     }
 
     /// Returns true if a browser has asked for surface AOVs since the last call of this function.
-    pub fn take_wish_for_surfaces(&self) -> bool {
+    pub fn take_surface_request(&self) -> bool {
         self.wants_surfaces.swap(false, Ordering::Relaxed)
     }
 
     /// Asks the render to publish surface AOVs.
-    pub(super) fn wish_for_surfaces(&self) {
+    pub(super) fn request_surfaces(&self) {
         self.wants_surfaces.store(true, Ordering::Relaxed);
     }
 

@@ -107,14 +107,14 @@ impl<'a> LiveRender<'a> {
     /// Publishes the surface AOVs that `find` returns, if a browser has asked for surface AOVs.
     /// `size` is the size of the picture.
     pub fn publish_wanted_surfaces(&self, size: (u32, u32), find: impl FnOnce() -> Option<SurfaceAovs>) {
-        if self.page.take_wish_for_surfaces()
+        if self.page.take_surface_request()
             && let Some(aovs) = find()
         {
             self.publish(|state, sequence| {
                 state.surfaces = Some(Arc::new(Frame::from_surface_aovs(sequence, size, &aovs)));
             });
             // Requests from before the publication are served.
-            self.page.take_wish_for_surfaces();
+            self.page.take_surface_request();
         }
     }
 

@@ -133,7 +133,7 @@ pub(super) async fn layer_pixels(
             }
             FrameKind::Surfaces => {
                 if newest.state.surfaces.is_none() {
-                    page.wish_for_surfaces();
+                    page.request_surfaces();
                 }
                 &newest.state.surfaces
             }

@@ -233,9 +233,9 @@ fn maps_are_made_only_when_asked_for() {
     assert!(!served.page.take_map_request());
     assert_eq!(served.get("layer/noise").code, 404);
     assert!(served.page.take_map_request() && !served.page.take_map_request());
-    assert!(!served.page.take_wish_for_surfaces());
+    assert!(!served.page.take_surface_request());
     assert_eq!(served.get("layer/depth").code, 204);
-    assert!(served.page.take_wish_for_surfaces() && !served.page.take_wish_for_surfaces());
+    assert!(served.page.take_surface_request() && !served.page.take_surface_request());
     assert_eq!(served.get("layer/secret").code, 404);
     assert_eq!(served.get("layer/reference").code, 404);
     let reference = Image::from_pixels(1, 1, vec![Vec3::splat(2.0)]).unwrap();
@@ -269,7 +269,7 @@ fn surface_layers_hold_the_aovs() {
     assert_eq!((first_pixel("normal"), first_pixel("position")), (vec![0.0, 1.0, 0.0], vec![1.0, 2.0, -4.0]));
     assert_eq!((first_pixel("depth"), first_pixel("motion")), (vec![2.0], vec![4.0, -2.0]));
     assert_eq!((first_pixel("object"), first_pixel("material")), (vec![3.0], vec![1.0]));
-    assert!(!served.page.take_wish_for_surfaces(), "they exist");
+    assert!(!served.page.take_surface_request(), "they exist");
     served.page.begin_render();
     assert_eq!(served.get("layer/albedo").code, 204, "those of an earlier render are gone");
 }
