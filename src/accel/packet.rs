@@ -40,8 +40,8 @@ impl LeafHit {
         Self { t: t * precalc.inverse_direction_scale, weights: uv.to_array().map(f64::from), total: 1.0 }
     }
 
-    /// Barycentric weights of a triangle's second and third corner, or the two numbers of another
-    /// primitive.
+    /// Barycentric weights of a triangle's second and third corner, or `uv` of the hit of
+    /// another primitive.
     #[inline]
     pub fn barycentric(&self) -> (f32, f32) {
         ((self.weights[0] / self.total) as f32, (self.weights[1] / self.total) as f32)

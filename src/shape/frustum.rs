@@ -17,7 +17,7 @@ const AREA_STEPS: u32 = 512;
 /// Cylinder, cone or truncated cone: the surface of x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, under an affine
 /// map.
 ///
-/// The radius ρ is linear in y, and the larger of ρ(0) and ρ(1) is 1. The last number of a
+/// The radius ρ is linear in y, and the larger of ρ(0) and ρ(1) is 1. `uv.y` of a
 /// [`ShapeHit`] is the `FrustumPart`. The outer side faces away from the axis, also if the ends are
 /// open.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -31,7 +31,7 @@ pub(super) fn hit_with_rounding_residual(ray: &Ray, t: f64, v: f32) -> Option<Sh
 /// `ray.t_max`).
 ///
 /// The ray's line crosses the surface twice. `near` and `far` each hold the ray parameter t of an
-/// intersection and the last number of its [`ShapeHit`].
+/// intersection and `uv.y` of its [`ShapeHit`].
 #[inline]
 pub(super) fn nearer_hit(ray: &Ray, near: (f64, f32), far: (f64, f32)) -> Option<ShapeHit> {
     hit_with_rounding_residual(ray, near.0, near.1)
