@@ -7,7 +7,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Time limit of a browser \[s]. A browser that hangs is killed, and its test fails.
-const LIMIT: &str = "240";
+const LIMIT: &str = "600";
 
 /// Time limit of a wait for one condition.
 const PATIENCE: Duration = Duration::from_secs(60);
