@@ -5,10 +5,10 @@
 //! cargo run --release --example sharding -- cost [EDGE …]
 //! ```
 //!
-//! `error` renders the room with one camera ray per pixel and few photons per pass, in shards that share nothing but their film
-//! files. It compares the estimated error of the sum with the true error against the reference
-//! picture of another renderer. `cost` measures the work that each shard repeats, by the edge of
-//! the picture in pixels. Times are processor seconds of all threads.
+//! `error` renders the room with one camera ray per pixel and few photons per pass, in shards that
+//! share nothing but their film files. It compares the estimated error of the sum with the true
+//! error against the reference picture of another renderer. `cost` measures the work that each
+//! shard repeats, by the edge of the picture in pixels. Times are processor seconds of all threads.
 
 use caustica::camera::{Filter, FilterKind};
 use caustica::format::SceneFile;

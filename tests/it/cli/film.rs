@@ -218,7 +218,8 @@ fn films_count_in_the_memory_limit() {
     let stats: serde_json::Value = serde_json::from_slice(&sandbox.bytes("stats.json")).unwrap();
     let peak = stats["peak_memory_bytes"].as_u64().unwrap();
     assert!(peak < 76_000_000, "{peak}");
-    // Light groups take 210 bytes more, and clamped light 140; without an error estimate, 88 are left.
+    // Light groups take 210 bytes more, and clamped light 140. Without an error estimate, 88 are
+    // left.
     for (more, refused) in [("--light-groups --clamp 5", "takes 98.4 MB"), ("--no-error-estimate", "takes 10.6 MB")] {
         sandbox.render("box.txt", &format!("{size} {more} --film more.film")).expect(0, &[]);
         sandbox.run(&["film", "more.film", "--memory", "20M"]).expect(2, &[refused]);
