@@ -157,7 +157,7 @@ impl SlurmArguments {
 }
 
 /// Flags of `render` that a farm refuses, and what to use instead.
-const REFUSED: [(&str, &str); 11] = [
+const REFUSED: [(&str, &str); 13] = [
     ("film", "each shard has a film of its own in --work-dir; `-o FILE.film` writes the film of all passes"),
     ("shard", "--shards divides the passes"),
     ("time", "the passes are divided before the jobs start; --time-limit limits each shard"),
@@ -169,10 +169,15 @@ const REFUSED: [(&str, &str); 11] = [
     ("listen", LIVE_REMEDY),
     ("tev", LIVE_REMEDY),
     ("reference", LIVE_REMEDY),
+    ("frames", FRAMES_REMEDY),
+    ("turn", FRAMES_REMEDY),
 ];
 
 const FILM_REMEDY: &str = "afterwards, `caustica render` with this flag, --film DIR/merged.film and the same --passes \
                            makes no further pass; DIR is that of --work-dir";
+
+const FRAMES_REMEDY: &str =
+    "frames are renders of their own: let each job K of an array run `caustica render` with --frames K..K+1";
 
 const LIVE_REMEDY: &str = "shards run on other machines; afterwards, `caustica render` with this flag and \
                            --film DIR/merged.film goes on from their passes; DIR is that of --work-dir";
