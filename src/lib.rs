@@ -53,7 +53,8 @@
 //!
 //! # The path of one photon
 //!
-//! 1. `PhotonMapBuilder::build` in [`integrate`] starts the photons of a pass. It calls
+//! 1. `PhotonMapBuilder::build` in [`integrate`] starts the photons of a pass. By way of
+//!    `build_with_options`, `build_caustic_map` and `trace_photons`, it calls
 //!    [`PhotonPass::trace_and_connect`](photon::PhotonPass::trace_and_connect). This emits photon
 //!    paths in parallel by `PhotonSource::emit_photon_path`, and follows each of them by
 //!    `PhotonPass::follow_photon_path`.

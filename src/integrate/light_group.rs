@@ -3,7 +3,8 @@
 use super::vertex::PathHistory;
 use crate::color::Rgb;
 
-/// Part of the light of a picture, by the surfaces between the light and the camera.
+/// Direct, indirect or caustic part of a picture's light, by the receivers and casters on the
+/// light's way to the camera.
 ///
 /// Only *receivers* count: surfaces that store photons, such as matte ones, and media. Glass,
 /// mirrors and other *casters* between the camera and the first receiver change no group.

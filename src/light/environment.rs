@@ -25,7 +25,8 @@ impl EnvironmentLight {
     ///
     /// The map is rotated by `angle` \[radians] about +y, anticlockwise as seen from +y.
     ///
-    /// # Errors [`EmissionPictureError::Value`] if a scaled pixel is negative or not finite.
+    /// # Errors
+    /// [`EmissionPictureError::Value`] if a scaled pixel is negative or not finite.
     pub fn new(map: Image, angle: f64, scale: Rgb) -> Result<Self, EmissionPictureError> {
         let rotation = [libm::sin(angle) as f32, libm::cos(angle) as f32];
         Ok(Self { map: EquirectangularMap::new(map, scale)?, rotation })
@@ -33,7 +34,8 @@ impl EnvironmentLight {
 
     /// Creates a light with the same radiance \[W/(m² sr)] in all directions.
     ///
-    /// # Errors [`EmissionPictureError::Value`] if the radiance is negative or not finite.
+    /// # Errors
+    /// [`EmissionPictureError::Value`] if the radiance is negative or not finite.
     pub fn with_constant_radiance(radiance: Rgb) -> Result<Self, EmissionPictureError> {
         Self::new(Image::from_pixels(1, 1, vec![radiance])?, 0.0, Rgb::ONE)
     }

@@ -60,7 +60,8 @@ impl GoniometricLight {
 /// unit. Angles ascend, from 0 or more to 180 or less. The intensity is linear between listed
 /// angles, and 0 beyond the first and the last.
 ///
-/// # Errors [`EmissionPictureError`] if an intensity is negative or not finite.
+/// # Errors
+/// [`EmissionPictureError`] if an intensity is negative or not finite.
 pub fn map_from_intensity_profile(profile: &[(f64, f64)]) -> Result<EquirectangularMap, EmissionPictureError> {
     let value = |row: u32| {
         let angle = (f64::from(row) + 0.5) * 180.0 / f64::from(PROFILE_ROWS);

@@ -47,7 +47,8 @@ impl ProjectedPicture {
     ///
     /// Returns `None` if the picture is black.
     ///
-    /// # Errors [`EmissionPictureError::Value`] if a pixel is negative or not finite.
+    /// # Errors
+    /// [`EmissionPictureError::Value`] if a pixel is negative or not finite.
     pub fn new(picture: Image, angle: f64) -> Result<Option<Self>, EmissionPictureError> {
         let picture = scale_emission_picture(picture, Rgb::ONE)?;
         let (width, height) = (picture.width() as usize, picture.height() as usize);

@@ -71,7 +71,8 @@ impl GridDensity {
     /// Creates a grid of `size` cells (along x, y and z) with densities `values`, x fastest.
     /// `placement` maps the unit cube to the box of the grid in scene coordinates.
     ///
-    /// # Errors [`GridDensityError`] if a size, the number of values, a density or the placement is
+    /// # Errors
+    /// [`GridDensityError`] if a size, the number of values, a density or the placement is
     /// invalid.
     pub fn new(size: [u32; 3], values: Vec<f32>, placement: DAffine3) -> Result<Self, GridDensityError> {
         let expected = checked_cell_count(size)?;
@@ -96,7 +97,8 @@ impl GridDensity {
     /// The argument of `density` is a point of the unit cube, which `placement` maps to scene
     /// coordinates.
     ///
-    /// # Errors [`GridDensityError`] if a size, a density or the placement is invalid.
+    /// # Errors
+    /// [`GridDensityError`] if a size, a density or the placement is invalid.
     pub fn from_fn(
         size: [u32; 3],
         placement: DAffine3,

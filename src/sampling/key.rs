@@ -224,7 +224,8 @@ impl Key {
     /// Key of the random numbers that sample distances in media, in pass `pass`.
     ///
     /// It derives from the key of a path vertex. The distances are along the path segment to this
-    /// vertex.
+    /// vertex. The number of the pass is part of it, because passes may share the keys of camera
+    /// paths.
     #[inline]
     #[must_use]
     pub fn medium_tracking_key(self, pass: u32) -> Self {

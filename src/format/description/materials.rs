@@ -161,10 +161,11 @@ impl MaterialKindDescription {
         }
     }
 
-    /// Returns the material's field that holds the name of a texture or the path of a picture;
-    /// `None` if the field is absent.
+    /// Returns the field `texture` of a `Phong` material, which may be the name of a texture or the
+    /// path of a picture file.
     ///
-    /// Only a `Phong` material may have such a field: `texture`.
+    /// `None` if this field is absent, and for other materials: their textured fields hold names
+    /// only.
     fn texture_name_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
         match self {
             Self::Phong { texture, .. } => texture.as_mut(),

@@ -348,7 +348,8 @@ impl<'a> BlockFields<'a> {
 
     /// Returns the only field among `names` that is present in the block.
     ///
-    /// # Errors If no field or more than one field of `names` is present.
+    /// # Errors
+    /// If no field or more than one field of `names` is present.
     pub fn require_one_field_of(&self, names: &[&str]) -> Result<ParsedField<'_, 'a>, SceneError> {
         let mut found = self.list.iter().filter(|(field, ..)| names.contains(&field.name));
         let block = self.keyword.text;
@@ -367,7 +368,8 @@ impl<'a> BlockFields<'a> {
     /// Returns the value of the only field among `variants` that is present in the block. The
     /// variant's function converts the color to a `T`.
     ///
-    /// # Errors If no field or more than one field of `variants` is present.
+    /// # Errors
+    /// If no field or more than one field of `variants` is present.
     pub fn require_color_variant<T>(&self, variants: &[ColorVariant<'_, T>]) -> Result<T, SceneError> {
         let names: Vec<&str> = variants.iter().map(|(name, _)| *name).collect();
         let field = self.require_one_field_of(&names)?;
@@ -393,7 +395,8 @@ impl<'a> BlockFields<'a> {
     /// Returns the value of the field `name`. If the field is absent, returns the schema's default
     /// numbers.
     ///
-    /// # Errors If the field is absent and its schema has no default numbers.
+    /// # Errors
+    /// If the field is absent and its schema has no default numbers.
     pub fn value<T: FromFieldValue>(&self, name: &str) -> Result<T, SceneError> {
         let default = self.block.find_field(name).map(|field| field.default);
         if let (None, Some(FieldDefault::Numbers(default))) = (self.get(name), default) {
@@ -413,7 +416,8 @@ impl<'a> BlockFields<'a> {
     /// Returns the word in the field `name`. If the field is absent, returns the schema's default
     /// word.
     ///
-    /// # Errors If the field is absent and its schema has no default word.
+    /// # Errors
+    /// If the field is absent and its schema has no default word.
     pub fn field_word_or_default(&self, name: &str) -> Result<&str, SceneError> {
         match (self.get(name), self.block.find_field(name).map(|field| field.default)) {
             (Some(found), _) => Ok(&found.value.value.name),
@@ -447,7 +451,8 @@ impl<'f, 'a> ParsedField<'f, 'a> {
     /// Returns the curve that has the control points in this field and the given polynomial
     /// `basis`.
     ///
-    /// # Errors If a Bézier curve has fewer than 2 points, or a B-spline fewer than 4.
+    /// # Errors
+    /// If a Bézier curve has fewer than 2 points, or a B-spline fewer than 4.
     pub fn curve_with_basis(&self, basis: CurveBasis) -> Result<ProfileCurve, SceneError> {
         let controls = self.value.points.clone();
         let fewest = match basis {

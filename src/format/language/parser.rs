@@ -66,7 +66,8 @@ impl<'a> Parser<'a> {
     ///
     /// An entry starts with a word of `allowed`.
     ///
-    /// # Errors The error of `parse_entry`, if the text has ended or the list of errors is full.
+    /// # Errors
+    /// The error of `parse_entry`, if the text has ended or the list of errors is full.
     pub fn recover_from_error(
         &mut self,
         allowed: &[&str],
@@ -235,7 +236,8 @@ impl<'a> Parser<'a> {
     /// Reads the next word of the innermost block; `None` at the block's `}`, which it reads and
     /// closes.
     ///
-    /// # Errors If the text ends inside the block.
+    /// # Errors
+    /// If the text ends inside the block.
     pub fn next_word(&mut self) -> Result<Option<Token<'a>>, SceneError> {
         let token = self.lexer.peek_token();
         if token.is_end_of_text() {

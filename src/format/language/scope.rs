@@ -11,11 +11,12 @@ use super::text::clip_for_message;
 /// Textures, media and materials that the text has defined up to the current position.
 #[derive(Default)]
 pub(super) struct ParserScope<'a> {
-    /// Textures of the last `Textures` block.
+    /// Textures of the latest `Textures` block; each block replaces the one before.
     pub textures: Vec<Spanned<TextureDescription>>,
-    /// Media of the last `Media` block.
+    /// Media of the latest `Media` block; each block replaces the one before.
     pub media: Vec<Spanned<MediumDescription>>,
-    /// Materials of the last `Materials` block; a material index counts them from 0.
+    /// Materials of the latest `Materials` block; each block replaces the one before. A material
+    /// index counts them from 0.
     pub materials: Vec<Spanned<MaterialDescription>>,
     /// Index into `materials` of each named material, by name.
     pub material_indices: HashMap<String, usize>,

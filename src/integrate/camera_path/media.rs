@@ -100,7 +100,8 @@ fn cross_medium<I: Interior>(
 /// Returns the radiance that a medium segment scatters to its start, estimated from photon maps
 /// \[W/(m² sr)]; 0 if the policy reads no map on this segment.
 ///
-/// Adds the estimate, times the throughput, to the sums of `task`.
+/// Also adds the estimate, times the throughput, to `task.prefix.photons` and
+/// `task.photon_radiance`.
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     path_segment: &MediumPathSegment<'_, I>,

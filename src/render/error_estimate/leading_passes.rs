@@ -49,7 +49,7 @@ impl LeadingPasses {
     }
 
     /// True if there are at most `most` pictures, each of `pixels` pixels, in ascending order of
-    /// pass numbers.
+    /// pass numbers. False for some pictures that were read from damaged film files.
     pub fn has_pixels(&self, pixels: usize, most: usize) -> bool {
         let ordered = self.pictures.windows(2).all(|pair| pair[0].0 < pair[1].0);
         ordered && self.pictures.len() <= most && self.pictures.iter().all(|(_, picture)| picture.len() == pixels)

@@ -18,8 +18,10 @@ const BISECTIONS: u32 = 64;
 /// Camera position, and the distance \[length] to the nearest shape along five camera rays.
 type CameraView = (DVec3, f64);
 
-/// An object or the camera, with the position and size of the details that single precision must
-/// resolve.
+/// Center and size of a region in which single precision must resolve details.
+///
+/// For an object it is the center and the largest extent of its bounding box. For the camera it is
+/// the camera's position and the distance to the nearest shape.
 #[derive(Clone, Copy, Debug)]
 struct FineDetailRegion {
     center: DVec3,
