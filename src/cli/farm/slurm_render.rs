@@ -64,10 +64,12 @@ struct CancelledJobsError {
     folder: PathBuf,
 }
 
-/// How a time of following jobs ended.
-enum Followed {
-    /// All jobs ended. Holds the tasks as Slurm knew them last.
-    Ended(Vec<Task>),
+/// How a round of jobs ended.
+enum RoundEnd {
+    /// All shards are complete and merged.
+    Complete,
+    /// All jobs ended, but passes are missing. Holds the tasks as Slurm knew them last.
+    Incomplete(Vec<Task>),
     /// A signal interrupted the command.
     Interrupted,
 }
@@ -169,30 +171,23 @@ impl<'a> SlurmRender<'a> {
     /// code if a signal interrupts that.
     fn complete(&self, state: &mut FarmState, most_tasks: u32) -> Result<Option<Exit>, CommandFailure> {
         let mut failures = 0;
-        let mut known = slurm_tasks(&state.jobs)?;
-        if known.iter().any(Task::is_active) {
+        if slurm_tasks(&state.jobs)?.iter().any(Task::is_active) {
             let jobs = jobs_text(&state.jobs);
             self.progress.print_line(&format!("following {jobs} of an earlier command"));
-            match self.follow(&state.jobs)? {
-                Followed::Ended(tasks) => known = tasks,
-                Followed::Interrupted => return Ok(Some(Exit::Interrupted)),
-            }
-            self.wait_for_files(state.division, &known);
-            if self.is_complete(state.division) {
-                return Ok(None);
+            match self.finish_round(state)? {
+                RoundEnd::Complete => return Ok(None),
+                RoundEnd::Incomplete(_) => {}
+                RoundEnd::Interrupted => return Ok(Some(Exit::Interrupted)),
             }
         }
         loop {
             let before = self.pass_count(state.division);
             self.submit_round(state, most_tasks)?;
-            match self.follow(&state.jobs)? {
-                Followed::Ended(tasks) => known = tasks,
-                Followed::Interrupted => return Ok(Some(Exit::Interrupted)),
-            }
-            self.wait_for_files(state.division, &known);
-            if self.is_complete(state.division) {
-                return Ok(None);
-            }
+            let known = match self.finish_round(state)? {
+                RoundEnd::Complete => return Ok(None),
+                RoundEnd::Incomplete(tasks) => tasks,
+                RoundEnd::Interrupted => return Ok(Some(Exit::Interrupted)),
+            };
             let missing = self.incomplete_shards(state.division);
             let cancelled = known.iter().filter(|task| task.state == "CANCELLED").count();
             if cancelled > 0 {
@@ -256,8 +251,17 @@ impl<'a> SlurmRender<'a> {
         Ok(())
     }
 
+    /// Follows the jobs of `state` until they have ended.
+    fn finish_round(&self, state: &FarmState) -> Result<RoundEnd, CommandFailure> {
+        let Some(tasks) = self.follow(&state.jobs)? else { return Ok(RoundEnd::Interrupted) };
+        self.wait_for_files(state.division, &tasks);
+        Ok(if self.is_complete(state.division) { RoundEnd::Complete } else { RoundEnd::Incomplete(tasks) })
+    }
+
     /// Waits until no job is active, and prints a line whenever the states of tasks change.
-    fn follow(&self, jobs: &[String]) -> Result<Followed, CommandFailure> {
+    ///
+    /// Returns the tasks as Slurm knew them last; `None` if a signal interrupted the command.
+    fn follow(&self, jobs: &[String]) -> Result<Option<Vec<Task>>, CommandFailure> {
         let start = Instant::now();
         let mut shown = String::new();
         let mut last: Vec<Task> = Vec::new();
@@ -274,7 +278,7 @@ impl<'a> SlurmRender<'a> {
                     }
                     if !tasks.iter().any(Task::is_active) {
                         // Slurm forgets ended jobs, but their last states tell why they ended.
-                        return Ok(Followed::Ended(if tasks.is_empty() { last } else { tasks }));
+                        return Ok(Some(if tasks.is_empty() { last } else { tasks }));
                     }
                     last = tasks;
                 }
@@ -289,7 +293,7 @@ impl<'a> SlurmRender<'a> {
                 }
             }
             if is_interrupted_within(self.arguments.poll) {
-                return Ok(Followed::Interrupted);
+                return Ok(None);
             }
         }
     }
