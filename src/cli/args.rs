@@ -184,8 +184,8 @@ pub struct EffectsArguments {
 /// Flags for reading scenes of other programs.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ImportArguments {
-    /// Format of the scene, by its file extension: txt, gltf, glb, xml or pbrt  [default: by the
-    /// extension of the file]
+    /// Format of the scene, by its file extension: txt, caustica, gltf, glb, xml or pbrt  [default:
+    /// by the extension of the file]
     #[arg(long, value_parser = parse_scene_format, value_name = "EXTENSION")]
     pub format: Option<String>,
 
@@ -557,4 +557,20 @@ fn parse_scene_format(text: &str) -> Result<String, String> {
     }
     let known = extensions().copied().collect::<Vec<_>>().join(", ");
     Err(format!("`{text}` is no scene format: write one of {known}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn help_of_format_names_every_extension() {
+        let command = ImportArguments::augment_args(clap::Command::new("render"));
+        let format = command.get_arguments().find(|argument| argument.get_id() == "format").unwrap();
+        let help = format.get_help().unwrap().to_string();
+        let words: Vec<&str> = help.split(|c: char| !c.is_alphanumeric()).collect();
+        for extension in IMPORTERS.iter().flat_map(|importer| importer.extensions()) {
+            assert!(words.contains(extension), "{extension}");
+        }
+    }
 }
