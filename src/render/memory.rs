@@ -152,7 +152,7 @@ pub fn check_error_estimate_memory(count: usize, size: (u32, u32), free: Option<
     check_pixel_memory(count, size, BYTES_PER_PIXEL + BYTES_PER_ESTIMATED_PIXEL, free)
 }
 
-/// Choice of the layers that a render stores beside its picture, each of which needs memory.
+/// Layers that a render stores beside its picture. Each of them needs memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RenderedLayers {
     /// True if the render estimates the error of its picture.

@@ -187,9 +187,7 @@ impl ImportContext<'_> {
         Err(object.place.error(message, "give a color whose values are finite and at least 0"))
     }
 
-    /// Adds a message for each value that the importer has not read.
-    ///
-    /// Objects of which the importer has read no value at all cause no message.
+    /// Adds a message for each value that the importer has not read, of objects that it has used.
     pub fn note_unread_values(&self) {
         let mut pending = vec![&self.tree.root];
         while let Some(object) = pending.pop() {
