@@ -97,8 +97,8 @@ impl LightBvhSampler {
         Some(sampler)
     }
 
-    /// Appends a subtree with `lights` to `nodes`. There must be at least one light. The root of the
-    /// subtree has the given `depth` in the tree.
+    /// Appends a subtree with `lights` to `nodes`. There must be at least one light. The root of
+    /// the subtree has the given `depth` in the tree.
     ///
     /// The bits of `trail` lead from the root of the tree to the subtree, as in
     /// [`LightBvhLocation::Tree`].

@@ -328,19 +328,21 @@ fn slurm_survives_killed_and_requeued_shards() {
     cluster.output("scancel", "--batch --signal=KILL 1_2");
     cluster.output("scontrol", "requeue 1_4");
     cluster.wait_for("1_2|FAILED");
-    // Slurm lets requeued tasks wait for two minutes.
+    // Slurm lets requeued tasks wait for two minutes. slurmd refuses a second start in the second
+    // in which it revoked the credential of the first.
     cluster.wait_for("1_4|PENDING");
+    std::thread::sleep(Duration::from_secs(3));
     cluster.output("scontrol", "update JobId=1_4 StartTime=now");
     let ended = farm.wait().unwrap();
     let log = fs::read_to_string(sandbox.path("farm.log")).unwrap();
-    println!("{log}");
+    let restarted = fs::read_to_string(sandbox.path("out.exr.farm/log/1_4.log")).unwrap();
+    println!("{log}\nThe log of the requeued shard:\n{restarted}");
     assert!(ended.success(), "{log}");
     for part in
         ["submitted 6 shards as job 1, and the merge as job 2", "1 failed", "incomplete shards: 2;", "300 passes"]
     {
         assert!(log.contains(part), "`{part}` is not in:\n{log}");
     }
-    let restarted = fs::read_to_string(sandbox.path("out.exr.farm/log/1_4.log")).unwrap();
     assert!(restarted.contains("shard 4 of 6, start 1") && restarted.contains("continuing shard-000004.film"));
     sandbox.render("box.txt", "-o whole.exr --passes 300 --photons 1k -q").expect(0, &[]);
     assert_eq!(sandbox.bytes("out.exr"), sandbox.bytes("whole.exr"));
