@@ -13,9 +13,11 @@ use crate::stats::Counters;
 pub struct RayPhotonBalance {
     /// Number of camera rays per pixel.
     pub samples: u32,
-    /// Number of photon paths that start in all directions; `None` without such paths.
+    /// Number of unaimed photon paths, for [`Settings::photons`](super::Settings::photons); `None`
+    /// without such paths.
     pub photons: Option<u32>,
-    /// Number of photon paths aimed at casters; `None` without such paths.
+    /// Number of aimed photon paths, for
+    /// [`Settings::caustic_photons`](super::Settings::caustic_photons); `None` without such paths.
     pub caustic_photons: Option<u32>,
 }
 

@@ -1,10 +1,8 @@
 //! Camera paths: the loop that every algorithm except `raycast` runs.
 //!
-//! A *receiver* is a surface that stores photons, or a scattering medium. A *caster* is any other
-//! surface that is not black, such as glass or a mirror; see
-//! [`PhotonKind`](crate::photon::PhotonKind). Light that reaches a receiver over casters forms a
-//! caustic. If the policy leaves caustics to photons, a camera path ignores emission that it hits
-//! after a receiver and one or more casters. So no light path counts twice.
+//! [`PhotonKind`](crate::photon::PhotonKind) defines receivers, casters and caustics. If the policy
+//! leaves caustics to photons, a camera path ignores emission that it hits after a receiver and one
+//! or more casters. So no light path counts twice.
 
 mod media;
 
@@ -35,8 +33,7 @@ const MIN_SPLIT_THROUGHPUT: f32 = 0.001;
 /// Mean throughput of the RGB channels below which Russian roulette may end a path.
 const ROULETTE_THROUGHPUT: f32 = 0.125;
 
-/// Number of bounces without Russian roulette for a path that has met only casters, such as glass
-/// or mirrors.
+/// Number of bounces without Russian roulette for a path that has met only casters.
 const ROULETTE_BOUNCE: u32 = 8;
 
 /// Largest number of branches of one camera path that wait on the stack to be traced.
@@ -64,7 +61,7 @@ pub(super) struct PathContext<'a> {
     pub max_bounces: u32,
     /// Technique that finds indirect light at the first receiver of a path: camera paths, photon
     /// estimates, or both.
-    indirect: IndirectTechnique<'a>,
+    indirect_technique: IndirectTechnique<'a>,
     /// Length above which a final-gathering ray reads the indirect map at its end \[length].
     min_gather_distance: f32,
 }
@@ -77,15 +74,15 @@ pub(super) struct PathState<I> {
     throughput: Rgb,
     bounce: u32,
     history: PathHistory,
-    /// Weight of the indirect light that this path finds; 1 unless photon estimates find the same
-    /// light.
+    /// Factor that the throughput gets at the next vertex: the weight of camera paths for indirect
+    /// light, just after the first receiver; else 1.
     ///
-    /// It multiplies the throughput only after the emission at the next vertex is added, because
-    /// that emission is direct light of the previous vertex.
-    indirect_weight: f32,
-    /// True after the path's first receiver, if this path and a photon estimate share the indirect
-    /// light of that receiver.
-    shares_indirect: bool,
+    /// Emission at the next vertex is direct light of the previous vertex. So the factor counts
+    /// only after that emission is added.
+    pending_indirect_weight: f32,
+    /// True after the path's first receiver, if this path carries a part of the receiver's indirect
+    /// light and a photon estimate carries the rest.
+    carries_shared_light: bool,
     /// Previous vertex if next-event estimation there could have sampled the light that the path
     /// hits now. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
     /// shadow rays.
@@ -107,7 +104,7 @@ pub(super) fn trace_camera_path<I: Interior>(
 ) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
     let mut radiance = Rgb::ZERO;
-    task.indirect_weights = paths.indirect.technique_weights(task.film_position);
+    task.inputs.technique_weights = paths.indirect_technique.technique_weights(task.inputs.film_position);
     let mut branch = Some(PathState::from_camera_ray(paths, ray, sampler));
     while let Some(mut path) = branch {
         loop {
@@ -121,10 +118,10 @@ pub(super) fn trace_camera_path<I: Interior>(
             let mut hit = match event {
                 PathEvent::Surface(hit) => hit,
                 PathEvent::Scattered { transmittance, crossed_hidden_boundary } => {
-                    path.throughput *= transmittance * path.indirect_weight;
-                    path.indirect_weight = 1.0;
+                    path.throughput *= transmittance * path.pending_indirect_weight;
+                    path.pending_indirect_weight = 1.0;
                     path.history.casters += u32::from(crossed_hidden_boundary);
-                    if media::scatter_in_medium(&mut path, phase, task.indirect_weights) {
+                    if media::scatter_in_medium(&mut path, phase, task.inputs.technique_weights) {
                         continue;
                     }
                     break;
@@ -146,8 +143,8 @@ pub(super) fn trace_camera_path<I: Interior>(
                 radiance += weigh_found_light(found, &path, task);
             }
             let interior = path.path_ray.interior;
-            path.throughput *= path.indirect_weight;
-            path.indirect_weight = 1.0;
+            path.throughput *= path.pending_indirect_weight;
+            path.pending_indirect_weight = 1.0;
 
             // Reflect and refract at casters.
             if !hit.surface.bsdf.stores_photons() {
@@ -182,7 +179,7 @@ fn shade_receiver<I: Interior>(
     radiance: &mut Rgb,
 ) -> bool {
     let PathContext { policy, nee, .. } = *paths;
-    let indirect = task.indirect_weights;
+    let weights = task.inputs.technique_weights;
 
     // End faint paths by Russian roulette before shading, which costs as much as many rays.
     let survival = color::channel_mean(path.throughput) / ROULETTE_THROUGHPUT;
@@ -198,9 +195,9 @@ fn shade_receiver<I: Interior>(
     let surface = &receiver.surface;
     let vertex = path.vertex_at_surface(paths, surface, interior, receiver.distance);
     let ends_gather_ray = ends_gather_ray(paths, &vertex);
-    let shares_indirect = shares_indirect_light(indirect, vertex.history);
+    let shares_indirect = shares_indirect_light(weights, vertex.history);
     let continues = path.bounce < paths.max_bounces
-        && (!shares_indirect || is_path_continued(indirect, vertex.sampler))
+        && (!shares_indirect || is_path_continued(weights, vertex.sampler))
         && !task.prefix.ends_at_receiver
         && match policy.continuation {
             PathContinuation::Never => false,
@@ -219,13 +216,13 @@ fn shade_receiver<I: Interior>(
         Rgb::ZERO
     };
 
-    task.groups.add(LightGroup::of_direct_light(vertex.history), path.throughput * direct);
+    task.pixel.groups.add(LightGroup::of_direct_light(vertex.history), path.throughput * direct);
 
     // Add the photon estimate.
     let reflected = direct + photon_radiance(paths, &vertex, ends_gather_ray, task);
     *radiance += path.throughput * reflected;
-    if path.shares_indirect {
-        task.indirect_light.paths += path.throughput * reflected;
+    if path.carries_shared_light {
+        task.records.indirect_by_technique.paths += path.throughput * reflected;
     }
 
     // Continue in a sampled direction.
@@ -234,13 +231,13 @@ fn shade_receiver<I: Interior>(
         return false;
     }
     if shares_indirect {
-        path.share_indirect_light(indirect, vertex.sampler);
+        path.share_indirect_light(weights, vertex.sampler);
     }
     true
 }
 
-/// Adds direct light at `caster`, such as glass or a mirror, to `radiance`. Continues `path` from
-/// there, or returns false if the path ends.
+/// Adds direct light at `caster` to `radiance`. Continues `path` from there, or returns false if
+/// the path ends.
 ///
 /// If a smooth dielectric splits the path, the reflected branch goes to `stack`. The function is
 /// not inlined, so that [`trace_camera_path`] stays small for scenes without casters.
@@ -325,7 +322,7 @@ fn photon_radiance<I: Interior>(
     ends_gather_ray: bool,
     task: &mut PathTask,
 ) -> Rgb {
-    let samples = match paths.policy.photons {
+    let lookup_scale = match paths.policy.photons {
         PhotonLookups::Never => return Rgb::ZERO,
         PhotonLookups::FewPerPixel => match vertex.sampler.sample_index_and_count() {
             (index, samples) if vertex.history.receivers == 0 && index < task.prefix.lookups => {
@@ -341,17 +338,17 @@ fn photon_radiance<I: Interior>(
     };
     let before_gather_ray = paths.policy.photons == PhotonLookups::GatherRays && !ends_gather_ray;
     let lookup = if before_gather_ray { PhotonMapChoice::Caustic } else { PhotonMapChoice::CausticAndIndirect };
-    let estimate = paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, samples, task));
-    let indirect = task.indirect_weights;
-    let interreflection = if shares_indirect_light(indirect, vertex.history) {
-        let samples = samples * indirect.photons;
-        paths.maps.map_or(Rgb::ZERO, |maps| maps.interreflection_radiance(vertex, samples, task))
+    let estimate = paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, lookup_scale, task));
+    let weights = task.inputs.technique_weights;
+    let interreflection = if shares_indirect_light(weights, vertex.history) {
+        let lookup_scale = lookup_scale * weights.photons;
+        paths.maps.map_or(Rgb::ZERO, |maps| maps.interreflection_radiance(vertex, lookup_scale, task))
     } else {
         Rgb::ZERO
     };
     let estimate = estimate + interreflection;
     task.prefix.photons += vertex.throughput * estimate;
-    task.photon_radiance += vertex.throughput * estimate;
+    task.pixel.photon_radiance += vertex.throughput * estimate;
     estimate
 }
 
@@ -360,8 +357,8 @@ fn photon_radiance<I: Interior>(
 ///
 /// `history` counts the receivers and casters on the path before this receiver.
 #[inline]
-fn shares_indirect_light(indirect: IndirectWeights, history: PathHistory) -> bool {
-    indirect.photons > 0.0 && history.receivers == 0
+fn shares_indirect_light(weights: IndirectWeights, history: PathHistory) -> bool {
+    weights.photons > 0.0 && history.receivers == 0
 }
 
 /// True if the camera path continues at its first receiver. `sampler` is the sampler of the vertex
@@ -370,8 +367,8 @@ fn shares_indirect_light(indirect: IndirectWeights, history: PathHistory) -> boo
 /// If photon estimates find part of the indirect light at the receiver, only some of a pixel's
 /// paths continue.
 #[inline]
-fn is_path_continued(indirect: IndirectWeights, sampler: Sampler) -> bool {
-    indirect.is_sample_continued(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ReceiverChoice))
+fn is_path_continued(weights: IndirectWeights, sampler: Sampler) -> bool {
+    weights.is_sample_continued(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ReceiverChoice))
 }
 
 /// Returns `light` times its weight, for `light` that `path` found: emission that it hit, or direct
@@ -382,15 +379,15 @@ fn is_path_continued(indirect: IndirectWeights, sampler: Sampler) -> bool {
 #[inline]
 fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, task: &mut PathTask) -> Rgb {
     if path.history.receivers > 0 {
-        if path.history.receivers > 1 && path.shares_indirect {
-            task.indirect_light.paths += light;
+        if path.history.receivers > 1 && path.carries_shared_light {
+            task.records.indirect_by_technique.paths += light;
         }
-        task.groups.add(LightGroup::of_found_light(path.history), light);
+        task.pixel.groups.add(LightGroup::of_found_light(path.history), light);
         return light;
     }
     let weighted = light * task.prefix.up_to_receiver_weight;
     task.prefix.up_to_receiver += weighted;
-    task.groups.add(LightGroup::Direct, weighted);
+    task.pixel.groups.add(LightGroup::Direct, weighted);
     weighted
 }
 
@@ -401,7 +398,12 @@ fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, task: &mut Path
     let normal = surface.facing_normal();
     let brdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, TransportMode::Radiance);
     let weight = color::channel_mean(vertex.throughput * brdf);
-    task.visible_points.push(VisiblePoint { position: surface.point.p, error: surface.point.error, normal, weight });
+    task.records.visible_points.push(VisiblePoint {
+        position: surface.point.p,
+        error: surface.point.error,
+        normal,
+        weight,
+    });
 }
 
 /// True if `vertex` ends a final-gathering ray that is long enough for a lookup in the indirect
@@ -470,16 +472,17 @@ impl<'a> PathContext<'a> {
         maps: Option<&'a PhotonMaps<'a>>,
         pass: u32,
         max_bounces: u32,
-        indirect: IndirectTechnique<'a>,
+        indirect_technique: IndirectTechnique<'a>,
     ) -> Self {
         let radius = maps.map_or(NO_MAP_RADIUS, |maps| maps.indirect.max_gather_radius());
-        Self { scene, policy, nee, maps, pass, max_bounces, indirect, min_gather_distance: MIN_GATHER_RADII * radius }
+        let min_gather_distance = MIN_GATHER_RADII * radius;
+        Self { scene, policy, nee, maps, pass, max_bounces, indirect_technique, min_gather_distance }
     }
 
     /// Returns this context with `technique` for the indirect light at the first receiver of a
     /// path.
     pub fn with_indirect_technique(self, technique: IndirectTechnique<'a>) -> Self {
-        Self { indirect: technique, ..self }
+        Self { indirect_technique: technique, ..self }
     }
 }
 
@@ -489,10 +492,10 @@ impl<I: Interior> PathState<I> {
     ///
     /// `sampler` is the sampler of the path's vertex at the receiver.
     #[inline]
-    fn share_indirect_light(&mut self, indirect: IndirectWeights, sampler: Sampler) {
+    fn share_indirect_light(&mut self, weights: IndirectWeights, sampler: Sampler) {
         let (_, samples) = sampler.sample_index_and_count();
-        self.indirect_weight = indirect.path_weight(samples);
-        self.shares_indirect = true;
+        self.pending_indirect_weight = weights.path_weight(samples);
+        self.carries_shared_light = true;
     }
 
     /// Returns the state of a new path that starts with camera ray `ray`.
@@ -505,8 +508,8 @@ impl<I: Interior> PathState<I> {
             throughput: Rgb::ONE,
             bounce: 0,
             history,
-            indirect_weight: 1.0,
-            shares_indirect: false,
+            pending_indirect_weight: 1.0,
+            carries_shared_light: false,
             prev: None,
             sampler,
         }

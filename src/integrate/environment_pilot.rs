@@ -1,8 +1,8 @@
 //! Pilot for guided sampling of the environment light.
 //!
-//! Camera paths of the pilot record points of receivers (surfaces that store photons). In each
-//! round, shadow rays towards the environment leave these points, guided by the rays of all earlier
-//! rounds. The last round measures how much guiding reduces the variance.
+//! Camera paths of the pilot record points of receivers. In each round, shadow rays towards the
+//! environment leave these points, guided by the rays of all earlier rounds. The last round
+//! measures how much guiding reduces the variance.
 
 use super::environment_guide::{EnvironmentGuide, EnvironmentGuideFit};
 use super::policy::PathContinuation;

@@ -75,11 +75,11 @@ fn trace_paths_by_chunks<T: Send>(
     let has_lens = paths.policy.effects.has(Effect::Lens);
     for_interior!(paths.policy.effects, <I> {
         let chunks = points.par_chunks(CHUNK).map(|chunk| {
-            let mut task = PathTask { nests_estimates: nested, ..PathTask::default() };
+            let mut task = PathTask::new(nested);
             let mut stack = Vec::<PathState<I>>::new();
             let values = chunk.iter().map(|(film, sampler)| {
                 task.counters.camera_rays += 1;
-                task.film_position = *film;
+                task.inputs.film_position = *film;
                 let lens = has_lens.then(|| sampler.get_2d(Dimension::Lens));
                 let ray = paths.scene.camera().generate_ray(*film, lens);
                 let radiance = trace_camera_path(paths, &ray, *sampler, &mut task, &mut stack);

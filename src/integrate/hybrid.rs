@@ -1,8 +1,6 @@
 //! `hybrid`: path tracing with next-event estimation, and photon mapping for caustics.
 //!
-//! A *receiver* is a surface that stores photons, or a scattering medium. A *caster* is any other
-//! surface that is not black, such as glass or a mirror; see
-//! [`PhotonKind`](crate::photon::PhotonKind).
+//! [`PhotonKind`](crate::photon::PhotonKind) defines receivers, casters and caustics.
 //!
 //! # Algorithm
 //! - **Prepare**: aim photon emission at casters, guide it to what the camera sees, and find gather
@@ -15,9 +13,8 @@
 //!   path of each pixel reads the photon maps at its first receiver, and some paths continue there.
 //!   Then trace prefix rays, which end at their first receiver, in the pixels that need them.
 //!
-//! Only photons carry caustics (light that reaches a receiver over casters). So a camera path
-//! ignores emission that it hits after a receiver and one or more casters. Gather radii shrink from
-//! pass to pass, so the mean of the passes converges.
+//! Only photons carry caustics. So a camera path ignores emission that it hits after a receiver and
+//! one or more casters. Gather radii shrink from pass to pass, so the mean of the passes converges.
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::Settings;

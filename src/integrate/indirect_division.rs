@@ -1,8 +1,8 @@
 //! Division of indirect light between camera paths and photon estimates.
 //!
-//! The light that receivers (surfaces that store photons) reflect to the first receiver of a camera
-//! path is found by two techniques. Camera paths that continue there find it, and so does a density
-//! estimate in the interreflection map. Their weights sum to 1.
+//! Two techniques find the light that receivers reflect to the first receiver of a camera path. One
+//! is the camera paths that continue there. The other is a density estimate in the interreflection
+//! map. Their weights sum to 1.
 //!
 //! Consider pass number i. Let v be the variance of the mean of the continued paths. Let u be the
 //! variance of the photon estimate, and b its bias. The photon estimate gets the weight v/(v + u +
@@ -12,6 +12,24 @@
 //!
 //! A pilot measures variances and bias in the cells of a grid over the film. Values between the
 //! centers of cells are interpolated.
+//!
+//! Five fields hold the division while a camera path is traced. Their order is that of time:
+//!
+//! | field | content | written at | read at |
+//! | --- | --- | --- | --- |
+//! | [`indirect_technique`] | technique of the pass | pass or pilot | start of a camera path |
+//! | [`technique_weights`] | weights of both techniques | start of a camera path | first receiver |
+//! | [`pending_indirect_weight`] | weight of the camera path | first receiver | next vertex |
+//! | [`carries_shared_light`] | if both techniques share light | first receiver | later vertices |
+//! | [`indirect_by_technique`] | light that each technique found | all vertices | end of a path |
+//!
+//! Only `indirect_pilot.rs` reads the last one.
+//!
+//! [`indirect_technique`]: super::camera_path::PathContext
+//! [`technique_weights`]: super::path_task::PathInputs::technique_weights
+//! [`pending_indirect_weight`]: super::camera_path::PathState
+//! [`carries_shared_light`]: super::camera_path::PathState
+//! [`indirect_by_technique`]: super::path_task::PilotRecords::indirect_by_technique
 
 use crate::color::Rgb;
 use glam::Vec2;
@@ -68,9 +86,8 @@ pub(super) struct IndirectDivision {
     pub cell_size: f32,
     /// Number of camera paths per pixel.
     pub samples: u32,
-    /// Number of photon paths per pass that fill the interreflection map, which photon estimates of
-    /// indirect light read.
-    pub photons: u32,
+    /// Number of unaimed photon paths per pass. They fill the interreflection map.
+    pub unaimed_paths: u32,
     /// Price of a camera path. A path continues after its first receiver only if that reduces the
     /// relative variance of indirect light by at least this value.
     pub path_price: f32,
@@ -160,7 +177,7 @@ impl IndirectErrors {
     #[inline]
     fn least_error_weights(&self, division: &IndirectDivision, number: f32, area: f32) -> IndirectWeights {
         let samples = division.samples;
-        let photons = self.photon_error(division.photons, number, area);
+        let photons = self.photon_error(division.unaimed_paths, number, area);
         let paths = self.path_variance;
         if photons <= 0.0 || paths <= 0.0 {
             // The pilot found no light by one of the techniques.
@@ -179,11 +196,11 @@ impl IndirectErrors {
     /// Returns the relative mean squared error of the photon estimate in pass `number`, counted
     /// from 1.
     ///
-    /// `photons` is the number of photon paths, and `area` the area of gather discs, relative to
+    /// `photon_paths` is their number in the pass, and `area` the area of gather discs, relative to
     /// the first pass. The squared bias counts `number` times, because all passes share it.
     #[inline]
-    fn photon_error(&self, photons: u32, number: f32, area: f32) -> f32 {
-        self.photon_variance / (photons as f32 * area) + number * self.squared_bias * area * area
+    fn photon_error(&self, photon_paths: u32, number: f32, area: f32) -> f32 {
+        self.photon_variance / (photon_paths as f32 * area) + number * self.squared_bias * area * area
     }
 }
 
@@ -233,7 +250,7 @@ impl IndirectDivision {
         for cell in &self.cells {
             let weights = cell.least_error_weights(self, number, area);
             let error = if weights.photons > 0.0 {
-                weights.photons * cell.photon_error(self.photons, number, area)
+                weights.photons * cell.photon_error(self.unaimed_paths, number, area)
             } else {
                 cell.path_variance / self.samples as f32
             };

@@ -115,10 +115,10 @@ struct PassCost {
 /// Runs the indirect-light pilot. Returns the division of indirect light with the least error times
 /// work; `None` if camera paths alone are about as good.
 pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<IndirectDivision> {
-    let photons = renderer.map_builder.counts.unaimed;
+    let unaimed_paths = renderer.map_builder.counts.unaimed;
     let mut pilot = renderer.with_one_sample();
     pilot.map_builder.compares_indirect_techniques = true;
-    let divisor = photons.div_ceil(MAX_PATHS).max(MIN_DIVISOR);
+    let divisor = unaimed_paths.div_ceil(MAX_PATHS).max(MIN_DIVISOR);
     let (cell_size, grid) = film_grid(renderer.scene.camera().size());
     let points = |trial: u32| -> Vec<FilmPoint> {
         let key = pilot_key(&pilot).pilot_trial_key(trial).purpose_key(Purpose::Camera);
@@ -138,7 +138,7 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
     let (film_points, other_film_points) = (points(0), points(1));
     let (light, counters) = trial.trace_paths(&pilot, &film_points, IndirectTechnique::Comparison);
     let (other_light, _) = other_trial.trace_paths(&pilot, &other_film_points, IndirectTechnique::Comparison);
-    let trial_photons = f64::from(photons) / f64::from(divisor);
+    let trial_photons = f64::from(unaimed_paths) / f64::from(divisor);
     let rare = if pilot.scene.media_in_use().iter().any(|medium| medium.scatters()) { RARE_IN_MEDIA } else { 1.0 };
     let (cells, direct_variance) = cell_errors(&light, &other_light, grid.0, trial_photons, rare)?;
 
@@ -159,7 +159,7 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
         cells,
         cell_size,
         samples: renderer.samples,
-        photons,
+        unaimed_paths,
         path_price: 0.0,
         passes: MAX_PASSES,
     };
@@ -251,7 +251,7 @@ impl LightParts {
     /// Splits the `radiance` of a camera path into its parts by the sums in `task`, and resets
     /// these sums.
     fn from_path_sums(radiance: Rgb, task: &mut PathTask) -> Self {
-        let light = std::mem::take(&mut task.indirect_light);
+        let light = std::mem::take(&mut task.records.indirect_by_technique);
         let prefix = std::mem::take(&mut task.prefix);
         let [total, up_to_receiver, all_photons, paths, photons, step] =
             [radiance, prefix.up_to_receiver, prefix.photons, light.paths, light.photons, light.nested_difference]
@@ -358,9 +358,9 @@ fn least_cost_division(
         (cost.direct_variance / n + error, work)
     };
     let priced = |part: f64| {
-        let photons = (f64::from(division.photons) * part).max(1.0) as u32;
+        let unaimed_paths = (f64::from(division.unaimed_paths) * part).max(1.0) as u32;
         let mut division =
-            IndirectDivision { photons, path_price: (path_variance / (n * n)) as f32, ..division.clone() };
+            IndirectDivision { unaimed_paths, path_price: (path_variance / (n * n)) as f32, ..division.clone() };
         for _ in 0..SEARCH_STEPS {
             let (error, work) = error_and_work(&division, part, TYPICAL_PASS);
             division.path_price = (error / work * cost.continuation) as f32;

@@ -6,8 +6,8 @@ use crate::color::Rgb;
 /// Direct, indirect or caustic part of a picture's light, by the receivers and casters on the
 /// light's way to the camera.
 ///
-/// Only *receivers* count: surfaces that store photons, such as matte ones, and media. Glass,
-/// mirrors and other *casters* between the camera and the first receiver change no group.
+/// Casters between the camera and the first receiver change no group.
+/// [`PhotonKind`](crate::photon::PhotonKind) defines receivers and casters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightGroup {
     /// Light that reaches the first receiver straight from a light, and light that the camera sees
@@ -15,7 +15,7 @@ pub enum LightGroup {
     Direct,
     /// Light that another receiver has scattered before the first receiver of the camera path.
     Indirect,
-    /// Light that reaches the first receiver over casters only, such as glass or mirrors.
+    /// Light that reaches the first receiver over casters only.
     Caustic,
 }
 

@@ -94,9 +94,7 @@ struct VolumeKernelRadiiPerMap {
 
 /// Builder of the photon maps of any pass. It holds the photon sources and gather radii.
 ///
-/// *Aimed* photon paths start towards casters, such as glass or mirrors. They fill the caustic map,
-/// and in `hybrid` the indirect map too. *Unaimed* paths start in all directions. They fill the
-/// interreflection map of `hybrid`, and the indirect map of other algorithms.
+/// [`PhotonMaps`] says which maps aimed and unaimed photon paths fill.
 #[derive(Debug)]
 pub(super) struct PhotonMapBuilder<'a> {
     scene: &'a Scene,
@@ -254,7 +252,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// paths, so no unaimed paths are traced.
     pub fn set_indirect_division(&mut self, division: Option<IndirectDivision>) {
         if let Some(division) = &division {
-            self.counts.unaimed = division.photons;
+            self.counts.unaimed = division.unaimed_paths;
         } else {
             self.unaimed_source = None;
             self.emission_guiding_reports.unaimed = None;

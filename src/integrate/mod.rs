@@ -6,15 +6,14 @@
 //!
 //! Terms of this folder:
 //!
-//! - *Receiver*: a surface that stores photons, or a scattering event in a medium. *Caster*: any
-//!   other surface that is not black, such as glass or a mirror. See
-//!   [`PhotonKind`](crate::photon::PhotonKind).
+//! - *Receiver*, *caster*, *caustic*: see [`PhotonKind`](crate::photon::PhotonKind).
+//! - *Caustic map*, *indirect map*, *interreflection map*; *aimed* and *unaimed* photon paths: see
+//!   `photon_maps.rs`.
 //! - *Prefix*: the part of a camera path up to its first receiver. *Prefix ray*: an extra camera
 //!   path that ends at its first receiver.
 //! - *Pilot*: a small simulation before the first pass, whose rays and photons no pass uses.
 //! - *Slice*: a part of the shutter interval with its own copy of the scene, photons and camera
 //!   rays.
-//! - *Aimed* photon paths start towards casters, *unaimed* ones in all directions.
 
 mod adaptive_pilot;
 mod algorithm;

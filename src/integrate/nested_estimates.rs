@@ -65,6 +65,8 @@ pub(super) struct NestedEstimateSum {
     ray: [Rgb; LEVELS - 1],
     /// Sum of `ray` over the camera rays of the pixel, weighted by the pixel filter \[W/(m² sr)].
     pixel: [DVec3; LEVELS - 1],
+    /// Radiance of the last estimate minus its radiance with half the disc area \[W/(m² sr)].
+    pub last_difference: Rgb,
     /// Sums of radius and photon count over the pixel's estimates from the caustic map.
     pub caustic: GatherDiscSum,
     /// Sums of radius and photon count over the pixel's estimates from the indirect and the
@@ -81,6 +83,7 @@ impl NestedEstimateSum {
         for (sum, pair) in self.ray.iter_mut().zip(radiance.windows(2)) {
             *sum += throughput * (pair[0] - pair[1]);
         }
+        self.last_difference = radiance[0] - radiance[1];
     }
 
     /// Adds the sums of the current camera ray, times its filter weight `weight`, to the pixel, and

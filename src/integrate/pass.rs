@@ -86,7 +86,7 @@ pub struct Pass {
     pub seconds: StageTimes,
     /// Report on the photon paths that start in all directions.
     pub unaimed: PhotonReport,
-    /// Report on the photon paths that are aimed at casters, such as glass or mirrors.
+    /// Report on the photon paths that are aimed at casters.
     ///
     /// They fill the caustic map, and in `hybrid` the indirect map too.
     pub aimed: PhotonReport,

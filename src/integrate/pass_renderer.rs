@@ -33,9 +33,8 @@ pub(super) struct PassRenderer<'a> {
     /// Number of camera rays of each pixel relative to `samples`; `None` gives each pixel `samples`
     /// rays.
     pub relative_ray_counts: Option<Arc<[f32]>>,
-    /// Number of prefix rays of each pixel, and their work; `None` traces none.
-    ///
-    /// Prefix rays are extra camera paths that end at their first receiver.
+    /// Number of [prefix rays](super::prefix_rays) of each pixel, and their work; `None` traces
+    /// none.
     pub prefix_rays: Option<PrefixRayCounts>,
 }
 

@@ -94,7 +94,7 @@ impl Integrator for PathIntegrator<'_> {
         let render_camera_paths = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn ProgressMonitor| {
             for_interior!(paths[0].policy.effects, <I> {
                 render_tiles(sampling, key, monitor, |ray, sampler, task, branches| {
-                    trace_camera_path::<I>(&paths[task.shutter_slice], ray, sampler, task, branches)
+                    trace_camera_path::<I>(&paths[task.inputs.shutter_slice], ray, sampler, task, branches)
                 })
             })
         };
@@ -236,9 +236,9 @@ impl<'a> PathIntegrator<'a> {
             let counts = &mut renderer.map_builder.counts;
             counts.unaimed = photons.unwrap_or(counts.unaimed);
             counts.aimed = caustic_photons.unwrap_or(counts.aimed);
-            let photons = counts.unaimed;
+            let unaimed_paths = counts.unaimed;
             if let Some(division) = &mut renderer.map_builder.indirect_division {
-                *division = Arc::new(IndirectDivision { samples, photons, ..(**division).clone() });
+                *division = Arc::new(IndirectDivision { samples, unaimed_paths, ..(**division).clone() });
             }
         }
 

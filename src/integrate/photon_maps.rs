@@ -1,4 +1,23 @@
 //! Photon maps of a pass, and radiance estimates from them.
+//!
+//! A pass traces two sets of photon paths. They have other names in settings, flags and reports:
+//!
+//! | photon paths | start | [`Settings`](super::Settings) | flag | name in JSON |
+//! | --- | --- | --- | --- | --- |
+//! | aimed | towards casters | `caustic_photons` | `--caustic-photons` | `caustic` |
+//! | unaimed | in all directions | `photons` | `--photons` | `global` |
+//!
+//! Each photon map holds some [kinds of photons](crate::photon::PhotonKind) of one set:
+//!
+//! | map | algorithm | kinds of photons | paths | finds |
+//! | --- | --- | --- | --- | --- |
+//! | caustic | all with photons | `Caustic` | aimed | caustics |
+//! | indirect | `pm`, `ppm`, `sppm` | `AfterCaustic`, `AfterDirect` | unaimed | indirect light |
+//! | indirect | `hybrid` | `AfterCaustic` | aimed | indirect light of caustics |
+//! | interreflection | `hybrid` | `AfterDirect` | unaimed | all other indirect light |
+//!
+//! If final-gathering rays read the indirect map of `pm`, it holds `Direct` photons too. Jensen
+//! 2001, flags and reports call the indirect map the global map.
 
 use super::light_group::LightGroup;
 use super::nested_estimates::GatherDiscSum;
@@ -36,28 +55,14 @@ pub(super) enum PhotonMapChoice {
     CausticAndIndirect,
 }
 
-/// Photon maps of one pass.
-///
-/// | map | algorithm | kinds of photons | emitted |
-/// | --- | --- | --- | --- |
-/// | caustic | all with photons | `Caustic` | towards casters |
-/// | indirect | `pm`, `ppm`, `sppm` | `AfterCaustic`, `AfterDirect` | in all directions |
-/// | indirect | `hybrid` | `AfterCaustic` | towards casters |
-/// | interreflection | `hybrid` | `AfterDirect` | in all directions |
-///
-/// [`PhotonKind`](crate::photon::PhotonKind) defines the kinds. If final-gathering rays read the
-/// indirect map of `pm`, it holds `Direct` photons too.
+/// Photon maps of one pass: the caustic, indirect and interreflection map, each as an estimator of
+/// radiance, and the map that guides final-gathering rays.
 pub(super) struct PhotonMaps<'a> {
-    /// Caustic map: photons of kind [`PhotonKind::Caustic`](crate::photon::PhotonKind::Caustic).
+    /// Caustic map.
     pub caustic: PhotonDensityEstimator<'a>,
-    /// Indirect map: photons of all indirect light except caustics. Jensen 2001 and the command
-    /// line call it the global map.
-    ///
-    /// In `hybrid`, it holds only light that a receiver has reflected from a caustic. If
-    /// final-gathering rays read the map, it also holds direct light.
+    /// Indirect map.
     pub indirect: PhotonDensityEstimator<'a>,
-    /// Interreflection map of `hybrid`: photons that went straight from a light to a receiver and
-    /// scattered there. `None` if camera paths carry all of this light.
+    /// Interreflection map of `hybrid`; `None` if camera paths carry all of its light.
     pub interreflection: Option<PhotonDensityEstimator<'a>>,
     /// Map of photons whose directions guide final-gathering rays.
     pub guides: PhotonMap,
@@ -68,98 +73,107 @@ pub(super) struct PhotonMaps<'a> {
 
 impl PhotonMaps<'_> {
     /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from the
-    /// maps that `lookup` names, times `samples` \[W/(m² sr)].
+    /// maps that `lookup` names, times `lookup_scale` \[W/(m² sr)]. Also adds the estimates to the
+    /// light groups of `task`.
     ///
-    /// One camera path may read the maps for all paths of its pixel. `samples` is then the number
-    /// of these paths, times a weight. Also adds the estimates to the light groups of `task`.
+    /// `lookup_scale` is the number of camera paths for which this estimate stands, times a weight:
+    /// one camera path may read the maps for all paths of its pixel.
     #[inline]
     pub fn radiance<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
         lookup: PhotonMapChoice,
-        samples: f32,
+        lookup_scale: f32,
         task: &mut PathTask,
     ) -> Rgb {
-        let caustic =
-            self.caustic.radiance(vertex, samples, |t| (&mut t.search_buffers.caustic, &mut t.nested.caustic), task);
+        let caustic = self.caustic.radiance(
+            vertex,
+            lookup_scale,
+            |t| (&mut t.scratch.searches.caustic, &mut t.pixel.nested.caustic),
+            task,
+        );
         let indirect = match lookup {
             PhotonMapChoice::Caustic => Rgb::ZERO,
             PhotonMapChoice::CausticAndIndirect => self.indirect.radiance(
                 vertex,
-                samples,
-                |t| (&mut t.search_buffers.indirect, &mut t.nested.indirect),
+                lookup_scale,
+                |t| (&mut t.scratch.searches.indirect, &mut t.pixel.nested.indirect),
                 task,
             ),
         };
-        task.groups.add(LightGroup::of_caustic_map(vertex.history), vertex.throughput * caustic * samples);
-        task.groups.add(LightGroup::Indirect, vertex.throughput * indirect * samples);
-        (caustic + indirect) * samples
+        task.pixel.groups.add(LightGroup::of_caustic_map(vertex.history), vertex.throughput * caustic * lookup_scale);
+        task.pixel.groups.add(LightGroup::Indirect, vertex.throughput * indirect * lookup_scale);
+        (caustic + indirect) * lookup_scale
     }
 
     /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from the
-    /// interreflection map, times `samples` \[W/(m² sr)]; 0 without that map. Also adds it, times
-    /// the throughput, to `task.indirect_light` and the light groups.
+    /// interreflection map, times `lookup_scale` \[W/(m² sr)]; 0 without that map.
     ///
-    /// One camera path may read the map for all paths of its pixel. `samples` is then the number of
-    /// these paths, times a weight.
+    /// Also adds it, times the throughput, to `task.records.indirect_by_technique` and the light
+    /// groups. [`PhotonMaps::radiance`] explains `lookup_scale`.
     #[inline]
     pub fn interreflection_radiance<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
-        samples: f32,
+        lookup_scale: f32,
         task: &mut PathTask,
     ) -> Rgb {
         let Some(map) = &self.interreflection else { return Rgb::ZERO };
-        task.nested_difference = Rgb::ZERO;
-        let radiance =
-            map.radiance(vertex, samples, |t| (&mut t.search_buffers.interreflection, &mut t.nested.indirect), task);
-        task.indirect_light.photons += vertex.throughput * radiance * samples;
-        task.indirect_light.nested_difference += vertex.throughput * task.nested_difference * samples;
-        task.groups.add(LightGroup::Indirect, vertex.throughput * radiance * samples);
-        radiance * samples
+        task.pixel.nested.last_difference = Rgb::ZERO;
+        let radiance = map.radiance(
+            vertex,
+            lookup_scale,
+            |t| (&mut t.scratch.searches.interreflection, &mut t.pixel.nested.indirect),
+            task,
+        );
+        task.records.indirect_by_technique.photons += vertex.throughput * radiance * lookup_scale;
+        task.records.indirect_by_technique.nested_difference +=
+            vertex.throughput * task.pixel.nested.last_difference * lookup_scale;
+        task.pixel.groups.add(LightGroup::Indirect, vertex.throughput * radiance * lookup_scale);
+        radiance * lookup_scale
     }
 
     /// Returns the radiance that a medium scatters to the start of a segment, estimated from the
-    /// caustic and the indirect map, times `samples` \[W/(m² sr)].
+    /// caustic and the indirect map, times `lookup_scale` \[W/(m² sr)].
     ///
-    /// One camera path may read the maps for all paths of its pixel; `samples` is then the number
-    /// of these paths. Also adds the estimates to the light groups of `task`.
+    /// Also adds the estimates to the light groups of `task`. [`PhotonMaps::radiance`] explains
+    /// `lookup_scale`.
     #[inline]
     pub fn radiance_in_medium<I: Interior>(
         &self,
         vertex: &MediumPathSegment<'_, I>,
-        samples: f32,
+        lookup_scale: f32,
         rng: &mut impl Rng,
         task: &mut PathTask,
     ) -> Rgb {
-        let caustic = self.caustic.volume.radiance(self.caustic.scene, vertex, samples, rng, task);
-        let indirect = self.indirect.volume.radiance(self.indirect.scene, vertex, samples, rng, task);
-        task.groups.add(LightGroup::of_caustic_map(vertex.history), vertex.throughput * caustic * samples);
-        task.groups.add(LightGroup::Indirect, vertex.throughput * indirect * samples);
-        (caustic + indirect) * samples
+        let caustic = self.caustic.volume.radiance(self.caustic.scene, vertex, lookup_scale, rng, task);
+        let indirect = self.indirect.volume.radiance(self.indirect.scene, vertex, lookup_scale, rng, task);
+        task.pixel.groups.add(LightGroup::of_caustic_map(vertex.history), vertex.throughput * caustic * lookup_scale);
+        task.pixel.groups.add(LightGroup::Indirect, vertex.throughput * indirect * lookup_scale);
+        (caustic + indirect) * lookup_scale
     }
 
     /// Returns the radiance that a medium scatters to the start of a segment, estimated from the
-    /// interreflection map, times `samples` \[W/(m² sr)]; 0 without that map. Also adds it, times
-    /// the throughput, to `task.indirect_light` and the light groups.
+    /// interreflection map, times `lookup_scale` \[W/(m² sr)]; 0 without that map.
     ///
-    /// One camera path may read the map for all paths of its pixel. `samples` is then the number of
-    /// these paths, times a weight.
+    /// Also adds it, times the throughput, to `task.records.indirect_by_technique` and the light
+    /// groups. [`PhotonMaps::radiance`] explains `lookup_scale`.
     #[inline]
     pub fn interreflection_radiance_in_medium<I: Interior>(
         &self,
         vertex: &MediumPathSegment<'_, I>,
-        samples: f32,
+        lookup_scale: f32,
         rng: &mut impl Rng,
         task: &mut PathTask,
     ) -> Rgb {
         let Some(map) = &self.interreflection else { return Rgb::ZERO };
-        task.nested_difference = Rgb::ZERO;
-        let radiance = map.volume.radiance(map.scene, vertex, samples, rng, task);
-        task.indirect_light.photons += vertex.throughput * radiance * samples;
-        task.indirect_light.nested_difference += vertex.throughput * task.nested_difference * samples;
-        task.groups.add(LightGroup::Indirect, vertex.throughput * radiance * samples);
-        radiance * samples
+        task.pixel.nested.last_difference = Rgb::ZERO;
+        let radiance = map.volume.radiance(map.scene, vertex, lookup_scale, rng, task);
+        task.records.indirect_by_technique.photons += vertex.throughput * radiance * lookup_scale;
+        task.records.indirect_by_technique.nested_difference +=
+            vertex.throughput * task.pixel.nested.last_difference * lookup_scale;
+        task.pixel.groups.add(LightGroup::Indirect, vertex.throughput * radiance * lookup_scale);
+        radiance * lookup_scale
     }
 }
 
@@ -172,21 +186,20 @@ impl PhotonDensityEstimator<'_> {
     /// Estimates the radiance that `vertex` reflects towards the previous vertex, from the photons
     /// of this map \[W/(m² sr)].
     ///
-    /// `scratch` returns the task's search buffers and sums for this map. `samples` is the number
-    /// of camera paths for which the estimate stands, times a weight. It multiplies only the nested
-    /// estimates in `task`, not the result.
+    /// `scratch` returns the task's search buffers and sums for this map. `lookup_scale` multiplies
+    /// only the nested estimates in `task`, not the result; see [`PhotonMaps::radiance`].
     #[inline]
     fn radiance<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
-        samples: f32,
+        lookup_scale: f32,
         scratch: fn(&mut PathTask) -> (&mut PhotonSearchBuffers, &mut GatherDiscSum),
         task: &mut PathTask,
     ) -> Rgb {
         if self.has_density_estimate_shares && vertex.history == PathHistory::default() {
-            self.radiance_with_shares::<I, true>(vertex, samples, scratch, task)
+            self.radiance_with_shares::<I, true>(vertex, lookup_scale, scratch, task)
         } else {
-            self.radiance_with_shares::<I, false>(vertex, samples, scratch, task)
+            self.radiance_with_shares::<I, false>(vertex, lookup_scale, scratch, task)
         }
     }
 
@@ -198,7 +211,7 @@ impl PhotonDensityEstimator<'_> {
     fn radiance_with_shares<I: Interior, const SHARED: bool>(
         &self,
         vertex: &PathVertex<'_, I>,
-        samples: f32,
+        lookup_scale: f32,
         scratch: fn(&mut PathTask) -> (&mut PhotonSearchBuffers, &mut GatherDiscSum),
         task: &mut PathTask,
     ) -> Rgb {
@@ -223,7 +236,7 @@ impl PhotonDensityEstimator<'_> {
         };
         let (p, normal) = (surface.point.p, surface.facing_normal());
         let (bandwidth, kernel, key) = (self.bandwidth, self.kernel, vertex.sampler.sample_key());
-        let nested = task.nests_estimates;
+        let nested = task.inputs.nests_estimates;
         let (buffers, discs) = scratch(task);
         if !nested {
             let estimate = self.map.estimate_radiance(p, normal, bandwidth, kernel, buffers, brdf);
@@ -249,8 +262,7 @@ impl PhotonDensityEstimator<'_> {
             let levels = nested_disc_coverage(self.scene, p, normal, whole.radius, kernel, key);
             radiance.iter_mut().zip(levels).for_each(|(radiance, covered)| *radiance /= covered);
         }
-        task.nested.add(vertex.throughput * samples, radiance);
-        task.nested_difference = radiance[0] - radiance[1];
+        task.pixel.nested.add(vertex.throughput * lookup_scale, radiance);
         estimate
     }
 }

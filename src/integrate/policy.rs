@@ -68,8 +68,7 @@ pub(super) enum PathContinuation {
     /// The path continues from its first receiver, by a final-gathering ray. It also continues from
     /// the end of a gather ray that is too short to read photon maps there.
     GatherRays,
-    /// The path continues from all receivers: surfaces that store photons, and scattering events in
-    /// media.
+    /// The path continues from all receivers.
     Always,
 }
 

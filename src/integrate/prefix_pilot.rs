@@ -263,7 +263,7 @@ fn render_light_parts(
     let sampling = tiles::FilmSampling { nested: false, ..pilot.film_sampling(pass) };
     for_interior!(pilot.policy.effects, <I> {
         tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, task, branches| {
-            let parts = parts(task.film_position);
+            let parts = parts(task.inputs.film_position);
             task.prefix = PrefixLightSums {
                 ends_at_receiver: parts != PathParts::Whole,
                 lookups: u32::from(parts != PathParts::Prefix),

@@ -1,4 +1,4 @@
-//! Prefix rays: extra camera paths that end at the first receiver (surface that stores photons).
+//! Prefix rays: extra camera paths that end at the first receiver.
 
 use crate::color::Rgb;
 use crate::stats::Counters;
@@ -14,7 +14,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrefixLightSums {
     /// Weight n/(n + m) of light that camera paths and prefix rays both find: emission, environment
-    /// light, and direct light at casters such as glass or mirrors.
+    /// light, and direct light at casters.
     ///
     /// The pixel has n camera paths and m prefix rays.
     pub up_to_receiver_weight: f32,
@@ -37,8 +37,6 @@ pub(super) struct PrefixLightSums {
 }
 
 /// Number of prefix rays of a pixel, and the number of those that read photon maps.
-///
-/// Prefix rays are extra camera paths that end at their first receiver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PrefixRayCount {
     pub rays: u8,
@@ -83,8 +81,6 @@ impl PrefixLightSums {
 }
 
 /// Number of prefix rays of each pixel, which a pilot chose, and their work.
-///
-/// Prefix rays are extra camera paths that end at their first receiver.
 #[derive(Clone, Debug)]
 pub(super) struct PrefixRayCounts {
     /// Number of prefix rays of each pixel, and how many of them read photon maps, by rows from the

@@ -87,8 +87,8 @@ pub struct EmissionGuidingReports {
     /// `hybrid`, the interreflection map.
     #[serde(rename = "global")]
     pub unaimed: Option<EmissionGuidingReport>,
-    /// Report for the paths aimed at casters, such as glass or mirrors. They fill the caustic map,
-    /// and in `hybrid` the indirect map too.
+    /// Report for the paths aimed at casters. They fill the caustic map, and in `hybrid` the
+    /// indirect map too.
     #[serde(rename = "caustic")]
     pub aimed: Option<EmissionGuidingReport>,
 }

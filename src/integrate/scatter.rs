@@ -1,7 +1,7 @@
 //! Direction sampling at the vertices of camera paths.
 
 use super::gather_guide::GUIDE_PHOTONS;
-use super::path_task::PathTask;
+use super::path_task::{PathTask, ScratchBuffers};
 use super::photon_maps::PhotonMaps;
 use super::policy::DirectionSampling;
 use super::vertex::PathVertex;
@@ -24,13 +24,13 @@ pub(super) fn collect_gather_directions<I: Interior>(
     vertex: &PathVertex<'_, I>,
     task: &mut PathTask,
 ) {
-    let PathTask { gather_guide, search_buffers, .. } = task;
+    let ScratchBuffers { gather_guide, searches, .. } = &mut task.scratch;
     gather_guide.clear();
     let guide = RefCell::new(gather_guide);
     let bandwidth = Bandwidth { radius: min_gather_distance * GUIDE_RADIUS, k: GUIDE_PHOTONS };
     let (p, normal) = (vertex.surface.point.p, vertex.surface.facing_normal());
     // The lookup visits the photons; its estimate is not used.
-    let _ = maps.guides.estimate_radiance(p, normal, bandwidth, Kernel::Cone, &mut search_buffers.guides, |flux| {
+    let _ = maps.guides.estimate_radiance(p, normal, bandwidth, Kernel::Cone, &mut searches.guides, |flux| {
         guide.borrow_mut().push_direction(flux.incident_direction());
         Rgb::ZERO
     });
@@ -63,13 +63,12 @@ pub(super) fn pdf<I: Interior>(
     if !is_guided(sampling, vertex) {
         return bsdf;
     }
-    task.gather_guide.pdf(wi).map_or(bsdf, |guide| 0.5 * (bsdf + guide))
+    task.scratch.gather_guide.pdf(wi).map_or(bsdf, |guide| 0.5 * (bsdf + guide))
 }
 
 /// True if directions at `vertex` are sampled from the BSDF and from the gather guide.
 ///
-/// False at casters (such as glass or mirrors): the guide holds directions of photons at the last
-/// receiver.
+/// False at casters: the guide holds directions of photons at the last receiver.
 #[inline]
 fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool {
     match sampling {
@@ -90,7 +89,7 @@ fn sample_bsdf_or_guide<I: Interior>(vertex: &PathVertex<'_, I>, task: &PathTask
         sample.pdf = mixed;
         return Some(sample);
     }
-    let Some(wi) = task.gather_guide.sample(2.0 * lobe, u) else {
+    let Some(wi) = task.scratch.gather_guide.sample(2.0 * lobe, u) else {
         return surface.sample(2.0 * lobe, u, TransportMode::Radiance);
     };
     let reflected = surface.bsdf_cosine(wi);

@@ -99,7 +99,7 @@ fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<L
     let tasks = with_path_context(renderer, &policy, ScatterPointSampling::Recorded, |paths| {
         trace_paths_through_film_points(paths, &points).1
     });
-    let samples = || tasks.iter().flat_map(|task| &task.in_scattering_samples);
+    let samples = || tasks.iter().flat_map(|task| &task.records.in_scattering_samples);
     let mean_radiance = samples().map(|sample| sample.contribution).sum::<f64>() / f64::from(count);
     if mean_radiance.is_nan() || mean_radiance <= 0.0 {
         return None;

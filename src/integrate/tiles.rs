@@ -13,6 +13,7 @@ use crate::sampling::{Dimension, Key, Sampler};
 use crate::stats::Counters;
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
+use std::iter;
 
 /// Edge length of a tile \[pixels]. Pixels of a tile share cached photons and bounding boxes.
 const TILE_SIZE: u32 = 16;
@@ -47,15 +48,26 @@ pub(super) struct FilmSampling<'a> {
     pub tile_stride: u32,
 }
 
-/// Number of prefix rays of each pixel of a picture, and the key of their random numbers.
-///
-/// Prefix rays are extra camera paths that end at their first receiver.
+/// Number of [prefix rays](super::prefix_rays) of each pixel of a picture, and the key of their
+/// random numbers.
 #[derive(Clone, Copy)]
 pub(super) struct PrefixRays<'a> {
     /// Number of prefix rays of each pixel, and how many of them read photon maps, by rows from the
     /// top.
     pub counts: &'a [PrefixRayCount],
     pub key: Key,
+}
+
+/// Camera rays of one pixel, or its prefix rays.
+struct PixelRays {
+    /// Random key of the rays.
+    key: Key,
+    /// Number of rays.
+    count: u32,
+    /// Division of the rays among the slices of the shutter interval.
+    slices: RaySlices,
+    /// Weights of the light that the rays find up to their first receiver.
+    light_weights: PrefixLightSums,
 }
 
 /// Rendered window of a picture with the counters of its camera rays.
@@ -143,6 +155,19 @@ impl<'a> Tile<'a> {
         }
         tiles
     }
+
+    /// Stores `pixel` in column `column`, row `row` of the tile.
+    fn store_pixel(&mut self, column: usize, row: usize, pixel: RenderedPixel) {
+        let RenderedPixel { radiance, nested, groups, clamped } = pixel;
+        self.image[row][column] = radiance;
+        if let Some(pixels) = self.nested.get_mut(row) {
+            pixels[column] = nested;
+        }
+        if let Some(pixels) = self.clamped.get_mut(row) {
+            pixels[column] = clamped;
+        }
+        self.groups.iter_mut().zip(groups).for_each(|(rows, light)| rows[row][column] = light);
+    }
 }
 
 /// Cuts the rows of a picture at tile borders. Returns the pieces from the top, each with the index
@@ -191,6 +216,28 @@ impl FilmSampling<'_> {
         self.prefix_rays.map_or(PrefixRayCount::default(), |rays| rays.counts[pixel])
     }
 
+    /// Returns the camera rays of the pixel in column `x`, row `y` of the whole picture, and its
+    /// prefix rays, if it has any. `key` is the random key of the picture's camera rays.
+    fn rays_of_pixel(&self, key: Key, x: u32, y: u32) -> (PixelRays, Option<PixelRays>) {
+        let index = y as usize * self.camera.size().0 as usize + x as usize;
+        let (samples, prefix) = (self.ray_count(index), self.prefix_ray_count(index));
+        let slices = self.divide_rays(x, y, samples);
+        let used_slices = slices.used_slice_count();
+        let camera_rays = PixelRays {
+            key: key.pixel_key(x, y),
+            count: samples,
+            slices,
+            light_weights: PrefixLightSums::camera_path_weights(samples, used_slices, prefix),
+        };
+        let prefix_rays = self.prefix_rays.filter(|_| prefix.rays > 0).map(|PrefixRays { key, .. }| PixelRays {
+            key: key.pixel_key(x, y),
+            count: prefix.rays.into(),
+            slices: self.divide_rays(x, y, prefix.rays.into()),
+            light_weights: PrefixLightSums::prefix_ray_weights(samples, used_slices, prefix),
+        });
+        (camera_rays, prefix_rays)
+    }
+
     /// Makes the camera ray of `sampler` in slice `slice` of the shutter interval, through the
     /// pixel whose upper left corner is `corner`.
     ///
@@ -216,7 +263,7 @@ impl FilmSampling<'_> {
     #[inline]
     fn film_position(&self, corner: Vec2, sampler: Sampler) -> (Vec2, f32) {
         let Some(filter) = self.filter else { return (corner + Vec2::Y, 1.0) };
-        // [`PixelSum::weighted_sum`] is unbiased only for independent samples. It is used for
+        // [`FilteredSum::weighted_sum`] is unbiased only for independent samples. It is used for
         // filters with negative values.
         let film = if filter.has_negative_values() {
             sampler.sample_key().uniform_2d(Dimension::Film)
@@ -230,23 +277,22 @@ impl FilmSampling<'_> {
 
 /// Renders the pixels in the window of `sampling` by tiles, in parallel.
 ///
-/// `radiance` returns the radiance along a camera ray \[W/(m² sr)]. Its arguments are the ray, the
-/// sampler of the ray, the task of the tile, and a `T` that all rays of a tile share.
+/// `trace_camera_path` returns the radiance along a camera ray \[W/(m² sr)]. For all algorithms
+/// except `raycast`, it is [`trace_camera_path`](super::camera_path::trace_camera_path). Its
+/// arguments are the ray, the sampler of the ray, the task of the tile, and a stack of branches
+/// that all rays of a tile share.
 pub(super) fn render_tiles<T: Default>(
     sampling: &FilmSampling<'_>,
     key: Key,
     monitor: &dyn ProgressMonitor,
-    radiance: impl Fn(&Ray, Sampler, &mut PathTask, &mut T) -> Rgb + Sync,
+    trace_camera_path: impl Fn(&Ray, Sampler, &mut PathTask, &mut T) -> Rgb + Sync,
 ) -> FilmImage {
-    let (whole_width, whole_height) = sampling.camera.size();
     // Searches for photons begin with the radius of the pixel before in the tile, which can change
     // last bits. So tiles lie as in the whole picture, and all their pixels are rendered.
-    let window = sampling.window.grown_to_tiles(TILE_SIZE, (whole_width, whole_height));
-    let CropWindow { left, top, .. } = window;
+    let window = sampling.window.grown_to_tiles(TILE_SIZE, sampling.camera.size());
     let (width, height) = window.size();
     let (columns, stride) = (width.div_ceil(TILE_SIZE), sampling.tile_stride);
     let pixels = width as usize * height as usize;
-    let is_signed = sampling.filter.is_some_and(Filter::has_negative_values);
     monitor.begin_stage(PassStage::Camera, pixels as u64 / u64::from(stride));
 
     // Cut the picture into tiles.
@@ -260,89 +306,15 @@ pub(super) fn render_tiles<T: Default>(
     let rendered_pixels = if stride > 1 { tiles.iter().flat_map(indices).collect() } else { Vec::new() };
 
     let work = tiles.into_par_iter().map(|mut tile| {
-        let groups = GroupedLight::new(sampling.groups_light);
-        let mut task = PathTask { nests_estimates: sampling.nested, groups, ..PathTask::default() };
-        let mut tile_state = T::default();
+        let mut task = PathTask::new(sampling.nested);
+        task.pixel.groups = GroupedLight::new(sampling.groups_light);
+        let mut branches = T::default();
         let mut rendered = 0;
         let tile_pixels = tile_pixels(tile.index, columns, width, height).take_while(|_| !monitor.is_cancelled());
-        for (column_in_window, row_in_window) in tile_pixels {
-            let (x, y) = (left + column_in_window, top + row_in_window);
-            let (pixel, corner) = (key.pixel_key(x, y), Vec2::new(x as f32, y as f32));
-            let index = y as usize * whole_width as usize + x as usize;
-            let (samples, prefix) = (sampling.ray_count(index), sampling.prefix_ray_count(index));
-            let mut sum = PixelSum::default();
-            let mut group_sums = GroupSums::default();
-            let mut removed = RemovedLight::default();
-            let slices = sampling.divide_rays(x, y, samples);
-            task.prefix = PrefixLightSums::camera_path_weights(samples, slices.used_slice_count(), prefix);
-            task.film_position = corner + 0.5;
-            for sample in 0..samples {
-                // Trace one camera ray.
-                let sampler = Sampler::new(pixel, sample, samples);
-                task.shutter_slice = slices.slice(sample);
-                let (ray, weight) = sampling.generate_ray(task.shutter_slice, corner, sampler);
-                task.counters.camera_rays += 1;
-                task.photon_radiance = Rgb::ZERO;
-                let mut value = radiance(&ray, sampler, &mut task, &mut tile_state);
-
-                // Add its radiance to the pixel.
-                if let Some(limit) = sampling.clamp {
-                    removed.add_camera_ray(clamp_path_light(&mut value, limit, &mut task), weight);
-                }
-                let finite = value.is_finite();
-                if finite {
-                    sum.add(value, weight);
-                    group_sums.add_camera_ray(&mut task.groups, weight);
-                } else {
-                    task.groups.take_sums();
-                    task.counters.rejected_samples += 1;
-                }
-                if sampling.nested {
-                    task.nested.finish_camera_ray(finite.then_some(weight));
-                }
-            }
-            let mut prefix_sum = CompensatedSum::default();
-            if let Some(PrefixRays { key, .. }) = sampling.prefix_rays
-                && prefix.rays > 0
-            {
-                task.prefix = PrefixLightSums::prefix_ray_weights(samples, slices.used_slice_count(), prefix);
-                let slices = sampling.divide_rays(x, y, prefix.rays.into());
-                for ray in 0..u32::from(prefix.rays) {
-                    // Trace one prefix ray and add its light.
-                    let sampler = Sampler::new(key.pixel_key(x, y), ray, prefix.rays.into());
-                    task.shutter_slice = slices.slice(ray);
-                    let (ray, weight) = sampling.generate_ray(task.shutter_slice, corner, sampler);
-                    task.counters.camera_rays += 1;
-                    task.photon_radiance = Rgb::ZERO;
-                    let mut value = radiance(&ray, sampler, &mut task, &mut tile_state);
-                    if let Some(limit) = sampling.clamp {
-                        removed.add_prefix_ray(clamp_path_light(&mut value, limit, &mut task), weight);
-                    }
-                    let finite = value.is_finite();
-                    if finite {
-                        prefix_sum.add(value.as_dvec3() * f64::from(weight));
-                        group_sums.add_prefix_ray(&mut task.groups, weight);
-                    } else {
-                        task.groups.take_sums();
-                        task.counters.rejected_samples += 1;
-                    }
-                    if sampling.nested {
-                        task.nested.finish_camera_ray(finite.then_some(weight));
-                    }
-                }
-            }
-            let (column, row) = ((column_in_window % TILE_SIZE) as usize, (row_in_window % TILE_SIZE) as usize);
-            let total = if is_signed { sum.weighted_sum() } else { sum.unweighted_sum() };
-            tile.image[row][column] = ((total + prefix_sum.value()) / f64::from(samples)).as_vec3();
-            if sampling.nested {
-                tile.nested[row][column] = task.nested.finish_pixel(samples);
-            }
-            if sampling.clamp.is_some() {
-                tile.clamped[row][column] = removed.pixel_value(is_signed, samples);
-            }
-            for (group, rows) in tile.groups.iter_mut().enumerate() {
-                rows[row][column] = group_sums.pixel_value(group, is_signed, samples);
-            }
+        for (column, row) in tile_pixels {
+            let (x, y) = (window.left + column, window.top + row);
+            let pixel = render_pixel(sampling, key, (x, y), &mut task, &mut branches, &trace_camera_path);
+            tile.store_pixel((column % TILE_SIZE) as usize, (row % TILE_SIZE) as usize, pixel);
             rendered += 1;
         }
         monitor.report_progress(rendered);
@@ -354,6 +326,76 @@ pub(super) fn render_tiles<T: Default>(
     });
     let picture = FilmImage { image, nested, groups, clamped, pixels: rendered_pixels, counters };
     if window == sampling.window { picture } else { picture.cropped_to_window(window, sampling.window) }
+}
+
+/// Renders the pixel in column `x`, row `y` of the whole picture: traces its camera rays and prefix
+/// rays, and averages their light.
+///
+/// `trace_camera_path` and `branches` are as in [`render_tiles`]. Counts the rays in `task`.
+fn render_pixel<T>(
+    sampling: &FilmSampling<'_>,
+    key: Key,
+    (x, y): (u32, u32),
+    task: &mut PathTask,
+    branches: &mut T,
+    trace_camera_path: &impl Fn(&Ray, Sampler, &mut PathTask, &mut T) -> Rgb,
+) -> RenderedPixel {
+    let corner = Vec2::new(x as f32, y as f32);
+    let mut sums = PixelSums::default();
+    task.inputs.film_position = corner + 0.5;
+    let (camera_rays, prefix_rays) = sampling.rays_of_pixel(key, x, y);
+    let samples = camera_rays.count;
+    for rays in iter::once(camera_rays).chain(prefix_rays) {
+        task.prefix = rays.light_weights;
+        let is_prefix_ray = rays.light_weights.ends_at_receiver;
+        for index in 0..rays.count {
+            // Trace one ray.
+            let sampler = Sampler::new(rays.key, index, rays.count);
+            task.inputs.shutter_slice = rays.slices.slice(index);
+            let (ray, weight) = sampling.generate_ray(task.inputs.shutter_slice, corner, sampler);
+            task.counters.camera_rays += 1;
+            task.pixel.photon_radiance = Rgb::ZERO;
+            let mut value = trace_camera_path(&ray, sampler, task, branches);
+
+            // Add its light to the sums of the pixel.
+            if let Some(limit) = sampling.clamp {
+                sums.clamped.add_ray(clamp_path_light(&mut value, limit, task), weight, is_prefix_ray);
+            }
+            let groups = task.pixel.groups.take_sums();
+            let is_finite = value.is_finite();
+            if is_finite {
+                sums.radiance.add_ray(value, weight, is_prefix_ray);
+                if sampling.groups_light {
+                    let sums = sums.groups.iter_mut().zip(groups);
+                    sums.for_each(|(sum, light)| sum.add_ray(light, weight, is_prefix_ray));
+                }
+            } else {
+                task.counters.rejected_samples += 1;
+            }
+            if sampling.nested {
+                task.pixel.nested.finish_camera_ray(is_finite.then_some(weight));
+            }
+        }
+    }
+    let is_signed = sampling.filter.is_some_and(Filter::has_negative_values);
+    RenderedPixel {
+        radiance: sums.radiance.pixel_value(is_signed, samples),
+        nested: task.pixel.nested.finish_pixel(samples),
+        groups: sums.groups.map(|sum| sum.pixel_value(is_signed, samples)),
+        clamped: sums.clamped.pixel_value(is_signed, samples),
+    }
+}
+
+/// Light of one pixel, averaged over its rays.
+struct RenderedPixel {
+    /// Radiance \[W/(m² sr)].
+    radiance: Rgb,
+    /// Differences of nested photon estimates; 0 unless [`FilmSampling::nested`] is true.
+    nested: NestedEstimates,
+    /// Radiance by light group \[W/(m² sr)]; 0 unless [`FilmSampling::groups_light`] is true.
+    groups: [Rgb; LightGroup::ALL.len()],
+    /// Radiance that clamping removed \[W/(m² sr)].
+    clamped: Rgb,
 }
 
 /// Returns the stride n ≥ 2 for which rendering one of every n tiles renders about `wanted` tiles.
@@ -376,9 +418,46 @@ fn tile_pixels(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterato
     (top..height.min(top + TILE_SIZE)).flat_map(move |y| (left..width.min(left + TILE_SIZE)).map(move |x| (x, y)))
 }
 
-/// Sums of the radiance and filter weights of a pixel's samples.
+/// Sums over the rays of one pixel, of all light that the pixel reports.
 #[derive(Default)]
-struct PixelSum {
+struct PixelSums {
+    radiance: RaySums,
+    groups: [RaySums; LightGroup::ALL.len()],
+    /// Radiance that clamping removed.
+    clamped: RaySums,
+}
+
+/// Sum of radiance over a pixel's camera rays, and over its prefix rays.
+#[derive(Default)]
+struct RaySums {
+    camera_rays: FilteredSum,
+    /// Sum over the prefix rays of radiance times filter weight.
+    prefix_rays: CompensatedSum,
+}
+
+impl RaySums {
+    /// Adds the radiance `value` of a ray with filter weight `weight`.
+    #[inline]
+    fn add_ray(&mut self, value: Rgb, weight: f32, is_prefix_ray: bool) {
+        if is_prefix_ray {
+            self.prefix_rays.add(value.as_dvec3() * f64::from(weight));
+        } else {
+            self.camera_rays.add(value, weight);
+        }
+    }
+
+    /// Returns the radiance of a pixel with `samples` camera rays \[W/(m² sr)].
+    ///
+    /// `is_signed` is true if the pixel filter has negative values.
+    fn pixel_value(&self, is_signed: bool, samples: u32) -> Rgb {
+        let camera_rays = if is_signed { self.camera_rays.weighted_sum() } else { self.camera_rays.unweighted_sum() };
+        ((camera_rays + self.prefix_rays.value()) / f64::from(samples)).as_vec3()
+    }
+}
+
+/// Sums of radiance and filter weights over a pixel's camera rays.
+#[derive(Default)]
+struct FilteredSum {
     /// Sum of radiance values.
     values: CompensatedSum,
     /// Sum of radiance values, each times its filter weight.
@@ -388,7 +467,7 @@ struct PixelSum {
     count: u32,
 }
 
-impl PixelSum {
+impl FilteredSum {
     #[inline]
     fn add(&mut self, value: Rgb, weight: f32) {
         let value = value.as_dvec3();
@@ -427,79 +506,16 @@ impl PixelSum {
 /// Each channel of the ray's light groups in `task` shrinks by the same factor as that channel of
 /// `value`. A `value` that is not finite stays as it is, because the caller rejects it.
 fn clamp_path_light(value: &mut Rgb, limit: f32, task: &mut PathTask) -> Rgb {
-    let found = *value - task.photon_radiance;
+    let found = *value - task.pixel.photon_radiance;
     let largest = found.max_element();
     if !(value.is_finite() && largest > limit) {
         return Rgb::ZERO;
     }
-    let clamped = task.photon_radiance + found * (limit / largest);
+    let clamped = task.pixel.photon_radiance + found * (limit / largest);
     let removed = *value - clamped;
-    task.groups.scale(Rgb::select(value.cmpgt(Rgb::ZERO), clamped / *value, Rgb::ONE));
+    task.pixel.groups.scale(Rgb::select(value.cmpgt(Rgb::ZERO), clamped / *value, Rgb::ONE));
     *value = clamped;
     removed
-}
-
-/// Sums of the radiance that clamping removes from a pixel, over its camera paths and prefix rays.
-#[derive(Default)]
-struct RemovedLight {
-    paths: PixelSum,
-    prefix_rays: CompensatedSum,
-}
-
-impl RemovedLight {
-    fn add_camera_ray(&mut self, removed: Rgb, weight: f32) {
-        self.paths.add(removed, weight);
-    }
-
-    fn add_prefix_ray(&mut self, removed: Rgb, weight: f32) {
-        self.prefix_rays.add(removed.as_dvec3() * f64::from(weight));
-    }
-
-    /// Returns the radiance removed from a pixel with `samples` camera paths \[W/(m² sr)].
-    ///
-    /// `is_signed` is true if the pixel filter has negative values.
-    fn pixel_value(&self, is_signed: bool, samples: u32) -> Rgb {
-        let paths = if is_signed { self.paths.weighted_sum() } else { self.paths.unweighted_sum() };
-        ((paths + self.prefix_rays.value()) / f64::from(samples)).as_vec3()
-    }
-}
-
-/// Sums of a pixel's light by light group, over its camera paths and its prefix rays.
-#[derive(Default)]
-struct GroupSums {
-    paths: [PixelSum; LightGroup::ALL.len()],
-    prefix_rays: [CompensatedSum; LightGroup::ALL.len()],
-}
-
-impl GroupSums {
-    /// Adds the light of one camera path, which `light` holds, with its filter weight `weight`.
-    /// Resets `light`.
-    fn add_camera_ray(&mut self, light: &mut GroupedLight, weight: f32) {
-        if light.is_wanted {
-            self.paths.iter_mut().zip(light.take_sums()).for_each(|(sum, value)| sum.add(value, weight));
-        }
-    }
-
-    /// Adds the light of one prefix ray, which `light` holds, times its filter weight `weight`.
-    /// Resets `light`.
-    fn add_prefix_ray(&mut self, light: &mut GroupedLight, weight: f32) {
-        if light.is_wanted {
-            let weight = f64::from(weight);
-            self.prefix_rays
-                .iter_mut()
-                .zip(light.take_sums())
-                .for_each(|(sum, value)| sum.add(value.as_dvec3() * weight));
-        }
-    }
-
-    /// Returns the radiance of a group in a pixel with `samples` camera paths \[W/(m² sr)].
-    ///
-    /// `is_signed` is true if the pixel filter has negative values.
-    fn pixel_value(&self, group: usize, is_signed: bool, samples: u32) -> Rgb {
-        let paths = &self.paths[group];
-        let total = if is_signed { paths.weighted_sum() } else { paths.unweighted_sum() };
-        ((total + self.prefix_rays[group].value()) / f64::from(samples)).as_vec3()
-    }
 }
 
 #[cfg(test)]

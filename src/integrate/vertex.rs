@@ -10,8 +10,7 @@ use glam::Vec3;
 /// [`PhotonKind`](crate::photon::PhotonKind) defines receivers and casters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PathHistory {
-    /// Number of receivers since the camera: surfaces that store photons, and scattering events in
-    /// media.
+    /// Number of receivers since the camera.
     pub receivers: u32,
     /// Number of casters since the last receiver; since the camera if there is none.
     pub casters: u32,

@@ -61,7 +61,7 @@ pub(super) fn record_receiver_points(
     let samplers = (0..rays).map(|i| Sampler::new(key, i, rays));
     let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
     let (_, tasks) = trace_paths_through_film_points(&paths, &points);
-    tasks.into_iter().flat_map(|task| task.visible_points).collect()
+    tasks.into_iter().flat_map(|task| task.records.visible_points).collect()
 }
 
 /// Returns the rules of camera paths that record visible points but compute no light.

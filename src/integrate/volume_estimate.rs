@@ -155,13 +155,13 @@ impl BeamAndPointMaps {
 
     /// Estimates the radiance that a medium scatters to the start of a segment \[W/(m² sr)].
     ///
-    /// `samples` is the number of camera paths for which the estimate stands, times a weight. It
-    /// multiplies only the nested estimates in `task`, not the result.
+    /// `lookup_scale` is the number of camera paths for which the estimate stands, times a weight.
+    /// It multiplies only the nested estimates in `task`, not the result.
     pub fn radiance<I: Interior>(
         &self,
         scene: &Scene,
         path_segment: &MediumPathSegment<'_, I>,
-        samples: f32,
+        lookup_scale: f32,
         rng: &mut impl Rng,
         task: &mut PathTask,
     ) -> Rgb {
@@ -169,8 +169,8 @@ impl BeamAndPointMaps {
             return Rgb::ZERO;
         }
         task.counters.gathers += 1;
-        let nested = task.nests_estimates;
-        let (count, curve) = (&mut task.counters.gathered_photons, &mut task.transmittance);
+        let nested = task.inputs.nests_estimates;
+        let (count, curve) = (&mut task.counters.gathered_photons, &mut task.scratch.transmittance);
         let MediumSegment { ray, medium, .. } = path_segment.segment;
         let mut levels = [Rgb::ZERO; LEVELS];
         let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
@@ -187,8 +187,7 @@ impl BeamAndPointMaps {
             });
         }
         if nested {
-            task.nested.add(path_segment.throughput * samples, levels);
-            task.nested_difference = levels[0] - levels[1];
+            task.pixel.nested.add(path_segment.throughput * lookup_scale, levels);
         }
         levels[0]
     }

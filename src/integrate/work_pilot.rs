@@ -55,7 +55,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     if one_source {
         std::mem::swap(&mut maps.indirect, &mut other_maps.indirect);
     }
-    let other_caustic = estimate_at_points(renderer, Some(&maps), &points);
+    let other_aimed = estimate_at_points(renderer, Some(&maps), &points);
     let has_unaimed = !one_source || other_maps.interreflection.is_some();
     let other_unaimed = has_unaimed.then(|| estimate_at_points(renderer, Some(&other_maps), &points));
     // Without the interreflection map, only photons of aimed paths are gathered: in `hybrid`, those
@@ -67,7 +67,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let mean: Vec<f64> = (0..points.len())
         .map(|i| {
             let values =
-                [&reference, &other_camera, &other_caustic].map(|e| f64::from(color::channel_mean(e.radiance[i])));
+                [&reference, &other_camera, &other_aimed].map(|e| f64::from(color::channel_mean(e.radiance[i])));
             values.iter().sum::<f64>() / 3.0
         })
         .collect();
@@ -99,26 +99,26 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
         count: f64::from(renderer.samples),
     };
     let unaimed_noise = other_unaimed.map_or(0.0, |other| noise(&other));
-    let (unaimed, caustic) = if other_maps.interreflection.is_some() {
-        let (aimed, all) = (made.aimed.emitted as f64, made.unaimed.emitted as f64);
+    let (unaimed, aimed) = if other_maps.interreflection.is_some() {
+        let (aimed_paths, unaimed_paths) = (made.aimed.emitted as f64, made.unaimed.emitted as f64);
         (
-            photons(unaimed_noise, &made.unaimed, counts.unaimed, gathered_unaimed, all),
-            photons(noise(&other_caustic), &made.aimed, counts.aimed, gathered - gathered_unaimed, aimed),
+            photons(unaimed_noise, &made.unaimed, counts.unaimed, gathered_unaimed, unaimed_paths),
+            photons(noise(&other_aimed), &made.aimed, counts.aimed, gathered - gathered_unaimed, aimed_paths),
         )
     } else {
         (
             photons(unaimed_noise, &made.unaimed, counts.unaimed, gathered, paths),
-            photons(noise(&other_caustic), &made.aimed, counts.aimed, gathered, paths),
+            photons(noise(&other_aimed), &made.aimed, counts.aimed, gathered, paths),
         )
     };
 
     // Divide the work between the sources.
-    let [samples, photons, caustic_photons] = balance::balance_sample_counts(&[camera, unaimed, caustic]);
+    let [samples, unaimed, aimed] = balance::balance_sample_counts(&[camera, unaimed, aimed]);
     let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
     Some(RayPhotonBalance {
         samples: samples.round().max(1.0) as u32,
-        photons: paths(photons, made.unaimed.emitted),
-        caustic_photons: paths(caustic_photons, made.aimed.emitted),
+        photons: paths(unaimed, made.unaimed.emitted),
+        caustic_photons: paths(aimed, made.aimed.emitted),
     })
 }
 

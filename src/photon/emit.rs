@@ -66,7 +66,7 @@ impl<'a> PhotonSource<'a> {
     }
 
     /// Creates a source that emits only towards the bounding spheres of
-    /// [casters](super::PhotonKind), such as glass or mirrors.
+    /// [casters](super::PhotonKind).
     ///
     /// The probability of a light is mainly proportional to its power towards the spheres, which is
     /// estimated by sampling. If a caster is unbounded, the source emits in all directions. Returns

@@ -1,10 +1,14 @@
-//! Kinds of photons by path history, and the mask that selects the kinds to store.
+//! Receivers and casters, kinds of photons by path history, and the mask that selects the kinds to
+//! store.
 
 /// Kind of a stored photon, which follows from the earlier vertices of its path.
 ///
-/// A *receiver* is a surface with [`Bsdf::stores_photons`](crate::bsdf::Bsdf::stores_photons), or a
-/// scattering medium. A *caster* is any other surface that is not black, such as glass or a mirror;
-/// see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
+/// - *Receiver*: a surface that stores photons, such as a matte one
+///   ([`Bsdf::stores_photons`](crate::bsdf::Bsdf::stores_photons)), or a scattering event in a
+///   medium.
+/// - *Caster*: any other surface that is not black, such as glass or a mirror
+///   ([`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics)).
+/// - *Caustic*: light that goes from its source over one or more casters to a receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PhotonKind {
     /// Direct light: the path has no vertex between the light and the photon.

@@ -13,10 +13,9 @@ use glam::Vec3;
 pub struct SceneFeatures {
     /// Number of shapes, meshes and planes with a material.
     pub objects: usize,
-    /// Number of receivers: objects that store photons, see
-    /// [`Bsdf::stores_photons`](crate::bsdf::Bsdf::stores_photons).
+    /// Number of objects that are [receivers](crate::photon::PhotonKind).
     pub receivers: usize,
-    /// Number of objects that store photons and are not black.
+    /// Number of receivers that are not black.
     pub scattering_receivers: usize,
     /// Number of caustic casters, see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     pub casters: usize,

@@ -91,7 +91,7 @@ pub struct RenderResult {
     pub seconds: StageTimes,
     /// Counts and flux of the photon paths that start in all directions.
     pub unaimed: PhotonReport,
-    /// Counts and flux of the photon paths that are aimed at casters, such as glass or mirrors.
+    /// Counts and flux of the photon paths that are aimed at casters.
     pub aimed: PhotonReport,
     /// Wall time of all passes, from the start of the first one. The times of a continued render,
     /// and of merged renders, add up.

@@ -60,32 +60,32 @@ fn cross_medium<I: Interior>(
         PathHistory { casters: path.history.casters + u32::from(segment.crossed_hidden_boundary), ..path.history };
     if medium.emits() {
         let emitted = throughput * medium.emitted_radiance(ray, ray.t_max, rng);
-        task.groups.add(LightGroup::of_found_light(history), emitted);
+        task.pixel.groups.add(LightGroup::of_found_light(history), emitted);
         *radiance += emitted;
     }
-    let throughput = throughput * path.indirect_weight;
+    let throughput = throughput * path.pending_indirect_weight;
     if !medium.scatters() {
         *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
         return None;
     }
 
     // Add single scattering of the lights, and light that photons carried.
-    let indirect = task.indirect_weights;
+    let weights = task.inputs.technique_weights;
     let continues = policy.continuation == PathContinuation::Always
         && path.bounce < paths.max_bounces
-        && (!shares_indirect_light(indirect, history) || is_path_continued(indirect, path.sampler));
+        && (!shares_indirect_light(weights, history) || is_path_continued(weights, path.sampler));
     let distance_sample = medium.distance_sample(ray, ray.t_max, throughput, rng);
     let shadow_sampler = path.sampler.shadow_ray_sampler(paths.pass);
     let path_segment = MediumPathSegment { segment, history, throughput, sampler: path.sampler, shadow_sampler };
     let mut scattered = Rgb::ZERO;
     if policy.direct_light {
         scattered += paths.nee.estimate_direct_light_in_medium(&path_segment, &distance_sample, continues, task);
-        task.groups.add(LightGroup::of_direct_light(history), throughput * scattered);
+        task.pixel.groups.add(LightGroup::of_direct_light(history), throughput * scattered);
     }
     scattered += photon_radiance(paths, &path_segment, rng, task);
     *radiance += throughput * scattered;
-    if path.shares_indirect {
-        task.indirect_light.paths += throughput * scattered;
+    if path.carries_shared_light {
+        task.records.indirect_by_technique.paths += throughput * scattered;
     }
 
     // Scatter, or continue to the end of the segment.
@@ -101,7 +101,7 @@ fn cross_medium<I: Interior>(
 /// \[W/(m² sr)]; 0 if the policy reads no map on this segment.
 ///
 /// Also adds the estimate, times the throughput, to `task.prefix.photons` and
-/// `task.photon_radiance`.
+/// `task.pixel.photon_radiance`.
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     path_segment: &MediumPathSegment<'_, I>,
@@ -109,7 +109,7 @@ fn photon_radiance<I: Interior>(
     task: &mut PathTask,
 ) -> Rgb {
     let Some(maps) = paths.maps else { return Rgb::ZERO };
-    let samples = match paths.policy.photons {
+    let lookup_scale = match paths.policy.photons {
         PhotonLookups::Never | PhotonLookups::RecordVisible => return Rgb::ZERO,
         PhotonLookups::FewPerPixel => match path_segment.sampler.sample_index_and_count() {
             (0, samples) if path_segment.history.receivers == 0 => samples as f32,
@@ -117,28 +117,28 @@ fn photon_radiance<I: Interior>(
         },
         PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => 1.0,
     };
-    let mut estimate = maps.radiance_in_medium(path_segment, samples, rng, task);
-    let indirect = task.indirect_weights;
-    if shares_indirect_light(indirect, path_segment.history) {
-        estimate += maps.interreflection_radiance_in_medium(path_segment, samples * indirect.photons, rng, task);
+    let mut estimate = maps.radiance_in_medium(path_segment, lookup_scale, rng, task);
+    let weights = task.inputs.technique_weights;
+    if shares_indirect_light(weights, path_segment.history) {
+        estimate += maps.interreflection_radiance_in_medium(path_segment, lookup_scale * weights.photons, rng, task);
     }
     task.prefix.photons += path_segment.throughput * estimate;
-    task.photon_radiance += path_segment.throughput * estimate;
+    task.pixel.photon_radiance += path_segment.throughput * estimate;
     estimate
 }
 
 /// Continues `path` from a scattering event in a direction sampled from `phase`.
 ///
-/// `indirect` holds the weights of indirect light at the path's first receiver. Returns false if
+/// `weights` holds the weights of indirect light at the path's first receiver. Returns false if
 /// Russian roulette ends the path.
 pub(super) fn scatter_in_medium<I: Interior>(
     path: &mut PathState<I>,
     phase: PhaseFunction,
-    indirect: IndirectWeights,
+    weights: IndirectWeights,
 ) -> bool {
     let mut next = *path;
-    if shares_indirect_light(indirect, path.history) {
-        next.share_indirect_light(indirect, path.sampler);
+    if shares_indirect_light(weights, path.history) {
+        next.share_indirect_light(weights, path.sampler);
     }
     let (direction, pdf) = phase.sample(next.path_ray.ray.direction, path.sampler.get_2d(Dimension::Phase));
     next.path_ray.scatter_towards(direction);

@@ -3,7 +3,15 @@ use super::*;
 const SAMPLES: u32 = 8;
 
 fn division_of_cells(cells: Vec<IndirectErrors>, columns: u32) -> IndirectDivision {
-    IndirectDivision { columns, cells, cell_size: 10.0, samples: SAMPLES, photons: 1000, path_price: 1e-3, passes: 1 }
+    IndirectDivision {
+        columns,
+        cells,
+        cell_size: 10.0,
+        samples: SAMPLES,
+        unaimed_paths: 1000,
+        path_price: 1e-3,
+        passes: 1,
+    }
 }
 
 fn indirect_errors(path_variance: f32, photon_variance: f32, squared_bias: f32) -> IndirectErrors {

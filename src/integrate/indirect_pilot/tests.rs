@@ -10,7 +10,7 @@ fn division(path_variance: f32, photon_variance: f32, squared_bias: f32) -> Indi
         cells: vec![cell; 4],
         cell_size: 10.0,
         samples: 8,
-        photons: 100_000,
+        unaimed_paths: 100_000,
         path_price: 0.0,
         passes: MAX_PASSES,
     }
@@ -38,8 +38,9 @@ fn photons_take_part_where_they_pay() {
 
 #[test]
 fn fewer_photons_are_traced_where_few_suffice() {
-    let photons =
-        |variance| least_cost_division(&division(0.4, variance, 0.0), &PHOTON_PARTS, &COST, area).unwrap().photons;
+    let photons = |variance| {
+        least_cost_division(&division(0.4, variance, 0.0), &PHOTON_PARTS, &COST, area).unwrap().unaimed_paths
+    };
     assert!(photons(1e-6) < photons(5e-3), "{} {}", photons(1e-6), photons(5e-3));
 }
 

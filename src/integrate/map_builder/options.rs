@@ -13,7 +13,7 @@ const MIN_PHOTON_LIMIT: u32 = 2;
 pub(in crate::integrate) struct PhotonPathCounts {
     /// Number of paths that start in all directions.
     pub unaimed: u32,
-    /// Number of paths aimed at casters, such as glass or mirrors.
+    /// Number of paths aimed at casters.
     pub aimed: u32,
 }
 

@@ -126,7 +126,7 @@ impl NextEventEstimator<'_> {
         task: &mut PathTask,
     ) -> Option<Rgb> {
         let MediumSegment { ray, medium, .. } = path_segment.segment;
-        let mut guided = std::mem::take(&mut task.guided_distances);
+        let mut guided = std::mem::take(&mut task.scratch.guided_distances);
         guided.clear();
 
         // Find how many points the segment deserves.
@@ -173,10 +173,15 @@ impl NextEventEstimator<'_> {
             if records {
                 let radiance = f64::from(color::channel_mean(found) / color::channel_mean(point.weight));
                 let contribution = f64::from(color::channel_mean(path_segment.throughput * found) / expected_count);
-                task.in_scattering_samples.push(InScatteringSample { light, p: point.p, radiance, contribution });
+                task.records.in_scattering_samples.push(InScatteringSample {
+                    light,
+                    p: point.p,
+                    radiance,
+                    contribution,
+                });
             }
         }
-        task.guided_distances = guided;
+        task.scratch.guided_distances = guided;
         Some(sum / expected_count)
     }
 

@@ -58,7 +58,7 @@ fn indirect_light_weights_in_fog_sum_to_one() {
         cells: vec![errors],
         cell_size: 16.0,
         samples: SAMPLES,
-        photons: PHOTONS,
+        unaimed_paths: PHOTONS,
         path_price: 1.0 / 16.0,
         passes: u32::MAX,
     };

@@ -60,11 +60,11 @@ fn estimates_along_x(
             path_ray.next_vertex(scene, sampler.sample_key(), |segment| {
                 let (history, throughput) = (crate::integrate::vertex::PathHistory::default(), Rgb::ONE);
                 let segment = MediumPathSegment { segment, history, throughput, sampler, shadow_sampler: sampler };
-                let mut task = PathTask { nests_estimates: true, ..PathTask::default() };
+                let mut task = PathTask::new(true);
                 let mut rng = sampler.sample_key().medium_tracking_key(pass as u32).rng();
                 let radiance = maps.radiance(scene, &segment, 1.0, &mut rng, &mut task);
-                task.nested.finish_camera_ray(Some(1.0));
-                let differences = task.nested.finish_pixel(1).differences;
+                task.pixel.nested.finish_camera_ray(Some(1.0));
+                let differences = task.pixel.nested.finish_pixel(1).differences;
                 for (mean, value) in means.iter_mut().zip([radiance, differences[0], differences[1]]) {
                     *mean += f64::from(value.x) / f64::from(RAYS);
                 }
