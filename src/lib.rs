@@ -80,8 +80,8 @@
 //! # The path of one camera ray
 //!
 //! 1. `render_tiles` in [`integrate`] renders the tiles of the picture in parallel, and calls
-//!    `render_pixel` for each pixel. For each sample of the pixel, the reconstruction filter chooses
-//!    a point, and [`Camera::generate_ray`] makes a ray through it.
+//!    `render_pixel` for each pixel. For each sample of the pixel, the reconstruction filter
+//!    chooses a point, and [`Camera::generate_ray`] makes a ray through it.
 //! 2. `camera_path::trace_camera_path` returns the radiance along this ray. It calls
 //!    [`PathRay::next_vertex`](scene::PathRay::next_vertex) for each vertex of the path.
 //!    `next_vertex` asks `Geometry::intersect`, and so `Hierarchy::closest_hit`, for the nearest
