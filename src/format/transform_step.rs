@@ -62,8 +62,7 @@ impl TransformStep {
         }
     }
 
-    /// Returns the affine map M that applies all `steps`, composed as in the MIT 6.837 scene
-    /// language.
+    /// Returns the affine map M that applies all `steps`, composed as in the scene language.
     ///
     /// M starts as the identity. A step with the map T sets M ← M T, so T is applied before all
     /// earlier steps in the list. Only a matrix step sets M ← T M, so T is applied after them.

@@ -420,7 +420,7 @@ fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bo
 /// False if that light forms a caustic and the policy leaves caustics to photons.
 #[inline]
 fn may_add_found_light(policy: &PathPolicy, history: PathHistory) -> bool {
-    policy.counts_caustics || !history.is_caustic()
+    policy.adds_caustics || !history.is_caustic()
 }
 
 /// True if `path` may add the emission of the surface or environment that it hits now.

@@ -20,7 +20,7 @@ pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
         light_sampling: LightSampling::OneRay,
         continuation: PathContinuation::Glossy,
         directions: DirectionSampling::OneLobe,
-        counts_caustics: true,
+        adds_caustics: true,
         min_throughput: 0.0,
         photons: PhotonLookups::Never,
         shrinking_radii: true,

@@ -31,7 +31,7 @@ pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
         light_sampling: LightSampling::OneRay,
         continuation: if interreflection { PathContinuation::Always } else { PathContinuation::Never },
         directions: DirectionSampling::Bsdf,
-        counts_caustics: false,
+        adds_caustics: false,
         min_throughput: 0.0,
         photons: PhotonLookups::FewPerPixel,
         shrinking_radii: true,

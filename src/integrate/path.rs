@@ -20,7 +20,7 @@ pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
         light_sampling: LightSampling::OneRay,
         continuation: if interreflection { PathContinuation::Always } else { PathContinuation::Never },
         directions: DirectionSampling::Bsdf,
-        counts_caustics: effects.has(Effect::Caustics),
+        adds_caustics: effects.has(Effect::Caustics),
         min_throughput: 0.0,
         photons: PhotonLookups::Never,
         shrinking_radii: true,

@@ -42,7 +42,7 @@ pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
         light_sampling,
         continuation,
         directions,
-        counts_caustics: false,
+        adds_caustics: false,
         min_throughput: 0.0,
         photons,
         shrinking_radii: false,

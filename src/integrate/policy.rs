@@ -30,7 +30,7 @@ pub(super) struct PathPolicy {
     pub directions: DirectionSampling,
     /// True if camera paths add the light that they find over casters after a receiver. False
     /// leaves this light, the caustics, to photons.
-    pub counts_caustics: bool,
+    pub adds_caustics: bool,
     /// Mean throughput of the RGB channels below which a path ends without compensation. If it is
     /// 0, Russian roulette may end a faint path before a receiver is shaded.
     pub min_throughput: f32,

@@ -22,7 +22,7 @@ pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
         light_sampling: LightSampling::Rays(4),
         continuation: PathContinuation::Never,
         directions: DirectionSampling::Bsdf,
-        counts_caustics: false,
+        adds_caustics: false,
         min_throughput: 0.0,
         photons: PhotonLookups::FirstReceiver,
         shrinking_radii: true,

@@ -74,7 +74,7 @@ fn path_policy(effects: Effects) -> PathPolicy {
         light_sampling: LightSampling::Centers,
         continuation: PathContinuation::Never,
         directions: DirectionSampling::Bsdf,
-        counts_caustics: false,
+        adds_caustics: false,
         min_throughput: 0.0,
         photons: PhotonLookups::RecordVisible,
         shrinking_radii: true,

@@ -24,7 +24,7 @@ pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
         light_sampling: LightSampling::Centers,
         continuation: PathContinuation::Never,
         directions: DirectionSampling::Bsdf,
-        counts_caustics: true,
+        adds_caustics: true,
         min_throughput: MIN_THROUGHPUT,
         photons: PhotonLookups::Never,
         shrinking_radii: true,

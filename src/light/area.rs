@@ -126,9 +126,9 @@ impl LightSurface {
         }
     }
 
-    /// Returns a world-space point on the outer side of the surface, offset by more than the
-    /// rounding error of positions.
-    pub(super) fn emission_point(&self) -> Vec3 {
+    /// Returns a world-space point that stands for the surface: its sample at (1/2, 1/2), moved to
+    /// the outer side by more than the rounding error of positions.
+    pub(super) fn representative_point(&self) -> Vec3 {
         let point = self.sample(Vec2::splat(0.5)).point;
         offset_ray_origin(point.p, point.error, point.ng, point.ng)
     }

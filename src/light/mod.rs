@@ -178,14 +178,14 @@ impl Light {
         }
     }
 
-    /// A world-space point that emits light; `None` for lights at infinity.
+    /// World-space point that stands for the light; `None` for lights at infinity.
     ///
     /// For an area light, it is a point near the surface, on its outer side.
     #[must_use]
-    pub fn emission_point(&self) -> Option<Vec3> {
+    pub fn representative_point(&self) -> Option<Vec3> {
         match self.geometry() {
             LightGeometry::Point(position) => Some(position),
-            LightGeometry::Surface(surface) => Some(surface.emission_point()),
+            LightGeometry::Surface(surface) => Some(surface.representative_point()),
             LightGeometry::Parallel(_) | LightGeometry::AllDirections => None,
         }
     }

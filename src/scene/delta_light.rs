@@ -68,6 +68,15 @@ impl DeltaLightKind {
         }
     }
 
+    /// True if a rotation of the light about its position changes the light that it emits.
+    #[must_use]
+    pub fn changes_by_rotation(&self) -> bool {
+        match self {
+            Self::Point { .. } => false,
+            Self::Spot { .. } | Self::Oriented(_) | Self::Directional { .. } => true,
+        }
+    }
+
     /// Returns a copy of this light, transformed by `map`.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {

@@ -1,8 +1,8 @@
 //! Distance that the moving parts of a scene move on the film while the shutter is open.
 
+use super::Scene;
 use super::animation::MID_SHUTTER;
 use super::geometry::HitPrimitive;
-use super::{DeltaLightKind, Scene};
 use crate::camera::Camera;
 use crate::math::Motion;
 use glam::{DVec3, Vec2};
@@ -122,8 +122,8 @@ pub fn motion_on_film(scene: &Scene) -> f32 {
     // Measure moving lights by their position, or by points around it that turn with the light.
     let domain = scene.photon_domain();
     for (i, kind, _, motion) in &animation.lights {
-        let center = scene.lights[*i].emission_point().unwrap_or(domain.center).as_dvec3();
-        let reach = if matches!(kind, DeltaLightKind::Point { .. }) { 0.0 } else { f64::from(domain.radius) };
+        let center = scene.lights[*i].representative_point().unwrap_or(domain.center).as_dvec3();
+        let reach = if kind.changes_by_rotation() { f64::from(domain.radius) } else { 0.0 };
         for corner in box_corners((center - reach, center + reach)) {
             longest = longest.max(film.length_in_scene(&moved_from_mid_shutter(motion, corner)));
         }

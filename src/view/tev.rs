@@ -225,7 +225,7 @@ fn channel_names(layers: &[ExrLayer]) -> Vec<String> {
 /// it.
 fn create_image_packet(name: &str, (width, height): (u32, u32), channels: &[String]) -> Vec<u8> {
     let mut packet = Packet::new(CREATE_IMAGE, true, name);
-    packet.push_numbers(&[width, height, channels.len() as u32]);
+    packet.push_u32s(&[width, height, channels.len() as u32]);
     channels.iter().for_each(|channel| packet.push_text(channel));
     packet.finish()
 }
@@ -241,9 +241,9 @@ fn update_image_packet(
     values: &[&[f32]],
 ) -> Vec<u8> {
     let mut packet = Packet::new(UPDATE_IMAGE, false, name);
-    packet.push_numbers(&[channels.len() as u32]);
+    packet.push_u32s(&[channels.len() as u32]);
     channels.iter().for_each(|channel| packet.push_text(channel));
-    packet.push_numbers(&[0, rows.start, width, rows.end - rows.start]);
+    packet.push_u32s(&[0, rows.start, width, rows.end - rows.start]);
     let pixels = u64::from(width) * u64::from(rows.end - rows.start);
     // The channels follow one after the other: the offset of each, and then the strides.
     (0..channels.len() as u64).for_each(|channel| packet.bytes.extend((channel * pixels).to_le_bytes()));
@@ -268,12 +268,14 @@ impl Packet {
         packet
     }
 
+    /// Appends `text` without its zero bytes, then a zero byte.
     fn push_text(&mut self, text: &str) {
         self.bytes.extend(text.bytes().filter(|byte| *byte != 0));
         self.bytes.push(0);
     }
 
-    fn push_numbers(&mut self, numbers: &[u32]) {
+    /// Appends `numbers`, each as four bytes in little-endian order.
+    fn push_u32s(&mut self, numbers: &[u32]) {
         numbers.iter().for_each(|number| self.bytes.extend(number.to_le_bytes()));
     }
 

@@ -11,14 +11,14 @@ pub enum LightDescription {
     Point {
         /// Position of the point light.
         position: DVec3,
-        /// Radiant intensity, flux, or color of the MIT 6.837 shading model.
+        /// Radiant intensity, flux, or color of the shading model of MIT course 6.837.
         strength: PointLightStrength,
     },
     /// A directional light: parallel light from infinity.
     Directional {
         /// Direction in which the light travels, of any length.
         direction: DVec3,
-        /// Irradiance, or color of the MIT 6.837 shading model.
+        /// Irradiance, or color of the shading model of MIT course 6.837.
         strength: DirectionalLightStrength,
     },
     /// A spotlight: a point light limited to a cone.
@@ -170,7 +170,7 @@ pub enum LightPattern {
 /// Strength of a point light or spotlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointLightStrength {
-    /// Color in the shading model of the course MIT 6.837, where light does not fall off with
+    /// Color in the shading model of MIT course 6.837, where light does not fall off with
     /// distance.
     Color(DVec3),
     /// Radiant intensity in W/sr.
@@ -182,7 +182,7 @@ pub enum PointLightStrength {
 /// Strength of a directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DirectionalLightStrength {
-    /// Color in the shading model of the course MIT 6.837.
+    /// Color in the shading model of MIT course 6.837.
     Color(DVec3),
     /// Irradiance in W/m² of a surface perpendicular to the light.
     Irradiance(DVec3),

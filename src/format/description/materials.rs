@@ -25,7 +25,7 @@ pub struct MaterialDescription {
 /// Reflection and transmission of a material: one variant per model.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialKindDescription {
-    /// The Phong model of the course MIT 6.837.
+    /// The Phong model of MIT course 6.837.
     Phong {
         /// Diffuse color kd.
         diffuse: TexturedValue<DVec3>,

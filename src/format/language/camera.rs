@@ -45,13 +45,12 @@ const PICTURE_SIZE_RANGE: FieldRange = FieldRange::Within(1.0, 65_536.0);
 static VIEW_FIELDS: &[FieldSchema] = &[
     field_schema("center", FieldKind::Point, "the pinhole, the lens center, or the center of an orthographic picture")
         .make_required()
-        .mark_as_mit_course_syntax(),
-    field_schema("direction", FieldKind::Direction, "direction of view; give this or `lookAt`")
-        .mark_as_mit_course_syntax(),
+        .mark_as_course_syntax(),
+    field_schema("direction", FieldKind::Direction, "direction of view; give this or `lookAt`").mark_as_course_syntax(),
     field_schema("lookAt", FieldKind::Point, "point that the camera looks at"),
     field_schema("up", FieldKind::Direction, "direction that appears upward; not parallel to the view")
         .with_default_numbers(&[0.0, 1.0, 0.0])
-        .mark_as_mit_course_syntax(),
+        .mark_as_course_syntax(),
 ];
 
 static PICTURE_SIZE_FIELDS: &[FieldSchema] = &[
@@ -59,12 +58,12 @@ static PICTURE_SIZE_FIELDS: &[FieldSchema] = &[
         .with_range(PICTURE_SIZE_RANGE)
         .with_default_numbers(&[960.0])
         .with_unit("pixels")
-        .mark_as_mit_course_syntax(),
+        .mark_as_course_syntax(),
     field_schema("height", FieldKind::Whole, "picture height")
         .with_range(PICTURE_SIZE_RANGE)
         .with_default_numbers(&[720.0])
         .with_unit("pixels")
-        .mark_as_mit_course_syntax(),
+        .mark_as_course_syntax(),
 ];
 
 static PERSPECTIVE: BlockSchema = block_schema("PerspectiveCamera", "perspective through a pinhole or a thin lens")
@@ -73,7 +72,7 @@ static PERSPECTIVE: BlockSchema = block_schema("PerspectiveCamera", "perspective
             .with_range(FieldRange::Between(0.0, 180.0))
             .make_required()
             .with_unit("degrees")
-            .mark_as_mit_course_syntax(),
+            .mark_as_course_syntax(),
         field_schema("aperture", FieldKind::Number, "lens radius")
             .with_range(FieldRange::NonNegative)
             .with_default_description("0: a pinhole"),
@@ -91,7 +90,7 @@ static PERSPECTIVE: BlockSchema = block_schema("PerspectiveCamera", "perspective
             .with_default_description("0: round"),
     ])
     .with_shared_fields(&[VIEW_FIELDS, PICTURE_SIZE_FIELDS])
-    .mark_as_mit_course_syntax();
+    .mark_as_course_syntax();
 
 static ORTHOGRAPHIC: BlockSchema = block_schema("OrthographicCamera", "parallel projection")
     .with_fields(&[field_schema("size", FieldKind::Number, "height of the visible region")

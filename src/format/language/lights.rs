@@ -38,8 +38,12 @@ pub(super) static LIGHTS: &[BlockParser<ParseLight>] = &[
 type ParseLight = fn(&BlockFields<'_>) -> Result<LightDescription, SceneError>;
 
 static POINT_STRENGTH_FIELDS: &[FieldSchema] = &[
-    field_schema("color", FieldKind::Color, "color of MIT 6.837, without distance falloff; give one of the three")
-        .mark_as_mit_course_syntax(),
+    field_schema(
+        "color",
+        FieldKind::Color,
+        "color of MIT course 6.837, without distance falloff; give one of the three",
+    )
+    .mark_as_course_syntax(),
     field_schema("intensity", FieldKind::Color, "radiant intensity; on the axis of a spotlight").with_unit("W/sr"),
     field_schema("power", FieldKind::Color, "radiant flux").with_unit("W"),
 ];
@@ -51,20 +55,20 @@ static AREA_STRENGTH_FIELDS: &[FieldSchema] = &[
 ];
 
 static POINT: BlockSchema = block_schema("PointLight", "point light, equal in all directions")
-    .with_fields(&[field_schema("position", FieldKind::Point, "position").make_required().mark_as_mit_course_syntax()])
+    .with_fields(&[field_schema("position", FieldKind::Point, "position").make_required().mark_as_course_syntax()])
     .with_shared_fields(&[POINT_STRENGTH_FIELDS])
-    .mark_as_mit_course_syntax();
+    .mark_as_course_syntax();
 
 static DIRECTIONAL: BlockSchema = block_schema("DirectionalLight", "parallel light from infinity")
     .with_fields(&[
         field_schema("direction", FieldKind::Direction, "direction in which the light travels")
             .make_required()
-            .mark_as_mit_course_syntax(),
-        field_schema("color", FieldKind::Color, "color of MIT 6.837; give this or `irradiance`")
-            .mark_as_mit_course_syntax(),
+            .mark_as_course_syntax(),
+        field_schema("color", FieldKind::Color, "color of MIT course 6.837; give this or `irradiance`")
+            .mark_as_course_syntax(),
         field_schema("irradiance", FieldKind::Color, "irradiance of a surface that faces the light").with_unit("W/m²"),
     ])
-    .mark_as_mit_course_syntax();
+    .mark_as_course_syntax();
 
 static SPOT: BlockSchema = block_schema("SpotLight", "point light limited to a cone")
     .with_fields(&[

@@ -80,21 +80,21 @@ static PHONG: BlockSchema = block_schema("PhongMaterial", "Phong's reflection mo
     .with_fields(&[
         field_schema("diffuseColor", FieldKind::ColorOrTexture, "diffuse reflectance kd")
             .with_default_numbers(&[1.0, 1.0, 1.0])
-            .mark_as_mit_course_syntax(),
+            .mark_as_course_syntax(),
         field_schema("specularColor", FieldKind::ColorOrTexture, "specular coefficient ks")
             .with_default_numbers(&[0.0, 0.0, 0.0])
-            .mark_as_mit_course_syntax(),
+            .mark_as_course_syntax(),
         field_schema("shininess", FieldKind::Number, "Phong exponent")
             .with_range(FieldRange::NonNegative)
             .with_default_numbers(&[0.0])
-            .mark_as_mit_course_syntax(),
+            .mark_as_course_syntax(),
         field_schema("texture", FieldKind::Name, "texture or picture that `diffuseColor` is multiplied by")
             .with_default_description("none")
-            .mark_as_mit_course_syntax(),
+            .mark_as_course_syntax(),
     ])
     .with_aliases(&["Material", "Phong"])
     .with_shared_fields(&[NORMAL_PERTURBATION_FIELDS, EMISSION_FIELDS])
-    .mark_as_mit_course_syntax();
+    .mark_as_course_syntax();
 
 static DIFFUSE: BlockSchema = block_schema("Diffuse", "Lambertian reflection")
     .with_fields(&[field_schema("reflectance", FieldKind::ColorOrTexture, "albedo")

@@ -51,11 +51,11 @@ static BACKGROUND: BlockSchema = block_schema("Background", "what lies behind al
         field_schema("color", FieldKind::Color, "radiance of rays that leave the scene")
             .with_default_numbers(&[0.5, 0.5, 0.5])
             .with_unit("W/(m² sr)")
-            .mark_as_mit_course_syntax(),
+            .mark_as_course_syntax(),
         field_schema("medium", FieldKind::Name, "medium that fills the space outside all bodies")
             .with_default_description("none"),
     ])
-    .mark_as_mit_course_syntax();
+    .mark_as_course_syntax();
 
 /// Keywords of top-level blocks of scene text, except cameras and `Background`.
 const FILE_BLOCK_KEYWORDS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];

@@ -107,7 +107,7 @@ pub(super) struct FieldSchema {
     pub default: FieldDefault,
     /// Meaning of the value, in one line of the language reference.
     pub help: &'static str,
-    /// True if the field is part of the scene format of the course MIT 6.837.
+    /// True if the field is part of the scene format of MIT course 6.837.
     pub is_course_syntax: bool,
 }
 
@@ -124,7 +124,7 @@ pub(super) struct BlockSchema {
     pub shared_fields: &'static [&'static [FieldSchema]],
     /// Meaning of the block, in one line of the language reference.
     pub help: &'static str,
-    /// True if the block is part of the scene format of the course MIT 6.837.
+    /// True if the block is part of the scene format of MIT course 6.837.
     pub is_course_syntax: bool,
 }
 
@@ -199,8 +199,8 @@ impl FieldSchema {
         self
     }
 
-    /// Marks the field as part of the scene format of the course MIT 6.837.
-    pub const fn mark_as_mit_course_syntax(mut self) -> Self {
+    /// Marks the field as part of the scene format of MIT course 6.837.
+    pub const fn mark_as_course_syntax(mut self) -> Self {
         self.is_course_syntax = true;
         self
     }
@@ -333,8 +333,8 @@ impl BlockSchema {
         self
     }
 
-    /// Marks the block as part of the scene format of the course MIT 6.837.
-    pub const fn mark_as_mit_course_syntax(mut self) -> Self {
+    /// Marks the block as part of the scene format of MIT course 6.837.
+    pub const fn mark_as_course_syntax(mut self) -> Self {
         self.is_course_syntax = true;
         self
     }

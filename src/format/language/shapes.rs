@@ -49,26 +49,26 @@ static DEGREE_FIELDS: &[FieldSchema] = &[
 
 static SPHERE: BlockSchema = block_schema("Sphere", "all points at distance `radius` from `center`")
     .with_fields(&[
-        field_schema("center", FieldKind::Point, "center").make_required().mark_as_mit_course_syntax(),
+        field_schema("center", FieldKind::Point, "center").make_required().mark_as_course_syntax(),
         field_schema("radius", FieldKind::Number, "radius")
             .with_range(FieldRange::Positive)
             .make_required()
-            .mark_as_mit_course_syntax(),
+            .mark_as_course_syntax(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_as_mit_course_syntax();
+    .mark_as_course_syntax();
 
 static PLANE: BlockSchema = block_schema("Plane", "infinite plane")
     .with_fields(&[
         field_schema("normal", FieldKind::Direction, "normal; its length scales `offset`")
             .make_required()
-            .mark_as_mit_course_syntax(),
+            .mark_as_course_syntax(),
         field_schema("offset", FieldKind::Number, "normal · x of the points x of the plane")
             .make_required()
-            .mark_as_mit_course_syntax(),
+            .mark_as_course_syntax(),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_as_mit_course_syntax();
+    .mark_as_course_syntax();
 
 static DISC: BlockSchema = block_schema("Disc", "flat disc")
     .with_fields(&[
@@ -120,9 +120,9 @@ static CONE: BlockSchema =
 
 static TRIANGLE: BlockSchema = block_schema("Triangle", "triangle; its area may be 0")
     .with_fields(&[
-        field_schema("vertex0", FieldKind::Point, "first vertex").make_required().mark_as_mit_course_syntax(),
-        field_schema("vertex1", FieldKind::Point, "second vertex").make_required().mark_as_mit_course_syntax(),
-        field_schema("vertex2", FieldKind::Point, "third vertex").make_required().mark_as_mit_course_syntax(),
+        field_schema("vertex0", FieldKind::Point, "first vertex").make_required().mark_as_course_syntax(),
+        field_schema("vertex1", FieldKind::Point, "second vertex").make_required().mark_as_course_syntax(),
+        field_schema("vertex2", FieldKind::Point, "third vertex").make_required().mark_as_course_syntax(),
         field_schema("normal0", FieldKind::Direction, "shading normal at the first vertex; give all three or none"),
         field_schema("normal1", FieldKind::Direction, "shading normal at the second vertex"),
         field_schema("normal2", FieldKind::Direction, "shading normal at the third vertex"),
@@ -133,14 +133,14 @@ static TRIANGLE: BlockSchema = block_schema("Triangle", "triangle; its area may 
         field_schema("uv2", FieldKind::Pair, "texture coordinates at the third vertex").with_default_description("0 1"),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_as_mit_course_syntax();
+    .mark_as_course_syntax();
 
 static MESH: BlockSchema = block_schema("TriangleMesh", "triangle mesh in a file of its own")
     .with_fields(&[
         field_schema("obj_file", FieldKind::Name, "OBJ or PLY file")
             .with_alias("file")
             .make_required()
-            .mark_as_mit_course_syntax(),
+            .mark_as_course_syntax(),
         field_schema(
             "materials",
             FieldKind::Word(&["scene", "file"]),
@@ -155,27 +155,27 @@ static MESH: BlockSchema = block_schema("TriangleMesh", "triangle mesh in a file
             .with_unit("degrees"),
     ])
     .with_shared_fields(&[EMISSION_FIELDS])
-    .mark_as_mit_course_syntax();
+    .mark_as_course_syntax();
 
 static REVOLUTION: BlockSchema =
     block_schema("RevSurface", "surface of revolution: the points (x cos θ, y, x sin θ) of a profile")
         .with_fields(&[field_schema("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
             .make_required()
-            .mark_as_mit_course_syntax()])
+            .mark_as_course_syntax()])
         .with_shared_fields(&[EMISSION_FIELDS])
-        .mark_as_mit_course_syntax();
+        .mark_as_course_syntax();
 
 static BEZIER_CURVE: BlockSchema =
     block_schema("BezierCurve", "one Bézier curve; without `profile` it has no surface and is not visible")
         .with_fields(&[BEZIER_CONTROLS])
         .with_shared_fields(&[EMISSION_FIELDS])
-        .mark_as_mit_course_syntax();
+        .mark_as_course_syntax();
 
 static BSPLINE_CURVE: BlockSchema =
     block_schema("BsplineCurve", "a uniform cubic B-spline; without `profile` it has no surface and is not visible")
         .with_fields(&[BSPLINE_CONTROLS])
         .with_shared_fields(&[EMISSION_FIELDS])
-        .mark_as_mit_course_syntax();
+        .mark_as_course_syntax();
 
 static BEZIER_PATCH: BlockSchema = block_schema("BezierPatch", "one or more Bézier patches of the same degrees")
     .with_fields(&[field_schema(

@@ -9,7 +9,7 @@ use super::media::Media;
 use super::parameters::{Parameters, parse_number};
 use super::settings::SuggestedFlags;
 use super::shapes::read_shape;
-use super::state::{AreaLight, CurrentMaterial, GraphicsState, MovingTransform, object_motion, transform_map};
+use super::state::{AreaLightDirective, CurrentMaterial, GraphicsState, MovingTransform, object_motion, transform_map};
 use super::surfaces::{back_side_shape, is_sheet, world_area};
 use super::textures::Textures;
 use super::tokens::{Token, TokenKind, Tokens};
@@ -402,7 +402,7 @@ impl<'a> Interpreter<'a> {
                     let message = format!("no area light is called `{name}`");
                     return Err(place.error(message, "pbrt has area lights `diffuse`"));
                 }
-                self.state.area_light = Some(AreaLight { parameters: Rc::new(parameters) });
+                self.state.area_light = Some(AreaLightDirective { parameters: Rc::new(parameters) });
                 Ok(())
             }
             "Shape" => self.add_shape(name, &parameters),

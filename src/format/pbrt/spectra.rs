@@ -114,7 +114,7 @@ fn named_spectrum(name: &str, place: &Place, files: &SceneFiles<'_>) -> ReadResu
             (None, Some(metal)) => (metal, false),
             (None, None) => (metal, true),
         };
-        return metal_index(metal, is_eta)
+        return metal_eta_or_k(metal, is_eta)
             .map(SpectralValue::Channels)
             .ok_or_else(|| place.error(format!("no metal is called `{metal}`"), "give `eta` and `k` as spectra"));
     }
@@ -138,10 +138,11 @@ fn named_spectrum(name: &str, place: &Place, files: &SceneFiles<'_>) -> ReadResu
     sampled_spectrum(&numbers, &Place { file, line: 1 }).map(SpectralValue::Spectrum)
 }
 
-/// Returns η, or k if `is_eta` is false, of a metal for red, green and blue; `None` if unknown.
+/// Returns a part of the complex index of refraction η + ik of a metal, for red, green and blue: η
+/// if `is_eta`, else k. `None` if the metal is unknown.
 ///
 /// Includes the oxides that pbrt lists among the metals.
-fn metal_index(name: &str, is_eta: bool) -> Option<DVec3> {
+fn metal_eta_or_k(name: &str, is_eta: bool) -> Option<DVec3> {
     let oxide = match name {
         "MgO" => Some(1.737),
         "TiO2" => Some(2.61),

@@ -66,7 +66,7 @@ pub(super) fn object_motion(transform: &MovingTransform) -> Option<ObjectMotion>
 
 /// Directive `AreaLightSource`, which applies to the shapes that follow.
 #[derive(Clone, Debug)]
-pub(super) struct AreaLight {
+pub(super) struct AreaLightDirective {
     /// Parameters of the directive.
     pub parameters: Rc<Parameters>,
 }
@@ -94,7 +94,7 @@ pub(super) struct GraphicsState {
     /// Material of the shapes that follow.
     pub material: CurrentMaterial,
     /// Emission of the shapes that follow; `None` if they emit nothing.
-    pub area_light: Option<AreaLight>,
+    pub area_light: Option<AreaLightDirective>,
     /// Names of the media inside and outside of the shapes that follow; empty for vacuum.
     pub media: [Rc<str>; 2],
 }

@@ -70,7 +70,7 @@ impl NextEventEstimator<'_> {
                     }
                     for ray in 0..rays {
                         let sampler = sampler.subsample_sampler(ray, rays);
-                        let pivot = light.emission_point().filter(|_| segment.medium.is_homogeneous());
+                        let pivot = light.representative_point().filter(|_| segment.medium.is_homogeneous());
                         let point = pivot
                             .map_or_else(path_point, |pivot| sample_scatter_point_near(path_segment, pivot, sampler));
                         if let Some(point) = point {
@@ -153,7 +153,7 @@ impl NextEventEstimator<'_> {
         // Send shadow rays from the points.
         let points = ScatterPointDistribution {
             path_segment,
-            angles: self.lights[light].emission_point().map(|pivot| EquiangularDistribution::new(ray, pivot)),
+            angles: self.lights[light].representative_point().map(|pivot| EquiangularDistribution::new(ray, pivot)),
             guided: (guided.total_weight() > 0.0).then_some(&guided),
         };
         let mut sum = Rgb::ZERO;

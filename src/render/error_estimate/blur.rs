@@ -45,15 +45,15 @@ const EXTRAPOLATION_ERROR: f64 = 0.5;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NestedDifferenceMoments {
     /// ‖D₀‖²: mean square of D₀ over the picture.
-    pub d0: f64,
+    pub d0_squared: f64,
     /// D₀·D₁: mean product of D₀ and D₁ over the picture.
     pub d0_d1: f64,
     /// ‖D₁‖²: mean square of D₁ over the picture.
-    pub d1: f64,
+    pub d1_squared: f64,
     /// Variance of D₀ in one pass, as a mean over the picture.
     pub variance: f64,
-    /// Variance of the estimate `d0`, due to the noise of the passes.
-    pub d0_variance: f64,
+    /// Variance of the estimate `d0_squared`, due to the noise of the passes.
+    pub d0_squared_variance: f64,
     /// Relative variance of the squared noise of D₀: 2 / effective sample count. The count is the
     /// number of independent values that scatter as much as the noise.
     pub scatter: f64,
@@ -63,11 +63,12 @@ impl NestedDifferenceMoments {
     /// Returns the variance of the estimate of ‖D₀‖² from `passes` passes. D₀ = L(r) − L(r/√2),
     /// where L(r) is the density estimate with disc radius r.
     ///
-    /// `d0` is ‖D₀‖² and `variance` the variance of D₀ in one pass. `scatter` is the relative
-    /// variance of the squared noise. The first term is the noise of products of two passes. The
-    /// second term is the noise of products of noise and the expected D₀.
-    pub fn d0_estimate_variance(d0: f64, variance: f64, scatter: f64, passes: f64) -> f64 {
-        variance * variance * scatter / (passes * (passes - 1.0)) + 2.0 * d0.max(0.0) * variance * scatter / passes
+    /// `d0_squared` is ‖D₀‖² and `variance` the variance of D₀ in one pass. `scatter` is the
+    /// relative variance of the squared noise. The first term is the noise of products of two
+    /// passes. The second term is the noise of products of noise and the expected D₀.
+    pub fn d0_squared_variance(d0_squared: f64, variance: f64, scatter: f64, passes: f64) -> f64 {
+        variance * variance * scatter / (passes * (passes - 1.0))
+            + 2.0 * d0_squared.max(0.0) * variance * scatter / passes
     }
 
     /// Weight in \[0, 1] of the measured ratios ‖D₁‖² / ‖D₀‖² and D₀·D₁ / ‖D₀‖², against their
@@ -77,8 +78,9 @@ impl NestedDifferenceMoments {
     /// radius r. The weight is 1 if the measured ‖D₀‖² is positive without noise, and 0 if it is
     /// not positive.
     pub fn measurement_weight(&self) -> f64 {
-        let d0 = self.d0.max(0.0);
-        if d0 > 0.0 { d0 * d0 / (d0 * d0 + 4.0 * self.d0_variance) } else { 0.0 }
+        let measured = self.d0_squared.max(0.0);
+        let square = measured * measured;
+        if measured > 0.0 { square / (square + 4.0 * self.d0_squared_variance) } else { 0.0 }
     }
 
     /// Returns the measured ratio D₀·D₁ / ‖D₀‖², limited to values that light can cause. ‖D₀‖² must
@@ -87,8 +89,8 @@ impl NestedDifferenceMoments {
     /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
     /// radius r.
     pub fn correlation(&self) -> f64 {
-        let limit = (self.d1 / self.d0).clamp(0.0, ROUGH[2].0).sqrt();
-        (self.d0_d1 / self.d0).clamp(MIN_CORRELATION, EDGE_CORRELATION).clamp(-limit, limit)
+        let limit = (self.d1_squared / self.d0_squared).clamp(0.0, ROUGH[2].0).sqrt();
+        (self.d0_d1 / self.d0_squared).clamp(MIN_CORRELATION, EDGE_CORRELATION).clamp(-limit, limit)
     }
 }
 
@@ -118,21 +120,26 @@ impl BlurEstimate {
     /// Dᵢ‖² = ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)). q² and qc are measured. If they are noisy, they
     /// are shrunk towards ¼ and ½, their values in smooth light.
     pub(super) fn from_differences(differences: &NestedDifferenceMoments) -> Self {
-        let d0 = differences.d0.max(0.0);
-        if d0 <= 0.0 {
-            return Self { square: 0.0, variance: 16.0 * differences.d0_variance, ratio: 0.5, extrapolation: 0.0 };
+        let d0_squared = differences.d0_squared.max(0.0);
+        if d0_squared <= 0.0 {
+            return Self {
+                square: 0.0,
+                variance: 16.0 * differences.d0_squared_variance,
+                ratio: 0.5,
+                extrapolation: 0.0,
+            };
         }
         let trust = differences.measurement_weight();
-        let squared = 0.25 + trust * ((differences.d1 / d0).clamp(0.0, ROUGH[2].0) - 0.25);
+        let squared = 0.25 + trust * ((differences.d1_squared / d0_squared).clamp(0.0, ROUGH[2].0) - 0.25);
         let correlation = 0.5 + trust * (differences.correlation() - 0.5);
         let whole = squared_bias_ratio(correlation, squared);
         let measured = 1.0 + 2.0 * correlation + squared;
-        let square = d0 * whole;
-        let extrapolated = square.sqrt() - (d0 * measured).sqrt();
+        let square = d0_squared * whole;
+        let extrapolated = square.sqrt() - (d0_squared * measured).sqrt();
         let deviation = 2.0 * square.sqrt() * EXTRAPOLATION_ERROR * extrapolated;
         Self {
             square,
-            variance: whole * whole * differences.d0_variance + deviation * deviation,
+            variance: whole * whole * differences.d0_squared_variance + deviation * deviation,
             ratio: squared.sqrt().clamp(0.5, MAX_RATIO),
             extrapolation: (whole / measured).sqrt(),
         }

@@ -356,11 +356,11 @@ impl NestedEstimateSums {
             }
             variance += error_weights.clamped_relative_product(i, (products[0] - a.dot(a) / n) / (n * (n - 1.0)));
         }
-        let [d0, d0_d1, d1] = square.map(|sum| sum / pixels as f64);
+        let [d0_squared, d0_d1, d1_squared] = square.map(|sum| sum / pixels as f64);
         let variance = n * variance / pixels as f64;
         let scatter = self.leading.squared_error_variance(error_weights.pixel_weights(), n);
-        let d0_variance = NestedDifferenceMoments::d0_estimate_variance(d0, variance, scatter, n);
-        NestedDifferenceMoments { d0, d0_d1, d1, variance, d0_variance, scatter }
+        let d0_squared_variance = NestedDifferenceMoments::d0_squared_variance(d0_squared, variance, scatter, n);
+        NestedDifferenceMoments { d0_squared, d0_d1, d1_squared, variance, d0_squared_variance, scatter }
     }
 }
 

@@ -154,9 +154,9 @@ impl ErrorForecast {
         let due = EstimateSchedule::due_passes().skip_while(|n| n < possible.start());
         for passes in due.take_while(|n| possible.contains(n)) {
             sums.iter_mut().for_each(|sums| sums.advance_to(passes));
-            for ((end, draw), (power, d0)) in ends.iter_mut().zip(ALL_DRAWS.iter()).zip(&choices) {
+            for ((end, draw), (power, d0_squared)) in ends.iter_mut().zip(ALL_DRAWS.iter()).zip(&choices) {
                 if end.is_none() {
-                    let parts = self.simulated_parts(draw, *power, *d0, (&sums[*power], &at_pilot[*power]));
+                    let parts = self.simulated_parts(draw, *power, *d0_squared, (&sums[*power], &at_pilot[*power]));
                     *end = (parts.error_interval(half_width).1 <= target).then_some(passes);
                 }
             }
@@ -175,14 +175,14 @@ impl ErrorForecast {
     /// Returns the parts of the squared error that a simulated render estimates after the passes
     /// that `sums` holds.
     ///
-    /// `power` is an index of [`POWERS`]. `at_pilot` holds the passes made so far, and `d0` is the
-    /// drawn expectation of ‖D₀‖² after them. D₀ = L(r) − L(r/√2), where L(r) is the density
+    /// `power` is an index of [`POWERS`]. `at_pilot` holds the passes made so far, and `d0_squared`
+    /// is the drawn expectation of ‖D₀‖² after them. D₀ = L(r) − L(r/√2), where L(r) is the density
     /// estimate with disc radius r.
     fn simulated_parts(
         &self,
         draw: &ForecastDraw,
         power: usize,
-        d0: f64,
+        d0_squared: f64,
         (sums, at_pilot): (&DiscAreaSums, &DiscAreaSums),
     ) -> SquaredErrorParts {
         let parts = &self.estimate.parts;
@@ -190,7 +190,7 @@ impl ErrorForecast {
         let distance = 1.0 - n.min(made) / n.max(made);
         let deviation = (parts.noise_uncertainty + MODEL_DEVIATION * MODEL_DEVIATION * distance * distance).sqrt();
         let noise = self.squared_noise(sums) * libm::exp(draw.noise * deviation);
-        let blur = self.simulated_blur(draw, power, d0, (sums, at_pilot));
+        let blur = self.simulated_blur(draw, power, d0_squared, (sums, at_pilot));
         SquaredErrorParts {
             noise,
             noise_uncertainty: parts.noise_uncertainty * made / n,
@@ -208,19 +208,19 @@ impl ErrorForecast {
         &self,
         draw: &ForecastDraw,
         power: usize,
-        d0: f64,
+        d0_squared: f64,
         (sums, at_pilot): (&DiscAreaSums, &DiscAreaSums),
     ) -> BlurEstimate {
         let measured = &self.estimate.differences;
-        if measured.variance <= 0.0 && d0 <= 0.0 {
+        if measured.variance <= 0.0 && d0_squared <= 0.0 {
             return BlurEstimate::default();
         }
         let n = f64::from(sums.passes);
         let decay = (sums.blur / n) / (at_pilot.blur / f64::from(at_pilot.passes));
         let growth = (sums.inverse_area / n) / (at_pilot.inverse_area / f64::from(at_pilot.passes));
-        let (expected, variance) = (d0 * decay * decay, measured.variance * growth);
-        let d0_variance = NestedDifferenceMoments::d0_estimate_variance(expected, variance, measured.scatter, n);
-        let d0 = expected + draw.later_blur * d0_variance.sqrt();
+        let (expected, variance) = (d0_squared * decay * decay, measured.variance * growth);
+        let d0_squared_variance = NestedDifferenceMoments::d0_squared_variance(expected, variance, measured.scatter, n);
+        let d0_squared = expected + draw.later_blur * d0_squared_variance.sqrt();
         let squared = squared_difference_ratio(POWERS[power]);
         let smooth_to_edge = (squared - 0.25) / (squared_difference_ratio(POWERS[0]) - 0.25);
         let correlation = 0.5 + (EDGE_CORRELATION - 0.5) * smooth_to_edge;
@@ -228,11 +228,11 @@ impl ErrorForecast {
         let correlation =
             if trust > 0.0 { correlation + trust * (measured.correlation() - correlation) } else { correlation };
         BlurEstimate::from_differences(&NestedDifferenceMoments {
-            d0,
-            d0_d1: correlation * d0,
-            d1: squared * d0,
+            d0_squared,
+            d0_d1: correlation * d0_squared,
+            d1_squared: squared * d0_squared,
             variance,
-            d0_variance,
+            d0_squared_variance,
             scatter: measured.scatter,
         })
     }
@@ -248,11 +248,11 @@ impl ErrorForecast {
         let measured = &self.estimate.differences;
         // Least variance. A measured ratio between those of two neighbouring exponents then fits
         // both exponents, even if it has no noise.
-        let rounding = 1e-4 * measured.d0 * measured.d0;
+        let rounding = 1e-4 * measured.d0_squared * measured.d0_squared;
         let square = |power: f64| {
             let ratio = squared_difference_ratio(power);
-            let difference = measured.d1 - ratio * measured.d0;
-            let variance = (1.0 + ratio * ratio) * measured.d0_variance + rounding;
+            let difference = measured.d1_squared - ratio * measured.d0_squared;
+            let variance = (1.0 + ratio * ratio) * measured.d0_squared_variance + rounding;
             if variance > 0.0 { difference * difference / variance } else { 0.0 }
         };
         let squares = POWERS.map(square);
@@ -273,17 +273,17 @@ impl ErrorForecast {
         const VALUES: i32 = 80;
         const LEAST: f64 = 1e-3;
         let measured = &self.estimate.differences;
-        let (d0, deviation) = (measured.d0.max(0.0), measured.d0_variance.sqrt());
+        let (d0_squared, deviation) = (measured.d0_squared.max(0.0), measured.d0_squared_variance.sqrt());
         if deviation <= 0.0 {
-            return vec![(d0, 1.0)];
+            return vec![(d0_squared, 1.0)];
         }
-        let most = d0 / deviation + 5.0;
+        let most = d0_squared / deviation + 5.0;
         let factor = libm::pow(most / LEAST, 1.0 / f64::from(VALUES - 1));
         let (mut low, mut high, mut sum) = (0.0, LEAST, 0.0);
         let mut quantiles = vec![(0.0, 0.0)];
         for _ in 0..VALUES {
             let middle = 0.5 * (low + high);
-            let off = middle - measured.d0 / deviation;
+            let off = middle - measured.d0_squared / deviation;
             sum += libm::exp(-0.5 * off * off) * libm::pow(middle, -PRIOR_EXPONENT) * (high - low);
             quantiles.push((high * deviation, sum));
             (low, high) = (high, high * factor);

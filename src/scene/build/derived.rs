@@ -51,14 +51,14 @@ pub(in crate::scene) fn derive_scene_data(scene: &Scene) -> DerivedSceneData {
     let planes = scene.geometry.planes.iter().map(|plane| plane.point_and_normal().0.length());
     let domain = photon_domain(scene.geometry.bounds(), planes);
     let camera = scene.camera.center().as_vec3();
-    let positions = scene.lights.iter().filter_map(Light::emission_point).chain([camera]);
+    let positions = scene.lights.iter().filter_map(Light::representative_point).chain([camera]);
     let farthest = positions.map(|p| p.distance(domain.center)).fold(domain.radius, f32::max);
     let (mut camera_interior, mut light_interiors) =
         (InteriorStack::EMPTY, vec![InteriorStack::EMPTY; scene.lights.len()]);
     if scene.bodies().next().is_some() {
         camera_interior = interior_stack_at(scene, camera);
         let start =
-            |light: &Light| light.emission_point().map_or(InteriorStack::EMPTY, |p| interior_stack_at(scene, p));
+            |light: &Light| light.representative_point().map_or(InteriorStack::EMPTY, |p| interior_stack_at(scene, p));
         light_interiors = scene.lights.iter().map(start).collect();
     }
     DerivedSceneData {

@@ -27,9 +27,9 @@ fn range(forecast: StopForecast) -> PassRange {
     range
 }
 
-/// Moments of smooth light with the blur 2·√d0, known without noise.
-fn smooth(d0: f64) -> NestedDifferenceMoments {
-    NestedDifferenceMoments { d0, d0_d1: 0.5 * d0, d1: 0.25 * d0, ..Default::default() }
+/// Moments of smooth light with the blur 2·√`d0_squared`, known without noise.
+fn smooth(d0_squared: f64) -> NestedDifferenceMoments {
+    NestedDifferenceMoments { d0_squared, d0_d1: 0.5 * d0_squared, d1_squared: 0.25 * d0_squared, ..Default::default() }
 }
 
 #[test]
@@ -95,7 +95,12 @@ fn fixed_radii_never_reach_targets_below_their_blur() {
 /// passes to fall at edges.
 #[test]
 fn blur_at_edges_decays_slowly() {
-    let edge = |d0: f64| NestedDifferenceMoments { d0, d0_d1: 0.7275 * d0, d1: 0.707 * d0, ..Default::default() };
+    let edge = |d0_squared: f64| NestedDifferenceMoments {
+        d0_squared,
+        d0_d1: 0.7275 * d0_squared,
+        d1_squared: 0.707 * d0_squared,
+        ..Default::default()
+    };
     let [smooth, edge] = [smooth(0.25e-2), edge(0.01 / 14.6)].map(|differences| {
         let forecast = forecast_with(differences, Some(2.0 / 3.0));
         assert!((forecast.estimate.blur / 0.1 - 1.0).abs() < 0.02, "{}", forecast.estimate.blur);
@@ -109,7 +114,8 @@ fn blur_at_edges_decays_slowly() {
 fn unknown_blur_widens_the_range() {
     let known = forecast_with(NestedDifferenceMoments::default(), Some(2.0 / 3.0));
     let deviation = 2e-4;
-    let noisy = NestedDifferenceMoments { d0_variance: deviation * deviation, variance: 0.01, ..Default::default() };
+    let noisy =
+        NestedDifferenceMoments { d0_squared_variance: deviation * deviation, variance: 0.01, ..Default::default() };
     let unknown = forecast_with(NestedDifferenceMoments { scatter: 0.02, ..noisy }, Some(2.0 / 3.0));
     let ends = [&known, &unknown].map(|forecast| range(forecast.stop_forecast(0.04, CENTER)));
     assert!(ends[1].median >= ends[0].median);

@@ -125,7 +125,7 @@ fn lights_are_valid_at_extreme_samples() {
     let ball = |center: Vec3, radius: f32| BoundingSphere { center, radius };
     for light in scene.lights() {
         let place = light.center().unwrap_or(Vec3::ZERO);
-        let start = light.emission_point().unwrap_or(place);
+        let start = light.representative_point().unwrap_or(place);
         let points = [
             Vec3::ZERO,
             place,
