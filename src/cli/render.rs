@@ -1,18 +1,24 @@
 //! `caustica render`: renders a scene and writes pictures, error maps and a JSON report.
 
+mod final_outputs;
+mod pass_loop;
+mod summary;
+mod turntable;
+
+use self::final_outputs::{RenderOutputs, write_options};
+use self::pass_loop::render_passes;
+use self::summary::print_scene_summary;
+use self::turntable::{arguments_of_frames, output_files, render_frames};
 use super::check::quick_scene_warnings;
-use super::diagnostics::{all_lights_are_black, black_picture_note, no_photon_stored_note};
+use super::diagnostics::all_lights_are_black;
 use super::film::{FilmSettings, SavedFilm, film_header};
-use super::frames::{FrameNameError, Turntable, frame_path};
 use super::interrupt::{INTERRUPTED, listen_for_signals};
 #[cfg(feature = "view")]
 use super::live::LiveOutput;
-use super::number::count_with_noun;
-use super::outputs::{FileWithRole, OutputFailures, check_distinct_files};
-use super::pictures::write_pictures;
+use super::outputs::{FileWithRole, check_distinct_files};
 use super::plan;
-use super::progress::{InputFileCollector, ProgressDisplay, print_message, warn_of_rejected_samples};
-use super::report::{EstimatedErrorReport, RenderReport, RenderSetup};
+use super::progress::{InputFileCollector, ProgressDisplay};
+use super::report::RenderSetup;
 use super::scene::{load_scene_and_file, with_thread_pool};
 use super::settings::settings_from_arguments;
 use super::shard::Shard;
@@ -21,24 +27,20 @@ use super::tev::TevOutput;
 use super::updates::PictureUpdates;
 use super::{CommandFailure, Exit, RenderArguments, forecast_text};
 use crate::camera::CropWindow;
-use crate::image::{self, Image, ToneCurve, WriteOptions};
+use crate::image;
 use crate::integrate::{
     Algorithm, AovSurface, CameraPathSettings, EmissionGuidingReports, Integrator, SURFACE_AOV_RAYS, SurfaceAovs,
     render_surface_aovs,
 };
-use crate::render::error_estimate::{Confidence, MIN_PASSES, StopForecast};
 use crate::render::{
-    EndReason, ErrorTarget, PassProgress, RenderLimits, RenderResult, RenderedLayers, StopCriteria,
-    check_layered_picture_memory, check_photon_memory, continue_render, picture_layers, surface_layers,
+    RenderLimits, RenderResult, RenderedLayers, StopCriteria, check_layered_picture_memory, check_photon_memory,
 };
 use crate::scene::Scene;
-use crate::study::text::percent_text;
 #[cfg(feature = "view")]
 use crate::view::{LiveRender, Phase, PlanReport};
-use glam::Vec3;
 use std::ops::Range;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Number of rays of each pixel for surface AOVs of the live page.
 #[cfg(feature = "view")]
@@ -121,37 +123,6 @@ pub(super) fn window_size(crop: Option<CropWindow>, whole: (u32, u32)) -> Result
     }
 }
 
-/// Returns the arguments of each frame of `--frames`; without this flag, a copy of `arguments`.
-fn arguments_of_frames(arguments: &RenderArguments) -> Result<Vec<RenderArguments>, CommandFailure> {
-    let Some(range) = arguments.frames else { return Ok(vec![arguments.clone()]) };
-    range.numbers().map(|frame| frame_arguments(arguments, frame).map_err(CommandFailure::usage_error)).collect()
-}
-
-/// Returns the arguments of one frame of `--frames`: with the names of its files, and a seed of its
-/// own, so that the noise of frames differs.
-fn frame_arguments(arguments: &RenderArguments, frame: u32) -> Result<RenderArguments, FrameNameError> {
-    let mut of_frame = arguments.clone();
-    of_frame.method.seed = arguments.method.seed.wrapping_add(frame.into());
-    let paths = of_frame.output.iter_mut().map(|path| ("-o", path));
-    let paths = paths.chain(of_frame.aov.iter_mut().map(|path| ("--aov", path)));
-    for (flag, path) in paths.chain(of_frame.stats.iter_mut().map(|path| ("--stats", path))) {
-        *path = frame_path(flag, path, frame)?;
-    }
-    Ok(of_frame)
-}
-
-/// Returns all output files of `caustica render` that the command line names, of all frames.
-fn output_files(arguments: &RenderArguments) -> Result<Vec<FileWithRole>, CommandFailure> {
-    let files = |arguments: &RenderArguments| -> Vec<FileWithRole> {
-        let pictures = arguments.output.iter().map(|path| FileWithRole::new("-o", path));
-        let layers = arguments.aov.iter().map(|path| FileWithRole::new("--aov", path));
-        let report = arguments.stats.iter().map(|path| FileWithRole::new("--stats", path));
-        let film = arguments.film.iter().map(|path| FileWithRole::new("--film", path));
-        pictures.chain(layers).chain(report).chain(film).collect()
-    };
-    Ok(arguments_of_frames(arguments)?.iter().flat_map(files).collect())
-}
-
 /// Loads the scene and renders it: once, or each frame of `--frames`.
 fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay) -> Result<Exit, CommandFailure> {
     let start = Instant::now();
@@ -169,41 +140,21 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     let inputs: Vec<FileWithRole> = input_paths.iter().map(|path| FileWithRole::new("the input", path)).collect();
     check_distinct_files(&output_files(arguments)?, &inputs)?;
     print_scene_summary(&arguments.scene.scene.display().to_string(), &scene, progress);
-    let Some(range) = arguments.frames else {
-        let exit = render_scene(
-            arguments,
-            &scene,
-            &input_paths,
-            start,
-            progress,
-            #[cfg(feature = "view")]
-            live,
-        );
-        #[cfg(feature = "view")]
-        live_output.into_iter().for_each(LiveOutput::finish);
-        return exit;
-    };
-    let turntable = Turntable::new(&scene, &camera, arguments.turn.unwrap_or(range.end));
-    let turntable = turntable.map_err(CommandFailure::usage_error)?;
-    for frame in range.numbers() {
-        progress.print_line(&format!("frame {frame} of {} to {}", range.first, range.end - 1));
-        let arguments = frame_arguments(arguments, frame).map_err(CommandFailure::usage_error)?;
-        let turned = turntable.camera(frame).map(|camera| scene.with_camera(&camera));
-        let scene = turned.as_ref().unwrap_or(&scene);
-        let exit = render_scene(
-            &arguments,
-            scene,
-            &input_paths,
-            Instant::now(),
-            progress,
-            #[cfg(feature = "view")]
-            None,
-        )?;
-        if exit != Exit::Success {
-            return Ok(exit);
-        }
+    if let Some(range) = arguments.frames {
+        return render_frames(arguments, range, &scene, &camera, &input_paths, progress);
     }
-    Ok(Exit::Success)
+    let exit = render_scene(
+        arguments,
+        &scene,
+        &input_paths,
+        start,
+        progress,
+        #[cfg(feature = "view")]
+        live,
+    );
+    #[cfg(feature = "view")]
+    live_output.into_iter().for_each(LiveOutput::finish);
+    exit
 }
 
 /// Renders `scene`, and writes all outputs.
@@ -314,7 +265,7 @@ fn render_scene(
     #[cfg(feature = "view")]
     tev.into_iter().for_each(|tev| tev.finish(&rendered, aovs.as_ref(), arguments.aov.is_some()));
     let outputs = RenderOutputs { arguments, rendered: &rendered, aovs, film: film.as_ref() };
-    outputs.write(progress, setup, &stop, powerless)
+    outputs.write(progress, setup, &render_limits(arguments), &stop, powerless)
 }
 
 /// Returns which layers beside the picture the command line asks for. Each of them needs memory.
@@ -376,101 +327,6 @@ fn render_limits(arguments: &RenderArguments) -> RenderLimits {
     }
 }
 
-/// Prints the name of the scene, its numbers of triangles, shapes and lights, and a note if it has
-/// no objects or lights.
-fn print_scene_summary(name: &str, scene: &Scene, progress: &ProgressDisplay) {
-    let (triangles, shapes, lights) = (scene.triangle_count(), scene.shape_count(), scene.lights().len());
-    progress.print_line(&format!(
-        "{name}: {}, {}, {}",
-        count_with_noun(triangles, "triangle", "triangles"),
-        count_with_noun(shapes, "shape", "shapes"),
-        count_with_noun(lights, "light", "lights")
-    ));
-    if triangles + shapes == 0 {
-        progress.print_line("note: the scene has no objects: the picture shows only the background");
-    } else if lights == 0 {
-        progress.print_line("note: the scene has no lights: all objects are black");
-    } else if all_lights_are_black(scene) {
-        progress.print_line("note: no light of the scene has any power: all objects are black");
-    }
-}
-
-/// Adds passes to the result `before`, until a criterion of `stop` holds, and shows progress.
-///
-/// `numbers` are the indices of the passes to add. `after_pass` is called after each pass.
-fn render_passes(
-    before: RenderResult,
-    numbers: Range<u32>,
-    stop: &StopCriteria<'_>,
-    integrator: &dyn Integrator,
-    start: Instant,
-    progress: &ProgressDisplay,
-    mut after_pass: impl FnMut(&PassProgress<'_>),
-) -> RenderResult {
-    let passes_before = before.film.passes();
-    let (passes, target) = (stop.passes, stop.target);
-    progress.set_pass_number(passes_before + 1, passes);
-    // With a target, the time is known only after the first error estimate.
-    progress.set_time_left(stop.time.filter(|_| target.is_none()));
-    let began = Instant::now();
-    continue_render(before, numbers, integrator, stop, progress, |standing| {
-        let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes - passes_before);
-        let forecast = standing.error.as_ref().filter(|_| !progress.is_quiet()).map(|(estimate, forecast)| {
-            // Without a target, the forecast is for half of the error.
-            let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
-            let target = target.unwrap_or(half);
-            (estimate, target, forecast.stop_forecast(target.error, target.interval_confidence()))
-        });
-        let error = forecast.as_ref().map(|(estimate, target, forecast)| {
-            format!(
-                "error {}{}",
-                forecast_text::error_text(estimate),
-                forecast_text::time_to_target_text(estimate, *target, *forecast, pass_seconds)
-            )
-        });
-        if progress.uses_plain_lines() {
-            let of = passes.map_or(String::new(), |n| format!("/{n}"));
-            let error = error.as_ref().map_or(String::new(), |error| format!(": {error}"));
-            let elapsed = start.elapsed().as_secs_f64();
-            progress.print_line(&format!("pass {}{of} after {elapsed:.1} s{error}", standing.passes));
-        }
-        progress.set_pass_number(standing.passes + 1, passes);
-        // Most passes do not estimate the error. After them, the previous time left stays on show.
-        let forecast = forecast.map(|(_, _, forecast)| forecast);
-        if let Some(left) = time_until_stop(stop, standing.passes, forecast, began.elapsed(), pass_seconds) {
-            progress.set_time_left(Some(left));
-        }
-        error.into_iter().for_each(|note| progress.set_progress_note(note));
-        after_pass(standing);
-    })
-}
-
-/// Returns the expected remaining time until the first stop criterion holds; `None` if it is
-/// unknown, as with an error target after a pass without an error estimate.
-///
-/// `passes` is the number of passes so far. `forecast` predicts the passes until the target of
-/// `stop`; it is ignored if `stop` has no target.
-fn time_until_stop(
-    stop: &StopCriteria<'_>,
-    passes: u32,
-    forecast: Option<StopForecast>,
-    elapsed: Duration,
-    pass_seconds: f64,
-) -> Option<Duration> {
-    if stop.target.is_some() && forecast.is_none() {
-        return None;
-    }
-    let of_passes = |n: u32| f64::from(n.saturating_sub(passes)) * pass_seconds;
-    let by_target = forecast.filter(|_| stop.target.is_some()).and_then(|forecast| match forecast {
-        StopForecast::Passes(range) => Some(of_passes(range.median)),
-        StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
-    });
-    let by_time = stop.time.map(|time| time.saturating_sub(elapsed).as_secs_f64());
-    let all = [stop.passes.map(of_passes), by_time, by_target];
-    let least = all.into_iter().flatten().min_by(f64::total_cmp)?;
-    Duration::try_from_secs_f64(least).ok()
-}
-
 /// Finds albedo, normal and the like of all pixels, and shows progress; `None` if it is cancelled.
 fn find_surface_aovs(
     arguments: &RenderArguments,
@@ -486,191 +342,4 @@ fn find_surface_aovs(
 /// Returns the surface whose properties the command line asks for.
 fn aov_surface(arguments: &RenderArguments) -> AovSurface {
     if arguments.aov_first_hit { AovSurface::First } else { AovSurface::FirstNonSpecular }
-}
-
-/// Outputs that are written after a render has ended: picture, layers, film and statistics.
-struct RenderOutputs<'a> {
-    arguments: &'a RenderArguments,
-    rendered: &'a RenderResult,
-    /// Albedo, normal and the like for `--aov`; `None` without this flag, or after a cancellation.
-    aovs: Option<SurfaceAovs>,
-    /// Film file of the render; `None` without `--film`.
-    film: Option<&'a SavedFilm<'a>>,
-}
-
-impl RenderOutputs<'_> {
-    /// Writes all outputs and prints a summary. An output that fails does not stop the others.
-    ///
-    /// `powerless` is true if the scene has lights, but none has any power.
-    fn write(
-        &self,
-        progress: &ProgressDisplay,
-        setup: RenderSetup,
-        stop: &StopCriteria<'_>,
-        powerless: bool,
-    ) -> Result<Exit, CommandFailure> {
-        let Self { arguments, rendered, film, .. } = *self;
-        let (width, height) = rendered.film.size();
-        let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(CommandFailure::output_error)?;
-        let mut failures = OutputFailures::default();
-        self.write_pictures(progress, &picture, &mut failures);
-        if let (Some(path), Some(film)) = (&arguments.film, film)
-            && failures.ok_or_collect_error(film.save(rendered)).is_some()
-        {
-            progress.print_line(&format!("wrote {}", path.display()));
-        }
-        warn_of_rejected_samples(&rendered.counters);
-        if picture.pixels().iter().all(|p| *p == Vec3::ZERO) {
-            progress.print_line(black_picture_note(setup.lights, powerless));
-        }
-        no_photon_stored_note(rendered).iter().for_each(|line| progress.print_line(line));
-        let limits = render_limits(arguments);
-        let report = RenderReport::new(setup, &limits, stop, rendered);
-        print_render_summary(&limits, stop, progress, &report, rendered);
-        if let Some(path) = &arguments.stats {
-            let json = serde_json::to_vec_pretty(&report).map_err(CommandFailure::output_error)?;
-            failures.ok_or_collect_error(image::replace_file(path, &json));
-        }
-        failures.into_result(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
-    }
-
-    /// Writes the files of `-o` and `--aov`. Collects errors in `failures`.
-    fn write_pictures(&self, progress: &ProgressDisplay, picture: &Image, failures: &mut OutputFailures) {
-        let Self { arguments, rendered, ref aovs, .. } = *self;
-        let options = write_options(arguments);
-        write_pictures(arguments.output.iter(), picture, &options, progress, failures);
-        let Some(path) = &arguments.aov else { return };
-        let passes = rendered.film.passes();
-        if passes < MIN_PASSES && rendered.estimator.is_some() {
-            let passes = count_with_noun(passes as usize, "pass gives", "passes give");
-            print_message(&format!("warning: {passes} no error estimate: {} has no maps of it", path.display()));
-        }
-        let mut layers = picture_layers(rendered);
-        layers.extend(aovs.iter().flat_map(surface_layers));
-        let written = image::write_layers(path, rendered.film.size(), &layers, &options.metadata);
-        if let Some(non_finite) = failures.ok_or_collect_error(written) {
-            progress.print_line(&format!("wrote {}", path.display()));
-            if non_finite > 0 {
-                let values = count_with_noun(non_finite, "value", "values");
-                let path = path.display();
-                print_message(&format!("warning: {values} of {path} exceed single precision: the scene is too bright"));
-            }
-        }
-    }
-}
-
-/// Returns the options with which the files of `-o` and `--aov` are written.
-fn write_options(arguments: &RenderArguments) -> WriteOptions {
-    arguments.pictures.write_options(match arguments.method.integrator {
-        Algorithm::Raycast => ToneCurve::Legacy,
-        Algorithm::Hybrid
-        | Algorithm::Path
-        | Algorithm::Sppm
-        | Algorithm::Ppm
-        | Algorithm::Pm
-        | Algorithm::Distributed
-        | Algorithm::Whitted => ToneCurve::Srgb,
-    })
-}
-
-/// Prints the number of passes, rays and photons per second, why the render ended, and the
-/// estimated error.
-fn print_render_summary(
-    limits: &RenderLimits,
-    stop: &StopCriteria<'_>,
-    progress: &ProgressDisplay,
-    report: &RenderReport,
-    rendered: &RenderResult,
-) {
-    let n = rendered.film.passes();
-    let why = match rendered.ended {
-        EndReason::Passes => String::new(),
-        EndReason::Time => format!("; time was up: --passes {n} repeats this picture bit for bit"),
-        EndReason::Target => format!("; the error is low enough: --passes {n} repeats this picture bit for bit"),
-        EndReason::Floor => "; more passes cannot reach the error".to_owned(),
-        EndReason::Interrupted => format!("; interrupted: --passes {n} repeats this picture"),
-    };
-    progress.print_line(&format!(
-        "{} in {:.1} s, {:.2} M rays/s, {:.2} M photon paths/s{why}",
-        count_with_noun(report.passes as usize, "pass", "passes"),
-        report.seconds.render,
-        report.rates.rays_per_second * 1e-6,
-        report.rates.photons_per_second * 1e-6,
-    ));
-    if let Some(fraction) = report.clamped_fraction {
-        progress.print_line(&format!("clamping removed {} of the light", percent_text(fraction)));
-    }
-    if let Some(EstimatedErrorReport { estimate, confidence, .. }) = &report.error {
-        let interval = format!("{} to {}", percent_text(estimate.low), percent_text(estimate.high));
-        let confidence = percent_text(confidence.probability());
-        progress.print_line(&format!(
-            "estimated error {}; {interval} with {confidence} confidence",
-            forecast_text::error_text(estimate)
-        ));
-    }
-    if limits.are_default() {
-        default_end_line(stop, rendered.ended).iter().for_each(|line| progress.print_line(line));
-    }
-    if rendered.ended == EndReason::Floor {
-        print_message(&format!("warning: {}", forecast_text::BIAS_REMEDY));
-    }
-}
-
-/// Returns a line that says which default limit ended a render: error, time or bias. `None` if the
-/// number of passes or the user ended it, or if `stop` lacks a target or a time limit.
-fn default_end_line(stop: &StopCriteria<'_>, ended: EndReason) -> Option<String> {
-    let (target, time) = (stop.target?, stop.time?);
-    let error = percent_text(target.error);
-    let confidence = percent_text(target.confidence.probability());
-    let time = forecast_text::duration_text(time.as_secs_f64());
-    match ended {
-        EndReason::Target => Some(format!(
-            "ended by error: at most {error} with {confidence} confidence. --target-error sets another error"
-        )),
-        EndReason::Time => {
-            Some(format!("ended by time: {time} were over before the error fell to {error}. --time sets another time"))
-        }
-        EndReason::Floor => Some(format!("ended by bias: more passes cannot lower the error to {error}")),
-        EndReason::Passes | EndReason::Interrupted => None,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::render::error_estimate::Confidence;
-    use std::sync::atomic::AtomicBool;
-
-    #[test]
-    fn the_last_line_names_the_default_limit_that_ended_a_render() {
-        let interrupted = AtomicBool::new(false);
-        let target = Some(ErrorTarget { error: 0.03, confidence: Confidence::default() });
-        let stop =
-            StopCriteria { target, time: Some(Duration::from_secs(300)), ..StopCriteria::unlimited(&interrupted) };
-        let line = |ended| default_end_line(&stop, ended);
-        let begins = |ended, text: &str| line(ended).is_some_and(|line| line.starts_with(text));
-        assert!(begins(EndReason::Target, "ended by error: at most 3.0 %"));
-        assert!(begins(EndReason::Time, "ended by time: 5 min 0 s were over before the error fell to 3.0 %"));
-        assert!(begins(EndReason::Floor, "ended by bias: "));
-        assert_eq!(line(EndReason::Passes).or(line(EndReason::Interrupted)), None);
-    }
-
-    #[test]
-    fn the_first_stop_condition_sets_the_time_left() {
-        let interrupted = AtomicBool::new(false);
-        let limits = |passes: Option<u32>, time: Option<u64>| {
-            let time = time.map(Duration::from_secs);
-            StopCriteria { passes, time, ..StopCriteria::unlimited(&interrupted) }
-        };
-        let left_of = |stop: StopCriteria<'_>| {
-            time_until_stop(&stop, 4, None, Duration::from_secs(8), 2.0).map(|left| left.as_secs())
-        };
-        let left = |passes, time| left_of(limits(passes, time));
-        assert_eq!(left(Some(10), None), Some(12));
-        assert_eq!(left(None, Some(10)), Some(2));
-        assert_eq!(left(Some(10), Some(10)), Some(2));
-        assert_eq!((left(None, None), left(None, Some(1))), (None, Some(0)));
-        let target = Some(ErrorTarget { error: 0.03, confidence: Confidence::default() });
-        assert_eq!(left_of(StopCriteria { target, ..limits(Some(10), Some(10)) }), None);
-    }
 }

@@ -1,0 +1,110 @@
+//! Passes of a render, with the progress that the terminal shows.
+
+use crate::cli::forecast_text;
+use crate::cli::progress::ProgressDisplay;
+use crate::integrate::Integrator;
+use crate::render::error_estimate::{Confidence, StopForecast};
+use crate::render::{ErrorTarget, PassProgress, RenderResult, StopCriteria, continue_render};
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+/// Adds passes to the result `before`, until a criterion of `stop` holds, and shows progress.
+///
+/// `numbers` are the indices of the passes to add. `after_pass` is called after each pass.
+pub(super) fn render_passes(
+    before: RenderResult,
+    numbers: Range<u32>,
+    stop: &StopCriteria<'_>,
+    integrator: &dyn Integrator,
+    start: Instant,
+    progress: &ProgressDisplay,
+    mut after_pass: impl FnMut(&PassProgress<'_>),
+) -> RenderResult {
+    let passes_before = before.film.passes();
+    let (passes, target) = (stop.passes, stop.target);
+    progress.set_pass_number(passes_before + 1, passes);
+    // With a target, the time is known only after the first error estimate.
+    progress.set_time_left(stop.time.filter(|_| target.is_none()));
+    let began = Instant::now();
+    continue_render(before, numbers, integrator, stop, progress, |standing| {
+        let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes - passes_before);
+        let forecast = standing.error.as_ref().filter(|_| !progress.is_quiet()).map(|(estimate, forecast)| {
+            // Without a target, the forecast is for half of the error.
+            let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
+            let target = target.unwrap_or(half);
+            (estimate, target, forecast.stop_forecast(target.error, target.interval_confidence()))
+        });
+        let error = forecast.as_ref().map(|(estimate, target, forecast)| {
+            format!(
+                "error {}{}",
+                forecast_text::error_text(estimate),
+                forecast_text::time_to_target_text(estimate, *target, *forecast, pass_seconds)
+            )
+        });
+        if progress.uses_plain_lines() {
+            let of = passes.map_or(String::new(), |n| format!("/{n}"));
+            let error = error.as_ref().map_or(String::new(), |error| format!(": {error}"));
+            let elapsed = start.elapsed().as_secs_f64();
+            progress.print_line(&format!("pass {}{of} after {elapsed:.1} s{error}", standing.passes));
+        }
+        progress.set_pass_number(standing.passes + 1, passes);
+        // Most passes do not estimate the error. After them, the previous time left stays on show.
+        let forecast = forecast.map(|(_, _, forecast)| forecast);
+        if let Some(left) = time_until_stop(stop, standing.passes, forecast, began.elapsed(), pass_seconds) {
+            progress.set_time_left(Some(left));
+        }
+        error.into_iter().for_each(|note| progress.set_progress_note(note));
+        after_pass(standing);
+    })
+}
+
+/// Returns the expected remaining time until the first stop criterion holds; `None` if it is
+/// unknown, as with an error target after a pass without an error estimate.
+///
+/// `passes` is the number of passes so far. `forecast` predicts the passes until the target of
+/// `stop`; it is ignored if `stop` has no target.
+fn time_until_stop(
+    stop: &StopCriteria<'_>,
+    passes: u32,
+    forecast: Option<StopForecast>,
+    elapsed: Duration,
+    pass_seconds: f64,
+) -> Option<Duration> {
+    if stop.target.is_some() && forecast.is_none() {
+        return None;
+    }
+    let of_passes = |n: u32| f64::from(n.saturating_sub(passes)) * pass_seconds;
+    let by_target = forecast.filter(|_| stop.target.is_some()).and_then(|forecast| match forecast {
+        StopForecast::Passes(range) => Some(of_passes(range.median)),
+        StopForecast::Never { .. } | StopForecast::TooFar { .. } => None,
+    });
+    let by_time = stop.time.map(|time| time.saturating_sub(elapsed).as_secs_f64());
+    let all = [stop.passes.map(of_passes), by_time, by_target];
+    let least = all.into_iter().flatten().min_by(f64::total_cmp)?;
+    Duration::try_from_secs_f64(least).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicBool;
+
+    #[test]
+    fn the_first_stop_condition_sets_the_time_left() {
+        let interrupted = AtomicBool::new(false);
+        let limits = |passes: Option<u32>, time: Option<u64>| {
+            let time = time.map(Duration::from_secs);
+            StopCriteria { passes, time, ..StopCriteria::unlimited(&interrupted) }
+        };
+        let left_of = |stop: StopCriteria<'_>| {
+            time_until_stop(&stop, 4, None, Duration::from_secs(8), 2.0).map(|left| left.as_secs())
+        };
+        let left = |passes, time| left_of(limits(passes, time));
+        assert_eq!(left(Some(10), None), Some(12));
+        assert_eq!(left(None, Some(10)), Some(2));
+        assert_eq!(left(Some(10), Some(10)), Some(2));
+        assert_eq!((left(None, None), left(None, Some(1))), (None, Some(0)));
+        let target = Some(ErrorTarget { error: 0.03, confidence: Confidence::default() });
+        assert_eq!(left_of(StopCriteria { target, ..limits(Some(10), Some(10)) }), None);
+    }
+}

@@ -1,0 +1,114 @@
+//! Lines that tell what a scene holds and how its render ended.
+
+use crate::cli::diagnostics::all_lights_are_black;
+use crate::cli::forecast_text;
+use crate::cli::number::count_with_noun;
+use crate::cli::progress::{ProgressDisplay, print_message};
+use crate::cli::report::{EstimatedErrorReport, RenderReport};
+use crate::render::{EndReason, RenderLimits, RenderResult, StopCriteria};
+use crate::scene::Scene;
+use crate::study::text::percent_text;
+
+/// Prints the name of the scene, its numbers of triangles, shapes and lights, and a note if it has
+/// no objects or lights.
+pub(super) fn print_scene_summary(name: &str, scene: &Scene, progress: &ProgressDisplay) {
+    let (triangles, shapes, lights) = (scene.triangle_count(), scene.shape_count(), scene.lights().len());
+    progress.print_line(&format!(
+        "{name}: {}, {}, {}",
+        count_with_noun(triangles, "triangle", "triangles"),
+        count_with_noun(shapes, "shape", "shapes"),
+        count_with_noun(lights, "light", "lights")
+    ));
+    if triangles + shapes == 0 {
+        progress.print_line("note: the scene has no objects: the picture shows only the background");
+    } else if lights == 0 {
+        progress.print_line("note: the scene has no lights: all objects are black");
+    } else if all_lights_are_black(scene) {
+        progress.print_line("note: no light of the scene has any power: all objects are black");
+    }
+}
+
+/// Prints the number of passes, rays and photons per second, why the render ended, and the
+/// estimated error.
+pub(super) fn print_render_summary(
+    limits: &RenderLimits,
+    stop: &StopCriteria<'_>,
+    progress: &ProgressDisplay,
+    report: &RenderReport,
+    rendered: &RenderResult,
+) {
+    let n = rendered.film.passes();
+    let why = match rendered.ended {
+        EndReason::Passes => String::new(),
+        EndReason::Time => format!("; time was up: --passes {n} repeats this picture bit for bit"),
+        EndReason::Target => format!("; the error is low enough: --passes {n} repeats this picture bit for bit"),
+        EndReason::Floor => "; more passes cannot reach the error".to_owned(),
+        EndReason::Interrupted => format!("; interrupted: --passes {n} repeats this picture"),
+    };
+    progress.print_line(&format!(
+        "{} in {:.1} s, {:.2} M rays/s, {:.2} M photon paths/s{why}",
+        count_with_noun(report.passes as usize, "pass", "passes"),
+        report.seconds.render,
+        report.rates.rays_per_second * 1e-6,
+        report.rates.photons_per_second * 1e-6,
+    ));
+    if let Some(fraction) = report.clamped_fraction {
+        progress.print_line(&format!("clamping removed {} of the light", percent_text(fraction)));
+    }
+    if let Some(EstimatedErrorReport { estimate, confidence, .. }) = &report.error {
+        let interval = format!("{} to {}", percent_text(estimate.low), percent_text(estimate.high));
+        let confidence = percent_text(confidence.probability());
+        progress.print_line(&format!(
+            "estimated error {}; {interval} with {confidence} confidence",
+            forecast_text::error_text(estimate)
+        ));
+    }
+    if limits.are_default() {
+        default_end_line(stop, rendered.ended).iter().for_each(|line| progress.print_line(line));
+    }
+    if rendered.ended == EndReason::Floor {
+        print_message(&format!("warning: {}", forecast_text::BIAS_REMEDY));
+    }
+}
+
+/// Returns a line that says which default limit ended a render: error, time or bias. `None` if the
+/// number of passes or the user ended it, or if `stop` lacks a target or a time limit.
+fn default_end_line(stop: &StopCriteria<'_>, ended: EndReason) -> Option<String> {
+    let (target, time) = (stop.target?, stop.time?);
+    let error = percent_text(target.error);
+    let confidence = percent_text(target.confidence.probability());
+    let time = forecast_text::duration_text(time.as_secs_f64());
+    match ended {
+        EndReason::Target => Some(format!(
+            "ended by error: at most {error} with {confidence} confidence. --target-error sets another error"
+        )),
+        EndReason::Time => {
+            Some(format!("ended by time: {time} were over before the error fell to {error}. --time sets another time"))
+        }
+        EndReason::Floor => Some(format!("ended by bias: more passes cannot lower the error to {error}")),
+        EndReason::Passes | EndReason::Interrupted => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::ErrorTarget;
+    use crate::render::error_estimate::Confidence;
+    use std::sync::atomic::AtomicBool;
+    use std::time::Duration;
+
+    #[test]
+    fn the_last_line_names_the_default_limit_that_ended_a_render() {
+        let interrupted = AtomicBool::new(false);
+        let target = Some(ErrorTarget { error: 0.03, confidence: Confidence::default() });
+        let stop =
+            StopCriteria { target, time: Some(Duration::from_secs(300)), ..StopCriteria::unlimited(&interrupted) };
+        let line = |ended| default_end_line(&stop, ended);
+        let begins = |ended, text: &str| line(ended).is_some_and(|line| line.starts_with(text));
+        assert!(begins(EndReason::Target, "ended by error: at most 3.0 %"));
+        assert!(begins(EndReason::Time, "ended by time: 5 min 0 s were over before the error fell to 3.0 %"));
+        assert!(begins(EndReason::Floor, "ended by bias: "));
+        assert_eq!(line(EndReason::Passes).or(line(EndReason::Interrupted)), None);
+    }
+}

@@ -1,0 +1,77 @@
+//! Frames of a turntable: their arguments, their output files and their renders.
+
+use super::render_scene;
+use crate::cli::frames::{FrameNameError, Turntable, frame_path};
+use crate::cli::outputs::FileWithRole;
+use crate::cli::progress::ProgressDisplay;
+use crate::cli::{CommandFailure, Exit, FrameRange, RenderArguments};
+use crate::format::description::CameraDescription;
+use crate::scene::Scene;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Renders the frames `range` of the turntable around `scene`, and writes all their outputs. Ends
+/// early if a frame does not succeed.
+///
+/// `camera` is the camera of frame 0 as the scene describes it. `inputs` are the files that the
+/// scene names.
+pub(super) fn render_frames(
+    arguments: &RenderArguments,
+    range: FrameRange,
+    scene: &Scene,
+    camera: &CameraDescription,
+    inputs: &[PathBuf],
+    progress: &ProgressDisplay,
+) -> Result<Exit, CommandFailure> {
+    let turntable = Turntable::new(scene, camera, arguments.turn.unwrap_or(range.end));
+    let turntable = turntable.map_err(CommandFailure::usage_error)?;
+    for frame in range.numbers() {
+        progress.print_line(&format!("frame {frame} of {} to {}", range.first, range.end - 1));
+        let arguments = frame_arguments(arguments, frame).map_err(CommandFailure::usage_error)?;
+        let turned = turntable.camera(frame).map(|camera| scene.with_camera(&camera));
+        let exit = render_scene(
+            &arguments,
+            turned.as_ref().unwrap_or(scene),
+            inputs,
+            Instant::now(),
+            progress,
+            #[cfg(feature = "view")]
+            None,
+        )?;
+        if exit != Exit::Success {
+            return Ok(exit);
+        }
+    }
+    Ok(Exit::Success)
+}
+
+/// Returns the arguments of each frame of `--frames`; without this flag, a copy of `arguments`.
+pub(super) fn arguments_of_frames(arguments: &RenderArguments) -> Result<Vec<RenderArguments>, CommandFailure> {
+    let Some(range) = arguments.frames else { return Ok(vec![arguments.clone()]) };
+    range.numbers().map(|frame| frame_arguments(arguments, frame).map_err(CommandFailure::usage_error)).collect()
+}
+
+/// Returns the arguments of one frame of `--frames`: with the names of its files, and a seed of its
+/// own, so that the noise of frames differs.
+fn frame_arguments(arguments: &RenderArguments, frame: u32) -> Result<RenderArguments, FrameNameError> {
+    let mut of_frame = arguments.clone();
+    of_frame.method.seed = arguments.method.seed.wrapping_add(frame.into());
+    let paths = of_frame.output.iter_mut().map(|path| ("-o", path));
+    let paths = paths.chain(of_frame.aov.iter_mut().map(|path| ("--aov", path)));
+    for (flag, path) in paths.chain(of_frame.stats.iter_mut().map(|path| ("--stats", path))) {
+        *path = frame_path(flag, path, frame)?;
+    }
+    Ok(of_frame)
+}
+
+/// Returns all output files of `caustica render` that the command line names, of all frames.
+pub(super) fn output_files(arguments: &RenderArguments) -> Result<Vec<FileWithRole>, CommandFailure> {
+    let files = |arguments: &RenderArguments| -> Vec<FileWithRole> {
+        let pictures = arguments.output.iter().map(|path| FileWithRole::new("-o", path));
+        let layers = arguments.aov.iter().map(|path| FileWithRole::new("--aov", path));
+        let report = arguments.stats.iter().map(|path| FileWithRole::new("--stats", path));
+        let film = arguments.film.iter().map(|path| FileWithRole::new("--film", path));
+        pictures.chain(layers).chain(report).chain(film).collect()
+    };
+    Ok(arguments_of_frames(arguments)?.iter().flat_map(files).collect())
+}
