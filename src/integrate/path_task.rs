@@ -20,8 +20,8 @@ pub(super) struct PathTask {
     /// Counts of rays and photons of all camera paths of the task.
     pub counters: Counters,
     pub inputs: PathInputs,
-    /// Weights and sums of the light that paths find up to their first receiver. The weights are
-    /// set before the camera paths of a pixel, and again before its prefix rays.
+    /// Weights and sums of the light that paths find up to their first receiver. They are set
+    /// before the camera paths of a pixel, and again before its prefix rays.
     pub prefix: PrefixLightSums,
     pub pixel: PixelState,
     pub records: PilotRecords,
@@ -43,8 +43,8 @@ pub(super) struct PathInputs {
     pub technique_weights: IndirectWeights,
 }
 
-/// Light of the current pixel that is kept apart from its radiance. A pixel's last camera ray or
-/// prefix ray ends its lifetime.
+/// Light of the current pixel, and of its current camera ray, that is kept apart from the radiance.
+/// A pixel's last camera ray or prefix ray ends its lifetime.
 #[derive(Debug, Default)]
 pub(super) struct PixelState {
     /// Radiance of the current camera ray that photon estimates found \[W/(m² sr)].

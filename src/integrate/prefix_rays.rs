@@ -21,11 +21,10 @@ pub(super) struct PrefixLightSums {
     /// Number of camera paths of the pixel, or of its prefix rays, that read photon maps: those
     /// with the lowest sample indices.
     pub lookups: u32,
-    /// Factor on a photon estimate, which is also multiplied by the number of the pixel's camera
-    /// paths or prefix rays.
+    /// Weight of a photon estimate: 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.
     ///
     /// Of the pixel's n camera paths, k read photon maps. Of its m prefix rays, l read photon maps.
-    /// The factor is 1/(k + l) for camera paths and n/(m·(k + l)) for prefix rays.
+    /// The `lookup_scale` of an estimate is this weight times n, or times m for prefix rays.
     pub lookup_weight: f32,
     /// True for prefix rays, which end at their first receiver; false for camera paths.
     pub ends_at_receiver: bool,

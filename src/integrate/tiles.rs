@@ -58,7 +58,7 @@ pub(super) struct PrefixRays<'a> {
     pub key: Key,
 }
 
-/// Camera rays of one pixel, or its prefix rays.
+/// Camera rays or prefix rays of one pixel: their number, shutter times, random key and weights.
 struct PixelRays {
     /// Random key of the rays.
     key: Key,
@@ -107,7 +107,8 @@ impl FilmImage {
     }
 }
 
-/// Crops `pixels`, which show the window `outer`, to the window `inner`; empty pixels stay empty.
+/// Returns the part of `pixels` in the window `inner`; `pixels` show the window `outer` or are
+/// empty.
 fn cropped_pixels<T: Copy>(pixels: &[T], outer: CropWindow, inner: CropWindow) -> Vec<T> {
     let columns = (inner.left - outer.left) as usize..(inner.right - outer.left) as usize;
     let rows = pixels.chunks(outer.size().0 as usize).skip((inner.top - outer.top) as usize);
