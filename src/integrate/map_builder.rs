@@ -94,7 +94,8 @@ struct VolumeKernelRadiiPerMap {
 
 /// Builder of the photon maps of any pass. It holds the photon sources and gather radii.
 ///
-/// [`PhotonMaps`] says which maps aimed and unaimed photon paths fill.
+/// Aimed and unaimed photon paths fill the maps that a table in
+/// [`photon_maps`](super::photon_maps) lists.
 #[derive(Debug)]
 pub(super) struct PhotonMapBuilder<'a> {
     scene: &'a Scene,
@@ -367,7 +368,7 @@ impl<'a> PhotonMapBuilder<'a> {
             source: self.aimed_source.as_ref(),
             mask: self.request.aimed,
             paths: self.counts.divided_by(options.divisor).aimed,
-            key: options.photon_path_key(Purpose::CausticPhotons),
+            key: options.photon_path_key(Purpose::AimedPhotons),
             light_tracer: light_tracer.as_ref(),
         };
         let traced = self.trace_photons(task, monitor, out);

@@ -50,9 +50,8 @@ use rand::{SeedableRng, rngs::SmallRng};
 pub enum Purpose {
     /// Photon paths that are emitted in all directions, not towards chosen objects.
     UnaimedPhotons = 1,
-    /// Photon paths that are emitted towards casters: surfaces, such as glass or mirrors, that cast
-    /// caustics.
-    CausticPhotons,
+    /// Photon paths that are emitted towards surfaces that cast caustics, such as glass or mirrors.
+    AimedPhotons,
     /// Camera paths.
     Camera,
     /// Pilot simulation that finds gather radii before the first pass.
