@@ -37,7 +37,7 @@ const GUIDE_PHOTON_DIVISOR: u32 = 16;
 /// Half width of the density-estimation kernel over wavelengths in the first pass \[nm].
 const WAVELENGTH_BAND: f32 = 20.0;
 
-/// Lower bound of the photon limit k of density estimates, which shrinks over the passes.
+/// Lower bound on the photon limit k of density estimates. The limit shrinks over the passes.
 const MIN_K: f64 = 8.0;
 
 /// Source, number and random key of the photon paths to trace for one map, and the kinds of photons
@@ -236,8 +236,7 @@ impl<'a> PhotonMapBuilder<'a> {
         self.request.aimed.separates_after_caustic || self.may_build_interreflection_map()
     }
 
-    /// True if passes may build an interreflection map, which holds light that receivers reflect.
-    /// Only `hybrid` builds one.
+    /// True if passes may build an interreflection map. Only `hybrid` builds one.
     pub fn may_build_interreflection_map(&self) -> bool {
         self.policy.indirect_photons != IndirectPhotons::Off && self.unaimed_source.is_some()
     }
@@ -410,8 +409,8 @@ impl<'a> PhotonMapBuilder<'a> {
         self.index_photons(photons, limits, options, monitor, out)
     }
 
-    /// Builds the interreflection map of `hybrid`, which holds light that surfaces reflect. Returns
-    /// `None` if camera paths carry all of that light.
+    /// Builds the interreflection map of `hybrid`. Returns `None` if camera paths carry all of its
+    /// light.
     fn build_interreflection_map(
         &self,
         options: &MapBuildOptions,

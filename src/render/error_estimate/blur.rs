@@ -1,28 +1,25 @@
 //! Blur (bias) of photon density estimates, extrapolated from estimates with smaller discs.
 //!
-//! Let L(r) be the estimate with disc radius r. D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2) are
-//! the first terms of a series that sums to the bias. Norms and products of both are means over the
+//! Two differences of such estimates, D₀ and D₁, are the first terms of a series that sums to the
+//! bias. [`NestedDifferenceMoments`] defines them, and their norms and products as means over the
 //! pixels of the picture.
 
 /// Smallest ratio D₀·D₁ / ‖D₀‖² that is used, because smaller ratios come from noise.
 ///
-/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
-/// radius r.
+/// [`NestedDifferenceMoments`] defines D₀ and D₁.
 const MIN_CORRELATION: f64 = -0.5;
 
 /// Largest ratio D₀·D₁ / ‖D₀‖² that is used: the ratio at a straight edge of light, for the
 /// Epanechnikov kernel.
 ///
-/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
-/// radius r.
+/// [`NestedDifferenceMoments`] defines D₀ and D₁.
 pub(super) const EDGE_CORRELATION: f64 = 0.7275;
 
 /// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) for light that is not smooth, with the Epanechnikov
 /// kernel.
 ///
-/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
-/// radius r. The pairs belong to a straight edge of light, and to bands of light as wide as a half
-/// and a fifth of the disc's diameter.
+/// [`NestedDifferenceMoments`] defines D₀ and D₁. The pairs belong to a straight edge of light, and
+/// to bands of light as wide as a half and a fifth of the disc's diameter.
 const ROUGH: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
 /// Largest ratio of the blur with discs of half the area to the blur with full discs: the ratio at
@@ -36,8 +33,10 @@ const MAX_RATIO: f64 = 0.841;
 /// area, although their blur differs by this fraction.
 const EXTRAPOLATION_ERROR: f64 = 0.5;
 
-/// Means over the picture of squares and products of D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2),
-/// where L(r) is the density estimate with disc radius r.
+/// Means over the picture of squares and products of two differences, D₀ and D₁.
+///
+/// Let L(r) be the density estimate with disc radius r. D₀ = L(r) − L(r/√2) compares discs of full
+/// and half area, and D₁ = L(r/√2) − L(r/2) discs of half and quarter area.
 ///
 /// Each pixel is weighted for relative errors by
 /// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights). Products are taken between
@@ -60,8 +59,8 @@ pub(super) struct NestedDifferenceMoments {
 }
 
 impl NestedDifferenceMoments {
-    /// Returns the variance of the estimate of ‖D₀‖² from `passes` passes. D₀ = L(r) − L(r/√2),
-    /// where L(r) is the density estimate with disc radius r.
+    /// Returns the variance of the estimate of ‖D₀‖² from `passes` passes.
+    /// [`NestedDifferenceMoments`] defines D₀.
     ///
     /// `d0_squared` is ‖D₀‖² and `variance` the variance of D₀ in one pass. `scatter` is the
     /// relative variance of the squared noise. The first term is the noise of products of two
@@ -74,9 +73,8 @@ impl NestedDifferenceMoments {
     /// Weight in \[0, 1] of the measured ratios ‖D₁‖² / ‖D₀‖² and D₀·D₁ / ‖D₀‖², against their
     /// values in smooth light.
     ///
-    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
-    /// radius r. The weight is 1 if the measured ‖D₀‖² is positive without noise, and 0 if it is
-    /// not positive.
+    /// [`NestedDifferenceMoments`] defines D₀ and D₁. The weight is 1 if the measured ‖D₀‖² is
+    /// positive without noise, and 0 if it is not positive.
     pub fn measurement_weight(&self) -> f64 {
         let measured = self.d0_squared.max(0.0);
         let square = measured * measured;
@@ -86,8 +84,7 @@ impl NestedDifferenceMoments {
     /// Returns the measured ratio D₀·D₁ / ‖D₀‖², limited to values that light can cause. ‖D₀‖² must
     /// be positive.
     ///
-    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
-    /// radius r.
+    /// [`NestedDifferenceMoments`] defines D₀ and D₁.
     pub fn correlation(&self) -> f64 {
         let limit = (self.d1_squared / self.d0_squared).clamp(0.0, ROUGH[2].0).sqrt();
         (self.d0_d1 / self.d0_squared).clamp(MIN_CORRELATION, EDGE_CORRELATION).clamp(-limit, limit)
@@ -104,16 +101,16 @@ pub(super) struct BlurEstimate {
     pub variance: f64,
     /// Ratio of the blur with discs of half the area to the blur with full discs.
     pub ratio: f64,
-    /// Ratio of the extrapolated blur to the measured difference D₀ + D₁ = L(r) − L(r/2), where
-    /// L(r) is the density estimate with disc radius r.
+    /// Ratio of the extrapolated blur to the measured difference D₀ + D₁;
+    /// [`NestedDifferenceMoments`] defines D₀ and D₁.
     pub extrapolation: f64,
 }
 
 impl BlurEstimate {
     /// Extrapolates the blur from two differences of density estimates with nested discs.
     ///
-    /// Let L(r) be the density estimate with disc radius r. The differences are D₀ = L(r) − L(r/√2)
-    /// and D₁ = L(r/√2) − L(r/2). The blur is the sum of all Dᵢ of this series.
+    /// The differences D₀ and D₁ ([`NestedDifferenceMoments`]) are the first of a series Dᵢ. The
+    /// blur is the sum of the series.
     ///
     /// In smooth light, each difference is half of the previous one, so ‖bias‖² = 4‖D₀‖². At edges,
     /// the model is Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|, with ratio q and correlation c. Its sum is ‖Σ

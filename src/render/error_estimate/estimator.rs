@@ -56,19 +56,15 @@ pub struct ErrorEstimator {
 /// Sums over passes of the differences between photon estimates with nested discs, for each pixel.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 struct NestedEstimateSums {
-    /// Sums over passes, for each pixel and channel, of D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) −
-    /// L(r/2), where L(r) is the density estimate with disc radius r.
+    /// Sums over passes of D₀ and of D₁, for each pixel and channel. [`NestedDifferenceMoments`]
+    /// defines both.
     differences: [BinnedSums<3>; 2],
     /// Sums over passes and channels of D₀², D₀·D₁ and D₁², for each pixel.
-    ///
-    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
-    /// radius r.
     products: BinnedSums<3>,
     /// Sums over passes of gather radius and photon count of each pixel: first for the caustic map,
     /// then for the indirect map and the interreflection map of `hybrid` together.
     discs: Vec<[GatherDiscTotals; 2]>,
-    /// D₀ = L(r) − L(r/√2) of each pixel in the passes with the lowest numbers, where L(r) is the
-    /// density estimate with disc radius r.
+    /// D₀ of each pixel in the passes with the lowest numbers.
     leading: LeadingPasses,
 }
 
@@ -334,8 +330,8 @@ impl NestedEstimateSums {
         self.leading.merge(&other.leading, LEADING_PASSES_OF_DIFFERENCES);
     }
 
-    /// Returns the sums over passes of two differences at pixel `i`: D₀ = L(r) − L(r/√2) and D₁ =
-    /// L(r/√2) − L(r/2), where L(r) is the density estimate with disc radius r.
+    /// Returns the sums over passes of D₀ and of D₁ at pixel `i`. [`NestedDifferenceMoments`]
+    /// defines both.
     fn difference_sums(&self, i: usize) -> [DVec3; 2] {
         self.differences.each_ref().map(|sums| DVec3::from_array(sums.value(i)))
     }
@@ -343,8 +339,8 @@ impl NestedEstimateSums {
     /// Returns the means over the picture of D₀², D₀·D₁ and D₁² after `n` passes, with their
     /// variances.
     ///
-    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
-    /// radius r. Each product combines two different passes, so its noise has mean zero.
+    /// [`NestedDifferenceMoments`] defines D₀ and D₁. Each product combines two different passes,
+    /// so its noise has mean zero.
     fn nested_difference_moments(&self, error_weights: &RelativeErrorWeights, n: f64) -> NestedDifferenceMoments {
         let pixels = error_weights.pixel_weights().len();
         let (mut square, mut variance) = ([0.0; 3], 0.0);

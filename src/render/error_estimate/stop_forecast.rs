@@ -28,8 +28,7 @@ const DRAWS: usize = 64;
 /// forecast's model of noise is inexact.
 const MODEL_DEVIATION: f64 = 0.2;
 
-/// Exponent e of the prior density (‖D₀‖²)^−e, with D₀ = L(r) − L(r/√2) for the density estimate
-/// L(r) with disc radius r.
+/// Exponent e of the prior density (‖D₀‖²)^−e; [`NestedDifferenceMoments`] defines D₀.
 ///
 /// An exponent of 0 would make large blur likely wherever it is not measured yet. An exponent of 1
 /// would exclude such blur.
@@ -176,8 +175,7 @@ impl ErrorForecast {
     /// that `sums` holds.
     ///
     /// `power` is an index of [`POWERS`]. `at_pilot` holds the passes made so far, and `d0_squared`
-    /// is the drawn expectation of ‖D₀‖² after them. D₀ = L(r) − L(r/√2), where L(r) is the density
-    /// estimate with disc radius r.
+    /// is the drawn expectation of ‖D₀‖² after them. [`NestedDifferenceMoments`] defines D₀.
     fn simulated_parts(
         &self,
         draw: &ForecastDraw,
@@ -240,10 +238,9 @@ impl ErrorForecast {
     /// Returns the cumulative probabilities of the exponents [`POWERS`], given the measured blur.
     /// They are not normalized.
     ///
-    /// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
-    /// radius r. An exponent p predicts ‖D₁‖² = 2^(−2p) ‖D₀‖². The difference between this
-    /// prediction and the measured ‖D₁‖² gives the likelihood of p. The estimates of ‖D₁‖² and
-    /// ‖D₀‖² have about the same variance.
+    /// [`NestedDifferenceMoments`] defines D₀ and D₁. An exponent p predicts ‖D₁‖² = 2^(−2p) ‖D₀‖².
+    /// The difference between this prediction and the measured ‖D₁‖² gives the likelihood of p. The
+    /// estimates of ‖D₁‖² and ‖D₀‖² have about the same variance.
     fn power_weights(&self) -> [f64; POWERS.len()] {
         let measured = &self.estimate.differences;
         // Least variance. A measured ratio between those of two neighbouring exponents then fits
@@ -267,8 +264,8 @@ impl ErrorForecast {
     /// Returns pairs of a value of ‖D₀‖² and its cumulative probability after measurement, both in
     /// ascending order. The probability is not normalized.
     ///
-    /// D₀ = L(r) − L(r/√2), where L(r) is the density estimate with disc radius r. The measured
-    /// ‖D₀‖² has Gaussian noise. Its prior density is a power law ([`PRIOR_EXPONENT`]).
+    /// [`NestedDifferenceMoments`] defines D₀. The measured ‖D₀‖² has Gaussian noise. Its prior
+    /// density is a power law ([`PRIOR_EXPONENT`]).
     fn blur_quantiles(&self) -> Vec<(f64, f64)> {
         const VALUES: i32 = 80;
         const LEAST: f64 = 1e-3;
@@ -294,8 +291,7 @@ impl ErrorForecast {
 
 /// Returns ‖D₁‖² / ‖D₀‖² where blur is proportional to disc area to the power `power`.
 ///
-/// D₀ = L(r) − L(r/√2) and D₁ = L(r/√2) − L(r/2), where L(r) is the density estimate with disc
-/// radius r.
+/// [`NestedDifferenceMoments`] defines D₀ and D₁.
 fn squared_difference_ratio(power: f64) -> f64 {
     libm::exp2(-2.0 * power)
 }
