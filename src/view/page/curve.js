@@ -15,6 +15,16 @@ function ticks(low, high) {
   return every.length > 1 ? every : found;
 }
 
+/** Times that are round numbers of seconds, minutes or hours, within a range of seconds. */
+function timeTicks(low, high) {
+  const units = [[1, low, Math.min(high, 59)], [60, Math.max(low, 60), Math.min(high, 3599)], [3600, Math.max(low, 3600), high]];
+  return units.flatMap(([unit, from, to]) => {
+    if (from > to) return [];
+    const round = unit < 3600 ? [30, ...ticks(from / unit, to / unit).filter((value) => value < 50)] : ticks(from / unit, to / unit);
+    return round.map((value) => value * unit).filter((t) => t >= from && t <= to).sort((a, b) => a - b);
+  });
+}
+
 function timeTick(seconds) {
   if (seconds < 60) return `${digits(seconds)} s`;
   if (seconds < 3600) return `${digits(seconds / 60)} min`;
@@ -33,7 +43,8 @@ function showCurve(state) {
   const passSeconds = last.seconds / last.passes;
   const predicted = forecast ? forecast.curve.map(([passes, error]) => [passes * passSeconds, error]) : [];
   const times = [...curve.map((p) => p.seconds), ...predicted.map((p) => p[0])].filter((t) => t > 0);
-  const sizes = curve.flatMap((p) => [p.error, p.high, Math.max(p.low, p.error / 10)]);
+  // Parts below a tenth of the error would flatten the rest of the curve.
+  const sizes = curve.flatMap((p) => [p.error, p.high, ...[p.low, p.noise, p.bias].filter((part) => part >= p.error / 10)]);
   if (forecast) sizes.push(forecast.target, ...predicted.map((p) => p[1]));
   const positive = sizes.filter((e) => e > 0 && Number.isFinite(e));
   if (!positive.length || !times.length) {
@@ -51,13 +62,13 @@ function showCurve(state) {
     svg.append(svgElement("text", { x: PLOT.left - 5, y: y(value) + 4, "text-anchor": "end" }, percent(value)));
   }
   let free = -Infinity;
-  for (const value of ticks(t0, t1)) {
+  for (const value of timeTicks(t0, t1)) {
     svg.append(svgElement("line", { class: "grid", x1: x(value), x2: x(value), y1: PLOT.top, y2: PLOT.height - PLOT.bottom }));
     if (x(value) < free || x(value) > PLOT.width - 18) continue;
     free = x(value) + 46;
     svg.append(svgElement("text", { x: x(value), y: PLOT.height - PLOT.bottom + 16, "text-anchor": "middle" }, timeTick(value)));
   }
-  const points = (key) => curve.filter((p) => p[key] > 0 && p.seconds > 0).map((p) => [p.seconds, p[key]]);
+  const points = (key) => curve.filter((p) => p[key] >= e0 && p.seconds > 0).map((p) => [p.seconds, p[key]]);
   const [high, low] = [points("high"), curve.filter((p) => p.high > 0).map((p) => [p.seconds, Math.max(p.low, e0)])];
   if (high.length > 1) svg.append(svgElement("path", { class: "band", d: `${path(high)}L${path(low.reverse()).slice(1)}Z` }));
   for (const key of ["bias", "noise", "error"]) svg.append(svgElement("path", { class: key, d: path(points(key)) }));
