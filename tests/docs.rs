@@ -163,8 +163,11 @@ fn run_documented_command(page: &str, line: &[String], folder: &Path) {
         let output = command.current_dir(folder).args(&arguments).timeout(Duration::from_secs(60)).output().unwrap();
         assert!(output.status.success(), "{command_line}\n{}", String::from_utf8_lossy(&output.stderr));
         for name in outputs {
-            let first_frame = name.to_str().unwrap().replace("%04d", "0000");
-            assert!(folder.join(&first_frame).is_file(), "{command_line}\nwrote no {first_frame}");
+            let mut first_file = name.to_str().unwrap().replace("%04d", "0000");
+            if matches!(&parsed, Some(Command::Render(render)) if render.stereo.is_some()) {
+                first_file = first_file.replace('.', "-left.");
+            }
+            assert!(folder.join(&first_file).is_file(), "{command_line}\nwrote no {first_file}");
         }
         return;
     }

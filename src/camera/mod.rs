@@ -180,6 +180,22 @@ impl Camera {
         Self { center: self.center + by, ..self }
     }
 
+    /// Returns the cameras of a left and a right eye, `distance` apart along the rows of the image;
+    /// `None` unless the projection is perspective. This camera is halfway between them.
+    ///
+    /// Their viewing directions are parallel. A point at depth `z` lies `distance / (z * w)` pixels
+    /// further right in the left image, where `w` is the width of a pixel at distance 1.
+    #[must_use]
+    pub fn stereo_pair(&self, distance: f64) -> Option<[Self; 2]> {
+        match self.projection {
+            CameraProjection::Perspective(_) => {
+                let to_right = self.right.normalize() * (0.5 * distance);
+                Some([self.translated(-to_right), self.translated(to_right)])
+            }
+            CameraProjection::Orthographic | CameraProjection::Panorama => None,
+        }
+    }
+
     /// Copy of the camera, moved by the rigid transform `map`.
     #[must_use]
     pub fn transformed(self, map: &Transform) -> Self {

@@ -109,3 +109,22 @@ fn orbits_scale_focus_and_parallel_pictures() {
     let side = wider.generate_ray(Vec2::new(300.0, 150.0), None).origin;
     assert!((side - Vec3::new(3.0, 0.0, 1.0)).length() < 1e-6, "{side}");
 }
+
+#[test]
+fn disparity_of_stereo_pairs_is_distance_over_depth() {
+    let (angle, distance) = (0.8f64, 0.3);
+    let camera = Camera::perspective(DVec3::new(1.0, 2.0, 3.0), DVec3::NEG_Z, DVec3::Y, angle, 64, 48).unwrap();
+    let [left, right] = camera.stereo_pair(distance).unwrap();
+    for (depth, p) in [(2.0f64, Vec2::new(20.0, 9.0)), (7.5, Vec2::new(50.0, 30.0))] {
+        let disparity = 48.0 * distance / (2.0 * depth * libm::tan(0.5 * angle));
+        let shift = Vec2::new(0.5 * disparity as f32, 0.0);
+        let seen = [(camera, p), (left, p + shift), (right, p - shift)].map(|(camera, p)| {
+            let ray = camera.generate_ray(p, None);
+            ray.origin.as_dvec3() + ray.direction.as_dvec3() * (depth / -f64::from(ray.direction.z))
+        });
+        assert!((seen[1] - seen[0]).length() < 1e-5, "{seen:?}");
+        assert!((seen[2] - seen[0]).length() < 1e-5, "{seen:?}");
+    }
+    let panorama = Camera::panorama(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 64, 32).unwrap();
+    assert_eq!(panorama.stereo_pair(distance), None);
+}

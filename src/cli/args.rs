@@ -324,6 +324,12 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", value_parser = parse_positive_count, requires = "frames")]
     pub turn: Option<u32>,
 
+    /// Render two pictures, of a left and a right eye this distance apart, in scene units. Names of
+    /// outputs get -left and -right
+    #[arg(long, value_name = "DISTANCE", value_parser = parse_length, conflicts_with_all = ["film", "shard", "frames"])]
+    #[cfg_attr(feature = "view", arg(conflicts_with_all = ["listen", "tev"]))]
+    pub stereo: Option<f32>,
+
     /// Clamp the light of each camera path to this radiance, against fireflies. The picture loses
     /// light, which is reported and counts as bias  [default: no limit]
     #[arg(long, value_parser = parse_radiance_limit, value_name = "RADIANCE")]

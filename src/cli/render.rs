@@ -2,13 +2,17 @@
 
 mod final_outputs;
 mod pass_loop;
+mod runs;
+mod stereo;
 mod summary;
 mod turntable;
 
 use self::final_outputs::{RenderOutputs, write_options};
 use self::pass_loop::render_passes;
+use self::runs::{arguments_of_renders, output_files};
+use self::stereo::render_stereo_pair;
 use self::summary::print_scene_summary;
-use self::turntable::{arguments_of_frames, output_files, render_frames};
+use self::turntable::render_frames;
 use super::check::quick_scene_warnings;
 use super::diagnostics::all_lights_are_black;
 use super::film::{FilmSettings, SavedFilm, film_header};
@@ -75,7 +79,7 @@ struct CropWindowTooLargeError {
 pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, CommandFailure> {
     check_raycast_flags(&film_settings(arguments), arguments.target_error)?;
     // Everything that can fail without rendering is checked before rendering.
-    for arguments in arguments_of_frames(arguments)? {
+    for arguments in arguments_of_renders(arguments)? {
         for path in &arguments.output {
             image::check_writable(path).map_err(CommandFailure::output_error)?;
         }
@@ -123,7 +127,7 @@ pub(super) fn window_size(crop: Option<CropWindow>, whole: (u32, u32)) -> Result
     }
 }
 
-/// Loads the scene and renders it: once, or each frame of `--frames`.
+/// Loads the scene and renders it: once, each frame of `--frames`, or both eyes of `--stereo`.
 fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay) -> Result<Exit, CommandFailure> {
     let start = Instant::now();
     #[cfg(feature = "view")]
@@ -142,6 +146,9 @@ fn load_scene_and_render(arguments: &RenderArguments, progress: &ProgressDisplay
     print_scene_summary(&arguments.scene.scene.display().to_string(), &scene, progress);
     if let Some(range) = arguments.frames {
         return render_frames(arguments, range, &scene, &camera, &input_paths, progress);
+    }
+    if let Some(distance) = arguments.stereo {
+        return render_stereo_pair(arguments, distance, &scene, &camera, &input_paths, progress);
     }
     let exit = render_scene(
         arguments,

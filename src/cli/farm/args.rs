@@ -157,7 +157,7 @@ impl SlurmArguments {
 }
 
 /// Flags of `render` that a farm refuses, and what to use instead.
-const REFUSED: [(&str, &str); 13] = [
+const REFUSED: [(&str, &str); 14] = [
     ("film", "each shard has a film of its own in --work-dir; `-o FILE.film` writes the film of all passes"),
     ("shard", "--shards divides the passes"),
     ("time", "the passes are divided before the jobs start; --time-limit limits each shard"),
@@ -171,6 +171,7 @@ const REFUSED: [(&str, &str); 13] = [
     ("reference", LIVE_REMEDY),
     ("frames", FRAMES_REMEDY),
     ("turn", FRAMES_REMEDY),
+    ("stereo", "a film holds one picture: render the pair by `caustica render` with this flag"),
 ];
 
 const FILM_REMEDY: &str = "afterwards, `caustica render` with this flag, --film DIR/merged.film and the same --passes \

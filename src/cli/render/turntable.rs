@@ -1,8 +1,7 @@
-//! Frames of a turntable: their arguments, their output files and their renders.
+//! Frames of a turntable: their arguments and their renders.
 
 use super::render_scene;
 use crate::cli::frames::{FrameNameError, Turntable, frame_path};
-use crate::cli::outputs::FileWithRole;
 use crate::cli::progress::ProgressDisplay;
 use crate::cli::{CommandFailure, Exit, FrameRange, RenderArguments};
 use crate::format::description::CameraDescription;
@@ -45,15 +44,9 @@ pub(super) fn render_frames(
     Ok(Exit::Success)
 }
 
-/// Returns the arguments of each frame of `--frames`; without this flag, a copy of `arguments`.
-pub(super) fn arguments_of_frames(arguments: &RenderArguments) -> Result<Vec<RenderArguments>, CommandFailure> {
-    let Some(range) = arguments.frames else { return Ok(vec![arguments.clone()]) };
-    range.numbers().map(|frame| frame_arguments(arguments, frame).map_err(CommandFailure::usage_error)).collect()
-}
-
 /// Returns the arguments of one frame of `--frames`: with the names of its files, and a seed of its
 /// own, so that the noise of frames differs.
-fn frame_arguments(arguments: &RenderArguments, frame: u32) -> Result<RenderArguments, FrameNameError> {
+pub(super) fn frame_arguments(arguments: &RenderArguments, frame: u32) -> Result<RenderArguments, FrameNameError> {
     let mut of_frame = arguments.clone();
     of_frame.method.seed = arguments.method.seed.wrapping_add(frame.into());
     let paths = of_frame.output.iter_mut().map(|path| ("-o", path));
@@ -62,16 +55,4 @@ fn frame_arguments(arguments: &RenderArguments, frame: u32) -> Result<RenderArgu
         *path = frame_path(flag, path, frame)?;
     }
     Ok(of_frame)
-}
-
-/// Returns all output files of `caustica render` that the command line names, of all frames.
-pub(super) fn output_files(arguments: &RenderArguments) -> Result<Vec<FileWithRole>, CommandFailure> {
-    let files = |arguments: &RenderArguments| -> Vec<FileWithRole> {
-        let pictures = arguments.output.iter().map(|path| FileWithRole::new("-o", path));
-        let layers = arguments.aov.iter().map(|path| FileWithRole::new("--aov", path));
-        let report = arguments.stats.iter().map(|path| FileWithRole::new("--stats", path));
-        let film = arguments.film.iter().map(|path| FileWithRole::new("--film", path));
-        pictures.chain(layers).chain(report).chain(film).collect()
-    };
-    Ok(arguments_of_frames(arguments)?.iter().flat_map(files).collect())
 }

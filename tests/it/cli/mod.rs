@@ -17,6 +17,7 @@ mod repeat;
 mod scenes;
 mod signals;
 mod stats;
+mod stereo;
 mod study;
 #[cfg(feature = "view")]
 mod tev;

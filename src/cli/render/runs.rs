@@ -1,0 +1,32 @@
+//! Renders of one command line, of which each has files of its own: one, or those of `--frames` or
+//! `--stereo`.
+
+use super::stereo::arguments_of_eyes;
+use super::turntable::frame_arguments;
+use crate::cli::outputs::FileWithRole;
+use crate::cli::{CommandFailure, RenderArguments};
+
+/// Returns the arguments of each render: of the frames of `--frames`, of the eyes of `--stereo`, or
+/// without these flags a copy of `arguments`.
+pub(super) fn arguments_of_renders(arguments: &RenderArguments) -> Result<Vec<RenderArguments>, CommandFailure> {
+    if let Some(range) = arguments.frames {
+        let frames = range.numbers().map(|frame| frame_arguments(arguments, frame));
+        return frames.map(|arguments| arguments.map_err(CommandFailure::usage_error)).collect();
+    }
+    match arguments.stereo {
+        Some(_) => Ok(arguments_of_eyes(arguments).into()),
+        None => Ok(vec![arguments.clone()]),
+    }
+}
+
+/// Returns all output files of `caustica render` that the command line names, of all renders.
+pub(super) fn output_files(arguments: &RenderArguments) -> Result<Vec<FileWithRole>, CommandFailure> {
+    let files = |arguments: &RenderArguments| -> Vec<FileWithRole> {
+        let pictures = arguments.output.iter().map(|path| FileWithRole::new("-o", path));
+        let layers = arguments.aov.iter().map(|path| FileWithRole::new("--aov", path));
+        let report = arguments.stats.iter().map(|path| FileWithRole::new("--stats", path));
+        let film = arguments.film.iter().map(|path| FileWithRole::new("--film", path));
+        pictures.chain(layers).chain(report).chain(film).collect()
+    };
+    Ok(arguments_of_renders(arguments)?.iter().flat_map(files).collect())
+}
