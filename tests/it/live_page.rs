@@ -333,6 +333,13 @@ fn the_page_works_in_a_browser() {
     browser.wait_for(&format!("{} === 'Resume'", text("stop")));
     std::thread::sleep(Duration::from_millis(500));
     let still = browser.value(painted);
+
+    // Both axes of the curve have labels, and none covers another.
+    let labels = "[...document.querySelectorAll('#curve svg text')].map((text) => text.getBoundingClientRect())";
+    let apart = "a === b || a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top";
+    let readable = format!("((all) => all.length > 1 && all.every((a) => all.every((b) => {apart})))({labels})");
+    assert_eq!(browser.value(&readable), true);
+
     browser.press("]");
     browser.wait_for(&format!("{} === '+0.5' && {painted} > {still}", text("exposure-value")));
     browser.press("[");

@@ -2,17 +2,20 @@
 
 const PLOT = { width: 400, height: 230, left: 44, right: 10, top: 10, bottom: 30 };
 
-/** Powers of ten times 1, 2 and 5 within a range. */
+/** Powers of ten times 1, 2 and 5 within a range; a range with less than two of them has finer steps. */
 function ticks(low, high) {
-  const found = [];
-  for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++) {
-    for (const digit of [1, 2, 5]) {
-      const value = digit * 10 ** power;
-      if (value >= low * 0.999 && value <= high * 1.001) found.push(value);
+  const within = (steps) => {
+    const found = [];
+    for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++) {
+      const values = steps.map((step) => step * 10 ** power);
+      found.push(...values.filter((value) => value >= low * 0.999 && value <= high * 1.001));
     }
-  }
-  const every = found.length > 8 ? found.filter((value) => Math.abs(Math.log10(value) % 1) < 1e-9) : found;
-  return every.length > 1 ? every : found;
+    return found;
+  };
+  const found = within([1, 2, 5]);
+  if (found.length < 2) return within([1, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9]);
+  const powers = within([1]);
+  return found.length > 8 && powers.length > 1 ? powers : found;
 }
 
 /** Times that are round numbers of seconds, minutes or hours, within a range of seconds. */
@@ -21,7 +24,7 @@ function timeTicks(low, high) {
   return units.flatMap(([unit, from, to]) => {
     if (from > to) return [];
     const round = unit < 3600 ? [30, ...ticks(from / unit, to / unit).filter((value) => value < 50)] : ticks(from / unit, to / unit);
-    return round.map((value) => value * unit).filter((t) => t >= from && t <= to).sort((a, b) => a - b);
+    return [...new Set(round)].map((value) => value * unit).filter((t) => t >= from && t <= to).sort((a, b) => a - b);
   });
 }
 

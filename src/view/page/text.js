@@ -29,11 +29,11 @@ function digits(value) {
   return String(Number(value.toPrecision(3)));
 }
 
-/** Text of a relative error in percent. */
+/** Text of a relative error in percent; a no-break space keeps the sign with the number. */
 function percent(value) {
   if (!Number.isFinite(value)) return "unknown";
   const hundredths = 100 * value;
-  return `${hundredths >= 10 ? hundredths.toFixed(0) : hundredths >= 1 ? hundredths.toFixed(1) : digits(hundredths)} %`;
+  return `${hundredths >= 10 ? hundredths.toFixed(0) : hundredths >= 1 ? hundredths.toFixed(1) : digits(hundredths)}\u00a0%`;
 }
 
 /** Text of a duration in seconds. */
