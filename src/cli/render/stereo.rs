@@ -62,7 +62,8 @@ pub(super) fn render_stereo_pair(
 /// Returns the arguments of the left and of the right picture: with the names of their files, and
 /// with seeds of their own, so that noise is not seen as a surface.
 pub(super) fn arguments_of_eyes(arguments: &RenderArguments) -> [RenderArguments; 2] {
-    #[allow(unused_mut)] let mut of_eyes = [arguments.clone(), arguments.clone()];
+    let mut of_eyes = [arguments.clone(), arguments.clone()];
+    of_eyes[1].method.seed = arguments.method.seed.wrapping_add(1);
     for (of_eye, suffix) in of_eyes.iter_mut().zip(NAME_SUFFIXES) {
         for path in of_eye.output.iter_mut().chain(&mut of_eye.aov).chain(&mut of_eye.stats) {
             *path = path_with_suffix(path, suffix);
