@@ -11,7 +11,7 @@ use super::pictures::PictureArguments;
 use super::shard::Shard;
 use super::{ConvertArguments, DiffArguments, FarmArguments, FilmArguments, FrameRange, MergeArguments, MeshArguments};
 use crate::camera::{CropWindow, FilterKind};
-use crate::format::{IMPORTERS, ImportOptions};
+use crate::format::{IMPORTERS, ImportOptions, SCENE_TEXT_EXTENSIONS};
 use crate::integrate::{Algorithm, FinalGathering, IndirectPhotons, LightTracing, VolumeEstimator};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
@@ -184,9 +184,8 @@ pub struct EffectsArguments {
 /// Flags for reading scenes of other programs.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ImportArguments {
-    /// Format of the scene, by its file extension: txt, caustica, gltf, glb, xml or pbrt  [default:
-    /// by the extension of the file]
-    #[arg(long, value_parser = parse_scene_format, value_name = "EXTENSION")]
+    /// Format of the scene, by its file extension; `None` for that of the file.
+    #[arg(long, help = scene_format_help(), value_parser = parse_scene_format, value_name = "EXTENSION")]
     pub format: Option<String>,
 
     /// Refuse a scene if anything in it is ignored or approximated, instead of warning
@@ -209,7 +208,8 @@ impl ImportArguments {
 /// The scene file, and flags for picture size, threads and memory.
 #[derive(Clone, Debug, Args)]
 pub struct SceneArguments {
-    /// Scene file: scene text, .gltf, .glb, .xml or .pbrt
+    /// Scene file.
+    #[arg(help = scene_file_help())]
     pub scene: PathBuf,
 
     #[command(flatten)]
@@ -554,14 +554,37 @@ pub struct StudyArguments {
     pub quiet: bool,
 }
 
+/// File extensions of all scene formats.
+fn scene_extensions() -> impl Iterator<Item = &'static str> {
+    IMPORTERS.iter().flat_map(|importer| importer.extensions()).copied()
+}
+
+/// Help of `--format`, which lists the extensions of all scene formats.
+fn scene_format_help() -> String {
+    let known = join_with_or(scene_extensions().map(str::to_owned).collect());
+    format!("Format of the scene, by its file extension: {known}  [default: by the extension of the file]")
+}
+
+/// Help of the scene file, which lists the extensions of all importers.
+fn scene_file_help() -> String {
+    let foreign = scene_extensions().filter(|extension| !SCENE_TEXT_EXTENSIONS.contains(extension));
+    let kinds = std::iter::once("scene text".to_owned()).chain(foreign.map(|extension| format!(".{extension}")));
+    format!("Scene file: {}", join_with_or(kinds.collect()))
+}
+
+/// Joins words by commas, the last two by "or".
+fn join_with_or(mut words: Vec<String>) -> String {
+    let last = words.pop().unwrap_or_default();
+    if words.is_empty() { last } else { format!("{} or {last}", words.join(", ")) }
+}
+
 /// Parses the file extension of a scene format.
 fn parse_scene_format(text: &str) -> Result<String, String> {
-    let extensions = || IMPORTERS.iter().flat_map(|importer| importer.extensions());
     let wanted = text.trim_start_matches('.').to_ascii_lowercase();
-    if extensions().any(|extension| *extension == wanted) {
+    if scene_extensions().any(|extension| extension == wanted) {
         return Ok(wanted);
     }
-    let known = extensions().copied().collect::<Vec<_>>().join(", ");
+    let known = scene_extensions().collect::<Vec<_>>().join(", ");
     Err(format!("`{text}` is no scene format: write one of {known}"))
 }
 
@@ -575,8 +598,8 @@ mod tests {
         let format = command.get_arguments().find(|argument| argument.get_id() == "format").unwrap();
         let help = format.get_help().unwrap().to_string();
         let words: Vec<&str> = help.split(|c: char| !c.is_alphanumeric()).collect();
-        for extension in IMPORTERS.iter().flat_map(|importer| importer.extensions()) {
-            assert!(words.contains(extension), "{extension}");
+        for extension in scene_extensions() {
+            assert!(words.contains(&extension), "{extension}");
         }
     }
 }

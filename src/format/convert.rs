@@ -2,8 +2,7 @@
 //! grids that the scene file embeds go to separate files.
 
 use super::description::{
-    DensityDescription, GroupItem, ObjectDescription, ObjectGroup, SceneDescription, ShapeDescription, Spanned,
-    TextureKindDescription,
+    DensityDescription, GroupItem, ObjectDescription, ObjectGroup, SceneDescription, Spanned, TextureKindDescription,
 };
 use super::file::SceneFile;
 use super::grid::DensityGrid;
@@ -132,21 +131,11 @@ fn visit_object_paths(object: &mut ObjectDescription, visit: &mut impl FnMut(&mu
         ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
             visit_object_paths(&mut object.value, visit)
         }
-        ObjectDescription::Shape { shape, .. } => match shape {
-            ShapeDescription::Mesh { path, .. } => visit(&mut path.value),
-            ShapeDescription::Sphere { .. }
-            | ShapeDescription::Plane { .. }
-            | ShapeDescription::Disc { .. }
-            | ShapeDescription::Rectangle { .. }
-            | ShapeDescription::Box { .. }
-            | ShapeDescription::Cylinder { .. }
-            | ShapeDescription::Cone { .. }
-            | ShapeDescription::Triangle { .. }
-            | ShapeDescription::Revolution { .. }
-            | ShapeDescription::Curve(_)
-            | ShapeDescription::Patches { .. }
-            | ShapeDescription::Nurbs { .. } => {}
-        },
+        ObjectDescription::Shape { shape, .. } => {
+            if let Some(path) = shape.file_path_mut() {
+                visit(path);
+            }
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use miette::{Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 
-use super::description::Span;
+use super::span::Span;
 
 /// Greatest number of errors of one scene file that are reported at once.
 pub(super) const MAX_ERRORS: usize = 20;

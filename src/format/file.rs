@@ -1,25 +1,19 @@
 //! Reads a scene file by the importer of its format, and builds the scene.
 
-use super::SceneError;
+use super::assets::EmbeddedAssets;
+use super::camera::resolve_camera;
 use super::description::{SceneDescription, Span};
-use super::gltf::GltfImporter;
-use super::import::{
-    EmbeddedAssets, ImportNote, ImportOptions, ImportedScene, SceneImporter, SceneReadError, lowercase_extension,
-};
+use super::extensions::lowercase_extension;
+use super::import::{ImportNote, ImportOptions, ImportedScene, SceneReadError};
 use super::language::parse;
 use super::mesh::MeshReadMonitor;
-use super::mitsuba::MitsubaImporter;
-use super::pbrt::PbrtImporter;
-use super::resolve::{resolve_camera, resolve_with_assets};
+use super::resolve_scene::resolve_with_assets;
 use super::scene_text::SceneTextImporter;
-use super::{SourceText, warnings};
+use super::{IMPORTERS, SceneError, SourceText, warnings};
 use crate::camera::Camera;
 use crate::scene::Scene;
 use crate::stats::MemoryLimit;
 use std::path::{Path, PathBuf};
-
-/// Importers of all scene formats. A file whose extension no importer lists is read as scene text.
-pub const IMPORTERS: &[&dyn SceneImporter] = &[&SceneTextImporter, &GltfImporter, &MitsubaImporter, &PbrtImporter];
 
 /// A scene file that was read, before the [`Scene`] is built. Its description may still be changed.
 #[derive(Clone, Debug)]
@@ -112,7 +106,7 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`] if single precision cannot represent its view.
     pub fn resolve_camera(&self) -> Result<Camera, SceneError> {
-        resolve_camera(&self.description, &self.source)
+        resolve_camera(&self.description.camera, &self.source)
     }
 
     /// Returns warnings about unused textures and materials, and about defective dielectric meshes.

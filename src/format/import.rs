@@ -1,14 +1,11 @@
-//! The interface of scene importers: trait, result, embedded assets and errors.
+//! The interface of scene importers: trait, result and errors.
 
+use super::assets::EmbeddedAssets;
 use super::description::SceneDescription;
-use super::grid::DensityGrid;
-use super::mesh::{MeshReadMonitor, TriangleMesh};
+use super::mesh::MeshReadMonitor;
 use super::{SceneError, SourceText};
-use crate::image::Image;
 use crate::stats::{MemoryLimit, format_bytes};
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Reader of scenes in one file format.
 ///
@@ -75,28 +72,6 @@ pub struct ImportedScene {
     pub notes: Vec<ImportNote>,
 }
 
-/// Meshes, pictures and grids that a scene file itself contains, with the paths by which its
-/// description names them.
-///
-/// A path that is listed here is not looked up in the file system.
-#[derive(Clone, Debug, Default)]
-pub struct EmbeddedAssets {
-    /// Meshes of `TriangleMesh` shapes.
-    pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
-    /// Pictures of textures and lights; their values are linear.
-    pub pictures: BTreeMap<String, Arc<Image>>,
-    /// Density grids of media.
-    pub grids: BTreeMap<String, Arc<DensityGrid>>,
-}
-
-impl EmbeddedAssets {
-    /// True if `path` names an embedded mesh, picture or grid.
-    #[must_use]
-    pub fn contains(&self, path: &str) -> bool {
-        self.meshes.contains_key(path) || self.pictures.contains_key(path) || self.grids.contains_key(path)
-    }
-}
-
 /// Error of reading a scene file.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum SceneReadError {
@@ -124,38 +99,4 @@ pub enum SceneReadError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Language(#[from] SceneError),
-}
-
-/// Extensions of other programs' scene formats. Meshes in such files are not read.
-///
-/// Importers are asked first, so the list may contain extensions of importers.
-const FOREIGN_SCENE_EXTENSIONS: &[&str] =
-    &["glb", "gltf", "usd", "usda", "usdc", "usdz", "blend", "fbx", "dae", "pbrt", "xml", "3ds", "abc", "x3d"];
-
-/// Extensions of mesh formats that are not read.
-const UNREAD_MESH_EXTENSIONS: &[&str] = &["stl", "off"];
-
-/// File extensions of the meshes that a scene file can refer to.
-const MESH_EXTENSIONS: &[&str] = &["obj", "ply"];
-
-/// True if the extension belongs to a known format from which no meshes are read.
-pub(super) fn is_unread_mesh_format(extension: &str) -> bool {
-    FOREIGN_SCENE_EXTENSIONS.contains(&extension) || UNREAD_MESH_EXTENSIONS.contains(&extension)
-}
-
-/// Returns advice to a user who gives a file with this extension as a scene; `None` if the file may
-/// be scene text.
-pub(super) fn remedy_for_foreign_scene(extension: &str) -> Option<&'static str> {
-    if FOREIGN_SCENE_EXTENSIONS.contains(&extension) {
-        Some("export the meshes as OBJ or PLY, and name them in a scene text: `TriangleMesh { file a.obj }`")
-    } else if MESH_EXTENSIONS.contains(&extension) || UNREAD_MESH_EXTENSIONS.contains(&extension) {
-        Some("write a scene text that names the mesh: `TriangleMesh { file a.obj }`")
-    } else {
-        None
-    }
-}
-
-/// Returns the extension of a path in lower case, without the dot; empty if it has none.
-pub(super) fn lowercase_extension(path: &Path) -> String {
-    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }

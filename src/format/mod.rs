@@ -2,9 +2,13 @@
 //!
 //! Meshes, material libraries and density grids have readers and writers of their own.
 
+mod aim;
+mod assets;
+mod camera;
 mod convert;
 pub mod description;
 mod error;
+mod extensions;
 mod file;
 mod framing;
 pub mod gltf;
@@ -12,25 +16,42 @@ pub mod grid;
 mod import;
 mod import_notes;
 mod language;
+mod lights;
 mod line_error;
+mod materials;
+mod media;
 pub mod mesh;
 pub mod mitsuba;
 pub mod mtl;
+mod parallelogram;
 pub mod pbrt;
 mod resolve;
+mod resolve_scene;
 mod scene_text;
+mod shapes;
+mod span;
 #[cfg(test)]
 mod tests;
+mod textured_value;
+mod textures;
 mod transform_step;
 mod warnings;
 
+pub use assets::EmbeddedAssets;
 pub use convert::ConvertedScene;
 pub use error::{SceneError, SourceText};
-pub use file::{IMPORTERS, SceneFile};
-pub use import::{EmbeddedAssets, ImportNote, ImportOptions, ImportedScene, SceneImporter, SceneReadError};
+pub use extensions::SCENE_TEXT_EXTENSIONS;
+pub use file::SceneFile;
+pub use import::{ImportNote, ImportOptions, ImportedScene, SceneImporter, SceneReadError};
 pub use language::{parse, parse_scene_bytes, update_reference_tables};
 pub use line_error::LineError;
-pub use resolve::{resolve, resolve_monitored};
+pub use resolve_scene::{resolve, resolve_monitored};
+
+/// Importers of all scene formats. A file whose extension no importer lists is read as scene text.
+///
+/// The program takes the values and the help of `--format` from this list.
+pub const IMPORTERS: &[&dyn SceneImporter] =
+    &[&scene_text::SceneTextImporter, &gltf::GltfImporter, &mitsuba::MitsubaImporter, &pbrt::PbrtImporter];
 
 /// Greatest depth of nested groups and transforms in a scene file.
 pub const MAX_NESTING_DEPTH: usize = 512;

@@ -1,9 +1,8 @@
 //! The importer of files in the scene language.
 
-use super::import::{
-    EmbeddedAssets, ImportOptions, ImportedScene, SceneImporter, SceneReadError, lowercase_extension,
-    remedy_for_foreign_scene,
-};
+use super::assets::EmbeddedAssets;
+use super::extensions::{SCENE_TEXT_EXTENSIONS, lowercase_extension, remedy_for_foreign_scene};
+use super::import::{ImportOptions, ImportedScene, SceneImporter, SceneReadError};
 use super::language::parse_scene_bytes;
 use super::mesh::MeshReadMonitor;
 use super::{SceneError, SourceText};
@@ -25,7 +24,7 @@ impl SceneImporter for SceneTextImporter {
     }
 
     fn extensions(&self) -> &'static [&'static str] {
-        &["txt", "caustica"]
+        SCENE_TEXT_EXTENSIONS
     }
 
     fn import(

@@ -1,10 +1,11 @@
 //! Warnings about a scene that is valid, but probably not as intended.
 
 use super::SourceText;
+use super::assets::EmbeddedAssets;
 use super::description::{
-    GroupItem, MaterialDescription, ObjectDescription, ObjectGroup, SceneDescription, ShapeDescription, Span, Spanned,
+    GroupItem, MaterialDescription, MeshDescription, ObjectDescription, ObjectGroup, SceneDescription,
+    ShapeDescription, Span, Spanned,
 };
-use super::import::EmbeddedAssets;
 use super::mesh::{self, MeshReport};
 use super::resolve::candidate_file_paths;
 use std::collections::{BTreeMap, BTreeSet};
@@ -143,7 +144,7 @@ impl<'a> UsedSceneItems<'a> {
             }
             ObjectDescription::Shape { shape, .. } => {
                 self.materials.insert(*material);
-                let ShapeDescription::Mesh { path, options } = shape else { return };
+                let ShapeDescription::Mesh(MeshDescription { path, options }) = shape else { return };
                 let dielectric = description.materials.get(*material).is_some_and(|m| m.kind.is_dielectric());
                 if dielectric && !options.uses_file_materials {
                     self.dielectric_meshes.entry(path).or_insert(path.span);

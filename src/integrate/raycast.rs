@@ -6,15 +6,14 @@ use super::integrator::Integrator;
 use super::pass::{Pass, ProgressMonitor, StageTimes};
 use super::settings::CameraPathSettings;
 use super::tiles::{self, FilmImage, FilmSampling};
-use crate::bsdf::{conductor_reflectance, dielectric_reflectance};
 use crate::camera::{CropWindow, Filter};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::plan::{Effects, Plan};
 use crate::sampling::{Key, Purpose};
 use crate::scene::{
-    Effect, Hit, LegacyLight, MaterialKind, MeanParameterEvaluator, ParameterEvaluator, RayCone, Scene,
-    SurfaceInteraction, TextureEvaluator,
+    Effect, Hit, LegacyLight, MeanParameterEvaluator, PhongAppearance, RayCone, Scene, SurfaceInteraction,
+    TextureEvaluator,
 };
 use crate::stats::Counters;
 use std::time::Instant;
@@ -91,64 +90,14 @@ impl<'a> RaycastIntegrator<'a> {
     }
 }
 
-/// Least roughness α of a highlight. The highlight of a smoother coat would be too small to see.
-const MIN_HIGHLIGHT_ALPHA: f32 = 0.05;
-
-/// Coefficients of Phong's shading model at a surface point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct PhongAppearance {
-    /// Diffuse coefficient kd.
-    diffuse: Rgb,
-    /// Specular coefficient ks.
-    specular: Rgb,
-    /// Exponent of the specular highlight.
-    shininess: f32,
-}
-
-impl PhongAppearance {
-    /// Makes coefficients with the given diffuse coefficient and no highlight.
-    fn from_diffuse(diffuse: Rgb) -> Self {
-        Self { diffuse, specular: Rgb::ZERO, shininess: 0.0 }
-    }
-
-    /// Converts a material to Phong coefficients. `parameters` evaluates its textured parameters.
-    fn from_material(material: &MaterialKind, parameters: &impl ParameterEvaluator) -> Self {
-        match material {
-            MaterialKind::Diffuse { reflectance } | MaterialKind::Mirror { reflectance } => {
-                Self::from_diffuse(parameters.evaluate_color(reflectance))
-            }
-            MaterialKind::Thin { transmittance, .. } => Self::from_diffuse(parameters.evaluate_color(transmittance)),
-            MaterialKind::Phong { diffuse, specular, shininess } => Self {
-                diffuse: parameters.evaluate_color(diffuse),
-                specular: parameters.evaluate_color(specular),
-                shininess: *shininess,
-            },
-            MaterialKind::CoatedDiffuse { reflectance, index, roughness, .. } => {
-                // A Phong lobe of this exponent is about as wide as a GGX lobe of roughness α.
-                let alpha = parameters.evaluate_scalar(roughness).max(MIN_HIGHLIGHT_ALPHA);
-                Self {
-                    diffuse: parameters.evaluate_color(reflectance),
-                    specular: Rgb::splat(dielectric_reflectance(1.0, *index).0),
-                    shininess: 2.0 / (alpha * alpha) - 2.0,
-                }
-            }
-            MaterialKind::Conductor { eta, k, .. } => Self::from_diffuse(conductor_reflectance(1.0, *eta, *k)),
-            MaterialKind::Dielectric { body, .. } => Self::from_diffuse((-body.absorption).map(libm::expf)),
-            // A surface interaction resolves each mix to one of its leaf materials, so `Mix` does
-            // not occur.
-            MaterialKind::Black | MaterialKind::Mix { .. } => Self::from_diffuse(Rgb::ZERO),
-        }
-    }
-}
-
 /// Returns the Phong coefficients of the surface at `hit`.
 fn phong_appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, cone: &RayCone) -> PhongAppearance {
     let material = surface.material;
     if !(material.is_textured() && cone.effects.has(Effect::Textures)) {
-        return PhongAppearance::from_material(material.kind(), &MeanParameterEvaluator);
+        return material.kind().phong_appearance(&MeanParameterEvaluator);
     }
     let at = scene.texture_context(hit, &surface.point, surface.wo, cone);
-    PhongAppearance::from_material(material.kind(), &TextureEvaluator { textures: scene.textures(), at })
+    material.kind().phong_appearance(&TextureEvaluator { textures: scene.textures(), at })
 }
 
 /// Returns c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L, for one light of color c.

@@ -5,7 +5,7 @@
 //! kind.
 //!
 //! A light of a scene file is a `LightDescription` first. The scene builder keeps lights at one
-//! position or direction as `DeltaLightKind`, so that they can move, and makes a [`Light`] of each
+//! position or direction as [`DeltaLightKind`], so that they can move. It makes a [`Light`] of each
 //! for a given time.
 
 mod area;
@@ -38,11 +38,12 @@ pub use spherical_map::{EmissionPictureError, EquirectangularMap};
 pub use spot::SpotLight;
 
 use crate::color::Rgb;
-use crate::math::BoundingSphere;
+use crate::math::{BoundingSphere, Transform};
 use crate::shape::SurfacePoint;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use light_bounds::LightBounds;
 use source::{LightGeometry, LightSource};
+use std::f32::consts::PI;
 use std::sync::Arc;
 
 /// A light source of the built scene, in world space.
@@ -307,6 +308,121 @@ impl Light {
     /// The box of positions is expanded by `margin` \[length].
     fn bounds(&self, margin: f32) -> Option<LightBounds> {
         dispatch!(self, light => light.bounds()).map(|bounds| bounds.expanded(margin))
+    }
+}
+
+/// Kind and placement of a delta light, which emits from one point or from one direction.
+/// Coordinates are world coordinates.
+#[derive(Clone, Debug)]
+pub enum DeltaLightKind {
+    /// A point light, which emits equally in all directions.
+    Point {
+        /// Position of the point light.
+        position: DVec3,
+    },
+    /// A spotlight, which emits into a cone.
+    Spot {
+        /// Position of the spotlight.
+        position: DVec3,
+        /// Axis of the spotlight's cone, of any length above zero.
+        axis: DVec3,
+        /// Angle from the axis up to which the spotlight has full intensity \[radians].
+        inner: f64,
+        /// Angle from the axis beyond which the spotlight's intensity is zero \[radians].
+        outer: f64,
+    },
+    /// A point light with an orientation: a projector or a goniometric light.
+    Oriented(OrientedPointLight),
+    /// Parallel light from infinity.
+    Directional {
+        /// Direction in which the light travels, of any length above zero.
+        direction: DVec3,
+    },
+}
+
+/// Position or direction from which a delta light comes, in world coordinates.
+#[derive(Clone, Copy, Debug)]
+pub enum DeltaLightPlace {
+    /// Position of the light.
+    Position(DVec3),
+    /// Direction in which parallel light travels, of any length above zero.
+    Direction(DVec3),
+}
+
+impl DeltaLightKind {
+    /// Position or direction from which the light comes.
+    #[must_use]
+    pub fn place(&self) -> DeltaLightPlace {
+        match self {
+            Self::Point { position } | Self::Spot { position, .. } => DeltaLightPlace::Position(*position),
+            Self::Oriented(source) => DeltaLightPlace::Position(source.position),
+            Self::Directional { direction } => DeltaLightPlace::Direction(*direction),
+        }
+    }
+
+    /// Position of the light; `None` for a directional light.
+    #[must_use]
+    pub fn position(&self) -> Option<DVec3> {
+        match self.place() {
+            DeltaLightPlace::Position(position) => Some(position),
+            DeltaLightPlace::Direction(_) => None,
+        }
+    }
+
+    /// True if a rotation of the light about its position changes the light that it emits.
+    #[must_use]
+    pub fn changes_by_rotation(&self) -> bool {
+        match self {
+            Self::Point { .. } => false,
+            Self::Spot { .. } | Self::Oriented(_) | Self::Directional { .. } => true,
+        }
+    }
+
+    /// Returns a copy of this light, transformed by `map`.
+    #[must_use]
+    pub fn transformed(&self, map: &Transform) -> Self {
+        match *self {
+            Self::Point { position } => Self::Point { position: map.transform_point(position) },
+            Self::Spot { position, axis, inner, outer } => {
+                Self::Spot { position: map.transform_point(position), axis: map.transform_vector(axis), inner, outer }
+            }
+            Self::Oriented(ref source) => Self::Oriented(source.transformed(map)),
+            Self::Directional { direction } => Self::Directional { direction: map.transform_vector(direction) },
+        }
+    }
+
+    /// Returns the factor \[1/sr] from the flux of a light with a position \[W] to the intensity
+    /// that [`Self::to_light`] expects. It is 1 for a directional light, which has no flux.
+    #[must_use]
+    pub fn intensity_per_watt(&self) -> f32 {
+        match self {
+            Self::Point { .. } => 1.0 / (4.0 * PI),
+            Self::Spot { axis, inner, outer, .. } => {
+                1.0 / SpotLight::new(Vec3::ZERO, *axis, *inner, *outer, Rgb::ONE).flux().x
+            }
+            Self::Oriented(source) => source.intensity_scale_per_watt(),
+            Self::Directional { .. } => 1.0,
+        }
+    }
+
+    /// Returns the light in coordinates relative to `origin`.
+    ///
+    /// `strength` is the irradiance \[W/m²] of a directional light, else the largest intensity
+    /// \[W/sr] or the intensity where the pattern is 1.
+    #[must_use]
+    pub fn to_light(&self, origin: DVec3, strength: Rgb) -> Light {
+        let relative = |position: &DVec3| (*position - origin).as_vec3();
+        match self {
+            Self::Point { position } => Light::Point(PointLight { position: relative(position), intensity: strength }),
+            Self::Spot { position, axis, inner, outer } => {
+                Light::Spot(SpotLight::new(relative(position), *axis, *inner, *outer, strength))
+            }
+            Self::Oriented(source) => source.to_light(relative(&source.position), strength),
+            Self::Directional { direction } => Light::Directional(DirectionalLight {
+                direction: direction.normalize().as_vec3(),
+                irradiance: strength,
+            }),
+        }
     }
 }
 

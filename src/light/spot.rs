@@ -5,7 +5,7 @@ use super::point::{PositionalLight, cone_may_illuminate};
 use super::source::EmissionSample;
 use crate::color::Rgb;
 use crate::math::{BoundingSphere, Frame, Ray, warp};
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::TAU;
 use std::f64::consts::FRAC_PI_2;
 
@@ -27,6 +27,16 @@ pub struct SpotLight {
 }
 
 impl SpotLight {
+    /// Creates a spotlight at `position` in world space. Its `axis` has any length above zero.
+    ///
+    /// `inner` and `outer` are the half angles of the cones \[radians]. `peak` is the intensity
+    /// inside the inner cone \[W/sr].
+    #[must_use]
+    pub fn new(position: Vec3, axis: DVec3, inner: f64, outer: f64, peak: Rgb) -> Self {
+        let (inner_one_minus_cos, outer_one_minus_cos) = (one_minus_cos(inner) as f32, one_minus_cos(outer) as f32);
+        Self { position, axis: axis.normalize().as_vec3(), inner_one_minus_cos, outer_one_minus_cos, peak }
+    }
+
     /// Intensity \[W/sr] in directions for which 1 − cosine of the angle to the axis is
     /// `one_minus_cos`.
     ///
@@ -89,4 +99,10 @@ impl PositionalLight for SpotLight {
     fn may_illuminate(&self, sphere: BoundingSphere) -> bool {
         cone_may_illuminate(self.position, self.axis, self.outer_one_minus_cos, sphere)
     }
+}
+
+/// 1 − cos x, for x in radians, computed without cancellation.
+fn one_minus_cos(x: f64) -> f64 {
+    let sin = libm::sin(0.5 * x);
+    2.0 * sin * sin
 }

@@ -2,7 +2,9 @@
 
 use super::interiors::Body;
 use super::textured::{MaterialParameter, MeanParameterEvaluator, NormalPerturbation, ParameterEvaluator};
-use crate::bsdf::{Bsdf, Conductor, MicrofacetScattering, ThinDielectric};
+use crate::bsdf::{
+    Bsdf, Conductor, MicrofacetScattering, ThinDielectric, conductor_reflectance, dielectric_reflectance,
+};
 use crate::color::Rgb;
 use crate::texture::Texture;
 use std::sync::Arc;
@@ -97,6 +99,21 @@ pub enum MaterialKind {
     },
 }
 
+/// Coefficients of the shading model of MIT course 6.837 at a surface point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhongAppearance {
+    /// Diffuse coefficient kd.
+    pub diffuse: Rgb,
+    /// Specular coefficient ks.
+    pub specular: Rgb,
+    /// Exponent of the specular highlight.
+    pub shininess: f32,
+}
+
+/// Least roughness α of a highlight in the shading model of MIT course 6.837. The highlight of a
+/// smoother coat would be too small to see.
+const MIN_HIGHLIGHT_ALPHA: f32 = 0.05;
+
 impl MaterialKind {
     /// The BSDF for parameter values from `parameters`; black for a mix, which must be resolved
     /// first.
@@ -125,6 +142,36 @@ impl MaterialKind {
                 nonlinear,
             ),
         }
+    }
+
+    /// Appearance of the material in the shading model of MIT course 6.837, for parameter values
+    /// from `parameters`; black for a mix.
+    #[must_use]
+    pub fn phong_appearance(&self, parameters: &impl ParameterEvaluator) -> PhongAppearance {
+        let diffuse = match self {
+            Self::Diffuse { reflectance } | Self::Mirror { reflectance } => parameters.evaluate_color(reflectance),
+            Self::Thin { transmittance, .. } => parameters.evaluate_color(transmittance),
+            Self::Phong { diffuse, specular, shininess } => {
+                return PhongAppearance {
+                    diffuse: parameters.evaluate_color(diffuse),
+                    specular: parameters.evaluate_color(specular),
+                    shininess: *shininess,
+                };
+            }
+            Self::CoatedDiffuse { reflectance, index, roughness, .. } => {
+                // A Phong lobe of this exponent is about as wide as a GGX lobe of roughness α.
+                let alpha = parameters.evaluate_scalar(roughness).max(MIN_HIGHLIGHT_ALPHA);
+                return PhongAppearance {
+                    diffuse: parameters.evaluate_color(reflectance),
+                    specular: Rgb::splat(dielectric_reflectance(1.0, *index).0),
+                    shininess: 2.0 / (alpha * alpha) - 2.0,
+                };
+            }
+            Self::Conductor { eta, k, .. } => conductor_reflectance(1.0, *eta, *k),
+            Self::Dielectric { body, .. } => (-body.absorption).map(libm::expf),
+            Self::Black | Self::Mix { .. } => Rgb::ZERO,
+        };
+        PhongAppearance { diffuse, specular: Rgb::ZERO, shininess: 0.0 }
     }
 
     /// The body and the roughness α of a dielectric boundary; `None` for other materials.

@@ -21,8 +21,9 @@ mod shape_list;
 mod surface_interaction;
 mod textured;
 
+pub use crate::light::DeltaLightKind;
 pub use build::SceneBuilder;
-pub use delta_light::{DeltaLightKind, LegacyLight, LightStrength};
+pub use delta_light::{LegacyLight, LightStrength};
 pub use effects::{Effect, Effects};
 pub use error::BuildError;
 pub use film_motion::FilmMotion;
@@ -31,7 +32,7 @@ pub(crate) use interiors::for_interior;
 pub use interiors::{
     Body, BoundaryEvent, CurrentMedium, Interior, InteriorKind, InteriorStack, NoInterior, SpectralInterior,
 };
-pub use material::{Material, MaterialKind};
+pub use material::{Material, MaterialKind, PhongAppearance};
 pub use motion_extent::motion_on_film;
 pub use near_primitives::NearPrimitives;
 pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};

@@ -8,7 +8,7 @@ use crate::support::course_data_folder;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::format::description::{
-    CurveBasis, GroupItem, ObjectDescription, ObjectGroup, ProfileCurve, ShapeDescription,
+    CurveBasis, GroupItem, ObjectDescription, ObjectGroup, ProfileCurve, RevolutionDescription, ShapeDescription,
 };
 use caustica::format::mesh::{self, MeshRepairs};
 use caustica::format::{SceneFile, parse};
@@ -102,7 +102,9 @@ fn profile_of(object: &ObjectDescription) -> Option<ProfileCurve> {
         ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
             profile_of(&object.value)
         }
-        ObjectDescription::Shape { shape: ShapeDescription::Revolution { profile }, .. } => Some(profile.clone()),
+        ObjectDescription::Shape { shape: ShapeDescription::Revolution(RevolutionDescription { profile }), .. } => {
+            Some(profile.clone())
+        }
         ObjectDescription::Shape { .. } => None,
     }
 }

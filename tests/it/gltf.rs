@@ -5,8 +5,9 @@
 
 use crate::support::{project_path, world_data_folder};
 use caustica::format::description::{
-    DielectricAbsorption, DirectionalLightStrength, GroupItem, LightDescription, MaterialKindDescription,
-    ObjectDescription, PointLightStrength, ProjectionDescription, RefractiveIndexDescription, SceneDescription,
+    DielectricAbsorption, DielectricDescription, DirectionalLightDescription, DirectionalLightStrength, GroupItem,
+    LightDescription, MaterialKindDescription, ObjectDescription, PhongDescription, PointLightDescription,
+    PointLightStrength, ProjectionDescription, RefractiveIndexDescription, SceneDescription, SpotLightDescription,
     TextureKindDescription, TransformStep,
 };
 use caustica::format::mesh::MeshFormat;
@@ -112,7 +113,10 @@ fn glass_has_index_and_absorption_of_its_file() {
     for name in ["16_volume", "24_animation_pointer"] {
         let Some((description, json)) = world_scene(name) else { return };
         for material in &description.materials {
-            let MaterialKindDescription::Dielectric { refraction, attenuation, roughness, .. } = &material.kind else {
+            let MaterialKindDescription::Dielectric(DielectricDescription {
+                refraction, attenuation, roughness, ..
+            }) = &material.kind
+            else {
                 continue;
             };
             let full = material.name.as_deref().unwrap();
@@ -151,15 +155,19 @@ fn punctual_lights_have_the_units_of_watts() {
     // photometric values at 683 lm/W.
     let watts = 5_435.141_306_588_225 / 683.0;
     let [spot, point, sun] = [0, 1, 2].map(|i| &lights[i].value);
-    let LightDescription::Spot { position, angle, penumbra, strength, .. } = spot else { panic!("{spot:?}") };
+    let LightDescription::Spot(SpotLightDescription { position, angle, penumbra, strength, .. }) = spot else {
+        panic!("{spot:?}")
+    };
     assert_all_near(*position, &[3.0, 4.0, 0.0]);
     assert_near(*angle, 2.0 * 0.392_699_092_626_571_66 * 360.0 / TAU);
     assert_near(*penumbra, (0.392_699_092_626_571_66 - 0.333_794_226_391_919_7) * 360.0 / TAU);
     assert!(matches!(strength, PointLightStrength::Intensity(i) if (i.x / watts - 1.0).abs() < 1e-6));
-    let LightDescription::Point { position, strength } = point else { panic!("{point:?}") };
+    let LightDescription::Point(PointLightDescription { position, strength }) = point else { panic!("{point:?}") };
     assert_all_near(*position, &[-3.0, 4.0, 0.0]);
     assert!(matches!(strength, PointLightStrength::Intensity(i) if (i.y / watts - 1.0).abs() < 1e-6));
-    let LightDescription::Directional { direction, strength } = sun else { panic!("{sun:?}") };
+    let LightDescription::Directional(DirectionalLightDescription { direction, strength }) = sun else {
+        panic!("{sun:?}")
+    };
     assert!((*direction - DVec3::NEG_Y).length() < 1e-6, "{direction}");
     assert!(matches!(strength, DirectionalLightStrength::Irradiance(e) if (e.z - 100.0).abs() < 1e-4));
 }
@@ -208,7 +216,9 @@ fn factors_and_texture_transforms_match_the_file() {
     let mut compared = 0;
     for material in &common.materials {
         let name = material.name.as_deref().unwrap();
-        let MaterialKindDescription::Phong { diffuse, specular, .. } = &material.kind else { continue };
+        let MaterialKindDescription::Phong(PhongDescription { diffuse, specular, .. }) = &material.kind else {
+            continue;
+        };
         let Some(source) = json["materials"].as_array().unwrap().iter().find(|m| m["name"] == name) else { continue };
         let factor = &source["pbrMetallicRoughness"]["baseColorFactor"];
         let caustica::format::description::TexturedValue::Plain(diffuse) = diffuse else { continue };

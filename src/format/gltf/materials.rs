@@ -3,9 +3,10 @@
 use super::context::{FileContext, ReadResult};
 use super::pictures::{Pictures, TextureReference, TextureUse, TextureValues};
 use crate::format::description::{
-    DielectricAbsorption, EmissionDescription, GroupItem, MaterialDescription, MaterialKindDescription,
-    MetalDescription, NormalPerturbationDescription, ObjectGroup, RefractiveIndexDescription, Span, Spanned,
-    TexturedValue,
+    ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription, EmissionDescription,
+    GroupItem, MaterialDescription, MaterialKindDescription, MetalDescription, MirrorDescription, MixDescription,
+    NormalPerturbationDescription, ObjectGroup, PhongDescription, RefractiveIndexDescription, Span, Spanned,
+    TexturedValue, ThinDescription,
 };
 use crate::format::import_notes::ImportNotes;
 use glam::{DVec3, DVec4};
@@ -178,7 +179,7 @@ impl<'a> Materials<'a> {
             return name.clone();
         }
         let name = self.unique_name("clear");
-        let kind = MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() };
+        let kind = MaterialKindDescription::Thin(ThinDescription { index: 1.0, transmittance: DVec3::ONE.into() });
         self.push_material(name.clone(), kind, None, None);
         self.clear = Some(name.clone());
         name
@@ -206,7 +207,7 @@ impl MaterialConverter<'_, '_> {
         let emits = emission.is_some();
         let kind = if material.unlit() {
             self.add_note("unlit surfaces emit their base color, and reflect nothing");
-            MaterialKindDescription::Diffuse { reflectance: DVec3::ZERO.into() }
+            MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: DVec3::ZERO.into() })
         } else {
             self.surface_description(material, factor.truncate(), base_texture)?
         };
@@ -310,12 +311,17 @@ impl MaterialConverter<'_, '_> {
         let kept = 1.0 - f0.max_element();
         let diffuse = self.textured_color(base_texture.as_ref(), *base * kept)?;
         if *f0 == DVec3::ZERO {
-            return Ok(MaterialKindDescription::Diffuse { reflectance: diffuse });
+            return Ok(MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: diffuse }));
         }
         self.add_note("the gloss of non-metals is a Phong lobe, which does not grow towards grazing angles");
         let shininess = phong_exponent(alpha.1);
         let specular = *f0 * phong_specular_color(shininess);
-        Ok(MaterialKindDescription::Phong { diffuse, specular: specular.into(), shininess, texture: None })
+        Ok(MaterialKindDescription::Phong(PhongDescription {
+            diffuse,
+            specular: specular.into(),
+            shininess,
+            texture: None,
+        }))
     }
 
     /// Converts the metal part of the metallic-roughness model.
@@ -329,17 +335,26 @@ impl MaterialConverter<'_, '_> {
             let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
             let metal = MetalDescription::Index { eta: DVec3::ONE, k };
             let roughness = alpha.0.clone();
-            return Ok(MaterialKindDescription::Conductor { metal, roughness, multiple_scattering: true });
+            return Ok(MaterialKindDescription::Conductor(ConductorDescription {
+                metal,
+                roughness,
+                multiple_scattering: true,
+            }));
         }
         self.add_note("metals with a texture of color are mirrors or Phong lobes");
         if alpha.1 < MIN_PHONG_ALPHA {
-            return Ok(MaterialKindDescription::Mirror {
+            return Ok(MaterialKindDescription::Mirror(MirrorDescription {
                 reflectance: self.textured_color(base_texture.as_ref(), *base)?,
-            });
+            }));
         }
         let shininess = phong_exponent(alpha.1);
         let specular = self.textured_color(base_texture.as_ref(), *base * phong_specular_color(shininess))?;
-        Ok(MaterialKindDescription::Phong { diffuse: DVec3::ZERO.into(), specular, shininess, texture: None })
+        Ok(MaterialKindDescription::Phong(PhongDescription {
+            diffuse: DVec3::ZERO.into(),
+            specular,
+            shininess,
+            texture: None,
+        }))
     }
 
     /// Converts transmission: to a body of glass if the material has a volume, else to a thin pane.
@@ -358,7 +373,7 @@ impl MaterialConverter<'_, '_> {
                 TexturedValue::Plain(color) => color.max(DVec3::splat(MIN_TRANSMITTANCE)).into(),
                 texture @ TexturedValue::Texture(_) => texture,
             };
-            return Ok(MaterialKindDescription::Thin { index, transmittance });
+            return Ok(MaterialKindDescription::Thin(ThinDescription { index, transmittance }));
         };
         if base_texture.is_some() || *base != DVec3::ONE {
             self.add_note("the base color of bodies of glass is ignored: their color is that of their attenuation");
@@ -382,7 +397,13 @@ impl MaterialConverter<'_, '_> {
             None => index.into(),
         };
         let (roughness, multiple_scattering) = (alpha.0.clone(), true);
-        Ok(MaterialKindDescription::Dielectric { refraction, attenuation, roughness, multiple_scattering, priority: 0 })
+        Ok(MaterialKindDescription::Dielectric(DielectricDescription {
+            refraction,
+            attenuation,
+            roughness,
+            multiple_scattering,
+            priority: 0,
+        }))
     }
 
     /// Returns the index of refraction; 1.5 without the extension KHR_materials_ior or if it is not
@@ -577,7 +598,7 @@ impl MaterialConverter<'_, '_> {
 
 fn mix_description(first: String, second: String, amount: TexturedValue<f64>) -> MaterialKindDescription {
     let [first, second] = [first, second].map(|name| Spanned::new(name, Span::default()));
-    MaterialKindDescription::Mix { first, second, amount }
+    MaterialKindDescription::Mix(MixDescription { first, second, amount })
 }
 
 /// Returns the Phong exponent 2/α² − 2 for the GGX roughness `alpha`, which is clamped to \[0.01,

@@ -10,9 +10,10 @@ mod scene;
 #[cfg(test)]
 mod tests;
 
+use super::assets::EmbeddedAssets;
 use super::description::{EnvironmentRadiance, LightDescription, SceneDescription, Span, Spanned};
 use super::framing::framing_camera;
-use super::import::{EmbeddedAssets, ImportOptions, ImportedScene, SceneImporter, SceneReadError};
+use super::import::{ImportOptions, ImportedScene, SceneImporter, SceneReadError};
 use super::import_notes::ImportNotes;
 use super::mesh::MeshReadMonitor;
 use accessors::Buffers;

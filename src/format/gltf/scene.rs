@@ -5,9 +5,9 @@ use super::context::{FileContext, ReadResult};
 use super::geometry::{mean_vertex_color, read_primitive};
 use super::materials::Materials;
 use crate::format::description::{
-    CameraDescription, DirectionOrTarget, DirectionalLightStrength, GroupItem, LightDescription, MeshOptions,
-    ObjectDescription, ObjectGroup, PointLightStrength, ProjectionDescription, ShapeDescription, Span, Spanned,
-    TransformStep,
+    CameraDescription, DirectionOrTarget, DirectionalLightDescription, DirectionalLightStrength, GroupItem,
+    LightDescription, MeshDescription, MeshOptions, ObjectDescription, ObjectGroup, PointLightDescription,
+    PointLightStrength, ProjectionDescription, ShapeDescription, Span, Spanned, SpotLightDescription, TransformStep,
 };
 use crate::format::framing::{DEFAULT_ASPECT_RATIO, camera_description};
 use crate::format::import_notes::ImportNotes;
@@ -268,7 +268,7 @@ impl NodeWalker<'_, '_> {
         }
         self.content.has_emitters |= *emits;
         let path = Spanned::new(path.clone(), Span::default());
-        let shape = ShapeDescription::Mesh { path, options: MeshOptions::default() };
+        let shape = ShapeDescription::Mesh(MeshDescription { path, options: MeshOptions::default() });
         let mut object = ObjectDescription::Shape { shape, emission: None };
         if to_world != DAffine3::IDENTITY {
             let steps = vec![TransformStep::Matrix(to_world.into())];
@@ -332,11 +332,14 @@ impl NodeWalker<'_, '_> {
         }
         let aim = direction.normalize_or(DVec3::NEG_Z);
         let description = match light.kind() {
-            Kind::Point => LightDescription::Point { position, strength: PointLightStrength::Intensity(strength) },
-            Kind::Directional => LightDescription::Directional {
+            Kind::Point => LightDescription::Point(PointLightDescription {
+                position,
+                strength: PointLightStrength::Intensity(strength),
+            }),
+            Kind::Directional => LightDescription::Directional(DirectionalLightDescription {
                 direction: aim,
                 strength: DirectionalLightStrength::Irradiance(strength),
-            },
+            }),
             Kind::Spot { inner_cone_angle, outer_cone_angle } => {
                 let (inner, outer) = (f64::from(inner_cone_angle), f64::from(outer_cone_angle));
                 if !(outer > 0.0 && outer <= FRAC_PI_2 + 1e-6 && inner >= 0.0 && inner <= outer) {
@@ -347,13 +350,13 @@ impl NodeWalker<'_, '_> {
                 let angle = 2.0 * outer.to_degrees();
                 let penumbra = (outer - inner).to_degrees().min(0.5 * angle);
                 let aim = DirectionOrTarget::Direction(aim);
-                LightDescription::Spot {
+                LightDescription::Spot(SpotLightDescription {
                     position,
                     aim,
                     angle,
                     penumbra,
                     strength: PointLightStrength::Intensity(strength),
-                }
+                })
             }
         };
         self.content.lights.push(Spanned::new(description, Span::default()));

@@ -1,7 +1,8 @@
 use super::decode;
 use crate::format::description::{
-    EmissionDescription, MaterialKindDescription, MetalDescription, RefractiveIndexDescription, TextureKindDescription,
-    TexturedValue, WrapMode,
+    ConductorDescription, DielectricDescription, EmissionDescription, MaterialKindDescription, MetalDescription,
+    MixDescription, PhongDescription, RefractiveIndexDescription, TextureKindDescription, TexturedValue,
+    ThinDescription, WrapMode,
 };
 use crate::format::import::{ImportOptions, ImportedScene};
 use crate::stats::MemoryLimit;
@@ -75,8 +76,11 @@ fn material_kind<'a>(scene: &'a ImportedScene, name: &str) -> &'a MaterialKindDe
 fn metals_reflect_their_base_color() {
     let material = json!({ "name": "gold", "pbrMetallicRoughness": { "baseColorFactor": [0.75, 0.5, 0.25, 1], "roughnessFactor": 0.5 } });
     let scene = import_json(&triangle_scene(material, json!({})));
-    let MaterialKindDescription::Conductor { metal: MetalDescription::Index { eta, k }, roughness, .. } =
-        material_kind(&scene, "gold")
+    let MaterialKindDescription::Conductor(ConductorDescription {
+        metal: MetalDescription::Index { eta, k },
+        roughness,
+        ..
+    }) = material_kind(&scene, "gold")
     else {
         panic!()
     };
@@ -100,14 +104,17 @@ fn textures_keep_factor_channel_and_place() {
     });
     let scene = import_json(&triangle_scene(material, json!({})));
     // Alpha mixes the surface with a transparent one. The blue channel mixes metal in.
-    let MaterialKindDescription::Mix { amount: TexturedValue::Texture(alpha), .. } = material_kind(&scene, "a") else {
-        panic!()
-    };
-    let MaterialKindDescription::Mix { amount: TexturedValue::Texture(metal), .. } = material_kind(&scene, "a solid")
+    let MaterialKindDescription::Mix(MixDescription { amount: TexturedValue::Texture(alpha), .. }) =
+        material_kind(&scene, "a")
     else {
         panic!()
     };
-    let MaterialKindDescription::Phong { diffuse: TexturedValue::Texture(base), .. } =
+    let MaterialKindDescription::Mix(MixDescription { amount: TexturedValue::Texture(metal), .. }) =
+        material_kind(&scene, "a solid")
+    else {
+        panic!()
+    };
+    let MaterialKindDescription::Phong(PhongDescription { diffuse: TexturedValue::Texture(base), .. }) =
         material_kind(&scene, "a dielectric")
     else {
         panic!()
@@ -149,10 +156,13 @@ fn transmission_makes_bodies_and_panes() {
         })
     };
     let body = import_json(&triangle_scene(glass(json!({ "thicknessFactor": 1 })), json!({})));
-    let MaterialKindDescription::Dielectric { refraction, .. } = material_kind(&body, "g") else { panic!() };
+    let MaterialKindDescription::Dielectric(DielectricDescription { refraction, .. }) = material_kind(&body, "g")
+    else {
+        panic!()
+    };
     assert_eq!(*refraction, RefractiveIndexDescription::Abbe { index: 1.5, abbe: 40.0 });
     let pane = import_json(&triangle_scene(glass(json!({ "thicknessFactor": 0 })), json!({})));
-    assert!(matches!(material_kind(&pane, "g"), MaterialKindDescription::Thin { index: 1.5, .. }));
+    assert!(matches!(material_kind(&pane, "g"), MaterialKindDescription::Thin(ThinDescription { index: 1.5, .. })));
 }
 
 #[test]

@@ -2,19 +2,21 @@
 
 use glam::{DVec2, DVec3, DVec4};
 
-use super::super::description::{CurveBasis, ProfileCurve, Span, Spanned, TexturedValue, TransformStep};
-use super::super::error::SceneError;
-use super::curves::{BEZIER_PROFILE, BSPLINE_PROFILE};
+use super::curves::{BEZIER_PROFILE, BSPLINE_PROFILE, CurveBasis, ProfileCurve};
 use super::lexer::{Lexer, Token};
 use super::parser::Parser;
 use super::schema::{BlockParser, BlockSchema, FieldDefault, FieldKind, FieldSchema, block_keywords, find_block};
 use super::suggest::nearest_word;
 use super::text::{clip_for_message, is_nonfinite_number};
 use super::transforms::parse_transform_steps;
+use crate::format::error::SceneError;
+use crate::format::span::{Span, Spanned};
+use crate::format::textured_value::TexturedValue;
+use crate::format::transform_step::TransformStep;
 
 /// Parsed value of a field. The [`FieldKind`] of the field determines which members are set.
 #[derive(Default)]
-pub(super) struct ParsedFieldValue {
+pub(in crate::format) struct ParsedFieldValue {
     /// Parsed numbers, at most three, in x, y and z. Unused components are 0.
     numbers: DVec3,
     /// Text of a name, path or word.
@@ -30,7 +32,7 @@ pub(super) struct ParsedFieldValue {
 }
 
 /// A type that a parsed field value can be converted to, such as [`DVec3`].
-pub(super) trait FromFieldValue {
+pub(in crate::format) trait FromFieldValue {
     /// Returns `value` as this type. The [`FieldKind`] of its field must fit the type.
     fn from_field_value(value: &Spanned<ParsedFieldValue>) -> Self;
 }
@@ -85,10 +87,10 @@ impl FromFieldValue for Vec<TransformStep> {
 /// color to a `T`.
 ///
 /// A block has exactly one of several such fields: a light, for example, has `radiance` or `power`.
-pub(super) type ColorVariant<'a, T> = (&'a str, fn(DVec3) -> T);
+pub(in crate::format) type ColorVariant<'a, T> = (&'a str, fn(DVec3) -> T);
 
 /// Fields of a block that was parsed.
-pub(super) struct BlockFields<'a> {
+pub(in crate::format) struct BlockFields<'a> {
     lexer: Lexer<'a>,
     block: &'static BlockSchema,
     keyword: Token<'a>,
@@ -97,7 +99,7 @@ pub(super) struct BlockFields<'a> {
 
 /// A field that is written in a block of scene text, with its parsed value.
 #[derive(Clone, Copy)]
-pub(super) struct ParsedField<'f, 'a> {
+pub(in crate::format) struct ParsedField<'f, 'a> {
     block: &'f BlockFields<'a>,
     field: &'static FieldSchema,
     /// Keyword or alias by which the text names the field.
@@ -109,7 +111,7 @@ pub(super) struct ParsedField<'f, 'a> {
 /// keyword.
 ///
 /// Returns the block's entry in `table`, and the parsed fields.
-pub(super) fn parse_block_by_keyword<'a, P>(
+pub(in crate::format) fn parse_block_by_keyword<'a, P>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     table: &'static [BlockParser<P>],
@@ -125,7 +127,7 @@ pub(super) fn parse_block_by_keyword<'a, P>(
 ///
 /// Continues after errors in fields. Appends all errors but the last to `parser.errors`, and
 /// returns the last.
-pub(super) fn parse_block_fields<'a>(
+pub(in crate::format) fn parse_block_fields<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     block: &'static BlockSchema,

@@ -1,12 +1,12 @@
 //! Splits scene text into words, numbers and strings, each with its position.
 
-use super::super::description::{Span, Spanned};
-use super::super::error::{SceneError, SourceText};
+use crate::format::error::{SceneError, SourceText};
+use crate::format::span::{Span, Spanned};
 
 /// Piece of a scene text: a word, a number or one of `{ } [ ] "`. It is empty at the end of the
 /// text.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Token<'a> {
+pub(in crate::format) struct Token<'a> {
     pub text: &'a str,
     /// Offset of the token in the scene text \[bytes].
     pub start: usize,
@@ -26,7 +26,7 @@ impl Token<'_> {
 ///
 /// For example, `20width` starts with the number 20 if a number is asked for, else it is a word.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lexer<'a> {
+pub(in crate::format) struct Lexer<'a> {
     name: &'a str,
     text: &'a str,
     /// Offset of the next unread byte in `text`.

@@ -1,49 +1,44 @@
 //! The scene language: parses text to a [`SceneDescription`], and writes a description as text.
 //!
-//! Each part of the language has one file, with the schemas of its blocks and the functions that
-//! parse and write them. Files that the text names are opened later, by
-//! [`resolve`](super::resolve).
+//! The files of this folder know blocks and fields, but no kinds of lights, materials or shapes.
+//! Each part of a scene has a file or folder of its own beside this one, such as
+//! [`lights`](super::lights), with the schemas of its blocks and the functions that parse and
+//! write them. Files that the text names are opened later, by [`resolve`](super::resolve()).
 
-mod camera;
-mod curves;
-mod fields;
-mod lexer;
-mod lights;
-mod materials;
-mod media;
-mod names;
+pub(super) mod curves;
+pub(super) mod fields;
+pub(super) mod lexer;
+pub(super) mod names;
 mod objects;
-mod parser;
-mod refraction;
-mod schema;
-mod scope;
-mod shapes;
+pub(super) mod parser;
+pub(super) mod schema;
+pub(super) mod scope;
 mod suggest;
 #[cfg(test)]
 mod tests;
-mod text;
-mod textures;
-mod transforms;
-mod writer;
+pub(super) mod text;
+pub(super) mod transforms;
+pub(super) mod writer;
 
 use std::fmt::{self, Display, Formatter};
 
 use glam::DVec3;
 
-use super::description::{CameraDescription, LightDescription, ObjectGroup, SceneDescription, Span, Spanned};
+use super::camera::{CAMERAS, CameraDescription, parse_camera, parse_moving_camera, write_camera};
+use super::description::{ObjectGroup, SceneDescription};
 use super::error::{SceneError, SourceText};
-use camera::{CAMERAS, parse_camera, parse_moving_camera, write_camera};
+use super::lights::{LIGHTS, LightDescription, parse_lights_block, write_light};
+use super::materials::{MATERIALS, MaterialDescription, parse_materials_block, write_material};
+use super::media::{MEDIA, MediumDescription, parse_media_block, write_medium};
+use super::shapes::SHAPES;
+use super::span::{Span, Spanned};
+use super::textures::{TEXTURES, TextureDescription, parse_textures_block, write_texture};
 use fields::parse_block_fields;
 use lexer::Token;
-use lights::{LIGHTS, parse_lights_block, write_light};
-use materials::{MATERIALS, parse_materials_block, write_material};
-use media::{MEDIA, parse_media_block, write_medium};
 use objects::{parse_group, write_group};
 use parser::Parser;
 use schema::{BlockSchema, FieldKind, block_keywords, block_schema, block_schemas, field_schema, find_block};
-use shapes::SHAPES;
 pub(super) use suggest::nearest_word;
-use textures::{TEXTURES, parse_textures_block, write_texture};
 use writer::SceneWriter;
 
 static BACKGROUND: BlockSchema = block_schema("Background", "what lies behind all objects")
@@ -75,7 +70,7 @@ fn reference_sections() -> [(&'static str, Vec<&'static BlockSchema>); 7] {
 
 /// Iterates over the schemas of all blocks.
 #[cfg(test)]
-fn all_block_schemas() -> impl Iterator<Item = &'static BlockSchema> {
+pub(super) fn all_block_schemas() -> impl Iterator<Item = &'static BlockSchema> {
     reference_sections().into_iter().flat_map(|(_, blocks)| blocks)
 }
 
@@ -133,9 +128,7 @@ pub fn parse_scene_bytes(name: &str, bytes: &[u8]) -> Result<SceneDescription, S
     Err(SceneError::error_at_span(&source, Span { start: at, len: 3 }, message, "not text", help))
 }
 
-/// Content of the top-level blocks that were parsed so far: camera, background, lights and objects.
-///
-/// Textures, media and materials are in [`Parser::scope`].
+/// Content of the top-level blocks that were parsed so far.
 #[derive(Default)]
 struct SceneFileBlocks {
     camera: Option<Spanned<CameraDescription>>,
@@ -143,6 +136,9 @@ struct SceneFileBlocks {
     /// `None` without a `Background` block.
     background: Option<(DVec3, Option<Spanned<String>>)>,
     lights: Vec<Spanned<LightDescription>>,
+    textures: Vec<Spanned<TextureDescription>>,
+    media: Vec<Spanned<MediumDescription>>,
+    materials: Vec<Spanned<MaterialDescription>>,
     root: Option<ObjectGroup>,
 }
 
@@ -163,7 +159,7 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
         let help = "put all materials into one block before the Group".to_owned();
         return Err(parser.lexer.error_at(block.span(), message, "too late", help));
     }
-    let SceneFileBlocks { camera, background, lights, root } = blocks;
+    let SceneFileBlocks { camera, background, lights, textures, media, materials, root } = blocks;
     let (background, ambient_medium) = background.unwrap_or((DVec3::splat(0.5), None));
     if let Some(name) = &ambient_medium {
         parser.scope.check_medium_exists(parser.lexer, name, "in the file")?;
@@ -180,13 +176,10 @@ fn parse_all_blocks(parser: &mut Parser<'_>) -> Result<SceneDescription, SceneEr
         let help = "add `Group { … }` with the objects of the scene";
         SceneError::error_for_whole_file(&parser.lexer.source_text(), "the file has no Group", help)
     })?;
-    let scope = std::mem::take(&mut parser.scope);
-    let (textures, media, materials) = (scope.textures, scope.media, scope.materials);
     Ok(SceneDescription { camera, background, ambient_medium, lights, textures, media, materials, root })
 }
 
-/// Parses a top-level block whose keyword `word` has been read, and stores its content in `blocks`
-/// or in the parser's `scope`.
+/// Parses a top-level block whose keyword `word` has been read, and stores its content in `blocks`.
 ///
 /// The content replaces that of an earlier block of the same kind.
 fn parse_file_block<'a>(
@@ -202,9 +195,9 @@ fn parse_file_block<'a>(
             blocks.background = Some((f.value("color")?, f.optional_value("medium")));
         }
         "Lights" => blocks.lights = parse_lights_block(parser, word)?,
-        "Textures" => parse_textures_block(parser, word)?,
-        "Media" => parse_media_block(parser, word)?,
-        "Materials" => parse_materials_block(parser, word)?,
+        "Textures" => blocks.textures = parse_textures_block(parser, word)?,
+        "Media" => blocks.media = parse_media_block(parser, word)?,
+        "Materials" => blocks.materials = parse_materials_block(parser, word)?,
         "Group" => {
             (parser.scope.group_uses_materials, parser.scope.late_materials) = (false, None);
             blocks.root = Some(parse_group(parser, word)?);

@@ -1,15 +1,18 @@
 //! Parses the names of textures, media and materials, which stand between keyword and `{`.
 
-use super::super::description::Spanned;
-use super::super::error::SceneError;
 use super::lexer::Token;
 use super::parser::Parser;
 use super::text::{clip_for_message, is_identifier};
+use crate::format::error::SceneError;
+use crate::format::span::Spanned;
 
 /// Parses the optional name between a block's keyword and its `{`; `None` if there is no name.
 ///
 /// Error messages call the block `what`, such as "material".
-pub(super) fn parse_block_name(parser: &mut Parser<'_>, what: &str) -> Result<Option<Spanned<String>>, SceneError> {
+pub(in crate::format) fn parse_block_name(
+    parser: &mut Parser<'_>,
+    what: &str,
+) -> Result<Option<Spanned<String>>, SceneError> {
     let token = parser.lexer.peek_token();
     let name = match token.text {
         "" | "{" => return Ok(None),
@@ -38,7 +41,7 @@ pub(super) fn parse_block_name(parser: &mut Parser<'_>, what: &str) -> Result<Op
 ///
 /// # Errors
 /// If there is no name, or if `is_taken` returns true for the name.
-pub(super) fn parse_unique_block_name<'a>(
+pub(in crate::format) fn parse_unique_block_name<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
     (one, many): (&str, &str),

@@ -2,15 +2,17 @@
 
 use std::fmt;
 
-use super::super::description::{GroupItem, ObjectDescription, ObjectGroup, Spanned, TransformStep};
-use super::super::error::SceneError;
 use super::lexer::Token;
-use super::materials::{parse_material_index, parse_material_reference};
 use super::parser::{Parser, SavedBlockNesting};
 use super::schema::block_keywords;
-use super::shapes::{SHAPES, parse_shape, write_shape};
 use super::transforms::{parse_moving_block, parse_transform_block, write_transform_steps};
 use super::writer::SceneWriter;
+use crate::format::description::{GroupItem, ObjectDescription, ObjectGroup};
+use crate::format::error::SceneError;
+use crate::format::materials::{parse_material_index, parse_material_reference};
+use crate::format::shapes::{SHAPES, parse_shape, write_shape};
+use crate::format::span::Spanned;
+use crate::format::transform_step::TransformStep;
 
 /// Keywords of objects that contain other objects.
 const NESTING_OBJECT_KEYWORDS: [&str; 3] = ["Group", "Transform", "Moving"];
@@ -23,7 +25,10 @@ fn object_keywords() -> Vec<&'static str> {
 }
 
 /// Parses a `Group` block. Its `keyword` has been read.
-pub(super) fn parse_group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<ObjectGroup, SceneError> {
+pub(in crate::format) fn parse_group<'a>(
+    parser: &mut Parser<'a>,
+    keyword: Token<'a>,
+) -> Result<ObjectGroup, SceneError> {
     parser.open_nested_block(keyword)?;
     let mut items = Vec::new();
     let mut objects = 0;
@@ -119,7 +124,7 @@ fn parse_object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spann
 }
 
 /// Writes a group as scene text.
-pub(super) fn write_group(out: &mut SceneWriter<'_, '_>, group: &ObjectGroup) -> fmt::Result {
+pub(in crate::format) fn write_group(out: &mut SceneWriter<'_, '_>, group: &ObjectGroup) -> fmt::Result {
     out.begin_block("Group")?;
     let objects = group.items.iter().filter(|item| matches!(item, GroupItem::Object(_))).count();
     out.write_line(format_args!("numObjects {objects}"))?;

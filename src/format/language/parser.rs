@@ -1,15 +1,15 @@
 //! Parses the elements of scene text: blocks, numbers, names and counts. Recovers from errors.
 
-use super::super::MAX_NESTING_DEPTH;
-use super::super::description::{Span, Spanned};
-use super::super::error::{MAX_ERRORS, SceneError};
 use super::lexer::{Lexer, Token};
 use super::scope::ParserScope;
 use super::suggest::{keyword_synonym, nearest_word};
 use super::text::clip_for_message;
+use crate::format::MAX_NESTING_DEPTH;
+use crate::format::error::{MAX_ERRORS, SceneError};
+use crate::format::span::{Span, Spanned};
 
 /// Parser of a scene text: its position, and the definitions and errors so far.
-pub(super) struct Parser<'a> {
+pub(in crate::format) struct Parser<'a> {
     /// Lexer, which holds the scene text and the current position.
     pub lexer: Lexer<'a>,
     /// Textures, media and materials defined so far.
@@ -31,7 +31,7 @@ pub(super) struct Parser<'a> {
 /// After an error in the entry, the parser compares them with the current numbers to find the
 /// entry's end.
 #[derive(Clone, Copy)]
-pub(super) struct SavedBlockNesting {
+pub(in crate::format) struct SavedBlockNesting {
     open_blocks: usize,
     nesting_depth: usize,
     closed_blocks: usize,

@@ -15,11 +15,11 @@ const MAX_SINGLE: f64 = f32::MAX as f64;
 /// Largest accepted absorption or scattering coefficient \[1/length].
 ///
 /// Its products with densities and lengths still fit into single precision.
-pub(super) const MAX_COEFFICIENT: f64 = 1e12;
+pub(in crate::format) const MAX_COEFFICIENT: f64 = 1e12;
 
 /// Type of the value that follows a field's keyword.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum FieldKind {
+pub(in crate::format) enum FieldKind {
     /// Three numbers: a position or an offset.
     Point,
     /// Three numbers: a vector of any length above 0.
@@ -54,7 +54,7 @@ pub(super) enum FieldKind {
 
 /// Range that each component of a numeric field must lie in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum FieldRange {
+pub(in crate::format) enum FieldRange {
     /// Any finite number.
     Any,
     /// Any number up to [`f32::MAX`] in magnitude.
@@ -78,7 +78,7 @@ pub(super) enum FieldRange {
 
 /// Default value of a field, or the meaning of its absence.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum FieldDefault {
+pub(in crate::format) enum FieldDefault {
     /// The field must be present.
     Required,
     /// The field may be absent, without a default value. The text states in the language reference
@@ -92,7 +92,7 @@ pub(super) enum FieldDefault {
 
 /// Schema of one field of a block: keyword, type, range, unit, default and help.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FieldSchema {
+pub(in crate::format) struct FieldSchema {
     /// The field's keyword.
     pub name: &'static str,
     /// Second accepted keyword; empty if there is none.
@@ -113,7 +113,7 @@ pub(super) struct FieldSchema {
 
 /// Schema of one kind of block: `keyword { fields }` or `keyword name { fields }`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BlockSchema {
+pub(in crate::format) struct BlockSchema {
     /// Keyword of the block. The scene writer prints it; the parser also accepts `aliases`.
     pub keyword: &'static str,
     /// Further keywords that the parser accepts for the block.
@@ -131,7 +131,7 @@ pub(super) struct BlockSchema {
 /// Entry of a table of blocks: the schema of one kind of block, and the function that converts its
 /// parsed fields.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BlockParser<P: 'static> {
+pub(in crate::format) struct BlockParser<P: 'static> {
     /// Schema of the block: keywords, fields and help.
     pub block: &'static BlockSchema,
     /// Function that converts the parsed fields, for example to a light or a shape.
@@ -141,7 +141,7 @@ pub(super) struct BlockParser<P: 'static> {
 /// Creates the schema of an optional field called `name`. It has no unit, alias or default yet.
 ///
 /// Colors have the range [`FieldRange::NonNegative`], all other kinds [`FieldRange::Any`].
-pub(super) const fn field_schema(name: &'static str, kind: FieldKind, help: &'static str) -> FieldSchema {
+pub(in crate::format) const fn field_schema(name: &'static str, kind: FieldKind, help: &'static str) -> FieldSchema {
     let range = match kind {
         FieldKind::Color | FieldKind::ColorOrTexture => FieldRange::NonNegative,
         _ => FieldRange::Any,
@@ -151,7 +151,7 @@ pub(super) const fn field_schema(name: &'static str, kind: FieldKind, help: &'st
 }
 
 /// Creates the schema of a block, without fields and aliases.
-pub(super) const fn block_schema(keyword: &'static str, help: &'static str) -> BlockSchema {
+pub(in crate::format) const fn block_schema(keyword: &'static str, help: &'static str) -> BlockSchema {
     BlockSchema { keyword, aliases: &[], own_fields: &[], shared_fields: &[], help, is_course_syntax: false }
 }
 
@@ -361,17 +361,23 @@ impl BlockSchema {
 }
 
 /// Returns the entry of `table` whose block has the keyword or alias `word`; `None` without one.
-pub(super) fn find_block<P>(table: &'static [BlockParser<P>], word: &str) -> Option<&'static BlockParser<P>> {
+pub(in crate::format) fn find_block<P>(
+    table: &'static [BlockParser<P>],
+    word: &str,
+) -> Option<&'static BlockParser<P>> {
     table.iter().find(|entry| entry.block.is_keyword(word))
 }
 
 /// Returns the schemas of all blocks of `table`.
-pub(super) fn block_schemas<P>(table: &'static [BlockParser<P>]) -> Vec<&'static BlockSchema> {
+pub(in crate::format) fn block_schemas<P>(table: &'static [BlockParser<P>]) -> Vec<&'static BlockSchema> {
     table.iter().map(|entry| entry.block).collect()
 }
 
 /// Returns the words of `before`, followed by the keywords and aliases of all blocks in `table`.
-pub(super) fn block_keywords<P>(before: &[&'static str], table: &'static [BlockParser<P>]) -> Vec<&'static str> {
+pub(in crate::format) fn block_keywords<P>(
+    before: &[&'static str],
+    table: &'static [BlockParser<P>],
+) -> Vec<&'static str> {
     let blocks = table.iter().map(|entry| entry.block);
     let words = blocks.flat_map(|block| std::iter::once(block.keyword).chain(block.aliases.iter().copied()));
     before.iter().copied().chain(words).collect()
@@ -380,7 +386,7 @@ pub(super) fn block_keywords<P>(before: &[&'static str], table: &'static [BlockP
 /// Returns the reference of `blocks` as Markdown: a list of blocks, then a table of their fields.
 ///
 /// Each list of shared fields appears once, at the end of the table.
-pub(super) fn reference_markdown(blocks: &[&'static BlockSchema]) -> String {
+pub(in crate::format) fn reference_markdown(blocks: &[&'static BlockSchema]) -> String {
     let mut out = String::new();
     for block in blocks {
         let aliases: String = block.aliases.iter().map(|alias| format!(", `{alias}`")).collect();

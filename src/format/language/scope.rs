@@ -1,27 +1,25 @@
-//! Textures, media and materials that a scene text has defined so far, and lookups of their names.
+//! Names of textures, media and materials that a scene text has defined so far.
 
 use std::collections::HashMap;
 
-use super::super::description::{MaterialDescription, MediumDescription, Spanned, TextureDescription};
-use super::super::error::SceneError;
 use super::lexer::{Lexer, Token};
 use super::suggest::nearest_word;
 use super::text::clip_for_message;
+use crate::format::error::SceneError;
+use crate::format::span::Spanned;
 
-/// Textures, media and materials that the text has defined up to the current position.
+/// Names of the textures, media and materials that the text has defined up to the current position.
 #[derive(Default)]
-pub(super) struct ParserScope<'a> {
-    /// Textures of the latest `Textures` block; each block replaces the one before.
-    pub textures: Vec<Spanned<TextureDescription>>,
-    /// Media of the latest `Media` block; each block replaces the one before.
-    pub media: Vec<Spanned<MediumDescription>>,
+pub(in crate::format) struct ParserScope<'a> {
+    /// Names of the textures of the latest `Textures` block; each block replaces the one before.
+    pub textures: Vec<String>,
+    /// Names of the media of the latest `Media` block; each block replaces the one before.
+    pub media: Vec<String>,
     /// Materials of the latest `Materials` block; each block replaces the one before. A material
     /// index counts them from 0.
-    pub materials: Vec<Spanned<MaterialDescription>>,
+    pub materials: Vec<DefinedMaterial>,
     /// Index into `materials` of each named material, by name.
     pub material_indices: HashMap<String, usize>,
-    /// [`MixConstraints`] of each material, by material index.
-    mix_constraints: Vec<MixConstraints>,
     /// True if the last `Group` refers to a material.
     pub group_uses_materials: bool,
     /// Keyword of a `Materials` block that follows a `Group` which refers to a material; `None` if
@@ -31,9 +29,19 @@ pub(super) struct ParserScope<'a> {
     pub late_materials: Option<Token<'a>>,
 }
 
+/// A material that the text has defined: its name, and properties that limit its use in a mix.
+pub(in crate::format) struct DefinedMaterial {
+    /// Name of the material; `None` if objects can refer to it only by its index.
+    pub name: Option<String>,
+    /// True if the material is a null interface.
+    pub is_null_interface: bool,
+    /// Limits of its use in a mix.
+    pub mix_constraints: MixConstraints,
+}
+
 /// Properties of a material that limit its use in a mix.
 #[derive(Clone, Copy, Default)]
-pub(super) struct MixConstraints {
+pub(in crate::format) struct MixConstraints {
     /// Index of a `Dielectric` material: the material itself, or one that it mixes; `None` if it is
     /// no dielectric and mixes none.
     pub dielectric: Option<usize>,
@@ -46,34 +54,17 @@ impl ParserScope<'_> {
     pub fn clear_materials(&mut self) {
         self.materials.clear();
         self.material_indices.clear();
-        self.mix_constraints.clear();
     }
 
-    /// Appends `material` to the list of materials, with its [`MixConstraints`]. The caller
-    /// registers its name.
-    pub fn add_material(&mut self, material: Spanned<MaterialDescription>) {
-        let kind = &material.value.kind;
-        let summary = match kind.mix_material_names() {
-            Some([first, second]) => {
-                let (a, b) = (
-                    self.constraints_of_mixed_material(&first.value),
-                    self.constraints_of_mixed_material(&second.value),
-                );
-                MixConstraints {
-                    dielectric: a.dielectric.or(b.dielectric),
-                    mix_depth: a.mix_depth.max(b.mix_depth) + 1,
-                }
-            }
-            None => MixConstraints { dielectric: kind.is_dielectric().then_some(self.materials.len()), mix_depth: 0 },
-        };
-        self.mix_constraints.push(summary);
-        self.materials.push(material);
+    /// Returns the defined material called `name`; `None` if there is none yet.
+    pub fn material_by_name(&self, name: &str) -> Option<&DefinedMaterial> {
+        self.material_indices.get(name).and_then(|&index| self.materials.get(index))
     }
 
     /// Returns the [`MixConstraints`] of the material called `name`; for an unknown name, mix depth
     /// 0 and no dielectric.
-    pub fn constraints_of_mixed_material(&self, name: &str) -> MixConstraints {
-        self.material_indices.get(name).and_then(|&index| self.mix_constraints.get(index)).copied().unwrap_or_default()
+    pub fn mix_constraints(&self, name: &str) -> MixConstraints {
+        self.material_by_name(name).map(|material| material.mix_constraints).unwrap_or_default()
     }
 
     /// Fails if materials are already defined. `block` holds textures or media, which must precede
@@ -89,7 +80,7 @@ impl ParserScope<'_> {
 
     /// Fails if no texture is called `name`.
     pub fn check_texture_exists(&self, lexer: Lexer<'_>, name: &Spanned<String>) -> Result<(), SceneError> {
-        let names = || self.textures.iter().map(|texture| texture.value.name.as_str());
+        let names = || self.textures.iter().map(String::as_str);
         let help = "write numbers, or define it ahead of the Materials: `Textures { Checker name { … } }`";
         check_name_exists(lexer, "texture", name, names, help.to_owned())
     }
@@ -103,7 +94,7 @@ impl ParserScope<'_> {
         name: &Spanned<String>,
         position: &str,
     ) -> Result<(), SceneError> {
-        let names = || self.media.iter().map(|medium| medium.value.name.as_str());
+        let names = || self.media.iter().map(String::as_str);
         let help = if self.media.is_empty() {
             format!("define it {position}: `Media {{ Medium name {{ … }} }}`")
         } else {

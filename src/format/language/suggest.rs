@@ -55,7 +55,7 @@ const SYNONYMS: [(&str, &str); 46] = [
 ];
 
 /// Returns the keyword in `allowed` for which other renderers use `word`; `None` if there is none.
-pub(super) fn keyword_synonym(word: &str, allowed: &[&str]) -> Option<&'static str> {
+pub(in crate::format) fn keyword_synonym(word: &str, allowed: &[&str]) -> Option<&'static str> {
     let word = word.to_ascii_lowercase();
     SYNONYMS.iter().find(|(other, own)| *other == word && allowed.contains(own)).map(|(_, own)| *own)
 }

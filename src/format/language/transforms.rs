@@ -4,12 +4,13 @@ use std::fmt;
 
 use glam::{DMat4, DVec3};
 
-use super::super::description::{Span, TransformStep};
-use super::super::error::SceneError;
 use super::lexer::Token;
 use super::parser::Parser;
 use super::text::{clip_for_message, is_normalizable};
 use super::writer::{SceneWriter, SpacedNumbers};
+use crate::format::error::SceneError;
+use crate::format::span::Span;
+use crate::format::transform_step::TransformStep;
 use crate::math::Transform;
 
 /// Keywords of transform steps.
@@ -23,7 +24,7 @@ type ParseObject<'a, T> = fn(&mut Parser<'a>, Token<'a>) -> Result<T, SceneError
 ///
 /// `parse_object` parses the object after its keyword, which must be in `allowed`. Fails if the
 /// product of the steps is singular.
-pub(super) fn parse_transform_block<'a, T>(
+pub(in crate::format) fn parse_transform_block<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     allowed: &[&str],
@@ -39,7 +40,7 @@ pub(super) fn parse_transform_block<'a, T>(
 ///
 /// `parse_object` parses the object, light or camera after its keyword, which must be in `allowed`.
 /// Fails if a step cannot be animated.
-pub(super) fn parse_moving_block<'a, T>(
+pub(in crate::format) fn parse_moving_block<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     allowed: &[&str],
@@ -100,7 +101,7 @@ fn parse_steps_before_object<'a>(
 
 /// Parses the `{ … }` after `keyword`, which holds only transform steps. Fails if their product is
 /// singular.
-pub(super) fn parse_transform_steps<'a>(
+pub(in crate::format) fn parse_transform_steps<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
 ) -> Result<Vec<TransformStep>, SceneError> {
@@ -221,7 +222,7 @@ fn singular_transform_error(parser: &Parser<'_>, span: Span, message: &str) -> S
 }
 
 /// Writes transform steps, one on each line.
-pub(super) fn write_transform_steps(out: &mut SceneWriter<'_, '_>, steps: &[TransformStep]) -> fmt::Result {
+pub(in crate::format) fn write_transform_steps(out: &mut SceneWriter<'_, '_>, steps: &[TransformStep]) -> fmt::Result {
     steps.iter().try_for_each(|step| match *step {
         TransformStep::Scale(s) => out.write_line(format_args!("Scale {}", SpacedNumbers(&s.to_array()))),
         TransformStep::UniformScale(s) => out.write_line(format_args!("UniformScale {}", SpacedNumbers(&[s]))),
@@ -239,7 +240,7 @@ pub(super) fn write_transform_steps(out: &mut SceneWriter<'_, '_>, steps: &[Tran
 }
 
 /// Writes the field `Transform` of a texture or medium. Writes nothing if `steps` is empty.
-pub(super) fn write_transform_field(out: &mut SceneWriter<'_, '_>, steps: &[TransformStep]) -> fmt::Result {
+pub(in crate::format) fn write_transform_field(out: &mut SceneWriter<'_, '_>, steps: &[TransformStep]) -> fmt::Result {
     if steps.is_empty() {
         return Ok(());
     }

@@ -4,12 +4,13 @@ use std::fmt::{Display, Formatter, Result};
 
 use glam::{DVec2, DVec3, DVec4};
 
-use super::super::description::{Spanned, TexturedValue};
 use super::schema::BlockSchema;
 use super::text::{is_identifier, is_nonfinite_number};
+use crate::format::span::Spanned;
+use crate::format::textured_value::TexturedValue;
 
 /// Writer of indented lines of scene text.
-pub(super) struct SceneWriter<'f, 'a> {
+pub(in crate::format) struct SceneWriter<'f, 'a> {
     out: &'f mut Formatter<'a>,
     depth: usize,
     /// Schema of the last started block that has a schema.
@@ -142,7 +143,7 @@ impl Display for ShortestNumber {
 }
 
 /// Displays numbers, separated by spaces.
-pub(super) struct SpacedNumbers<'a>(pub &'a [f64]);
+pub(in crate::format) struct SpacedNumbers<'a>(pub &'a [f64]);
 
 impl Display for SpacedNumbers<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {

@@ -7,7 +7,9 @@ use super::textures::TextureValues;
 use super::tree::SceneObject;
 use crate::bsdf::metal_refractive_index;
 use crate::color::conductor_rgb;
-use crate::format::description::{MaterialKindDescription, MetalDescription, Span, Spanned, TexturedValue};
+use crate::format::description::{
+    ConductorDescription, MaterialKindDescription, MetalDescription, MirrorDescription, Span, Spanned, TexturedValue,
+};
 use glam::DVec3;
 
 /// Greatest reflectance of a conductor at normal incidence. A reflectance of 1 would need an
@@ -54,7 +56,9 @@ pub(super) fn conductor(
     };
     if is_ideal {
         return Ok(match roughness {
-            TexturedValue::Plain(0.0) => MaterialKindDescription::Mirror { reflectance: tint.into_color() },
+            TexturedValue::Plain(0.0) => {
+                MaterialKindDescription::Mirror(MirrorDescription { reflectance: tint.into_color() })
+            }
             roughness => metal_from_reflectance(tint.mean(), roughness),
         });
     }
@@ -68,7 +72,11 @@ pub(super) fn conductor(
     };
     let mean = tint.mean();
     if mean == DVec3::ONE {
-        return Ok(MaterialKindDescription::Conductor { metal, roughness, multiple_scattering: false });
+        return Ok(MaterialKindDescription::Conductor(ConductorDescription {
+            metal,
+            roughness,
+            multiple_scattering: false,
+        }));
     }
     context.add_note("factors of metals change their reflectance at normal incidence", bsdf);
     Ok(metal_from_reflectance(mean * normal_reflectance(&metal), roughness))
@@ -103,7 +111,7 @@ pub(super) fn metal_from_reflectance(reflectance: DVec3, roughness: TexturedValu
     // Such a conductor reflects k² / (4 + k²) at normal incidence.
     let k = (reflectance / (1.0 - reflectance)).map(f64::sqrt) * 2.0;
     let metal = MetalDescription::Index { eta: DVec3::ONE, k };
-    MaterialKindDescription::Conductor { metal, roughness, multiple_scattering: false }
+    MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, multiple_scattering: false })
 }
 
 /// Returns the reflectance of a metal at normal incidence; 1 for an unknown name.

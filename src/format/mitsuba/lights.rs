@@ -9,8 +9,9 @@ use super::textures::Textures;
 use super::tree::{ObjectClass, SceneObject};
 use crate::color::Rgb;
 use crate::format::description::{
-    DirectionOrTarget, DirectionalLightStrength, EnvironmentRadiance, LightDescription, LightPattern,
-    PointLightStrength, Span, Spanned,
+    DirectionOrTarget, DirectionalLightDescription, DirectionalLightStrength, EnvironmentRadiance,
+    GoniometricLightDescription, IntensityDistribution, LightDescription, LightPose, PointLightDescription,
+    PointLightStrength, ProjectorLightDescription, Span, Spanned,
 };
 use crate::image::Image;
 use glam::{DMat4, DVec3, Vec3};
@@ -43,7 +44,8 @@ pub(super) fn read_light(
     let light = match emitter.plugin.as_str() {
         "point" => {
             let strength = scaled_strength(emitter, color("intensity")?);
-            LightDescription::Point { position, strength: PointLightStrength::Intensity(strength) }
+            let light = PointLightDescription { position, strength: PointLightStrength::Intensity(strength) };
+            unless_black(strength, light)
         }
         "spot" => read_spot(context, textures, emitter, to_world)?,
         "projector" => read_projector(context, textures, emitter, to_world)?,
@@ -53,12 +55,14 @@ pub(super) fn read_light(
                 None => axis(to_world.z_axis.truncate())?,
             };
             let irradiance = scaled_strength(emitter, color("irradiance")?);
-            LightDescription::Directional { direction, strength: DirectionalLightStrength::Irradiance(irradiance) }
+            let strength = DirectionalLightStrength::Irradiance(irradiance);
+            unless_black(irradiance, DirectionalLightDescription { direction, strength })
         }
         "constant" => {
-            LightDescription::Environment(EnvironmentRadiance::Constant(scaled_strength(emitter, color("radiance")?)))
+            let radiance = scaled_strength(emitter, color("radiance")?);
+            unless_black(radiance, EnvironmentRadiance::Constant(radiance))
         }
-        "envmap" => LightDescription::Environment(read_environment(context, textures, emitter, to_world)?),
+        "envmap" => Some(read_environment(context, textures, emitter, to_world)?.into()),
         "sky" | "sun" | "sunsky" => {
             let message = format!("the daylight model `{}` is not supported", emitter.plugin);
             return Err(emitter.place.error(message, "render the sky as a picture, and use it as an `envmap`"));
@@ -70,7 +74,7 @@ pub(super) fn read_light(
             return Ok(None);
         }
     };
-    Ok(Some(light).filter(|light| !is_black(light)))
+    Ok(light)
 }
 
 /// Returns `strength` times the emitter's parameter `scale`, or times 1 without this parameter.
@@ -84,28 +88,12 @@ fn singular_transform_error(emitter: &SceneObject) -> crate::format::import::Sce
     emitter.place.error("the direction of this emitter is zero", "correct its transform")
 }
 
-/// True if the light has a strength of zero. Environment maps are not examined.
-fn is_black(light: &LightDescription) -> bool {
-    match light {
-        LightDescription::Point { strength: PointLightStrength::Intensity(strength), .. }
-        | LightDescription::Directional { strength: DirectionalLightStrength::Irradiance(strength), .. }
-        | LightDescription::Environment(EnvironmentRadiance::Constant(strength)) => *strength == DVec3::ZERO,
-        LightDescription::Oriented { strength: PointLightStrength::Intensity(strength), .. } => {
-            *strength == DVec3::ZERO
-        }
-        LightDescription::Point { .. }
-        | LightDescription::Directional { .. }
-        | LightDescription::Spot { .. }
-        | LightDescription::Sphere { .. }
-        | LightDescription::Disc { .. }
-        | LightDescription::Rectangle { .. }
-        | LightDescription::Oriented { .. }
-        | LightDescription::Moving { .. }
-        | LightDescription::Environment(EnvironmentRadiance::Picture { .. }) => false,
-    }
+/// Returns `light` unless its `strength` is zero.
+fn unless_black(strength: DVec3, light: impl Into<LightDescription>) -> Option<LightDescription> {
+    (strength != DVec3::ZERO).then(|| light.into())
 }
 
-/// Converts a spotlight to an oriented point light.
+/// Converts a spotlight to a goniometric light or a projector; `None` if it is black.
 ///
 /// Mitsuba's falloff is linear in the angle. It becomes an intensity map, or a projected picture if
 /// the light has a texture.
@@ -114,7 +102,7 @@ fn read_spot(
     textures: &mut Textures,
     emitter: &SceneObject,
     to_world: DMat4,
-) -> ReadResult<LightDescription> {
+) -> ReadResult<Option<LightDescription>> {
     let cutoff = emitter.number("cutoff_angle").unwrap_or(20.0);
     let beam = emitter.number("beam_width").unwrap_or(0.75 * cutoff);
     if !(cutoff > 0.0 && cutoff <= 180.0 && beam >= 0.0 && beam <= cutoff) {
@@ -155,19 +143,20 @@ fn read_spot(
             }
         }
         let path = Spanned::new(embed_picture(textures, size, size, pixels)?, Span::default());
-        let pattern = LightPattern::Picture { path, angle: 2.0 * cutoff };
-        let aim = DirectionOrTarget::Direction(axis);
-        return Ok(LightDescription::Oriented { position, aim, up: Some(up), pattern, strength });
+        let pose = LightPose { position, aim: DirectionOrTarget::Direction(axis), up: Some(up) };
+        let angle = 2.0 * cutoff;
+        return Ok(unless_black(intensity, ProjectorLightDescription { pose, angle, path, strength }));
     }
     let angle = |row: u32| (f64::from(row) + 0.5) * 180.0 / f64::from(SPOT_ROWS);
     let pixels: Vec<Rgb> = (0..SPOT_ROWS).map(|row| Vec3::splat(falloff(angle(row)) as f32)).collect();
     let path = Spanned::new(embed_picture(textures, 1, SPOT_ROWS, pixels)?, Span::default());
     // The intensity map is symmetric about its up direction, which is the light's axis.
-    let aim = DirectionOrTarget::Direction(right);
-    Ok(LightDescription::Oriented { position, aim, up: Some(axis), pattern: LightPattern::Map(path), strength })
+    let pose = LightPose { position, aim: DirectionOrTarget::Direction(right), up: Some(axis) };
+    let distribution = IntensityDistribution::Map(path);
+    Ok(unless_black(intensity, GoniometricLightDescription { pose, distribution, strength }))
 }
 
-/// Converts a projector to an oriented light.
+/// Converts a projector; `None` if it is black.
 ///
 /// The values of Mitsuba's texture are the irradiance on a plane at distance 1, divided by π.
 fn read_projector(
@@ -175,7 +164,7 @@ fn read_projector(
     textures: &mut Textures,
     emitter: &SceneObject,
     to_world: DMat4,
-) -> ReadResult<LightDescription> {
+) -> ReadResult<Option<LightDescription>> {
     let [_, up, axis] = emitter_axes(emitter, to_world)?;
     let scale = emitter.number("scale").unwrap_or(1.0).max(0.0);
     let texture = context.named_child(emitter, ObjectClass::Texture, "irradiance")?;
@@ -200,14 +189,13 @@ fn read_projector(
         let value = if pixel.is_finite() { pixel.max(Vec3::ZERO) } else { Vec3::ZERO };
         *pixel = value * (PI * squared * squared.sqrt()) as f32;
     }
-    let pattern = LightPattern::Picture {
-        path: Spanned::new(textures.embed_picture(image), Span::default()),
-        angle: 2.0 * libm::atan(half).to_degrees(),
-    };
-    let strength = PointLightStrength::Intensity(DVec3::splat(scale));
-    let aim = DirectionOrTarget::Direction(axis);
+    let path = Spanned::new(textures.embed_picture(image), Span::default());
+    let angle = 2.0 * libm::atan(half).to_degrees();
+    let intensity = DVec3::splat(scale);
+    let strength = PointLightStrength::Intensity(intensity);
     let position = to_world.w_axis.truncate();
-    Ok(LightDescription::Oriented { position, aim, up: Some(up), pattern, strength })
+    let pose = LightPose { position, aim: DirectionOrTarget::Direction(axis), up: Some(up) };
+    Ok(unless_black(intensity, ProjectorLightDescription { pose, angle, path, strength }))
 }
 
 /// Returns the unit vectors right, up and forward of an emitter in world space.

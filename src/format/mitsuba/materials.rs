@@ -9,8 +9,9 @@ use super::textures::{TextureUse, TextureValues, Textures};
 use super::tree::{ObjectClass, SceneObject};
 use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::description::{
-    DielectricAbsorption, EmissionDescription, GroupItem, MaterialDescription, MaterialKindDescription,
-    NormalPerturbationDescription, ObjectGroup, Span, Spanned, TexturedValue,
+    CoatedDiffuseDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription, EmissionDescription,
+    GroupItem, MaterialDescription, MaterialKindDescription, MixDescription, NormalPerturbationDescription,
+    NullInterfaceDescription, ObjectGroup, PhongDescription, Span, Spanned, TexturedValue, ThinDescription,
 };
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
@@ -115,16 +116,14 @@ impl Materials {
         if kind.is_null_interface() && emission.is_some() {
             kind = diffuse_description(DVec3::ZERO);
         }
-        let boundary = match &kind {
-            MaterialKindDescription::Dielectric { .. } => MaterialBoundary::Body,
-            MaterialKindDescription::NullInterface { .. } => MaterialBoundary::Null,
-            MaterialKindDescription::Thin { .. } => MaterialBoundary::Pane,
-            MaterialKindDescription::Phong { .. }
-            | MaterialKindDescription::Diffuse { .. }
-            | MaterialKindDescription::Mirror { .. }
-            | MaterialKindDescription::Conductor { .. }
-            | MaterialKindDescription::CoatedDiffuse { .. }
-            | MaterialKindDescription::Mix { .. } => MaterialBoundary::Opaque,
+        let boundary = if kind.is_dielectric() {
+            MaterialBoundary::Body
+        } else if kind.is_null_interface() {
+            MaterialBoundary::Null
+        } else if let MaterialKindDescription::Thin(_) = kind {
+            MaterialBoundary::Pane
+        } else {
+            MaterialBoundary::Opaque
         };
         let fills = matches!(boundary, MaterialBoundary::Body | MaterialBoundary::Null);
         let medium = medium.clone().filter(|_| fills).map(|name| Spanned::new(name, Span::default()));
@@ -151,7 +150,7 @@ impl Materials {
             return name.clone();
         }
         let name = self.unique_name("boundary");
-        let kind = MaterialKindDescription::NullInterface { priority: 0 };
+        let kind = MaterialKindDescription::NullInterface(NullInterfaceDescription { priority: 0 });
         let filling = Some(Spanned::new(medium.to_owned(), Span::default()));
         self.push_material(name.clone(), kind, None, filling);
         self.interfaces.insert(medium.to_owned(), name.clone());
@@ -218,7 +217,7 @@ impl Materials {
             return name.clone();
         }
         let name = self.unique_name("clear");
-        let kind = MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() };
+        let kind = MaterialKindDescription::Thin(ThinDescription { index: 1.0, transmittance: DVec3::ONE.into() });
         self.push_material(name.clone(), kind, None, None);
         self.clear = Some(name.clone());
         name
@@ -236,7 +235,7 @@ fn collect_material_names(group: &ObjectGroup, names: &mut HashSet<String>) {
 }
 
 fn diffuse_description(reflectance: DVec3) -> MaterialKindDescription {
-    MaterialKindDescription::Diffuse { reflectance: reflectance.into() }
+    MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: reflectance.into() })
 }
 
 /// Converter of one BSDF to a material, with the state of the conversion.
@@ -258,19 +257,19 @@ impl MaterialConverter<'_, '_> {
         Ok(match bsdf.plugin.as_str() {
             "diffuse" | "lambertian" => {
                 let reflectance = self.textured_color(bsdf, "reflectance", 0.5)?;
-                MaterialKindDescription::Diffuse { reflectance }.into()
+                MaterialKindDescription::Diffuse(DiffuseDescription { reflectance }).into()
             }
             "roughdiffuse" | "difftrans" => {
                 context.add_note_on_object(&format!("`{}` becomes diffuse", bsdf.plugin), bsdf);
                 let reflectance = self.textured_color(bsdf, "reflectance", 0.5)?;
-                MaterialKindDescription::Diffuse { reflectance }.into()
+                MaterialKindDescription::Diffuse(DiffuseDescription { reflectance }).into()
             }
             "dielectric" | "roughdielectric" => self.convert_dielectric(bsdf)?,
             "thindielectric" => {
                 self.note_tints(bsdf)?;
                 let index = refractive_index(context, bsdf)?;
                 let transmittance = DVec3::ONE.into();
-                MaterialKindDescription::Thin { index, transmittance }.into()
+                MaterialKindDescription::Thin(ThinDescription { index, transmittance }).into()
             }
             "conductor" | "roughconductor" => {
                 let roughness = if bsdf.plugin == "conductor" { 0.0.into() } else { self.roughness(bsdf)? };
@@ -326,7 +325,7 @@ impl MaterialConverter<'_, '_> {
                 }
                 self.without_mix_perturbation(bsdf, surface)
             }
-            "null" => MaterialKindDescription::NullInterface { priority: 0 }.into(),
+            "null" => MaterialKindDescription::NullInterface(NullInterfaceDescription { priority: 0 }).into(),
             "coating" | "roughcoating" => {
                 context.add_note_on_object(&format!("the coat of `{}` is ignored", bsdf.plugin), bsdf);
                 let sides = context.children(bsdf, ObjectClass::Bsdf)?;
@@ -361,16 +360,16 @@ impl MaterialConverter<'_, '_> {
         let roughness = if bsdf.plugin == "dielectric" { 0.0.into() } else { self.roughness(bsdf)? };
         let (refraction, attenuation) = (index.into(), DielectricAbsorption::None);
         if is_index_matched(index) && roughness == TexturedValue::Plain(0.0) {
-            return Ok(MaterialKindDescription::NullInterface { priority: 0 }.into());
+            return Ok(MaterialKindDescription::NullInterface(NullInterfaceDescription { priority: 0 }).into());
         }
         let multiple_scattering = false;
-        let kind = MaterialKindDescription::Dielectric {
+        let kind = MaterialKindDescription::Dielectric(DielectricDescription {
             refraction,
             attenuation,
             roughness,
             multiple_scattering,
             priority: 0,
-        };
+        });
         Ok(kind.into())
     }
 
@@ -392,12 +391,12 @@ impl MaterialConverter<'_, '_> {
         if tint != DVec3::ONE {
             self.context.add_note("`specular_reflectance` of plastic is ignored", bsdf);
         }
-        let kind = MaterialKindDescription::CoatedDiffuse {
+        let kind = MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription {
             reflectance: base.into_color(),
             index: index.clamp(1.0, f64::from(MAX_COAT_INDEX)),
             roughness: alpha.into(),
             nonlinear: bsdf.boolean("nonlinear", false),
-        };
+        });
         Ok(kind.into())
     }
 
@@ -425,13 +424,13 @@ impl MaterialConverter<'_, '_> {
         context.add_note("the gloss of `principled` is a Phong lobe, which does not grow towards grazing angles", bsdf);
         let mut kind = phong_description(base.clone().into_color(), DVec3::splat(normal_reflectance(index)), alpha);
         if transmission != TexturedValue::Plain(0.0) {
-            let glass = MaterialKindDescription::Dielectric {
+            let glass = MaterialKindDescription::Dielectric(DielectricDescription {
                 refraction: index.into(),
                 attenuation: DielectricAbsorption::None,
                 roughness: alpha.into(),
                 multiple_scattering: false,
                 priority: 0,
-            };
+            });
             kind = self.add_mix(kind, glass, transmission);
         }
         if metallic != TexturedValue::Plain(0.0) {
@@ -449,7 +448,13 @@ impl MaterialConverter<'_, '_> {
         let specular = self.texture_values(bsdf, "specular_reflectance", 0.2, TextureUse::Color)?.mean();
         let shininess = bsdf.number("exponent").unwrap_or(30.0).clamp(0.0, 1e6);
         let specular = specular * phong_specular_color(shininess);
-        Ok(MaterialKindDescription::Phong { diffuse, specular: specular.into(), shininess, texture: None }.into())
+        Ok(MaterialKindDescription::Phong(PhongDescription {
+            diffuse,
+            specular: specular.into(),
+            shininess,
+            texture: None,
+        })
+        .into())
     }
 
     fn convert_blend(&mut self, bsdf: &Rc<SceneObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
@@ -569,7 +574,7 @@ impl MaterialConverter<'_, '_> {
 
 fn mix_description([first, second]: [String; 2], amount: TexturedValue<f64>) -> MaterialKindDescription {
     let [first, second] = [first, second].map(|name| Spanned::new(name, Span::default()));
-    MaterialKindDescription::Mix { first, second, amount }
+    MaterialKindDescription::Mix(MixDescription { first, second, amount })
 }
 
 /// Returns the reflectance at normal incidence of a dielectric with a given refractive index.
@@ -585,7 +590,7 @@ fn phong_description(diffuse: TexturedValue<DVec3>, specular: DVec3, alpha: f64)
     let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
     let shininess = 2.0 / (alpha * alpha) - 2.0;
     let specular = (specular * phong_specular_color(shininess)).into();
-    MaterialKindDescription::Phong { diffuse, specular, shininess, texture: None }
+    MaterialKindDescription::Phong(PhongDescription { diffuse, specular, shininess, texture: None })
 }
 
 /// Returns the specular coefficient with which a Phong lobe reflects all light at normal incidence.

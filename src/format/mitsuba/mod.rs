@@ -24,9 +24,10 @@ mod tree;
 mod volume;
 
 use super::SourceText;
-use super::description::{EnvironmentRadiance, LightDescription, LightPattern, SceneDescription, Span, Spanned};
+use super::assets::EmbeddedAssets;
+use super::description::{EnvironmentRadiance, LightDescription, SceneDescription, Span, Spanned};
 use super::framing::framing_camera;
-use super::import::{EmbeddedAssets, ImportOptions, ImportedScene, SceneImporter, SceneReadError};
+use super::import::{ImportOptions, ImportedScene, SceneImporter, SceneReadError};
 use super::mesh::MeshReadMonitor;
 use context::ImportContext;
 use document::read_tree;
@@ -83,7 +84,7 @@ fn import_bytes(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ImportedSc
     for (_, shape) in context.children(&tree.root, ObjectClass::Shape)? {
         shapes.add_shape(&context, &mut textures, &shape)?;
     }
-    let lights = read_lights(&context, &mut textures, shapes.has_emitters)?;
+    let mut lights = read_lights(&context, &mut textures, shapes.has_emitters)?;
     let sensors = context.children(&tree.root, ObjectClass::Sensor)?;
     let sensor = sensors.first().map(|(_, sensor)| sensor);
     if let Some((_, second)) = sensors.get(1) {
@@ -113,7 +114,8 @@ fn import_bytes(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ImportedSc
     }
     context.note_unread_values();
     let used_textures = shapes.materials.keep_used(&shapes.root);
-    textures.keep_textures(&used_textures, &lights.iter().filter_map(light_picture).collect());
+    let pictures_of_lights = lights.iter_mut().filter_map(|light| light.value.file_path_mut().cloned()).collect();
+    textures.keep_textures(&used_textures, &pictures_of_lights);
     let notes = context.notes.into_inner();
     let description = SceneDescription {
         camera: Spanned::new(camera, Span::default()),
@@ -157,24 +159,4 @@ fn read_lights(
         lights.push(Spanned::new(sky, Span::default()));
     }
     Ok(lights)
-}
-
-/// Returns the path of the light's picture; `None` if it has none.
-fn light_picture(light: &Spanned<LightDescription>) -> Option<String> {
-    match &light.value {
-        LightDescription::Environment(EnvironmentRadiance::Picture { path, .. }) => Some(path.value.clone()),
-        LightDescription::Oriented { pattern, .. } => match pattern {
-            LightPattern::Picture { path, .. } | LightPattern::Map(path) | LightPattern::Profile(path) => {
-                Some(path.value.clone())
-            }
-        },
-        LightDescription::Point { .. }
-        | LightDescription::Directional { .. }
-        | LightDescription::Spot { .. }
-        | LightDescription::Sphere { .. }
-        | LightDescription::Disc { .. }
-        | LightDescription::Rectangle { .. }
-        | LightDescription::Moving { .. }
-        | LightDescription::Environment(EnvironmentRadiance::Constant(_)) => None,
-    }
 }

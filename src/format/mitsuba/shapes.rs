@@ -9,7 +9,8 @@ use super::meshes::{Meshes, TexcoordConvention};
 use super::textures::{TextureUse, TextureValues, Textures};
 use super::tree::{ObjectClass, SceneObject};
 use crate::format::description::{
-    GroupItem, MeshOptions, ObjectDescription, ObjectGroup, ShapeDescription, Span, Spanned, TransformStep,
+    BoxDescription, CylinderDescription, DiscDescription, GroupItem, MeshDescription, MeshOptions, ObjectDescription,
+    ObjectGroup, RectangleDescription, ShapeDescription, Span, Spanned, SphereDescription, TransformStep,
 };
 use crate::math::Transform;
 use glam::{DAffine3, DMat4, DVec3};
@@ -262,20 +263,30 @@ impl Shapes {
                         let inverse = glam::DMat3::from_cols(columns[0], columns[1], columns[2]).transpose();
                         to_world *= DAffine3::from_mat3(inverse);
                     }
-                    (ShapeDescription::Sphere { center: DVec3::ZERO, radius }, (unit.0 * radius, unit.1 * radius))
+                    (
+                        ShapeDescription::Sphere(SphereDescription { center: DVec3::ZERO, radius }),
+                        (unit.0 * radius, unit.1 * radius),
+                    )
                 }
             }
             "rectangle" => {
                 let (edge0, edge1) = (DVec3::new(2.0, 0.0, 0.0), DVec3::new(0.0, 2.0, 0.0));
                 let (edge0, edge1) = if is_turned { (edge1, edge0) } else { (edge0, edge1) };
-                (ShapeDescription::Rectangle { corner: DVec3::new(-1.0, -1.0, 0.0), edge0, edge1 }, flat)
+                (
+                    ShapeDescription::Rectangle(RectangleDescription {
+                        corner: DVec3::new(-1.0, -1.0, 0.0),
+                        edge0,
+                        edge1,
+                    }),
+                    flat,
+                )
             }
             "disk" => {
                 if is_textured {
                     context.add_note("textures lie flat on disks instead of by radius and angle", shape);
                 }
                 let normal = if is_turned { DVec3::NEG_Z } else { DVec3::Z };
-                (ShapeDescription::Disc { center: DVec3::ZERO, normal, radius: 1.0 }, flat)
+                (ShapeDescription::Disc(DiscDescription { center: DVec3::ZERO, normal, radius: 1.0 }), flat)
             }
             "cylinder" => {
                 if is_turned {
@@ -287,7 +298,7 @@ impl Shapes {
                     return Err(shape.place.error("both ends of this cylinder are the same point", "move one of them"));
                 }
                 let bounds = (ends[0].min(ends[1]) - radius, ends[0].max(ends[1]) + radius);
-                (ShapeDescription::Cylinder { ends, radius, is_capped: false }, bounds)
+                (ShapeDescription::Cylinder(CylinderDescription { ends, radius, is_capped: false }), bounds)
             }
             "cube" if is_textured || is_turned => {
                 if is_turned {
@@ -295,7 +306,7 @@ impl Shapes {
                 }
                 (mesh_shape(self.meshes.cube_path()), unit)
             }
-            "cube" => (ShapeDescription::Box { min: unit.0, max: unit.1 }, unit),
+            "cube" => (ShapeDescription::Box(BoxDescription { min: unit.0, max: unit.1 }), unit),
             other => {
                 context.add_note_on_object(&format!("shapes of kind `{other}` are left out"), shape);
                 return Ok(None);
@@ -311,22 +322,18 @@ impl Shapes {
     fn inner_shape(&mut self, shape: ShapeDescription) -> ShapeDescription {
         const SHRINK: f64 = 1.0 - 1e-4;
         match shape {
-            ShapeDescription::Mesh { path, options } => {
+            ShapeDescription::Mesh(MeshDescription { path, options }) => {
                 let inner = self.meshes.inner_copy_path(&path.value);
-                ShapeDescription::Mesh { path: Spanned::new(inner, Span::default()), options }
+                ShapeDescription::Mesh(MeshDescription { path: Spanned::new(inner, Span::default()), options })
             }
-            ShapeDescription::Sphere { center, radius } => ShapeDescription::Sphere { center, radius: radius * SHRINK },
-            ShapeDescription::Box { min, max } => ShapeDescription::Box { min: min * SHRINK, max: max * SHRINK },
-            ShapeDescription::Cylinder { .. }
-            | ShapeDescription::Plane { .. }
-            | ShapeDescription::Disc { .. }
-            | ShapeDescription::Rectangle { .. }
-            | ShapeDescription::Cone { .. }
-            | ShapeDescription::Triangle { .. }
-            | ShapeDescription::Revolution { .. }
-            | ShapeDescription::Curve(_)
-            | ShapeDescription::Patches { .. }
-            | ShapeDescription::Nurbs { .. } => shape,
+            ShapeDescription::Sphere(SphereDescription { center, radius }) => {
+                ShapeDescription::Sphere(SphereDescription { center, radius: radius * SHRINK })
+            }
+            ShapeDescription::Box(BoxDescription { min, max }) => {
+                ShapeDescription::Box(BoxDescription { min: min * SHRINK, max: max * SHRINK })
+            }
+            // The importer makes discs, rectangles and tubes besides. They have no inside.
+            sheet => sheet,
         }
     }
 
@@ -359,7 +366,10 @@ impl Shapes {
 }
 
 fn mesh_shape(path: String) -> ShapeDescription {
-    ShapeDescription::Mesh { path: Spanned::new(path, Span::default()), options: MeshOptions::default() }
+    ShapeDescription::Mesh(MeshDescription {
+        path: Spanned::new(path, Span::default()),
+        options: MeshOptions::default(),
+    })
 }
 
 fn to_world_matrix(shape: &SceneObject) -> DAffine3 {

@@ -2,10 +2,12 @@
 
 use super::decode;
 use crate::format::description::{
-    DensityDescription, DirectionOrTarget, EmissionDescription, EnvironmentRadiance, GroupItem, LightDescription,
-    LightPattern, MaterialDescription, MaterialKindDescription, MediumCoefficients, MetalDescription,
-    NormalPerturbationDescription, ObjectDescription, PointLightStrength, ProjectionDescription,
-    RefractiveIndexDescription, ShapeDescription, TextureKindDescription, TexturedValue,
+    ConductorDescription, DensityDescription, DielectricDescription, DiffuseDescription, DirectionOrTarget,
+    DirectionalLightDescription, EmissionDescription, EnvironmentRadiance, GoniometricLightDescription, GroupItem,
+    IntensityDistribution, LightDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients,
+    MetalDescription, MirrorDescription, MixDescription, NormalPerturbationDescription, ObjectDescription,
+    PointLightDescription, PointLightStrength, ProjectionDescription, RefractiveIndexDescription, ShapeDescription,
+    SphereDescription, TextureKindDescription, TexturedValue, ThinDescription,
 };
 use crate::format::import::{ImportOptions, ImportedScene};
 use crate::stats::MemoryLimit;
@@ -76,11 +78,17 @@ fn parameters_references_and_spellings_are_resolved() {
         <shape type="rectangle"><ref id="other"/></shape>"#,
     );
     let reflectance = DVec3::new(0.25, 0.5, 1.0).into();
-    assert_eq!(scene.description.materials[0].kind, MaterialKindDescription::Diffuse { reflectance });
+    assert_eq!(
+        scene.description.materials[0].kind,
+        MaterialKindDescription::Diffuse(DiffuseDescription { reflectance })
+    );
     assert_eq!(scene.description.materials.len(), 1);
     let (to_world, object) = &placed_objects(&scene)[0];
     assert_eq!(to_world.translation, DVec3::new(0.25, 0.0, 0.0));
-    let ObjectDescription::Shape { shape: ShapeDescription::Sphere { radius, .. }, .. } = object else { panic!() };
+    let ObjectDescription::Shape { shape: ShapeDescription::Sphere(SphereDescription { radius, .. }), .. } = object
+    else {
+        panic!()
+    };
     assert_eq!(*radius, 2.0);
 }
 
@@ -210,29 +218,43 @@ fn smooth_and_rough_materials_have_their_parameters() {
     let glass = sphere_material(
         "<bsdf type=\"dielectric\"><string name=\"intIOR\" value=\"diamond\"/><float name=\"extIOR\" value=\"1\"/></bsdf>",
     );
-    let MaterialKindDescription::Dielectric { refraction, roughness, .. } = glass.kind else { panic!() };
+    let MaterialKindDescription::Dielectric(DielectricDescription { refraction, roughness, .. }) = glass.kind else {
+        panic!()
+    };
     assert_eq!((refraction, roughness), (RefractiveIndexDescription::Index(2.419), TexturedValue::Plain(0.0)));
     let pane = sphere_material("<bsdf type=\"thindielectric\"/>").kind;
-    assert!(matches!(pane, MaterialKindDescription::Thin { index, .. } if (index - 1.5046 / 1.000_277).abs() < 1e-12));
+    assert!(
+        matches!(pane, MaterialKindDescription::Thin(ThinDescription { index, .. }) if (index - 1.5046 / 1.000_277).abs() < 1e-12)
+    );
     let gold = sphere_material(
         r#"<bsdf type="roughconductor"><string name="material" value="Au"/><float name="alpha" value="0.3"/>
         <string name="distribution" value="ggx"/></bsdf>"#,
     );
-    let MaterialKindDescription::Conductor { metal: MetalDescription::Named(name), roughness, .. } = gold.kind else {
+    let MaterialKindDescription::Conductor(ConductorDescription {
+        metal: MetalDescription::Named(name),
+        roughness,
+        ..
+    }) = gold.kind
+    else {
         panic!()
     };
     assert_eq!((&*name.value, roughness), ("gold", TexturedValue::Plain(0.3)));
     let index = sphere_material(
         r#"<bsdf type="conductor"><rgb name="eta" value="1 2 3"/><spectrum name="k" value="4"/></bsdf>"#,
     );
-    let MaterialKindDescription::Conductor { metal: MetalDescription::Index { eta, k }, .. } = index.kind else {
+    let MaterialKindDescription::Conductor(ConductorDescription { metal: MetalDescription::Index { eta, k }, .. }) =
+        index.kind
+    else {
         panic!()
     };
     assert_eq!((eta, k), (DVec3::new(1.0, 2.0, 3.0), DVec3::splat(4.0)));
     let mirror = sphere_material(
         "<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/><rgb name=\"specular_reflectance\" value=\"0.5\"/></bsdf>",
     );
-    assert_eq!(mirror.kind, MaterialKindDescription::Mirror { reflectance: DVec3::splat(0.5).into() });
+    assert_eq!(
+        mirror.kind,
+        MaterialKindDescription::Mirror(MirrorDescription { reflectance: DVec3::splat(0.5).into() })
+    );
 }
 
 #[test]
@@ -241,7 +263,9 @@ fn tinted_metals_keep_their_reflectance_at_normal_incidence() {
         r#"<bsdf type="conductor"><float name="eta" value="2"/><float name="k" value="3"/>
         <rgb name="specular_reflectance" value="0.5"/></bsdf>"#,
     );
-    let MaterialKindDescription::Conductor { metal: MetalDescription::Index { eta, k }, .. } = tinted.kind else {
+    let MaterialKindDescription::Conductor(ConductorDescription { metal: MetalDescription::Index { eta, k }, .. }) =
+        tinted.kind
+    else {
         panic!()
     };
     let reflectance = |eta: f64, k: f64| 1.0 - 4.0 * eta / ((eta + 1.0) * (eta + 1.0) + k * k);
@@ -254,14 +278,17 @@ fn wrapped_materials_become_mixes_and_perturbations() {
     let inner = "<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"0.1\"/></bsdf>";
     let masked =
         sphere_material(&format!("<bsdf type=\"mask\"><float name=\"opacity\" value=\"0.25\"/>{inner}</bsdf>"));
-    let MaterialKindDescription::Mix { first, amount, .. } = masked.kind else { panic!() };
+    let MaterialKindDescription::Mix(MixDescription { first, amount, .. }) = masked.kind else { panic!() };
     assert_eq!((&*first.value, amount), ("clear", TexturedValue::Plain(0.25)));
     let two = sphere_material(&format!("<bsdf type=\"twosided\">{inner}</bsdf>"));
-    assert_eq!(two.kind, MaterialKindDescription::Diffuse { reflectance: DVec3::splat(0.1).into() });
+    assert_eq!(
+        two.kind,
+        MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: DVec3::splat(0.1).into() })
+    );
     let blend = sphere_material(&format!(
         "<bsdf type=\"blendbsdf\"><float name=\"weight\" value=\"0.75\"/>{inner}<bsdf type=\"conductor\"/></bsdf>"
     ));
-    let MaterialKindDescription::Mix { amount, .. } = blend.kind else { panic!() };
+    let MaterialKindDescription::Mix(MixDescription { amount, .. }) = blend.kind else { panic!() };
     assert_eq!(amount, TexturedValue::Plain(0.75));
     let bumps = sphere_material(&format!(
         "<bsdf type=\"bumpmap\"><float name=\"scale\" value=\"3\"/><texture type=\"checkerboard\"/>{inner}</bsdf>"
@@ -326,11 +353,16 @@ fn lights_have_the_strength_of_their_emitter() {
         r#"<emitter type="point"><point name="position" value="1, 2, 3"/><rgb name="intensity" value="4"/></emitter>"#,
     );
     let strength = PointLightStrength::Intensity(DVec3::splat(4.0));
-    assert_eq!(point[0].value, LightDescription::Point { position: DVec3::new(1.0, 2.0, 3.0), strength });
+    assert_eq!(
+        point[0].value,
+        LightDescription::Point(PointLightDescription { position: DVec3::new(1.0, 2.0, 3.0), strength })
+    );
     let sky = lights(r#"<emitter type="constant"><rgb name="radiance" value="0.5"/></emitter>"#);
     assert_eq!(sky[0].value, LightDescription::Environment(EnvironmentRadiance::Constant(DVec3::splat(0.5))));
     let sun = lights(r#"<emitter type="directional"><vector name="direction" x="0" y="-2" z="0"/></emitter>"#);
-    assert!(matches!(sun[0].value, LightDescription::Directional { direction, .. } if direction == DVec3::NEG_Y));
+    assert!(
+        matches!(sun[0].value, LightDescription::Directional(DirectionalLightDescription { direction, .. }) if direction == DVec3::NEG_Y)
+    );
     assert!(matches!(lights("")[0].value, LightDescription::Environment(EnvironmentRadiance::Constant(DVec3::ONE))));
 }
 
@@ -341,12 +373,15 @@ fn spotlights_fall_off_linearly_in_the_angle() {
         r#"<emitter type="spot"><float name="cutoff_angle" value="40"/><float name="beam_width" value="20"/>
           <transform name="to_world"><lookat origin="0,5,0" target="0,0,0" up="0,0,1"/></transform></emitter>"#,
     );
-    let LightDescription::Oriented { position, up, pattern: LightPattern::Map(path), .. } =
-        &scene.description.lights[0].value
+    let LightDescription::Goniometric(GoniometricLightDescription {
+        pose,
+        distribution: IntensityDistribution::Map(path),
+        ..
+    }) = &scene.description.lights[0].value
     else {
         panic!()
     };
-    assert_eq!((*position, *up), (DVec3::new(0.0, 5.0, 0.0), Some(DVec3::NEG_Y)));
+    assert_eq!((pose.position, pose.up), (DVec3::new(0.0, 5.0, 0.0), Some(DVec3::NEG_Y)));
     let map = &scene.assets.pictures[&path.value];
     let value = |degrees: f64| f64::from(map.pixels()[(degrees * 8.0) as usize].x);
     for (degrees, expected) in [(10.0, 1.0), (19.0, 1.0), (30.0, 0.5), (35.0, 0.25), (41.0, 0.0), (170.0, 0.0)] {
@@ -366,7 +401,7 @@ fn media_fill_the_shapes_that_name_them() {
     // A thin wall around a medium needs a second surface, just inside.
     let walled = import_text(&format!("<shape type=\"sphere\"><bsdf type=\"thindielectric\"/>{medium}</shape>"));
     let radii = placed_objects(&walled).into_iter().map(|(_, object)| match object {
-        ObjectDescription::Shape { shape: ShapeDescription::Sphere { radius, .. }, .. } => radius,
+        ObjectDescription::Shape { shape: ShapeDescription::Sphere(SphereDescription { radius, .. }), .. } => radius,
         other => panic!("{other:?}"),
     });
     assert_eq!(radii.collect::<Vec<f64>>(), [1.0, 0.9999]);

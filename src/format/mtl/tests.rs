@@ -1,5 +1,8 @@
 use super::*;
-use crate::format::description::{DielectricAbsorption, EmissionDescription, MaterialKindDescription};
+use crate::format::description::{
+    DielectricAbsorption, DielectricDescription, EmissionDescription, MaterialKindDescription, MirrorDescription,
+    PhongDescription,
+};
 
 fn decode_text(text: &str) -> Result<Vec<MtlMaterial>, MeshError> {
     decode(Path::new("folder/a.mtl"), text.as_bytes())
@@ -78,21 +81,23 @@ fn invalid_lines_are_reported() {
 
 #[test]
 fn mtl_materials_become_scene_materials() {
-    let phong = |kd: f64, ks: f64, shininess| MaterialKindDescription::Phong {
-        diffuse: DVec3::splat(kd).into(),
-        specular: DVec3::splat(ks).into(),
-        shininess,
-        texture: None,
+    let phong = |kd: f64, ks: f64, shininess| {
+        MaterialKindDescription::Phong(PhongDescription {
+            diffuse: DVec3::splat(kd).into(),
+            specular: DVec3::splat(ks).into(),
+            shininess,
+            texture: None,
+        })
     };
     let glass = |index: f64| {
         let attenuation = DielectricAbsorption::None;
-        MaterialKindDescription::Dielectric {
+        MaterialKindDescription::Dielectric(DielectricDescription {
             refraction: index.into(),
             attenuation,
             roughness: 0.0.into(),
             multiple_scattering: true,
             priority: 0,
-        }
+        })
     };
     assert_eq!(converted_material_kind(""), phong(1.0, 0.0, 0.0));
     assert_eq!(converted_material_kind("Kd .5 .5 .5\nKs .25\nNs 10\nillum 2"), phong(0.5, 0.25, 10.0));
@@ -105,21 +110,24 @@ fn mtl_materials_become_scene_materials() {
     assert_eq!(converted_material_kind("Kd .5\nTr .9\nNi 1.7\nTf 1 1 1"), glass(1.7));
     let color = DVec3::new(0.9, 1.0, 0.5);
     match converted_material_kind("d 0\nTf .9 1 .5") {
-        MaterialKindDescription::Dielectric { attenuation, .. } => {
+        MaterialKindDescription::Dielectric(DielectricDescription { attenuation, .. }) => {
             assert_eq!(attenuation, DielectricAbsorption::Tint { color, distance: 1.0 });
         }
         other => panic!("{other:?}"),
     }
     for model in [3, 5, 8] {
         let mirror = converted_material_kind(&format!("Kd 0\nKs .9 .8 2\nillum {model}"));
-        assert_eq!(mirror, MaterialKindDescription::Mirror { reflectance: DVec3::new(0.9, 0.8, 1.0).into() });
+        assert_eq!(
+            mirror,
+            MaterialKindDescription::Mirror(MirrorDescription { reflectance: DVec3::new(0.9, 0.8, 1.0).into() })
+        );
     }
     assert_eq!(converted_material_kind("Kd .1\nKs .9\nillum 3"), phong(0.1, 0.9, 0.0));
     let whole = std::path::absolute("folder/a.png").unwrap();
     let lamp = read_single_material("Kd 0\nKe 3 2 1\nmap_Kd a.png").to_description().unwrap();
     assert_eq!(lamp.emission, Some(EmissionDescription::Radiance(DVec3::new(3.0, 2.0, 1.0))));
     assert!(
-        matches!(lamp.kind, MaterialKindDescription::Phong { texture: Some(path), .. } if Path::new(&path.value) == whole)
+        matches!(lamp.kind, MaterialKindDescription::Phong(PhongDescription { texture: Some(path), .. }) if Path::new(&path.value) == whole)
     );
     assert_eq!(read_single_material("Ke 0 0 0").to_description().unwrap().emission, None);
     let (message, _) = read_single_material("d 0\nNi 0").to_description().unwrap_err();

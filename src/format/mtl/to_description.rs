@@ -2,7 +2,8 @@
 
 use super::MtlMaterial;
 use crate::format::description::{
-    DielectricAbsorption, EmissionDescription, MaterialDescription, MaterialKindDescription, Span, Spanned,
+    DielectricAbsorption, DielectricDescription, EmissionDescription, MaterialDescription, MaterialKindDescription,
+    MirrorDescription, PhongDescription, Span, Spanned,
 };
 use crate::format::line_error::MessageAndRemedy;
 use glam::DVec3;
@@ -37,23 +38,23 @@ impl MtlMaterial {
             let tint = self.filter.filter(|f| f.min_element() > 0.0 && f.max_element() <= 1.0 && *f != DVec3::ONE);
             let attenuation =
                 tint.map_or(DielectricAbsorption::None, |color| DielectricAbsorption::Tint { color, distance: 1.0 });
-            MaterialKindDescription::Dielectric {
+            MaterialKindDescription::Dielectric(DielectricDescription {
                 refraction: index.into(),
                 attenuation,
                 roughness: 0.0.into(),
                 multiple_scattering: true,
                 priority: 0,
-            }
+            })
         } else if matches!(model, Some(3 | 5 | 8)) && diffuse == DVec3::ZERO && self.texture.is_none() {
-            MaterialKindDescription::Mirror { reflectance: specular.min(DVec3::ONE).into() }
+            MaterialKindDescription::Mirror(MirrorDescription { reflectance: specular.min(DVec3::ONE).into() })
         } else {
             let highlights = model.is_none_or(|model| model >= 2);
-            MaterialKindDescription::Phong {
+            MaterialKindDescription::Phong(PhongDescription {
                 diffuse: diffuse.into(),
                 specular: if highlights { specular } else { DVec3::ZERO }.into(),
                 shininess: self.shininess.unwrap_or(0.0),
                 texture: self.texture.as_ref().map(absolute_texture_path),
-            }
+            })
         };
         let emission = self.emission.filter(|e| *e != DVec3::ZERO).map(EmissionDescription::Radiance);
         Ok(MaterialDescription {

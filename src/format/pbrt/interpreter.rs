@@ -14,11 +14,12 @@ use super::surfaces::{back_side_shape, is_sheet, world_area};
 use super::textures::Textures;
 use super::tokens::{Token, TokenKind, Tokens};
 use crate::format::SourceText;
+use crate::format::assets::EmbeddedAssets;
 use crate::format::description::{
     CameraDescription, DirectionOrTarget, EnvironmentRadiance, GroupItem, LightDescription, ObjectDescription,
     ObjectGroup, ProjectionDescription, SceneDescription, Span, Spanned, TransformStep,
 };
-use crate::format::import::{EmbeddedAssets, ImportedScene};
+use crate::format::import::ImportedScene;
 use crate::format::import_notes::ImportNotes;
 use glam::{DAffine3, DMat4, DVec3};
 use std::collections::{BTreeMap, HashMap};

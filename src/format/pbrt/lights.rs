@@ -7,8 +7,9 @@ use super::parameters::{Parameter, Parameters};
 use super::spectra::{ColorUse, color};
 use super::textures::read_picture;
 use crate::format::description::{
-    DirectionOrTarget, DirectionalLightStrength, EnvironmentRadiance, LightDescription, LightPattern,
-    PointLightStrength, Span, Spanned,
+    DirectionOrTarget, DirectionalLightDescription, DirectionalLightStrength, EnvironmentRadiance,
+    GoniometricLightDescription, IntensityDistribution, LightDescription, LightPose, PointLightDescription,
+    PointLightStrength, ProjectorLightDescription, Span, Spanned, SpotLightDescription,
 };
 use crate::image::{Image, PixelMeaning};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
@@ -63,9 +64,10 @@ impl Lights {
             _ => PointLightStrength::Intensity(intensity),
         };
         let description = match kind {
-            "point" => {
-                LightDescription::Point { position: position("from", DVec3::ZERO), strength: strength(color_of("I")?) }
-            }
+            "point" => LightDescription::Point(PointLightDescription {
+                position: position("from", DVec3::ZERO),
+                strength: strength(color_of("I")?),
+            }),
             "spot" => {
                 let (from, to) = (position("from", DVec3::ZERO), position("to", DVec3::Z));
                 if (to - from).try_normalize().is_none() {
@@ -76,13 +78,13 @@ impl Lights {
                 if !(cone > 0.0 && cone <= 180.0) {
                     return Err(place.error("the cone's angle is not between 0° and 180°", "correct `coneangle`"));
                 }
-                LightDescription::Spot {
+                LightDescription::Spot(SpotLightDescription {
                     position: from,
                     aim: DirectionOrTarget::LookAt(to),
                     angle: 2.0 * cone,
                     penumbra: rim.clamp(0.0, cone),
                     strength: strength(color_of("I")?),
-                }
+                })
             }
             "distant" => {
                 let direction = position("to", DVec3::Z) - position("from", DVec3::ZERO);
@@ -93,7 +95,7 @@ impl Lights {
                     irradiance *= illuminance;
                 }
                 let strength = DirectionalLightStrength::Irradiance(irradiance);
-                LightDescription::Directional { direction, strength }
+                LightDescription::Directional(DirectionalLightDescription { direction, strength })
             }
             "infinite" | "exinfinite" => {
                 return self.add_infinite_light(parameters, (to_world.matrix3, scale), color_of("L")?, content, files);
@@ -101,30 +103,29 @@ impl Lights {
             "goniometric" => {
                 let intensity = strength(color_of("I")?);
                 match goniometric_map(parameters, to_world.matrix3, content, files)? {
-                    None => LightDescription::Point { position: to_world.translation, strength: intensity },
-                    Some(map) => LightDescription::Oriented {
+                    None => LightDescription::Point(PointLightDescription {
                         position: to_world.translation,
-                        // The map has −z at its left edge.
-                        aim: DirectionOrTarget::Direction(DVec3::Z),
-                        up: Some(DVec3::Y),
-                        pattern: LightPattern::Map(Spanned::new(
-                            content.textures.embed_picture(map, files)?,
-                            Span::default(),
-                        )),
                         strength: intensity,
-                    },
+                    }),
+                    Some(map) => {
+                        // The map has −z at its left edge.
+                        let aim = DirectionOrTarget::Direction(DVec3::Z);
+                        let pose = LightPose { position: to_world.translation, aim, up: Some(DVec3::Y) };
+                        let path = Spanned::new(content.textures.embed_picture(map, files)?, Span::default());
+                        let distribution = IntensityDistribution::Map(path);
+                        GoniometricLightDescription { pose, distribution, strength: intensity }.into()
+                    }
                 }
             }
             "projection" => {
                 let (picture, angle) = projected_picture(parameters, to_world.matrix3, files)?;
                 let path = Spanned::new(content.textures.embed_picture(picture, files)?, Span::default());
-                LightDescription::Oriented {
+                let pose = LightPose {
                     position: to_world.translation,
                     aim: DirectionOrTarget::Direction(to_world.transform_vector3(DVec3::Z)),
                     up: Some(to_world.transform_vector3(DVec3::Y)),
-                    pattern: LightPattern::Picture { path, angle },
-                    strength: strength(color_of("I")?),
-                }
+                };
+                ProjectorLightDescription { pose, angle, path, strength: strength(color_of("I")?) }.into()
             }
             _ => {
                 let message = format!("no light is called `{kind}`");

@@ -8,8 +8,10 @@ use super::textures::{TextureValue, Textures};
 use crate::bsdf::{LossyCoat, MAX_COAT_INDEX, metal_refractive_index};
 use crate::color::{conductor_rgb, glass_by_name};
 use crate::format::description::{
-    DielectricAbsorption, MaterialDescription, MaterialKindDescription, MetalDescription,
-    NormalPerturbationDescription, RefractiveIndexDescription, Span, Spanned, TexturedValue,
+    CoatedDiffuseDescription, ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription,
+    MaterialDescription, MaterialKindDescription, MetalDescription, MirrorDescription, MixDescription,
+    NormalPerturbationDescription, NullInterfaceDescription, PhongDescription, RefractiveIndexDescription, Span,
+    Spanned, TexturedValue, ThinDescription,
 };
 use crate::format::import_notes::ImportNotes;
 use glam::DVec3;
@@ -160,8 +162,10 @@ impl MaterialConverter<'_> {
             }
         };
         let Some(FileMaterial { kind, parameters }) = found else {
-            return self
-                .push_material(MaterialKindDescription::Diffuse { reflectance: DVec3::splat(0.5).into() }, None);
+            return self.push_material(
+                MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: DVec3::splat(0.5).into() }),
+                None,
+            );
         };
         let place = &parameters.place;
         if kind == "mix" {
@@ -197,11 +201,11 @@ impl MaterialConverter<'_> {
     /// Returns the name of a mix of the material `name`, with the weight `opacity`, and a fully
     /// transparent one.
     fn mix_with_clear(&mut self, name: &str, opacity: TexturedValue<f64>) -> ReadResult<String> {
-        let clear = MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() };
+        let clear = MaterialKindDescription::Thin(ThinDescription { index: 1.0, transmittance: DVec3::ONE.into() });
         let clear = self.push_material(clear, None)?;
         let part = |name: &str| Spanned::new(name.to_owned(), Span::default());
         self.push_material(
-            MaterialKindDescription::Mix { first: part(&clear), second: part(name), amount: opacity },
+            MaterialKindDescription::Mix(MixDescription { first: part(&clear), second: part(name), amount: opacity }),
             None,
         )
     }
@@ -232,14 +236,15 @@ impl MaterialConverter<'_> {
             parts.push(Spanned::new(name, Span::default()));
         }
         let [first, second] = [parts[0].clone(), parts[1].clone()];
-        self.push_material(MaterialKindDescription::Mix { first, second, amount }, None)
+        self.push_material(MaterialKindDescription::Mix(MixDescription { first, second, amount }), None)
     }
 
     /// Converts the reflection and transmission of the pbrt material `kind` with the parameters
     /// `p`.
     fn surface_description(&mut self, kind: &str, p: &Parameters) -> ReadResult<MaterialKindDescription> {
         let place = &p.place;
-        let diffuse = |reflectance: TexturedValue<DVec3>| MaterialKindDescription::Diffuse { reflectance };
+        let diffuse =
+            |reflectance: TexturedValue<DVec3>| MaterialKindDescription::Diffuse(DiffuseDescription { reflectance });
         Ok(match kind {
             "diffuse" => diffuse(self.textured_color_and_mean(p, "reflectance", 0.5, &|c| c)?.0),
             "matte" => {
@@ -259,7 +264,12 @@ impl MaterialConverter<'_> {
                 let under_coat = |c: DVec3| c.map(|reflectance| coat.equivalent_reflectance(reflectance));
                 let (reflectance, _) = self.textured_color_and_mean(p, "reflectance", 0.5, &under_coat)?;
                 let roughness = roughness.alpha;
-                MaterialKindDescription::CoatedDiffuse { reflectance, index, roughness, nonlinear: true }
+                MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription {
+                    reflectance,
+                    index,
+                    roughness,
+                    nonlinear: true,
+                })
             }
             "plastic" | "uber" | "substrate" | "disney" => {
                 let name = if kind == "disney" { "color" } else { "Kd" };
@@ -278,27 +288,27 @@ impl MaterialConverter<'_> {
                 let roughness = self.roughness(p, 0.1, true)?;
                 phong_description(diffuse, f0, roughness.mean)
             }
-            "mirror" => {
-                MaterialKindDescription::Mirror { reflectance: self.textured_color_and_mean(p, "Kr", 0.9, &|c| c)?.0 }
-            }
+            "mirror" => MaterialKindDescription::Mirror(MirrorDescription {
+                reflectance: self.textured_color_and_mean(p, "Kr", 0.9, &|c| c)?.0,
+            }),
             "glass" | "dielectric" => {
                 let is_v3 = kind == "glass";
                 if p.find_any(&["Kr", "Kt"]).is_some_and(|color| color.numbers.iter().any(|c| *c != 1.0)) {
                     self.add_note("colors of glass (Kr, Kt) are ignored", place);
                 }
                 let roughness = self.roughness(p, 0.0, is_v3)?;
-                MaterialKindDescription::Dielectric {
+                MaterialKindDescription::Dielectric(DielectricDescription {
                     refraction: self.refractive_index_description(p)?,
                     attenuation: DielectricAbsorption::None,
                     roughness: roughness.alpha,
                     multiple_scattering: false,
                     priority: 0,
-                }
+                })
             }
-            "thindielectric" => MaterialKindDescription::Thin {
+            "thindielectric" => MaterialKindDescription::Thin(ThinDescription {
                 index: self.refractive_index(p, &["eta"])?,
                 transmittance: DVec3::ONE.into(),
-            },
+            }),
             "conductor" | "metal" => {
                 let roughness = self.roughness(p, if kind == "metal" { 0.01 } else { 0.0 }, kind == "metal")?;
                 self.conductor_description(p, ["reflectance", "eta", "k"], roughness.alpha)?
@@ -327,9 +337,12 @@ impl MaterialConverter<'_> {
             "interface" | "none" | "" => {
                 if self.medium.is_none() {
                     // A boundary without a medium changes nothing.
-                    return Ok(MaterialKindDescription::Thin { index: 1.0, transmittance: DVec3::ONE.into() });
+                    return Ok(MaterialKindDescription::Thin(ThinDescription {
+                        index: 1.0,
+                        transmittance: DVec3::ONE.into(),
+                    }));
                 }
-                MaterialKindDescription::NullInterface { priority: 0 }
+                MaterialKindDescription::NullInterface(NullInterfaceDescription { priority: 0 })
             }
             "subsurface" | "kdsubsurface" => {
                 self.add_note("subsurface scattering is left out: surfaces are diffuse", place);
@@ -383,7 +396,7 @@ impl MaterialConverter<'_> {
             return Err(place.error("the index of the metal is not positive", "give η above 0, and k of at least 0"));
         }
         let metal = MetalDescription::with_nearest_index(eta, k);
-        Ok(MaterialKindDescription::Conductor { metal, roughness, multiple_scattering: false })
+        Ok(MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, multiple_scattering: false }))
     }
 
     /// Returns the refractive index of a dielectric.
@@ -538,7 +551,7 @@ fn phong_description(diffuse: TexturedValue<DVec3>, f0: DVec3, alpha: f64) -> Ma
     let alpha = alpha.clamp(MIN_PHONG_ALPHA, 1.0);
     let shininess = 2.0 / (alpha * alpha) - 2.0;
     let specular = f0 * (0.5 * (shininess + 2.0));
-    MaterialKindDescription::Phong { diffuse, specular: specular.into(), shininess, texture: None }
+    MaterialKindDescription::Phong(PhongDescription { diffuse, specular: specular.into(), shininess, texture: None })
 }
 
 /// Returns the Fresnel reflectance at normal incidence of a dielectric with a given index.

@@ -5,7 +5,10 @@ use super::files::{ReadResult, SceneFiles};
 use super::parameters::Parameters;
 use super::quadrics::quadric_mesh;
 use super::subdivision::loop_subdivided;
-use crate::format::description::{MeshOptions, ShapeDescription, Span, Spanned};
+use crate::format::description::{
+    CylinderDescription, DiscDescription, MeshDescription, MeshOptions, ShapeDescription, Span, Spanned,
+    SphereDescription,
+};
 use crate::format::mesh::{TriangleMesh, decode};
 use glam::{DVec2, DVec3};
 use std::path::Path;
@@ -44,12 +47,15 @@ pub(super) fn read_shape(
     let is_cut = cuts_quadric(kind, parameters);
     let mesh = match kind {
         "sphere" if !(is_cut || is_reversed) => {
-            return Ok(Some(ShapeDescription::Sphere { center: DVec3::ZERO, radius: radius(parameters)? }));
+            return Ok(Some(ShapeDescription::Sphere(SphereDescription {
+                center: DVec3::ZERO,
+                radius: radius(parameters)?,
+            })));
         }
         "disk" if !is_cut => {
             let center = DVec3::Z * parameters.number_or("height", 0.0);
             let normal = if is_reversed { DVec3::NEG_Z } else { DVec3::Z };
-            return Ok(Some(ShapeDescription::Disc { center, normal, radius: radius(parameters)? }));
+            return Ok(Some(ShapeDescription::Disc(DiscDescription { center, normal, radius: radius(parameters)? })));
         }
         "cylinder" if !(is_cut || is_reversed) => {
             let ends = [parameters.number_or("zmin", -1.0), parameters.number_or("zmax", 1.0)];
@@ -57,7 +63,11 @@ pub(super) fn read_shape(
                 return Err(place.error("the cylinder has no height", "give different `zmin` and `zmax`"));
             }
             let ends = ends.map(|z| DVec3::Z * z);
-            return Ok(Some(ShapeDescription::Cylinder { ends, radius: radius(parameters)?, is_capped: false }));
+            return Ok(Some(ShapeDescription::Cylinder(CylinderDescription {
+                ends,
+                radius: radius(parameters)?,
+                is_capped: false,
+            })));
         }
         "sphere" | "disk" | "cylinder" | "cone" | "paraboloid" | "hyperboloid" => {
             let message = "parts of spheres, cylinders and disks, and other quadrics, are meshes of facets";
@@ -113,7 +123,7 @@ pub(super) fn read_shape(
     }
     content.meshes.insert(name.to_owned(), Arc::new(mesh));
     let path = Spanned::new(name.to_owned(), Span::default());
-    Ok(Some(ShapeDescription::Mesh { path, options: MeshOptions::default() }))
+    Ok(Some(ShapeDescription::Mesh(MeshDescription { path, options: MeshOptions::default() })))
 }
 
 /// True if the parameters cut a part out of a sphere, cylinder or disk.

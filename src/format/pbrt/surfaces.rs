@@ -1,7 +1,10 @@
 //! Properties of shapes that lamps and media need: whether they are sheets, area and back side.
 
 use super::files::{ReadResult, SceneFiles};
-use crate::format::description::{MeshOptions, ShapeDescription, Span, Spanned};
+use crate::format::description::{
+    CylinderDescription, DiscDescription, MeshDescription, MeshOptions, ShapeDescription, Span, Spanned,
+    SphereDescription,
+};
 use crate::format::mesh::{SolidDefect, TriangleMesh};
 use glam::{DAffine3, DVec3};
 use std::collections::BTreeMap;
@@ -16,22 +19,14 @@ const MEMORY_PER_ELEMENT: u64 = 100;
 
 /// True if the shape has no inside: it is a disc, a tube or an open mesh.
 pub(super) fn is_sheet(shape: &ShapeDescription, meshes: &BTreeMap<String, Arc<TriangleMesh>>) -> bool {
-    match shape {
-        ShapeDescription::Disc { .. }
-        | ShapeDescription::Rectangle { .. }
-        | ShapeDescription::Triangle { .. }
-        | ShapeDescription::Plane { .. } => true,
-        ShapeDescription::Cylinder { is_capped, .. } | ShapeDescription::Cone { is_capped, .. } => !is_capped,
-        ShapeDescription::Mesh { path, .. } => {
-            let mesh = meshes.get(&path.value);
-            mesh.is_some_and(|mesh| matches!(mesh.solid_defect(), Some(SolidDefect::Open { .. })))
-        }
-        ShapeDescription::Sphere { .. }
-        | ShapeDescription::Box { .. }
-        | ShapeDescription::Revolution { .. }
-        | ShapeDescription::Curve(_)
-        | ShapeDescription::Patches { .. }
-        | ShapeDescription::Nurbs { .. } => false,
+    if let ShapeDescription::Cylinder(CylinderDescription { is_capped, .. }) = shape {
+        !is_capped
+    } else if let ShapeDescription::Mesh(MeshDescription { path, .. }) = shape {
+        let mesh = meshes.get(&path.value);
+        mesh.is_some_and(|mesh| matches!(mesh.solid_defect(), Some(SolidDefect::Open { .. })))
+    } else {
+        // The importer makes no shapes besides these, discs and spheres.
+        matches!(shape, ShapeDescription::Disc(_))
     }
 }
 
@@ -46,42 +41,31 @@ pub(super) fn back_side_shape(
     meshes: &mut BTreeMap<String, Arc<TriangleMesh>>,
     files: &SceneFiles<'_>,
 ) -> ReadResult<Option<ShapeDescription>> {
-    Ok(match shape {
-        ShapeDescription::Disc { center, normal, radius } => {
-            let center = *center - normal.normalize() * (SIDE_DISTANCE * radius);
-            Some(ShapeDescription::Disc { center, normal: -*normal, radius: *radius })
+    Ok(if let ShapeDescription::Disc(DiscDescription { center, normal, radius }) = shape {
+        let center = *center - normal.normalize() * (SIDE_DISTANCE * radius);
+        Some(ShapeDescription::Disc(DiscDescription { center, normal: -*normal, radius: *radius }))
+    } else if let ShapeDescription::Mesh(MeshDescription { path, .. }) = shape
+        && is_sheet(shape, meshes)
+    {
+        let Some(front) = meshes.get(&path.value) else { return Ok(None) };
+        files.count_memory(MEMORY_PER_ELEMENT * (front.positions.len() + front.triangles.len()) as u64)?;
+        let mut back = (**front).clone();
+        let mut normals = vec![DVec3::ZERO; back.positions.len()];
+        for triangle in &back.triangles {
+            let [a, b, c] = triangle.map(|i| back.positions[i as usize]);
+            triangle.iter().for_each(|i| normals[*i as usize] += (b - a).cross(c - a));
         }
-        ShapeDescription::Mesh { path, .. } if is_sheet(shape, meshes) => {
-            let Some(front) = meshes.get(&path.value) else { return Ok(None) };
-            files.count_memory(MEMORY_PER_ELEMENT * (front.positions.len() + front.triangles.len()) as u64)?;
-            let mut back = (**front).clone();
-            let mut normals = vec![DVec3::ZERO; back.positions.len()];
-            for triangle in &back.triangles {
-                let [a, b, c] = triangle.map(|i| back.positions[i as usize]);
-                triangle.iter().for_each(|i| normals[*i as usize] += (b - a).cross(c - a));
-            }
-            let distance = SIDE_DISTANCE * back.bounds_diagonal();
-            for (position, normal) in back.positions.iter_mut().zip(normals) {
-                *position -= normal.normalize_or_zero() * distance;
-            }
-            back.reverse_orientation();
-            let path = format!("{name}-back");
-            meshes.insert(path.clone(), Arc::new(back));
-            let path = Spanned::new(path, Span::default());
-            Some(ShapeDescription::Mesh { path, options: MeshOptions::default() })
+        let distance = SIDE_DISTANCE * back.bounds_diagonal();
+        for (position, normal) in back.positions.iter_mut().zip(normals) {
+            *position -= normal.normalize_or_zero() * distance;
         }
-        ShapeDescription::Mesh { .. }
-        | ShapeDescription::Sphere { .. }
-        | ShapeDescription::Plane { .. }
-        | ShapeDescription::Rectangle { .. }
-        | ShapeDescription::Box { .. }
-        | ShapeDescription::Cylinder { .. }
-        | ShapeDescription::Cone { .. }
-        | ShapeDescription::Triangle { .. }
-        | ShapeDescription::Revolution { .. }
-        | ShapeDescription::Curve(_)
-        | ShapeDescription::Patches { .. }
-        | ShapeDescription::Nurbs { .. } => None,
+        back.reverse_orientation();
+        let path = format!("{name}-back");
+        meshes.insert(path.clone(), Arc::new(back));
+        let path = Spanned::new(path, Span::default());
+        Some(ShapeDescription::Mesh(MeshDescription { path, options: MeshOptions::default() }))
+    } else {
+        None
     })
 }
 
@@ -95,32 +79,24 @@ pub(super) fn world_area(
     to_world: DAffine3,
 ) -> f64 {
     let squared_scale = libm::pow(to_world.matrix3.determinant().abs(), 2.0 / 3.0);
-    match shape {
-        ShapeDescription::Sphere { radius, .. } => 4.0 * PI * radius * radius * squared_scale,
-        ShapeDescription::Cylinder { ends, radius, .. } => {
-            2.0 * PI * radius * ends[0].distance(ends[1]) * squared_scale
-        }
-        ShapeDescription::Disc { normal, radius, .. } => {
-            let (x, y) = normal.normalize().any_orthonormal_pair();
-            let map = |axis: DVec3| to_world.transform_vector3(axis);
-            PI * radius * radius * map(x).cross(map(y)).length()
-        }
-        ShapeDescription::Mesh { path, .. } => meshes.get(&path.value).map_or(0.0, |mesh| {
+    if let ShapeDescription::Sphere(SphereDescription { radius, .. }) = shape {
+        4.0 * PI * radius * radius * squared_scale
+    } else if let ShapeDescription::Cylinder(CylinderDescription { ends, radius, .. }) = shape {
+        2.0 * PI * radius * ends[0].distance(ends[1]) * squared_scale
+    } else if let ShapeDescription::Disc(DiscDescription { normal, radius, .. }) = shape {
+        let (x, y) = normal.normalize().any_orthonormal_pair();
+        let map = |axis: DVec3| to_world.transform_vector3(axis);
+        PI * radius * radius * map(x).cross(map(y)).length()
+    } else if let ShapeDescription::Mesh(MeshDescription { path, .. }) = shape {
+        meshes.get(&path.value).map_or(0.0, |mesh| {
             let position = |i: u32| to_world.transform_point3(mesh.positions[i as usize]);
             let area = |triangle: &[u32; 3]| {
                 let [a, b, c] = triangle.map(position);
                 0.5 * (b - a).cross(c - a).length()
             };
             mesh.triangles.iter().map(area).sum()
-        }),
-        ShapeDescription::Plane { .. }
-        | ShapeDescription::Rectangle { .. }
-        | ShapeDescription::Box { .. }
-        | ShapeDescription::Cone { .. }
-        | ShapeDescription::Triangle { .. }
-        | ShapeDescription::Revolution { .. }
-        | ShapeDescription::Curve(_)
-        | ShapeDescription::Patches { .. }
-        | ShapeDescription::Nurbs { .. } => f64::INFINITY,
+        })
+    } else {
+        f64::INFINITY
     }
 }

@@ -2,8 +2,9 @@
 
 use super::decode;
 use crate::format::description::{
-    DirectionOrTarget, EnvironmentRadiance, GroupItem, LightDescription, MaterialKindDescription, MetalDescription,
-    ObjectDescription, PointLightStrength, ProjectionDescription, ShapeDescription, TexturedValue, TransformStep,
+    ConductorDescription, DielectricDescription, DiffuseDescription, DirectionOrTarget, EnvironmentRadiance, GroupItem,
+    LightDescription, MaterialKindDescription, MetalDescription, ObjectDescription, PointLightDescription,
+    PointLightStrength, ProjectionDescription, ShapeDescription, SpotLightDescription, TexturedValue, TransformStep,
 };
 use crate::format::import::{ImportOptions, ImportedScene, SceneReadError};
 use crate::stats::MemoryLimit;
@@ -45,7 +46,9 @@ fn the_camera_has_the_view_and_handedness_of_pbrt() {
     let ProjectionDescription::Perspective { angle, lens } = camera.projection else { panic!() };
     // The field of view is that of the shorter side.
     assert!((angle - 90.0).abs() < 1e-9 && lens.is_some());
-    let LightDescription::Point { position, .. } = scene.description.lights[0].value else { panic!() };
+    let LightDescription::Point(PointLightDescription { position, .. }) = scene.description.lights[0].value else {
+        panic!()
+    };
     assert_eq!(position, DVec3::new(1.0, 2.0, -3.0));
     // A scene that mirrors itself is not mirrored again.
     let scene = import_text(
@@ -55,7 +58,9 @@ fn the_camera_has_the_view_and_handedness_of_pbrt() {
     let camera = &scene.description.camera;
     let DirectionOrTarget::Direction(view) = camera.aim else { panic!() };
     assert!(view.cross(camera.up).abs_diff_eq(DVec3::NEG_X, 1e-12), "{view}");
-    let LightDescription::Point { position, .. } = scene.description.lights[0].value else { panic!() };
+    let LightDescription::Point(PointLightDescription { position, .. }) = scene.description.lights[0].value else {
+        panic!()
+    };
     assert_eq!(position, DVec3::new(1.0, 2.0, 3.0));
 }
 
@@ -68,10 +73,14 @@ fn lights_have_the_strength_of_the_file() {
          AreaLightSource \"diffuse\" \"blackbody L\" 6500 \"float scale\" [ 3 ] Shape \"disk\"",
     );
     let lights: Vec<_> = scene.description.lights.iter().map(|light| light.value.clone()).collect();
-    let LightDescription::Point { strength, .. } = lights[0] else { panic!() };
+    let LightDescription::Point(PointLightDescription { strength, .. }) = lights[0] else { panic!() };
     assert_eq!(strength, PointLightStrength::Intensity(DVec3::new(2.0, 4.0, 6.0)));
     // Light spectra have luminance 1, whatever their values.
-    let LightDescription::Spot { strength: PointLightStrength::Intensity(intensity), .. } = lights[1] else { panic!() };
+    let LightDescription::Spot(SpotLightDescription { strength: PointLightStrength::Intensity(intensity), .. }) =
+        lights[1]
+    else {
+        panic!()
+    };
     let luminance = |c: DVec3| c.dot(DVec3::new(0.2126, 0.7152, 0.0722));
     assert!((luminance(intensity) - 1.0).abs() < 1e-9);
     let LightDescription::Environment(EnvironmentRadiance::Constant(sky)) = lights[2] else { panic!() };
@@ -80,15 +89,18 @@ fn lights_have_the_strength_of_the_file() {
     let ObjectDescription::Transform { object, .. } = &object.value else { panic!() };
     let ObjectDescription::Shape { emission: Some(radiance), shape } = &object.value else { panic!() };
     assert!((luminance(*radiance) - 3.0).abs() < 1e-9 && (radiance - 3.0).abs().max_element() < 0.2);
-    assert!(matches!(shape, ShapeDescription::Disc { .. }));
+    assert!(matches!(shape, ShapeDescription::Disc(_)));
 }
 
 #[test]
 fn materials_of_both_versions_are_read() {
     let diffuse = sphere_material("Material \"diffuse\" \"rgb reflectance\" [.1 .2 .3]");
-    assert_eq!(diffuse, MaterialKindDescription::Diffuse { reflectance: DVec3::new(0.1, 0.2, 0.3).into() });
+    assert_eq!(
+        diffuse,
+        MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: DVec3::new(0.1, 0.2, 0.3).into() })
+    );
     assert_eq!(sphere_material("Material \"matte\" \"color Kd\" [.1 .2 .3]"), diffuse);
-    let MaterialKindDescription::Conductor { metal, roughness, .. } = sphere_material(
+    let MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, .. }) = sphere_material(
         "Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\" \"float roughness\" .09",
     ) else {
         panic!()
@@ -99,7 +111,7 @@ fn materials_of_both_versions_are_read() {
     // α is the square root of the roughness.
     let TexturedValue::Plain(alpha) = roughness else { panic!() };
     assert!((alpha - 0.3).abs() < 1e-12);
-    let MaterialKindDescription::Dielectric { roughness, .. } =
+    let MaterialKindDescription::Dielectric(DielectricDescription { roughness, .. }) =
         sphere_material("Material \"dielectric\" \"float roughness\" .09 \"bool remaproughness\" false")
     else {
         panic!()
@@ -120,10 +132,15 @@ fn textures_become_constants_or_textures() {
          Texture \"b\" \"spectrum\" \"scale\" \"texture tex\" \"a\" \"float scale\" .5 \
          Material \"diffuse\" \"texture reflectance\" \"b\"",
     );
-    assert_eq!(scaled, MaterialKindDescription::Diffuse { reflectance: DVec3::new(0.1, 0.2, 0.4).into() });
+    assert_eq!(
+        scaled,
+        MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: DVec3::new(0.1, 0.2, 0.4).into() })
+    );
     let checker = "Texture \"c\" \"spectrum\" \"checkerboard\" \"rgb tex1\" [1 0 0] \"float uscale\" 4 \
          Material \"diffuse\" \"texture reflectance\" \"c\"";
-    let MaterialKindDescription::Diffuse { reflectance: TexturedValue::Texture(_) } = sphere_material(checker) else {
+    let MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: TexturedValue::Texture(_) }) =
+        sphere_material(checker)
+    else {
         panic!()
     };
 }

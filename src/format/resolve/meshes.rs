@@ -1,20 +1,18 @@
 //! Adds meshes from files. Each file is read once, given smooth normals if requested, and split by
 //! material.
 
-use super::materials::resolve_material;
 use super::placement::{
     NormalizedMesh, ObjectEmission, ObjectPlacement, add_instance, add_still_mesh, set_emission_texture, set_texcoords,
     set_texture_mapping_if_needed,
 };
 use super::textures::TextureRequirements;
-use super::{Resolver, rgb};
+use super::{AddedMaterial, Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{
-    EmissionDescription, MaterialDescription, MaterialKindDescription, MeshOptions, Spanned,
-};
-use crate::format::mesh::{self, LoadedMesh, MeshError, NO_MATERIAL, TriangleMesh};
+use crate::format::materials::{EmissionDescription, MaterialDescription, MaterialKindDescription};
+use crate::format::mesh::{self, LoadedMesh, MeshError, MeshOptions, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
+use crate::format::span::Spanned;
 use crate::shape::TextureMappingKind;
 use crate::stats::format_bytes;
 use std::path::{Path, PathBuf};
@@ -32,10 +30,10 @@ const MEMORY_PER_TRIANGLE: u64 = 500;
 
 /// Key of a mesh that was read: file, the two flags of [`MeshOptions`], and the smoothing angle's
 /// bits.
-pub(super) type MeshKey = (PathBuf, bool, bool, Option<u64>);
+pub(in crate::format) type MeshKey = (PathBuf, bool, bool, Option<u64>);
 
 /// Triangles of a mesh file that have the same material.
-pub(super) struct MeshPart {
+pub(in crate::format) struct MeshPart {
     mesh: Rc<TriangleMesh>,
     /// Material from the MTL file of the mesh; `None` for the current material of the scene text.
     file_material: Option<AddedMeshFileMaterial>,
@@ -44,7 +42,7 @@ pub(super) struct MeshPart {
 /// Material of an MTL file that was added to the scene: its name, its index in the scene, and its
 /// radiance.
 #[derive(Clone, Debug)]
-pub(super) struct AddedMeshFileMaterial {
+pub(in crate::format) struct AddedMeshFileMaterial {
     name: Rc<str>,
     index: u32,
     emission: Rgb,
@@ -53,7 +51,7 @@ pub(super) struct AddedMeshFileMaterial {
 /// Adds the mesh of a file to the scene.
 ///
 /// If `options` select the file's materials, the mesh becomes one object for each of them.
-pub(super) fn add_mesh(
+pub(in crate::format) fn add_mesh(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
     path: &Spanned<String>,
@@ -198,15 +196,17 @@ fn add_mesh_file_material(
     path: &Spanned<String>,
     mut description: MaterialDescription,
 ) -> Result<AddedMeshFileMaterial, SceneError> {
-    if let MaterialKindDescription::Phong { texture: Some(picture), .. } = &mut description.kind {
+    if let MaterialKindDescription::Phong(phong) = &mut description.kind
+        && let Some(picture) = &mut phong.texture
+    {
         picture.span = path.span;
     }
     let mut requirements = TextureRequirements::default();
-    let material = resolve_material(r, &description.kind, &mut requirements)?;
-    let normals = r.resolve_normal_perturbation(&description, &mut requirements)?;
+    let material = description.kind.resolve(r, &mut requirements)?;
+    let normals = description.resolve_normals(r, &mut requirements)?;
     let index = r.builder.add_material(material.with_normal_perturbation(normals));
-    r.texture_requirements.resize(index as usize + 1, TextureRequirements::default());
-    r.texture_requirements[index as usize] = requirements;
+    r.materials.resize(index as usize + 1, AddedMaterial::default());
+    r.materials[index as usize].textures = requirements;
     let emission = match description.emission {
         Some(EmissionDescription::Radiance(radiance)) => rgb(radiance),
         _ => Rgb::ZERO,

@@ -4,14 +4,14 @@
 use super::Resolver;
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::Span;
+use crate::format::span::Span;
 use crate::math::{Motion, Transform};
 use crate::shape::{Instance, Mesh, MeshWithBvh, Shape, TextureMappingKind};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
 /// Emission of an object, set on the object itself or on its material.
-pub(super) struct ObjectEmission {
+pub(in crate::format) struct ObjectEmission {
     /// Radiance in W/(m² sr); the mean radiance if a texture varies it.
     pub radiance: Rgb,
     /// True if the radiance is set on the object, not on its material.
@@ -23,7 +23,7 @@ pub(super) struct ObjectEmission {
 
 /// Placement of an object: its motion and transform to world space, and its position in the scene
 /// text.
-pub(super) struct ObjectPlacement<'p> {
+pub(in crate::format) struct ObjectPlacement<'p> {
     /// Motion from object space to world space.
     pub to_world: &'p Motion,
     /// Transform from object space to world space at the time when the shutter opens.
@@ -35,7 +35,7 @@ pub(super) struct ObjectPlacement<'p> {
 /// A mesh with its center moved to the origin and its extent scaled to \[1, 2), with its BVH.
 ///
 /// Single precision then suffices for its coordinates.
-pub(super) struct NormalizedMesh {
+pub(in crate::format) struct NormalizedMesh {
     mesh: Arc<MeshWithBvh>,
     /// Map from normalized coordinates back to the coordinates of the original mesh.
     to_original: DAffine3,
@@ -44,7 +44,7 @@ pub(super) struct NormalizedMesh {
 impl NormalizedMesh {
     /// Normalizes the mesh of `positions` and `triangles`, and builds its BVH. A mesh of extent 0
     /// is not scaled.
-    pub(super) fn new(
+    pub(in crate::format) fn new(
         positions: &[DVec3],
         normals: Option<&[DVec3]>,
         texcoords: Option<&[DVec2]>,
@@ -68,14 +68,14 @@ impl NormalizedMesh {
 }
 
 /// Sets the emission texture of the object that was added last, if the emission has a texture.
-pub(super) fn set_emission_texture(r: &mut Resolver<'_>, emission: &ObjectEmission) {
+pub(in crate::format) fn set_emission_texture(r: &mut Resolver<'_>, emission: &ObjectEmission) {
     if let Some((texture, scale)) = emission.texture {
         r.builder.set_emission_texture(texture, scale);
     }
 }
 
 /// Adds a shape with the current material that emits the radiance `emission`.
-pub(super) fn add_placed_shape(
+pub(in crate::format) fn add_placed_shape(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
     shape: Shape,
@@ -93,18 +93,22 @@ pub(super) fn add_placed_shape(
 
 /// True if the current material has a texture.
 fn is_current_material_textured(r: &Resolver<'_>) -> bool {
-    r.texture_requirements.get(r.material as usize).is_some_and(|requirements| requirements.uses_textures)
+    r.current_material().is_some_and(|material| material.textures.uses_textures)
 }
 
 /// Sets the texture mapping of the object that was added last, if its material has textures.
-pub(super) fn set_texture_mapping_if_needed(r: &mut Resolver<'_>, kind: TextureMappingKind, to_world: &Motion) {
+pub(in crate::format) fn set_texture_mapping_if_needed(
+    r: &mut Resolver<'_>,
+    kind: TextureMappingKind,
+    to_world: &Motion,
+) {
     if is_current_material_textured(r) {
         r.builder.set_texture_mapping(kind, to_world);
     }
 }
 
 /// Sets the texture coordinates of the mesh that was added last, if its material has textures.
-pub(super) fn set_texcoords(r: &mut Resolver<'_>, texcoords: Option<&[DVec2]>) {
+pub(in crate::format) fn set_texcoords(r: &mut Resolver<'_>, texcoords: Option<&[DVec2]>) {
     if let Some(texcoords) = texcoords.filter(|_| is_current_material_textured(r)) {
         r.builder.set_texcoords(texcoords);
     }
@@ -113,7 +117,7 @@ pub(super) fn set_texcoords(r: &mut Resolver<'_>, texcoords: Option<&[DVec2]>) {
 /// Adds an instance of a mesh: one that moves, or one of several that share the triangles.
 ///
 /// Fails if the mesh emits light and its motion stretches it unevenly.
-pub(super) fn add_instance(
+pub(in crate::format) fn add_instance(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
     mesh: &NormalizedMesh,
@@ -134,7 +138,7 @@ pub(super) fn add_instance(
 }
 
 /// Adds the triangles of a mesh at rest. `map` is the transform from object space to world space.
-pub(super) fn add_still_mesh(
+pub(in crate::format) fn add_still_mesh(
     r: &mut Resolver<'_>,
     map: &Transform,
     positions: &[DVec3],
@@ -149,4 +153,30 @@ pub(super) fn add_still_mesh(
     let orient = |[a, b, c]: [u32; 3]| if map.swaps_handedness() { [a, c, b] } else { [a, b, c] };
     let triangles: Vec<[u32; 3]> = triangles.iter().copied().map(orient).collect();
     r.builder.add_mesh(&positions, &normals, &triangles, r.material, emission);
+}
+
+/// Adds a shape with the current material, its own texture mapping `mapping` and its emission.
+pub(in crate::format) fn add_shape_object(
+    r: &mut Resolver<'_>,
+    placement: &ObjectPlacement<'_>,
+    shape: Shape,
+    mapping: TextureMappingKind,
+    emission: &ObjectEmission,
+) -> Result<(), SceneError> {
+    add_placed_shape(r, placement, shape, emission.radiance)?;
+    set_texture_mapping_if_needed(r, mapping, placement.to_world);
+    set_emission_texture(r, emission);
+    Ok(())
+}
+
+/// Adds a box, cylinder or cone. Fails if `solid` is `None`, which stands for a solid without
+/// volume.
+pub(in crate::format) fn add_solid(
+    r: &mut Resolver<'_>,
+    placement: &ObjectPlacement<'_>,
+    solid: Option<Shape>,
+    emission: &ObjectEmission,
+) -> Result<(), SceneError> {
+    let no_extent = || r.error_at(placement.span, "this shape has no extent", "make it larger");
+    add_shape_object(r, placement, solid.ok_or_else(no_extent)?, TextureMappingKind::Uv, emission)
 }

@@ -1,25 +1,21 @@
-//! Adds the textures of the scene description to the scene, and resolves textured material
-//! parameters.
+//! Adds textures to the scene, and resolves textured material parameters.
 
-use super::{Resolver, SINGULAR_REMEDY, rgb};
+use super::{Resolver, rgb};
 use crate::color::{self, Rgb};
 use crate::format::SceneError;
-use crate::format::description::{
-    self, MaterialDescription, PictureEncoding, SolidPatternDescription, Spanned, TexcoordTransformDescription,
-    TextureKindDescription, TexturedValue, TransformStep, WrapMode,
-};
+use crate::format::span::Spanned;
+use crate::format::textured_value::TexturedValue;
 use crate::image::{self, Image, PixelMeaning};
-use crate::math::Transform;
-use crate::scene::{MaterialParameter, NormalPerturbation};
+use crate::scene::MaterialParameter;
 use crate::stats::format_bytes;
-use crate::texture::{self, Checkerboard, Picture, SolidPattern, SolidTexture, Texture};
-use glam::DVec3;
+use crate::texture::{Picture, Texture, UvTransform, WrapMode};
+use glam::{DVec2, DVec3};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 /// A texture that was added to the scene: its index and properties.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct AddedTexture {
+pub(in crate::format) struct AddedTexture {
     pub index: u32,
     /// Mean color of the texture.
     pub mean: Rgb,
@@ -28,12 +24,12 @@ pub(super) struct AddedTexture {
     /// True if the texture is a function of position, not of texture coordinates.
     is_solid_texture: bool,
     /// True for a picture that is decoded as sRGB.
-    is_srgb: bool,
+    pub is_srgb: bool,
 }
 
 /// Properties that a surface needs so that the textures of its material can be evaluated.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct TextureRequirements {
+pub(in crate::format) struct TextureRequirements {
     /// True if the material uses any texture.
     pub uses_textures: bool,
     /// True if a texture of the material is a function of texture coordinates.
@@ -44,77 +40,38 @@ pub(super) struct TextureRequirements {
 const EMBEDDED_BYTES_PER_PIXEL: u64 = 28;
 
 /// Allowed texture values of parameters without an upper bound, such as radiance.
-pub(super) const ANY_TEXTURE_VALUE: RangeInclusive<f32> = 0.0..=f32::MAX;
+pub(in crate::format) const ANY_TEXTURE_VALUE: RangeInclusive<f32> = 0.0..=f32::MAX;
 
 /// Allowed texture values of reflectance, transmittance, roughness and mix amounts.
 const UNIT_RANGE: RangeInclusive<f32> = 0.0..=1.0;
 
 impl<'a> Resolver<'a> {
-    /// Adds all textures of the description.
-    pub(super) fn add_textures(&mut self) -> Result<(), SceneError> {
-        for texture in &self.description.textures {
-            let added = match &texture.kind {
-                TextureKindDescription::Image { path, encoding, wrap, coordinates } => {
-                    self.add_picture_texture(path, *encoding, *wrap, *coordinates)?
-                }
-                TextureKindDescription::Checker { colors, coordinates } => {
-                    let checker = Texture::Checkerboard(
-                        Checkerboard { colors: colors.map(rgb) },
-                        texcoord_transform(coordinates),
-                    );
-                    self.add_texture(checker, false)
-                }
-                TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, steps } => {
-                    let to_object = Transform::new(TransformStep::composed_matrix(steps))
-                        .map_err(|e| self.error_at(texture.span, &e.to_string(), SINGULAR_REMEDY))?;
-                    let solid = SolidTexture {
-                        kind: match pattern {
-                            SolidPatternDescription::Noise => SolidPattern::Noise,
-                            SolidPatternDescription::Marble => SolidPattern::Marble,
-                            SolidPatternDescription::Wood => SolidPattern::Wood,
-                        },
-                        colors: colors.map(rgb),
-                        octaves: *octaves,
-                        frequency: *frequency,
-                        amplitude: *amplitude,
-                        to_pattern: *to_object.inverse(),
-                    };
-                    self.add_texture(Texture::Solid(solid), false)
-                }
-            };
-            self.textures.insert(&texture.name, added);
-        }
-        Ok(())
-    }
-
-    fn add_texture(&mut self, texture: Texture, is_srgb: bool) -> AddedTexture {
+    /// Adds a texture to the scene. `is_srgb` is true for a picture that was decoded as sRGB.
+    pub(in crate::format) fn add_texture(&mut self, texture: Texture, is_srgb: bool) -> AddedTexture {
         let (mean, range, is_solid_texture) = (texture.mean(), texture.value_range(), texture.is_solid_texture());
         AddedTexture { index: self.builder.add_texture(texture), mean, range, is_solid_texture, is_srgb }
     }
 
     /// Reads a picture and adds it as a texture.
-    fn add_picture_texture(
+    pub(in crate::format) fn add_picture_texture(
         &mut self,
         path: &Spanned<String>,
-        encoding: PictureEncoding,
+        content: PixelMeaning,
         wrap: WrapMode,
-        coordinates: TexcoordTransformDescription,
+        to_picture: UvTransform,
     ) -> Result<AddedTexture, SceneError> {
-        let content = match encoding {
-            PictureEncoding::Srgb => PixelMeaning::Radiance,
-            PictureEncoding::Linear => PixelMeaning::Data,
-        };
         let image = self.read_picture(path, content)?;
         let picture = Picture::new(&image, wrap)
             .map_err(|e| self.file_error(path, &e, "a texture's values must be finite and not negative"))?;
-        Ok(self.add_texture(
-            Texture::Picture(picture, texcoord_transform(&coordinates)),
-            encoding == PictureEncoding::Srgb,
-        ))
+        Ok(self.add_texture(Texture::Picture(picture, to_picture), content == PixelMeaning::Radiance))
     }
 
     /// Returns the embedded picture with this path, or else reads the picture file.
-    pub(super) fn read_picture(&self, path: &Spanned<String>, content: PixelMeaning) -> Result<Image, SceneError> {
+    pub(in crate::format) fn read_picture(
+        &self,
+        path: &Spanned<String>,
+        content: PixelMeaning,
+    ) -> Result<Image, SceneError> {
         if let Some(picture) = self.assets.pictures.get(path.as_str()) {
             let needed = EMBEDDED_BYTES_PER_PIXEL * picture.pixels().len() as u64;
             if let Some(free) = self.memory.available_bytes().filter(|free| needed > *free) {
@@ -134,7 +91,7 @@ impl<'a> Resolver<'a> {
     ///
     /// # Errors
     /// If there is none, or if a value of the texture is outside `range`.
-    pub(super) fn texture_by_name(
+    pub(in crate::format) fn texture_by_name(
         &self,
         name: &Spanned<String>,
         range: &RangeInclusive<f32>,
@@ -154,28 +111,29 @@ impl<'a> Resolver<'a> {
 
     /// Returns the texture called `name`. If there is none, `name` is the path of a picture.
     ///
-    /// A picture becomes a texture once for each encoding.
-    fn texture_or_picture(
+    /// `content` says how the values of a picture are encoded. A picture becomes a texture once for
+    /// each encoding.
+    pub(in crate::format) fn texture_or_picture(
         &mut self,
         name: &Spanned<String>,
-        encoding: PictureEncoding,
+        content: PixelMeaning,
     ) -> Result<AddedTexture, SceneError> {
         if self.textures.contains_key(name.as_str()) {
             return self.texture_by_name(name, &ANY_TEXTURE_VALUE);
         }
-        let key: (PathBuf, bool) = (self.find_file("texture or picture", name)?, encoding == PictureEncoding::Srgb);
+        let key: (PathBuf, bool) = (self.find_file("texture or picture", name)?, content == PixelMeaning::Radiance);
         if let Some(texture) = self.pictures.get(&key) {
             return Ok(*texture);
         }
-        let texture =
-            self.add_picture_texture(name, encoding, WrapMode::Repeat, TexcoordTransformDescription::default())?;
+        let unchanged = UvTransform::new(DVec2::ONE, 0.0, DVec2::ZERO);
+        let texture = self.add_picture_texture(name, content, WrapMode::Repeat, unchanged)?;
         self.pictures.insert(key, texture);
         Ok(texture)
     }
 
     /// Converts a color parameter, which is constant or a texture. Texture values outside `range`
     /// are errors.
-    pub(super) fn resolve_color_parameter(
+    pub(in crate::format) fn resolve_color_parameter(
         &self,
         value: &TexturedValue<DVec3>,
         range: &RangeInclusive<f32>,
@@ -193,7 +151,7 @@ impl<'a> Resolver<'a> {
 
     /// Converts a parameter in \[0, 1], which is constant or a texture. Other texture values are
     /// errors.
-    pub(super) fn resolve_fraction_parameter(
+    pub(in crate::format) fn resolve_fraction_parameter(
         &self,
         value: &TexturedValue<f64>,
         requirements: &mut TextureRequirements,
@@ -214,7 +172,7 @@ impl<'a> Resolver<'a> {
 
     /// Converts a reflectance or transmittance, which is constant or a texture. Texture values
     /// outside \[0, 1] are errors.
-    pub(super) fn resolve_reflectance_parameter(
+    pub(in crate::format) fn resolve_reflectance_parameter(
         &self,
         value: &TexturedValue<DVec3>,
         requirements: &mut TextureRequirements,
@@ -226,7 +184,7 @@ impl<'a> Resolver<'a> {
     /// `texture`.
     ///
     /// Fails if both are textures.
-    pub(super) fn resolve_phong_diffuse_parameter(
+    pub(in crate::format) fn resolve_phong_diffuse_parameter(
         &mut self,
         diffuse: &TexturedValue<DVec3>,
         texture: Option<&Spanned<String>>,
@@ -245,58 +203,27 @@ impl<'a> Resolver<'a> {
                 help,
             ));
         };
-        let texture = self.texture_or_picture(name, PictureEncoding::Srgb)?;
+        let texture = self.texture_or_picture(name, PixelMeaning::Radiance)?;
         requirements.add_texture_requirements(&texture);
         let factor = rgb(*factor);
         Ok(MaterialParameter::Texture { texture: texture.index, factor, mean: factor * texture.mean })
-    }
-
-    /// Returns the bump map or normal map of a material, with its texture looked up.
-    pub(super) fn resolve_normal_perturbation(
-        &mut self,
-        material: &MaterialDescription,
-        requirements: &mut TextureRequirements,
-    ) -> Result<NormalPerturbation, SceneError> {
-        Ok(match &material.normal_perturbation {
-            None => NormalPerturbation::None,
-            Some(description::NormalPerturbationDescription::Bump { texture, height }) => {
-                let texture = self.texture_or_picture(texture, PictureEncoding::Linear)?;
-                if *height == 0.0 {
-                    return Ok(NormalPerturbation::None);
-                }
-                requirements.add_texture_requirements(&texture);
-                NormalPerturbation::BumpMap { texture: texture.index, height: *height as f32 }
-            }
-            Some(description::NormalPerturbationDescription::NormalMap(name)) => {
-                let texture = self.texture_or_picture(name, PictureEncoding::Linear)?;
-                if texture.is_srgb {
-                    let message = format!("the texture `{}` is read as a picture of light", name.value);
-                    let help = "give it `encoding linear`: normals are numbers";
-                    return Err(SceneError::error_at_span(self.source, name.span, message, "no normals", help));
-                }
-                // Tangents follow texture coordinates, even if the texture is solid.
-                *requirements = TextureRequirements { uses_textures: true, needs_texcoords: true };
-                NormalPerturbation::NormalMap(texture.index)
-            }
-        })
     }
 
     /// Fails if the mesh at `path` lacks texture coordinates that its material needs.
     ///
     /// `file_material` is the name of a material from the mesh's MTL file; `None` for the current
     /// material of the scene text.
-    pub(super) fn require_texcoords(
+    pub(in crate::format) fn require_texcoords(
         &self,
         has_texcoords: bool,
         path: &Spanned<String>,
         file_material: Option<&str>,
     ) -> Result<(), SceneError> {
-        let requirements = self.texture_requirements.get(self.material as usize).copied().unwrap_or_default();
+        let requirements = self.current_material().map(|material| material.textures).unwrap_or_default();
         if has_texcoords || !requirements.needs_texcoords {
             return Ok(());
         }
-        let described = self.description.materials.get(self.material as usize);
-        let name = file_material.or_else(|| described.and_then(|m| m.name.as_deref()));
+        let name = file_material.or_else(|| self.current_material().and_then(|material| material.name.as_deref()));
         let material = name.map_or(format!("material {}", self.material), |name| format!("the material `{name}`"));
         let message = format!("the mesh `{}` has no texture coordinates, which {material} needs", path.value);
         let help = "export it with texture coordinates (lines `vt`), or use Noise, Marble or Wood, which need none";
@@ -309,9 +236,4 @@ impl TextureRequirements {
         self.uses_textures = true;
         self.needs_texcoords |= !texture.is_solid_texture;
     }
-}
-
-fn texcoord_transform(coordinates: &TexcoordTransformDescription) -> texture::UvTransform {
-    let TexcoordTransformDescription { scale, rotate, offset } = *coordinates;
-    texture::UvTransform::new(scale, rotate.to_radians(), offset)
 }

@@ -4,8 +4,9 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 
 use super::super::description::{
-    DensityDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients, MediumDescription,
-    PhaseFunctionDescription, Spanned, TransformedBoxDescription,
+    DensityDescription, DielectricDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients,
+    MediumDescription, MixDescription, NullInterfaceDescription, PhaseFunctionDescription, Spanned,
+    TransformedBoxDescription,
 };
 use super::strategies::{random_transform_step, with_empty_span};
 use super::values::{random_coefficients, random_fractions, random_name, random_point};
@@ -86,17 +87,21 @@ pub fn fill_bodies_with_random_media(
     let parts: Vec<String> = materials
         .iter()
         .filter_map(|m| match &m.kind {
-            MaterialKindDescription::Mix { first, second, .. } => Some([first.value.clone(), second.value.clone()]),
+            MaterialKindDescription::Mix(MixDescription { first, second, .. }) => {
+                Some([first.value.clone(), second.value.clone()])
+            }
             _ => None,
         })
         .flatten()
         .collect();
     for (material, fill) in materials.iter_mut().zip(fills) {
         let material = &mut material.value;
-        let MaterialKindDescription::Dielectric { priority, .. } = material.kind else { continue };
+        let MaterialKindDescription::Dielectric(DielectricDescription { priority, .. }) = material.kind else {
+            continue;
+        };
         material.medium = fill.filter(|_| !media.is_empty()).map(|i| with_empty_span(i.get(media).value.name.clone()));
         if priority % 2 == 0 && material.name.as_ref().is_none_or(|name| !parts.contains(name)) {
-            material.kind = MaterialKindDescription::NullInterface { priority };
+            material.kind = MaterialKindDescription::NullInterface(NullInterfaceDescription { priority });
             (material.emission, material.normal_perturbation) = (None, None);
         }
     }

@@ -86,36 +86,44 @@ fn random_light() -> impl Strategy<Value = LightDescription> {
 fn random_still_light() -> impl Strategy<Value = LightDescription> {
     prop_oneof![
         (random_point(), random_point_light_strength())
-            .prop_map(|(position, strength)| LightDescription::Point { position, strength }),
+            .prop_map(|(position, strength)| LightDescription::Point(PointLightDescription { position, strength })),
         (random_direction(), random_color(), any::<bool>()).prop_map(|(direction, c, physical)| {
             let strength =
                 if physical { DirectionalLightStrength::Irradiance(c) } else { DirectionalLightStrength::Color(c) };
-            LightDescription::Directional { direction, strength }
+            LightDescription::Directional(DirectionalLightDescription { direction, strength })
         }),
         (random_point(), random_direction(), 1e-9..=360.0, 0.0..=0.5, random_point_light_strength()).prop_map(
             |(position, axis, angle, rim, strength)| {
                 let aim = DirectionOrTarget::Direction(axis);
-                LightDescription::Spot { position, aim, angle, penumbra: rim * angle, strength }
+                LightDescription::Spot(SpotLightDescription { position, aim, angle, penumbra: rim * angle, strength })
             }
         ),
         (random_point(), random_direction(), random_name(), 1e-9..180.0, random_color(), 0..3u8).prop_map(
             |(position, axis, path, angle, c, kind)| {
                 let path = with_empty_span(path);
-                let pattern = match kind {
-                    0 => LightPattern::Picture { path, angle },
-                    1 => LightPattern::Map(path),
-                    _ => LightPattern::Profile(path),
+                let pose = LightPose { position, aim: DirectionOrTarget::Direction(axis), up: None };
+                let strength = PointLightStrength::Intensity(c);
+                let distribution = match kind {
+                    0 => return ProjectorLightDescription { pose, angle, path, strength }.into(),
+                    1 => IntensityDistribution::Map(path),
+                    _ => IntensityDistribution::Profile(path),
                 };
-                let (aim, strength) = (DirectionOrTarget::Direction(axis), PointLightStrength::Intensity(c));
-                LightDescription::Oriented { position, aim, up: None, pattern, strength }
+                GoniometricLightDescription { pose, distribution, strength }.into()
             }
         ),
-        (random_point(), random_positive(), random_area_light_strength())
-            .prop_map(|(center, radius, strength)| LightDescription::Sphere { center, radius, strength }),
-        (random_point(), random_direction(), random_positive(), random_area_light_strength())
-            .prop_map(|(center, normal, radius, strength)| LightDescription::Disc { center, normal, radius, strength }),
+        (random_point(), random_positive(), random_area_light_strength()).prop_map(|(center, radius, strength)| {
+            LightDescription::Sphere(SphereLightDescription { center, radius, strength })
+        }),
+        (random_point(), random_direction(), random_positive(), random_area_light_strength()).prop_map(
+            |(center, normal, radius, strength)| LightDescription::Disc(DiscLightDescription {
+                center,
+                normal,
+                radius,
+                strength
+            })
+        ),
         (random_corner_and_edges(), random_area_light_strength()).prop_map(|((corner, edge0, edge1), strength)| {
-            LightDescription::Rectangle { corner, edge0, edge1, strength }
+            LightDescription::Rectangle(RectangleLightDescription { corner, edge0, edge1, strength })
         }),
     ]
 }
@@ -186,21 +194,25 @@ fn assign_texture_name<T>(value: &mut TexturedValue<T>, textures: &[Spanned<Text
 
 fn assign_texture_names(material: &mut MaterialDescription, textures: &[Spanned<TextureDescription>]) {
     match &mut material.kind {
-        MaterialKindDescription::Phong { diffuse, specular, .. } => {
+        MaterialKindDescription::Phong(PhongDescription { diffuse, specular, .. }) => {
             assign_texture_name(diffuse, textures, DVec3::ONE);
             assign_texture_name(specular, textures, DVec3::ONE);
         }
-        MaterialKindDescription::Diffuse { reflectance: tint }
-        | MaterialKindDescription::Mirror { reflectance: tint }
-        | MaterialKindDescription::Thin { transmittance: tint, .. } => assign_texture_name(tint, textures, DVec3::ONE),
-        MaterialKindDescription::Dielectric { roughness: degree, .. }
-        | MaterialKindDescription::Conductor { roughness: degree, .. }
-        | MaterialKindDescription::Mix { amount: degree, .. } => assign_texture_name(degree, textures, 0.5),
-        MaterialKindDescription::CoatedDiffuse { reflectance, roughness, .. } => {
+        MaterialKindDescription::Diffuse(DiffuseDescription { reflectance: tint })
+        | MaterialKindDescription::Mirror(MirrorDescription { reflectance: tint })
+        | MaterialKindDescription::Thin(ThinDescription { transmittance: tint, .. }) => {
+            assign_texture_name(tint, textures, DVec3::ONE)
+        }
+        MaterialKindDescription::Dielectric(DielectricDescription { roughness: degree, .. })
+        | MaterialKindDescription::Conductor(ConductorDescription { roughness: degree, .. })
+        | MaterialKindDescription::Mix(MixDescription { amount: degree, .. }) => {
+            assign_texture_name(degree, textures, 0.5)
+        }
+        MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription { reflectance, roughness, .. }) => {
             assign_texture_name(reflectance, textures, DVec3::ONE);
             assign_texture_name(roughness, textures, 0.5);
         }
-        MaterialKindDescription::NullInterface { .. } => {}
+        MaterialKindDescription::NullInterface(_) => {}
     }
     if let Some(EmissionDescription::Texture { name, .. }) = &mut material.emission {
         let number: usize = name.value.parse().unwrap();
@@ -262,39 +274,33 @@ fn random_material_parts() -> impl Strategy<Value = MaterialParts> {
             random_positive(),
             option::of(random_name())
         )
-            .prop_map(|(diffuse, specular, shininess, texture)| MaterialKindDescription::Phong {
-                diffuse,
-                specular,
-                shininess,
-                texture: texture.map(with_empty_span),
-            }),
+            .prop_map(|(diffuse, specular, shininess, texture)| MaterialKindDescription::Phong(
+                PhongDescription { diffuse, specular, shininess, texture: texture.map(with_empty_span) }
+            )),
         random_textured_value(random_fractions())
-            .prop_map(|reflectance| MaterialKindDescription::Diffuse { reflectance }),
+            .prop_map(|reflectance| MaterialKindDescription::Diffuse(DiffuseDescription { reflectance })),
         random_textured_value(random_fractions())
-            .prop_map(|reflectance| MaterialKindDescription::Mirror { reflectance }),
+            .prop_map(|reflectance| MaterialKindDescription::Mirror(MirrorDescription { reflectance })),
         (random_refractive_index(), attenuation, random_textured_value(0.0..=1.0), any::<(bool, u8)>()).prop_map(
             |(refraction, attenuation, roughness, (multiple_scattering, priority))| {
-                MaterialKindDescription::Dielectric {
+                MaterialKindDescription::Dielectric(DielectricDescription {
                     refraction,
                     attenuation,
                     roughness,
                     multiple_scattering,
                     priority,
-                }
+                })
             }
         ),
         (metal, random_textured_value(0.0..=1.0), any::<bool>()).prop_map(|(metal, roughness, multiple_scattering)| {
-            MaterialKindDescription::Conductor { metal, roughness, multiple_scattering }
+            MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, multiple_scattering })
         }),
         (index(), random_textured_value(random_fractions()))
-            .prop_map(|(index, transmittance)| MaterialKindDescription::Thin { index, transmittance }),
+            .prop_map(|(index, transmittance)| MaterialKindDescription::Thin(ThinDescription { index, transmittance })),
         (random_textured_value(random_fractions()), 1.0..=4.0, random_textured_value(0.0..=1.0), any::<bool>())
-            .prop_map(|(reflectance, index, roughness, nonlinear)| MaterialKindDescription::CoatedDiffuse {
-                reflectance,
-                index,
-                roughness,
-                nonlinear
-            }),
+            .prop_map(|(reflectance, index, roughness, nonlinear)| MaterialKindDescription::CoatedDiffuse(
+                CoatedDiffuseDescription { reflectance, index, roughness, nonlinear }
+            )),
     ];
     (kind, option::of(random_emission()), option::of(random_normal_perturbation()))
 }
@@ -320,59 +326,67 @@ fn random_knots(count: usize) -> impl Strategy<Value = Vec<f64>> {
 
 fn random_shape() -> impl Strategy<Value = ShapeDescription> {
     prop_oneof![
-        (random_point(), random_positive()).prop_map(|(center, radius)| ShapeDescription::Sphere { center, radius }),
+        (random_point(), random_positive())
+            .prop_map(|(center, radius)| ShapeDescription::Sphere(SphereDescription { center, radius })),
         (random_direction(), random_finite_number())
-            .prop_map(|(normal, offset)| ShapeDescription::Plane { normal, offset }),
+            .prop_map(|(normal, offset)| ShapeDescription::Plane(PlaneDescription { normal, offset })),
         (random_point(), random_direction(), random_positive())
-            .prop_map(|(center, normal, radius)| ShapeDescription::Disc { center, normal, radius }),
-        random_corner_and_edges().prop_map(|(corner, edge0, edge1)| ShapeDescription::Rectangle {
-            corner,
-            edge0,
-            edge1
-        }),
+            .prop_map(|(center, normal, radius)| ShapeDescription::Disc(DiscDescription { center, normal, radius })),
+        random_corner_and_edges().prop_map(|(corner, edge0, edge1)| ShapeDescription::Rectangle(
+            RectangleDescription { corner, edge0, edge1 }
+        )),
         (random_point(), [random_positive(), random_positive(), random_positive()]).prop_filter_map(
             "no extent",
             |(min, size)| {
                 let max = min + DVec3::from_array(size);
-                (max.is_finite() && max.cmpgt(min).all()).then_some(ShapeDescription::Box { min, max })
+                (max.is_finite() && max.cmpgt(min).all()).then_some(ShapeDescription::Box(BoxDescription { min, max }))
             }
         ),
         ([random_point(), random_point()], random_positive(), any::<bool>()).prop_filter_map(
             "no length",
             |(ends, radius, is_capped)| {
-                (ends[0] != ends[1]).then_some(ShapeDescription::Cylinder { ends, radius, is_capped })
+                (ends[0] != ends[1]).then_some(ShapeDescription::Cylinder(CylinderDescription {
+                    ends,
+                    radius,
+                    is_capped,
+                }))
             }
         ),
         ([random_point(), random_point()], random_positive(), option::of(random_positive()), any::<bool>())
             .prop_filter_map("no length", |(ends, radius, top, is_capped)| {
                 let radii = [radius, top.unwrap_or(0.0)];
-                (ends[0] != ends[1]).then_some(ShapeDescription::Cone { ends, radii, is_capped })
+                (ends[0] != ends[1]).then_some(ShapeDescription::Cone(ConeDescription { ends, radii, is_capped }))
             }),
         (
             [random_point(), random_point(), random_point()],
             option::of([random_direction(), random_direction(), random_direction()]),
             option::of([random_vec2(), random_vec2(), random_vec2()].prop_map(Box::new))
         )
-            .prop_map(|(vertices, normals, uv)| ShapeDescription::Triangle { vertices, normals, uv }),
+            .prop_map(|(vertices, normals, uv)| ShapeDescription::Triangle(TriangleDescription {
+                vertices,
+                normals,
+                uv
+            })),
         (random_mesh_path(), any::<bool>(), any::<bool>(), option::of(0.0..=180.0)).prop_map(
             |(path, uses_file_materials, ignores_normals, max_smoothing_angle)| {
                 let options = MeshOptions { uses_file_materials, ignores_normals, max_smoothing_angle };
-                ShapeDescription::Mesh { path: with_empty_span(path), options }
+                ShapeDescription::Mesh(MeshDescription { path: with_empty_span(path), options })
             }
         ),
-        random_curve().prop_map(|profile| ShapeDescription::Revolution { profile }),
-        random_curve().prop_map(ShapeDescription::Curve),
+        random_curve().prop_map(|profile| ShapeDescription::Revolution(RevolutionDescription { profile })),
+        vec(random_point(), 4..7).prop_map(|controls| BezierCurveDescription { controls }.into()),
+        vec(random_point(), 4..7).prop_map(|controls| BsplineCurveDescription { controls }.into()),
         (vec(random_weighted_point(), 8), any::<bool>()).prop_map(|(controls, once)| {
             if once {
-                ShapeDescription::Patches { degree: [3, 1], controls }
+                ShapeDescription::Patches(BezierPatchesDescription { degree: [3, 1], controls })
             } else {
-                ShapeDescription::Patches { degree: [1, 1], controls }
+                ShapeDescription::Patches(BezierPatchesDescription { degree: [1, 1], controls })
             }
         }),
         (vec(random_weighted_point(), 12), option::of(random_knots(6)), option::of(random_knots(6))).prop_map(
             |(controls, u, v)| {
                 let knots = [u.unwrap_or_default(), v.unwrap_or_default()];
-                ShapeDescription::Nurbs { degree: [2, 1], count: [3, 4], knots, controls }
+                ShapeDescription::Nurbs(NurbsDescription { degree: [2, 1], count: [3, 4], knots, controls })
             }
         ),
     ]
@@ -481,13 +495,13 @@ fn build_materials(
     let mut materials: Vec<Spanned<MaterialDescription>> = Vec::new();
     let mut names: Vec<(String, Option<usize>)> = Vec::new();
     for (i, (name, (mut kind, emission, mut normal_perturbation), mix)) in drafts.into_iter().enumerate() {
-        let mut body = matches!(kind, MaterialKindDescription::Dielectric { .. }).then_some(i);
+        let mut body = matches!(kind, MaterialKindDescription::Dielectric(_)).then_some(i);
         if let (Some((first, second, amount)), false) = (mix, names.is_empty()) {
             let [(first, a), (second, b)] = [first, second].map(|part| &names[part.index(names.len())]);
             if a.is_none() || b.is_none() || a == b {
                 let [first, second] = [first, second].map(|name| with_empty_span(name.clone()));
                 (kind, body, normal_perturbation) =
-                    (MaterialKindDescription::Mix { first, second, amount }, a.or(*b), None);
+                    (MaterialKindDescription::Mix(MixDescription { first, second, amount }), a.or(*b), None);
             }
         }
         let name = name.filter(|name| names.iter().all(|(other, _)| other != name));

@@ -1,7 +1,9 @@
-//! Test that the random descriptions contain every kind of material, light, shape, texture and
-//! medium. `printed_descriptions_parse_back_unchanged` writes and parses these descriptions.
+//! Test that the random descriptions contain every block of the scene language, and every variant
+//! of the fields that have several. `printed_descriptions_parse_back_unchanged` writes and parses
+//! these descriptions.
 
 use super::super::description::*;
+use super::super::language::all_block_schemas;
 use super::strategies::random_description;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -23,75 +25,47 @@ macro_rules! variant_names {
     };
 }
 
-variant_names!(MATERIAL_KINDS, material_kind_name, MaterialKindDescription:
-    Phong Diffuse Mirror Dielectric NullInterface Conductor Thin CoatedDiffuse Mix);
-variant_names!(LIGHT_KINDS, light_kind_name, LightDescription:
-    Point Directional Spot Sphere Disc Rectangle Oriented Moving Environment);
-variant_names!(LIGHT_PATTERNS, light_pattern_name, LightPattern: Picture Map Profile);
-variant_names!(SHAPE_KINDS, shape_kind_name, ShapeDescription:
-    Sphere Plane Disc Rectangle Box Cylinder Cone Triangle Mesh Revolution Curve Patches Nurbs);
-variant_names!(TEXTURE_KINDS, texture_kind_name, TextureKindDescription: Image Checker Solid);
+variant_names!(DISTRIBUTIONS, distribution_name, IntensityDistribution: Map Profile);
 variant_names!(DENSITY_KINDS, density_kind_name, DensityDescription: Homogeneous Grid Cloud);
 variant_names!(PHASE_FUNCTIONS, phase_function_name, PhaseFunctionDescription: Isotropic Rayleigh HenyeyGreenstein);
 variant_names!(MEDIUM_COEFFICIENTS, medium_coefficients_name, MediumCoefficients:
     AbsorptionScattering ExtinctionAlbedo);
 
-fn add_light_names(light: &LightDescription, names: &mut BTreeSet<&'static str>) {
-    names.insert(light_kind_name(light));
-    match light {
-        LightDescription::Moving { light, .. } => add_light_names(light, names),
-        LightDescription::Oriented { pattern, .. } => _ = names.insert(light_pattern_name(pattern)),
-        _ => {}
+const MOVING_LIGHT: &str = "LightDescription::Moving";
+
+/// Adds the names of the variants of a light.
+fn add_light_names(light: &LightDescription, names: &mut BTreeSet<String>) {
+    if let LightDescription::Moving { light, .. } = light {
+        names.insert(MOVING_LIGHT.to_owned());
+        add_light_names(light, names);
+    }
+    if let LightDescription::Goniometric(light) = light {
+        names.insert(distribution_name(&light.distribution).to_owned());
     }
 }
 
-fn add_shape_names(object: &ObjectDescription, names: &mut BTreeSet<&'static str>) {
-    match object {
-        ObjectDescription::Group(group) => add_shape_names_of_group(group, names),
-        ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
-            add_shape_names(&object.value, names);
-        }
-        ObjectDescription::Shape { shape, .. } => _ = names.insert(shape_kind_name(shape)),
-    }
-}
-
-fn add_shape_names_of_group(group: &ObjectGroup, names: &mut BTreeSet<&'static str>) {
-    for item in &group.items {
-        if let GroupItem::Object(object) = item {
-            add_shape_names(&object.value, names);
-        }
-    }
+/// Adds the keywords of the blocks in a scene text.
+fn add_block_keywords(text: &str, names: &mut BTreeSet<String>) {
+    let heads = text.lines().filter(|line| line.ends_with('{'));
+    names.extend(heads.filter_map(|line| line.split_whitespace().next()).map(str::to_owned));
 }
 
 #[test]
-fn random_descriptions_contain_every_variant() {
-    let mut missing: BTreeSet<&str> = [
-        MATERIAL_KINDS,
-        LIGHT_KINDS,
-        LIGHT_PATTERNS,
-        SHAPE_KINDS,
-        TEXTURE_KINDS,
-        DENSITY_KINDS,
-        PHASE_FUNCTIONS,
-        MEDIUM_COEFFICIENTS,
-    ]
-    .concat()
-    .into_iter()
-    .collect();
+fn random_descriptions_contain_every_block() {
+    let mut missing: BTreeSet<&str> = all_block_schemas().map(|block| block.keyword).collect();
+    missing.extend([DISTRIBUTIONS, DENSITY_KINDS, PHASE_FUNCTIONS, MEDIUM_COEFFICIENTS, &[MOVING_LIGHT]].concat());
     let mut runner = TestRunner::deterministic();
     for _ in 0..3000 {
         let d = random_description().new_tree(&mut runner).unwrap().current();
         let mut names = BTreeSet::new();
-        names.extend(d.materials.iter().map(|material| material_kind_name(&material.value.kind)));
+        add_block_keywords(&d.to_string(), &mut names);
         d.lights.iter().for_each(|light| add_light_names(&light.value, &mut names));
-        add_shape_names_of_group(&d.root, &mut names);
-        names.extend(d.textures.iter().map(|texture| texture_kind_name(&texture.value.kind)));
         for medium in &d.media {
-            names.insert(density_kind_name(&medium.value.density));
-            names.insert(phase_function_name(&medium.value.phase));
-            names.insert(medium_coefficients_name(&medium.value.coefficients));
+            names.insert(density_kind_name(&medium.value.density).to_owned());
+            names.insert(phase_function_name(&medium.value.phase).to_owned());
+            names.insert(medium_coefficients_name(&medium.value.coefficients).to_owned());
         }
-        missing.retain(|name| !names.contains(name));
+        missing.retain(|name| !names.contains(*name));
         if missing.is_empty() {
             return;
         }

@@ -34,6 +34,30 @@ fn one_shape_of_each_kind() -> Vec<Shape> {
     ]
 }
 
+/// True if [`one_shape_of_each_kind`] must contain shapes of this kind; false for meshes and
+/// parametric surfaces, which have tests of their own.
+///
+/// A new variant does not compile here, which reminds its author to add it to the list.
+fn is_listed_kind(shape: &Shape) -> bool {
+    match shape {
+        Shape::Sphere(_)
+        | Shape::Ellipsoid(_)
+        | Shape::Disc(_)
+        | Shape::Rectangle(_)
+        | Shape::Cuboid(_)
+        | Shape::Frustum(_) => true,
+        Shape::Instance(_) | Shape::Revolution(_) | Shape::Patch(_) => false,
+    }
+}
+
+#[test]
+fn every_listed_kind_of_shape_is_tested() {
+    let shapes = one_shape_of_each_kind();
+    assert!(shapes.iter().all(is_listed_kind));
+    let kinds: std::collections::HashSet<_> = shapes.iter().map(std::mem::discriminant).collect();
+    assert_eq!(kinds.len(), 6);
+}
+
 /// A ray towards a sampled point hits the shape there, and the mean of 1/pdf is the area.
 #[test]
 fn sampled_points_have_their_stated_density() {

@@ -256,7 +256,7 @@ fn unbounded(group: &ObjectGroup) -> bool {
         match object {
             ObjectDescription::Group(group) => unbounded(group),
             ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => is(object),
-            ObjectDescription::Shape { shape, .. } => matches!(shape, ShapeDescription::Plane { .. }),
+            ObjectDescription::Shape { shape, .. } => matches!(shape, ShapeDescription::Plane(_)),
         }
     }
     group.items.iter().any(|item| matches!(item, GroupItem::Object(object) if is(object)))

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::format::description::{
-    DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, TransformStep,
-    TransformedBoxDescription,
+    DensityDescription, MediumCoefficients, MediumDescription, NullInterfaceDescription, PhaseFunctionDescription,
+    TransformStep, TransformedBoxDescription,
 };
 
 fn parse_media(body: &str) -> Vec<MediumDescription> {
@@ -87,13 +87,16 @@ fn materials_and_background_refer_to_media() {
     let d = parse_with_camera(text).unwrap();
     assert_eq!((d.background, d.ambient_medium.as_ref()), (DVec3::ZERO, Some(&name_with_empty_span("fog"))));
     let found: Vec<_> = d.materials.iter().map(|m| (&m.kind, m.medium.clone())).collect();
-    assert!(matches!(found[0].0, MaterialKindDescription::Dielectric { .. }));
+    assert!(matches!(found[0].0, MaterialKindDescription::Dielectric(_)));
     assert_eq!(found[0].1, Some(name_with_empty_span("milk")));
     assert_eq!(
         found[1],
-        (&MaterialKindDescription::NullInterface { priority: 255 }, Some(name_with_empty_span("fog")))
+        (
+            &MaterialKindDescription::NullInterface(NullInterfaceDescription { priority: 255 }),
+            Some(name_with_empty_span("fog"))
+        )
     );
-    assert_eq!(found[2], (&MaterialKindDescription::NullInterface { priority: 0 }, None));
+    assert_eq!(found[2], (&MaterialKindDescription::NullInterface(NullInterfaceDescription { priority: 0 }), None));
     let again = parse_with_camera("Background { medium fog } Background { } Group { }").unwrap();
     assert_eq!(again.ambient_medium, None, "a block that comes again replaces the one before");
 }

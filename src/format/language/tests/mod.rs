@@ -6,8 +6,9 @@ mod textures;
 use super::*;
 use crate::format::MAX_NESTING_DEPTH;
 use crate::format::description::{
-    DirectionOrTarget, GroupItem, LightDescription, MaterialKindDescription, MeshOptions, ObjectDescription,
-    PointLightStrength, ProjectionDescription, ShapeDescription,
+    DirectionOrTarget, GroupItem, LightDescription, MaterialKindDescription, MeshDescription, MeshOptions,
+    MirrorDescription, ObjectDescription, PhongDescription, PointLightStrength, ProjectionDescription,
+    ShapeDescription, SpotLightDescription,
 };
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 width 200 height 200 }";
@@ -112,14 +113,17 @@ fn absent_fields_take_their_defaults() {
     let (diffuse, specular) = (DVec3::ONE, DVec3::ZERO);
     assert_eq!(
         d.materials[0].kind,
-        MaterialKindDescription::Phong {
+        MaterialKindDescription::Phong(PhongDescription {
             diffuse: diffuse.into(),
             specular: specular.into(),
             shininess: 0.0,
             texture: None
-        }
+        })
     );
-    assert_eq!(d.materials[1].kind, MaterialKindDescription::Mirror { reflectance: DVec3::ONE.into() });
+    assert_eq!(
+        d.materials[1].kind,
+        MaterialKindDescription::Mirror(MirrorDescription { reflectance: DVec3::ONE.into() })
+    );
     assert_eq!(d.materials[1].name.as_deref(), Some("m"));
     assert_eq!(parse("a", &format!("{CAMERA} Background {{}} Group {{}}")).unwrap().background, DVec3::splat(0.5));
 }
@@ -143,7 +147,7 @@ fn the_last_group_replaces_earlier_ones() {
 #[test]
 fn names_may_be_quoted_or_bare() {
     let mesh = |body: &str| match first_object(body) {
-        ObjectDescription::Shape { shape: ShapeDescription::Mesh { path, .. }, .. } => path.value,
+        ObjectDescription::Shape { shape: ShapeDescription::Mesh(MeshDescription { path, .. }), .. } => path.value,
         other => panic!("{other:?}"),
     };
     assert_eq!(mesh("Group { TriangleMesh { obj_file mesh/cube.obj } }"), "mesh/cube.obj");
@@ -317,13 +321,13 @@ fn lights_need_exactly_one_strength() {
     let d = parse_with_camera(body).unwrap();
     assert_eq!(
         d.lights[0].value,
-        LightDescription::Spot {
+        LightDescription::Spot(SpotLightDescription {
             position: DVec3::ZERO,
             aim: DirectionOrTarget::LookAt(DVec3::Z),
             angle: 60.0,
             penumbra: 9.0,
             strength: PointLightStrength::Intensity(DVec3::new(1.0, 2.0, 3.0)),
-        }
+        })
     );
     let spot = |fields: &str| format!("Lights {{ SpotLight {{ position 0 0 0 {fields} }} }}");
     assert_first_error(
@@ -515,7 +519,7 @@ fn bytes_that_are_not_utf8_are_refused() {
 #[test]
 fn mesh_options_are_read() {
     let options = |fields: &str| match first_object(&format!("Group {{ TriangleMesh {{ {fields} }} }}")) {
-        ObjectDescription::Shape { shape: ShapeDescription::Mesh { path, options }, .. } => {
+        ObjectDescription::Shape { shape: ShapeDescription::Mesh(MeshDescription { path, options }), .. } => {
             assert_eq!(path.value, "a.obj");
             options
         }

@@ -3,11 +3,11 @@
 use super::name_with_empty_span;
 use super::surfaces::{assert_material_error, parse_material_kinds};
 use crate::color::DispersionFormula;
-use crate::format::description::{MaterialKindDescription, RefractiveIndexDescription};
+use crate::format::description::{DielectricDescription, MaterialKindDescription, RefractiveIndexDescription};
 
 fn parse_refractive_index(fields: &str) -> RefractiveIndexDescription {
     match parse_material_kinds(&format!("Dielectric {{ {fields} }}")).remove(0) {
-        MaterialKindDescription::Dielectric { refraction, .. } => refraction,
+        MaterialKindDescription::Dielectric(DielectricDescription { refraction, .. }) => refraction,
         other => panic!("{other:?}"),
     }
 }

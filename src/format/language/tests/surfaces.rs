@@ -2,8 +2,9 @@
 
 use super::{assert_first_error, name_with_empty_span, parse_with_camera};
 use crate::format::description::{
-    DielectricAbsorption, EnvironmentRadiance, GroupItem, LightDescription, MaterialKindDescription, MetalDescription,
-    ObjectDescription, ShapeDescription, Spanned,
+    BezierPatchesDescription, ConductorDescription, DielectricAbsorption, DielectricDescription, EnvironmentRadiance,
+    GroupItem, LightDescription, MaterialKindDescription, MetalDescription, MixDescription, NurbsDescription,
+    ObjectDescription, ShapeDescription, Spanned, ThinDescription,
 };
 use glam::DVec3;
 
@@ -25,23 +26,23 @@ fn dielectrics_read_roughness_and_priority() {
     let attenuation = DielectricAbsorption::None;
     assert_eq!(
         kinds[0],
-        MaterialKindDescription::Dielectric {
+        MaterialKindDescription::Dielectric(DielectricDescription {
             refraction: 1.5.into(),
             attenuation,
             roughness: 0.0.into(),
             multiple_scattering: true,
             priority: 0
-        }
+        })
     );
     assert_eq!(
         kinds[1],
-        MaterialKindDescription::Dielectric {
+        MaterialKindDescription::Dielectric(DielectricDescription {
             refraction: 1000.0.into(),
             attenuation,
             roughness: 0.25.into(),
             multiple_scattering: false,
             priority: 255
-        }
+        })
     );
     assert_material_error(
         "Dielectric { priority ‹256› }",
@@ -72,16 +73,20 @@ fn conductors_are_named_or_given_by_their_index() {
     );
     assert_eq!(
         kinds[0],
-        MaterialKindDescription::Conductor {
+        MaterialKindDescription::Conductor(ConductorDescription {
             metal: MetalDescription::Named(name_with_empty_span("gold")),
             roughness: 0.0.into(),
             multiple_scattering: true
-        }
+        })
     );
     let metal = MetalDescription::Index { eta: DVec3::new(0.1, 0.2, 0.3), k: DVec3::new(3.0, 4.0, 0.0) };
     assert_eq!(
         kinds[1],
-        MaterialKindDescription::Conductor { metal, roughness: 1.0.into(), multiple_scattering: false }
+        MaterialKindDescription::Conductor(ConductorDescription {
+            metal,
+            roughness: 1.0.into(),
+            multiple_scattering: false
+        })
     );
     assert_material_error("‹Conductor› { }", "has no `metal` or `eta`", "add `metal` or `eta`");
     assert_material_error("‹Conductor› { eta 1 1 1 }", "`Conductor` has no `k`", "add `k`");
@@ -101,10 +106,13 @@ fn conductors_are_named_or_given_by_their_index() {
 #[test]
 fn thin_panes_read_their_fields() {
     let kinds = parse_material_kinds("Thin { } Thin { transmittance .5 1 .25 indexOfRefraction 1.3 }");
-    assert_eq!(kinds[0], MaterialKindDescription::Thin { index: 1.5, transmittance: DVec3::ONE.into() });
+    assert_eq!(
+        kinds[0],
+        MaterialKindDescription::Thin(ThinDescription { index: 1.5, transmittance: DVec3::ONE.into() })
+    );
     assert_eq!(
         kinds[1],
-        MaterialKindDescription::Thin { index: 1.3, transmittance: DVec3::new(0.5, 1.0, 0.25).into() }
+        MaterialKindDescription::Thin(ThinDescription { index: 1.3, transmittance: DVec3::new(0.5, 1.0, 0.25).into() })
     );
     assert_material_error("Thin { transmittance ‹1 0 1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
     assert_material_error("Thin { transmittance ‹1 1 1.1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
@@ -119,19 +127,19 @@ fn mixes_refer_to_earlier_materials() {
     ));
     assert_eq!(
         kinds[2],
-        MaterialKindDescription::Mix {
+        MaterialKindDescription::Mix(MixDescription {
             first: name_with_empty_span("a"),
             second: name_with_empty_span("b c"),
             amount: 0.3.into()
-        }
+        })
     );
     assert_eq!(
         kinds[3],
-        MaterialKindDescription::Mix {
+        MaterialKindDescription::Mix(MixDescription {
             first: name_with_empty_span("m"),
             second: name_with_empty_span("m"),
             amount: 1.0.into()
-        }
+        })
     );
     let mix = |fields: &str| format!("{parts} Mix glaze {{ {fields} }} Mirror later {{ }}");
     assert_material_error(&mix("first ‹later› second a amount 0"), "no material is called `later`", "stand before it");
@@ -229,7 +237,7 @@ fn patch_control_points_must_fit_the_degrees() {
     };
     let four = "[ 0 0 0 ] [ 0 0 1 2 ] [ 1 0 0 ] [ 1 0 1 .5 ]";
     match object(&format!("BezierPatch {{ degreeU 1 controls {four} {four} {four} {four} degreeV 1 }}")) {
-        ShapeDescription::Patches { degree, controls } => {
+        ShapeDescription::Patches(BezierPatchesDescription { degree, controls }) => {
             assert_eq!((degree, controls.len()), ([1, 1], 16));
             assert_eq!([controls[0].w, controls[1].w, controls[3].w], [1.0, 2.0, 0.5]);
         }
@@ -237,7 +245,7 @@ fn patch_control_points_must_fit_the_degrees() {
     }
     let nurbs = |fields: &str| format!("NurbsSurface {{ degreeU 1 degreeV 1 countU 2 countV 2 {fields} }}");
     match object(&nurbs(&format!("knotsU 0 0 1.5 1.5 controls {four}"))) {
-        ShapeDescription::Nurbs { knots: [u, v], count, .. } => {
+        ShapeDescription::Nurbs(NurbsDescription { knots: [u, v], count, .. }) => {
             assert_eq!((u, v, count), (vec![0.0, 0.0, 1.5, 1.5], vec![], [2, 2]))
         }
         other => panic!("{other:?}"),

@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::format::description::{
-    EmissionDescription, NormalPerturbationDescription, PictureEncoding, SolidPatternDescription,
-    TexcoordTransformDescription, TextureKindDescription, TexturedValue, WrapMode,
+    ConductorDescription, DiffuseDescription, EmissionDescription, NormalPerturbationDescription, PhongDescription,
+    PictureEncoding, SolidPatternDescription, TexcoordTransformDescription, TextureKindDescription, TexturedValue,
+    TriangleDescription, WrapMode,
 };
 use glam::DVec2;
 
@@ -51,7 +52,9 @@ fn texture_names_replace_numbers() {
     let [a, b, c, e] = &d.materials[..] else { panic!("{:?}", d.materials) };
     assert_eq!(
         a.kind,
-        MaterialKindDescription::Diffuse { reflectance: TexturedValue::Texture(name_with_empty_span("tiles")) }
+        MaterialKindDescription::Diffuse(DiffuseDescription {
+            reflectance: TexturedValue::Texture(name_with_empty_span("tiles"))
+        })
     );
     assert_eq!(a.emission, Some(EmissionDescription::Texture { name: name_with_empty_span("tiles"), scale: 3.0 }));
     assert_eq!(
@@ -60,7 +63,10 @@ fn texture_names_replace_numbers() {
     );
     assert_eq!(b.normal_perturbation, Some(NormalPerturbationDescription::NormalMap(name_with_empty_span("tiles"))));
     match (&b.kind, &c.kind) {
-        (MaterialKindDescription::Phong { texture, .. }, MaterialKindDescription::Conductor { roughness, .. }) => {
+        (
+            MaterialKindDescription::Phong(PhongDescription { texture, .. }),
+            MaterialKindDescription::Conductor(ConductorDescription { roughness, .. }),
+        ) => {
             assert_eq!(
                 (texture, roughness),
                 (&Some(name_with_empty_span("wood.png")), &TexturedValue::Texture(name_with_empty_span("tiles")))
@@ -73,7 +79,10 @@ fn texture_names_replace_numbers() {
     let triangle = format!("Group {{ Triangle {{ vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 {uv} }} }}");
     match &parse_with_camera(&triangle).unwrap().root.items[0] {
         GroupItem::Object(object) => match &object.value {
-            ObjectDescription::Shape { shape: ShapeDescription::Triangle { uv: Some(uv), .. }, .. } => {
+            ObjectDescription::Shape {
+                shape: ShapeDescription::Triangle(TriangleDescription { uv: Some(uv), .. }),
+                ..
+            } => {
                 assert_eq!(**uv, [DVec2::Y, DVec2::ONE, DVec2::new(0.5, 0.0)]);
             }
             other => panic!("{other:?}"),

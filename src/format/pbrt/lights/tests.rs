@@ -1,7 +1,8 @@
 //! Tests of lights of pbrt: patterns, power, and lamps with two sides.
 
 use crate::format::description::{
-    DirectionOrTarget, GroupItem, LightDescription, LightPattern, ObjectDescription, PointLightStrength,
+    DirectionOrTarget, DiscDescription, GoniometricLightDescription, GroupItem, IntensityDistribution,
+    LightDescription, ObjectDescription, PointLightDescription, PointLightStrength, ProjectorLightDescription,
     ShapeDescription, Spanned,
 };
 use crate::format::import::{ImportOptions, ImportedScene};
@@ -37,21 +38,20 @@ fn pictures_of_projectors_stay_upright() {
     let light = "LightSource \"projection\" \"string filename\" \"a.exr\" \"float fov\" 90 \"float scale\" 3";
     for (head, pixels) in [("", [1.0, 2.0, 3.0, 4.0]), ("Scale -1 1 1", [2.0, 1.0, 4.0, 3.0])] {
         let scene = import_with_picture((2, 2), &[1.0, 2.0, 3.0, 4.0], &format!("WorldBegin {head} {light}"));
-        let LightDescription::Oriented { aim, up, pattern, strength, .. } = &scene.description.lights[0].value else {
+        let LightDescription::Projector(ProjectorLightDescription { pose, angle, path, strength }) =
+            &scene.description.lights[0].value
+        else {
             panic!()
         };
         // pbrt's +z is our −z. Then the right of the picture is +x.
-        assert_eq!((*aim, *up), (DirectionOrTarget::Direction(DVec3::NEG_Z), Some(DVec3::Y)));
-        let LightPattern::Picture { path, angle } = pattern else { panic!() };
+        assert_eq!((pose.aim, pose.up), (DirectionOrTarget::Direction(DVec3::NEG_Z), Some(DVec3::Y)));
         assert!((angle - 90.0).abs() < 1e-9 && *strength == PointLightStrength::Intensity(DVec3::splat(3.0)));
         let values: Vec<f32> = scene.assets.pictures[&path.value].pixels().iter().map(|pixel| pixel.x).collect();
         assert_eq!(values, pixels, "{head}");
     }
     // The field of view is that of the shorter side.
     let scene = import_with_picture((1, 2), &[1.0, 2.0], &format!("WorldBegin {light}"));
-    let LightDescription::Oriented { pattern: LightPattern::Picture { angle, .. }, .. } =
-        scene.description.lights[0].value
-    else {
+    let LightDescription::Projector(ProjectorLightDescription { angle, .. }) = scene.description.lights[0].value else {
         panic!()
     };
     assert!((angle - 2.0 * libm::atan(2.0).to_degrees()).abs() < 1e-9);
@@ -65,11 +65,15 @@ fn maps_of_goniometric_lights_keep_their_directions() {
     [0, 1, 8, 9].iter().for_each(|i| pixels[*i] = 1.0);
     let text = "WorldBegin LightSource \"goniometric\" \"string mapname\" \"a.exr\"";
     let scene = import_with_picture((8, 4), &pixels, text);
-    let LightDescription::Oriented { aim, pattern: LightPattern::Map(path), .. } = &scene.description.lights[0].value
+    let LightDescription::Goniometric(GoniometricLightDescription {
+        pose,
+        distribution: IntensityDistribution::Map(path),
+        ..
+    }) = &scene.description.lights[0].value
     else {
         panic!()
     };
-    assert_eq!(*aim, DirectionOrTarget::Direction(DVec3::Z));
+    assert_eq!(pose.aim, DirectionOrTarget::Direction(DVec3::Z));
     let map = &scene.assets.pictures[&path.value];
     // Our left quarter lies between −z, which is pbrt's +z, and +x.
     for (i, pixel) in map.pixels().iter().enumerate() {
@@ -78,7 +82,7 @@ fn maps_of_goniometric_lights_keep_their_directions() {
         assert!((pixel.x > 0.4) == is_bright, "{x} {y}: {pixel}");
     }
     let plain = import_text("WorldBegin LightSource \"goniometric\" \"rgb I\" [1 2 3]");
-    assert!(matches!(plain.description.lights[0].value, LightDescription::Point { .. }));
+    assert!(matches!(plain.description.lights[0].value, LightDescription::Point(_)));
 }
 
 #[test]
@@ -88,7 +92,9 @@ fn power_replaces_the_unit_of_lights() {
          AreaLightSource \"diffuse\" \"float power\" 12 Scale 2 2 2 Shape \"sphere\" \
          Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0]",
     );
-    let LightDescription::Point { strength, .. } = scene.description.lights[0].value else { panic!() };
+    let LightDescription::Point(PointLightDescription { strength, .. }) = scene.description.lights[0].value else {
+        panic!()
+    };
     assert_eq!(strength, PointLightStrength::Power(DVec3::new(20.0, 10.0, 0.0)));
     let radiance: Vec<f64> = emitting_shapes(&scene).iter().map(|(radiance, _)| radiance.x).collect();
     for (radiance, area) in radiance.iter().zip([16.0 * PI, 2.0]) {
@@ -105,8 +111,8 @@ fn two_sided_lamps_emit_on_their_back() {
     let lamps = emitting_shapes(&scene);
     assert_eq!(lamps.len(), 5);
     let [
-        (front, ShapeDescription::Disc { center, normal, .. }),
-        (back, ShapeDescription::Disc { center: behind, normal: other, .. }),
+        (front, ShapeDescription::Disc(DiscDescription { center, normal, .. })),
+        (back, ShapeDescription::Disc(DiscDescription { center: behind, normal: other, .. })),
     ] = &lamps[..2]
     else {
         panic!()

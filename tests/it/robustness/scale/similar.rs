@@ -5,10 +5,12 @@
 
 use caustica::format::description::{
     ApertureDescription, AreaLightStrength, CameraDescription, DensityDescription, DielectricAbsorption,
-    DirectionOrTarget, DirectionalLightStrength, EmissionDescription, EnvironmentRadiance, FocusDescription, GroupItem,
-    LensDescription, LightDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients,
-    MediumDescription, NormalPerturbationDescription, ObjectDescription, PointLightStrength, ProjectionDescription,
-    SceneDescription, Span, Spanned, TextureKindDescription, TransformStep, TransformedBoxDescription,
+    DielectricDescription, DirectionOrTarget, DirectionalLightDescription, DirectionalLightStrength,
+    DiscLightDescription, EmissionDescription, EnvironmentRadiance, FocusDescription, GroupItem, LensDescription,
+    LightDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients, MediumDescription,
+    NormalPerturbationDescription, ObjectDescription, PointLightDescription, PointLightStrength, ProjectionDescription,
+    RectangleLightDescription, SceneDescription, Span, Spanned, SphereLightDescription, SpotLightDescription,
+    TextureKindDescription, TransformStep, TransformedBoxDescription,
 };
 use glam::{DAffine3, DMat4, DVec3};
 
@@ -153,41 +155,42 @@ impl Similarity {
 
     fn light(&self, light: &mut LightDescription) {
         match light {
-            LightDescription::Point { position, strength } => {
+            LightDescription::Point(PointLightDescription { position, strength }) => {
                 self.point(position);
                 self.intensity(strength);
             }
-            LightDescription::Directional { direction, strength } => {
+            LightDescription::Directional(DirectionalLightDescription { direction, strength }) => {
                 self.vector(direction);
                 match strength {
                     DirectionalLightStrength::Color(_) | DirectionalLightStrength::Irradiance(_) => {}
                 }
             }
-            LightDescription::Spot { position, aim, angle: _, penumbra: _, strength } => {
+            LightDescription::Spot(SpotLightDescription { position, aim, angle: _, penumbra: _, strength }) => {
                 self.aim(aim);
                 self.point(position);
                 self.intensity(strength);
             }
-            LightDescription::Oriented { position, aim, up, pattern: _, strength } => {
-                self.aim(aim);
-                self.point(position);
-                if let Some(up) = up {
+            LightDescription::Projector(ProjectorLightDescription { pose, angle: _, path: _, strength })
+            | LightDescription::Goniometric(GoniometricLightDescription { pose, distribution: _, strength }) => {
+                self.aim(&mut pose.aim);
+                self.point(&mut pose.position);
+                if let Some(up) = &mut pose.up {
                     self.vector(up);
                 }
                 self.intensity(strength);
             }
-            LightDescription::Sphere { center, radius, strength } => {
+            LightDescription::Sphere(SphereLightDescription { center, radius, strength }) => {
                 self.point(center);
                 self.length(radius);
                 self.radiance(strength);
             }
-            LightDescription::Disc { center, normal, radius, strength } => {
+            LightDescription::Disc(DiscLightDescription { center, normal, radius, strength }) => {
                 self.point(center);
                 self.vector(normal);
                 self.length(radius);
                 self.radiance(strength);
             }
-            LightDescription::Rectangle { corner, edge0, edge1, strength } => {
+            LightDescription::Rectangle(RectangleLightDescription { corner, edge0, edge1, strength }) => {
                 self.point(corner);
                 self.vector(edge0);
                 self.vector(edge1);
@@ -259,19 +262,19 @@ impl Similarity {
     fn material(&self, material: &mut MaterialDescription) {
         let MaterialDescription { name: _, kind, emission, normal_perturbation, medium: _ } = material;
         match kind {
-            MaterialKindDescription::Dielectric { attenuation, .. } => match attenuation {
+            MaterialKindDescription::Dielectric(DielectricDescription { attenuation, .. }) => match attenuation {
                 DielectricAbsorption::None => {}
                 DielectricAbsorption::Coefficient(sigma) => self.per_length(sigma),
                 DielectricAbsorption::Tint { color: _, distance } => self.length(distance),
             },
-            MaterialKindDescription::Phong { .. }
-            | MaterialKindDescription::Diffuse { .. }
-            | MaterialKindDescription::Mirror { .. }
-            | MaterialKindDescription::NullInterface { .. }
-            | MaterialKindDescription::Conductor { .. }
-            | MaterialKindDescription::Thin { .. }
-            | MaterialKindDescription::CoatedDiffuse { .. }
-            | MaterialKindDescription::Mix { .. } => {}
+            MaterialKindDescription::Phong(_)
+            | MaterialKindDescription::Diffuse(_)
+            | MaterialKindDescription::Mirror(_)
+            | MaterialKindDescription::NullInterface(_)
+            | MaterialKindDescription::Conductor(_)
+            | MaterialKindDescription::Thin(_)
+            | MaterialKindDescription::CoatedDiffuse(_)
+            | MaterialKindDescription::Mix(_) => {}
         }
         match emission {
             None | Some(EmissionDescription::Radiance(_) | EmissionDescription::Texture { .. }) => {}

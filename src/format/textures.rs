@@ -1,23 +1,112 @@
-//! Schemas, parsing and writing of texture blocks.
+//! Textures in the scene language: description, blocks with their reading and writing, and
+//! conversion to textures of the scene.
 
-use std::fmt;
-
-use glam::DVec3;
-
-use super::super::description::{
-    PictureEncoding, SolidPatternDescription, Spanned, TexcoordTransformDescription, TextureDescription,
-    TextureKindDescription, WrapMode,
-};
-use super::super::error::SceneError;
-use super::fields::{BlockFields, parse_block_by_keyword};
-use super::lexer::Token;
-use super::names::parse_unique_block_name;
-use super::parser::Parser;
-use super::schema::{
+use super::error::SceneError;
+use super::language::fields::{BlockFields, parse_block_by_keyword};
+use super::language::lexer::Token;
+use super::language::names::parse_unique_block_name;
+use super::language::parser::Parser;
+use super::language::schema::{
     BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block_keywords, block_schema, field_schema,
 };
-use super::transforms::write_transform_field;
-use super::writer::SceneWriter;
+use super::language::transforms::write_transform_field;
+use super::language::writer::SceneWriter;
+use super::resolve::{Resolver, SINGULAR_REMEDY, rgb};
+use super::span::Spanned;
+use super::transform_step::TransformStep;
+use crate::image::PixelMeaning;
+use crate::math::Transform;
+pub use crate::texture::WrapMode;
+use crate::texture::{Checkerboard, SolidPattern, SolidTexture, Texture, UvTransform};
+use glam::{DVec2, DVec3};
+use std::fmt;
+
+/// A texture as the scene file describes it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextureDescription {
+    /// Name that materials refer to: not empty, without line breaks.
+    pub name: String,
+    /// Picture, checkerboard or solid pattern.
+    pub kind: TextureKindDescription,
+}
+
+/// Picture, checkerboard or solid texture, with its parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TextureKindDescription {
+    /// A picture in a file of its own.
+    Image {
+        /// Path of the picture as the text writes it: not empty, without line breaks.
+        path: Spanned<String>,
+        /// Encoding of pictures with integer values, such as PNG. Floating-point pictures are
+        /// linear.
+        encoding: PictureEncoding,
+        /// Rule for texture coordinates beyond the picture's edges.
+        wrap: WrapMode,
+        /// Transform from the surface's texture coordinates to those of the picture.
+        coordinates: TexcoordTransformDescription,
+    },
+    /// Checkerboard with squares of side 1 in texture coordinates.
+    Checker {
+        /// Colors where ⌊u⌋ + ⌊v⌋ is even, and where it is odd.
+        colors: [DVec3; 2],
+        /// Transform from the surface's texture coordinates to those of the checkerboard.
+        coordinates: TexcoordTransformDescription,
+    },
+    /// A solid texture: a function of the position in object space.
+    Solid {
+        /// Function of the position.
+        pattern: SolidPatternDescription,
+        /// Colors where the pattern has the values 0 and 1.
+        colors: [DVec3; 2],
+        /// Number of noise octaves, from 1 to 16.
+        octaves: u32,
+        /// Frequency in 1/length, above 0. It counts periods of the first noise octave, marble
+        /// veins or wood rings.
+        frequency: f64,
+        /// Amplitude of the noise, at least 0.
+        amplitude: f64,
+        /// Steps from pattern space to object space; see [`TransformStep::composed_matrix`].
+        steps: Vec<TransformStep>,
+    },
+}
+
+/// Function of position that a solid texture evaluates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SolidPatternDescription {
+    /// Perlin noise.
+    Noise,
+    /// Parallel veins, distorted by noise.
+    Marble,
+    /// Rings about an axis, distorted by noise.
+    Wood,
+}
+
+/// Encoding of pictures with integer values, such as PNG files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PictureEncoding {
+    /// Values are encoded by the sRGB transfer function, as in photographs.
+    #[default]
+    Srgb,
+    /// Values are linear, such as heights or normals.
+    Linear,
+}
+
+/// Transform of texture coordinates: a scale, then a rotation, then an offset.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TexcoordTransformDescription {
+    /// Factors of u and v, neither of them 0.
+    pub scale: DVec2,
+    /// Counterclockwise rotation in degrees.
+    pub rotate: f64,
+    /// Offset of u and v.
+    pub offset: DVec2,
+}
+
+impl Default for TexcoordTransformDescription {
+    fn default() -> Self {
+        Self { scale: DVec2::ONE, rotate: 0.0, offset: DVec2::ZERO }
+    }
+}
 
 /// Texture blocks of the scene language, each with the function that converts its fields.
 pub(super) static TEXTURES: &[BlockParser<ParseTexture>] = &[
@@ -90,12 +179,16 @@ static WOOD: BlockSchema = block_schema("Wood", "solid rings about the y axis, t
     .with_shared_fields(&[COLOR_FIELDS, PATTERN_FIELDS]);
 
 /// Parses a `Textures` block. Its textures replace those of an earlier `Textures` block.
-pub(super) fn parse_textures_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(), SceneError> {
+pub(super) fn parse_textures_block<'a>(
+    parser: &mut Parser<'a>,
+    block: Token<'a>,
+) -> Result<Vec<Spanned<TextureDescription>>, SceneError> {
+    let mut textures = Vec::new();
     parser.scope.check_precedes_materials(parser.lexer, block)?;
     parser.scope.textures.clear();
     let allowed = block_keywords(&["numTextures"], TEXTURES);
     parser.parse_list_block(block, ("numTextures", "texture"), &allowed, |parser, word| {
-        let is_taken = |parser: &Parser<'a>, name: &str| parser.scope.textures.iter().any(|t| t.value.name == name);
+        let is_taken = |parser: &Parser<'a>, name: &str| parser.scope.textures.iter().any(|t| t == name);
         let name = parse_unique_block_name(parser, word, ("texture", "textures"), is_taken)?;
         let (kind, result) = match parse_texture(parser, word) {
             Ok(kind) => (kind, Ok(())),
@@ -103,9 +196,11 @@ pub(super) fn parse_textures_block<'a>(parser: &mut Parser<'a>, block: Token<'a>
             // errors.
             Err(error) => (placeholder_texture(), Err(error)),
         };
-        parser.scope.textures.push(Spanned::new(TextureDescription { name, kind }, word.span()));
+        parser.scope.textures.push(name.clone());
+        textures.push(Spanned::new(TextureDescription { name, kind }, word.span()));
         result
-    })
+    })?;
+    Ok(textures)
 }
 
 fn placeholder_texture() -> TextureKindDescription {
@@ -216,4 +311,51 @@ fn write_texcoord_transform(out: &mut SceneWriter<'_, '_>, coordinates: &Texcoor
     out.write_vec2("scale", coordinates.scale)?;
     out.write_number("rotate", coordinates.rotate)?;
     out.write_vec2("offset", coordinates.offset)
+}
+
+/// Adds all `textures` of the description to the scene.
+pub(super) fn add_textures<'a>(
+    r: &mut Resolver<'a>,
+    textures: &'a [Spanned<TextureDescription>],
+) -> Result<(), SceneError> {
+    for texture in textures {
+        let added = match &texture.kind {
+            TextureKindDescription::Image { path, encoding, wrap, coordinates } => {
+                let content = match encoding {
+                    PictureEncoding::Srgb => PixelMeaning::Radiance,
+                    PictureEncoding::Linear => PixelMeaning::Data,
+                };
+                r.add_picture_texture(path, content, *wrap, texcoord_transform(coordinates))?
+            }
+            TextureKindDescription::Checker { colors, coordinates } => {
+                let checker =
+                    Texture::Checkerboard(Checkerboard { colors: colors.map(rgb) }, texcoord_transform(coordinates));
+                r.add_texture(checker, false)
+            }
+            TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, steps } => {
+                let to_object = Transform::new(TransformStep::composed_matrix(steps))
+                    .map_err(|e| r.error_at(texture.span, &e.to_string(), SINGULAR_REMEDY))?;
+                let solid = SolidTexture {
+                    kind: match pattern {
+                        SolidPatternDescription::Noise => SolidPattern::Noise,
+                        SolidPatternDescription::Marble => SolidPattern::Marble,
+                        SolidPatternDescription::Wood => SolidPattern::Wood,
+                    },
+                    colors: colors.map(rgb),
+                    octaves: *octaves,
+                    frequency: *frequency,
+                    amplitude: *amplitude,
+                    to_pattern: *to_object.inverse(),
+                };
+                r.add_texture(Texture::Solid(solid), false)
+            }
+        };
+        r.textures.insert(&texture.name, added);
+    }
+    Ok(())
+}
+
+fn texcoord_transform(coordinates: &TexcoordTransformDescription) -> UvTransform {
+    let TexcoordTransformDescription { scale, rotate, offset } = *coordinates;
+    UvTransform::new(scale, rotate.to_radians(), offset)
 }

@@ -1,25 +1,98 @@
-//! Schemas, parsing and writing of camera blocks.
-//!
-//! The fields `direction` and `lookAt`, which cameras and lights share, are here, too.
+//! Cameras in the scene language: description, blocks with their parsing and writing, and
+//! conversion to a [`Camera`].
 
-use std::fmt;
-
-use glam::DVec3;
-
-use super::super::description::{
-    ApertureDescription, CameraDescription, DirectionOrTarget, FocusDescription, LensDescription,
-    ProjectionDescription, Spanned, TransformStep,
-};
-use super::super::error::SceneError;
-use super::fields::{BlockFields, parse_block_by_keyword};
-use super::lexer::Token;
-use super::parser::Parser;
-use super::schema::{
+use super::aim::{DirectionOrTarget, parse_direction_or_target, write_direction_or_target};
+use super::error::{SceneError, SourceText};
+use super::language::fields::{BlockFields, parse_block_by_keyword};
+use super::language::lexer::Token;
+use super::language::parser::Parser;
+use super::language::schema::{
     BlockParser, BlockSchema, FieldKind, FieldRange, FieldSchema, block_keywords, block_schema, field_schema,
 };
-use super::text::is_normalizable;
-use super::transforms::{parse_moving_block, write_transform_steps};
-use super::writer::SceneWriter;
+use super::language::transforms::{parse_moving_block, write_transform_steps};
+use super::language::writer::SceneWriter;
+use super::line_error::MessageAndRemedy;
+use super::span::Spanned;
+use super::transform_step::TransformStep;
+use crate::camera::{Camera, Lens};
+use glam::DVec3;
+use std::fmt;
+
+/// A camera as the scene file describes it, with its picture size and motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraDescription {
+    /// Position of the pinhole, of the lens center, or of the center of an orthographic picture.
+    pub center: DVec3,
+    /// View direction, or a point to look at.
+    pub aim: DirectionOrTarget,
+    /// Direction that appears upward in the picture; not parallel to the view.
+    pub up: DVec3,
+    /// Projection of the camera.
+    pub projection: ProjectionDescription,
+    /// Picture width in pixels.
+    pub width: u32,
+    /// Picture height in pixels.
+    pub height: u32,
+    /// Steps of the motion while the shutter is open. The camera's own position is the origin of
+    /// its rotations.
+    ///
+    /// The first listed step is applied last.
+    pub motion: Vec<TransformStep>,
+}
+
+/// Projection of a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ProjectionDescription {
+    /// Perspective through a pinhole or a thin lens.
+    Perspective {
+        /// Vertical field of view in degrees, inside (0, 180).
+        angle: f64,
+        /// Lens; `None` for a pinhole.
+        lens: Option<LensDescription>,
+    },
+    /// Orthographic projection.
+    Orthographic {
+        /// Height of the visible region in scene units, above 0.
+        size: f64,
+    },
+    /// Equirectangular projection of all directions.
+    Environment,
+}
+
+/// A thin lens of a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LensDescription {
+    /// Size of the aperture.
+    pub aperture: ApertureDescription,
+    /// Position of the plane in focus.
+    pub focus: FocusDescription,
+    /// Number of diaphragm blades, at least 3; 0 for a round aperture.
+    pub blades: u32,
+}
+
+/// Size of a lens aperture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ApertureDescription {
+    /// Lens radius, at least 0.
+    Radius(f64),
+    /// Given by the f-number: the ratio of focal length to lens diameter. The sensor height and the
+    /// field of view give the focal length.
+    FNumber {
+        /// The f-number, above 0.
+        number: f64,
+        /// Height of the sensor in scene units, above 0.
+        sensor: f64,
+    },
+}
+
+/// Position of the plane in focus, which is perpendicular to the view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FocusDescription {
+    /// Distance of the plane in focus from the lens, above 0.
+    Distance(f64),
+    /// A point on the plane in focus, in front of the camera.
+    Point(DVec3),
+}
 
 /// Camera blocks of the scene language, each with the function that converts its fields.
 pub(super) static CAMERAS: &[BlockParser<ParseProjection>] = &[
@@ -207,25 +280,6 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraPose) -> Result<Option<LensDescr
     Ok(Some(LensDescription { aperture, focus, blades }))
 }
 
-/// Parses the field `direction` or `lookAt` of a camera or light at the position `center`.
-///
-/// Returns the field as written, and the direction that results, of any length. `center_name` is
-/// the keyword of the field that holds `center`, for error messages.
-pub(super) fn parse_direction_or_target(
-    f: &BlockFields<'_>,
-    center_name: &str,
-    center: DVec3,
-) -> Result<(DirectionOrTarget, DVec3), SceneError> {
-    let field = f.require_one_field_of(&["direction", "lookAt"])?;
-    let value: DVec3 = field.value();
-    if field.name() == "direction" {
-        return Ok((DirectionOrTarget::Direction(value), value));
-    }
-    let direction = value - center;
-    field.ensure_valid(is_normalizable(direction), &format!("must lie at some distance from `{center_name}`"))?;
-    Ok((DirectionOrTarget::LookAt(value), direction))
-}
-
 /// Writes a camera as scene text, within a `Moving` block if it moves.
 pub(super) fn write_camera(out: &mut SceneWriter<'_, '_>, camera: &CameraDescription) -> fmt::Result {
     if !camera.motion.is_empty() {
@@ -256,14 +310,6 @@ pub(super) fn write_camera(out: &mut SceneWriter<'_, '_>, camera: &CameraDescrip
     out.end_block()
 }
 
-/// Writes the field `direction` or `lookAt`.
-pub(super) fn write_direction_or_target(out: &mut SceneWriter<'_, '_>, aim: DirectionOrTarget) -> fmt::Result {
-    match aim {
-        DirectionOrTarget::Direction(direction) => out.write_vec3("direction", direction),
-        DirectionOrTarget::LookAt(point) => out.write_vec3("lookAt", point),
-    }
-}
-
 /// Writes the fields of a thin lens.
 fn write_lens(out: &mut SceneWriter<'_, '_>, lens: &LensDescription) -> fmt::Result {
     match lens.aperture {
@@ -278,4 +324,105 @@ fn write_lens(out: &mut SceneWriter<'_, '_>, lens: &LensDescription) -> fmt::Res
         FocusDescription::Point(point) => out.write_vec3("focusAt", point)?,
     }
     out.write_field("blades", lens.blades)
+}
+
+/// Returns the camera that a scene describes.
+///
+/// Fails if single precision cannot represent its view, or if `up` is parallel to the view.
+pub(super) fn resolve_camera(
+    described: &Spanned<CameraDescription>,
+    source: &SourceText,
+) -> Result<Camera, SceneError> {
+    let CameraDescription { center, up, width, height, .. } = described.value;
+    let direction = described.aim.direction_from(center);
+    let refuse = |(message, help): MessageAndRemedy| {
+        SceneError::error_at_span(source, described.span, message, "this camera", help)
+    };
+    let camera = match described.projection {
+        ProjectionDescription::Perspective { angle, lens } => {
+            check_field_of_view(angle, (width, height)).map_err(refuse)?;
+            let camera = Camera::perspective(center, direction, up, angle.to_radians(), width, height);
+            match lens {
+                Some(lens) => {
+                    let lens = resolve_lens(&lens, angle, center, direction);
+                    check_lens(&lens).map_err(refuse)?;
+                    camera.map(|camera| camera.with_lens(lens))
+                }
+                None => camera,
+            }
+        }
+        ProjectionDescription::Orthographic { size } => {
+            Camera::orthographic(center, direction, up, size, width, height)
+        }
+        ProjectionDescription::Environment => Camera::panorama(center, direction, up, width, height),
+    };
+    camera.map_err(|e| refuse((e.to_string(), "give another `up`")))
+}
+
+/// Greatest rounding error of a unit vector in single precision \[rad]: about 2⁻²⁴.
+const MAX_DIRECTION_ERROR: f64 = 1.0 / 16_777_216.0;
+
+/// Greatest tangent of the angle between the view direction and a corner of the picture.
+///
+/// At this angle, the rounding error of a ray direction moves a corner by 1/256 of its distance
+/// from the picture's center.
+const MAX_CORNER_TANGENT: f64 = 65_536.0;
+
+/// Fails if single precision cannot distinguish the directions to the pixels of a perspective
+/// picture.
+///
+/// `angle` is the vertical field of view in degrees. `width` and `height` are in pixels.
+fn check_field_of_view(angle: f64, (width, height): (u32, u32)) -> Result<(), MessageAndRemedy> {
+    let (width, height) = (f64::from(width), f64::from(height));
+    let pixel = 2.0 * libm::tan(0.5 * angle.to_radians()) / height;
+    if pixel < MAX_DIRECTION_ERROR {
+        let message =
+            format!("the pixels are {pixel:.1e} rad wide, less than the error of directions in single precision");
+        return Err((message, "choose a larger `angle` or fewer pixels, or an OrthographicCamera"));
+    }
+    let corner = 0.5 * pixel * libm::hypot(width, height);
+    if corner > MAX_CORNER_TANGENT {
+        let message =
+            format!("the corners lie {corner:.1e} times as far aside as ahead, which single precision cannot hold");
+        return Err((message, "choose a smaller `angle` or a picture less long, or an EnvironmentCamera"));
+    }
+    Ok(())
+}
+
+/// Least focus distance \[length]. Squares of shorter lengths underflow in single precision.
+const MIN_FOCUS_DISTANCE: f64 = 1e-12;
+
+/// Greatest lens radius and focus distance \[length]. Single precision can hold their squares and
+/// products.
+const MAX_LENS_LENGTH: f64 = 1e12;
+
+/// Fails if single precision cannot hold the squares of the lens radius and the focus distance.
+fn check_lens(lens: &Lens) -> Result<(), MessageAndRemedy> {
+    if !(lens.radius < MAX_LENS_LENGTH && lens.focus < MAX_LENS_LENGTH) {
+        let message = "the lens is larger, or focused farther, than single precision can hold";
+        return Err((message.to_owned(), "close it, or focus nearer"));
+    }
+    if lens.focus < MIN_FOCUS_DISTANCE {
+        let message = "the lens is focused nearer than single precision can hold";
+        return Err((message.to_owned(), "focus at a distance of at least 1e-12"));
+    }
+    Ok(())
+}
+
+/// Returns the lens of a camera at `center` that looks along `direction`.
+///
+/// `angle` is the vertical field of view in degrees.
+fn resolve_lens(lens: &LensDescription, angle: f64, center: DVec3, direction: DVec3) -> Lens {
+    let radius = match lens.aperture {
+        ApertureDescription::Radius(radius) => radius,
+        ApertureDescription::FNumber { number, sensor } => {
+            let focal_length = 0.5 * sensor / libm::tan(0.5 * angle.to_radians());
+            0.5 * focal_length / number
+        }
+    };
+    let focus = match lens.focus {
+        FocusDescription::Distance(distance) => distance,
+        FocusDescription::Point(point) => (point - center).dot(direction.normalize()),
+    };
+    Lens { radius, focus, blades: lens.blades }
 }

@@ -1,13 +1,44 @@
-//! Schemas, parsing and writing of the refractive index of a `Dielectric`.
+//! Refractive index of a `Dielectric`: description, fields, reading, writing and conversion.
 
+use crate::color::{DispersionFormula, GLASSES, glass_by_name};
+use crate::format::error::SceneError;
+use crate::format::language::fields::{BlockFields, ParsedField};
+use crate::format::language::nearest_word;
+use crate::format::language::schema::{FieldKind, FieldRange, FieldSchema, field_schema};
+use crate::format::language::writer::{SceneWriter, SpacedNumbers};
+use crate::format::resolve::Resolver;
+use crate::format::span::Spanned;
 use std::fmt;
 
-use super::super::description::{MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX, RefractiveIndexDescription};
-use super::super::error::SceneError;
-use super::fields::{BlockFields, ParsedField};
-use super::schema::{FieldKind, FieldRange, FieldSchema, field_schema};
-use super::writer::{SceneWriter, SpacedNumbers};
-use crate::color::DispersionFormula;
+/// Index of refraction of a dielectric, relative to air.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RefractiveIndexDescription {
+    /// One refractive index for all wavelengths.
+    Index(f64),
+    /// Name of a glass with a known dispersion formula.
+    Named(Spanned<String>),
+    /// Two-term Cauchy equation that has a given index and Abbe number.
+    Abbe {
+        /// Refractive index at the d line, 587.56 nm.
+        index: f64,
+        /// Abbe number, above 0; a smaller one means more dispersion.
+        abbe: f64,
+    },
+    /// Dispersion formula. Its indices lie in [0.001, 1000] from 380 to 720 nm.
+    Glass(DispersionFormula),
+}
+
+impl From<f64> for RefractiveIndexDescription {
+    fn from(index: f64) -> Self {
+        Self::Index(index)
+    }
+}
+
+/// Smallest refractive index that a material may have.
+pub const MIN_REFRACTIVE_INDEX: f64 = 0.001;
+/// Largest refractive index that a material may have. Ratios and squares of indices stay well
+/// within single precision.
+pub const MAX_REFRACTIVE_INDEX: f64 = 1000.0;
 
 /// Schema of the field `indexOfRefraction` of dielectrics and thin panes.
 pub(super) const INDEX_FIELD: FieldSchema =
@@ -103,4 +134,34 @@ pub(super) fn write_refraction(out: &mut SceneWriter<'_, '_>, refraction: &Refra
             out.write_field("sellmeierC", SpacedNumbers(&c[..terms]))
         }
     }
+}
+
+/// Returns a dielectric's refractive index at the d line (587.56 nm), and the index of its glass.
+///
+/// Glasses are a list of the scene, to which this adds one. The index is `None`, and no glass is
+/// added, for a dielectric without dispersion.
+pub(super) fn add_refractive_index(
+    r: &mut Resolver<'_>,
+    described: &RefractiveIndexDescription,
+) -> Result<(f32, Option<u32>), SceneError> {
+    let glass = match described {
+        RefractiveIndexDescription::Index(index) => return Ok((*index as f32, None)),
+        RefractiveIndexDescription::Named(name) => find_glass(r, name)?,
+        RefractiveIndexDescription::Abbe { index, abbe } => DispersionFormula::from_abbe_number(*index, *abbe),
+        RefractiveIndexDescription::Glass(glass) => *glass,
+    };
+    Ok((glass.refractive_index_at_d_line(), Some(r.builder.add_glass(glass))))
+}
+
+/// Returns the dispersion formula of the glass called `name`. The error for an unknown name lists
+/// all names.
+fn find_glass(r: &Resolver<'_>, name: &Spanned<String>) -> Result<DispersionFormula, SceneError> {
+    glass_by_name(name).ok_or_else(|| {
+        let names = || GLASSES.iter().map(|g| g.0);
+        let message = format!("no glass is called `{}`", name.value);
+        let guess = nearest_word(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
+        let known = names().collect::<Vec<_>>().join(", ");
+        let help = format!("{guess}known are {known}; of others, give `cauchy`, or `indexOfRefraction` and `abbe`");
+        SceneError::error_at_span(r.source, name.span, message, "unknown name", help)
+    })
 }

@@ -3,7 +3,7 @@
 use super::{CAMERA, is_nearly_equal, resolve_error, resolve_scene_text};
 use crate::bsdf::{METALS, conductor_reflectance, metal_refractive_index};
 use crate::color::{DispersionFormula, GLASSES};
-use crate::format::description::MaterialKindDescription;
+use crate::format::description::{MaterialKindDescription, MixDescription};
 use crate::format::{SourceText, parse, resolve};
 use crate::scene::{Body, Material, Scene};
 use glam::{Vec3, vec3};
@@ -110,7 +110,7 @@ fn a_mix_that_contains_itself_is_refused() {
     // The parser reports such names of a file. A description may be changed after parsing.
     let text = format!("{CAMERA}Materials {{ Mirror a {{ }}\nMix m {{ first a second a amount 0 }} }} {BALL}");
     let mut description = parse("a.txt", &text).unwrap();
-    if let MaterialKindDescription::Mix { second, .. } = &mut description.materials[1].value.kind {
+    if let MaterialKindDescription::Mix(MixDescription { second, .. }) = &mut description.materials[1].value.kind {
         second.value = "m".to_owned();
     }
     let error = resolve(&description, &SourceText::new("a.txt", &text), Path::new("")).unwrap_err();

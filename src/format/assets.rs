@@ -1,0 +1,29 @@
+//! Meshes, pictures and grids that a scene file itself contains.
+
+use super::grid::DensityGrid;
+use super::mesh::TriangleMesh;
+use crate::image::Image;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Meshes, pictures and grids that a scene file itself contains, with the paths by which its
+/// description names them.
+///
+/// A path that is listed here is not looked up in the file system.
+#[derive(Clone, Debug, Default)]
+pub struct EmbeddedAssets {
+    /// Meshes of `TriangleMesh` shapes.
+    pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
+    /// Pictures of textures and lights; their values are linear.
+    pub pictures: BTreeMap<String, Arc<Image>>,
+    /// Density grids of media.
+    pub grids: BTreeMap<String, Arc<DensityGrid>>,
+}
+
+impl EmbeddedAssets {
+    /// True if `path` names an embedded mesh, picture or grid.
+    #[must_use]
+    pub fn contains(&self, path: &str) -> bool {
+        self.meshes.contains_key(path) || self.pictures.contains_key(path) || self.grids.contains_key(path)
+    }
+}

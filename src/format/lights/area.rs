@@ -1,0 +1,208 @@
+//! The blocks `SphereLight`, `DiscLight` and `RectangleLight`: shapes that emit, and reflect
+//! nothing.
+
+use super::LightBlock;
+use crate::format::error::SceneError;
+use crate::format::language::fields::BlockFields;
+use crate::format::language::schema::{BlockSchema, FieldKind, FieldRange, FieldSchema, block_schema, field_schema};
+use crate::format::language::writer::SceneWriter;
+use crate::format::parallelogram::{parse_parallelogram, write_parallelogram};
+use crate::format::resolve::{Resolver, rgb};
+use crate::format::span::Span;
+use crate::math::Motion;
+use crate::scene::Material;
+use crate::shape::{Disc, Rectangle, Shape, Sphere};
+use glam::DVec3;
+use std::fmt;
+
+/// Strength of an area light: its radiance or its flux.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AreaLightStrength {
+    /// Radiance in W/(m² sr), equal in all directions on the emitting side.
+    Radiance(DVec3),
+    /// Radiant flux in W.
+    Power(DVec3),
+}
+
+/// A sphere that emits outward.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SphereLightDescription {
+    /// Center of the sphere.
+    pub center: DVec3,
+    /// Radius of the sphere, above 0.
+    pub radius: f64,
+    /// Strength of the light: radiance or flux.
+    pub strength: AreaLightStrength,
+}
+
+/// A disc that emits on the side of its normal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DiscLightDescription {
+    /// Center of the disc.
+    pub center: DVec3,
+    /// Normal of the emitting side, of any length.
+    pub normal: DVec3,
+    /// Radius of the disc, above 0.
+    pub radius: f64,
+    /// Strength of the light: radiance or flux.
+    pub strength: AreaLightStrength,
+}
+
+/// A parallelogram that emits on the side of `edge0 × edge1`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RectangleLightDescription {
+    /// The corner where both edges start.
+    pub corner: DVec3,
+    /// Edge vector from the corner to one neighbor.
+    pub edge0: DVec3,
+    /// Edge vector from the corner to the other neighbor.
+    pub edge1: DVec3,
+    /// Strength of the light: radiance or flux.
+    pub strength: AreaLightStrength,
+}
+
+static AREA_STRENGTH_FIELDS: &[FieldSchema] = &[
+    field_schema("radiance", FieldKind::Color, "radiance of the emitting side; give one of the two")
+        .with_unit("W/(m² sr)"),
+    field_schema("power", FieldKind::Color, "radiant flux").with_unit("W"),
+];
+
+static SPHERE: BlockSchema = block_schema("SphereLight", "sphere that emits outward")
+    .with_fields(&[
+        field_schema("center", FieldKind::Point, "center").make_required(),
+        field_schema("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
+    ])
+    .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
+
+static DISC: BlockSchema = block_schema("DiscLight", "disc that emits on the side of its normal")
+    .with_fields(&[
+        field_schema("center", FieldKind::Point, "center").make_required(),
+        field_schema("normal", FieldKind::Direction, "normal of the emitting side").make_required(),
+        field_schema("radius", FieldKind::Number, "radius").with_range(FieldRange::Positive).make_required(),
+    ])
+    .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
+
+static RECTANGLE: BlockSchema =
+    block_schema("RectangleLight", "parallelogram that emits on the side of `edge0` × `edge1`")
+        .with_fields(&[
+            field_schema("corner", FieldKind::Point, "corner where both edges start").make_required(),
+            field_schema("edge0", FieldKind::Direction, "vector to the first neighbouring corner").make_required(),
+            field_schema("edge1", FieldKind::Direction, "vector to the other neighbouring corner").make_required(),
+        ])
+        .with_shared_fields(&[AREA_STRENGTH_FIELDS]);
+
+impl AreaLightStrength {
+    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        f.require_color_variant(&[("radiance", Self::Radiance), ("power", Self::Power)])
+    }
+
+    fn write(self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+        match self {
+            Self::Radiance(c) => out.write_vec3("radiance", c),
+            Self::Power(c) => out.write_vec3("power", c),
+        }
+    }
+}
+
+impl LightBlock for SphereLightDescription {
+    const BLOCK: &'static BlockSchema = &SPHERE;
+    const IS_INFINITE: bool = false;
+
+    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        Ok(Self { center: f.value("center")?, radius: f.value("radius")?, strength: AreaLightStrength::parse(f)? })
+    }
+
+    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+        out.write_vec3("center", self.center)?;
+        out.write_number("radius", self.radius)?;
+        self.strength.write(out)
+    }
+
+    fn add(&self, r: &mut Resolver<'_>, motion: &Motion, span: Span) -> Result<(), SceneError> {
+        let sphere = Shape::Sphere(Sphere::new(self.center, self.radius));
+        add_area_light(r, sphere, self.center, self.strength, motion, span)
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
+}
+
+impl LightBlock for DiscLightDescription {
+    const BLOCK: &'static BlockSchema = &DISC;
+    const IS_INFINITE: bool = false;
+
+    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        Ok(Self {
+            center: f.value("center")?,
+            normal: f.value("normal")?,
+            radius: f.value("radius")?,
+            strength: AreaLightStrength::parse(f)?,
+        })
+    }
+
+    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+        out.write_vec3("center", self.center)?;
+        out.write_vec3("normal", self.normal)?;
+        out.write_number("radius", self.radius)?;
+        self.strength.write(out)
+    }
+
+    fn add(&self, r: &mut Resolver<'_>, motion: &Motion, span: Span) -> Result<(), SceneError> {
+        let disc = Shape::Disc(Disc::circular_disc(self.center, self.normal, self.radius));
+        add_area_light(r, disc, self.center, self.strength, motion, span)
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
+}
+
+impl LightBlock for RectangleLightDescription {
+    const BLOCK: &'static BlockSchema = &RECTANGLE;
+    const IS_INFINITE: bool = false;
+
+    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        let (corner, edge0, edge1) = parse_parallelogram(f)?;
+        Ok(Self { corner, edge0, edge1, strength: AreaLightStrength::parse(f)? })
+    }
+
+    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+        write_parallelogram(out, self.corner, self.edge0, self.edge1)?;
+        self.strength.write(out)
+    }
+
+    fn add(&self, r: &mut Resolver<'_>, motion: &Motion, span: Span) -> Result<(), SceneError> {
+        let rectangle = Shape::Rectangle(Rectangle::new(self.corner, self.edge0, self.edge1));
+        let center = self.corner + 0.5 * (self.edge0 + self.edge1);
+        add_area_light(r, rectangle, center, self.strength, motion, span)
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
+}
+
+/// Adds a light-emitting shape that reflects nothing. Its `motion` rotates and scales it about
+/// `center`.
+fn add_area_light(
+    r: &mut Resolver<'_>,
+    shape: Shape,
+    center: DVec3,
+    strength: AreaLightStrength,
+    motion: &Motion,
+    span: Span,
+) -> Result<(), SceneError> {
+    let radiance = match strength {
+        AreaLightStrength::Radiance(l) => l,
+        AreaLightStrength::Power(w) => w / (std::f64::consts::PI * shape.area()),
+    };
+    r.require_finite_radiance(rgb(radiance), span)?;
+    let black = r.builder.add_material(Material::black());
+    if motion.is_constant() {
+        r.builder.add_shape(shape, black, rgb(radiance));
+    } else {
+        r.builder.add_moving_shape(shape, motion.pivoted_at_point(center), black, rgb(radiance));
+    }
+    Ok(())
+}

@@ -1,0 +1,83 @@
+//! Strengths of lights without area, and adding such lights to the scene.
+
+use crate::format::error::SceneError;
+use crate::format::language::fields::BlockFields;
+use crate::format::language::schema::{FieldKind, FieldSchema, field_schema};
+use crate::format::language::writer::SceneWriter;
+use crate::format::resolve::{Resolver, rgb};
+use crate::math::Motion;
+use crate::scene::{DeltaLightKind, LightStrength};
+use glam::DVec3;
+use std::fmt;
+
+/// Strength of a point light or spotlight.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PointLightStrength {
+    /// Color in the shading model of MIT course 6.837, where light does not fall off with
+    /// distance.
+    Color(DVec3),
+    /// Radiant intensity in W/sr.
+    Intensity(DVec3),
+    /// Radiant flux in W.
+    Power(DVec3),
+}
+
+/// Fields for the strength of a point light or spotlight; a block has exactly one of them.
+pub(super) static POINT_STRENGTH_FIELDS: &[FieldSchema] = &[
+    field_schema(
+        "color",
+        FieldKind::Color,
+        "color of MIT course 6.837, without distance falloff; give one of the three",
+    )
+    .mark_as_course_syntax(),
+    field_schema("intensity", FieldKind::Color, "radiant intensity; on the axis of a spotlight").with_unit("W/sr"),
+    field_schema("power", FieldKind::Color, "radiant flux").with_unit("W"),
+];
+
+/// Fields for the strength of a projector or goniometric light; a block has exactly one of them.
+pub(super) static PATTERN_STRENGTH_FIELDS: &[FieldSchema] = &[
+    field_schema("intensity", FieldKind::Color, "radiant intensity where the picture or profile is 1")
+        .with_unit("W/sr"),
+    field_schema("power", FieldKind::Color, "radiant flux, of white light through the picture; give one of the two")
+        .with_unit("W"),
+];
+
+impl PointLightStrength {
+    /// Parses the strength of a point light or spotlight.
+    pub(super) fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        f.require_color_variant(&[("color", Self::Color), ("intensity", Self::Intensity), ("power", Self::Power)])
+    }
+
+    /// Parses the strength of a projector or goniometric light.
+    pub(super) fn parse_of_pattern(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        f.require_color_variant(&[("intensity", Self::Intensity), ("power", Self::Power)])
+    }
+
+    /// Writes the field that states the strength.
+    pub(super) fn write(self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+        match self {
+            Self::Color(c) => out.write_vec3("color", c),
+            Self::Intensity(c) => out.write_vec3("intensity", c),
+            Self::Power(c) => out.write_vec3("power", c),
+        }
+    }
+
+    /// Returns the strength in single precision.
+    pub(super) fn resolve(self) -> LightStrength {
+        match self {
+            Self::Color(c) => LightStrength::LegacyColor(rgb(c)),
+            Self::Intensity(i) => LightStrength::Physical(rgb(i)),
+            Self::Power(w) => LightStrength::Power(rgb(w)),
+        }
+    }
+}
+
+/// Adds a light without area to the scene. Its `motion` rotates and scales it about its own
+/// position.
+pub(super) fn add_delta_light(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) {
+    if motion.is_constant() {
+        r.builder.add_delta_light(kind, strength);
+    } else {
+        r.builder.add_moving_delta_light(kind, strength, motion);
+    }
+}

@@ -1,0 +1,77 @@
+//! The block `DirectionalLight`.
+
+use super::LightBlock;
+use super::delta::add_delta_light;
+use crate::format::error::SceneError;
+use crate::format::language::fields::BlockFields;
+use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
+use crate::format::language::writer::SceneWriter;
+use crate::format::resolve::{Resolver, rgb};
+use crate::format::span::Span;
+use crate::math::Motion;
+use crate::scene::{DeltaLightKind, LightStrength};
+use glam::DVec3;
+use std::fmt;
+
+/// A directional light: parallel light from infinity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DirectionalLightDescription {
+    /// Direction in which the light travels, of any length.
+    pub direction: DVec3,
+    /// Irradiance, or color of the shading model of MIT course 6.837.
+    pub strength: DirectionalLightStrength,
+}
+
+/// Strength of a directional light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DirectionalLightStrength {
+    /// Color in the shading model of MIT course 6.837.
+    Color(DVec3),
+    /// Irradiance in W/m² of a surface perpendicular to the light.
+    Irradiance(DVec3),
+}
+
+static DIRECTIONAL: BlockSchema = block_schema("DirectionalLight", "parallel light from infinity")
+    .with_fields(&[
+        field_schema("direction", FieldKind::Direction, "direction in which the light travels")
+            .make_required()
+            .mark_as_course_syntax(),
+        field_schema("color", FieldKind::Color, "color of MIT course 6.837; give this or `irradiance`")
+            .mark_as_course_syntax(),
+        field_schema("irradiance", FieldKind::Color, "irradiance of a surface that faces the light").with_unit("W/m²"),
+    ])
+    .mark_as_course_syntax();
+
+impl LightBlock for DirectionalLightDescription {
+    const BLOCK: &'static BlockSchema = &DIRECTIONAL;
+    const IS_INFINITE: bool = true;
+
+    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        let strength = f.require_color_variant(&[
+            ("color", DirectionalLightStrength::Color),
+            ("irradiance", DirectionalLightStrength::Irradiance),
+        ])?;
+        Ok(Self { direction: f.value("direction")?, strength })
+    }
+
+    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+        out.write_vec3("direction", self.direction)?;
+        match self.strength {
+            DirectionalLightStrength::Color(c) => out.write_vec3("color", c),
+            DirectionalLightStrength::Irradiance(c) => out.write_vec3("irradiance", c),
+        }
+    }
+
+    fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {
+        let strength = match self.strength {
+            DirectionalLightStrength::Color(c) => LightStrength::LegacyColor(rgb(c)),
+            DirectionalLightStrength::Irradiance(e) => LightStrength::Physical(rgb(e)),
+        };
+        add_delta_light(r, DeltaLightKind::Directional { direction: self.direction }, strength, motion);
+        Ok(())
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
+}

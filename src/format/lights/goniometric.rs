@@ -1,0 +1,132 @@
+//! The block `GoniometricLight`.
+
+use super::LightBlock;
+use super::delta::{PATTERN_STRENGTH_FIELDS, PointLightStrength, add_delta_light};
+use super::oriented::{LightPose, ORIENTATION_FIELDS};
+use crate::color::Rgb;
+use crate::format::error::SceneError;
+use crate::format::language::fields::BlockFields;
+use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
+use crate::format::language::writer::SceneWriter;
+use crate::format::resolve::Resolver;
+use crate::format::span::{Span, Spanned};
+use crate::image::PixelMeaning;
+use crate::light::{EquirectangularMap, IntensityPattern, OrientedPointLight, map_from_intensity_profile};
+use crate::math::Motion;
+use crate::scene::DeltaLightKind;
+use std::fmt;
+use std::sync::Arc;
+
+/// A point light with a measured intensity in each direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GoniometricLightDescription {
+    /// Position and orientation of the light.
+    pub pose: LightPose,
+    /// Intensity in each direction, relative to `strength`.
+    pub distribution: IntensityDistribution,
+    /// Intensity where the distribution is 1, or flux. [`PointLightStrength::Color`] is not
+    /// allowed.
+    pub strength: PointLightStrength,
+}
+
+/// Relative intensity of a goniometric light in each direction, read from a file.
+///
+/// Paths are as written in the scene file: not empty, without line breaks.
+#[derive(Clone, Debug, PartialEq)]
+pub enum IntensityDistribution {
+    /// Path of an equirectangular picture of the intensity in all directions.
+    Map(Spanned<String>),
+    /// Path of a text file that lists the intensity by the angle from the light's axis.
+    Profile(Spanned<String>),
+}
+
+static GONIOMETRIC: BlockSchema =
+    block_schema("GoniometricLight", "point light with a measured intensity distribution")
+        .with_fields(&[
+            field_schema(
+                "file",
+                FieldKind::Name,
+                "picture of the intensity in all directions, its center along the axis; give this or `profile`",
+            ),
+            field_schema(
+                "profile",
+                FieldKind::Name,
+                "text file with an angle from the axis in degrees and an intensity per line, in ascending order",
+            ),
+        ])
+        .with_shared_fields(&[ORIENTATION_FIELDS, PATTERN_STRENGTH_FIELDS]);
+
+impl LightBlock for GoniometricLightDescription {
+    const BLOCK: &'static BlockSchema = &GONIOMETRIC;
+    const IS_INFINITE: bool = false;
+
+    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        let file = f.require_one_field_of(&["file", "profile"])?;
+        let path = file.value();
+        let is_map = file.name() == "file";
+        let distribution = if is_map { IntensityDistribution::Map(path) } else { IntensityDistribution::Profile(path) };
+        Ok(Self { pose: LightPose::parse(f)?, distribution, strength: PointLightStrength::parse_of_pattern(f)? })
+    }
+
+    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+        self.pose.write(out)?;
+        match &self.distribution {
+            IntensityDistribution::Map(path) => out.write_name("file", path)?,
+            IntensityDistribution::Profile(path) => out.write_name("profile", path)?,
+        }
+        self.strength.write(out)
+    }
+
+    fn add(&self, r: &mut Resolver<'_>, motion: &Motion, _: Span) -> Result<(), SceneError> {
+        let (direction, up) = self.pose.direction_and_up();
+        let (map, direction, up) = match &self.distribution {
+            IntensityDistribution::Map(path) => {
+                let map = EquirectangularMap::new(r.read_picture(path, PixelMeaning::Radiance)?, Rgb::ONE);
+                (map.map_err(|e| r.file_error(path, &e, "repair the picture or name another"))?, direction, up)
+            }
+            // The intensity map of a profile is symmetric about its up direction. So `up` is the
+            // light's axis.
+            IntensityDistribution::Profile(path) => {
+                (read_intensity_profile(r, path)?, direction.any_orthogonal_vector(), direction)
+            }
+        };
+        let pattern = IntensityPattern::Map(Arc::new(map));
+        let source = OrientedPointLight { position: self.pose.position, direction, up, pattern };
+        add_delta_light(r, DeltaLightKind::Oriented(source), self.strength.resolve(), motion);
+        Ok(())
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        match &mut self.distribution {
+            IntensityDistribution::Map(path) | IntensityDistribution::Profile(path) => Some(&mut path.value),
+        }
+    }
+}
+
+/// Returns the intensity map of the profile in the file `path`.
+fn read_intensity_profile(r: &Resolver<'_>, path: &Spanned<String>) -> Result<EquirectangularMap, SceneError> {
+    let help = "write an angle from 0 to 180 degrees and an intensity per line, in ascending order";
+    let refuse = |message: &str| r.file_error(path, &message, help);
+    let text = std::fs::read_to_string(r.find_file("profile", path)?).map_err(|e| refuse(&e.to_string()))?;
+    let profile = parse_intensity_profile(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
+    map_from_intensity_profile(&profile).map_err(|e| refuse(&e.to_string()))
+}
+
+/// Parses an intensity profile: pairs of an angle from the axis \[degrees] and an intensity.
+///
+/// Each line holds one pair, in ascending order of angle. `#` starts a comment. `None` if the text
+/// is no such table.
+fn parse_intensity_profile(text: &str) -> Option<Vec<(f64, f64)>> {
+    let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
+    let pair = |line: &str| {
+        let mut numbers = line.split_whitespace().map(str::parse::<f64>);
+        match (numbers.next(), numbers.next(), numbers.next()) {
+            (Some(Ok(angle)), Some(Ok(value)), None) => Some((angle, value)),
+            _ => None,
+        }
+    };
+    let pairs: Vec<(f64, f64)> = lines.filter(|line| !line.is_empty()).map(pair).collect::<Option<_>>()?;
+    let ascending = pairs.windows(2).all(|pair| pair[0].0 < pair[1].0);
+    let in_range = pairs.iter().all(|(angle, _)| (0.0..=180.0).contains(angle));
+    (pairs.len() >= 2 && ascending && in_range).then_some(pairs)
+}

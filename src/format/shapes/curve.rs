@@ -1,0 +1,81 @@
+//! The blocks `BezierCurve` and `BsplineCurve`: curves that are not visible.
+
+use super::ShapeBlock;
+use super::emission::EMISSION_FIELDS;
+use crate::format::error::SceneError;
+use crate::format::language::curves::{BEZIER_CONTROLS, BSPLINE_CONTROLS, CurveBasis};
+use crate::format::language::fields::BlockFields;
+use crate::format::language::schema::{BlockSchema, block_schema};
+use crate::format::language::writer::SceneWriter;
+use crate::format::resolve::Resolver;
+use crate::format::resolve::placement::{ObjectEmission, ObjectPlacement};
+use glam::DVec3;
+use std::fmt;
+
+/// A Bézier curve without a surface, which is not visible.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BezierCurveDescription {
+    /// Control points in the xy plane, at least 2.
+    pub controls: Vec<DVec3>,
+}
+
+/// A uniform, unclamped cubic B-spline without a surface, which is not visible.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BsplineCurveDescription {
+    /// Control points in the xy plane, at least 4.
+    pub controls: Vec<DVec3>,
+}
+
+static BEZIER_CURVE: BlockSchema =
+    block_schema("BezierCurve", "one Bézier curve; without `profile` it has no surface and is not visible")
+        .with_fields(&[BEZIER_CONTROLS])
+        .with_shared_fields(&[EMISSION_FIELDS])
+        .mark_as_course_syntax();
+
+static BSPLINE_CURVE: BlockSchema =
+    block_schema("BsplineCurve", "a uniform cubic B-spline; without `profile` it has no surface and is not visible")
+        .with_fields(&[BSPLINE_CONTROLS])
+        .with_shared_fields(&[EMISSION_FIELDS])
+        .mark_as_course_syntax();
+
+impl ShapeBlock for BezierCurveDescription {
+    const BLOCK: &'static BlockSchema = &BEZIER_CURVE;
+
+    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        Ok(Self { controls: f.require_field("controls")?.curve_with_basis(CurveBasis::Bezier)?.controls })
+    }
+
+    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+        out.write_points("controls", &self.controls)
+    }
+
+    fn add(&self, _: &mut Resolver<'_>, _: &ObjectPlacement<'_>, _: &ObjectEmission) -> Result<(), SceneError> {
+        // A curve has no surface.
+        Ok(())
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
+}
+
+impl ShapeBlock for BsplineCurveDescription {
+    const BLOCK: &'static BlockSchema = &BSPLINE_CURVE;
+
+    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        Ok(Self { controls: f.require_field("controls")?.curve_with_basis(CurveBasis::Bspline)?.controls })
+    }
+
+    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+        out.write_points("controls", &self.controls)
+    }
+
+    fn add(&self, _: &mut Resolver<'_>, _: &ObjectPlacement<'_>, _: &ObjectEmission) -> Result<(), SceneError> {
+        // A curve has no surface.
+        Ok(())
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
+}

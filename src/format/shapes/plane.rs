@@ -1,0 +1,77 @@
+//! The block `Plane`.
+
+use super::ShapeBlock;
+use super::emission::EMISSION_FIELDS;
+use crate::color::Rgb;
+use crate::format::error::SceneError;
+use crate::format::language::fields::BlockFields;
+use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
+use crate::format::language::writer::SceneWriter;
+use crate::format::resolve::Resolver;
+use crate::format::resolve::placement::{
+    ObjectEmission, ObjectPlacement, set_emission_texture, set_texture_mapping_if_needed,
+};
+use crate::shape::{Plane, TextureMappingKind};
+use glam::DVec3;
+use std::fmt;
+
+/// The infinite plane of all points x with normal · x = offset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaneDescription {
+    /// Normal of any length above 0.
+    pub normal: DVec3,
+    /// Distance of the plane from the origin, times the length of `normal`.
+    pub offset: f64,
+}
+
+static PLANE: BlockSchema = block_schema("Plane", "infinite plane")
+    .with_fields(&[
+        field_schema("normal", FieldKind::Direction, "normal; its length scales `offset`")
+            .make_required()
+            .mark_as_course_syntax(),
+        field_schema("offset", FieldKind::Number, "normal · x of the points x of the plane")
+            .make_required()
+            .mark_as_course_syntax(),
+    ])
+    .with_shared_fields(&[EMISSION_FIELDS])
+    .mark_as_course_syntax();
+
+impl ShapeBlock for PlaneDescription {
+    const BLOCK: &'static BlockSchema = &PLANE;
+
+    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        Ok(Self { normal: f.value("normal")?, offset: f.value("offset")? })
+    }
+
+    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+        out.write_vec3("normal", self.normal)?;
+        out.write_number("offset", self.offset)
+    }
+
+    fn add(
+        &self,
+        r: &mut Resolver<'_>,
+        placement: &ObjectPlacement<'_>,
+        emission: &ObjectEmission,
+    ) -> Result<(), SceneError> {
+        if emission.radiance != Rgb::ZERO {
+            let help = "use a Rectangle or a Disc, or give the plane a material without emission";
+            return Err(r.error_at(placement.span, "an infinite plane cannot emit light", help));
+        }
+        let (normal, to_world) = (self.normal, placement.to_world);
+        let point = normal * (self.offset / normal.length_squared());
+        let plane = Plane::new(point, normal);
+        if to_world.is_constant() {
+            r.builder.add_plane(plane.transformed(&placement.at_shutter_open), r.material, emission.radiance);
+        } else {
+            r.builder.add_moving_plane(plane, to_world.clone(), r.material, emission.radiance);
+        }
+        set_texture_mapping_if_needed(r, TextureMappingKind::plane_mapping(normal), to_world);
+        set_emission_texture(r, emission);
+        Ok(())
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
+}

@@ -1,0 +1,70 @@
+//! The block `RevSurface`.
+
+use super::ShapeBlock;
+use super::emission::EMISSION_FIELDS;
+use super::spline::spline_error;
+use crate::format::error::SceneError;
+use crate::format::language::curves::{CurveBasis, ProfileCurve};
+use crate::format::language::fields::BlockFields;
+use crate::format::language::schema::{BlockSchema, FieldKind, block_schema, field_schema};
+use crate::format::language::writer::SceneWriter;
+use crate::format::resolve::Resolver;
+use crate::format::resolve::placement::{ObjectEmission, ObjectPlacement, add_shape_object};
+use crate::shape::parametric::{SplineBasis, SplineError};
+use crate::shape::{Revolution, Shape, TextureMappingKind};
+use glam::DVec2;
+use std::fmt;
+
+/// Surface of revolution: the points (x cos θ, y, x sin θ) for all points (x, y) of a profile.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RevolutionDescription {
+    /// Profile curve, which rotates about the y axis.
+    pub profile: ProfileCurve,
+}
+
+static REVOLUTION: BlockSchema =
+    block_schema("RevSurface", "surface of revolution: the points (x cos θ, y, x sin θ) of a profile")
+        .with_fields(&[field_schema("profile", FieldKind::Curve, "curve of points (x, y), turned about the y axis")
+            .make_required()
+            .mark_as_course_syntax()])
+        .with_shared_fields(&[EMISSION_FIELDS])
+        .mark_as_course_syntax();
+
+impl ShapeBlock for RevolutionDescription {
+    const BLOCK: &'static BlockSchema = &REVOLUTION;
+
+    fn parse(f: &BlockFields<'_>) -> Result<Self, SceneError> {
+        Ok(Self { profile: f.require_field("profile")?.profile_curve() })
+    }
+
+    fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
+        out.begin_block(format_args!("profile {}", self.profile.basis.block().keyword))?;
+        out.write_points("controls", &self.profile.controls)?;
+        out.end_block()
+    }
+
+    fn add(
+        &self,
+        r: &mut Resolver<'_>,
+        placement: &ObjectPlacement<'_>,
+        emission: &ObjectEmission,
+    ) -> Result<(), SceneError> {
+        let surface = make_revolution(&self.profile, r.memory.available_bytes());
+        let surface = surface.map_err(|e| spline_error(r, placement.span, &e))?;
+        add_shape_object(r, placement, Shape::Revolution(surface), TextureMappingKind::Uv, emission)
+    }
+
+    fn file_path_mut(&mut self) -> Option<&mut String> {
+        None
+    }
+}
+
+/// Returns the surface of revolution of a profile curve. Fails if it takes more than `free` bytes.
+fn make_revolution(profile: &ProfileCurve, free: Option<u64>) -> Result<Revolution, SplineError> {
+    let basis = match profile.basis {
+        CurveBasis::Bezier => SplineBasis::bezier_basis(profile.controls.len()),
+        CurveBasis::Bspline => SplineBasis::uniform_spline_basis(3, profile.controls.len()),
+    }?;
+    let controls: Vec<DVec2> = profile.controls.iter().map(|c| c.truncate()).collect();
+    Revolution::with_memory_limit(&basis, &controls, free)
+}
