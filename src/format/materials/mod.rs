@@ -14,11 +14,7 @@ mod refraction;
 
 pub use absorption::DielectricAbsorption;
 pub use emission::EmissionDescription;
-pub(super) use kinds::MATERIALS;
-pub use kinds::{
-    CoatedDiffuseDescription, ConductorDescription, DielectricDescription, DiffuseDescription, MaterialKindDescription,
-    MirrorDescription, MixDescription, NullInterfaceDescription, PhongDescription, ThinDescription,
-};
+pub use kinds::*;
 pub use metal::MetalDescription;
 pub use normals::NormalPerturbationDescription;
 pub(super) use references::{material_index, parse_material_index, parse_material_reference};
@@ -165,12 +161,12 @@ fn parse_material<'a>(
     let (BlockParser { block, parse }, f) = parse_block_by_keyword(parser, word, MATERIALS)?;
     let f = &f;
     let kind = parse(parser, f)?;
-    let medium: Option<Spanned<String>> = f.optional_value("medium");
+    let has_field = |name| block.find_field(name).is_some();
+    let medium: Option<Spanned<String>> = if has_field("medium") { f.optional_value("medium") } else { None };
     if let Some(name) = &medium {
         parser.scope.check_medium_exists(parser.lexer, name, "ahead of the Materials")?;
     }
-    let has_normals = block.find_field("bump").is_some();
-    let normal_perturbation = if has_normals { NormalPerturbationDescription::parse(f)? } else { None };
+    let normal_perturbation = if has_field("bump") { NormalPerturbationDescription::parse(f)? } else { None };
     Ok(MaterialDescription { name, kind, emission: EmissionDescription::parse(f)?, normal_perturbation, medium })
 }
 
