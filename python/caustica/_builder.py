@@ -621,7 +621,7 @@ class SceneBuilder:
     ) -> Iterator[None]:
         """Moves the shapes that the `with` block adds, while the shutter is open.
 
-        The maps grow evenly from nothing, where the shutter opens, to their full size, where it closes.
+        The maps grow evenly from the identity, when the shutter opens, to their full size, when it closes.
         """
         with self._nested(f"Moving {{ {self._maps(translate, rotate, scale)} Group {{"):
             yield

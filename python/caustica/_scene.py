@@ -82,7 +82,7 @@ class Forecast:
     The range from `low` to `high` holds the number with a probability of 80 %.
     """
 
-    #: Least likely number of passes; None if no number of passes is enough.
+    #: Lower end of the range; None if no number of passes is enough.
     low: Optional[int]
     #: Median; None if it is too far to tell, or if no number of passes is enough.
     median: Optional[int]
@@ -400,16 +400,16 @@ class Scene:
         the current pass and raises `KeyboardInterrupt`. Other Python threads run meanwhile.
 
         `aovs` adds the layers ``albedo``, ``normal``, ``depth``, ``position``, ``object`` and ``material`` of
-        the first surface that is not specular, or with `aov_first_hit` of the first one, and ``motion``.
-        `light_groups` adds ``direct``, ``indirect`` and ``caustic``, whose sum is the picture.
+        the first surface that is not specular, and ``motion``. With `aov_first_hit` they belong to the first
+        surface. `light_groups` adds ``direct``, ``indirect`` and ``caustic``, whose sum is the picture.
 
-        `crop` renders only the columns ``x0`` to before ``x1`` and the rows ``y0`` to before ``y1``, given as
-        ``(x0, y0, x1, y1)``, with the bits of the whole picture. `clamp` limits the radiance of each camera path,
-        against fireflies: `Result.clamped_fraction` says how much light this removes, the layer ``clamped`` holds
-        it, and the bias of the error includes it.
+        `crop` is ``(x0, y0, x1, y1)``: only the columns ``x0`` to before ``x1`` and the rows ``y0`` to before
+        ``y1`` are rendered. Their pixels equal those of the whole picture. `clamp` limits the radiance of each
+        camera path, against fireflies: `Result.clamped_fraction` says how much light this removes, the layer
+        ``clamped`` holds it, and the bias of the error includes it.
 
-        Other arguments are those of ``caustica render``, which gives the same bits. `threads` changes no bit.
-        Lists of values are in docs/guide/command-line.md.
+        Other arguments are the flags of ``caustica render``, which renders the same picture bit for bit.
+        docs/guide/command-line.md lists their values. `threads` changes no bit.
 
         Raises `ValueError` or `TypeError` for an argument out of range, `SceneError` for a scene that does not
         suit `size`, and `MemoryError` for a picture or photons that do not fit into memory.
@@ -487,10 +487,11 @@ def load_file(
     allow_outside: bool = False,
     memory: Optional[int] = None,
 ) -> Scene:
-    """Reads a scene file: scene text, or a format of another program such as glTF.
+    """Reads a scene file: scene text, glTF, Mitsuba or pbrt.
 
     `format` is the extension that selects the importer, by default that of the file. `allow_outside` lets a
-    glTF file name files outside its folder. `memory` limits the memory of this process in bytes.
+    scene of another program name files outside its folder. `memory` limits the memory of this process in
+    bytes.
 
     Raises `SceneError` for errors in the scene, and `OSError` for a file that cannot be read.
     """
