@@ -1,4 +1,4 @@
-//! Cases that break naive renderers, in the groups of docs/stability.md.
+//! Cases that break naive renderers, in the groups of docs/theory/stability.md.
 //!
 //! A failure is a wrong mean, a non-finite value, a crack, a leak, a hang or a panic. A comment in
 //! each test derives its tolerances; none is fitted to a result.
