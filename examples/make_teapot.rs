@@ -104,7 +104,10 @@ fn teapot() -> Patches {
 }
 
 const ABOVE: &str = "\
-# A copper teapot of Bézier patches and a glass of tea, turned from B-splines: no triangles. By examples/make_teapot.rs.
+# A copper teapot of Bézier patches and a glass of tea, turned from B-splines.
+#
+# Shows: curved surfaces that are intersected without triangles. The file is written by
+# examples/make_teapot.rs.
 PerspectiveCamera { center 1.2 4.2 9.6  lookAt .55 .85 0  angle 31  width 960  height 720 }
 
 Background { color .02 .025 .03 }
