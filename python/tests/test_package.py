@@ -7,6 +7,7 @@ import sys
 from importlib import resources
 from pathlib import Path
 
+import exr
 import numpy as np
 import pytest
 
@@ -69,6 +70,25 @@ def test_documented_code_runs(page, tmp_path, monkeypatch):
     names = {}
     for block in blocks:
         exec(compile(block, page, "exec"), names)
+
+
+def test_the_readme_gives_the_bits_of_the_program(program, tmp_path, monkeypatch):
+    # Its lines run as they are, except that the picture is small.
+    size = (64, 48)
+    render = caustica.Scene.render
+    monkeypatch.setattr(caustica.Scene, "render", lambda *given, **options: render(*given, **options, size=size))
+    (tmp_path / "scenes").symlink_to(ROOT / "scenes")
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    (block,) = python_blocks(ROOT / "README.md")
+    exec(compile(block, "README.md", "exec"), names)
+    limits = ["--target-error", "3%", "--time", "300s", "--size", "64x48"]
+    line = [program, "render", "scenes/ring.txt", "-o", "x.exr", "-q", *limits]
+    subprocess.run(line, cwd=tmp_path, check=True, timeout=400)
+    theirs, ours = exr.read(tmp_path / "x.exr"), names["result"].image
+    for i, channel in enumerate("RGB"):
+        np.testing.assert_array_equal(ours[..., i].view(np.uint32), theirs[channel].view(np.uint32))
+    assert names["result"].ended == "target" and (tmp_path / "ring.png").is_file()
 
 
 def test_the_example_plots_error_against_time(tmp_path):

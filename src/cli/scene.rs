@@ -4,7 +4,7 @@ use super::args::{ImportArguments, SceneArguments};
 use super::progress::print_message;
 use super::{CommandFailure, Exit};
 use crate::format::mesh::MeshReadMonitor;
-use crate::format::{SceneFile, SceneReadError};
+use crate::format::{ResolvedScene, SceneFile, SceneReadError};
 use crate::render::check_picture_memory;
 use crate::scene::Scene;
 use crate::stats::MemoryLimit;
@@ -93,7 +93,18 @@ pub(super) fn resolve_scene_file(
     arguments: &SceneArguments,
     monitor: &dyn MeshReadMonitor,
 ) -> Result<Scene, CommandFailure> {
-    file.resolve_monitored(monitor, arguments.memory_limit()).map_err(|e| {
+    Ok(resolve_scene_file_after(None, file, arguments, monitor)?.scene)
+}
+
+/// Builds the scene that `file` describes, within the memory limit of the command line. Shares with
+/// an `earlier` version of the scene what has not changed.
+pub(super) fn resolve_scene_file_after(
+    earlier: Option<&ResolvedScene>,
+    file: &SceneFile,
+    arguments: &SceneArguments,
+    monitor: &dyn MeshReadMonitor,
+) -> Result<ResolvedScene, CommandFailure> {
+    file.resolve_after(earlier, monitor, arguments.memory_limit()).map_err(|e| {
         let exit = if e.is_out_of_memory() { Exit::Usage } else { Exit::Input };
         CommandFailure::new(exit, e)
     })

@@ -21,6 +21,13 @@ pub struct EmbeddedAssets {
 }
 
 impl EmbeddedAssets {
+    /// True if the scene file contains no mesh, picture or grid.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        let Self { meshes, pictures, grids } = self;
+        meshes.is_empty() && pictures.is_empty() && grids.is_empty()
+    }
+
     /// True if `path` names an embedded mesh, picture or grid.
     #[must_use]
     pub fn contains(&self, path: &str) -> bool {

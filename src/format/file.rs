@@ -7,7 +7,7 @@ use super::extensions::lowercase_extension;
 use super::import::{ImportNote, ImportOptions, ImportedScene, SceneReadError};
 use super::language::parse;
 use super::mesh::MeshReadMonitor;
-use super::resolve_scene::resolve_with_assets;
+use super::resolve_scene::{ResolvedScene, resolve_with_assets};
 use super::scene_text::SceneTextImporter;
 use super::{IMPORTERS, SceneError, SourceText, warnings};
 use crate::camera::Camera;
@@ -98,7 +98,25 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`].
     pub fn resolve_monitored(&self, monitor: &dyn MeshReadMonitor, memory: MemoryLimit) -> Result<Scene, SceneError> {
-        resolve_with_assets(&self.description, &self.source, &self.folder, &self.assets, monitor, memory)
+        Ok(self.resolve_after(None, monitor, memory)?.scene)
+    }
+
+    /// Builds the scene as [`SceneFile::resolve_monitored`] does, and shares with an `earlier`
+    /// version of it what has not changed.
+    ///
+    /// A mesh file with an unchanged [`FileStamp`](super::FileStamp) is not read again, and a
+    /// hierarchy over equal geometry is not built again. The scene has the same bits as without
+    /// `earlier`.
+    ///
+    /// # Errors
+    /// [`SceneError`].
+    pub fn resolve_after(
+        &self,
+        earlier: Option<&ResolvedScene>,
+        monitor: &dyn MeshReadMonitor,
+        memory: MemoryLimit,
+    ) -> Result<ResolvedScene, SceneError> {
+        resolve_with_assets(&self.description, &self.source, &self.folder, &self.assets, earlier, monitor, memory)
     }
 
     /// Returns the camera of the description.

@@ -10,6 +10,7 @@ pub mod description;
 mod error;
 mod extensions;
 mod file;
+mod file_stamp;
 mod framing;
 pub mod gltf;
 pub mod grid;
@@ -42,10 +43,12 @@ pub use convert::ConvertedScene;
 pub use error::{SceneError, SourceText};
 pub use extensions::SCENE_TEXT_EXTENSIONS;
 pub use file::SceneFile;
+pub use file_stamp::FileStamp;
 pub use import::{ImportNote, ImportOptions, ImportedScene, SceneImporter, SceneReadError};
 pub use language::{parse, parse_scene_bytes, update_reference_tables};
 pub use line_error::LineError;
-pub use resolve_scene::{resolve, resolve_monitored};
+pub use resolve::scene_meshes::SceneMeshes;
+pub use resolve_scene::{ResolvedScene, resolve, resolve_monitored};
 
 /// Importers of all scene formats. A file whose extension no importer lists is read as scene text.
 ///

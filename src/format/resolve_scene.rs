@@ -13,6 +13,7 @@ use super::materials::{add_materials, material_index};
 use super::media::{add_ambient_medium, add_media};
 use super::mesh::MeshReadMonitor;
 use super::resolve::placement::ObjectEmission;
+use super::resolve::scene_meshes::SceneMeshes;
 use super::resolve::{Resolver, rgb};
 use super::shapes::{ShapeDescription, add_shape};
 use super::span::{Span, Spanned};
@@ -51,13 +52,24 @@ pub fn resolve_monitored(
     monitor: &dyn MeshReadMonitor,
     memory: MemoryLimit,
 ) -> Result<Scene, SceneError> {
-    resolve_with_assets(description, source, folder, &EmbeddedAssets::default(), monitor, memory)
+    let assets = EmbeddedAssets::default();
+    Ok(resolve_with_assets(description, source, folder, &assets, None, monitor, memory)?.scene)
+}
+
+/// A scene that was built from a description, with what a later version of it can share.
+#[derive(Clone, Debug)]
+pub struct ResolvedScene {
+    /// The scene, ready to render.
+    pub scene: Scene,
+    /// Meshes of the scene as they were read.
+    pub meshes: SceneMeshes,
 }
 
 /// Returns the scene that a description describes, with embedded `assets` in place of files.
 ///
-/// A path that is listed in `assets` is not looked up in the file system. [`resolve_monitored`]
-/// explains other paths, `monitor` and `memory`.
+/// A path that is listed in `assets` is not looked up in the file system. The new scene shares
+/// unchanged meshes and hierarchies with the `earlier` one, which changes no bit of it.
+/// [`resolve_monitored`] explains other paths, `monitor` and `memory`.
 ///
 /// # Errors
 /// [`SceneError`] for an invalid scene, or [for lack of memory](SceneError::is_out_of_memory).
@@ -66,14 +78,16 @@ pub(super) fn resolve_with_assets(
     source: &SourceText,
     folder: &Path,
     assets: &EmbeddedAssets,
+    earlier: Option<&ResolvedScene>,
     monitor: &dyn MeshReadMonitor,
     memory: MemoryLimit,
-) -> Result<Scene, SceneError> {
+) -> Result<ResolvedScene, SceneError> {
     let camera = resolve_camera(&description.camera, source)?;
     let mut resolver = Resolver {
         source,
         folder,
         assets,
+        earlier_meshes: earlier.map(|earlier| &earlier.meshes),
         errors: Vec::new(),
         builder: SceneBuilder::new(),
         material_indices: HashMap::new(),
@@ -87,7 +101,7 @@ pub(super) fn resolve_with_assets(
         meshes: HashMap::new(),
         file_materials: HashMap::new(),
         mesh_uses: count_mesh_uses(&description.root),
-        shared_meshes: HashMap::new(),
+        scene_meshes: SceneMeshes::default(),
         material: 0,
         transform_span: None,
     };
@@ -96,13 +110,14 @@ pub(super) fn resolve_with_assets(
     if let Some(error) = SceneError::from_errors(resolver.errors) {
         return Err(error);
     }
-    resolver.builder.build(camera).map_err(|e| {
+    let scene = resolver.builder.build_after(earlier.map(|earlier| &earlier.scene), camera).map_err(|e| {
         SceneError::error_for_whole_file(
             source,
             e.to_string(),
             "choose units in which the scene is neither huge nor empty",
         )
-    })
+    })?;
+    Ok(ResolvedScene { scene, meshes: resolver.scene_meshes })
 }
 
 /// Adds everything in the description to the scene builder, except for the camera.

@@ -4,7 +4,7 @@ use super::shape_list::ShapeList;
 use crate::accel::{Hierarchy, PrimitiveHit, PrimitiveIndex, ShapeHit};
 use crate::math::{Bounds, Ray};
 use crate::shape::{Mesh, Plane, Shape, SurfacePoint, TexCoord};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -117,9 +117,18 @@ pub(super) struct Geometry {
     pub moving: Option<Arc<Hierarchy>>,
 }
 
+/// Builds the hierarchy over the triangles of `mesh`, and over shapes at rest with these `boxes`.
+/// Returns it with the bounds of all of them.
+fn build_static_hierarchy(mesh: &Mesh, boxes: &[Bounds]) -> (Arc<Hierarchy>, Bounds) {
+    let corners: Vec<_> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
+    let bounds = boxes.iter().copied().fold(Bounds::from_points(corners.iter().flatten().copied()), Bounds::union);
+    (Arc::new(Hierarchy::build(&corners, boxes)), bounds)
+}
+
 impl Geometry {
     /// Builds the hierarchies over the given primitives. The shapes from index `first_moving` on
-    /// move; all others rest.
+    /// move; all others rest. Primitives at rest share the hierarchy of `earlier` if it is over the
+    /// same triangles and boxes.
     pub fn new(
         objects: Vec<ObjectAttributes>,
         shapes: Vec<Shape>,
@@ -127,14 +136,15 @@ impl Geometry {
         planes: Vec<Plane>,
         mesh: Arc<Mesh>,
         mesh_ranges: Vec<Range<u32>>,
+        earlier: Option<&Self>,
     ) -> Self {
-        let corners: Vec<_> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
         let shapes = ShapeList::new(shapes, first_moving);
         let boxes: Vec<Bounds> = shapes.resting().iter().map(Shape::bounds).collect();
-        let static_bounds =
-            boxes.iter().copied().fold(Bounds::from_points(corners.iter().flatten().copied()), Bounds::union);
-        let hierarchy = Arc::new(Hierarchy::build(&corners, &boxes));
-        let mut triangle_object = Vec::with_capacity(corners.len());
+        let (hierarchy, static_bounds) = match earlier.filter(|earlier| earlier.is_over(&mesh, &boxes)) {
+            Some(earlier) => (earlier.hierarchy.clone(), earlier.static_bounds),
+            None => build_static_hierarchy(&mesh, &boxes),
+        };
+        let mut triangle_object = Vec::with_capacity(mesh.triangles.len());
         for (range, object) in mesh_ranges.iter().zip(shapes.len() as u32..) {
             triangle_object.resize(range.end as usize, object);
         }
@@ -151,6 +161,19 @@ impl Geometry {
         };
         geometry.rebuild_moving_hierarchy();
         geometry
+    }
+
+    /// True if [`Geometry::hierarchy`] is over the triangles of `mesh` and over `boxes`, in their
+    /// order and with the same bits.
+    fn is_over(&self, mesh: &Mesh, boxes: &[Bounds]) -> bool {
+        let bits = |point: Vec3| point.to_array().map(f32::to_bits);
+        let corners = |mesh: &Mesh, i: usize| mesh.corners(i).map(bits);
+        let box_bits = |bounds: &Bounds| [bounds.min, bounds.max].map(bits);
+        let resting = self.shapes.resting();
+        resting.len() == boxes.len()
+            && self.mesh.triangles.len() == mesh.triangles.len()
+            && resting.iter().zip(boxes).all(|(shape, bounds)| box_bits(&shape.bounds()) == box_bits(bounds))
+            && (0..mesh.triangles.len()).all(|i| corners(&self.mesh, i) == corners(mesh, i))
     }
 
     /// Rebuilds the hierarchy over moving shapes, after their positions have changed.

@@ -110,9 +110,9 @@ pub(super) struct KnownFrame {
 /// Returns the response with the encoded pixels of the newest layer `name`. The name `reference`
 /// stands for the reference picture.
 ///
-/// The response has no content if the browser already shows the frame. A request for an error map
-/// also asks the render to make new maps. A request for a surface AOV asks it for AOVs if there are
-/// none, and has no content then.
+/// The response has no content if the browser already shows the frame, or if the newest frame lacks
+/// the layer. A request for an error map also asks the render to make new maps. A request for a
+/// surface AOV asks it for AOVs if there are none.
 pub(super) async fn layer_pixels(
     page: Arc<LivePage>,
     name: String,
@@ -138,11 +138,9 @@ pub(super) async fn layer_pixels(
                 &newest.state.surfaces
             }
         };
-        let Some(frame) = frame else {
-            // The surfaces will exist in a moment, which is no error.
-            return (kind.frame_kind() == FrameKind::Surfaces).then(Bytes::new);
-        };
-        if frame.sequence <= known.after { Some(Bytes::new()) } else { frame.encoded_layer(kind) }
+        let newer = frame.as_ref().filter(|frame| frame.sequence > known.after);
+        // A layer that a later frame may have is no error.
+        Some(newer.and_then(|frame| frame.encoded_layer(kind)).unwrap_or_default())
     };
     match tokio::task::spawn_blocking(encode).await {
         Ok(Some(bytes)) if bytes.is_empty() => StatusCode::NO_CONTENT.into_response(),
@@ -150,7 +148,7 @@ pub(super) async fn layer_pixels(
             let bytes = Bytes::from_owner(BytesInProgress { bytes, _permit: permit });
             ([(CONTENT_TYPE, "application/octet-stream")], Body::from(bytes)).into_response()
         }
-        Ok(None) => (StatusCode::NOT_FOUND, "this layer does not exist yet\n").into_response(),
+        Ok(None) => (StatusCode::NOT_FOUND, "there is no such layer\n").into_response(),
         Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
     }
 }

@@ -140,10 +140,11 @@ impl<'a> Job<'a> {
                 loaded
             }
         };
-        let moved = orbited_camera(&loaded.scene, loaded.up_vector(), self.orbit);
-        match moved.map(|camera| loaded.scene.with_camera(&camera)) {
-            Some(scene) => self.render(&scene),
-            None => self.render(&loaded.scene),
+        let scene = &loaded.resolved.scene;
+        let moved = orbited_camera(scene, loaded.up_vector(), self.orbit);
+        match moved.map(|camera| scene.with_camera(&camera)) {
+            Some(moved) => self.render(&moved),
+            None => self.render(scene),
         }
     }
 

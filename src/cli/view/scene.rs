@@ -4,10 +4,9 @@ use super::ViewArguments;
 use super::watch::{WatchedFiles, WatchingMonitor};
 use crate::cli::CommandFailure;
 use crate::cli::check::quick_scene_warnings;
-use crate::cli::scene::{read_sized_scene_file, resolve_scene_file};
+use crate::cli::scene::{read_sized_scene_file, resolve_scene_file_after};
 use crate::format::description::SceneDescription;
-use crate::format::{SceneError, SceneFile, SceneReadError};
-use crate::scene::Scene;
+use crate::format::{ResolvedScene, SceneError, SceneFile, SceneReadError};
 use crate::view::{SceneProblem, SceneSource};
 use glam::DVec3;
 use miette::Report;
@@ -20,7 +19,7 @@ const MAX_SOURCE_BYTES: u64 = 1 << 20;
 
 /// A scene that was read without an error, with its files.
 pub(super) struct LoadedScene {
-    pub scene: Arc<Scene>,
+    pub resolved: ResolvedScene,
     pub description: SceneDescription,
     /// The scene file and the files that it names, with their stamps before reading.
     pub files: WatchedFiles,
@@ -42,30 +41,31 @@ pub(super) struct ReadScene {
 
 /// Reads and builds the scene that the command line names.
 ///
-/// If [`reused_scene`] finds that only the camera differs from `previous`, the new scene shares
-/// everything else with it.
+/// The new scene shares with `previous` what has not changed: everything but the camera if
+/// [`reused_scene`] finds that only the camera differs, else meshes and hierarchies.
 pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScene>) -> ReadScene {
     let path = &arguments.scene.scene;
     let name = path.display().to_string();
     let monitor = WatchingMonitor::new(path);
     let read = read_sized_scene_file(&arguments.scene, &monitor).and_then(|file| {
-        if let Some((scene, previous)) = previous.and_then(|previous| Some((reused_scene(&file, previous)?, previous)))
+        if let Some((resolved, previous)) =
+            previous.and_then(|previous| Some((reused_scene(&file, previous)?, previous)))
         {
-            return Ok((file, scene, Some(&previous.files)));
+            return Ok((file, resolved, Some(&previous.files)));
         }
-        let scene = resolve_scene_file(&file, &arguments.scene, &monitor)?;
-        Ok((file, scene, None))
+        let earlier = previous.map(|previous| &previous.resolved);
+        let resolved = resolve_scene_file_after(earlier, &file, &arguments.scene, &monitor)?;
+        Ok((file, resolved, None))
     });
     let mut files = monitor.into_files();
     match read {
-        Ok((file, scene, reused)) => {
+        Ok((file, resolved, reused)) => {
             reused.into_iter().for_each(|reused| files.add_all(reused));
             let text = file.source.text();
             let text = if text.len() as u64 <= MAX_SOURCE_BYTES { text } else { "" };
-            let warnings = quick_scene_warnings(&file, &scene, &arguments.scene);
+            let warnings = quick_scene_warnings(&file, &resolved.scene, &arguments.scene);
             let source = SceneSource { name, text: text.into(), problems: Vec::new(), warnings };
-            let (scene, description) = (Arc::new(scene), file.description);
-            let loaded = LoadedScene { scene, description, files: files.clone() };
+            let loaded = LoadedScene { resolved, description: file.description, files: files.clone() };
             ReadScene { source, files, loaded: Some(Arc::new(loaded)) }
         }
         Err(CommandFailure { reports, .. }) => {
@@ -80,17 +80,17 @@ pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScen
 /// scene of `file`.
 ///
 /// It does not if more than the camera differs, if a file that the scene names has changed, if the
-/// camera moves while the shutter is open, or if `file` embeds meshes or pictures.
-fn reused_scene(file: &SceneFile, previous: &LoadedScene) -> Option<Scene> {
+/// camera moves while the shutter is open, or if `file` embeds meshes, pictures or grids.
+fn reused_scene(file: &SceneFile, previous: &LoadedScene) -> Option<ResolvedScene> {
     let mut old = previous.description.clone();
     old.camera.clone_from(&file.description.camera);
     let rests = file.description.camera.motion.is_empty();
-    let has_assets = !file.assets.meshes.is_empty() || !file.assets.pictures.is_empty();
-    if !rests || has_assets || old != file.description || !previous.files.has_same_inputs() {
+    if !rests || !file.assets.is_empty() || old != file.description || !previous.files.has_same_inputs() {
         return None;
     }
     let camera = file.resolve_camera().ok()?;
-    Some(previous.scene.with_camera(&camera))
+    let ResolvedScene { scene, meshes } = &previous.resolved;
+    Some(ResolvedScene { scene: scene.with_camera(&camera), meshes: meshes.clone() })
 }
 
 /// Returns the text of a file; empty if it is longer than [`MAX_SOURCE_BYTES`], or not UTF-8.

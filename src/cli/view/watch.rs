@@ -1,29 +1,19 @@
 //! Changes of the files of a scene, found by their time and length.
 
+use crate::format::FileStamp;
 use crate::format::mesh::{MeshReadMonitor, TriangleMesh};
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::time::SystemTime;
 
-/// Time of the last change and length of a file \[bytes]; `None` if there is no such file.
-type FileStamp = Option<(SystemTime, u64)>;
-
-/// Returns the time of the last change and the length of the file at `path`.
-fn file_stamp(path: &Path) -> FileStamp {
-    let data = fs::metadata(path).ok()?;
-    Some((data.modified().ok()?, data.len()))
-}
-
-/// Files of a scene, each with its [`FileStamp`]: time of its last change and length, taken before
-/// the file was read.
+/// Files of a scene, each with the stamp that was taken before it was read; `None` for a file that
+/// does not exist.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct WatchedFiles(Vec<(PathBuf, FileStamp)>);
+pub(super) struct WatchedFiles(Vec<(PathBuf, Option<FileStamp>)>);
 
 impl WatchedFiles {
     /// Makes a list with one file and its present stamp.
     pub fn new(path: &Path) -> Self {
-        Self(vec![(path.to_owned(), file_stamp(path))])
+        Self(vec![(path.to_owned(), FileStamp::of_file(path))])
     }
 
     /// Adds the files of `other` that this list lacks, with the stamps that they have in `other`.
@@ -38,19 +28,19 @@ impl WatchedFiles {
     /// Adds the file at `path` with its present stamp, unless the list already has it.
     fn add(&mut self, path: &Path) {
         if self.0.iter().all(|(known, _)| known != path) {
-            self.0.push((path.to_owned(), file_stamp(path)));
+            self.0.push((path.to_owned(), FileStamp::of_file(path)));
         }
     }
 
     /// Returns a list of these files with their present stamps.
     fn with_present_stamps(&self) -> Self {
-        Self(self.0.iter().map(|(path, _)| (path.clone(), file_stamp(path))).collect())
+        Self(self.0.iter().map(|(path, _)| (path.clone(), FileStamp::of_file(path))).collect())
     }
 
     /// True if all files except the first, the scene file, are unchanged since their stamps were
     /// taken.
     pub fn has_same_inputs(&self) -> bool {
-        self.0.iter().skip(1).all(|(path, stamp)| file_stamp(path) == *stamp)
+        self.0.iter().skip(1).all(|(path, stamp)| FileStamp::of_file(path) == *stamp)
     }
 }
 
@@ -117,6 +107,7 @@ impl FileWatch {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn settled_changes_are_reported_once() {

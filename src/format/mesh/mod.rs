@@ -60,6 +60,17 @@ pub struct TriangleMesh {
 }
 
 impl TriangleMesh {
+    /// True if both meshes have the same triangles and materials, and equal vertices bit for bit.
+    pub(in crate::format) fn is_equal_in_bits(&self, other: &Self) -> bool {
+        let Self { positions, triangles, normals, texcoords, materials, triangle_materials } = self;
+        triangles == &other.triangles
+            && materials == &other.materials
+            && triangle_materials == &other.triangle_materials
+            && are_equal_in_bits(Some(positions), Some(&other.positions))
+            && are_equal_in_bits(normals.as_ref(), other.normals.as_ref())
+            && are_equal_in_bits(texcoords.as_ref(), other.texcoords.as_ref())
+    }
+
     /// Merges vertices that are equal bit for bit, and removes unused vertices.
     ///
     /// Afterwards, vertices are in the order in which the triangles use them. If one corner of a
@@ -271,6 +282,15 @@ pub fn decode(
     }
     monitor.on_read_end(path, &loaded.mesh);
     Ok(loaded)
+}
+
+/// True if both lists exist and hold the same vectors bit for bit, or if neither exists.
+fn are_equal_in_bits<const N: usize, V: Copy + Into<[f64; N]>>(a: Option<&Vec<V>>, b: Option<&Vec<V>>) -> bool {
+    let bits = |vector: &V| (*vector).into().map(f64::to_bits);
+    match (a, b) {
+        (Some(a), Some(b)) => a.iter().map(bits).eq(b.iter().map(bits)),
+        (a, b) => a.is_none() && b.is_none(),
+    }
 }
 
 /// Returns the lower and upper corner of the bounds of `points`; +∞ and −∞ if there are none.

@@ -10,7 +10,7 @@ mod to_description;
 mod write;
 
 use super::line_error::strip_byte_order_mark;
-use super::mesh::{LoadedMesh, MeshError, check_memory, read_file_bytes};
+use super::mesh::{MeshError, check_memory, read_file_bytes};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -46,6 +46,21 @@ pub struct MtlMaterial {
     pub texture: Option<PathBuf>,
 }
 
+/// Returns the paths of the material files of a mesh, in the order of `libraries`.
+///
+/// [`load_libraries`] explains the arguments.
+pub(super) fn library_paths(mesh: &Path, libraries: &[String]) -> Vec<PathBuf> {
+    let folder = mesh.parent().unwrap_or(Path::new(""));
+    let paths = |library: &String| {
+        let whole = folder.join(path_with_slashes(library));
+        match whole.is_file() {
+            true => vec![whole],
+            false => library.split_whitespace().map(|part| folder.join(path_with_slashes(part))).collect(),
+        }
+    };
+    libraries.iter().flat_map(paths).collect()
+}
+
 /// Reads the material files of a mesh, in the order of `libraries`.
 ///
 /// `mesh` is the path of the mesh file, and `libraries` holds the arguments of its `mtllib` lines.
@@ -56,22 +71,14 @@ pub struct MtlMaterial {
 /// # Errors
 /// [`MeshError`], which names the file.
 pub fn load_libraries(mesh: &Path, libraries: &[String], free: Option<u64>) -> Result<Vec<MtlMaterial>, MeshError> {
-    let folder = mesh.parent().unwrap_or(Path::new(""));
     let mut materials: Vec<MtlMaterial> = Vec::new();
-    for library in libraries {
-        let whole = folder.join(path_with_slashes(library));
-        let paths = match whole.is_file() {
-            true => vec![whole],
-            false => library.split_whitespace().map(|part| folder.join(path_with_slashes(part))).collect(),
-        };
-        for path in paths {
-            let bytes = read_file_bytes(&path, free).map_err(|e| match e {
-                MeshError::Missing { path } => MeshError::NoLibrary { path },
-                other => other,
-            })?;
-            check_memory(&path, MEMORY_PER_FILE_BYTE * bytes.len() as u64, free)?;
-            materials.extend(decode(&path, &bytes)?);
-        }
+    for path in library_paths(mesh, libraries) {
+        let bytes = read_file_bytes(&path, free).map_err(|e| match e {
+            MeshError::Missing { path } => MeshError::NoLibrary { path },
+            other => other,
+        })?;
+        check_memory(&path, MEMORY_PER_FILE_BYTE * bytes.len() as u64, free)?;
+        materials.extend(decode(&path, &bytes)?);
     }
     let mut names = HashSet::new();
     let mut last: Vec<bool> = materials.iter().rev().map(|material| names.insert(material.name.clone())).collect();
@@ -79,20 +86,25 @@ pub fn load_libraries(mesh: &Path, libraries: &[String], free: Option<u64>) -> R
     Ok(materials)
 }
 
-/// Returns the materials of a mesh, in the order of its list of material names.
+/// Returns the materials of a mesh that have these `names`, in this order.
 ///
-/// `path` is the path of the mesh file. `free` limits the memory, see [`load_libraries`].
+/// `path` is the path of the mesh file. [`load_libraries`] explains `libraries` and `free`.
 ///
 /// # Errors
 /// [`MeshError`] if a material file is missing or invalid, or if a material is not defined.
-pub fn load_mesh_materials(path: &Path, loaded: &LoadedMesh, free: Option<u64>) -> Result<Vec<MtlMaterial>, MeshError> {
-    let library = load_libraries(path, &loaded.libraries, free)?;
+pub fn load_mesh_materials(
+    path: &Path,
+    libraries: &[String],
+    names: &[String],
+    free: Option<u64>,
+) -> Result<Vec<MtlMaterial>, MeshError> {
+    let library = load_libraries(path, libraries, free)?;
     let by_name: HashMap<&str, &MtlMaterial> = library.iter().map(|m| (m.name.as_str(), m)).collect();
     let find = |name: &String| {
         let none = || MeshError::NoMaterial { path: path.into(), name: name.clone() };
         by_name.get(name.as_str()).map(|material| (*material).clone()).ok_or_else(none)
     };
-    loaded.mesh.materials.iter().map(find).collect()
+    names.iter().map(find).collect()
 }
 
 /// Parses the bytes of an MTL file.

@@ -2,21 +2,22 @@
 //! material.
 
 use super::placement::{
-    NormalizedMesh, ObjectEmission, ObjectPlacement, add_instance, add_still_mesh, set_emission_texture, set_texcoords,
+    ObjectEmission, ObjectPlacement, add_instance, add_still_mesh, set_emission_texture, set_texcoords,
     set_texture_mapping_if_needed,
 };
+use super::scene_meshes::{MeshSource, PreparedMesh, PreparedPart, mesh_key};
 use super::textures::TextureRequirements;
 use super::{AddedMaterial, Resolver, rgb};
 use crate::color::Rgb;
-use crate::format::SceneError;
 use crate::format::materials::{EmissionDescription, MaterialDescription, MaterialKindDescription};
-use crate::format::mesh::{self, LoadedMesh, MeshError, MeshOptions, NO_MATERIAL, TriangleMesh};
-use crate::format::mtl;
+use crate::format::mesh::{self, LoadedMesh, MeshError, MeshOptions};
 use crate::format::span::Spanned;
+use crate::format::{FileStamp, SceneError, mtl};
 use crate::shape::TextureMappingKind;
 use crate::stats::format_bytes;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// Smallest number of triangles that instancing must save, before meshes at rest become instances.
 const MIN_SHARED_TRIANGLES: usize = 50_000;
@@ -28,13 +29,9 @@ const MESH_REMEDY: &str = "repair the mesh or name another";
 /// Measured: 436 to 482, for grids of a million triangles with normals and texture coordinates.
 const MEMORY_PER_TRIANGLE: u64 = 500;
 
-/// Key of a mesh that was read: file, the two flags of [`MeshOptions`], and the smoothing angle's
-/// bits.
-pub(in crate::format) type MeshKey = (PathBuf, bool, bool, Option<u64>);
-
-/// Triangles of a mesh file that have the same material.
+/// Triangles of a mesh file, with their material in the scene.
 pub(in crate::format) struct MeshPart {
-    mesh: Rc<TriangleMesh>,
+    prepared: Arc<PreparedPart>,
     /// Material from the MTL file of the mesh; `None` for the current material of the scene text.
     file_material: Option<AddedMeshFileMaterial>,
 }
@@ -60,15 +57,15 @@ pub(in crate::format) fn add_mesh(
 ) -> Result<(), SceneError> {
     let parts = load_mesh_parts(r, path, options)?;
     let current_material = r.material;
-    for MeshPart { mesh, file_material } in parts.iter() {
+    for MeshPart { prepared, file_material } in parts.iter() {
         let emission = match file_material {
             Some(material) if !object_emission.is_of_object => material.emission,
             _ => object_emission.radiance,
         };
         r.material = file_material.as_ref().map_or(current_material, |material| material.index);
         let name = file_material.as_ref().map(|material| &*material.name);
-        r.require_texcoords(mesh.texcoords.is_some(), path, name)?;
-        add_mesh_part(r, placement, path, mesh, emission)?;
+        r.require_texcoords(prepared.mesh.texcoords.is_some(), path, name)?;
+        add_mesh_part(r, placement, path, prepared, emission)?;
         if file_material.is_none() {
             set_emission_texture(r, object_emission);
         }
@@ -85,22 +82,20 @@ fn add_mesh_part(
     r: &mut Resolver<'_>,
     placement: &ObjectPlacement<'_>,
     path: &Spanned<String>,
-    mesh: &Rc<TriangleMesh>,
+    part: &PreparedPart,
     emission: Rgb,
 ) -> Result<(), SceneError> {
+    let mesh = &*part.mesh;
     let (normals, texcoords) = (mesh.normals.as_deref(), mesh.texcoords.as_deref());
     let further_copies = r.mesh_uses.get(path.as_str()).map_or(0, |uses| uses - 1);
     let is_shared = emission == Rgb::ZERO && further_copies * mesh.triangles.len() >= MIN_SHARED_TRIANGLES;
     let is_instance = is_shared || !placement.to_world.is_constant();
-    let key = Rc::as_ptr(mesh);
     // Instances of one mesh share one BVH, so only the first counts.
-    if !(is_instance && r.shared_meshes.contains_key(&key)) {
+    if !(is_instance && part.has_hierarchy()) {
         check_triangle_memory(r, path, mesh.triangles.len())?;
     }
     if is_instance {
-        let normalize = || Rc::new(NormalizedMesh::new(&mesh.positions, normals, texcoords, &mesh.triangles));
-        let normalized = Rc::clone(r.shared_meshes.entry(key).or_insert_with(normalize));
-        add_instance(r, placement, &normalized, emission)?;
+        add_instance(r, placement, part.normalized(), emission)?;
     } else {
         add_still_mesh(r, &placement.at_shutter_open, &mesh.positions, normals, &mesh.triangles, emission);
         set_texcoords(r, texcoords);
@@ -132,35 +127,52 @@ fn load_mesh_parts(
     options: MeshOptions,
 ) -> Result<Rc<[MeshPart]>, SceneError> {
     let file = r.find_file("mesh", path)?;
-    let MeshOptions { uses_file_materials, ignores_normals, max_smoothing_angle } = options;
-    let key = (file.clone(), uses_file_materials, ignores_normals, max_smoothing_angle.map(f64::to_bits));
+    let key = mesh_key(&file, options);
     if let Some(parts) = r.meshes.get(&key) {
         return Ok(parts.clone());
     }
-    let loaded = match r.assets.meshes.get(path.as_str()) {
-        Some(mesh) => Ok(LoadedMesh { mesh: (**mesh).clone(), ..LoadedMesh::default() }),
-        None => mesh::load_with_memory_limit(&file, r.monitor, r.memory.available_bytes()),
+    let prepared = prepare_mesh(r, path, &file, options)?;
+    let materials = match prepared.materials.is_empty() {
+        true => Rc::default(),
+        false => add_mesh_file_materials(r, path, &file, &prepared)?,
     };
-    let mut loaded = loaded.map_err(|e| mesh_error_at_path(r, path, &e))?;
-    if ignores_normals {
-        loaded.mesh.normals = None;
-    }
-    if let Some(angle) = max_smoothing_angle {
-        loaded.mesh.compute_smooth_normals(angle);
-    }
-    let mut parts = Vec::new();
-    if uses_file_materials && !loaded.mesh.materials.is_empty() {
-        let materials = add_mesh_file_materials(r, path, &file, &loaded)?;
-        for (number, part) in loaded.mesh.split_by_material() {
-            let file_material = materials.get(number as usize).cloned().filter(|_| number != NO_MATERIAL);
-            parts.push(MeshPart { mesh: Rc::new(part), file_material });
-        }
-    } else {
-        parts.push(MeshPart { mesh: Rc::new(loaded.mesh), file_material: None });
-    }
-    let parts: Rc<[MeshPart]> = parts.into();
+    let part = |prepared: &Arc<PreparedPart>| MeshPart {
+        file_material: prepared.material.and_then(|index| materials.get(index).cloned()),
+        prepared: prepared.clone(),
+    };
+    let parts: Rc<[MeshPart]> = prepared.parts.iter().map(part).collect();
+    r.scene_meshes.insert(key.clone(), prepared);
     r.meshes.insert(key, parts.clone());
     Ok(parts)
+}
+
+/// Returns the mesh in `file`, which the description names as `path`. Shares it with the earlier
+/// version of the scene if it has not changed.
+fn prepare_mesh(
+    r: &Resolver<'_>,
+    path: &Spanned<String>,
+    file: &Path,
+    options: MeshOptions,
+) -> Result<Arc<PreparedMesh>, SceneError> {
+    let embedded = r.assets.meshes.get(path.as_str());
+    let source = match embedded {
+        Some(mesh) => MeshSource::Embedded(mesh.clone()),
+        None => MeshSource::File(FileStamp::of_file(file)),
+    };
+    let earlier = r.earlier_meshes.and_then(|meshes| meshes.find_unchanged(&mesh_key(file, options), &source));
+    if let Some(prepared) = earlier {
+        return Ok(prepared);
+    }
+    let (mesh, libraries) = match embedded {
+        Some(mesh) => (mesh.clone(), Vec::new()),
+        None => {
+            let LoadedMesh { mesh, libraries, .. } =
+                mesh::load_with_memory_limit(file, r.monitor, r.memory.available_bytes())
+                    .map_err(|e| mesh_error_at_path(r, path, &e))?;
+            (Arc::new(mesh), libraries)
+        }
+    };
+    Ok(Arc::new(PreparedMesh::new(mesh, libraries, source, options)))
 }
 
 /// Adds the materials that a mesh file names to the scene, but only once for each mesh file.
@@ -170,12 +182,13 @@ fn add_mesh_file_materials(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
     file: &Path,
-    loaded: &LoadedMesh,
+    mesh: &PreparedMesh,
 ) -> Result<Rc<[AddedMeshFileMaterial]>, SceneError> {
     if let Some(materials) = r.file_materials.get(file) {
         return Ok(materials.clone());
     }
-    let library = mtl::load_mesh_materials(file, loaded, r.memory.available_bytes())
+    mtl::library_paths(file, &mesh.libraries).iter().for_each(|library| r.monitor.on_input_file_found(library));
+    let library = mtl::load_mesh_materials(file, &mesh.libraries, &mesh.materials, r.memory.available_bytes())
         .map_err(|e| mesh_error_at_path(r, path, &e))?;
     let mut materials = Vec::with_capacity(library.len());
     for material in library {

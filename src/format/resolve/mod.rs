@@ -6,12 +6,13 @@
 
 pub(super) mod meshes;
 pub(super) mod placement;
+pub(super) mod scene_meshes;
 pub(super) mod textures;
 
 use super::assets::EmbeddedAssets;
 use super::error::{MAX_ERRORS, SceneError, SourceText};
 use super::extensions::{is_unread_mesh_format, lowercase_extension};
-use super::mesh::{MeshReadMonitor, TriangleMesh};
+use super::mesh::MeshReadMonitor;
 use super::span::{Span, Spanned};
 use crate::color::Rgb;
 use crate::math::Transform;
@@ -19,7 +20,7 @@ use crate::medium::Medium;
 use crate::scene::SceneBuilder;
 use crate::stats::MemoryLimit;
 use glam::{DAffine3, DVec3};
-use placement::NormalizedMesh;
+use scene_meshes::{MeshKey, SceneMeshes};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -34,6 +35,9 @@ pub(super) struct Resolver<'a> {
     pub source: &'a SourceText,
     pub folder: &'a Path,
     pub assets: &'a EmbeddedAssets,
+    /// Meshes of an earlier version of the scene, of which unchanged ones are shared; `None` for a
+    /// first version.
+    pub earlier_meshes: Option<&'a SceneMeshes>,
     /// Errors of lights and objects so far. Building continues after an error, to report several at
     /// once.
     pub errors: Vec<SceneError>,
@@ -55,13 +59,13 @@ pub(super) struct Resolver<'a> {
     /// once.
     pub triangles: u64,
     /// Meshes that were read so far, each split by material. The key states file and options.
-    pub meshes: HashMap<meshes::MeshKey, Rc<[meshes::MeshPart]>>,
+    pub meshes: HashMap<MeshKey, Rc<[meshes::MeshPart]>>,
+    /// The meshes of `meshes` without what this scene alone knows of them, for later versions.
+    pub scene_meshes: SceneMeshes,
     /// Materials from the MTL files of each mesh, by mesh file, in the order of its material names.
     pub file_materials: HashMap<PathBuf, Rc<[meshes::AddedMeshFileMaterial]>>,
     /// Number of objects that refer to each mesh file, by its path in the description.
     pub mesh_uses: HashMap<&'a str, usize>,
-    /// Geometry that instances share. The key is the address of the mesh in `meshes`.
-    pub shared_meshes: HashMap<*const TriangleMesh, Rc<NormalizedMesh>>,
     /// Index of the current material: that of the next object. It stays current after the end of a
     /// group.
     pub material: u32,

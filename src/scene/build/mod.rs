@@ -206,6 +206,16 @@ impl SceneBuilder {
     ///
     /// [`BuildError`] if the parts cannot be rendered.
     pub fn build(self, camera: Camera) -> Result<Scene, BuildError> {
+        self.build_after(None, camera)
+    }
+
+    /// Builds the scene as [`SceneBuilder::build`] does, and shares the hierarchy of an `earlier`
+    /// scene if it is over the same geometry. The scene has the same bits as without `earlier`.
+    ///
+    /// # Errors
+    ///
+    /// [`BuildError`] if the parts cannot be rendered.
+    pub fn build_after(self, earlier: Option<&Scene>, camera: Camera) -> Result<Scene, BuildError> {
         validate_objects(&self.objects, &self.mesh)?;
         let (objects, mesh) =
             cull_index_matched(self.objects, self.mesh, &self.materials, self.ambient_medium.is_some());
@@ -224,7 +234,8 @@ impl SceneBuilder {
         animation.lights = moving;
         let camera = place_camera(&camera, self.camera_motion, origin, &mut animation)?;
         let media = place_media(&self.media, &objects, &self.materials, origin, &mut animation);
-        let geometry = geometry.build_hierarchies(&objects, &mappings, &of_object);
+        let geometry =
+            geometry.build_hierarchies(&objects, &mappings, &of_object, earlier.map(|scene| &scene.geometry));
         let mut scene = Scene {
             camera,
             background: self.background,

@@ -119,13 +119,15 @@ pub(super) fn place_camera(
 }
 
 impl PlacedGeometry {
-    /// Builds the geometry with its intersection hierarchies. `light_of_object` holds the index of
-    /// each object's area light; `None` if the object does not emit light.
+    /// Builds the geometry with its intersection hierarchies, or shares that of `earlier`.
+    /// `light_of_object` holds the index of each object's area light; `None` if the object does not
+    /// emit light.
     pub fn build_hierarchies(
         self,
         objects: &[SceneObject],
         mappings: &PlacedTextureMappings,
         light_of_object: &[Option<u32>],
+        earlier: Option<&geometry::Geometry>,
     ) -> geometry::Geometry {
         let attributes = objects.iter().zip(light_of_object).zip(&mappings.of_object);
         let attributes = attributes.map(|((object, light), mapping)| ObjectAttributes {
@@ -134,6 +136,6 @@ impl PlacedGeometry {
             mapping: *mapping,
         });
         let Self { shapes, first_moving, planes, mesh, mesh_ranges } = self;
-        geometry::Geometry::new(attributes.collect(), shapes, first_moving, planes, mesh, mesh_ranges)
+        geometry::Geometry::new(attributes.collect(), shapes, first_moving, planes, mesh, mesh_ranges, earlier)
     }
 }

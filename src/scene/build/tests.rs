@@ -77,3 +77,27 @@ fn another_camera_gives_the_scene_built_with_it() {
     let there = moved.camera_in_description().center();
     assert!(there.distance(inside.center()) < 1e-12);
 }
+
+#[test]
+fn equal_geometry_shares_its_hierarchy() {
+    // A triangle with the given height, and a ball with the given radius, lit by a lamp.
+    let scene = |earlier: Option<&Scene>, reflectance: f32, height: f64, radius: f64| {
+        let mut builder = SceneBuilder::new();
+        add_emissive_sphere(&mut builder, DVec3::new(0.0, 5.0, 0.0), Rgb::ONE);
+        let white = builder.add_material(Material::diffuse(Rgb::splat(reflectance)));
+        builder.add_shape(Shape::Sphere(Ball::new(DVec3::X, radius)), white, Rgb::ZERO);
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::new(0.0, height, 0.0)];
+        builder.add_mesh(&corners, &[], &[[0, 1, 2]], white, Rgb::ZERO);
+        builder.build_after(earlier, perspective_camera()).unwrap()
+    };
+    let first = scene(None, 0.5, 1.0, 0.5);
+    let shares = |next: &Scene| Arc::ptr_eq(&next.geometry.hierarchy, &first.geometry.hierarchy);
+    let recolored = scene(Some(&first), 0.7, 1.0, 0.5);
+    assert!(shares(&recolored) && recolored.geometry.bounds() == first.geometry.bounds());
+    assert!(!shares(&scene(None, 0.5, 1.0, 0.5)));
+    // The smallest changes of a corner and of a box.
+    let up = |x: f64| f64::from((x as f32).next_up());
+    let (moved, grown) = (scene(Some(&first), 0.5, up(1.0), 0.5), scene(Some(&first), 0.5, 1.0, up(0.5)));
+    assert!(!shares(&moved) && !shares(&grown));
+    assert_ne!(moved.geometry.mesh.corners(0), first.geometry.mesh.corners(0));
+}

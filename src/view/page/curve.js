@@ -69,7 +69,7 @@ function showCurve(state) {
     svg.append(svgElement("line", { class: "grid", x1: x(value), x2: x(value), y1: PLOT.top, y2: PLOT.height - PLOT.bottom }));
     if (x(value) < free || x(value) > PLOT.width - 18) continue;
     free = x(value) + 46;
-    svg.append(svgElement("text", { x: x(value), y: PLOT.height - PLOT.bottom + 16, "text-anchor": "middle" }, timeTick(value)));
+    svg.append(svgElement("text", { x: x(value), y: PLOT.height - PLOT.bottom + 18, "text-anchor": "middle" }, timeTick(value)));
   }
   const points = (key) => curve.filter((p) => p[key] >= e0 && p.seconds > 0).map((p) => [p.seconds, p[key]]);
   const [high, low] = [points("high"), curve.filter((p) => p.high > 0).map((p) => [p.seconds, Math.max(p.low, e0)])];

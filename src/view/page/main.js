@@ -15,6 +15,13 @@ function newestSequence() {
   return frame && frame.layers.includes(viewer.layer) ? frame.sequence : 0;
 }
 
+/** Bytes of a layer; null if there is no newer frame, or the connection breaks. */
+async function layerBytes(path) {
+  const response = await answer(path);
+  if (!response || response.status === 204) return null;
+  return response.arrayBuffer().catch(() => null);
+}
+
 /** Fetches the newest frame of the layer. One request runs at a time. */
 async function fetchFrame() {
   if (isFetching || !state) return;
@@ -25,28 +32,27 @@ async function fetchFrame() {
   const isWish = isSurface ? !state.surfaces : !COLOR_LAYERS.includes(layer);
   if (!isWish && newestSequence() <= after) return;
   isFetching = true;
-  try {
-    const response = await fetch(`layer/${layer}?after=${after}`);
-    if (response.status === 200) {
-      const frame = decodeFrame(await response.arrayBuffer());
-      if (layer === viewer.layer) showFrame(frame);
-    }
-  } catch {
-    // The events tell when the connection is back.
-  }
+  const bytes = await layerBytes(`layer/${layer}?after=${after}`);
+  if (bytes && layer === viewer.layer) showFrame(decodeFrame(bytes));
   isFetching = false;
   const shown = viewer.shown && viewer.shown.layer === viewer.layer ? viewer.shown.frame.sequence : 0;
   if (viewer.layer !== layer || (newestSequence() > shown && newestSequence() > after)) setTimeout(fetchFrame, 50);
 }
 
+let isFetchingReference = false;
+
 /** Fetches the reference picture once. */
 async function fetchReference() {
-  if (viewer.others.reference) return;
-  const response = await fetch("layer/reference");
-  if (response.status !== 200) return;
-  viewer.others.reference = makePicture(decodeFrame(await response.arrayBuffer()), "picture");
-  viewer.other = viewer.other || "reference";
-  listOthers();
+  if (isFetchingReference || viewer.others.reference) return;
+  isFetchingReference = true;
+  const bytes = await layerBytes("layer/reference");
+  if (bytes) {
+    viewer.others.reference = makePicture(decodeFrame(bytes), "picture");
+    viewer.other = viewer.other || "reference";
+    listOthers();
+    paint();
+  }
+  isFetchingReference = false;
 }
 
 /** Lists the layers that exist. */
@@ -65,6 +71,7 @@ function listLayers() {
 function setLayer(layer) {
   viewer.layer = layer;
   byId("layer").value = layer;
+  paint();
   fetchFrame();
 }
 
@@ -73,6 +80,7 @@ function showState(next) {
   document.body.dataset.phase = state.phase;
   document.body.dataset.passes = state.passes;
   document.body.dataset.render = state.render;
+  document.body.dataset.sequence = state.picture ? state.picture.sequence : 0;
   const name = state.scene.split(/[\\/]/).pop();
   document.title = `${name} – Caustica`;
   byId("scene").textContent = name;
@@ -97,7 +105,7 @@ function showState(next) {
   if (state.reference) fetchReference();
 }
 
-const post = (name, body) => fetch(`request/${name}`, { method: "POST", body: body ? JSON.stringify(body) : "" });
+const post = (name, body) => answer(`request/${name}`, { method: "POST", body: body ? JSON.stringify(body) : "" });
 
 function stopOrResume() {
   if (byId("stop").disabled) return;

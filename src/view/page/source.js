@@ -9,9 +9,10 @@ async function showSource(state) {
   byId("problems").hidden = !state.problems;
   if (state.source_revision === sourceRevision) return;
   sourceRevision = state.source_revision;
-  const response = await fetch("source");
-  if (!response.ok) return;
-  const source = await response.json();
+  const response = await answer("source");
+  const source = response ? await response.json().catch(() => null) : null;
+  // A newer revision may have been asked for meanwhile.
+  if (!source || sourceRevision !== state.source_revision) return;
   const place = (problem) => (problem.line ? `line ${problem.line}, column ${problem.column}: ` : "");
   byId("problem-list").replaceChildren(...source.problems.map((problem) =>
     element("li", {}, place(problem) + problem.message, element("small", {}, problem.remedy))));

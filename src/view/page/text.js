@@ -1,4 +1,4 @@
-// Helpers for elements and for texts of numbers.
+// Helpers for elements, requests, and texts of numbers.
 
 const byId = (id) => document.getElementById(id);
 
@@ -18,6 +18,16 @@ function svgElement(name, attributes, text) {
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
   if (text !== undefined) made.textContent = text;
   return made;
+}
+
+/** Response of the program with status 200 to 299; null without one. The events tell when the connection is back. */
+async function answer(path, options) {
+  try {
+    const response = await fetch(path, options);
+    return response.ok ? response : null;
+  } catch {
+    return null;
+  }
 }
 
 /** Text of a number with three digits. */

@@ -46,7 +46,7 @@ const viewer = {
 
 const stage = byId("stage");
 const canvas = byId("canvas");
-const look = () => ({ layer: viewer.layer, exposure: viewer.exposure, tone: viewer.tone });
+const look = (layer) => ({ layer, exposure: viewer.exposure, tone: viewer.tone });
 
 /** Zoom and center of the view, in CSS pixels per picture pixel. */
 function view() {
@@ -85,13 +85,13 @@ function panBy(dx, dy) {
 /** The picture to compare with, if it shows the same layer; else null. */
 function otherPicture() {
   const other = viewer.others[viewer.other];
-  return other && other.layer === viewer.layer ? other : null;
+  return other && viewer.shown && other.layer === viewer.shown.layer ? other : null;
 }
 
 /** Draws a frame and the range of its colours into a picture. */
 function render(picture) {
-  picture.range = drawFrame(picture.canvas, picture.frame, look());
-  picture.key = JSON.stringify(look());
+  picture.range = drawFrame(picture.canvas, picture.frame, look(picture.layer));
+  picture.key = JSON.stringify(look(picture.layer));
   return picture;
 }
 
@@ -120,7 +120,7 @@ function paintNow() {
   // Whole pixels, so that a picture at 1:1 is shown exactly.
   const [left, top] = [width / 2 - center[0] * zoom * ratio, height / 2 - center[1] * zoom * ratio].map(Math.round);
   const drawPicture = (picture) => {
-    if (picture.key !== JSON.stringify(look())) render(picture);
+    if (picture.key !== JSON.stringify(look(picture.layer))) render(picture);
     context.imageSmoothingEnabled = picture.frame.width < viewer.size[0] || zoom * ratio < 1;
     context.drawImage(picture.canvas, left, top, viewer.size[0] * zoom * ratio, viewer.size[1] * zoom * ratio);
   };
@@ -144,6 +144,8 @@ function paintNow() {
   showOverlay(other);
   showLegend();
   showValues();
+  // Tests and scripts read from these what the canvas shows.
+  Object.assign(canvas.dataset, { layer: viewer.shown.layer, sequence: viewer.shown.frame.sequence, zoom });
 }
 
 function showOverlay(other) {
@@ -152,6 +154,7 @@ function showOverlay(other) {
   const texts = { flip: `showing: ${named}`, split: `now | ${named}` };
   const frame = viewer.shown.frame;
   let text = other ? texts[viewer.mode] || "" : "";
+  if (viewer.layer !== viewer.shown.layer) text = `waiting for ${LAYER_NAMES[viewer.layer].toLowerCase()}`;
   if (!text && viewer.layer === "picture" && frame.width < viewer.size[0]) text = `preview, ${frame.width} × ${frame.height}`;
   overlay.textContent = text;
   overlay.hidden = !text;

@@ -4,6 +4,7 @@ mod materials;
 mod media;
 mod meshes;
 mod oriented_lights;
+mod shared_meshes;
 mod textures;
 
 use super::super::parse;

@@ -1,0 +1,133 @@
+//! Meshes of a scene as they were read, which a later version of the scene can share.
+
+use super::placement::NormalizedMesh;
+use crate::format::FileStamp;
+use crate::format::mesh::{MeshOptions, NO_MATERIAL, TriangleMesh};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+/// Key of a mesh that was read: file, the two flags of [`MeshOptions`], and the smoothing angle's
+/// bits.
+pub(super) type MeshKey = (PathBuf, bool, bool, Option<u64>);
+
+/// Returns the key of the mesh that is read from `file` with `options`.
+pub(super) fn mesh_key(file: &Path, options: MeshOptions) -> MeshKey {
+    let MeshOptions { uses_file_materials, ignores_normals, max_smoothing_angle } = options;
+    (file.to_owned(), uses_file_materials, ignores_normals, max_smoothing_angle.map(f64::to_bits))
+}
+
+/// Meshes of a scene as they were read, with the hierarchies of their instances.
+///
+/// A later version of the scene shares those that have not changed, see
+/// [`resolve_after`](crate::format::SceneFile::resolve_after).
+/// The list holds the meshes that the scene itself uses, so edits do not make it grow.
+#[derive(Clone, Default)]
+pub struct SceneMeshes(HashMap<MeshKey, Arc<PreparedMesh>>);
+
+impl std::fmt::Debug for SceneMeshes {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_set().entries(self.0.keys().map(|(file, ..)| file)).finish()
+    }
+}
+
+impl SceneMeshes {
+    /// Returns the mesh with this key if its source is still `source`, else `None`.
+    pub(super) fn find_unchanged(&self, key: &MeshKey, source: &MeshSource) -> Option<Arc<PreparedMesh>> {
+        self.0.get(key).filter(|mesh| mesh.source.is_unchanged(source)).cloned()
+    }
+
+    #[cfg(test)]
+    pub(super) fn only_part(&self) -> Arc<PreparedPart> {
+        let mut parts = self.0.values().flat_map(|mesh| &mesh.parts);
+        let part = parts.next().unwrap().clone();
+        assert!(parts.next().is_none(), "the scene has several parts of meshes");
+        part
+    }
+
+    pub(super) fn insert(&mut self, key: MeshKey, mesh: Arc<PreparedMesh>) {
+        self.0.insert(key, mesh);
+    }
+}
+
+/// Where the triangles of a mesh come from.
+pub(super) enum MeshSource {
+    /// A mesh file with this stamp before reading; `None` if the system gives no stamp.
+    File(Option<FileStamp>),
+    /// A mesh that the scene file contains.
+    Embedded(Arc<TriangleMesh>),
+}
+
+impl MeshSource {
+    /// True if both sources hold the same mesh.
+    fn is_unchanged(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::File(Some(a)), Self::File(Some(b))) => a == b,
+            (Self::Embedded(a), Self::Embedded(b)) => a.is_equal_in_bits(b),
+            (Self::File(_) | Self::Embedded(_), Self::File(_) | Self::Embedded(_)) => false,
+        }
+    }
+}
+
+/// Mesh with the normals that its options select, split by material if its options select the
+/// materials of the file.
+pub(super) struct PreparedMesh {
+    source: MeshSource,
+    /// Arguments of the `mtllib` lines of an OBJ file.
+    pub libraries: Vec<String>,
+    /// Names of the materials that the parts refer to; empty if the mesh is not split.
+    pub materials: Vec<String>,
+    pub parts: Vec<Arc<PreparedPart>>,
+}
+
+/// Triangles of a mesh file that have the same material.
+pub(super) struct PreparedPart {
+    pub mesh: Arc<TriangleMesh>,
+    /// Index of the material in [`PreparedMesh::materials`]; `None` for triangles that have the
+    /// current material of the scene text.
+    pub material: Option<usize>,
+    /// Geometry that instances share; built for the first of them.
+    normalized: OnceLock<NormalizedMesh>,
+}
+
+impl PreparedMesh {
+    /// Prepares `mesh`, which was read from `source`, as `options` say. `libraries` are the
+    /// arguments of its `mtllib` lines.
+    pub fn new(mut mesh: Arc<TriangleMesh>, libraries: Vec<String>, source: MeshSource, options: MeshOptions) -> Self {
+        if options.ignores_normals && mesh.normals.is_some() {
+            Arc::make_mut(&mut mesh).normals = None;
+        }
+        if let Some(angle) = options.max_smoothing_angle {
+            Arc::make_mut(&mut mesh).compute_smooth_normals(angle);
+        }
+        if !options.uses_file_materials || mesh.materials.is_empty() {
+            let parts = vec![Arc::new(PreparedPart::new(mesh, None))];
+            return Self { source, libraries, materials: Vec::new(), parts };
+        }
+        let part = |(number, part): (u32, TriangleMesh)| {
+            let material = (number != NO_MATERIAL).then_some(number as usize);
+            Arc::new(PreparedPart::new(Arc::new(part), material))
+        };
+        let parts = mesh.split_by_material().into_iter().map(part).collect();
+        Self { source, libraries, materials: mesh.materials.clone(), parts }
+    }
+}
+
+impl PreparedPart {
+    fn new(mesh: Arc<TriangleMesh>, material: Option<usize>) -> Self {
+        Self { mesh, material, normalized: OnceLock::new() }
+    }
+
+    /// True if the hierarchy of the part's instances exists.
+    pub fn has_hierarchy(&self) -> bool {
+        self.normalized.get().is_some()
+    }
+
+    /// Returns the geometry that all instances of the part share.
+    pub fn normalized(&self) -> &NormalizedMesh {
+        self.normalized.get_or_init(|| {
+            let TriangleMesh { positions, triangles, normals, texcoords, .. } = &*self.mesh;
+            NormalizedMesh::new(positions, normals.as_deref(), texcoords.as_deref(), triangles)
+        })
+    }
+}
