@@ -65,9 +65,10 @@ function showCurve(state) {
     svg.append(svgElement("text", { x: PLOT.left - 5, y: y(value) + 4, "text-anchor": "end" }, percent(value)));
   }
   let free = -Infinity;
-  for (const value of timeTicks(t0, t1)) {
+  const round = timeTicks(t0, t1).filter((value) => x(value) <= PLOT.width - 18);
+  for (const value of round.length ? round : [Math.sqrt(t0 * t1)]) {
     svg.append(svgElement("line", { class: "grid", x1: x(value), x2: x(value), y1: PLOT.top, y2: PLOT.height - PLOT.bottom }));
-    if (x(value) < free || x(value) > PLOT.width - 18) continue;
+    if (x(value) < free) continue;
     free = x(value) + 46;
     svg.append(svgElement("text", { x: x(value), y: PLOT.height - PLOT.bottom + 18, "text-anchor": "middle" }, timeTick(value)));
   }
@@ -86,8 +87,8 @@ function showCurve(state) {
     }
   }
   svg.append(svgElement("circle", { class: "dot", cx: x(last.seconds), cy: y(last.error), r: 3.5 }));
-  const key = element("div", { class: "key" }, element("span", { class: "e" }, "error"), element("span", { class: "n" }, "noise"), element("span", { class: "b" }, "bias"));
-  if (forecast) key.append(element("span", { class: "t" }, "target, when expected"));
+  const key = element("div", { class: "key" }, element("span", { class: "e" }, "error"), element("span", { class: "i" }, "its interval"), element("span", { class: "n" }, "noise"), element("span", { class: "b" }, "bias"));
+  if (forecast) key.append(element("span", { class: "f" }, "forecast"), element("span", { class: "t" }, "target, when expected"));
   host.replaceChildren(svg, key);
 }
 
@@ -105,6 +106,6 @@ function errorText(state) {
   const target = percent(forecast.target);
   if (forecast.floor !== null) text += ` ${target} is never reached: ${percent(forecast.floor)} is bias that stays.`;
   else if (median === null) text += ` ${target}: cannot tell yet, at least ${left(low)}.`;
-  else text += ` ${target} is expected in ${left(median)} (${left(low)} to ${high === null ? "unknown" : left(high)}).`;
+  else text += ` ${target} is expected in ${left(median)} (${high === null ? `at least ${left(low)}` : `${left(low)} to ${left(high)}`}).`;
   return text;
 }

@@ -51,7 +51,7 @@ function showPlan(state) {
     if (effect.flaw) reason.append(element("div", { class: "flaw" }, effect.flaw));
     return element("tr", { class: effect.on ? "on" : "off" }, element("th", { scope: "row" }, effect.name), element("td", {}, state), reason);
   });
-  const notes = element("ul", {}, ...state.plan.notes.map((note) => element("li", {}, note)));
+  const notes = element("ul", {}, ...state.plan.notes.map((note) => element("li", {}, note.replaceAll(" %", "\u00a0%"))));
   host.replaceChildren(element("table", {}, element("tbody", {}, ...rows)), notes);
 }
 

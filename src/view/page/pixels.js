@@ -155,7 +155,7 @@ function drawVectors(bytes, frame, isNormal) {
 
 /**
  * Draws a frame into a canvas of its size. `look` has the layer, the exposure in stops and the tone
- * curve. Returns the range of a map's colours; null for a layer with colours of its own.
+ * curve. Returns the range of a map's colours, and whether all its values are 0; null for a layer with colours of its own.
  */
 function drawFrame(canvas, frame, look) {
   const { width, height, values } = frame;
@@ -183,7 +183,7 @@ function drawFrame(canvas, frame, look) {
     const means = look.layer === "motion" ? vectorLengths(frame) : channelMeans(frame);
     const ramp = isSigned ? DIVERGING : SEQUENTIAL;
     const most = typicalSize(means) * 2 ** -look.exposure;
-    range = { low: isSigned ? -most : 0, high: most, ramp };
+    range = { low: isSigned ? -most : 0, high: most, ramp, isZero: means.every((mean) => mean === 0) };
     for (let i = 0; i < means.length; i++) {
       const t = (means[i] - range.low) / (range.high - range.low);
       const at = 3 * Math.round(255 * clamp(Number.isNaN(t) ? 0 : t));

@@ -20,6 +20,18 @@ const LAYER_NAMES = {
   motion: "Motion",
 };
 
+/** Units of the maps' values. */
+const LAYER_UNITS = {
+  noise: "W/(m² sr)",
+  bias: "W/(m² sr)",
+  "radius.caustic": "units of length",
+  "radius.global": "units of length",
+  "photons.caustic": "photons",
+  "photons.global": "photons",
+  depth: "units of length",
+  motion: "pixels",
+};
+
 /** Layers with properties of the surfaces that the camera sees. They are made when asked for. */
 const SURFACE_LAYERS = ["albedo", "normal", "depth", "position", "object", "material", "motion"];
 
@@ -156,6 +168,7 @@ function showOverlay(other) {
   let text = other ? texts[viewer.mode] || "" : "";
   if (viewer.layer !== viewer.shown.layer) text = `waiting for ${LAYER_NAMES[viewer.layer].toLowerCase()}`;
   if (!text && viewer.layer === "picture" && frame.width < viewer.size[0]) text = `preview, ${frame.width} × ${frame.height}`;
+  if (!text && viewer.shown.range && viewer.shown.range.isZero) text = "0 everywhere";
   overlay.textContent = text;
   overlay.hidden = !text;
 }
@@ -166,7 +179,7 @@ function showLegend() {
   byId("legend").hidden = !range;
   if (!range) return;
   byId("legend-low").textContent = digits(range.low);
-  byId("legend-high").textContent = digits(range.high);
+  byId("legend-high").textContent = `${digits(range.high)} ${LAYER_UNITS[viewer.shown.layer]}`;
   const context = byId("ramp").getContext("2d");
   const image = context.createImageData(128, 1);
   for (let i = 0; i < 128; i++) image.data.set([...range.ramp.subarray(6 * i, 6 * i + 3), 255], 4 * i);

@@ -102,7 +102,8 @@ fn later_versions_parse_changed_meshes_only() {
     assert!(changed == fresh && changed != shared);
 
     // Other options give another mesh, and a mesh that the scene drops is forgotten.
-    let (fourth, parsed) = resolve_after(Some(&third), &file("Group { TriangleMesh { file a.obj smoothAngle 9 } }"));
+    let other_options = format!("{CAMERA}Group {{ TriangleMesh {{ file a.obj smoothAngle 9 }} }}");
+    let (fourth, parsed) = resolve_after(Some(&third), &file(&other_options));
     assert_eq!((parsed, format!("{:?}", fourth.meshes).matches("obj").count()), (1, 1));
 }
 
