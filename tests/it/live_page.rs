@@ -131,8 +131,9 @@ fn saved_bits(program: &LiveProgram, render: u64) -> Vec<u32> {
 fn hills(side: u32, height: f64) -> String {
     let at = |i: u32| 2.0 * f64::from(i) / f64::from(side) - 1.0;
     let corners = (0..=side).flat_map(|z| (0..=side).map(move |x| (at(x), at(z))));
-    let mut text: String =
-        corners.map(|(x, z)| format!("v {x} {} {z}\n", height * ((9.0 * x).sin() * (7.0 * z).cos() + 1.0))).collect();
+    let mut text: String = corners
+        .map(|(x, z)| format!("v {x} {} {z}\n", height * (libm::sin(9.0 * x) * libm::cos(7.0 * z) + 1.0)))
+        .collect();
     for (x, z) in (0..side).flat_map(|z| (0..side).map(move |x| (x, z))) {
         let [a, b] = [0, 1].map(|row| (z + row) * (side + 1) + x + 1);
         text += &format!("f {a} {b} {}\nf {} {b} {}\n", a + 1, a + 1, b + 1);

@@ -95,7 +95,8 @@ fn viewers_receive_the_growing_picture_and_the_layers() {
     let address = listener.local_addr().unwrap();
     let viewer = thread::spawn(move || view(&listener));
     let line = format!(
-        "-o a.exr --size 300x250 --passes 2 --photons 1k --light-groups --aov layers.exr --no-error-estimate --tev {address}"
+        "-o a.exr --size 300x250 --integrator path --spp 1 --passes 2 --light-groups --aov layers.exr \
+         --no-error-estimate --tev {address}"
     );
     sandbox.render("box.txt", &line).expect(0, &[]);
     let (images, kinds) = viewer.join().unwrap();
