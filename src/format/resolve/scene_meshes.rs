@@ -38,7 +38,7 @@ impl SceneMeshes {
     }
 
     #[cfg(test)]
-    pub(super) fn only_part(&self) -> Arc<PreparedPart> {
+    pub(in crate::format) fn only_part(&self) -> Arc<PreparedPart> {
         let mut parts = self.0.values().flat_map(|mesh| &mesh.parts);
         let part = parts.next().unwrap().clone();
         assert!(parts.next().is_none(), "the scene has several parts of meshes");
@@ -81,7 +81,7 @@ pub(super) struct PreparedMesh {
 }
 
 /// Triangles of a mesh file that have the same material.
-pub(super) struct PreparedPart {
+pub(in crate::format) struct PreparedPart {
     pub mesh: Arc<TriangleMesh>,
     /// Index of the material in [`PreparedMesh::materials`]; `None` for triangles that have the
     /// current material of the scene text.

@@ -6,11 +6,11 @@
 use caustica::format::description::{
     ApertureDescription, AreaLightStrength, CameraDescription, DensityDescription, DielectricAbsorption,
     DielectricDescription, DirectionOrTarget, DirectionalLightDescription, DirectionalLightStrength,
-    DiscLightDescription, EmissionDescription, EnvironmentRadiance, FocusDescription, GroupItem, LensDescription,
-    LightDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients, MediumDescription,
-    NormalPerturbationDescription, ObjectDescription, PointLightDescription, PointLightStrength, ProjectionDescription,
-    RectangleLightDescription, SceneDescription, Span, Spanned, SphereLightDescription, SpotLightDescription,
-    TextureKindDescription, TransformStep, TransformedBoxDescription,
+    DiscLightDescription, EmissionDescription, EnvironmentRadiance, FocusDescription, GoniometricLightDescription,
+    GroupItem, LensDescription, LightDescription, MaterialDescription, MaterialKindDescription, MediumCoefficients,
+    MediumDescription, NormalPerturbationDescription, ObjectDescription, PointLightDescription, PointLightStrength,
+    ProjectionDescription, ProjectorLightDescription, RectangleLightDescription, SceneDescription, Span, Spanned,
+    SphereLightDescription, SpotLightDescription, TextureKindDescription, TransformStep, TransformedBoxDescription,
 };
 use glam::{DAffine3, DMat4, DVec3};
 
