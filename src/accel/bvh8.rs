@@ -1,6 +1,6 @@
-//! Bounding volume hierarchy with up to eight children per node, and its traversal.
+//! Bounding volume hierarchy with up to eight children per node, and its box test.
 
-use super::build::{ARITY, BinaryNode, BvhPrimitive, MAX_DEPTH, OTHER_BIT, SimdBox, build_tree};
+use super::build::{ARITY, BinaryNode, BvhPrimitive, OTHER_BIT, SimdBox, build_tree};
 use super::packet::{LANES, TrianglePacket};
 use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, rounding_error_bound};
@@ -12,30 +12,8 @@ use wide::f32x8;
 /// With [`OTHER_BIT`], the child is another primitive. With neither bit, it is a node.
 const PACKET_BIT: u32 = 1 << 30;
 
-/// Entries of the largest traversal stack, which suffices for every tree up to [`MAX_DEPTH`].
-pub(super) const DEEPEST_STACK: usize = 512;
-/// Entries of the traversal stack for most scenes. Smaller stacks are faster to clear.
-pub(super) const USUAL_STACK: usize = 96;
-/// Entries of the traversal stack for scenes of few primitives.
-pub(super) const SMALL_STACK: usize = 32;
-const _: () = assert!((ARITY - 1) * (MAX_DEPTH as usize + 1) + ARITY <= DEEPEST_STACK);
-
-/// Evaluates `$body` with the constant `$stack`: the smallest stack size that suffices for `$bvh`.
-macro_rules! with_stack_size {
-    ($bvh:expr, <$stack:ident> $body:expr) => {
-        if $bvh.stack_entries <= $crate::accel::bvh8::SMALL_STACK {
-            const $stack: usize = $crate::accel::bvh8::SMALL_STACK;
-            $body
-        } else if $bvh.stack_entries <= $crate::accel::bvh8::USUAL_STACK {
-            const $stack: usize = $crate::accel::bvh8::USUAL_STACK;
-            $body
-        } else {
-            const $stack: usize = $crate::accel::bvh8::DEEPEST_STACK;
-            $body
-        }
-    };
-}
-pub(super) use with_stack_size;
+/// Child reference of the root.
+pub(super) const ROOT: u32 = 0;
 
 /// Padding of a primitive's box on each side, relative to the box's longest edge.
 ///
@@ -45,7 +23,7 @@ pub(super) use with_stack_size;
 /// the errors relative to the distance.
 const PADDING: f32 = rounding_error_bound(16);
 /// Factor on the ray parameter at which a ray leaves a box; it covers the rounding errors.
-const EXIT_FACTOR: f32 = 1.0 + 2.0 * rounding_error_bound(16);
+pub(super) const EXIT_FACTOR: f32 = 1.0 + 2.0 * rounding_error_bound(16);
 
 /// Eight axis-aligned boxes, as `[axis][side]` with eight lower planes (side 0) or upper planes
 /// (1).
@@ -67,8 +45,6 @@ struct Node8 {
 pub(super) struct Bvh8 {
     nodes: Vec<Node8>,
     packets: Vec<TrianglePacket>,
-    /// Largest number of entries that a traversal can leave on its stack.
-    pub(super) stack_entries: usize,
 }
 
 impl Bvh8 {
@@ -85,10 +61,10 @@ impl Bvh8 {
             .collect();
         let mut tree = vec![BinaryNode::VACANT; (2 * primitives.len()).saturating_sub(1)];
         build_tree(&mut primitives, &mut tree);
-        let mut bvh = Self { nodes: Vec::new(), packets: Vec::new(), stack_entries: 0 };
+        let mut bvh = Self { nodes: Vec::new(), packets: Vec::new() };
         if !tree.is_empty() {
             let source = WideNodeInput { triangles, primitives: &primitives, tree: &tree };
-            bvh.stack_entries = bvh.append_wide_node(&source, 0, 0) + ARITY;
+            bvh.append_wide_node(&source, 0, 0);
         }
         bvh.nodes.shrink_to_fit();
         bvh.packets.shrink_to_fit();
@@ -97,9 +73,8 @@ impl Bvh8 {
 
     /// Appends the node with up to eight children for the binary node `at`, and all nodes below it.
     ///
-    /// `start` is the index of the first primitive of the binary node. Returns the largest number
-    /// of stack entries that a traversal of the appended nodes needs.
-    fn append_wide_node(&mut self, source: &WideNodeInput, at: usize, start: usize) -> usize {
+    /// `start` is the index of the first primitive of the binary node.
+    fn append_wide_node(&mut self, source: &WideNodeInput, at: usize, start: usize) {
         let mut chosen = [(0, 0); ARITY];
         let mut count = 0;
         source.select_wide_node_children(at, start, ARITY, &mut |child| {
@@ -109,14 +84,13 @@ impl Bvh8 {
         let mut node = Node8 { boxes: Boxes8::VACANT, children: [0; ARITY] };
         let index = self.nodes.len();
         self.nodes.push(Node8 { ..node });
-        let mut deepest = 0;
         for (slot, &(at, start)) in chosen[..count].iter().enumerate() {
             let branch = &source.tree[at];
             node.boxes.set_box(slot, branch.bounds.min.into(), branch.bounds.max.into());
             let members = &source.primitives[start..start + branch.size as usize];
             node.children[slot] = if !branch.leaf {
                 let child = self.nodes.len() as u32;
-                deepest = self.append_wide_node(source, at, start).max(deepest);
+                self.append_wide_node(source, at, start);
                 child
             } else if members[0].key & OTHER_BIT != 0 {
                 members[0].key
@@ -128,7 +102,6 @@ impl Bvh8 {
             };
         }
         self.nodes[index] = node;
-        deepest + count - 1
     }
 
     /// True if the hierarchy has no primitives.
@@ -143,8 +116,7 @@ impl Bvh8 {
         child >= PACKET_BIT
     }
 
-    /// Boxes and child references of the node to which the child reference `node` refers; 0 is the
-    /// root.
+    /// Boxes and child references of the node to which the child reference `node` refers.
     #[inline]
     pub fn node(&self, node: u32) -> (&Boxes8, &[u32; ARITY]) {
         let node = &self.nodes[node as usize];
@@ -155,86 +127,6 @@ impl Bvh8 {
     #[inline]
     pub fn packet_of_leaf(&self, leaf: u32) -> &TrianglePacket {
         &self.packets[(leaf ^ PACKET_BIT) as usize]
-    }
-
-    /// Calls `leaf` for every leaf whose box the ray enters at a ray parameter t below a limit.
-    ///
-    /// `leaf` receives the child reference of the leaf and the limit, and returns the new limit.
-    /// The limit is `t_max` at first; a negative limit ends the traversal. If `SORTED` is true,
-    /// children are visited from near to far. `STACK` is the stack size, chosen by
-    /// [`with_stack_size`].
-    #[inline]
-    pub fn traverse<const SORTED: bool, const STACK: usize>(
-        &self,
-        precalc: &RayPrecalc,
-        mut leaf: impl FnMut(u32, f32) -> f32,
-    ) {
-        if self.nodes.is_empty() {
-            return;
-        }
-        // An entry holds the ray parameter at which the ray enters a child, above the child
-        // reference. The parameter is not negative, so entries sort as integers.
-        let mut stack = [0u64; STACK];
-        let mut top = 0;
-        let mut limit = precalc.t_max;
-        let slabs = SlabTestRay::new(precalc);
-        let mut current = 0;
-        loop {
-            if !Self::is_leaf(current) {
-                // Test the eight boxes of a node.
-                let node = &self.nodes[current as usize];
-                let (mut hits, near) = node.boxes.intersect_boxes(&slabs, limit);
-                if hits != 0 {
-                    let slot = |hits: u32| hits.trailing_zeros() as usize & (ARITY - 1);
-                    let entry =
-                        |slot: usize| u64::from(near.as_array()[slot].to_bits()) << 32 | u64::from(node.children[slot]);
-                    let rest = hits & (hits - 1);
-                    if rest == 0 {
-                        current = node.children[slot(hits)];
-                        continue;
-                    }
-                    if SORTED && rest & (rest - 1) == 0 {
-                        let (a, b) = (entry(slot(hits)), entry(slot(rest)));
-                        stack[top] = a.max(b);
-                        top += 1;
-                        current = a.min(b) as u32;
-                        continue;
-                    }
-                    let base = top;
-                    while hits != 0 {
-                        let entry = entry(slot(hits));
-                        hits &= hits - 1;
-                        let mut at = top;
-                        while SORTED && at > base && stack[at - 1] < entry {
-                            stack[at] = stack[at - 1];
-                            at -= 1;
-                        }
-                        stack[at] = entry;
-                        top += 1;
-                    }
-                    top -= 1;
-                    current = stack[top] as u32;
-                    continue;
-                }
-            } else {
-                // Test the primitives of a leaf.
-                limit = leaf(current, limit);
-                if limit < 0.0 {
-                    return;
-                }
-            }
-            // Continue with the next entry that is not beyond the limit.
-            loop {
-                if top == 0 {
-                    return;
-                }
-                top -= 1;
-                if f32::from_bits((stack[top] >> 32) as u32) <= limit * EXIT_FACTOR {
-                    current = stack[top] as u32;
-                    break;
-                }
-            }
-        }
     }
 }
 

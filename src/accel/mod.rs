@@ -15,16 +15,19 @@ mod packet;
 mod ray_precalc;
 #[cfg(test)]
 mod tests;
+mod traversal_stack;
 
 pub use box_tree::BoxTree;
 pub use leaf_list::LeafList;
 
 use crate::math::{Bounds, Ray};
 use build::OTHER_BIT;
-use bvh8::{Bvh8, with_stack_size};
+use bvh8::{Bvh8, ROOT, SlabTestRay};
 use glam::{Vec2, Vec3};
 use packet::LeafHit;
 use ray_precalc::RayPrecalc;
+use std::ops::ControlFlow;
+use traversal_stack::TraversalStack;
 
 /// Index of a primitive in one of the two slices that [`Hierarchy::build`] received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -108,13 +111,28 @@ impl Hierarchy {
     where
         F: FnMut(u32, &Ray) -> Option<ShapeHit>,
     {
-        if !RayPrecalc::can_hit_anything(ray) {
+        if self.bvh.is_empty() || !RayPrecalc::can_hit_anything(ray) {
             return None;
         }
         let precalc = RayPrecalc::new(ray);
+        let slabs = SlabTestRay::new(&precalc);
         let mut best = NearestHit::before_any_hit(&precalc);
-        let test_leaf = |leaf, _| best.keep_nearest_hit_of_leaf(&self.bvh, leaf, ray, &precalc, &mut other);
-        with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<true, STACK>(&precalc, test_leaf));
+        let mut stack = TraversalStack::new();
+        let mut next = Some(ROOT);
+        while let Some(child) = next {
+            next = if Bvh8::is_leaf(child) {
+                // Test the primitives of a leaf.
+                best.keep_nearest_hit_of_leaf(&self.bvh, child, ray, &precalc, &mut other);
+                stack.pop(best.hit.t)
+            } else {
+                // Test the boxes of a node's children. Visit the nearest child first.
+                let (boxes, children) = self.bvh.node(child);
+                match boxes.intersect_boxes(&slabs, best.hit.t) {
+                    (0, _) => stack.pop(best.hit.t),
+                    (hits, near) => Some(stack.push_children::<true>(children, hits, near)),
+                }
+            };
+        }
         best.to_primitive_hit(ray, &precalc)
     }
 
@@ -154,7 +172,7 @@ impl Hierarchy {
     where
         F: FnMut(u32, &Ray) -> Option<ShapeHit>,
     {
-        if !RayPrecalc::can_hit_anything(ray) {
+        if self.bvh.is_empty() || !RayPrecalc::can_hit_anything(ray) {
             return;
         }
         let precalc = RayPrecalc::new(ray);
@@ -165,15 +183,14 @@ impl Hierarchy {
                 visit(hit);
             }
         };
-        let test_leaf = |leaf, limit| {
+        let _ = self.visit_leaves(&precalc, |leaf| {
             if leaf & OTHER_BIT == 0 {
                 self.bvh.packet_of_leaf(leaf).for_each_hit(&precalc, &mut report);
             } else if let Some(hit) = other(leaf ^ OTHER_BIT, ray) {
                 report(leaf, LeafHit::of_other_primitive(hit, &precalc));
             }
-            limit
-        };
-        with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<false, STACK>(&precalc, test_leaf));
+            ControlFlow::Continue(())
+        });
     }
 
     /// True if any primitive blocks `ray` at a ray parameter in (0, `ray.t_max`).
@@ -184,21 +201,41 @@ impl Hierarchy {
     where
         F: FnMut(u32, &Ray) -> bool,
     {
-        if !RayPrecalc::can_hit_anything(ray) {
+        if self.bvh.is_empty() || !RayPrecalc::can_hit_anything(ray) {
             return false;
         }
         let precalc = RayPrecalc::new(ray);
-        let mut found = false;
-        let test_leaf = |leaf, limit| {
-            found = if leaf & OTHER_BIT == 0 {
+        let blocked = self.visit_leaves(&precalc, |leaf| {
+            let is_blocked = if leaf & OTHER_BIT == 0 {
                 self.bvh.packet_of_leaf(leaf).any_hit(&precalc)
             } else {
                 other(leaf ^ OTHER_BIT, ray)
             };
-            if found { f32::NEG_INFINITY } else { limit }
-        };
-        with_stack_size!(self.bvh, <STACK> self.bvh.traverse::<false, STACK>(&precalc, test_leaf));
-        found
+            if is_blocked { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        blocked.is_break()
+    }
+
+    /// Calls `visit` with the child reference of each leaf whose box the ray enters below its
+    /// `t_max`, in no particular order. Ends when `visit` returns [`ControlFlow::Break`].
+    #[inline]
+    fn visit_leaves(&self, precalc: &RayPrecalc, mut visit: impl FnMut(u32) -> ControlFlow<()>) -> ControlFlow<()> {
+        let slabs = SlabTestRay::new(precalc);
+        let mut stack = TraversalStack::new();
+        let mut next = Some(ROOT);
+        while let Some(child) = next {
+            next = if Bvh8::is_leaf(child) {
+                visit(child)?;
+                stack.pop(precalc.t_max)
+            } else {
+                let (boxes, children) = self.bvh.node(child);
+                match boxes.intersect_boxes(&slabs, precalc.t_max) {
+                    (0, _) => stack.pop(precalc.t_max),
+                    (hits, near) => Some(stack.push_children::<false>(children, hits, near)),
+                }
+            };
+        }
+        ControlFlow::Continue(())
     }
 }
 
@@ -220,8 +257,7 @@ impl NearestHit {
 
     /// Tests the primitives of the leaf with child reference `leaf`, and keeps the nearest hit.
     ///
-    /// Returns the ray parameter of the nearest hit so far. `other` intersects primitives other
-    /// than triangles, as in [`Hierarchy::closest_hit`].
+    /// `other` intersects primitives other than triangles, as in [`Hierarchy::closest_hit`].
     #[inline(always)]
     fn keep_nearest_hit_of_leaf(
         &mut self,
@@ -230,7 +266,7 @@ impl NearestHit {
         ray: &Ray,
         precalc: &RayPrecalc,
         other: &mut impl FnMut(u32, &Ray) -> Option<ShapeHit>,
-    ) -> f32 {
+    ) {
         if leaf & OTHER_BIT == 0 {
             bvh.packet_of_leaf(leaf).for_each_hit(precalc, |triangle, hit| self.keep_nearer_hit(triangle, hit));
         } else {
@@ -241,7 +277,6 @@ impl NearestHit {
                 self.keep_nearer_hit(leaf, LeafHit::of_other_primitive(hit, precalc));
             }
         }
-        self.hit.t
     }
 
     /// Replaces the kept hit by `hit` if t > 0 and `hit` is nearer, or equally near with a lower
