@@ -14,7 +14,7 @@ use caustica::camera::{Filter, FilterKind};
 use caustica::format::SceneFile;
 use caustica::image::{self, RelativeErrorWeights};
 use caustica::integrate::{Algorithm, Settings, SilentMonitor};
-use caustica::render::{FilmFile, FilmHeader, RenderResult, StopCriteria, continue_render};
+use caustica::render::{FilmFile, FilmHeader, RenderResult, StopCriteria, render};
 use caustica::scene::Scene;
 use caustica::stats::cpu_seconds;
 use glam::DVec3;
@@ -85,8 +85,8 @@ fn shard(settings: &Settings, passes: std::ops::Range<u32>, work: &mut Work) -> 
     let interrupted = AtomicBool::new(false);
     let stop = StopCriteria { passes: Some(passes.len() as u32), ..StopCriteria::unlimited(&interrupted) };
     let before = RenderResult::without_passes(integrator.as_ref(), size);
-    let render = || continue_render(before, passes, integrator.as_ref(), &stop, &SilentMonitor, |_| {});
-    let rendered = timed(&mut work.passes, render);
+    let render_shard = || render(before, passes, integrator.as_ref(), &stop, &SilentMonitor, |_| {});
+    let rendered = timed(&mut work.passes, render_shard);
     let header = FilmHeader {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         scene: "cbox-caustic".to_owned(),

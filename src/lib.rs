@@ -9,7 +9,7 @@
 //! | read a scene file | [`SceneFile`] |
 //! | build a scene in code | [`SceneBuilder`], [`Material`], [`Shape`], [`Camera`] |
 //! | choose an algorithm | [`Algorithm`], [`Settings`] |
-//! | render with progress | [`render()`], [`RenderLimits`], [`StopCriteria`], [`ProgressMonitor`] |
+//! | render with progress | [`render()`], [`RenderResult::without_passes`], [`RenderLimits`], [`StopCriteria`], [`ProgressMonitor`] |
 //! | read the estimated error | [`RenderResult`], [`ErrorEstimator`], [`ErrorEstimate`] |
 //! | write a picture | [`Image`], [`write_image`], [`WriteOptions`] |
 //!
@@ -53,8 +53,8 @@
 //!
 //! # The path of one photon
 //!
-//! 1. `PhotonMapBuilder::build` in [`integrate`] starts the photons of a pass. By way of
-//!    `build_with_options`, `build_caustic_map` and `trace_photons`, it calls
+//! 1. `PhotonMapBuilder::build` in [`integrate`] builds the photon maps of a pass one by one, for
+//!    example by `build_caustic_map`. For the photons of a map, `trace_photons` calls
 //!    [`PhotonPass::trace_and_connect`](photon::PhotonPass::trace_and_connect). This emits photon
 //!    paths in parallel by `PhotonSource::emit_photon_path`, and follows each of them by
 //!    `PhotonPass::follow_photon_path`.
@@ -73,19 +73,20 @@
 //!    `LightTracer::splat_and_return_share` also sends caustic photons to the pixel that sees them.
 //! 6. [`Bsdf::sample`](bsdf::Bsdf::sample) chooses the next direction. Russian roulette then ends
 //!    the path by its throughput.
-//! 7. [`PhotonMap::build`](photon::PhotonMap::build) makes each photon map that the algorithm
-//!    reads: the caustic map, the indirect map, the interreflection map of `hybrid`, or the map
+//! 7. `PhotonMapBuilder::index_photons` calls [`PhotonMap::build`](photon::PhotonMap::build) for
+//!    each photon map that the algorithm reads: the caustic map, the indirect map, the interreflection map of `hybrid`, or the map
 //!    that guides gather rays.
 //!
 //! # The path of one camera ray
 //!
-//! 1. `render_tiles` in [`integrate`] renders the tiles of the picture in parallel, and calls
-//!    `render_pixel` for each pixel. For each sample of the pixel, the reconstruction filter
-//!    chooses a point, and [`Camera::generate_ray`] makes a ray through it.
+//! 1. `render_tiles` in [`integrate`] renders the tiles of the picture in parallel, pixel by pixel.
+//!    For each sample of a pixel, the reconstruction filter chooses a point, and
+//!    [`Camera::generate_ray`] makes a ray through it.
 //! 2. `camera_path::trace_camera_path` returns the radiance along this ray. It calls
 //!    [`PathRay::next_vertex`](scene::PathRay::next_vertex) for each vertex of the path.
-//!    `next_vertex` asks `Geometry::intersect`, and so `Hierarchy::closest_hit`, for the nearest
-//!    surface.
+//!    `next_vertex` asks `Geometry::intersect` for the nearest surface. This calls
+//!    [`Hierarchy::closest_hit`](accel::Hierarchy::closest_hit), whose loop tests the boxes of a
+//!    node by `Boxes8::intersect_boxes`, and the triangles of a leaf.
 //! 3. At casters, for example glass and mirrors
 //!    ([`Bsdf::casts_caustics`](bsdf::Bsdf::casts_caustics)), `scatter_at_caster` continues the
 //!    path. Smooth glass splits the path while both branches carry enough light.
@@ -219,7 +220,9 @@ pub use integrate::Settings;
 
 /// # Example: render two passes and read the estimated error
 /// ```
-/// use caustica::{Algorithm, Camera, Image, Material, SceneBuilder, Settings, Shape, StopCriteria};
+/// use caustica::{
+///     Algorithm, Camera, Image, Material, RenderResult, SceneBuilder, Settings, Shape, StopCriteria,
+/// };
 /// use caustica::integrate::SilentMonitor;
 /// use glam::{DVec3, Vec3};
 /// use std::sync::atomic::AtomicBool;
@@ -233,8 +236,8 @@ pub use integrate::Settings;
 /// let interrupted = AtomicBool::new(false);
 /// let stop = StopCriteria { passes: Some(2), ..StopCriteria::unlimited(&interrupted) };
 /// let integrator = Algorithm::Path.prepare(&scene, Settings::default());
-/// let size = (16, 12);
-/// let rendered = caustica::render(integrator.as_ref(), size, &stop, &SilentMonitor, |standing| {
+/// let start = RenderResult::without_passes(integrator.as_ref(), (16, 12));
+/// let rendered = caustica::render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |standing| {
 ///     println!("{} passes", standing.passes);
 /// });
 /// let picture = Image::from_pixels(16, 12, rendered.film.mean())?;
@@ -245,7 +248,7 @@ pub use render::{RenderResult, StopCriteria, render};
 
 /// # Example: a preview, which ends at an estimated error of 10 % or after five minutes
 /// ```
-/// use caustica::{Algorithm, Camera, Material, RenderLimits, SceneBuilder, Settings, Shape};
+/// use caustica::{Algorithm, Camera, Material, RenderLimits, RenderResult, SceneBuilder, Settings, Shape};
 /// use caustica::integrate::SilentMonitor;
 /// use caustica::render::EndReason;
 /// use glam::{DVec3, Vec3};
@@ -263,7 +266,8 @@ pub use render::{RenderResult, StopCriteria, render};
 /// let interrupted = AtomicBool::new(false);
 /// let limits = RenderLimits { preview: true, ..RenderLimits::default() };
 /// let stop = limits.stop_criteria(Algorithm::Path, integrator.as_ref(), &interrupted);
-/// let rendered = caustica::render(integrator.as_ref(), (16, 12), &stop, &SilentMonitor, |_| {});
+/// let start = RenderResult::without_passes(integrator.as_ref(), (16, 12));
+/// let rendered = caustica::render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {});
 /// assert_eq!(rendered.ended, EndReason::Target);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -4,7 +4,7 @@ use super::random_scenes;
 use caustica::format::SceneFile;
 use caustica::image::RelativeErrorWeights;
 use caustica::integrate::{Algorithm, IndirectPhotons, Settings, SilentMonitor};
-use caustica::render::{StopCriteria, render};
+use caustica::render::{RenderResult, StopCriteria, render};
 use caustica::scene::Scene;
 use glam::Vec3;
 use std::error::Error;
@@ -83,5 +83,6 @@ fn reference(scene: &Scene, settings: &Settings, size: (u32, u32), seed: u64, pa
     let interrupted = AtomicBool::new(false);
     let stop = StopCriteria { passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
     let integrator = Algorithm::Hybrid.prepare(scene, settings);
-    render(integrator.as_ref(), size, &stop, &SilentMonitor, |_| {}).film.mean()
+    let start = RenderResult::without_passes(integrator.as_ref(), size);
+    render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {}).film.mean()
 }

@@ -13,7 +13,8 @@ use caustica::photon::{Kernel, UnknownKernel};
 use caustica::plan::UnknownOverrideError;
 use caustica::render::error_estimate::{Confidence, ErrorForecast};
 use caustica::render::{
-    ErrorTarget, PassProgress, RenderLimits, RenderedLayers, check_layered_picture_memory, check_photon_memory, render,
+    ErrorTarget, PassProgress, RenderLimits, RenderResult, RenderedLayers, check_layered_picture_memory,
+    check_photon_memory, render,
 };
 use caustica::{Algorithm, ErrorEstimate, ProgressMonitor, Settings};
 use pyo3::exceptions::PyValueError;
@@ -319,7 +320,9 @@ fn render_passes(
     // `render` estimates the error with the default confidence if it has no target.
     let (confidence, progress_confidence) =
         (interval_confidence(limits.confidence), interval_confidence(Confidence::default()));
-    let rendered = render(integrator.as_ref(), size, &stop, flags, |progress| report(progress, progress_confidence));
+    let start = RenderResult::without_passes(integrator.as_ref(), size);
+    let rendered =
+        render(start, 0..u32::MAX, integrator.as_ref(), &stop, flags, |progress| report(progress, progress_confidence));
     let effects = integrator.plan().simulated_effects();
     let aovs = surface
         .and_then(|surface| render_surface_aovs(&scene, effects, &camera_paths, surface, SURFACE_AOV_RAYS, flags));

@@ -113,7 +113,8 @@ fn render_pilot(
     let (began, mut first) = (Instant::now(), 0.0);
     progress.set_pass_number(1, None);
     progress.set_time_left(Some(arguments.pilot));
-    let rendered = render(integrator, size, &stop, progress, |standing| {
+    let start = RenderResult::without_passes(integrator, size);
+    let rendered = render(start, 0..u32::MAX, integrator, &stop, progress, |standing| {
         if standing.passes == 1 {
             first = began.elapsed().as_secs_f64();
         }

@@ -119,29 +119,17 @@ pub(super) const GIVE_UP_PASSES: u32 = 16;
 /// gives up its error target only if the product exceeds the target.
 pub(super) const GIVE_UP_MARGIN: f64 = 0.8;
 
-/// Renders a picture of `size` (width, height) pixels, pass by pass, until a criterion of `stop`
-/// holds.
-///
-/// Calls `after_pass` after each pass. Estimates the error if
-/// [`Integrator::estimates_error`] is true. If [`ProgressMonitor::is_cancelled`] becomes
-/// true, the render ends without the current pass.
-pub fn render(
-    integrator: &dyn Integrator,
-    size: (u32, u32),
-    stop: &StopCriteria<'_>,
-    monitor: &dyn ProgressMonitor,
-    after_pass: impl FnMut(&PassProgress<'_>),
-) -> RenderResult {
-    continue_render(RenderResult::without_passes(integrator, size), 0..u32::MAX, integrator, stop, monitor, after_pass)
-}
-
 /// Renders those passes of `numbers` that `rendered` lacks, and returns `rendered` with them. Ends
 /// when a criterion of `stop` holds or no pass is left.
 ///
-/// The pass limit of `stop` counts all passes of `rendered`, but its time limit only the time of
-/// this call. Picture and error estimate have the same bits as after one render without
-/// interruption. Calls `after_pass` after each pass.
-pub fn continue_render(
+/// A new render begins with [`RenderResult::without_passes`] and the passes `0..u32::MAX`. A
+/// render that continues an earlier one gets its result. Picture and error estimate have the same
+/// bits as after one render without interruption. The pass limit of `stop` counts all passes of
+/// `rendered`, but its time limit only the time of this call.
+///
+/// Calls `after_pass` after each pass. If [`ProgressMonitor::is_cancelled`] becomes true, the
+/// render ends without the current pass.
+pub fn render(
     mut rendered: RenderResult,
     numbers: Range<u32>,
     integrator: &dyn Integrator,
@@ -151,6 +139,8 @@ pub fn continue_render(
 ) -> RenderResult {
     let start = Instant::now();
     let wall = rendered.wall;
+
+    // Estimate the error of the earlier passes, which may suffice.
     let mut schedule = EstimateSchedule::default();
     (1..=rendered.film.passes()).for_each(|passes| _ = schedule.is_due(passes));
     if rendered.film.passes() > 0 {
@@ -160,16 +150,20 @@ pub fn continue_render(
             return rendered;
         }
     }
+
     loop {
         let Some(number) = rendered.numbers.first_missing(numbers.clone()) else {
             rendered.ended = EndReason::Passes;
             return rendered;
         };
+        // Render one pass.
         let pass = integrator.render_pass(number, monitor);
         if monitor.is_cancelled() {
             rendered.ended = EndReason::Interrupted;
             return rendered;
         }
+
+        // Add it to the result.
         if let Some(estimator) = &mut rendered.estimator {
             estimator.add(number, &pass);
         }
@@ -183,6 +177,8 @@ pub fn continue_render(
         rendered.aimed += pass.aimed;
         let passes = rendered.film.passes();
         rendered.wall = wall + start.elapsed();
+
+        // End if a criterion holds.
         let error = if schedule.is_due(passes) { rendered.estimate_error(stop.target) } else { None };
         let no_pass_is_left = || rendered.numbers.first_missing(numbers.clone()).is_none().then_some(EndReason::Passes);
         let ended = stop.end_reason(passes, error.as_ref(), start.elapsed()).or_else(no_pass_is_left);

@@ -358,11 +358,12 @@ fn publications_change_no_bit_of_a_render() {
     let integrator = Algorithm::Path.prepare(&scene, settings);
     let interrupted = AtomicBool::new(false);
     let stop = StopCriteria { passes: Some(6), ..StopCriteria::unlimited(&interrupted) };
-    let plain = render(integrator.as_ref(), (24, 16), &stop, &SilentMonitor, |_| {});
+    let start = || RenderResult::without_passes(integrator.as_ref(), (24, 16));
+    let plain = render(start(), 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {});
     let page = LivePage::new("scene".to_owned(), "path", false, None);
     let mut live = LiveRender::begin(&page, Instant::now());
     live.begin_passes(PlanReport::new(integrator.plan(), Vec::new()), &stop, (24, 16));
-    let shown: RenderResult = render(integrator.as_ref(), (24, 16), &stop, &SilentMonitor, |progress| {
+    let shown: RenderResult = render(start(), 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |progress| {
         page.request_maps();
         live.after_pass(progress, &stop);
     });

@@ -12,7 +12,7 @@ use crate::support::project_path;
 use caustica::format::SceneFile;
 use caustica::image::{self, Image, RgbBytes, WriteOptions, metrics};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
-use caustica::render::{StopCriteria, render};
+use caustica::render::{RenderResult, StopCriteria, render};
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -43,7 +43,8 @@ fn picture(scene: &Path) -> Image {
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
     let interrupted = AtomicBool::new(false);
     let stop = StopCriteria { passes: Some(2), ..StopCriteria::unlimited(&interrupted) };
-    let rendered = render(integrator.as_ref(), SIZE, &stop, &SilentMonitor, |_| {});
+    let start = RenderResult::without_passes(integrator.as_ref(), SIZE);
+    let rendered = render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {});
     Image::from_pixels(SIZE.0, SIZE.1, rendered.film.mean()).unwrap()
 }
 

@@ -71,7 +71,8 @@ fn render_with(scene: &Scene, algorithm: Algorithm, settings: CameraPathSettings
     let integrator = algorithm.prepare(scene, cheap(settings));
     let interrupted = AtomicBool::new(false);
     let stop = StopCriteria { passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
-    render(integrator.as_ref(), scene.camera().size(), &stop, &SilentMonitor, |_| {})
+    let start = RenderResult::without_passes(integrator.as_ref(), scene.camera().size());
+    render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {})
 }
 
 #[test]

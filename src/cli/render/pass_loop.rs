@@ -4,7 +4,7 @@ use crate::cli::forecast_text;
 use crate::cli::progress::ProgressDisplay;
 use crate::integrate::Integrator;
 use crate::render::error_estimate::{Confidence, StopForecast};
-use crate::render::{ErrorTarget, PassProgress, RenderResult, StopCriteria, continue_render};
+use crate::render::{ErrorTarget, PassProgress, RenderResult, StopCriteria, render};
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -26,7 +26,7 @@ pub(super) fn render_passes(
     // With a target, the time is known only after the first error estimate.
     progress.set_time_left(stop.time.filter(|_| target.is_none()));
     let began = Instant::now();
-    continue_render(before, numbers, integrator, stop, progress, |standing| {
+    render(before, numbers, integrator, stop, progress, |standing| {
         let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes - passes_before);
         let forecast = standing.error.as_ref().filter(|_| !progress.is_quiet()).map(|(estimate, forecast)| {
             // Without a target, the forecast is for half of the error.

@@ -12,7 +12,7 @@ use crate::integrate::{
 };
 use crate::render::{
     EndReason, MemoryError, RenderResult, RenderedLayers, StopCriteria, check_layered_picture_memory,
-    check_photon_memory, continue_render,
+    check_photon_memory, render,
 };
 use crate::scene::Scene;
 use crate::view::{LiveRender, Orbit, Phase, PlanReport};
@@ -249,7 +249,7 @@ impl<'a> Job<'a> {
             self.live.begin_passes(PlanReport::new(integrator.plan(), plan::pass_work_lines(integrator)), &stop, size);
             let live = &mut self.live;
             rendered = pool.install(|| {
-                continue_render(rendered, 0..u32::MAX, integrator, &stop, &JobMonitor(&control), |standing| {
+                render(rendered, 0..u32::MAX, integrator, &stop, &JobMonitor(&control), |standing| {
                     live.after_pass(standing, &stop);
                     Self::publish_wanted_surfaces(live, scene, settings, integrator, &JobMonitor(&control));
                 })

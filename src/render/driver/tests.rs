@@ -32,8 +32,14 @@ fn stop_criteria(passes: Option<u32>, time: Option<Duration>, interrupted: &Atom
 #[test]
 fn the_image_is_the_mean_of_the_passes() {
     let interrupted = AtomicBool::new(false);
-    let rendered =
-        render(&PassNumberIntegrator, (2, 1), &stop_criteria(Some(4), None, &interrupted), &SilentMonitor, |_| {});
+    let rendered = render(
+        RenderResult::without_passes(&PassNumberIntegrator, (2, 1)),
+        0..u32::MAX,
+        &PassNumberIntegrator,
+        &stop_criteria(Some(4), None, &interrupted),
+        &SilentMonitor,
+        |_| {},
+    );
     assert_eq!((rendered.ended, rendered.film.passes()), (EndReason::Passes, 4));
     assert_eq!(rendered.film.mean(), vec![Rgb::splat(1.5); 2]);
 }
@@ -86,14 +92,29 @@ fn a_cancelled_pass_stops_early_and_is_dropped() {
     let (scene, interrupted) = (lit_ball(), AtomicBool::new(false));
     let settings = Settings { photons: PHOTONS, ..Settings::default() };
     let integrator = Algorithm::Sppm.prepare(&scene, settings);
-    let first =
-        render(integrator.as_ref(), (64, 64), &stop_criteria(Some(1), None, &interrupted), &SilentMonitor, |_| {});
+    let first = render(
+        RenderResult::without_passes(integrator.as_ref(), (64, 64)),
+        0..u32::MAX,
+        integrator.as_ref(),
+        &stop_criteria(Some(1), None, &interrupted),
+        &SilentMonitor,
+        |_| {},
+    );
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
     for (stage, all) in [(PassStage::Photons, u64::from(PHOTONS)), (PassStage::Camera, 64 * 64)] {
         let (passes, is_in_stage, units) = (AtomicU32::new(0), AtomicBool::new(false), AtomicU64::new(0));
         let monitor = CancellingMonitor { stage, passes, is_in_stage, units };
         let stop = stop_criteria(Some(3), None, &interrupted);
-        let rendered = pool.install(|| render(integrator.as_ref(), (64, 64), &stop, &monitor, |_| {}));
+        let rendered = pool.install(|| {
+            render(
+                RenderResult::without_passes(integrator.as_ref(), (64, 64)),
+                0..u32::MAX,
+                integrator.as_ref(),
+                &stop,
+                &monitor,
+                |_| {},
+            )
+        });
         assert_eq!((rendered.ended, rendered.film.passes()), (EndReason::Interrupted, 1), "{stage:?}");
         assert!(rendered.film == first.film, "{stage:?}");
         // Each thread may finish one chunk or tile.
@@ -105,12 +126,29 @@ fn a_cancelled_pass_stops_early_and_is_dropped() {
 fn time_and_interrupts_end_after_a_whole_pass() {
     let interrupted = AtomicBool::new(false);
     let timed = stop_criteria(None, Some(Duration::ZERO), &interrupted);
-    assert_eq!(render(&PassNumberIntegrator, (2, 1), &timed, &SilentMonitor, |_| {}).ended, EndReason::Time);
+    assert_eq!(
+        render(
+            RenderResult::without_passes(&PassNumberIntegrator, (2, 1)),
+            0..u32::MAX,
+            &PassNumberIntegrator,
+            &timed,
+            &SilentMonitor,
+            |_| {}
+        )
+        .ended,
+        EndReason::Time
+    );
     let mut passes = 0;
-    let rendered =
-        render(&PassNumberIntegrator, (2, 1), &stop_criteria(None, None, &interrupted), &SilentMonitor, |after| {
+    let rendered = render(
+        RenderResult::without_passes(&PassNumberIntegrator, (2, 1)),
+        0..u32::MAX,
+        &PassNumberIntegrator,
+        &stop_criteria(None, None, &interrupted),
+        &SilentMonitor,
+        |after| {
             passes = after.passes;
             interrupted.store(passes == 3, Ordering::Relaxed);
-        });
+        },
+    );
     assert_eq!((rendered.ended, passes, rendered.film.passes()), (EndReason::Interrupted, 3, 3));
 }

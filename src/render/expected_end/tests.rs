@@ -1,6 +1,6 @@
 use super::*;
 use crate::integrate::{Algorithm, SilentMonitor};
-use crate::render::driver::render;
+use crate::render::driver::{RenderResult, render};
 use crate::render::limits::RenderLimits;
 use crate::render::test_integrator::{NoisyIntegrator, SIZE};
 use std::sync::atomic::AtomicBool;
@@ -12,11 +12,12 @@ fn ends(limits: RenderLimits, integrator: &NoisyIntegrator, pass_seconds: f64) -
     let interrupted = AtomicBool::new(false);
     let stop = limits.stop_criteria(Algorithm::Pm, integrator, &interrupted);
     let eight = StopCriteria { passes: Some(8), ..StopCriteria::unlimited(&interrupted) };
-    let pilot = render(integrator, SIZE, &eight, &SilentMonitor, |_| {});
+    let start = || RenderResult::without_passes(integrator, SIZE);
+    let pilot = render(start(), 0..u32::MAX, integrator, &eight, &SilentMonitor, |_| {});
     let estimator = pilot.estimator.unwrap();
     let estimate = estimator.estimate(&pilot.film);
     let forecast = estimator.forecast(&estimate).unwrap();
-    let made = render(integrator, SIZE, &stop, &SilentMonitor, |_| {});
+    let made = render(start(), 0..u32::MAX, integrator, &stop, &SilentMonitor, |_| {});
     (stop.expected_end(&forecast, pass_seconds).unwrap(), (made.ended, made.film.passes()))
 }
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::integrate::SilentMonitor;
 use crate::render::test_integrator::{NoisyIntegrator, SIZE};
-use crate::render::{StopCriteria, continue_render};
+use crate::render::{StopCriteria, render};
 use std::sync::atomic::AtomicBool;
 
 fn header() -> FilmHeader {
@@ -22,7 +22,7 @@ fn rendered(passes: std::ops::Range<u32>) -> RenderResult {
     let interrupted = AtomicBool::new(false);
     let stop = StopCriteria::unlimited(&interrupted);
     let before = RenderResult::without_passes(&integrator, SIZE);
-    continue_render(before, passes, &integrator, &stop, &SilentMonitor, |_| {})
+    render(before, passes, &integrator, &stop, &SilentMonitor, |_| {})
 }
 
 fn bytes(rendered: &RenderResult) -> Vec<u8> {

@@ -7,7 +7,7 @@ use crate::render::test_integrator::{NoisyIntegrator, SIZE};
 const NOISY: NoisyIntegrator = NoisyIntegrator { sigma: 0.3, bias: 0.0, estimates_error: true };
 
 fn rendered(integrator: &NoisyIntegrator, stop: &StopCriteria<'_>) -> RenderResult {
-    render(integrator, SIZE, stop, &SilentMonitor, |_| {})
+    render(RenderResult::without_passes(integrator, SIZE), 0..u32::MAX, integrator, stop, &SilentMonitor, |_| {})
 }
 
 /// Renders with `limits`. Returns the reason of the end and the number of passes.

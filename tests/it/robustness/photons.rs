@@ -73,7 +73,8 @@ fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32
     let integrator = algorithm.prepare(scene, settings);
     let interrupted = AtomicBool::new(false);
     let stop = StopCriteria { passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
-    render(integrator.as_ref(), scene.camera().size(), &stop, &SilentMonitor, |_| {})
+    let start = RenderResult::without_passes(integrator.as_ref(), scene.camera().size());
+    render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {})
 }
 
 /// Fails if a pixel, an error map or an error estimate of a render is not finite.

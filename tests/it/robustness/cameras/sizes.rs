@@ -9,7 +9,7 @@ use caustica::image::{
     BitDepth, Image, OutputFormat, PixelMeaning, ToneCurve, ToneMap, WriteOptions, decode, encode, metrics,
 };
 use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, SilentMonitor};
-use caustica::render::{StopCriteria, render};
+use caustica::render::{RenderResult, StopCriteria, render};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -62,7 +62,8 @@ fn tiny_images_are_finite_with_every_integrator() {
                 let passes = if estimated { 4 } else { 1 };
                 let interrupted = AtomicBool::new(false);
                 let stop = StopCriteria { passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
-                let rendered = render(integrator.as_ref(), size, &stop, &SilentMonitor, |_| {});
+                let start = RenderResult::without_passes(integrator.as_ref(), size);
+                let rendered = render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {});
                 let what = format!("{algorithm:?} {camera}");
                 let mean = rendered.film.mean();
                 assert_eq!(mean.len() as u64, u64::from(size.0) * u64::from(size.1), "{what}");
