@@ -83,18 +83,6 @@ impl PhotonPass<'_> {
         light_tracer: Option<&LightTracer<'_>>,
         done: &(dyn Fn(u64) -> ControlFlow<()> + Sync),
     ) -> PhotonPassResult {
-        for_interior!(self.source, <I> self.trace_with_interior::<I>(pass_key, paths, light_tracer, done))
-    }
-
-    /// Implements [`PhotonPass::trace_and_connect`] for one type `I` of path interior, which tracks
-    /// nested bodies, medium and wavelength.
-    fn trace_with_interior<I: Interior>(
-        &self,
-        pass_key: Key,
-        paths: u32,
-        light_tracer: Option<&LightTracer<'_>>,
-        done: &(dyn Fn(u64) -> ControlFlow<()> + Sync),
-    ) -> PhotonPassResult {
         let is_cancelled = AtomicBool::new(false);
         let chunks: Vec<(Deposits, PhotonTracingTotals)> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
@@ -105,14 +93,14 @@ impl PhotonPass<'_> {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
                 let emitted = u64::from(range.end - range.start);
                 let (mut deposits, mut tally) = (Deposits::default(), PhotonTracingTotals::default());
-                for index in range {
+                for_interior!(self.source, <I> for index in range {
                     if let Some((ray, flux)) = self.source.emit_photon_path::<I>(pass_key, index, paths) {
                         let key = pass_key.photon_path_key(index);
                         self.follow_photon_path(ray, flux, key, light_tracer, &mut tally, |deposit| {
                             deposits.store_deposit(self, &deposit)
                         });
                     }
-                }
+                });
                 if done(emitted).is_break() {
                     is_cancelled.store(true, Ordering::Relaxed);
                 }
