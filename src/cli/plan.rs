@@ -99,10 +99,10 @@ fn prefix_rays_line(mean: f64) -> Option<String> {
 /// Returns a line with the shares of indirect light that photon estimates carry in the first pass
 /// and in pass 100; `None` if camera paths carry all of it.
 fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
-    let percent = |pass| (100.0 * integrator.indirect_photon_share(pass)).round();
+    let percent = |pass| (100.0 * integrator.photon_share_of_indirect_light(pass)).round();
     let (first, later) = (percent(0), percent(99));
     let text = format!("photon estimates carry {first} % of the indirect light in pass 1, {later} % in pass 100");
-    (integrator.indirect_photon_share(0) > 0.0).then_some(text)
+    (integrator.photon_share_of_indirect_light(0) > 0.0).then_some(text)
 }
 
 /// Returns a line about the benefit of guiding shadow rays to the environment; `None` if passes do
@@ -246,7 +246,7 @@ impl PlanReport {
             features: plan.features,
             balance: integrator.ray_photon_balance(),
             prefix_rays_per_pixel: integrator.prefix_rays_per_pixel(),
-            indirect_photon_share: integrator.indirect_photon_share(0),
+            indirect_photon_share: integrator.photon_share_of_indirect_light(0),
             environment_guiding: integrator.environment_guiding_report(),
             scatter_point_guiding: integrator.scatter_point_guiding_report(),
             rays: work.whole.rays,

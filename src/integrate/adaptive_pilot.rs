@@ -37,7 +37,7 @@ const MAX_RELATIVE_COUNT: f64 = 8.0;
 pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let options = MapBuildOptions::for_pilot(key, PILOT_DIVISOR);
-    let maps = renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut Pass::default());
+    let maps = renderer.map_builder.build(&options, &SilentMonitor, &mut Pass::default());
     // Moving objects rest at one time, without slices of the shutter interval.
     let pilot = renderer.with_one_sample();
     let pictures: Vec<Vec<f64>> = (0..PILOT_PICTURES)
@@ -47,8 +47,8 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
             let (paths, sampling, key) =
                 (pilot.path_context(Some(&maps), pass), pilot.film_sampling(pass), pilot.camera_path_key(pass));
             let picture = for_interior!(pilot.policy.effects, <I> {
-                tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, task, branches| {
-                    camera_path::trace_camera_path::<I>(&paths, ray, sampler, task, branches)
+                tiles::render_tiles(&sampling, key, &SilentMonitor, |camera_ray, task, branches| {
+                    camera_path::trace_camera_path::<I>(&paths, camera_ray, task, branches)
                 })
             });
             picture.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()

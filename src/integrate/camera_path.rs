@@ -3,20 +3,26 @@
 //! [`PhotonKind`](crate::photon::PhotonKind) defines receivers, casters and caustics. If the policy
 //! leaves caustics to photons, a camera path ignores emission that it hits after a receiver and one
 //! or more casters. So no light path counts twice.
+//!
+//! A path's inputs are a [`PathContext`], which all paths of a pass share, and a [`CameraRay`]. Its
+//! state between two vertices is a [`PathState`]. A [`PathTask`] collects what paths find besides
+//! radiance. [`indirect_division`](super::indirect_division) lists the fields by which camera paths
+//! and photon estimates share indirect light.
 
 mod media;
 
+use super::camera_ray::CameraRay;
 use super::indirect_division::{IndirectTechnique, IndirectWeights};
 use super::light_group::LightGroup;
 use super::nee::NextEventEstimator;
 use super::path_task::PathTask;
 use super::photon_maps::{PhotonMapChoice, PhotonMaps};
 use super::policy::{DirectionSampling, PathContinuation, PathPolicy, PhotonLookups};
+use super::prefix_rays::PrefixWeights;
 use super::scatter;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
 use crate::bsdf::TransportMode;
 use crate::color::{self, Rgb};
-use crate::math::Ray;
 use crate::medium::PhaseFunction;
 use crate::photon::VisiblePoint;
 use crate::plan::Effect;
@@ -61,7 +67,7 @@ pub(super) struct PathContext<'a> {
     pub max_bounces: u32,
     /// Technique that finds indirect light at the first receiver of a path: camera paths, photon
     /// estimates, or both.
-    indirect_technique: IndirectTechnique<'a>,
+    technique: IndirectTechnique<'a>,
     /// Length above which a final-gathering ray reads the indirect map at its end \[length].
     min_gather_distance: f32,
 }
@@ -79,7 +85,7 @@ pub(super) struct PathState<I> {
     ///
     /// Emission at the next vertex is direct light of the previous vertex. So the factor counts
     /// only after that emission is added.
-    pending_indirect_weight: f32,
+    pending_weight: f32,
     /// True after the path's first receiver, if this path carries a part of the receiver's indirect
     /// light and a photon estimate carries the rest.
     carries_shared_light: bool,
@@ -91,37 +97,48 @@ pub(super) struct PathState<I> {
     sampler: Sampler,
 }
 
-/// Traces the camera path that starts with `ray`, and returns its radiance \[W/(m² sr)]. Adds ray
-/// counts, light groups and records of pilots to `task`.
+/// Weights of the light that one camera path finds: other paths of its pixel, and photon estimates,
+/// find some of the same light.
+struct PathWeights {
+    /// Weights of the light up to the first receiver.
+    prefix: PrefixWeights,
+    /// Weights of the indirect light at the first receiver.
+    indirect: IndirectWeights,
+}
+
+/// Traces the camera path that starts with `camera_ray`, and returns its radiance \[W/(m² sr)].
+/// Adds ray counts, light groups and records of pilots to `task`.
 ///
 /// `stack` holds branches of the path that are still to be traced; it is empty before and after.
 pub(super) fn trace_camera_path<I: Interior>(
     paths: &PathContext<'_>,
-    ray: &Ray,
-    sampler: Sampler,
+    camera_ray: &CameraRay,
     task: &mut PathTask,
     stack: &mut Vec<PathState<I>>,
 ) -> Rgb {
     let PathContext { scene, policy, nee, .. } = *paths;
+    let weights = PathWeights {
+        prefix: camera_ray.prefix_weights,
+        indirect: paths.technique.technique_weights(camera_ray.film_position),
+    };
     let mut radiance = Rgb::ZERO;
-    task.inputs.technique_weights = paths.indirect_technique.technique_weights(task.inputs.film_position);
-    let mut branch = Some(PathState::from_camera_ray(paths, ray, sampler));
+    let mut branch = Some(PathState::from_camera_ray(paths, camera_ray));
     while let Some(mut path) = branch {
         loop {
             // Find the next vertex; add in-scattering and emission of the media along the segment.
             task.counters.continuation_rays += u64::from(path.bounce > 0);
             let (event, phase) = if I::HAS_MEDIA_OR_WAVELENGTH {
-                media::advance_to_vertex(paths, &mut path, task, &mut radiance)
+                media::advance_to_vertex(paths, &weights, &mut path, task, &mut radiance)
             } else {
                 (path.path_ray.next_vertex(scene, path.sampler.sample_key(), |_| None), PhaseFunction::Isotropic)
             };
             let mut hit = match event {
                 PathEvent::Surface(hit) => hit,
                 PathEvent::Scattered { transmittance, crossed_hidden_boundary } => {
-                    path.throughput *= transmittance * path.pending_indirect_weight;
-                    path.pending_indirect_weight = 1.0;
+                    path.throughput *= transmittance * path.pending_weight;
+                    path.pending_weight = 1.0;
                     path.history.casters += u32::from(crossed_hidden_boundary);
-                    if media::scatter_in_medium(&mut path, phase, task.inputs.technique_weights) {
+                    if media::scatter_in_medium(&mut path, phase, weights.indirect) {
                         continue;
                     }
                     break;
@@ -129,7 +146,7 @@ pub(super) fn trace_camera_path<I: Interior>(
                 PathEvent::Escaped { crossed_hidden_boundary } => {
                     path.count_crossed_boundary(crossed_hidden_boundary);
                     let escaped = path.throughput * escaped_radiance(paths, &path);
-                    radiance += weigh_found_light(escaped, &path, task);
+                    radiance += weigh_found_light(escaped, &path, &weights, task);
                     break;
                 }
             };
@@ -140,25 +157,24 @@ pub(super) fn trace_camera_path<I: Interior>(
             if hit.surface.emission != Rgb::ZERO && may_add_hit_emission(policy, &path) {
                 let weight = path.prev.map_or(1.0, |prev| emission_mis_weight(nee, &prev, &hit.surface));
                 let found = path.throughput * hit.surface.emission * weight;
-                radiance += weigh_found_light(found, &path, task);
+                radiance += weigh_found_light(found, &path, &weights, task);
             }
-            let interior = path.path_ray.interior;
-            path.throughput *= path.pending_indirect_weight;
-            path.pending_indirect_weight = 1.0;
+            path.throughput *= path.pending_weight;
+            path.pending_weight = 1.0;
 
             // Reflect and refract at casters.
             if !hit.surface.bsdf.stores_photons() {
                 if hit.surface.bsdf.is_black() || !policy.effects.has(Effect::Specular) {
                     break;
                 }
-                if scatter_at_caster(paths, &mut path, &hit, &interior, task, &mut radiance, stack) {
+                if scatter_at_caster(paths, &weights, &mut path, &hit, task, &mut radiance, stack) {
                     continue;
                 }
                 break;
             }
 
             // Shade a receiver.
-            if !shade_receiver(paths, &mut path, &mut hit, &interior, task, &mut radiance) {
+            if !shade_receiver(paths, &weights, &mut path, &mut hit, task, &mut radiance) {
                 break;
             }
         }
@@ -172,14 +188,13 @@ pub(super) fn trace_camera_path<I: Interior>(
 #[inline(always)]
 fn shade_receiver<I: Interior>(
     paths: &PathContext<'_>,
+    weights: &PathWeights,
     path: &mut PathState<I>,
     receiver: &mut SurfaceVertex<'_>,
-    interior: &I,
     task: &mut PathTask,
     radiance: &mut Rgb,
 ) -> bool {
     let PathContext { policy, nee, .. } = *paths;
-    let weights = task.inputs.technique_weights;
 
     // End faint paths by Russian roulette before shading, which costs as much as many rays.
     let survival = color::channel_mean(path.throughput) / ROULETTE_THROUGHPUT;
@@ -193,12 +208,13 @@ fn shade_receiver<I: Interior>(
         receiver.surface.bsdf = receiver.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::ReceiverChoice));
     }
     let surface = &receiver.surface;
-    let vertex = path.vertex_at_surface(paths, surface, interior, receiver.distance);
+    let interior = path.path_ray.interior;
+    let vertex = path.vertex_at_surface(paths, surface, &interior, receiver.distance);
     let ends_gather_ray = ends_gather_ray(paths, &vertex);
-    let shares_indirect = shares_indirect_light(weights, vertex.history);
+    let shares_indirect = shares_indirect_light(weights.indirect, vertex.history);
     let continues = path.bounce < paths.max_bounces
-        && (!shares_indirect || is_path_continued(weights, vertex.sampler))
-        && !task.prefix.ends_at_receiver
+        && (!shares_indirect || is_path_continued(weights.indirect, vertex.sampler))
+        && !weights.prefix.ends_at_receiver
         && match policy.continuation {
             PathContinuation::Never => false,
             PathContinuation::Glossy => !surface.bsdf.is_diffuse(),
@@ -210,7 +226,7 @@ fn shade_receiver<I: Interior>(
     }
 
     // Add direct light by next-event estimation.
-    let direct = if policy.direct_light && !ends_gather_ray && !task.prefix.ends_at_receiver {
+    let direct = if policy.direct_light && !ends_gather_ray && !weights.prefix.ends_at_receiver {
         nee.estimate_direct_light(&vertex, continues, task)
     } else {
         Rgb::ZERO
@@ -219,10 +235,10 @@ fn shade_receiver<I: Interior>(
     task.pixel.groups.add(LightGroup::of_direct_light(vertex.history), path.throughput * direct);
 
     // Add the photon estimate.
-    let reflected = direct + photon_radiance(paths, &vertex, ends_gather_ray, task);
+    let reflected = direct + photon_radiance(paths, weights, &vertex, ends_gather_ray, task);
     *radiance += path.throughput * reflected;
     if path.carries_shared_light {
-        task.records.indirect_by_technique.paths += path.throughput * reflected;
+        task.records.light.shared_by_paths += path.throughput * reflected;
     }
 
     // Continue in a sampled direction.
@@ -231,7 +247,7 @@ fn shade_receiver<I: Interior>(
         return false;
     }
     if shares_indirect {
-        path.share_indirect_light(weights, vertex.sampler);
+        path.start_sharing(weights.indirect, vertex.sampler);
     }
     true
 }
@@ -244,9 +260,9 @@ fn shade_receiver<I: Interior>(
 #[inline(never)]
 fn scatter_at_caster<I: Interior>(
     paths: &PathContext<'_>,
+    weights: &PathWeights,
     path: &mut PathState<I>,
     caster: &SurfaceVertex<'_>,
-    interior: &I,
     task: &mut PathTask,
     radiance: &mut Rgb,
     stack: &mut Vec<PathState<I>>,
@@ -255,13 +271,14 @@ fn scatter_at_caster<I: Interior>(
     let surface = &caster.surface;
     let continues = path.bounce < paths.max_bounces;
     path.history.casters += 1;
-    let vertex = path.vertex_at_surface(paths, surface, interior, caster.distance);
+    let interior = path.path_ray.interior;
+    let vertex = path.vertex_at_surface(paths, surface, &interior, caster.distance);
 
     // Add direct light at glossy casters, unless photons carry the light that goes over this
     // caster.
     if !surface.bsdf.is_specular() && policy.direct_light && may_add_found_light(policy, path.history) {
         let direct = path.throughput * nee.estimate_direct_light(&vertex, continues, task);
-        *radiance += weigh_found_light(direct, path, task);
+        *radiance += weigh_found_light(direct, path, weights, task);
     }
     if !continues {
         return false;
@@ -318,6 +335,7 @@ fn continue_path<I: Interior>(
 #[inline]
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
+    weights: &PathWeights,
     vertex: &PathVertex<'_, I>,
     ends_gather_ray: bool,
     task: &mut PathTask,
@@ -325,8 +343,8 @@ fn photon_radiance<I: Interior>(
     let lookup_scale = match paths.policy.photons {
         PhotonLookups::Never => return Rgb::ZERO,
         PhotonLookups::FewPerPixel => match vertex.sampler.sample_index_and_count() {
-            (index, samples) if vertex.history.receivers == 0 && index < task.prefix.lookups => {
-                samples as f32 * task.prefix.lookup_weight
+            (index, samples) if vertex.history.receivers == 0 && index < weights.prefix.lookups => {
+                samples as f32 * weights.prefix.lookup
             }
             _ => return Rgb::ZERO,
         },
@@ -339,15 +357,14 @@ fn photon_radiance<I: Interior>(
     let before_gather_ray = paths.policy.photons == PhotonLookups::GatherRays && !ends_gather_ray;
     let lookup = if before_gather_ray { PhotonMapChoice::Caustic } else { PhotonMapChoice::CausticAndIndirect };
     let estimate = paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, lookup_scale, task));
-    let weights = task.inputs.technique_weights;
-    let interreflection = if shares_indirect_light(weights, vertex.history) {
-        let lookup_scale = lookup_scale * weights.photons;
+    let interreflection = if shares_indirect_light(weights.indirect, vertex.history) {
+        let lookup_scale = lookup_scale * weights.indirect.photon_weight;
         paths.maps.map_or(Rgb::ZERO, |maps| maps.interreflection_radiance(vertex, lookup_scale, task))
     } else {
         Rgb::ZERO
     };
     let estimate = estimate + interreflection;
-    task.prefix.photons += vertex.throughput * estimate;
+    task.records.light.photon_estimates += vertex.throughput * estimate;
     task.pixel.photon_radiance += vertex.throughput * estimate;
     estimate
 }
@@ -358,7 +375,7 @@ fn photon_radiance<I: Interior>(
 /// `history` counts the receivers and casters on the path before this receiver.
 #[inline]
 fn shares_indirect_light(weights: IndirectWeights, history: PathHistory) -> bool {
-    weights.photons > 0.0 && history.receivers == 0
+    weights.photon_weight > 0.0 && history.receivers == 0
 }
 
 /// True if the camera path continues at its first receiver. `sampler` is the sampler of the vertex
@@ -368,25 +385,25 @@ fn shares_indirect_light(weights: IndirectWeights, history: PathHistory) -> bool
 /// paths continue.
 #[inline]
 fn is_path_continued(weights: IndirectWeights, sampler: Sampler) -> bool {
-    weights.is_sample_continued(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ReceiverChoice))
+    weights.continues_at_receiver(sampler.sample_index_and_count(), sampler.get_1d(Dimension::ReceiverChoice))
 }
 
 /// Returns `light` times its weight, for `light` that `path` found: emission that it hit, or direct
 /// light at a caster. Also adds the weighted light to sums of `task`.
 ///
 /// Up to the first receiver, extra prefix rays find the same light, so it has the weight of
-/// [`PrefixLightSums`](super::prefix_rays::PrefixLightSums). Later the weight is 1.
+/// [`PrefixWeights`]. Later the weight is 1.
 #[inline]
-fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, task: &mut PathTask) -> Rgb {
+fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, weights: &PathWeights, task: &mut PathTask) -> Rgb {
     if path.history.receivers > 0 {
         if path.history.receivers > 1 && path.carries_shared_light {
-            task.records.indirect_by_technique.paths += light;
+            task.records.light.shared_by_paths += light;
         }
         task.pixel.groups.add(LightGroup::of_found_light(path.history), light);
         return light;
     }
-    let weighted = light * task.prefix.up_to_receiver_weight;
-    task.prefix.up_to_receiver += weighted;
+    let weighted = light * weights.prefix.up_to_receiver;
+    task.records.light.up_to_receiver += weighted;
     task.pixel.groups.add(LightGroup::Direct, weighted);
     weighted
 }
@@ -472,17 +489,17 @@ impl<'a> PathContext<'a> {
         maps: Option<&'a PhotonMaps<'a>>,
         pass: u32,
         max_bounces: u32,
-        indirect_technique: IndirectTechnique<'a>,
+        technique: IndirectTechnique<'a>,
     ) -> Self {
         let radius = maps.map_or(NO_MAP_RADIUS, |maps| maps.indirect.max_gather_radius());
         let min_gather_distance = MIN_GATHER_RADII * radius;
-        Self { scene, policy, nee, maps, pass, max_bounces, indirect_technique, min_gather_distance }
+        Self { scene, policy, nee, maps, pass, max_bounces, technique, min_gather_distance }
     }
 
     /// Returns this context with `technique` for the indirect light at the first receiver of a
     /// path.
-    pub fn with_indirect_technique(self, technique: IndirectTechnique<'a>) -> Self {
-        Self { indirect_technique: technique, ..self }
+    pub fn with_technique(self, technique: IndirectTechnique<'a>) -> Self {
+        Self { technique, ..self }
     }
 }
 
@@ -492,15 +509,16 @@ impl<I: Interior> PathState<I> {
     ///
     /// `sampler` is the sampler of the path's vertex at the receiver.
     #[inline]
-    fn share_indirect_light(&mut self, weights: IndirectWeights, sampler: Sampler) {
+    fn start_sharing(&mut self, weights: IndirectWeights, sampler: Sampler) {
         let (_, samples) = sampler.sample_index_and_count();
-        self.pending_indirect_weight = weights.path_weight(samples);
+        self.pending_weight = weights.path_weight(samples);
         self.carries_shared_light = true;
     }
 
-    /// Returns the state of a new path that starts with camera ray `ray`.
-    fn from_camera_ray(paths: &PathContext<'_>, ray: &Ray, sampler: Sampler) -> Self {
-        let mut path_ray: PathRay<I> = paths.scene.start_camera_path(*ray, paths.policy.effects);
+    /// Returns the state of a new path that starts with `camera_ray`.
+    fn from_camera_ray(paths: &PathContext<'_>, camera_ray: &CameraRay) -> Self {
+        let CameraRay { ray, sampler, .. } = *camera_ray;
+        let mut path_ray: PathRay<I> = paths.scene.start_camera_path(ray, paths.policy.effects);
         path_ray.interior.set_wavelength_sample(paths.scene, || sampler.get_1d(Dimension::Wavelength));
         let history = PathHistory::default();
         Self {
@@ -508,7 +526,7 @@ impl<I: Interior> PathState<I> {
             throughput: Rgb::ONE,
             bounce: 0,
             history,
-            pending_indirect_weight: 1.0,
+            pending_weight: 1.0,
             carries_shared_light: false,
             prev: None,
             sampler,

@@ -1,7 +1,9 @@
 //! Camera paths through chosen points of the film, for pilots (small simulations before a render).
 
 use super::camera_path::{PathContext, PathState, trace_camera_path};
+use super::camera_ray::CameraRay;
 use super::path_task::PathTask;
+use super::prefix_rays::PrefixWeights;
 use crate::color::Rgb;
 use crate::plan::Effect;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
@@ -75,14 +77,20 @@ fn trace_paths_by_chunks<T: Send>(
     let has_lens = paths.policy.effects.has(Effect::Lens);
     for_interior!(paths.policy.effects, <I> {
         let chunks = points.par_chunks(CHUNK).map(|chunk| {
-            let mut task = PathTask::new(nested);
+            let mut task = PathTask::new(nested, false);
             let mut stack = Vec::<PathState<I>>::new();
             let values = chunk.iter().map(|(film, sampler)| {
                 task.counters.camera_rays += 1;
-                task.inputs.film_position = *film;
                 let lens = has_lens.then(|| sampler.get_2d(Dimension::Lens));
                 let ray = paths.scene.camera().generate_ray(*film, lens);
-                let radiance = trace_camera_path(paths, &ray, *sampler, &mut task, &mut stack);
+                let camera_ray = CameraRay {
+                    ray,
+                    sampler: *sampler,
+                    film_position: *film,
+                    shutter_slice: 0,
+                    prefix_weights: PrefixWeights::default(),
+                };
+                let radiance = trace_camera_path(paths, &camera_ray, &mut task, &mut stack);
                 result(radiance, &mut task)
             });
             (values.collect::<Vec<T>>(), task)

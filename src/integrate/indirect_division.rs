@@ -17,21 +17,20 @@
 //!
 //! | field | content | written at | read at |
 //! | --- | --- | --- | --- |
-//! | [`indirect_technique`] | technique of the pass | pass or pilot | start of a camera path |
-//! | [`technique_weights`] | weights of both techniques | start of a camera path | first receiver |
-//! | [`pending_indirect_weight`] | weight of the camera path | first receiver | next vertex |
+//! | [`technique`] | technique of the pass | pass or pilot | start of a camera path |
+//! | [`indirect`] | weights of both techniques | start of a camera path | first receiver |
+//! | [`pending_weight`] | weight of the camera path | first receiver | next vertex |
 //! | [`carries_shared_light`] | if both techniques share light | first receiver | later vertices |
-//! | [`indirect_by_technique`] | light that each technique found | all vertices | end of a path |
+//! | [`shared_by_paths`] and others | light by technique | all vertices | end of a path |
 //!
 //! Only `indirect_pilot.rs` reads the last one.
 //!
-//! [`indirect_technique`]: super::camera_path::PathContext
-//! [`technique_weights`]: super::path_task::PathInputs::technique_weights
-//! [`pending_indirect_weight`]: super::camera_path::PathState
+//! [`technique`]: super::camera_path::PathContext
+//! [`indirect`]: super::camera_path
+//! [`pending_weight`]: super::camera_path::PathState
 //! [`carries_shared_light`]: super::camera_path::PathState
-//! [`indirect_by_technique`]: super::path_task::PilotRecords::indirect_by_technique
+//! [`shared_by_paths`]: super::path_task::LightByPart::shared_by_paths
 
-use crate::color::Rgb;
 use glam::Vec2;
 
 /// Weights of camera paths and of photon estimates for the indirect light of one pixel in one pass.
@@ -39,25 +38,12 @@ use glam::Vec2;
 pub(super) struct IndirectWeights {
     /// Weight of the photon estimate in \[0, 1]; camera paths have the rest. If it is 0, all camera
     /// paths continue at their first receiver.
-    pub photons: f32,
+    pub photon_weight: f32,
     /// Number of the pixel's camera paths that continue at their first receiver: those with the
     /// lowest sample indices.
     pub continued: u32,
     /// Number of camera paths of the pixel.
     pub samples: u32,
-}
-
-/// Indirect light of one camera path of a pilot: once as the continued path finds it, and once as
-/// the photon estimate at the first receiver does. Values are contributions to the pixel.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct IndirectLightByTechnique {
-    /// Light found by the camera path after its first receiver \[W/(m² sr)].
-    pub paths: Rgb,
-    /// Light found by the photon estimate \[W/(m² sr)].
-    pub photons: Rgb,
-    /// Photon estimate with the full gather disc minus the estimate with half its area \[W/(m²
-    /// sr)]; 0 without nested estimates.
-    pub nested_difference: Rgb,
 }
 
 /// Relative noise and bias of indirect light in one cell of the film grid, by camera paths and by
@@ -133,7 +119,7 @@ impl IndirectTechnique<'_> {
     pub fn technique_weights(&self, film: Vec2) -> IndirectWeights {
         match self {
             Self::Paths => IndirectWeights::default(),
-            Self::Photons => IndirectWeights { photons: 1.0, continued: 0, samples: 1 },
+            Self::Photons => IndirectWeights { photon_weight: 1.0, continued: 0, samples: 1 },
             Self::Comparison => IndirectWeights::COMPARISON,
             Self::Weighted { division, number, area } => division.technique_weights(film, *number, *area),
         }
@@ -143,14 +129,14 @@ impl IndirectTechnique<'_> {
 impl IndirectWeights {
     /// Weight 1 for camera paths and for photon estimates, for a pilot that compares them. Indirect
     /// light then counts twice.
-    const COMPARISON: Self = Self { photons: 1.0, continued: u32::MAX, samples: u32::MAX };
+    const COMPARISON: Self = Self { photon_weight: 1.0, continued: u32::MAX, samples: u32::MAX };
 
     /// True if camera path `index` of a pixel's `count` paths continues at its first receiver.
     ///
     /// A pilot traces a single path per pixel (`count` is 1). It continues with the probability
     /// `continued`/`samples`, by the random number `u` in \[0, 1).
     #[inline]
-    pub fn is_sample_continued(&self, (index, count): (u32, u32), u: f32) -> bool {
+    pub fn continues_at_receiver(&self, (index, count): (u32, u32), u: f32) -> bool {
         if count == 1 { u * (self.samples as f32) < self.continued as f32 } else { index < self.continued }
     }
 
@@ -164,7 +150,7 @@ impl IndirectWeights {
             return 1.0;
         }
         let count = if count == 1 { self.samples } else { count };
-        (1.0 - self.photons) * count as f32 / self.continued.min(count).max(1) as f32
+        (1.0 - self.photon_weight) * count as f32 / self.continued.min(count).max(1) as f32
     }
 }
 
@@ -190,7 +176,7 @@ impl IndirectErrors {
         let continued = wanted.clamp(0.0, samples as f32).round();
         let error = paths / continued.max(f32::MIN_POSITIVE);
         let weight = if continued == 0.0 { 1.0 } else { error / (error + photons) };
-        IndirectWeights { photons: weight, continued: continued as u32, samples }
+        IndirectWeights { photon_weight: weight, continued: continued as u32, samples }
     }
 
     /// Returns the relative mean squared error of the photon estimate in pass `number`, counted
@@ -236,7 +222,8 @@ impl IndirectDivision {
     /// Returns the weight of photon estimates in pass `number`, counted from 1, as a mean over all
     /// cells of the film grid. `area` is the area of gather discs, relative to the first pass.
     fn mean_photon_weight(&self, number: f32, area: f32) -> f64 {
-        let weights = self.cells.iter().map(|cell| f64::from(cell.least_error_weights(self, number, area).photons));
+        let weights =
+            self.cells.iter().map(|cell| f64::from(cell.least_error_weights(self, number, area).photon_weight));
         weights.sum::<f64>() / self.cells.len().max(1) as f64
     }
 
@@ -249,12 +236,12 @@ impl IndirectDivision {
         let mut sums = (0.0, 0.0);
         for cell in &self.cells {
             let weights = cell.least_error_weights(self, number, area);
-            let error = if weights.photons > 0.0 {
-                weights.photons * cell.photon_error(self.unaimed_paths, number, area)
+            let error = if weights.photon_weight > 0.0 {
+                weights.photon_weight * cell.photon_error(self.unaimed_paths, number, area)
             } else {
                 cell.path_variance / self.samples as f32
             };
-            let continued = if weights.photons > 0.0 { weights.continued } else { self.samples };
+            let continued = if weights.photon_weight > 0.0 { weights.continued } else { self.samples };
             sums = (sums.0 + f64::from(error), sums.1 + f64::from(continued));
         }
         let cells = self.cells.len().max(1) as f64;

@@ -16,7 +16,7 @@ use super::indirect_division::{IndirectDivision, IndirectErrors, IndirectTechniq
 use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
-use super::path_task::PathTask;
+use super::path_task::{LightByPart, PathTask};
 use super::photon_maps::PhotonMaps;
 use super::pilot_statistics::{box_mean, positive_median};
 use crate::color::{self, Rgb};
@@ -117,7 +117,7 @@ struct PassCost {
 pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<IndirectDivision> {
     let unaimed_paths = renderer.map_builder.counts.unaimed;
     let mut pilot = renderer.with_one_sample();
-    pilot.map_builder.compares_indirect_techniques = true;
+    pilot.map_builder.compares_techniques = true;
     let divisor = unaimed_paths.div_ceil(MAX_PATHS).max(MIN_DIVISOR);
     let (cell_size, grid) = film_grid(renderer.scene.camera().size());
     let points = |trial: u32| -> Vec<FilmPoint> {
@@ -208,7 +208,7 @@ impl<'a> PilotTrial<'a> {
         let key = pilot_key(pilot).pilot_trial_key(trial);
         let options = MapBuildOptions::for_pilot(key, divisor);
         let mut report = Pass::default();
-        let maps = pilot.map_builder.build_with_options(&options, &SilentMonitor, &mut report);
+        let maps = pilot.map_builder.build(&options, &SilentMonitor, &mut report);
         Self { maps, report }
     }
 
@@ -221,7 +221,7 @@ impl<'a> PilotTrial<'a> {
         technique: IndirectTechnique<'_>,
     ) -> (Vec<LightParts>, Counters) {
         let nests_estimates = matches!(technique, IndirectTechnique::Comparison);
-        let paths = pilot.path_context(Some(&self.maps), 0).with_indirect_technique(technique);
+        let paths = pilot.path_context(Some(&self.maps), 0).with_technique(technique);
         map_paths_through_film_points(&paths, points, nests_estimates, LightParts::from_path_sums)
     }
 
@@ -251,11 +251,16 @@ impl LightParts {
     /// Splits the `radiance` of a camera path into its parts by the sums in `task`, and resets
     /// these sums.
     fn from_path_sums(radiance: Rgb, task: &mut PathTask) -> Self {
-        let light = std::mem::take(&mut task.records.indirect_by_technique);
-        let prefix = std::mem::take(&mut task.prefix);
-        let [total, up_to_receiver, all_photons, paths, photons, step] =
-            [radiance, prefix.up_to_receiver, prefix.photons, light.paths, light.photons, light.nested_difference]
-                .map(|v| f64::from(color::channel_mean(v)));
+        let LightByPart {
+            up_to_receiver,
+            photon_estimates,
+            shared_by_paths,
+            shared_by_photons,
+            shared_nested_difference,
+        } = std::mem::take(&mut task.records.light);
+        let parts = [radiance, up_to_receiver, photon_estimates, shared_by_paths, shared_by_photons];
+        let [total, up_to_receiver, all_photons, paths, photons] = parts.map(|v| f64::from(color::channel_mean(v)));
+        let step = f64::from(color::channel_mean(shared_nested_difference));
         Self {
             direct: total - up_to_receiver - all_photons - paths,
             emission_and_caustics: up_to_receiver + all_photons - photons,

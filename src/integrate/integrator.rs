@@ -48,7 +48,7 @@ pub trait Integrator: Send + Sync {
     /// as a mean over the picture. Camera paths carry the rest.
     ///
     /// Only indirect light at the first receiver of each camera path counts.
-    fn indirect_photon_share(&self, _pass: u32) -> f64 {
+    fn photon_share_of_indirect_light(&self, _pass: u32) -> f64 {
         0.0
     }
 

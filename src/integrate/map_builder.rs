@@ -14,7 +14,6 @@ use super::policy::{PathPolicy, PhotonMapRequest};
 use super::radius_law::{RadiusLaw, kernel_radius_ratio, squared_radius_ratio};
 use super::radius_pilot::{EmissionGuidingReports, GatherRadii, VolumeKernelRadii, min_gather_radius};
 use super::settings::{IndirectPhotons, Settings};
-use super::shutter::ShutterSlice;
 use super::volume_estimate::{BeamAndPointMaps, VolumeEstimator};
 use crate::photon::{
     AFTER_CAUSTIC_THINNING, Bandwidth, DensityEstimateShares, LightTracer, Photon, PhotonMap, PhotonPass,
@@ -115,10 +114,10 @@ pub(super) struct PhotonMapBuilder<'a> {
     interreflection_radius: f32,
     /// Division of indirect light between camera paths and photon estimates; `None` if no pilot
     /// divided it.
-    pub indirect_division: Option<Arc<IndirectDivision>>,
+    pub division: Option<Arc<IndirectDivision>>,
     /// True for a pilot that finds the same indirect light by photon estimates and by camera paths,
     /// to compare them.
-    pub compares_indirect_techniques: bool,
+    pub compares_techniques: bool,
     /// Radii of the density-estimation kernels in media in the first pass, for each map \[length].
     volume_radii: VolumeKernelRadiiPerMap,
     /// Lower bound on gather radii in the first pass \[length].
@@ -164,8 +163,8 @@ impl<'a> PhotonMapBuilder<'a> {
             counts,
             radii: None,
             interreflection_radius: 0.0,
-            indirect_division: None,
-            compares_indirect_techniques: false,
+            division: None,
+            compares_techniques: false,
             volume_radii: VolumeKernelRadiiPerMap::default(),
             min_radius: 0.0,
             emission_guiding_reports: EmissionGuidingReports::default(),
@@ -195,7 +194,7 @@ impl<'a> PhotonMapBuilder<'a> {
         Self {
             settings: self.settings.clone(),
             density_estimate_shares: self.density_estimate_shares.clone(),
-            indirect_division: self.indirect_division.clone(),
+            division: self.division.clone(),
             policy: *policy,
             request,
             unaimed_source: keep(&self.unaimed_source, request.unaimed),
@@ -212,7 +211,7 @@ impl<'a> PhotonMapBuilder<'a> {
             scene,
             settings: self.settings.clone(),
             density_estimate_shares: self.density_estimate_shares.clone(),
-            indirect_division: self.indirect_division.clone(),
+            division: self.division.clone(),
             unaimed_source: placed(&self.unaimed_source),
             aimed_source: placed(&self.aimed_source),
             ..*self
@@ -250,29 +249,29 @@ impl<'a> PhotonMapBuilder<'a> {
     ///
     /// The division also sets the number of unaimed photon paths. `None` leaves the light to camera
     /// paths, so no unaimed paths are traced.
-    pub fn set_indirect_division(&mut self, division: Option<IndirectDivision>) {
+    pub fn set_division(&mut self, division: Option<IndirectDivision>) {
         if let Some(division) = &division {
             self.counts.unaimed = division.unaimed_paths;
         } else {
             self.unaimed_source = None;
             self.emission_guiding_reports.unaimed = None;
         }
-        self.indirect_division = division.map(Arc::new);
+        self.division = division.map(Arc::new);
     }
 
     /// Returns the technique that finds indirect light in pass `pass`, at the first receiver of a
     /// camera path.
-    pub fn indirect_technique(&self, pass: u32) -> IndirectTechnique<'_> {
+    pub fn technique_of_pass(&self, pass: u32) -> IndirectTechnique<'_> {
         if !self.may_build_interreflection_map() {
             return IndirectTechnique::Paths;
         }
-        if self.compares_indirect_techniques {
+        if self.compares_techniques {
             return IndirectTechnique::Comparison;
         }
         if self.policy.indirect_photons == IndirectPhotons::Full {
             return IndirectTechnique::Photons;
         }
-        match self.indirect_division.as_deref() {
+        match self.division.as_deref() {
             Some(division) if pass < division.passes => IndirectTechnique::Weighted {
                 division,
                 number: pass as f32 + 1.0,
@@ -310,38 +309,9 @@ impl<'a> PhotonMapBuilder<'a> {
         self.policy.effects.has(Effect::Lens)
     }
 
-    /// Traces the photons of slice `slice` of pass `pass` and builds its maps. Adds ray counts,
-    /// reports and times to `out`.
-    ///
-    /// The gather radii are those of the whole pass. So the mean of the estimates of all slices has
-    /// the noise and bias of one estimate from the photons of all slices.
-    pub fn build(
-        &self,
-        pass: u32,
-        slice: ShutterSlice,
-        monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
-    ) -> PhotonMaps<'a> {
-        let key = Key::new(self.settings.camera_paths.seed);
-        let options = MapBuildOptions {
-            key,
-            pass,
-            divisor: slice.count,
-            slice,
-            has_photon_limit: true,
-            connects_to_camera: true,
-        };
-        self.build_with_options(&options, monitor, out)
-    }
-
     /// Traces the photons that `options` describe, and builds their maps. Adds ray counts, reports
     /// and times to `out`.
-    pub fn build_with_options(
-        &self,
-        options: &MapBuildOptions,
-        monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
-    ) -> PhotonMaps<'a> {
+    pub fn build(&self, options: &MapBuildOptions, monitor: &dyn ProgressMonitor, out: &mut Pass) -> PhotonMaps<'a> {
         // Paths are traced in this order: aimed, unaimed, guides.
         let (caustic, aimed) = self.build_caustic_map(options, monitor, out);
         let indirect = self.build_indirect_map(aimed.after_caustic, options, monitor, out);
@@ -417,7 +387,7 @@ impl<'a> PhotonMapBuilder<'a> {
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
     ) -> Option<PhotonDensityEstimator<'a>> {
-        if matches!(self.indirect_technique(options.pass), IndirectTechnique::Paths) {
+        if matches!(self.technique_of_pass(options.pass), IndirectTechnique::Paths) {
             return None;
         }
         let photons = self.trace_unaimed_photons(options, monitor, out);
@@ -467,12 +437,12 @@ impl<'a> PhotonMapBuilder<'a> {
         self.trace_photons(task, monitor, out).deposits.photons
     }
 
-    /// Returns the photon map of `photons` with its search structures. Reports progress to
-    /// `monitor`, and adds the time to `out`.
+    /// Returns the photon map of `photons` with its search structures, and with the gather radii of
+    /// pass `options.pass`. Reports progress to `monitor`, and adds the time to `out`.
     fn index_photons(
         &self,
         photons: MapPhotons,
-        limits: DensityEstimateLimits,
+        DensityEstimateLimits { radii, k }: DensityEstimateLimits,
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
@@ -480,20 +450,8 @@ impl<'a> PhotonMapBuilder<'a> {
         let start = Instant::now();
         let count = (photons.surface.len() + photons.volume.len()) as u64;
         monitor.begin_stage(PassStage::Indexing, count);
-        let estimator = self.build_photon_estimator(photons, limits, options);
-        monitor.report_progress(count);
-        out.seconds.indexing += start.elapsed().as_secs_f64();
-        estimator
-    }
 
-    /// Returns the photon map of `photons` with its search structures, and with the gather radii of
-    /// pass `options.pass`.
-    fn build_photon_estimator(
-        &self,
-        photons: MapPhotons,
-        DensityEstimateLimits { radii, k }: DensityEstimateLimits,
-        options: &MapBuildOptions,
-    ) -> PhotonDensityEstimator<'a> {
+        // Shrink the radii of the first pass to those of this pass.
         let (pass, RadiusLaw { alpha, kernel }) = (options.pass, self.radius_law());
         let area = squared_radius_ratio(alpha, pass);
         let (beam_dimensions, point_dimensions) = self.settings.volume.kernel_dimensions();
@@ -502,15 +460,20 @@ impl<'a> PhotonMapBuilder<'a> {
             radii.volume.points * kernel_radius_ratio(point_dimensions, alpha, pass),
         );
         let band = WAVELENGTH_BAND * area.sqrt() as f32;
-        // One random number serves all maps, because their beams belong to different paths.
-        let start = options.photon_path_key(Purpose::BeamThinning).uniform_1d(Dimension::Roulette);
-        let beams = thin_beams(photons.volume.beams, radii.volume.kept_beams, start);
-        let volume_photons = VolumePhotons { beams, ..photons.volume };
-        let volume = BeamAndPointMaps::build(volume_photons, volume_radii, self.settings.volume, band);
         let limit = if options.has_photon_limit { k } else { 0 };
         let shrunk_k = (f64::from(limit) * area).round().max(MIN_K) as u32;
         let bandwidth = Bandwidth { radius: radii.surface * area.sqrt() as f32, k: shrunk_k.min(limit) };
+
+        // Build the search structures. One random number thins the beams of all maps, because
+        // their beams belong to different paths.
+        let first = options.photon_path_key(Purpose::BeamThinning).uniform_1d(Dimension::Roulette);
+        let beams = thin_beams(photons.volume.beams, radii.volume.kept_beams, first);
+        let volume_photons = VolumePhotons { beams, ..photons.volume };
+        let volume = BeamAndPointMaps::build(volume_photons, volume_radii, self.settings.volume, band);
         let map = PhotonMap::build(photons.surface).with_min_radius(self.min_radius * area.sqrt() as f32);
+
+        monitor.report_progress(count);
+        out.seconds.indexing += start.elapsed().as_secs_f64();
         PhotonDensityEstimator { scene: self.scene, map, bandwidth, kernel, volume, has_density_estimate_shares: false }
     }
 

@@ -19,6 +19,7 @@ mod adaptive_pilot;
 mod algorithm;
 mod balance;
 mod camera_path;
+mod camera_ray;
 mod distributed;
 mod environment_guide;
 mod environment_pilot;

@@ -59,6 +59,8 @@ impl GatherDiscSum {
 /// over all rays of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct NestedEstimateSum {
+    /// True if photon estimates are repeated with smaller nested discs; false leaves all sums at 0.
+    pub is_wanted: bool,
     /// Sums over the photon estimates of the current camera ray of throughput times difference
     /// \[W/(m² sr)]. The differences are: full minus half disc area, and half minus quarter disc
     /// area.
@@ -75,6 +77,11 @@ pub(super) struct NestedEstimateSum {
 }
 
 impl NestedEstimateSum {
+    /// Returns empty sums. If `is_wanted` is false, they stay empty.
+    pub fn new(is_wanted: bool) -> Self {
+        Self { is_wanted, ..Self::default() }
+    }
+
     /// Adds one estimate: its radiance for each disc size, largest disc first.
     ///
     /// `throughput` is the factor from the estimate's radiance to radiance of the pixel.
@@ -104,7 +111,7 @@ impl NestedEstimateSum {
     pub fn finish_pixel(&mut self, rays: u32) -> NestedEstimates {
         let differences = self.pixel.map(|sum| (sum / f64::from(rays)).as_vec3());
         let estimates = NestedEstimates { differences, caustic: self.caustic.mean(), indirect: self.indirect.mean() };
-        *self = Self::default();
+        *self = Self::new(self.is_wanted);
         estimates
     }
 }

@@ -150,7 +150,7 @@ impl<'a> PassRenderer<'a> {
             maps,
             pass,
             max_bounces,
-            self.map_builder.indirect_technique(pass),
+            self.map_builder.technique_of_pass(pass),
         )
     }
 

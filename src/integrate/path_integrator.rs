@@ -8,6 +8,7 @@ use super::indirect_division::IndirectDivision;
 use super::indirect_pilot::divide_indirect_light;
 use super::integrator::Integrator;
 use super::light_group::LightGroup;
+use super::map_builder::MapBuildOptions;
 use super::nee::ShadowRayGuides;
 use super::pass::{ExpectedPhotons, Pass, ProgressMonitor, SilentMonitor};
 use super::pass_renderer::PassRenderer;
@@ -68,8 +69,8 @@ impl Integrator for PathIntegrator<'_> {
         let (mut maps_of_slices, mut splats) = (Vec::new(), Vec::new());
         for (slice_renderer, slice) in renderers.iter().zip(slices) {
             let map_builder = &slice_renderer.map_builder;
-            let mut slice_maps =
-                map_builder.traces_photons().then(|| map_builder.build(pass, slice, monitor, &mut out));
+            let options = MapBuildOptions::for_slice(seed, pass, slice);
+            let mut slice_maps = map_builder.traces_photons().then(|| map_builder.build(&options, monitor, &mut out));
             if let Some(maps) = &mut slice_maps {
                 // Each slice estimates the light of the whole interval, so the picture needs the
                 // mean over the slices.
@@ -93,8 +94,8 @@ impl Integrator for PathIntegrator<'_> {
             FilmSampling { slices: cameras(), groups_light, window, clamp, ..renderers[0].film_sampling(pass) };
         let render_camera_paths = |sampling: &FilmSampling<'_>, key: Key, monitor: &dyn ProgressMonitor| {
             for_interior!(paths[0].policy.effects, <I> {
-                render_tiles(sampling, key, monitor, |ray, sampler, task, branches| {
-                    trace_camera_path::<I>(&paths[task.inputs.shutter_slice], ray, sampler, task, branches)
+                render_tiles(sampling, key, monitor, |camera_ray, task, branches| {
+                    trace_camera_path::<I>(&paths[camera_ray.shutter_slice], camera_ray, task, branches)
                 })
             })
         };
@@ -152,8 +153,8 @@ impl Integrator for PathIntegrator<'_> {
         self.renderer.prefix_rays.as_ref().map_or(0.0, PrefixRayCounts::mean_rays_per_pixel)
     }
 
-    fn indirect_photon_share(&self, pass: u32) -> f64 {
-        self.renderer.map_builder.indirect_technique(pass).mean_photon_weight()
+    fn photon_share_of_indirect_light(&self, pass: u32) -> f64 {
+        self.renderer.map_builder.technique_of_pass(pass).mean_photon_weight()
     }
 
     fn gather_radii(&self) -> Option<GatherRadii> {
@@ -213,7 +214,7 @@ impl<'a> PathIntegrator<'a> {
         let weighs = policy.indirect_photons == IndirectPhotons::Weighted;
         let division = if weighs && renderer.map_builder.may_build_interreflection_map() {
             let division = run_pilot(&renderer, needed_policy(), divide_indirect_light);
-            renderer.map_builder.set_indirect_division(division.clone());
+            renderer.map_builder.set_division(division.clone());
             division
         } else {
             None
@@ -227,7 +228,7 @@ impl<'a> PathIntegrator<'a> {
             (true, None) => find_ray_photon_balance(&renderer),
             (true, Some(policy)) => {
                 let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
-                renderer.map_builder.set_indirect_division(division.clone());
+                renderer.map_builder.set_division(division.clone());
                 find_ray_photon_balance(&renderer)
             }
         };
@@ -237,7 +238,7 @@ impl<'a> PathIntegrator<'a> {
             counts.unaimed = photons.unwrap_or(counts.unaimed);
             counts.aimed = caustic_photons.unwrap_or(counts.aimed);
             let unaimed_paths = counts.unaimed;
-            if let Some(division) = &mut renderer.map_builder.indirect_division {
+            if let Some(division) = &mut renderer.map_builder.division {
                 *division = Arc::new(IndirectDivision { samples, unaimed_paths, ..(**division).clone() });
             }
         }

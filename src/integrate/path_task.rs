@@ -1,52 +1,31 @@
 //! State of one parallel task that traces camera paths.
 
 use super::gather_guide::GatherGuide;
-use super::indirect_division::{IndirectLightByTechnique, IndirectWeights};
 use super::light_group::GroupedLight;
 use super::nested_estimates::NestedEstimateSum;
-use super::prefix_rays::PrefixLightSums;
 use super::scatter_point_guide::{GuidedDistances, InScatteringSample};
 use crate::color::Rgb;
 use crate::medium::TransmittanceCurve;
 use crate::photon::{PhotonSearchBuffers, VisiblePoint};
 use crate::stats::Counters;
-use glam::Vec2;
 
-/// Parallel task that traces camera paths one after the other, such as those of a tile.
+/// Parallel task that traces camera paths one after the other, such as those of a tile: what its
+/// paths have found so far, and the buffers that they reuse. It holds no input of a path.
 ///
 /// Each task starts with a new value, so results do not depend on the number of threads.
 #[derive(Debug, Default)]
 pub(super) struct PathTask {
     /// Counts of rays and photons of all camera paths of the task.
     pub counters: Counters,
-    pub inputs: PathInputs,
-    /// Weights and sums of the light that paths find up to their first receiver. They are set
-    /// before the camera paths of a pixel, and again before its prefix rays.
-    pub prefix: PrefixLightSums,
-    pub pixel: PixelState,
+    pub pixel: PixelLight,
     pub records: PilotRecords,
     pub scratch: ScratchBuffers,
-}
-
-/// Values that the current camera path reads: film position, time, and technique weights.
-#[derive(Debug, Default)]
-pub(super) struct PathInputs {
-    /// True if each photon estimate is repeated with smaller nested discs, to measure its bias. It
-    /// holds for the whole task.
-    pub nests_estimates: bool,
-    /// Film position \[pixels from the top left]: in a render, the center of the current pixel; in
-    /// a pilot that traces film points, the current point.
-    pub film_position: Vec2,
-    /// Index of the slice of the shutter interval in which the current camera ray is traced.
-    pub shutter_slice: usize,
-    /// Weights of camera paths and of photon estimates for indirect light at `film_position`.
-    pub technique_weights: IndirectWeights,
 }
 
 /// Light of the current pixel, and of its current camera ray, that is kept apart from the radiance.
 /// A pixel's last camera ray or prefix ray ends its lifetime.
 #[derive(Debug, Default)]
-pub(super) struct PixelState {
+pub(super) struct PixelLight {
     /// Radiance of the current camera ray that photon estimates found \[W/(m² sr)].
     pub photon_radiance: Rgb,
     /// Light of the current camera ray, divided into direct, indirect and caustic light.
@@ -55,16 +34,36 @@ pub(super) struct PixelState {
     pub nested: NestedEstimateSum,
 }
 
-/// Records that pilots take from the task. A render writes only `indirect_by_technique`, and does
-/// not read it.
+/// Records that pilots take from the task. A render writes only `light`, and does not read it.
 #[derive(Debug, Default)]
 pub(super) struct PilotRecords {
-    /// Indirect light by technique, summed over the camera paths since the pilot last took it.
-    pub indirect_by_technique: IndirectLightByTechnique,
+    /// Light by part, summed over the camera paths since the pilot last took it.
+    pub light: LightByPart,
     /// Shadow rays from media, of all camera paths of the task.
     pub in_scattering_samples: Vec<InScatteringSample>,
     /// Points visible to the camera, of all camera paths of the task.
     pub visible_points: Vec<VisiblePoint>,
+}
+
+/// Light of camera paths by the part of the path, or the technique, that found it. Values are
+/// contributions to the pixel \[W/(m² sr)].
+///
+/// *Shared* light is the indirect light at the first receiver that
+/// [both techniques](super::indirect_division) find.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LightByPart {
+    /// Light found up to the first receiver: emission, environment light and direct light at
+    /// casters, with the weights of [`PrefixWeights`](super::prefix_rays::PrefixWeights).
+    pub up_to_receiver: Rgb,
+    /// Photon estimates from all maps.
+    pub photon_estimates: Rgb,
+    /// Shared light found by camera paths that continue at their first receiver.
+    pub shared_by_paths: Rgb,
+    /// Shared light found by photon estimates. It is also a part of `photon_estimates`.
+    pub shared_by_photons: Rgb,
+    /// `shared_by_photons` with the full gather disc minus the estimate with half its area; 0
+    /// without nested estimates.
+    pub shared_nested_difference: Rgb,
 }
 
 /// Buffers that vertices reuse, to save allocations. Their contents have a meaning only within one
@@ -96,8 +95,11 @@ pub(super) struct MapSearchBuffers {
 
 impl PathTask {
     /// Returns a task that has traced no path. If `nests_estimates`, its photon estimates are
-    /// repeated with smaller nested discs.
-    pub fn new(nests_estimates: bool) -> Self {
-        Self { inputs: PathInputs { nests_estimates, ..PathInputs::default() }, ..Self::default() }
+    /// repeated with smaller nested discs, to measure their bias. If `groups_light`, it divides
+    /// light by [`LightGroup`](super::light_group::LightGroup).
+    pub fn new(nests_estimates: bool, groups_light: bool) -> Self {
+        let nested = NestedEstimateSum::new(nests_estimates);
+        let groups = GroupedLight::new(groups_light);
+        Self { pixel: PixelLight { nested, groups, ..PixelLight::default() }, ..Self::default() }
     }
 }

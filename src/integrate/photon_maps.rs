@@ -109,7 +109,7 @@ impl PhotonMaps<'_> {
     /// Returns the radiance that `vertex` reflects towards the previous vertex, estimated from the
     /// interreflection map, times `lookup_scale` \[W/(m² sr)]; 0 without that map.
     ///
-    /// Also adds it, times the throughput, to `task.records.indirect_by_technique` and the light
+    /// Also adds it, times the throughput, to `task.records.light` and the light
     /// groups. [`PhotonMaps::radiance`] explains `lookup_scale`.
     #[inline]
     pub fn interreflection_radiance<I: Interior>(
@@ -126,8 +126,8 @@ impl PhotonMaps<'_> {
             |t| (&mut t.scratch.searches.interreflection, &mut t.pixel.nested.indirect),
             task,
         );
-        task.records.indirect_by_technique.photons += vertex.throughput * radiance * lookup_scale;
-        task.records.indirect_by_technique.nested_difference +=
+        task.records.light.shared_by_photons += vertex.throughput * radiance * lookup_scale;
+        task.records.light.shared_nested_difference +=
             vertex.throughput * task.pixel.nested.last_difference * lookup_scale;
         task.pixel.groups.add(LightGroup::Indirect, vertex.throughput * radiance * lookup_scale);
         radiance * lookup_scale
@@ -156,7 +156,7 @@ impl PhotonMaps<'_> {
     /// Returns the radiance that a medium scatters to the start of a segment, estimated from the
     /// interreflection map, times `lookup_scale` \[W/(m² sr)]; 0 without that map.
     ///
-    /// Also adds it, times the throughput, to `task.records.indirect_by_technique` and the light
+    /// Also adds it, times the throughput, to `task.records.light` and the light
     /// groups. [`PhotonMaps::radiance`] explains `lookup_scale`.
     #[inline]
     pub fn interreflection_radiance_in_medium<I: Interior>(
@@ -169,8 +169,8 @@ impl PhotonMaps<'_> {
         let Some(map) = &self.interreflection else { return Rgb::ZERO };
         task.pixel.nested.last_difference = Rgb::ZERO;
         let radiance = map.volume.radiance(map.scene, vertex, lookup_scale, rng, task);
-        task.records.indirect_by_technique.photons += vertex.throughput * radiance * lookup_scale;
-        task.records.indirect_by_technique.nested_difference +=
+        task.records.light.shared_by_photons += vertex.throughput * radiance * lookup_scale;
+        task.records.light.shared_nested_difference +=
             vertex.throughput * task.pixel.nested.last_difference * lookup_scale;
         task.pixel.groups.add(LightGroup::Indirect, vertex.throughput * radiance * lookup_scale);
         radiance * lookup_scale
@@ -236,7 +236,7 @@ impl PhotonDensityEstimator<'_> {
         };
         let (p, normal) = (surface.point.p, surface.facing_normal());
         let (bandwidth, kernel, key) = (self.bandwidth, self.kernel, vertex.sampler.sample_key());
-        let nested = task.inputs.nests_estimates;
+        let nested = task.pixel.nested.is_wanted;
         let (buffers, discs) = scratch(task);
         if !nested {
             let estimate = self.map.estimate_radiance(p, normal, bandwidth, kernel, buffers, brdf);

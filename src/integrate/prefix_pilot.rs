@@ -20,12 +20,13 @@
 
 use super::balance;
 use super::camera_path;
+use super::camera_ray::CameraRay;
 use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::pilot_statistics::{box_mean, positive_median};
-use super::prefix_rays::{PrefixLightSums, PrefixRayCount, PrefixRayCounts};
+use super::prefix_rays::{PrefixRayCount, PrefixRayCounts, PrefixWeights};
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
 use crate::plan::Effect;
@@ -146,7 +147,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let divisor = counts.unaimed.max(counts.aimed).div_ceil(MAX_PATHS).max(MIN_DIVISOR);
     let maps = renderer.map_builder.traces_photons().then(|| {
         let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, divisor) };
-        renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out)
+        renderer.map_builder.build(&options, &SilentMonitor, &mut out)
     });
     let (width, height) = scene.camera().size();
     let mut light = vec![PixelLightStatistics::default(); width as usize * height as usize];
@@ -262,17 +263,19 @@ fn render_light_parts(
     let (paths, key) = (pilot.path_context(maps, pass), pilot.prefix_ray_key(pass));
     let sampling = tiles::FilmSampling { nested: false, ..pilot.film_sampling(pass) };
     for_interior!(pilot.policy.effects, <I> {
-        tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, task, branches| {
-            let parts = parts(task.inputs.film_position);
-            task.prefix = PrefixLightSums {
+        tiles::render_tiles(&sampling, key, &SilentMonitor, |camera_ray, task, branches| {
+            let parts = parts(camera_ray.film_position);
+            let prefix_weights = PrefixWeights {
                 ends_at_receiver: parts != PathParts::Whole,
                 lookups: u32::from(parts != PathParts::Prefix),
-                ..PrefixLightSums::default()
+                ..PrefixWeights::default()
             };
-            let radiance = camera_path::trace_camera_path::<I>(&paths, ray, sampler, task, branches);
+            let camera_ray = CameraRay { prefix_weights, ..*camera_ray };
+            let radiance = camera_path::trace_camera_path::<I>(&paths, &camera_ray, task, branches);
+            let light = std::mem::take(&mut task.records.light);
             let total = color::channel_mean(radiance);
             let (up_to_receiver, photons) =
-                (color::channel_mean(task.prefix.up_to_receiver), color::channel_mean(task.prefix.photons));
+                (color::channel_mean(light.up_to_receiver), color::channel_mean(light.photon_estimates));
             Rgb::new((total - up_to_receiver - photons).max(0.0), up_to_receiver, photons)
         })
     })

@@ -1,23 +1,21 @@
 //! Prefix rays: extra camera paths that end at the first receiver.
 
-use crate::color::Rgb;
 use crate::stats::Counters;
 use std::sync::Arc;
 
-/// Weights and sums of the light that camera paths or prefix rays of a pixel find up to their first
-/// receiver.
+/// Weights of the light that a camera path or prefix ray finds up to its first receiver.
 ///
 /// The *prefix* of a camera path is its part up to the first receiver. *Prefix rays* trace only
 /// prefixes. A pixel's n camera paths and m prefix rays find the same emission, so they share it by
 /// weights. One camera path and l prefix rays share the photon estimate at the first receiver. If
 /// the pass has slices of the shutter interval, one camera path of each slice reads photon maps.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PrefixLightSums {
+pub(super) struct PrefixWeights {
     /// Weight n/(n + m) of light that camera paths and prefix rays both find: emission, environment
     /// light, and direct light at casters.
     ///
     /// The pixel has n camera paths and m prefix rays.
-    pub up_to_receiver_weight: f32,
+    pub up_to_receiver: f32,
     /// Number of camera paths of the pixel, or of its prefix rays, that read photon maps: those
     /// with the lowest sample indices.
     pub lookups: u32,
@@ -25,14 +23,9 @@ pub(super) struct PrefixLightSums {
     ///
     /// Of the pixel's n camera paths, k read photon maps. Of its m prefix rays, l read photon maps.
     /// The `lookup_scale` of an estimate is this weight times n, or times m for prefix rays.
-    pub lookup_weight: f32,
+    pub lookup: f32,
     /// True for prefix rays, which end at their first receiver; false for camera paths.
     pub ends_at_receiver: bool,
-    /// Weighted sum of the light found up to the first receiver: emission, environment light and
-    /// direct light at casters \[W/(m² sr)].
-    pub up_to_receiver: Rgb,
-    /// Weighted sum of the photon estimates at the first receiver \[W/(m² sr)].
-    pub photons: Rgb,
 }
 
 /// Number of prefix rays of a pixel, and the number of those that read photon maps.
@@ -42,40 +35,33 @@ pub(super) struct PrefixRayCount {
     pub lookups: u8,
 }
 
-impl Default for PrefixLightSums {
+impl Default for PrefixWeights {
     /// Returns the weights of camera paths in a pixel without prefix rays.
     fn default() -> Self {
-        Self {
-            up_to_receiver_weight: 1.0,
-            lookups: 1,
-            lookup_weight: 1.0,
-            ends_at_receiver: false,
-            up_to_receiver: Rgb::ZERO,
-            photons: Rgb::ZERO,
-        }
+        Self { up_to_receiver: 1.0, lookups: 1, lookup: 1.0, ends_at_receiver: false }
     }
 }
 
-impl PrefixLightSums {
+impl PrefixWeights {
     /// Returns the weights of the light that each of a pixel's `samples` camera paths finds.
     /// `prefix` counts the prefix rays of the pixel.
     ///
     /// The first `lookups` camera paths read photon maps.
-    pub fn camera_path_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
+    pub fn of_camera_paths(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.rays));
-        let lookup_weight = 1.0 / (lookups as f32 + f32::from(prefix.lookups));
-        Self { up_to_receiver_weight: n / (n + m), lookups, lookup_weight, ..Self::default() }
+        let lookup = 1.0 / (lookups as f32 + f32::from(prefix.lookups));
+        Self { up_to_receiver: n / (n + m), lookups, lookup, ends_at_receiver: false }
     }
 
     /// Returns the weights of the light that each prefix ray of a pixel finds. `prefix` counts the
     /// pixel's prefix rays, at least one.
     ///
     /// The pixel has `samples` camera paths; the first `lookups` of them read photon maps.
-    pub fn prefix_ray_weights(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
+    pub fn of_prefix_rays(samples: u32, lookups: u32, prefix: PrefixRayCount) -> Self {
         let (n, m) = (samples as f32, f32::from(prefix.rays));
-        let weights = Self::camera_path_weights(samples, lookups, prefix);
-        let lookup_weight = weights.lookup_weight * n / m;
-        Self { lookups: prefix.lookups.into(), lookup_weight, ends_at_receiver: true, ..weights }
+        let weights = Self::of_camera_paths(samples, lookups, prefix);
+        let lookup = weights.lookup * n / m;
+        Self { lookups: prefix.lookups.into(), lookup, ends_at_receiver: true, ..weights }
     }
 }
 

@@ -38,7 +38,7 @@ impl Integrator for RaycastIntegrator<'_> {
         let sampling = FilmSampling { window: self.window, ..FilmSampling::of_camera(camera, filter, samples, false) };
         let key = Key::new(self.seed).purpose_key(Purpose::Camera).pass_key(pass);
         let FilmImage { image, counters, .. } =
-            tiles::render_tiles(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.radiance(ray));
+            tiles::render_tiles(&sampling, key, monitor, |camera_ray, _, (): &mut ()| self.radiance(&camera_ray.ray));
         let seconds = StageTimes { camera: start.elapsed().as_secs_f64(), ..StageTimes::default() };
         Pass { image, counters, seconds, ..Pass::default() }
     }

@@ -1,10 +1,11 @@
 //! Rendering of all pixels of a pass, in parallel by tiles.
 
-use super::light_group::{GroupedLight, LightGroup};
+use super::camera_ray::CameraRay;
+use super::light_group::LightGroup;
 use super::nested_estimates::NestedEstimates;
 use super::pass::{PassStage, ProgressMonitor};
 use super::path_task::PathTask;
-use super::prefix_rays::{PrefixLightSums, PrefixRayCount};
+use super::prefix_rays::{PrefixRayCount, PrefixWeights};
 use super::shutter::{RaySlices, SlicedCameras};
 use crate::camera::{Camera, CropWindow, Filter, FilterSample};
 use crate::color::Rgb;
@@ -67,7 +68,7 @@ struct PixelRays {
     /// Division of the rays among the slices of the shutter interval.
     slices: RaySlices,
     /// Weights of the light that the rays find up to their first receiver.
-    light_weights: PrefixLightSums,
+    prefix_weights: PrefixWeights,
 }
 
 /// Rendered window of a picture with the counters of its camera rays.
@@ -228,13 +229,13 @@ impl FilmSampling<'_> {
             key: key.pixel_key(x, y),
             count: samples,
             slices,
-            light_weights: PrefixLightSums::camera_path_weights(samples, used_slices, prefix),
+            prefix_weights: PrefixWeights::of_camera_paths(samples, used_slices, prefix),
         };
         let prefix_rays = self.prefix_rays.filter(|_| prefix.rays > 0).map(|PrefixRays { key, .. }| PixelRays {
             key: key.pixel_key(x, y),
             count: prefix.rays.into(),
             slices: self.divide_rays(x, y, prefix.rays.into()),
-            light_weights: PrefixLightSums::prefix_ray_weights(samples, used_slices, prefix),
+            prefix_weights: PrefixWeights::of_prefix_rays(samples, used_slices, prefix),
         });
         (camera_rays, prefix_rays)
     }
@@ -245,7 +246,7 @@ impl FilmSampling<'_> {
     /// Returns the ray and its filter weight.
     #[inline]
     pub fn generate_ray(&self, slice: usize, corner: Vec2, sampler: Sampler) -> (Ray, f32) {
-        let (film, weight) = self.film_position(corner, sampler);
+        let (film, weight) = self.sample_film_position(corner, sampler);
         let lens = self.lens.then(|| sampler.get_2d(Dimension::Lens));
         let camera = self.slices.as_ref().map_or(self.camera, |slices| slices.cameras[slice]);
         (camera.generate_ray(film, lens), weight)
@@ -262,7 +263,7 @@ impl FilmSampling<'_> {
     ///
     /// Returns the film position \[pixels from the top left] and the weight of the sample.
     #[inline]
-    fn film_position(&self, corner: Vec2, sampler: Sampler) -> (Vec2, f32) {
+    fn sample_film_position(&self, corner: Vec2, sampler: Sampler) -> (Vec2, f32) {
         let Some(filter) = self.filter else { return (corner + Vec2::Y, 1.0) };
         // [`FilteredSum::weighted_sum`] is unbiased only for independent samples. It is used for
         // filters with negative values.
@@ -278,15 +279,14 @@ impl FilmSampling<'_> {
 
 /// Renders the pixels in the window of `sampling` by tiles, in parallel.
 ///
-/// `trace_camera_path` returns the radiance along a camera ray \[W/(m² sr)]. For all algorithms
-/// except `raycast`, it is [`trace_camera_path`](super::camera_path::trace_camera_path). Its
-/// arguments are the ray, the sampler of the ray, the task of the tile, and a stack of branches
-/// that all rays of a tile share.
-pub(super) fn render_tiles<T: Default>(
+/// `trace_ray` returns the radiance along a camera ray \[W/(m² sr)]. For all algorithms except
+/// `raycast`, it calls [`trace_camera_path`](super::camera_path::trace_camera_path). Its arguments
+/// are the ray, the task of the tile, and a stack of branches that all rays of a tile share.
+pub(super) fn render_tiles<Stack: Default>(
     sampling: &FilmSampling<'_>,
     key: Key,
     monitor: &dyn ProgressMonitor,
-    trace_camera_path: impl Fn(&Ray, Sampler, &mut PathTask, &mut T) -> Rgb + Sync,
+    trace_ray: impl Fn(&CameraRay, &mut PathTask, &mut Stack) -> Rgb + Sync,
 ) -> FilmImage {
     // Searches for photons begin with the radius of the pixel before in the tile, which can change
     // last bits. So tiles lie as in the whole picture, and all their pixels are rendered.
@@ -307,14 +307,34 @@ pub(super) fn render_tiles<T: Default>(
     let rendered_pixels = if stride > 1 { tiles.iter().flat_map(indices).collect() } else { Vec::new() };
 
     let work = tiles.into_par_iter().map(|mut tile| {
-        let mut task = PathTask::new(sampling.nested);
-        task.pixel.groups = GroupedLight::new(sampling.groups_light);
-        let mut branches = T::default();
+        let mut task = PathTask::new(sampling.nested, sampling.groups_light);
+        let mut branches = Stack::default();
         let mut rendered = 0;
         let tile_pixels = tile_pixels(tile.index, columns, width, height).take_while(|_| !monitor.is_cancelled());
         for (column, row) in tile_pixels {
+            // Trace the camera rays of a pixel, and then its prefix rays.
             let (x, y) = (window.left + column, window.top + row);
-            let pixel = render_pixel(sampling, key, (x, y), &mut task, &mut branches, &trace_camera_path);
+            let corner = Vec2::new(x as f32, y as f32);
+            let film_position = corner + 0.5;
+            let (camera_rays, prefix_rays) = sampling.rays_of_pixel(key, x, y);
+            let samples = camera_rays.count;
+            let mut sums = PixelSums::default();
+            for rays in iter::once(camera_rays).chain(prefix_rays) {
+                let prefix_weights = rays.prefix_weights;
+                for index in 0..rays.count {
+                    let sampler = Sampler::new(rays.key, index, rays.count);
+                    let shutter_slice = rays.slices.slice(index);
+                    let (ray, filter_weight) = sampling.generate_ray(shutter_slice, corner, sampler);
+                    let camera_ray = CameraRay { ray, sampler, film_position, shutter_slice, prefix_weights };
+                    task.counters.camera_rays += 1;
+                    task.pixel.photon_radiance = Rgb::ZERO;
+                    let radiance = trace_ray(&camera_ray, &mut task, &mut branches);
+                    sums.add_ray(sampling, &camera_ray, radiance, filter_weight, &mut task);
+                }
+            }
+
+            // Average the light of its rays.
+            let pixel = sums.average(sampling, samples, &mut task);
             tile.store_pixel((column % TILE_SIZE) as usize, (row % TILE_SIZE) as usize, pixel);
             rendered += 1;
         }
@@ -327,64 +347,6 @@ pub(super) fn render_tiles<T: Default>(
     });
     let picture = FilmImage { image, nested, groups, clamped, pixels: rendered_pixels, counters };
     if window == sampling.window { picture } else { picture.cropped_to_window(window, sampling.window) }
-}
-
-/// Renders the pixel in column `x`, row `y` of the whole picture: traces its camera rays and prefix
-/// rays, and averages their light.
-///
-/// `trace_camera_path` and `branches` are as in [`render_tiles`]. Counts the rays in `task`.
-fn render_pixel<T>(
-    sampling: &FilmSampling<'_>,
-    key: Key,
-    (x, y): (u32, u32),
-    task: &mut PathTask,
-    branches: &mut T,
-    trace_camera_path: &impl Fn(&Ray, Sampler, &mut PathTask, &mut T) -> Rgb,
-) -> RenderedPixel {
-    let corner = Vec2::new(x as f32, y as f32);
-    let mut sums = PixelSums::default();
-    task.inputs.film_position = corner + 0.5;
-    let (camera_rays, prefix_rays) = sampling.rays_of_pixel(key, x, y);
-    let samples = camera_rays.count;
-    for rays in iter::once(camera_rays).chain(prefix_rays) {
-        task.prefix = rays.light_weights;
-        let is_prefix_ray = rays.light_weights.ends_at_receiver;
-        for index in 0..rays.count {
-            // Trace one ray.
-            let sampler = Sampler::new(rays.key, index, rays.count);
-            task.inputs.shutter_slice = rays.slices.slice(index);
-            let (ray, weight) = sampling.generate_ray(task.inputs.shutter_slice, corner, sampler);
-            task.counters.camera_rays += 1;
-            task.pixel.photon_radiance = Rgb::ZERO;
-            let mut value = trace_camera_path(&ray, sampler, task, branches);
-
-            // Add its light to the sums of the pixel.
-            if let Some(limit) = sampling.clamp {
-                sums.clamped.add_ray(clamp_path_light(&mut value, limit, task), weight, is_prefix_ray);
-            }
-            let groups = task.pixel.groups.take_sums();
-            let is_finite = value.is_finite();
-            if is_finite {
-                sums.radiance.add_ray(value, weight, is_prefix_ray);
-                if sampling.groups_light {
-                    let sums = sums.groups.iter_mut().zip(groups);
-                    sums.for_each(|(sum, light)| sum.add_ray(light, weight, is_prefix_ray));
-                }
-            } else {
-                task.counters.rejected_samples += 1;
-            }
-            if sampling.nested {
-                task.pixel.nested.finish_camera_ray(is_finite.then_some(weight));
-            }
-        }
-    }
-    let is_signed = sampling.filter.is_some_and(Filter::has_negative_values);
-    RenderedPixel {
-        radiance: sums.radiance.pixel_value(is_signed, samples),
-        nested: task.pixel.nested.finish_pixel(samples),
-        groups: sums.groups.map(|sum| sum.pixel_value(is_signed, samples)),
-        clamped: sums.clamped.pixel_value(is_signed, samples),
-    }
 }
 
 /// Light of one pixel, averaged over its rays.
@@ -426,6 +388,51 @@ struct PixelSums {
     groups: [RaySums; LightGroup::ALL.len()],
     /// Radiance that clamping removed.
     clamped: RaySums,
+}
+
+impl PixelSums {
+    /// Adds the light of `camera_ray`: its `radiance` \[W/(m² sr)], and the light that `task` kept
+    /// apart. `weight` is the weight of the pixel filter.
+    #[inline]
+    fn add_ray(
+        &mut self,
+        sampling: &FilmSampling<'_>,
+        camera_ray: &CameraRay,
+        mut radiance: Rgb,
+        weight: f32,
+        task: &mut PathTask,
+    ) {
+        let is_prefix_ray = camera_ray.prefix_weights.ends_at_receiver;
+        if let Some(limit) = sampling.clamp {
+            self.clamped.add_ray(clamp_path_light(&mut radiance, limit, task), weight, is_prefix_ray);
+        }
+        let groups = task.pixel.groups.take_sums();
+        let is_finite = radiance.is_finite();
+        if is_finite {
+            self.radiance.add_ray(radiance, weight, is_prefix_ray);
+            if sampling.groups_light {
+                let sums = self.groups.iter_mut().zip(groups);
+                sums.for_each(|(sum, light)| sum.add_ray(light, weight, is_prefix_ray));
+            }
+        } else {
+            task.counters.rejected_samples += 1;
+        }
+        if sampling.nested {
+            task.pixel.nested.finish_camera_ray(is_finite.then_some(weight));
+        }
+    }
+
+    /// Returns the light of a pixel with `samples` camera rays, and resets the sums in `task` for
+    /// the next pixel.
+    fn average(self, sampling: &FilmSampling<'_>, samples: u32, task: &mut PathTask) -> RenderedPixel {
+        let is_signed = sampling.filter.is_some_and(Filter::has_negative_values);
+        RenderedPixel {
+            radiance: self.radiance.pixel_value(is_signed, samples),
+            nested: task.pixel.nested.finish_pixel(samples),
+            groups: self.groups.map(|sum| sum.pixel_value(is_signed, samples)),
+            clamped: self.clamped.pixel_value(is_signed, samples),
+        }
+    }
 }
 
 /// Sum of radiance over a pixel's camera rays, and over its prefix rays.

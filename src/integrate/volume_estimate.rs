@@ -169,7 +169,7 @@ impl BeamAndPointMaps {
             return Rgb::ZERO;
         }
         task.counters.gathers += 1;
-        let nested = task.inputs.nests_estimates;
+        let nested = task.pixel.nested.is_wanted;
         let (count, curve) = (&mut task.counters.gathered_photons, &mut task.scratch.transmittance);
         let MediumSegment { ray, medium, .. } = path_segment.segment;
         let mut levels = [Rgb::ZERO; LEVELS];

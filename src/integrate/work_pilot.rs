@@ -39,7 +39,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
             has_photon_limit: false,
             ..MapBuildOptions::for_pilot(key.pilot_trial_key(trial), PILOT_DIVISOR)
         };
-        (renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out), out)
+        (renderer.map_builder.build(&options, &SilentMonitor, &mut out), out)
     };
     let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
 
@@ -127,7 +127,7 @@ pub(super) fn measure_pass_work(renderer: &PassRenderer<'_>) -> Counters {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let mut out = Pass::default();
     let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, PILOT_DIVISOR) };
-    let maps = renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out);
+    let maps = renderer.map_builder.build(&options, &SilentMonitor, &mut out);
     let counters = estimate_at_points(renderer, Some(&maps), &film_points_in_pixels(renderer.scene, key, 0)).counters;
     let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;
     let scaled = |n: u64, factor: f64| (n as f64 * factor).round() as u64;

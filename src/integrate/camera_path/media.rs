@@ -1,6 +1,6 @@
 //! Camera paths through participating media.
 
-use super::{PathContext, PathState, is_path_continued, shares_indirect_light};
+use super::{PathContext, PathState, PathWeights, is_path_continued, shares_indirect_light};
 use crate::color::Rgb;
 use crate::integrate::indirect_division::IndirectWeights;
 use crate::integrate::light_group::LightGroup;
@@ -20,6 +20,7 @@ use rand::rngs::SmallRng;
 /// has a meaning only for scattering events.
 pub(super) fn advance_to_vertex<'a, I: Interior>(
     paths: &PathContext<'a>,
+    weights: &PathWeights,
     path: &mut PathState<I>,
     task: &mut PathTask,
     radiance: &mut Rgb,
@@ -30,7 +31,7 @@ pub(super) fn advance_to_vertex<'a, I: Interior>(
     let mut weight = DVec3::ONE;
     let event = path_ray.next_vertex(paths.scene, path.sampler.sample_key(), |segment| {
         phase = segment.medium.phase;
-        cross_medium(paths, path, segment, &mut weight, &mut rng, task, radiance)
+        cross_medium(paths, weights, path, segment, &mut weight, &mut rng, task, radiance)
     });
     path.path_ray = path_ray;
     path.throughput *= weight.as_vec3();
@@ -42,8 +43,10 @@ pub(super) fn advance_to_vertex<'a, I: Interior>(
 /// Returns the distance \[length] at which the path scatters; `None` if it passes through. `weight`
 /// is the product of the throughput factors since the last vertex; the segment's factor is
 /// multiplied in.
+#[expect(clippy::too_many_arguments, reason = "one call's inputs, all of different kinds")]
 fn cross_medium<I: Interior>(
     paths: &PathContext<'_>,
+    weights: &PathWeights,
     path: &PathState<I>,
     segment: &MediumSegment<'_, I>,
     weight: &mut DVec3,
@@ -63,17 +66,16 @@ fn cross_medium<I: Interior>(
         task.pixel.groups.add(LightGroup::of_found_light(history), emitted);
         *radiance += emitted;
     }
-    let throughput = throughput * path.pending_indirect_weight;
+    let throughput = throughput * path.pending_weight;
     if !medium.scatters() {
         *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
         return None;
     }
 
     // Add single scattering of the lights, and light that photons carried.
-    let weights = task.inputs.technique_weights;
     let continues = policy.continuation == PathContinuation::Always
         && path.bounce < paths.max_bounces
-        && (!shares_indirect_light(weights, history) || is_path_continued(weights, path.sampler));
+        && (!shares_indirect_light(weights.indirect, history) || is_path_continued(weights.indirect, path.sampler));
     let distance_sample = medium.distance_sample(ray, ray.t_max, throughput, rng);
     let shadow_sampler = path.sampler.shadow_ray_sampler(paths.pass);
     let path_segment = MediumPathSegment { segment, history, throughput, sampler: path.sampler, shadow_sampler };
@@ -82,10 +84,10 @@ fn cross_medium<I: Interior>(
         scattered += paths.nee.estimate_direct_light_in_medium(&path_segment, &distance_sample, continues, task);
         task.pixel.groups.add(LightGroup::of_direct_light(history), throughput * scattered);
     }
-    scattered += photon_radiance(paths, &path_segment, rng, task);
+    scattered += photon_radiance(paths, weights.indirect, &path_segment, rng, task);
     *radiance += throughput * scattered;
     if path.carries_shared_light {
-        task.records.indirect_by_technique.paths += throughput * scattered;
+        task.records.light.shared_by_paths += throughput * scattered;
     }
 
     // Scatter, or continue to the end of the segment.
@@ -100,10 +102,11 @@ fn cross_medium<I: Interior>(
 /// Returns the radiance that a medium segment scatters to its start, estimated from photon maps
 /// \[W/(m² sr)]; 0 if the policy reads no map on this segment.
 ///
-/// Also adds the estimate, times the throughput, to `task.prefix.photons` and
-/// `task.pixel.photon_radiance`.
+/// `weights` are those of indirect light at the path's first receiver. Also adds the estimate, times
+/// the throughput, to the sums of `task`.
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
+    weights: IndirectWeights,
     path_segment: &MediumPathSegment<'_, I>,
     rng: &mut SmallRng,
     task: &mut PathTask,
@@ -118,11 +121,11 @@ fn photon_radiance<I: Interior>(
         PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => 1.0,
     };
     let mut estimate = maps.radiance_in_medium(path_segment, lookup_scale, rng, task);
-    let weights = task.inputs.technique_weights;
     if shares_indirect_light(weights, path_segment.history) {
-        estimate += maps.interreflection_radiance_in_medium(path_segment, lookup_scale * weights.photons, rng, task);
+        estimate +=
+            maps.interreflection_radiance_in_medium(path_segment, lookup_scale * weights.photon_weight, rng, task);
     }
-    task.prefix.photons += path_segment.throughput * estimate;
+    task.records.light.photon_estimates += path_segment.throughput * estimate;
     task.pixel.photon_radiance += path_segment.throughput * estimate;
     estimate
 }
@@ -138,7 +141,7 @@ pub(super) fn scatter_in_medium<I: Interior>(
 ) -> bool {
     let mut next = *path;
     if shares_indirect_light(weights, path.history) {
-        next.share_indirect_light(weights, path.sampler);
+        next.start_sharing(weights, path.sampler);
     }
     let (direction, pdf) = phase.sample(next.path_ray.ray.direction, path.sampler.get_2d(Dimension::Phase));
     next.path_ray.scatter_towards(direction);

@@ -28,8 +28,8 @@ fn weights_of_both_techniques_sum_to_one() {
                 for number in [1.0, 30.0, 1000.0] {
                     let weights = division_of_cells(vec![cell], 1).technique_weights(Vec2::ZERO, number, 0.5);
                     let paths = weights.path_weight(SAMPLES) * weights.continued as f32 / SAMPLES as f32;
-                    assert!((weights.photons + paths - 1.0).abs() < 1e-6, "{cell:?} {weights:?}");
-                    assert!((0.0..=1.0).contains(&weights.photons) && weights.continued <= SAMPLES);
+                    assert!((weights.photon_weight + paths - 1.0).abs() < 1e-6, "{cell:?} {weights:?}");
+                    assert!((0.0..=1.0).contains(&weights.photon_weight) && weights.continued <= SAMPLES);
                 }
             }
         }
@@ -40,11 +40,11 @@ fn weights_of_both_techniques_sum_to_one() {
 /// then has the weight of one continued path among N.
 #[test]
 fn paths_of_pilots_stand_for_all_samples() {
-    let weights = IndirectWeights { photons: 0.25, continued: 3, samples: 12 };
-    let continued = (0..1200).filter(|i| weights.is_sample_continued((0, 1), *i as f32 / 1200.0)).count();
+    let weights = IndirectWeights { photon_weight: 0.25, continued: 3, samples: 12 };
+    let continued = (0..1200).filter(|i| weights.continues_at_receiver((0, 1), *i as f32 / 1200.0)).count();
     assert_eq!(continued, 300);
     assert_eq!(weights.path_weight(1), weights.path_weight(12));
-    assert_eq!((0..12).filter(|i| weights.is_sample_continued((*i, 12), 0.0)).count(), 3);
+    assert_eq!((0..12).filter(|i| weights.continues_at_receiver((*i, 12), 0.0)).count(), 3);
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn camera_paths_take_over_in_the_long_run() {
     let division = division_of_cells(vec![indirect_errors(0.4, 1.0, 0.001)], 1);
     // The law of gather radii: the area of a disc falls as N^(-1/3).
     let weights = |number: f32| division.technique_weights(Vec2::ZERO, number, 1.0 / libm::cbrtf(number));
-    let photons = [1.0, 64.0, 4096.0, 262_144.0, 1e9].map(|number| weights(number).photons);
+    let photons = [1.0, 64.0, 4096.0, 262_144.0, 1e9].map(|number| weights(number).photon_weight);
     assert!(photons.windows(2).all(|pair| pair[1] <= pair[0]), "{photons:?}");
     assert!(photons[0] > 0.9 && photons[4] < 0.05, "{photons:?}");
     assert_eq!((weights(1.0).continued, weights(1e9).continued), (0, SAMPLES));

@@ -53,6 +53,15 @@ pub(in crate::integrate) struct MapBuildOptions {
 }
 
 impl MapBuildOptions {
+    /// Returns the options of slice `slice` of pass `pass` of a render with random seed `seed`.
+    ///
+    /// The gather radii are those of the whole pass. So the mean of the estimates of all slices has
+    /// the noise and bias of one estimate from the photons of all slices.
+    pub fn for_slice(seed: u64, pass: u32, slice: ShutterSlice) -> Self {
+        let (key, divisor) = (Key::new(seed), slice.count);
+        Self { key, pass, divisor, slice, has_photon_limit: true, connects_to_camera: true }
+    }
+
     /// Returns the options of a pilot. It traces 1/`divisor` of the photon paths of the first pass,
     /// without light tracing.
     pub fn for_pilot(key: Key, divisor: u32) -> Self {

@@ -65,9 +65,9 @@ fn indirect_light_weights_in_fog_sum_to_one() {
     let renderer = &mut integrator.renderer;
     renderer.policy.indirect_photons = IndirectPhotons::Weighted;
     renderer.map_builder = renderer.map_builder.with_policy(&renderer.policy);
-    renderer.map_builder.set_indirect_division(Some(division));
-    let weights = renderer.map_builder.indirect_technique(0).technique_weights(Vec2::ONE);
-    assert_eq!((weights.photons, weights.continued, weights.path_weight(SAMPLES)), (0.5, 2, 2.0));
+    renderer.map_builder.set_division(Some(division));
+    let weights = renderer.map_builder.technique_of_pass(0).technique_weights(Vec2::ONE);
+    assert_eq!((weights.photon_weight, weights.continued, weights.path_weight(SAMPLES)), (0.5, 2, 2.0));
 
     let mean_of_pass = |pass| {
         let image = integrator.render_pass(pass, &SilentMonitor).image;

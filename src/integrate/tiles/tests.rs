@@ -13,8 +13,8 @@ fn render_filtered_row(kind: FilterKind, samples: u32, scene: impl Fn(f32) -> f3
     let mut sums = vec![(0.0, 0.0); 12];
     for pass in 0..passes {
         let key = Key::new(8).purpose_key(Purpose::Test).pass_key(pass);
-        let FilmImage { image, .. } = render_tiles(&sampling, key, &SilentMonitor, |ray, _, _, (): &mut ()| {
-            Rgb::splat(scene(ray.origin.x + 6.0))
+        let FilmImage { image, .. } = render_tiles(&sampling, key, &SilentMonitor, |camera_ray, _, (): &mut ()| {
+            Rgb::splat(scene(camera_ray.ray.origin.x + 6.0))
         });
         for (sum, value) in sums.iter_mut().zip(image) {
             let value = f64::from(value.x);

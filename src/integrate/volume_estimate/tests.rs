@@ -60,7 +60,7 @@ fn estimates_along_x(
             path_ray.next_vertex(scene, sampler.sample_key(), |segment| {
                 let (history, throughput) = (crate::integrate::vertex::PathHistory::default(), Rgb::ONE);
                 let segment = MediumPathSegment { segment, history, throughput, sampler, shadow_sampler: sampler };
-                let mut task = PathTask::new(true);
+                let mut task = PathTask::new(true, false);
                 let mut rng = sampler.sample_key().medium_tracking_key(pass as u32).rng();
                 let radiance = maps.radiance(scene, &segment, 1.0, &mut rng, &mut task);
                 task.pixel.nested.finish_camera_ray(Some(1.0));
