@@ -69,7 +69,7 @@ pub(in crate::format) fn nearest_word<'c>(word: &str, candidates: impl Iterator<
         return None;
     }
     candidates
-        .filter(|candidate| candidate.len() <= MAX_WORD_LENGTH)
+        .filter(|candidate| candidate.chars().nth(MAX_WORD_LENGTH).is_none())
         .map(|candidate| {
             let letters: Vec<char> = candidate.chars().flat_map(char::to_lowercase).collect();
             (edit_distance(&word, &letters), letters.len(), candidate)
@@ -114,6 +114,8 @@ mod tests {
         assert_eq!(nearest_word("Torus", words()), None);
         assert_eq!(nearest_word("", words()), None);
         assert_eq!(nearest_word(&"Sphere".repeat(1000), words()), None);
+        let longest = "ü".repeat(MAX_WORD_LENGTH);
+        assert_eq!(nearest_word(&longest, [&*longest].into_iter()), Some(&*longest));
     }
 
     #[test]
