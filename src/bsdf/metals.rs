@@ -43,7 +43,7 @@ const METAL_TABLE: [Metal; 13] = [
 ];
 
 /// Names of the metals that [`metal_refractive_index`] accepts, in alphabetical order.
-pub const METALS: [&str; METAL_TABLE.len()] = {
+pub const METAL_NAMES: [&str; METAL_TABLE.len()] = {
     let mut names = [""; METAL_TABLE.len()];
     let mut i = 0;
     while i < METAL_TABLE.len() {
@@ -88,7 +88,7 @@ mod tests {
             ("tungsten", [0.51, 0.49, 0.46]),
             ("vanadium", [0.54, 0.54, 0.57]),
         ];
-        assert_eq!(known.map(|k| k.0), METALS);
+        assert_eq!(known.map(|k| k.0), METAL_NAMES);
         for (name, expected) in known {
             let (eta, k) = metal_refractive_index(name).unwrap();
             let r = conductor_reflectance(1.0, eta, k);

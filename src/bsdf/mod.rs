@@ -25,7 +25,7 @@ pub use conductor::Conductor;
 pub use dielectric::{Dielectric, DielectricSplit};
 pub use fresnel::{Refraction, conductor_reflectance, dielectric_reflectance, refract};
 pub use lossy_coat::LossyCoat;
-pub use metals::{METALS, metal_refractive_index};
+pub use metals::{METAL_NAMES, metal_refractive_index};
 pub use multiple_scattering::MicrofacetScattering;
 pub use phong::Phong;
 pub use rough_dielectric::RoughDielectric;

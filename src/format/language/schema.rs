@@ -108,7 +108,7 @@ pub(in crate::format) struct FieldSchema {
     /// Meaning of the value, in one line of the language reference.
     pub help: &'static str,
     /// True if the field is part of the scene format of MIT course 6.837.
-    pub is_course_syntax: bool,
+    pub is_mit_6837_syntax: bool,
 }
 
 /// Schema of one kind of block: `keyword { fields }` or `keyword name { fields }`.
@@ -125,7 +125,7 @@ pub(in crate::format) struct BlockSchema {
     /// Meaning of the block, in one line of the language reference.
     pub help: &'static str,
     /// True if the block is part of the scene format of MIT course 6.837.
-    pub is_course_syntax: bool,
+    pub is_mit_6837_syntax: bool,
 }
 
 /// Entry of a table of blocks: the schema of one kind of block, and the function that converts its
@@ -147,12 +147,12 @@ pub(in crate::format) const fn field_schema(name: &'static str, kind: FieldKind,
         _ => FieldRange::Any,
     };
     let default = FieldDefault::Absent("");
-    FieldSchema { name, alias: "", kind, range, unit: "", default, help, is_course_syntax: false }
+    FieldSchema { name, alias: "", kind, range, unit: "", default, help, is_mit_6837_syntax: false }
 }
 
 /// Creates the schema of a block, without fields and aliases.
 pub(in crate::format) const fn block_schema(keyword: &'static str, help: &'static str) -> BlockSchema {
-    BlockSchema { keyword, aliases: &[], own_fields: &[], shared_fields: &[], help, is_course_syntax: false }
+    BlockSchema { keyword, aliases: &[], own_fields: &[], shared_fields: &[], help, is_mit_6837_syntax: false }
 }
 
 impl FieldSchema {
@@ -201,7 +201,7 @@ impl FieldSchema {
 
     /// Marks the field as part of the scene format of MIT course 6.837.
     pub const fn mark_as_course_syntax(mut self) -> Self {
-        self.is_course_syntax = true;
+        self.is_mit_6837_syntax = true;
         self
     }
 
@@ -308,7 +308,7 @@ impl FieldSchema {
         if !self.alias.is_empty() {
             let _ = write!(name, ", `{}`", self.alias);
         }
-        let course = if self.is_course_syntax { " **Course**" } else { "" };
+        let course = if self.is_mit_6837_syntax { " **Course**" } else { "" };
         let (value, default) = (self.describe_value(), self.describe_default());
         let _ = writeln!(out, "| {blocks} | {name} | {value} | {default} | {}{course} |", self.help);
     }
@@ -335,7 +335,7 @@ impl BlockSchema {
 
     /// Marks the block as part of the scene format of MIT course 6.837.
     pub const fn mark_as_course_syntax(mut self) -> Self {
-        self.is_course_syntax = true;
+        self.is_mit_6837_syntax = true;
         self
     }
 
@@ -390,7 +390,7 @@ pub(in crate::format) fn reference_markdown(blocks: &[&'static BlockSchema]) -> 
     let mut out = String::new();
     for block in blocks {
         let aliases: String = block.aliases.iter().map(|alias| format!(", `{alias}`")).collect();
-        let course = if block.is_course_syntax { " **Course**" } else { "" };
+        let course = if block.is_mit_6837_syntax { " **Course**" } else { "" };
         let _ = writeln!(out, "- `{}`{aliases}: {}.{course}", block.keyword, block.help);
     }
     out += "\n| block | field | value | default | meaning |\n| --- | --- | --- | --- | --- |\n";

@@ -1,7 +1,7 @@
 //! Complex refractive index of a `Conductor`: description, reading, writing and conversion.
 
 use super::refraction::{MAX_REFRACTIVE_INDEX, MIN_REFRACTIVE_INDEX};
-use crate::bsdf::{METALS, metal_refractive_index};
+use crate::bsdf::{METAL_NAMES, metal_refractive_index};
 use crate::color::Rgb;
 use crate::format::error::SceneError;
 use crate::format::language::fields::BlockFields;
@@ -70,7 +70,7 @@ pub(super) fn complex_refractive_index(
         MetalDescription::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
         MetalDescription::Named(name) => metal_refractive_index(name).ok_or_else(|| {
             let message = format!("no metal is called `{}`", name.value);
-            let help = format!("known are {}; of others, give `eta` and `k`", METALS.join(", "));
+            let help = format!("known are {}; of others, give `eta` and `k`", METAL_NAMES.join(", "));
             SceneError::error_at_span(r.source, name.span, message, "unknown name", help)
         }),
     }

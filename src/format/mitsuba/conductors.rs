@@ -3,8 +3,8 @@
 use super::color::{ColorMeaning, ColorValue};
 use super::context::ImportContext;
 use super::files::ReadResult;
-use super::textures::TextureValues;
-use super::tree::SceneObject;
+use super::textures::MitsubaTextureValues;
+use super::tree::MitsubaObject;
 use crate::bsdf::metal_refractive_index;
 use crate::color::conductor_rgb;
 use crate::format::description::{
@@ -37,8 +37,8 @@ const METAL_NAMES: [(&str, &str); 14] = [
 /// Converts a conductor. `tint` multiplies its reflectance.
 pub(super) fn conductor(
     context: &ImportContext<'_>,
-    bsdf: &SceneObject,
-    tint: TextureValues,
+    bsdf: &MitsubaObject,
+    tint: MitsubaTextureValues,
     roughness: TexturedValue<f64>,
 ) -> ReadResult<MaterialKindDescription> {
     let eta = context.color_value(bsdf, "eta")?;
@@ -86,7 +86,7 @@ pub(super) fn conductor(
 ///
 /// `eta` and `k` are RGB values or spectra; `None` stands for 0.
 fn metal_from_index(
-    bsdf: &SceneObject,
+    bsdf: &MitsubaObject,
     eta: Option<ColorValue>,
     k: Option<ColorValue>,
 ) -> ReadResult<MetalDescription> {

@@ -21,7 +21,7 @@ fn examples_of_the_reference_parse_and_print_back() {
         let d = parse("scene-language.md", text).unwrap();
         assert_eq!(parse("again", &d.to_string()).unwrap(), d);
     }
-    assert!(page.contains(&crate::bsdf::METALS.join(", ")), "the page lists other metals");
+    assert!(page.contains(&crate::bsdf::METAL_NAMES.join(", ")), "the page lists other metals");
     let glasses = crate::color::GLASSES.map(|g| g.0).join(", ");
     assert!(page.contains(&glasses), "the page lists other glasses than {glasses}");
 }

@@ -1,7 +1,7 @@
 //! Tests of resolved materials.
 
 use super::{CAMERA, is_nearly_equal, resolve_error, resolve_scene_text};
-use crate::bsdf::{METALS, conductor_reflectance, metal_refractive_index};
+use crate::bsdf::{METAL_NAMES, conductor_reflectance, metal_refractive_index};
 use crate::color::{DispersionFormula, GLASSES};
 use crate::format::description::{MaterialKindDescription, MixDescription};
 use crate::format::{SourceText, parse, resolve};
@@ -38,7 +38,7 @@ fn materials_are_resolved() {
 
 #[test]
 fn metals_have_the_named_or_given_index() {
-    for name in METALS {
+    for name in METAL_NAMES {
         let (eta, k) = metal_refractive_index(name).unwrap();
         let scene = resolve_materials(&format!("Conductor {{ metal {name} roughness .5 }}"));
         assert_eq!(scene.materials()[0], Material::conductor(eta, k, 0.5), "{name}");
@@ -51,7 +51,7 @@ fn metals_have_the_named_or_given_index() {
     let error = resolve_error(&format!("Materials {{\nConductor {{ metal unobtainium }} }} {BALL}"));
     assert_eq!((error.line(), error.column(), error.text()), (3, 19, "unobtainium"));
     assert!(error.message().contains("no metal is called `unobtainium`"));
-    assert!(METALS.iter().all(|name| error.remedy().contains(name)), "{}", error.remedy());
+    assert!(METAL_NAMES.iter().all(|name| error.remedy().contains(name)), "{}", error.remedy());
 }
 
 #[test]
