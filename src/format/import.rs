@@ -100,3 +100,6 @@ pub enum SceneReadError {
     #[diagnostic(transparent)]
     Language(#[from] SceneError),
 }
+
+/// Result of reading a part of a scene.
+pub(super) type ReadResult<T> = Result<T, SceneReadError>;

@@ -1,5 +1,6 @@
 //! Access to a glTF file and the files that it names, with memory checks and errors.
 
+pub(super) use crate::format::import::ReadResult;
 use crate::format::import::{ImportOptions, SceneReadError};
 use crate::format::mesh::MeshReadMonitor;
 use crate::format::{SceneError, SourceText};
@@ -10,8 +11,6 @@ use std::borrow::Cow;
 use std::fmt::Display;
 use std::io::Read;
 use std::path::Path;
-
-pub(super) type ReadResult<T> = Result<T, SceneReadError>;
 
 const REMEDY: &str = "export the file again, or repair it: a glTF validator lists all its defects";
 

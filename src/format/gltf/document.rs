@@ -33,15 +33,18 @@ const READ_EXTENSIONS: [&str; 7] = [
 /// Extensions that a file may require although the importer ignores them, with a message.
 ///
 /// They only refine materials, animate, or add metadata.
-const IGNORED_EXTENSIONS: [&str; 7] = [
-    "KHR_animation_pointer",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_iridescence",
-    "KHR_materials_sheen",
-    "KHR_xmp_json_ld",
+pub(super) const IGNORED_MATERIAL_EXTENSIONS: [(&str, &str); 6] = [
+    ("KHR_materials_anisotropy", "anisotropy is ignored: highlights are round"),
+    ("KHR_materials_clearcoat", "clear coats are ignored"),
+    ("KHR_materials_diffuse_transmission", "diffuse transmission is ignored"),
+    ("KHR_materials_iridescence", "iridescence is ignored"),
+    ("KHR_materials_sheen", "sheen is ignored"),
+    ("KHR_materials_subsurface", "subsurface scattering is ignored"),
 ];
+
+/// Further extensions that a file may require although the importer ignores them. They animate, or
+/// add metadata.
+const OTHER_IGNORED_EXTENSIONS: [&str; 2] = ["KHR_animation_pointer", "KHR_xmp_json_ld"];
 
 /// Greatest number of defects that one error message describes.
 const NAMED_DEFECTS: usize = 3;
@@ -120,7 +123,9 @@ fn take_required_extensions(context: &FileContext<'_>, root: &mut Value, notes: 
     for (i, extension) in required.iter().enumerate() {
         let name = extension.as_str().unwrap_or("?");
         let is_read = READ_EXTENSIONS.contains(&name) || gltf::json::extensions::ENABLED_EXTENSIONS.contains(&name);
-        if IGNORED_EXTENSIONS.contains(&name) {
+        let is_ignored = OTHER_IGNORED_EXTENSIONS.contains(&name)
+            || IGNORED_MATERIAL_EXTENSIONS.iter().any(|(ignored, _)| *ignored == name);
+        if is_ignored {
             notes.add_unsupported("required extensions are ignored", name);
         } else if !is_read {
             let message = format!("the required extension `{name}` is not read");

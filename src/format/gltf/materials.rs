@@ -1,7 +1,8 @@
 //! Converts materials of a glTF file to materials of the scene language.
 
 use super::context::{FileContext, ReadResult};
-use super::pictures::{Pictures, TextureReference, TextureUse, TextureValues};
+use super::document::IGNORED_MATERIAL_EXTENSIONS;
+use super::pictures::{GltfTextureUse, GltfTextureValues, Pictures, TextureReference};
 use crate::format::description::{
     ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription, EmissionDescription,
     GroupItem, MaterialDescription, MaterialKindDescription, MetalDescription, MirrorDescription, MixDescription,
@@ -12,16 +13,6 @@ use crate::format::import_notes::ImportNotes;
 use glam::{DVec3, DVec4};
 use gltf::material::AlphaMode;
 use std::collections::{HashMap, HashSet};
-
-/// Material extensions that are ignored, each with the message about it.
-const IGNORED_EXTENSIONS: [(&str, &str); 6] = [
-    ("KHR_materials_anisotropy", "anisotropy is ignored: highlights are round"),
-    ("KHR_materials_clearcoat", "clear coats are ignored"),
-    ("KHR_materials_diffuse_transmission", "diffuse transmission is ignored"),
-    ("KHR_materials_iridescence", "iridescence is ignored"),
-    ("KHR_materials_sheen", "sheen is ignored"),
-    ("KHR_materials_subsurface", "subsurface scattering is ignored"),
-];
 
 /// Least GGX α that is converted to a Phong lobe. A smaller α would give a lobe narrower than a
 /// degree.
@@ -48,7 +39,7 @@ const MAX_DISPERSIVE_INDEX: f64 = 3.0;
 
 /// A material of the imported scene, with the properties that objects depend on.
 #[derive(Clone, Debug)]
-pub(super) struct ImportedMaterial {
+pub(super) struct GltfImportedMaterial {
     /// Name of the material in the imported scene.
     pub name: String,
     /// Index of the texture coordinates that its textures use (`TEXCOORD_0`, …); `None` without
@@ -61,14 +52,14 @@ pub(super) struct ImportedMaterial {
 }
 
 /// Materials of the imported scene so far, with their textures.
-pub(super) struct Materials<'a> {
+pub(super) struct GltfMaterials<'a> {
     /// Textures of the materials, and embedded pictures.
     pub pictures: Pictures<'a>,
     /// Materials of the imported scene. The materials of a mix are listed before it.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
     names: HashSet<String>,
     clear: Option<String>,
-    used: HashMap<(Option<usize>, [u64; 4]), ImportedMaterial>,
+    used: HashMap<(Option<usize>, [u64; 4]), GltfImportedMaterial>,
 }
 
 /// Parameters of the metallic-roughness model that its metal part and its dielectric part share.
@@ -83,8 +74,8 @@ struct MetallicRoughnessSurface<'a> {
 }
 
 /// Converter of one material, with the state of the conversion.
-struct MaterialConverter<'m, 'a> {
-    materials: &'m mut Materials<'a>,
+struct GltfMaterialConverter<'m, 'a> {
+    materials: &'m mut GltfMaterials<'a>,
     notes: &'m mut ImportNotes,
     context: &'m FileContext<'a>,
     /// Name of the material in the imported scene. Messages give it as their place.
@@ -95,7 +86,7 @@ struct MaterialConverter<'m, 'a> {
     normal: Option<NormalPerturbationDescription>,
 }
 
-impl<'a> Materials<'a> {
+impl<'a> GltfMaterials<'a> {
     /// Returns an empty table of materials, whose textures are collected in `pictures`.
     pub fn new(pictures: Pictures<'a>) -> Self {
         let (names, used) = (HashSet::new(), HashMap::new());
@@ -112,7 +103,7 @@ impl<'a> Materials<'a> {
         material: &gltf::Material<'_>,
         vertex_color: Option<DVec4>,
         notes: &mut ImportNotes,
-    ) -> ReadResult<ImportedMaterial> {
+    ) -> ReadResult<GltfImportedMaterial> {
         let vertex_color = vertex_color.unwrap_or(DVec4::ONE);
         let key = (material.index(), vertex_color.to_array().map(f64::to_bits));
         if let Some(known) = self.used.get(&key) {
@@ -121,7 +112,7 @@ impl<'a> Materials<'a> {
         let number = material.index().map_or_else(|| "default".to_owned(), |i| format!("material {i}"));
         let name = self.unique_name(material.name().unwrap_or(&number));
         let mut converter =
-            MaterialConverter { materials: self, notes, context, name, texcoord_set: None, normal: None };
+            GltfMaterialConverter { materials: self, notes, context, name, texcoord_set: None, normal: None };
         let imported = converter.convert_material(material, vertex_color)?;
         self.used.insert(key, imported.clone());
         Ok(imported)
@@ -186,9 +177,13 @@ impl<'a> Materials<'a> {
     }
 }
 
-impl MaterialConverter<'_, '_> {
-    fn convert_material(&mut self, material: &gltf::Material<'_>, vertex_color: DVec4) -> ReadResult<ImportedMaterial> {
-        for (extension, message) in IGNORED_EXTENSIONS {
+impl GltfMaterialConverter<'_, '_> {
+    fn convert_material(
+        &mut self,
+        material: &gltf::Material<'_>,
+        vertex_color: DVec4,
+    ) -> ReadResult<GltfImportedMaterial> {
+        for (extension, message) in IGNORED_MATERIAL_EXTENSIONS {
             if material.extension_value(extension).is_some() {
                 self.add_note(message);
             }
@@ -221,7 +216,7 @@ impl MaterialConverter<'_, '_> {
         let normal = if kind.mix_material_names().is_none() { self.normal.take() } else { None };
         self.materials.push_material(self.name.clone(), kind, emission, normal);
         let is_invisible = alpha == TexturedValue::Plain(0.0);
-        Ok(ImportedMaterial { name: self.name.clone(), texcoord_set: self.texcoord_set, is_invisible, emits })
+        Ok(GltfImportedMaterial { name: self.name.clone(), texcoord_set: self.texcoord_set, is_invisible, emits })
     }
 
     /// Converts the reflection and transmission of a material. Its alpha is not included.
@@ -248,9 +243,9 @@ impl MaterialConverter<'_, '_> {
                 let roughness = clamped_to_unit(pbr.roughness_factor());
                 let metallic = self.textured_scalar_and_mean(
                     texture.as_ref(),
-                    TextureUse::Channel(2, clamped_to_unit(pbr.metallic_factor())),
+                    GltfTextureUse::Channel(2, clamped_to_unit(pbr.metallic_factor())),
                 )?;
-                let alpha = self.textured_scalar_and_mean(texture.as_ref(), TextureUse::Roughness(roughness))?;
+                let alpha = self.textured_scalar_and_mean(texture.as_ref(), GltfTextureUse::Roughness(roughness))?;
                 (metallic.0, alpha)
             }
         };
@@ -286,7 +281,7 @@ impl MaterialConverter<'_, '_> {
         let Some(transmission) = material.transmission() else { return self.opaque_dielectric_description(surface) };
         let factor = clamped_to_unit(transmission.transmission_factor());
         let texture = self.texture_reference(transmission.transmission_texture().as_ref());
-        let (amount, _) = self.textured_scalar_and_mean(texture.as_ref(), TextureUse::Channel(0, factor))?;
+        let (amount, _) = self.textured_scalar_and_mean(texture.as_ref(), GltfTextureUse::Channel(0, factor))?;
         if amount == TexturedValue::Plain(0.0) {
             return self.opaque_dielectric_description(surface);
         }
@@ -447,8 +442,8 @@ impl MaterialConverter<'_, '_> {
     ) -> ReadResult<TexturedValue<f64>> {
         let wanted = match material.alpha_mode() {
             AlphaMode::Opaque => return Ok(TexturedValue::Plain(1.0)),
-            AlphaMode::Blend => TextureUse::Channel(3, factor),
-            AlphaMode::Mask => TextureUse::AlphaMask(factor, f64::from(material.alpha_cutoff().unwrap_or(0.5))),
+            AlphaMode::Blend => GltfTextureUse::Channel(3, factor),
+            AlphaMode::Mask => GltfTextureUse::AlphaMask(factor, f64::from(material.alpha_cutoff().unwrap_or(0.5))),
         };
         Ok(self.textured_scalar_and_mean(texture, wanted)?.0)
     }
@@ -507,11 +502,11 @@ impl MaterialConverter<'_, '_> {
         let reference =
             Some(TextureReference::from_normal_texture(&normal)).filter(TextureReference::has_valid_transform);
         let scale = f64::from(normal.scale());
-        let values =
-            self.texture_values(reference.as_ref(), TextureUse::Normal(if scale.is_finite() { scale } else { 1.0 }))?;
+        let values = self
+            .texture_values(reference.as_ref(), GltfTextureUse::Normal(if scale.is_finite() { scale } else { 1.0 }))?;
         Ok(match values {
-            Some(TextureValues::Texture(name, _)) => Some(NormalPerturbationDescription::NormalMap(name)),
-            Some(TextureValues::Constant(_)) | None => None,
+            Some(GltfTextureValues::Texture(name, _)) => Some(NormalPerturbationDescription::NormalMap(name)),
+            Some(GltfTextureValues::Constant(_)) | None => None,
         })
     }
 
@@ -533,9 +528,9 @@ impl MaterialConverter<'_, '_> {
         texture: Option<&TextureReference<'_>>,
         factor: DVec3,
     ) -> ReadResult<TexturedValue<DVec3>> {
-        Ok(match self.texture_values(texture, TextureUse::Color(factor))? {
-            Some(TextureValues::Constant(color)) => TexturedValue::Plain(color),
-            Some(TextureValues::Texture(name, _)) => TexturedValue::Texture(name),
+        Ok(match self.texture_values(texture, GltfTextureUse::Color(factor))? {
+            Some(GltfTextureValues::Constant(color)) => TexturedValue::Plain(color),
+            Some(GltfTextureValues::Texture(name, _)) => TexturedValue::Texture(name),
             None => TexturedValue::Plain(factor),
         })
     }
@@ -546,17 +541,17 @@ impl MaterialConverter<'_, '_> {
     fn textured_scalar_and_mean(
         &mut self,
         texture: Option<&TextureReference<'_>>,
-        wanted: TextureUse,
+        wanted: GltfTextureUse,
     ) -> ReadResult<(TexturedValue<f64>, f64)> {
         let alone = match wanted {
-            TextureUse::Channel(_, factor) => factor,
-            TextureUse::Roughness(factor) => factor * factor,
-            TextureUse::AlphaMask(factor, cutoff) => f64::from(factor >= cutoff),
-            TextureUse::Color(_) | TextureUse::Normal(_) => 1.0,
+            GltfTextureUse::Channel(_, factor) => factor,
+            GltfTextureUse::Roughness(factor) => factor * factor,
+            GltfTextureUse::AlphaMask(factor, cutoff) => f64::from(factor >= cutoff),
+            GltfTextureUse::Color(_) | GltfTextureUse::Normal(_) => 1.0,
         };
         Ok(match self.texture_values(texture, wanted)? {
-            Some(TextureValues::Constant(value)) => (TexturedValue::Plain(value.x), value.x),
-            Some(TextureValues::Texture(name, mean)) => (TexturedValue::Texture(name), mean.x),
+            Some(GltfTextureValues::Constant(value)) => (TexturedValue::Plain(value.x), value.x),
+            Some(GltfTextureValues::Texture(name, mean)) => (TexturedValue::Texture(name), mean.x),
             None => (TexturedValue::Plain(alone), alone),
         })
     }
@@ -569,15 +564,15 @@ impl MaterialConverter<'_, '_> {
     fn texture_values(
         &mut self,
         texture: Option<&TextureReference<'_>>,
-        wanted: TextureUse,
-    ) -> ReadResult<Option<TextureValues>> {
+        wanted: GltfTextureUse,
+    ) -> ReadResult<Option<GltfTextureValues>> {
         let Some(texture) = texture else { return Ok(None) };
         let values = self.materials.pictures.texture_values(texture, wanted, self.notes)?;
-        if let Some(TextureValues::Texture(..)) = &values {
+        if let Some(GltfTextureValues::Texture(..)) = &values {
             let texcoord_set = *self.texcoord_set.get_or_insert(texture.texcoord_set);
             if texcoord_set != texture.texcoord_set {
                 self.add_note("textures with other texture coordinates than the first one become their mean");
-                return Ok(values.map(|values| TextureValues::Constant(values.mean())));
+                return Ok(values.map(|values| GltfTextureValues::Constant(values.mean())));
             }
         }
         Ok(values)

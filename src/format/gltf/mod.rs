@@ -20,7 +20,7 @@ use accessors::Buffers;
 use context::FileContext;
 use document::{GltfFile, parse_document};
 use glam::DVec3;
-use materials::Materials;
+use materials::GltfMaterials;
 use pictures::Pictures;
 use scene::read_scene;
 use std::path::Path;
@@ -63,7 +63,7 @@ fn import_bytes(context: &FileContext<'_>, bytes: &[u8]) -> Result<ImportedScene
     let mut notes = ImportNotes::default();
     let GltfFile { document, blob } = parse_document(context, bytes, &mut notes)?;
     let buffers = Buffers::new(context, document.buffers().len(), blob);
-    let mut materials = Materials::new(Pictures::new(context, &buffers));
+    let mut materials = GltfMaterials::new(Pictures::new(context, &buffers));
     let content = read_scene(context, &buffers, &document, &mut materials, &mut notes)?;
     let mut lights = content.lights;
     if lights.is_empty() && !content.has_emitters {
@@ -76,7 +76,7 @@ fn import_bytes(context: &FileContext<'_>, bytes: &[u8]) -> Result<ImportedScene
         framing_camera(content.bounds)
     });
     materials.remove_unused(&content.root);
-    let Materials { pictures: Pictures { textures, pictures, .. }, descriptions, .. } = materials;
+    let GltfMaterials { pictures: Pictures { textures, pictures, .. }, descriptions, .. } = materials;
     let description = SceneDescription {
         camera: Spanned::new(camera, Span::default()),
         background: DVec3::ZERO,

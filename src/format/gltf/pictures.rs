@@ -29,7 +29,7 @@ pub(super) struct TextureReference<'a> {
 
 /// Quantity that a texture stands for. It selects the conversion of pixel values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum TextureUse {
+pub(super) enum GltfTextureUse {
     /// Colors, decoded from sRGB and multiplied by the given factor.
     Color(DVec3),
     /// One linear channel, from 0 for red to 3 for alpha, multiplied by the given factor.
@@ -45,14 +45,14 @@ pub(super) enum TextureUse {
 
 /// Values of a texture for one use: a constant, or a texture of the imported scene.
 #[derive(Clone, Debug)]
-pub(super) enum TextureValues {
+pub(super) enum GltfTextureValues {
     /// Common value of all pixels.
     Constant(DVec3),
     /// Name of a texture in the imported scene, and the mean of its values.
     Texture(Spanned<String>, DVec3),
 }
 
-impl TextureValues {
+impl GltfTextureValues {
     /// Returns the mean of all pixels.
     pub fn mean(&self) -> DVec3 {
         match self {
@@ -68,7 +68,7 @@ pub(super) struct Pictures<'a> {
     /// Decoded pictures by image index; `None` for an image in an unsupported format.
     decoded: HashMap<usize, Option<Rc<RgbaLevels>>>,
     /// Converted images, as paths of embedded pictures or as constants, by image index and use.
-    embedded: HashMap<(usize, String), TextureValues>,
+    embedded: HashMap<(usize, String), GltfTextureValues>,
     /// Names of the imported scene's textures. A key combines picture, wrap mode and transform.
     names: HashMap<String, Spanned<String>>,
     /// Textures of the imported scene.
@@ -95,9 +95,9 @@ impl<'a> Pictures<'a> {
     pub fn texture_values(
         &mut self,
         reference: &TextureReference<'_>,
-        wanted: TextureUse,
+        wanted: GltfTextureUse,
         notes: &mut ImportNotes,
-    ) -> ReadResult<Option<TextureValues>> {
+    ) -> ReadResult<Option<GltfTextureValues>> {
         let Some(image) = reference.texture.source() else {
             let place = format!("textures[{}]", reference.texture.index());
             notes.add_unsupported("textures in other formats than PNG and JPEG are left out", place);
@@ -114,9 +114,9 @@ impl<'a> Pictures<'a> {
             }
         };
         Ok(Some(match values {
-            TextureValues::Constant(_) => values,
-            TextureValues::Texture(path, mean) => {
-                TextureValues::Texture(self.texture_name(reference, path, notes), mean)
+            GltfTextureValues::Constant(_) => values,
+            GltfTextureValues::Texture(path, mean) => {
+                GltfTextureValues::Texture(self.texture_name(reference, path, notes), mean)
             }
         }))
     }
@@ -200,25 +200,25 @@ impl<'a> Pictures<'a> {
     ///
     /// Returns the path of the picture in place of a texture's name. Equal pixels give a constant,
     /// and no picture.
-    fn embed_picture(&mut self, levels: &RgbaLevels, wanted: TextureUse) -> ReadResult<TextureValues> {
+    fn embed_picture(&mut self, levels: &RgbaLevels, wanted: GltfTextureUse) -> ReadResult<GltfTextureValues> {
         self.context.check_memory(12 * levels.pixels.len() as u64)?;
         let greatest = f64::from(levels.greatest);
-        let srgb = if matches!(wanted, TextureUse::Color(_)) { levels.srgb_table() } else { Vec::new() };
+        let srgb = if matches!(wanted, GltfTextureUse::Color(_)) { levels.srgb_table() } else { Vec::new() };
         let gray = |value: f64| Vec3::splat(value as f32);
         let value = |pixel: &[u16; 4]| {
             let channel = |k: usize| f64::from(pixel[k]) / greatest;
             match wanted {
-                TextureUse::Color(factor) => {
+                GltfTextureUse::Color(factor) => {
                     let [r, g, b] = [0, 1, 2].map(|k| srgb[usize::from(pixel[k])]);
                     Vec3::new(r, g, b) * factor.as_vec3()
                 }
-                TextureUse::Channel(k, factor) => gray(channel(k) * factor),
-                TextureUse::Roughness(factor) => {
+                GltfTextureUse::Channel(k, factor) => gray(channel(k) * factor),
+                GltfTextureUse::Roughness(factor) => {
                     let roughness = channel(1) * factor;
                     gray(roughness * roughness)
                 }
-                TextureUse::AlphaMask(factor, cutoff) => gray(f64::from(channel(3) * factor >= cutoff)),
-                TextureUse::Normal(scale) => {
+                GltfTextureUse::AlphaMask(factor, cutoff) => gray(f64::from(channel(3) * factor >= cutoff)),
+                GltfTextureUse::Normal(scale) => {
                     let [x, y, z] = [0, 1, 2].map(channel);
                     if scale == 1.0 {
                         return Vec3::new(x as f32, y as f32, z as f32);
@@ -230,14 +230,14 @@ impl<'a> Pictures<'a> {
         };
         let pixels: Vec<Rgb> = levels.pixels.iter().map(value).collect();
         if pixels.iter().all(|pixel| *pixel == pixels[0]) {
-            return Ok(TextureValues::Constant(pixels[0].as_dvec3()));
+            return Ok(GltfTextureValues::Constant(pixels[0].as_dvec3()));
         }
         let mean = pixels.iter().map(|pixel| pixel.as_dvec3()).sum::<DVec3>() / pixels.len() as f64;
         let path = format!("picture{}", self.pictures.len());
         let image =
             Image::from_pixels(levels.width, levels.height, pixels).map_err(|e| self.context.error("images", e))?;
         self.pictures.insert(path.clone(), Arc::new(image));
-        Ok(TextureValues::Texture(Spanned::new(path, Span::default()), mean))
+        Ok(GltfTextureValues::Texture(Spanned::new(path, Span::default()), mean))
     }
 }
 

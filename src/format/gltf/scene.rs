@@ -3,7 +3,7 @@
 use super::accessors::Buffers;
 use super::context::{FileContext, ReadResult};
 use super::geometry::{mean_vertex_color, read_primitive};
-use super::materials::Materials;
+use super::materials::GltfMaterials;
 use crate::format::description::{
     CameraDescription, DirectionOrTarget, DirectionalLightDescription, DirectionalLightStrength, GroupItem,
     LightDescription, MeshDescription, MeshOptions, ObjectDescription, ObjectGroup, PointLightDescription,
@@ -28,7 +28,7 @@ const LUMENS_PER_WATT: f64 = 683.0;
 const MEMORY_PER_INSTANCE: u64 = 1_500;
 
 /// Objects, lights and camera that the nodes of a scene contain.
-pub(super) struct SceneContent {
+pub(super) struct GltfSceneContent {
     /// Objects of the imported scene with their materials, in the order of the nodes.
     pub root: ObjectGroup,
     /// Embedded meshes of the objects, by path.
@@ -59,12 +59,12 @@ struct NodeWalker<'w, 'a> {
     context: &'a FileContext<'a>,
     buffers: &'a Buffers<'a>,
     document: &'w gltf::Document,
-    materials: &'w mut Materials<'a>,
+    materials: &'w mut GltfMaterials<'a>,
     notes: &'w mut ImportNotes,
     /// Primitives that were converted, by mesh and index in the mesh; `None` for one that is not
     /// visible.
     primitives: HashMap<(usize, usize), Option<ImportedPrimitive>>,
-    content: SceneContent,
+    content: GltfSceneContent,
 }
 
 /// Converts the nodes of one scene of the file: the default scene, or else the first scene.
@@ -74,10 +74,10 @@ pub(super) fn read_scene<'a>(
     context: &'a FileContext<'a>,
     buffers: &'a Buffers<'a>,
     document: &gltf::Document,
-    materials: &mut Materials<'a>,
+    materials: &mut GltfMaterials<'a>,
     notes: &mut ImportNotes,
-) -> ReadResult<SceneContent> {
-    let content = SceneContent {
+) -> ReadResult<GltfSceneContent> {
+    let content = GltfSceneContent {
         root: ObjectGroup::default(),
         meshes: BTreeMap::new(),
         lights: Vec::new(),

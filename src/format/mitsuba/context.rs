@@ -2,8 +2,8 @@
 
 use super::color::{ColorMeaning, ColorValue};
 use super::document::unknown_reference;
-use super::files::{ReadResult, SceneFiles};
-use super::tree::{ChildObject, ObjectClass, ObjectTree, SceneObject, Value};
+use super::files::{MitsubaSceneFiles, ReadResult};
+use super::tree::{ChildObject, MitsubaObject, ObjectClass, ObjectTree, Value};
 use crate::format::import_notes::ImportNotes;
 use glam::DVec3;
 use std::cell::RefCell;
@@ -42,7 +42,7 @@ const SILENT_VALUES: [&str; 24] = [
 /// Objects, files and messages of a Mitsuba scene during its import.
 pub(super) struct ImportContext<'a> {
     /// Access to the files that the scene refers to.
-    pub files: &'a SceneFiles<'a>,
+    pub files: &'a MitsubaSceneFiles<'a>,
     /// All objects of the scene file.
     pub tree: &'a ObjectTree,
     /// Messages about content that is ignored, approximated or added.
@@ -51,7 +51,7 @@ pub(super) struct ImportContext<'a> {
 
 impl ImportContext<'_> {
     /// Adds a message that a part of `object` is ignored or approximated.
-    pub fn add_note(&self, message: &str, object: &SceneObject) {
+    pub fn add_note(&self, message: &str, object: &MitsubaObject) {
         let place = object.place.position_text(&self.files.path.display().to_string());
         let place = match &object.id {
             Some(id) => format!("`{id}`, {place}"),
@@ -63,7 +63,7 @@ impl ImportContext<'_> {
     /// Adds a message that the whole `object` is ignored or approximated.
     ///
     /// Marks all its values as read, so that they cause no further messages.
-    pub fn add_note_on_object(&self, message: &str, object: &SceneObject) {
+    pub fn add_note_on_object(&self, message: &str, object: &MitsubaObject) {
         object.mark_as_read();
         self.add_note(message, object);
     }
@@ -74,7 +74,7 @@ impl ImportContext<'_> {
     ///
     /// # Errors
     /// If a reference has an unknown identifier.
-    pub fn children(&self, object: &SceneObject, class: ObjectClass) -> ReadResult<Vec<(String, Rc<SceneObject>)>> {
+    pub fn children(&self, object: &MitsubaObject, class: ObjectClass) -> ReadResult<Vec<(String, Rc<MitsubaObject>)>> {
         let mut found = Vec::new();
         for (name, child) in &object.children {
             let child = match child {
@@ -94,7 +94,12 @@ impl ImportContext<'_> {
     /// without a name.
     ///
     /// `None` if there is neither.
-    pub fn child(&self, object: &SceneObject, class: ObjectClass, name: &str) -> ReadResult<Option<Rc<SceneObject>>> {
+    pub fn child(
+        &self,
+        object: &MitsubaObject,
+        class: ObjectClass,
+        name: &str,
+    ) -> ReadResult<Option<Rc<MitsubaObject>>> {
         let children = self.children(object, class)?;
         let named = children.iter().find(|(own, _)| own == name).or_else(|| children.iter().find(|c| c.0.is_empty()));
         Ok(named.map(|(_, child)| Rc::clone(child)))
@@ -103,10 +108,10 @@ impl ImportContext<'_> {
     /// Returns the nested object of class `class` that is called `name`; `None` if there is none.
     pub fn named_child(
         &self,
-        object: &SceneObject,
+        object: &MitsubaObject,
         class: ObjectClass,
         name: &str,
-    ) -> ReadResult<Option<Rc<SceneObject>>> {
+    ) -> ReadResult<Option<Rc<MitsubaObject>>> {
         Ok(self.children(object, class)?.into_iter().find(|(own, _)| own == name).map(|(_, child)| child))
     }
 
@@ -114,7 +119,7 @@ impl ImportContext<'_> {
     ///
     /// # Errors
     /// If the value is not a color, or if a nested reference or spectrum is not valid.
-    pub fn color_value(&self, object: &SceneObject, name: &str) -> ReadResult<Option<ColorValue>> {
+    pub fn color_value(&self, object: &MitsubaObject, name: &str) -> ReadResult<Option<ColorValue>> {
         match object.value(name) {
             Some(Value::Color(color)) => return Ok(Some(color.clone())),
             Some(Value::Number(number)) => return Ok(Some(ColorValue::Uniform(*number))),
@@ -130,30 +135,30 @@ impl ImportContext<'_> {
     }
 
     /// Returns the spectrum that a nested object describes; `None` if the object is a texture.
-    pub fn spectrum_object(&self, texture: &SceneObject) -> ReadResult<Option<ColorValue>> {
-        let scale = || texture.number("scale").or_else(|| texture.number("value")).unwrap_or(1.0);
-        Ok(match texture.plugin.as_str() {
-            "d65" => match self.color_value(texture, "color")? {
+    pub fn spectrum_object(&self, object: &MitsubaObject) -> ReadResult<Option<ColorValue>> {
+        let scale = || object.number("scale").or_else(|| object.number("value")).unwrap_or(1.0);
+        Ok(match object.plugin.as_str() {
+            "d65" => match self.color_value(object, "color")? {
                 Some(color) => Some(ColorValue::Rgb(color.to_rgb(ColorMeaning::Reflectance) * scale())),
                 None => Some(ColorValue::Daylight(scale())),
             },
             "blackbody" => {
-                let kelvin = texture.number("temperature").filter(|kelvin| *kelvin > 0.0 && *kelvin < 1e9);
+                let kelvin = object.number("temperature").filter(|kelvin| *kelvin > 0.0 && *kelvin < 1e9);
                 let missing = || {
-                    texture.place.error("this blackbody has no temperature above 0", "give a `temperature` in kelvin")
+                    object.place.error("this blackbody has no temperature above 0", "give a `temperature` in kelvin")
                 };
-                Some(ColorValue::Blackbody(kelvin.ok_or_else(missing)?, texture.number("scale").unwrap_or(1.0)))
+                Some(ColorValue::Blackbody(kelvin.ok_or_else(missing)?, object.number("scale").unwrap_or(1.0)))
             }
-            "uniform" => Some(ColorValue::Uniform(texture.number("value").unwrap_or(1.0))),
-            "srgb" | "rgb" => self.color_value(texture, "color")?,
-            "regular" | "irregular" => Some(self.sampled_spectrum(texture)?),
+            "uniform" => Some(ColorValue::Uniform(object.number("value").unwrap_or(1.0))),
+            "srgb" | "rgb" => self.color_value(object, "color")?,
+            "regular" | "irregular" => Some(self.sampled_spectrum(object)?),
             _ => None,
         })
     }
 
     /// Returns the spectrum of a `regular` or `irregular` plugin, whose samples are lists of
     /// numbers.
-    fn sampled_spectrum(&self, texture: &SceneObject) -> ReadResult<ColorValue> {
+    fn sampled_spectrum(&self, texture: &MitsubaObject) -> ReadResult<ColorValue> {
         let numbers = |name: &str| texture.text(name).and_then(super::color::parse_numbers);
         let values = numbers("values").unwrap_or_default();
         let wavelengths = numbers("wavelengths").or_else(|| {
@@ -178,7 +183,7 @@ impl ImportContext<'_> {
     /// Returns the color `name` of an object as linear RGB; gray `default` if the object has none.
     ///
     /// Fails if a component is negative or above 10³⁰.
-    pub fn color(&self, object: &SceneObject, name: &str, meaning: ColorMeaning, default: f64) -> ReadResult<DVec3> {
+    pub fn color(&self, object: &MitsubaObject, name: &str, meaning: ColorMeaning, default: f64) -> ReadResult<DVec3> {
         let color = self.color_value(object, name)?.map_or(DVec3::splat(default), |color| color.to_rgb(meaning));
         if color.min_element() >= 0.0 && color.max_element() <= 1e30 {
             return Ok(color);

@@ -2,7 +2,7 @@
 
 use super::context::ImportContext;
 use super::files::ReadResult;
-use super::tree::{SceneObject, Value};
+use super::tree::{MitsubaObject, Value};
 
 /// Refractive indices by name, in alphabetical order: common values at 589 nm.
 const INDICES: [(&str, f64); 23] = [
@@ -39,13 +39,13 @@ const MAX_GAS_INDEX: f64 = 1.001;
 /// Exception: the outer index is above that of gases and equals the inner index of another
 /// dielectric. The other dielectric may then surround this one. In this case, returns the inner
 /// index alone, because nested bodies in Caustica have absolute indices.
-pub(super) fn refractive_index(context: &ImportContext<'_>, bsdf: &SceneObject) -> ReadResult<f64> {
+pub(super) fn refractive_index(context: &ImportContext<'_>, bsdf: &MitsubaObject) -> ReadResult<f64> {
     let inner = index_parameter(bsdf, "int_ior", if bsdf.plugin.contains("plastic") { 1.49 } else { 1.5046 })?;
     let outer = index_parameter(bsdf, "ext_ior", 1.000_277)?;
     if outer <= MAX_GAS_INDEX {
         return Ok(inner / outer);
     }
-    let surrounds = |object: &SceneObject| {
+    let surrounds = |object: &MitsubaObject| {
         object.plugin.contains("dielectric")
             && index_parameter(object, "int_ior", 1.5046).is_ok_and(|index| (index - outer).abs() < 1e-3)
     };
@@ -59,7 +59,7 @@ pub(super) fn is_index_matched(index: f64) -> bool {
     (index - 1.0).abs() < 1e-9
 }
 
-fn index_parameter(bsdf: &SceneObject, name: &str, default: f64) -> ReadResult<f64> {
+fn index_parameter(bsdf: &MitsubaObject, name: &str, default: f64) -> ReadResult<f64> {
     let index = match bsdf.value(name) {
         None => default,
         Some(Value::Text(text)) => {

@@ -1,10 +1,10 @@
 //! Reads the XML of a Mitsuba scene file as a tree of objects, with its includes and parameters.
 
 use super::color::{ColorValue, parse_numbers};
-use super::files::{Place, ReadResult, SceneFiles};
+use super::files::{MitsubaPlace, MitsubaSceneFiles, ReadResult};
 use super::names::snake_case;
 use super::transforms::{parse_transform, parse_vector};
-use super::tree::{ChildObject, ObjectClass, ObjectTree, SceneObject, Value};
+use super::tree::{ChildObject, MitsubaObject, ObjectClass, ObjectTree, Value};
 use crate::format::SourceText;
 use crate::format::description::Span;
 use crate::format::import::SceneReadError;
@@ -38,7 +38,7 @@ const MEMORY_PER_ELEMENT: u64 = 600;
 const MEMORY_PER_BYTE: u64 = 24;
 
 /// Returns the tree of objects of the scene file, whose content is `bytes`.
-pub(super) fn read_tree(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ObjectTree> {
+pub(super) fn read_tree(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ObjectTree> {
     let mut reader = TreeReader {
         files,
         parameters: HashMap::new(),
@@ -56,25 +56,25 @@ pub(super) fn read_tree(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<Ob
         reader.by_id.insert(alias, object);
     }
     let place =
-        Place { source: SourceText::new(&files.path.display().to_string(), ""), span: Span::default(), line: 1 };
+        MitsubaPlace { source: SourceText::new(&files.path.display().to_string(), ""), span: Span::default(), line: 1 };
     let root = root.into_object(ObjectClass::Scene, "scene", None, place);
     Ok(ObjectTree { root: Rc::new(root), by_id: reader.by_id })
 }
 
 /// Returns an error: the element at `place` refers to `id`, but no object has this identifier.
-pub(super) fn unknown_reference(place: &Place, id: &str) -> SceneReadError {
+pub(super) fn unknown_reference(place: &MitsubaPlace, id: &str) -> SceneReadError {
     place.error(format!("no object has the id `{id}`"), "correct the id, or define the object")
 }
 
 /// State of the reader of a scene file and the files that it includes.
 struct TreeReader<'r, 'a> {
-    files: &'r SceneFiles<'a>,
+    files: &'r MitsubaSceneFiles<'a>,
     /// Values of parameters, which attributes refer to as `$name`. The first definition counts.
     parameters: HashMap<String, String>,
-    by_id: HashMap<String, Rc<SceneObject>>,
+    by_id: HashMap<String, Rc<MitsubaObject>>,
     /// Further identifiers of objects: the new identifier, the original one, and the element's
     /// position.
-    aliases: Vec<(String, String, Place)>,
+    aliases: Vec<(String, String, MitsubaPlace)>,
     /// Files that are being read, from the scene file to the innermost include.
     included: Vec<PathBuf>,
     includes: usize,
@@ -90,9 +90,9 @@ struct ObjectContents {
 }
 
 impl ObjectContents {
-    fn into_object(self, class: ObjectClass, plugin: &str, id: Option<String>, place: Place) -> SceneObject {
+    fn into_object(self, class: ObjectClass, plugin: &str, id: Option<String>, place: MitsubaPlace) -> MitsubaObject {
         let Self { values, children } = self;
-        SceneObject { class, plugin: plugin.to_owned(), id, place, values, children, is_used: Cell::new(false) }
+        MitsubaObject { class, plugin: plugin.to_owned(), id, place, values, children, is_used: Cell::new(false) }
     }
 }
 
@@ -108,7 +108,7 @@ impl CurrentFile {
     ///
     /// To save time, counts lines from the element that was read last, which usually stands
     /// earlier.
-    fn element_place(&self, node: &Node<'_, '_>) -> Place {
+    fn element_place(&self, node: &Node<'_, '_>) -> MitsubaPlace {
         let range = node.range();
         let (offset, line) = self.last.get();
         let text = self.source.text().as_bytes();
@@ -120,7 +120,7 @@ impl CurrentFile {
         };
         self.last.set((range.start, line));
         let tag = node.tag_name().name().len() + 1;
-        Place { source: self.source.clone(), span: Span { start: range.start, len: tag }, line }
+        MitsubaPlace { source: self.source.clone(), span: Span { start: range.start, len: tag }, line }
     }
 }
 
@@ -132,11 +132,11 @@ impl TreeReader<'_, '_> {
         &mut self,
         path: &Path,
         bytes: Vec<u8>,
-        includer: Option<&Place>,
+        includer: Option<&MitsubaPlace>,
         contents: &mut ObjectContents,
     ) -> ReadResult<()> {
         let name = path.display().to_string();
-        let whole = |text: &str| Place { source: SourceText::new(&name, text), span: Span::default(), line: 1 };
+        let whole = |text: &str| MitsubaPlace { source: SourceText::new(&name, text), span: Span::default(), line: 1 };
         self.bytes += bytes.len() as u64;
         self.files.check_memory(path, MEMORY_PER_BYTE * bytes.len() as u64)?;
         if self.bytes > MAX_TOTAL_BYTES {
@@ -148,7 +148,7 @@ impl TreeReader<'_, '_> {
         };
         let options = ParsingOptions { nodes_limit: 4 * MAX_ELEMENTS as u32, ..ParsingOptions::default() };
         let document = Document::parse_with_options(&text, options).map_err(|error| {
-            let place = Place { span: span_of_error(&text, &error), ..whole(&text) };
+            let place = MitsubaPlace { span: span_of_error(&text, &error), ..whole(&text) };
             let message = error.to_string();
             place.error(
                 format!("the XML is damaged: {}", message.split(" at ").next().unwrap_or_default()),
@@ -247,7 +247,12 @@ impl TreeReader<'_, '_> {
     }
 
     /// Reads the file that an `include` element names, and adds it to `contents`.
-    fn read_include(&mut self, node: &Node<'_, '_>, place: &Place, contents: &mut ObjectContents) -> ReadResult<()> {
+    fn read_include(
+        &mut self,
+        node: &Node<'_, '_>,
+        place: &MitsubaPlace,
+        contents: &mut ObjectContents,
+    ) -> ReadResult<()> {
         let name = self.with_expanded_parameters(required_attribute(node, "filename", place)?, place)?;
         let path = self.files.find_file(&name, place)?;
         let absolute = path.canonicalize().unwrap_or_else(|_| path.clone());
@@ -267,7 +272,13 @@ impl TreeReader<'_, '_> {
     }
 
     /// Parses an element that holds a value, such as `float` or `transform`, and not an object.
-    fn parse_value(&self, file: &CurrentFile, tag: &str, node: &Node<'_, '_>, place: &Place) -> ReadResult<Value> {
+    fn parse_value(
+        &self,
+        file: &CurrentFile,
+        tag: &str,
+        node: &Node<'_, '_>,
+        place: &MitsubaPlace,
+    ) -> ReadResult<Value> {
         let text = |name: &str| self.with_expanded_parameters(required_attribute(node, name, place)?, place);
         let invalid = |what: &str, text: &str| {
             let excerpt: String = text.chars().take(40).collect();
@@ -334,7 +345,7 @@ impl TreeReader<'_, '_> {
         })
     }
 
-    fn spectrum_file(&self, name: &str, place: &Place) -> ReadResult<ColorValue> {
+    fn spectrum_file(&self, name: &str, place: &MitsubaPlace) -> ReadResult<ColorValue> {
         let path = self.files.find_file(name, place)?;
         let bytes = self.files.read_file(&path)?;
         let spectrum = std::str::from_utf8(&bytes).ok().and_then(ColorValue::parse_spectrum_file);
@@ -345,7 +356,7 @@ impl TreeReader<'_, '_> {
     }
 
     /// Returns the attributes of an element, with parameters replaced by their values.
-    fn expanded_attributes(&self, node: &Node<'_, '_>, place: &Place) -> ReadResult<HashMap<String, String>> {
+    fn expanded_attributes(&self, node: &Node<'_, '_>, place: &MitsubaPlace) -> ReadResult<HashMap<String, String>> {
         let expanded = |text: &str| self.with_expanded_parameters(text, place);
         node.attributes().map(|a| Ok((a.name().to_ascii_lowercase(), expanded(a.value())?))).collect()
     }
@@ -353,7 +364,7 @@ impl TreeReader<'_, '_> {
     /// Returns `text` with each parameter `$name` replaced by its value.
     ///
     /// If several parameter names match at one `$`, the longest is used.
-    fn with_expanded_parameters(&self, text: &str, place: &Place) -> ReadResult<String> {
+    fn with_expanded_parameters(&self, text: &str, place: &MitsubaPlace) -> ReadResult<String> {
         if !text.contains('$') {
             return Ok(text.to_owned());
         }
@@ -377,7 +388,7 @@ impl TreeReader<'_, '_> {
 }
 
 /// Returns the attribute `name` of an element; an error if there is none.
-fn required_attribute<'n>(node: &Node<'n, '_>, name: &str, place: &Place) -> ReadResult<&'n str> {
+fn required_attribute<'n>(node: &Node<'n, '_>, name: &str, place: &MitsubaPlace) -> ReadResult<&'n str> {
     node.attribute(name).ok_or_else(|| {
         let message = format!("this `{}` has no attribute `{name}`", node.tag_name().name());
         place.error(message, "add the attribute")

@@ -5,8 +5,8 @@
 
 use super::context::ImportContext;
 use super::files::ReadResult;
-use super::textures::Textures;
-use super::tree::SceneObject;
+use super::textures::MitsubaTextures;
+use super::tree::MitsubaObject;
 use crate::color::Rgb;
 use crate::format::description::{EnvironmentRadiance, Span, Spanned};
 use crate::image::Image;
@@ -23,8 +23,8 @@ const SAMPLES: u32 = 4;
 /// Returns the radiance of an `envmap` emitter. Resamples the map if its transform tilts it.
 pub(super) fn read_environment(
     context: &ImportContext<'_>,
-    textures: &mut Textures,
-    emitter: &SceneObject,
+    textures: &mut MitsubaTextures,
+    emitter: &MitsubaObject,
     to_world: DMat4,
 ) -> ReadResult<EnvironmentRadiance> {
     let (file, image) = textures.read_picture(context, emitter, false)?;

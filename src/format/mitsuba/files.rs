@@ -1,6 +1,7 @@
 //! Access to the files of a Mitsuba scene: search folders, checks of permission and memory.
 
 use crate::format::description::Span;
+pub(super) use crate::format::import::ReadResult;
 use crate::format::import::{ImportOptions, SceneReadError};
 use crate::format::mesh::MeshReadMonitor;
 use crate::format::{SceneError, SourceText};
@@ -10,11 +11,9 @@ use std::fmt::Display;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-pub(super) type ReadResult<T> = Result<T, SceneReadError>;
-
 /// Position of an element in the scene file or in a file that it includes.
 #[derive(Clone, Debug)]
-pub(super) struct Place {
+pub(super) struct MitsubaPlace {
     /// Name and text of the file.
     pub source: SourceText,
     /// Span of the element in the text.
@@ -23,7 +22,7 @@ pub(super) struct Place {
     pub line: u32,
 }
 
-impl Place {
+impl MitsubaPlace {
     /// Returns an error with `message` and the remedy `help`, at this position.
     pub fn error(&self, message: impl Display, help: &str) -> SceneReadError {
         SceneError::error_at_span(&self.source, self.span, message.to_string(), "here", help).into()
@@ -39,7 +38,7 @@ impl Place {
 }
 
 /// Access to the scene file and the files that it refers to, within a memory limit.
-pub(super) struct SceneFiles<'a> {
+pub(super) struct MitsubaSceneFiles<'a> {
     /// Path of the scene file.
     pub path: &'a Path,
     /// Receives the path of each file that is read after the scene file.
@@ -52,7 +51,7 @@ pub(super) struct SceneFiles<'a> {
     free_at_start: Option<u64>,
 }
 
-impl<'a> SceneFiles<'a> {
+impl<'a> MitsubaSceneFiles<'a> {
     /// Prepares reading the scene at `path`, without search folders; reads no file.
     pub fn new(path: &'a Path, monitor: &'a dyn MeshReadMonitor, options: &'a ImportOptions) -> Self {
         let free_at_start = options.memory.available_bytes();
@@ -105,7 +104,7 @@ impl<'a> SceneFiles<'a> {
     /// Reports the file to the monitor. Searches the folders of `path` elements, then the folder of
     /// the scene, then the folder of the file that contains `place`. The file must lie inside the
     /// scene's folder, unless the options allow outside files.
-    pub fn find_file(&self, name: &str, place: &Place) -> ReadResult<PathBuf> {
+    pub fn find_file(&self, name: &str, place: &MitsubaPlace) -> ReadResult<PathBuf> {
         let relative = path_with_slashes(name);
         let own = Path::new(place.source.name()).parent().map(Path::to_owned);
         let folders = self.folders.borrow();

@@ -5,8 +5,8 @@ use super::context::ImportContext;
 use super::environment::read_environment;
 use super::files::ReadResult;
 use super::sensor::half_image_height;
-use super::textures::Textures;
-use super::tree::{ObjectClass, SceneObject};
+use super::textures::MitsubaTextures;
+use super::tree::{MitsubaObject, ObjectClass};
 use crate::color::Rgb;
 use crate::format::description::{
     DirectionOrTarget, DirectionalLightDescription, DirectionalLightStrength, EnvironmentRadiance,
@@ -34,8 +34,8 @@ const MAX_PICTURE_CUTOFF: f64 = 85.0;
 /// If a value is not valid, or if the emitter is a daylight model.
 pub(super) fn read_light(
     context: &ImportContext<'_>,
-    textures: &mut Textures,
-    emitter: &SceneObject,
+    textures: &mut MitsubaTextures,
+    emitter: &MitsubaObject,
 ) -> ReadResult<Option<LightDescription>> {
     let to_world = emitter.transform("to_world").unwrap_or(DMat4::IDENTITY);
     let position = emitter.vector("position").unwrap_or(to_world.w_axis.truncate());
@@ -80,11 +80,11 @@ pub(super) fn read_light(
 /// Returns `strength` times the emitter's parameter `scale`, or times 1 without this parameter.
 ///
 /// Only scenes before version 2 of the format have it.
-fn scaled_strength(emitter: &SceneObject, strength: DVec3) -> DVec3 {
+fn scaled_strength(emitter: &MitsubaObject, strength: DVec3) -> DVec3 {
     strength * emitter.number("scale").unwrap_or(1.0).max(0.0)
 }
 
-fn singular_transform_error(emitter: &SceneObject) -> crate::format::import::SceneReadError {
+fn singular_transform_error(emitter: &MitsubaObject) -> crate::format::import::SceneReadError {
     emitter.place.error("the direction of this emitter is zero", "correct its transform")
 }
 
@@ -99,8 +99,8 @@ fn unless_black(strength: DVec3, light: impl Into<LightDescription>) -> Option<L
 /// the light has a texture.
 fn read_spot(
     context: &ImportContext<'_>,
-    textures: &mut Textures,
-    emitter: &SceneObject,
+    textures: &mut MitsubaTextures,
+    emitter: &MitsubaObject,
     to_world: DMat4,
 ) -> ReadResult<Option<LightDescription>> {
     let cutoff = emitter.number("cutoff_angle").unwrap_or(20.0);
@@ -117,7 +117,7 @@ fn read_spot(
     let position = to_world.w_axis.truncate();
     let [right, up, axis] = emitter_axes(emitter, to_world)?;
     let texture = context.named_child(emitter, ObjectClass::Texture, "texture")?;
-    let embed_picture = |textures: &mut Textures, width, height, pixels| {
+    let embed_picture = |textures: &mut MitsubaTextures, width, height, pixels| {
         let image = Image::from_pixels(width, height, pixels);
         image
             .map(|image| textures.embed_picture(image))
@@ -161,8 +161,8 @@ fn read_spot(
 /// The values of Mitsuba's texture are the irradiance on a plane at distance 1, divided by π.
 fn read_projector(
     context: &ImportContext<'_>,
-    textures: &mut Textures,
-    emitter: &SceneObject,
+    textures: &mut MitsubaTextures,
+    emitter: &MitsubaObject,
     to_world: DMat4,
 ) -> ReadResult<Option<LightDescription>> {
     let [_, up, axis] = emitter_axes(emitter, to_world)?;
@@ -201,7 +201,7 @@ fn read_projector(
 /// Returns the unit vectors right, up and forward of an emitter in world space.
 ///
 /// In the emitter's own frame, they are −x, +y and +z.
-fn emitter_axes(emitter: &SceneObject, to_world: DMat4) -> ReadResult<[DVec3; 3]> {
+fn emitter_axes(emitter: &MitsubaObject, to_world: DMat4) -> ReadResult<[DVec3; 3]> {
     let axes = [-to_world.x_axis.truncate(), to_world.y_axis.truncate(), to_world.z_axis.truncate()];
     let [Some(right), Some(up), Some(forward)] = axes.map(DVec3::try_normalize) else {
         return Err(singular_transform_error(emitter));

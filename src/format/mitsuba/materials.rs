@@ -5,8 +5,8 @@ use super::context::ImportContext;
 use super::dielectrics::{is_index_matched, refractive_index};
 use super::files::ReadResult;
 use super::meshes::TexcoordConvention;
-use super::textures::{TextureUse, TextureValues, Textures};
-use super::tree::{ObjectClass, SceneObject};
+use super::textures::{MitsubaTextureUse, MitsubaTextureValues, MitsubaTextures};
+use super::tree::{MitsubaObject, ObjectClass};
 use crate::bsdf::MAX_COAT_INDEX;
 use crate::format::description::{
     CoatedDiffuseDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription, EmissionDescription,
@@ -39,7 +39,7 @@ pub(super) enum MaterialBoundary {
 
 /// A material of the imported scene, with the properties that shapes depend on.
 #[derive(Clone, Debug)]
-pub(super) struct ImportedMaterial {
+pub(super) struct MitsubaImportedMaterial {
     /// Name of the material in the imported scene.
     pub name: String,
     /// Kind of boundary, which decides which surfaces a shape needs.
@@ -52,7 +52,7 @@ pub(super) struct ImportedMaterial {
 ///
 /// A BSDF becomes one material for each distinct variant.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct MaterialVariant {
+pub(super) struct ShapeMaterialInputs {
     /// Name of the medium inside the shape; `None` for vacuum.
     pub medium: Option<String>,
     /// Emission texture: its name, and the factor from its values to radiance.
@@ -65,11 +65,11 @@ pub(super) struct MaterialVariant {
 
 /// Materials of the imported scene so far, with tables that find materials for reuse.
 #[derive(Default)]
-pub(super) struct Materials {
+pub(super) struct MitsubaMaterials {
     /// Materials of the imported scene. The materials of a mix are listed before it.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
     names: HashSet<String>,
-    used: HashMap<(Option<*const SceneObject>, String), ImportedMaterial>,
+    used: HashMap<(Option<*const MitsubaObject>, String), MitsubaImportedMaterial>,
     clear: Option<String>,
     black: Option<String>,
     interfaces: HashMap<String, String>,
@@ -87,26 +87,27 @@ impl From<MaterialKindDescription> for ConvertedBsdf {
     }
 }
 
-impl Materials {
-    /// Returns the material of a shape. Converts the shape's BSDF if no equal variant exists yet.
+impl MitsubaMaterials {
+    /// Returns the material of a shape. Converts the shape's BSDF, unless an equal one was
+    /// converted for equal inputs.
     ///
     /// A shape without a BSDF has a gray diffuse material.
     pub fn imported_material(
         &mut self,
         context: &ImportContext<'_>,
-        textures: &mut Textures,
-        bsdf: Option<&Rc<SceneObject>>,
-        variant: &MaterialVariant,
-    ) -> ReadResult<ImportedMaterial> {
-        let key = (bsdf.map(Rc::as_ptr), format!("{variant:?}"));
+        textures: &mut MitsubaTextures,
+        bsdf: Option<&Rc<MitsubaObject>>,
+        inputs: &ShapeMaterialInputs,
+    ) -> ReadResult<MitsubaImportedMaterial> {
+        let key = (bsdf.map(Rc::as_ptr), format!("{inputs:?}"));
         if let Some(known) = self.used.get(&key) {
             return Ok(known.clone());
         }
-        let MaterialVariant { medium, emission, convention } = variant;
+        let ShapeMaterialInputs { medium, emission, convention } = inputs;
         let wanted = bsdf.and_then(|bsdf| bsdf.id.clone()).unwrap_or_else(|| "material".to_owned());
         let name = self.unique_name(&wanted);
         let mut converter =
-            MaterialConverter { materials: self, textures, context, convention: *convention, name: &name };
+            MitsubaMaterialConverter { materials: self, textures, context, convention: *convention, name: &name };
         let surface = match bsdf {
             Some(bsdf) => converter.convert_bsdf(bsdf, 0)?,
             None => diffuse_description(DVec3::splat(0.5)).into(),
@@ -131,12 +132,12 @@ impl Materials {
             MaterialDescription { name: Some(name.clone()), kind, emission, normal_perturbation: normal, medium };
         let is_textured = !description.texture_names().is_empty() || description.kind.mix_material_names().is_some();
         self.descriptions.push(Spanned::new(description, Span::default()));
-        let imported = ImportedMaterial { name, boundary, is_textured };
+        let imported = MitsubaImportedMaterial { name, boundary, is_textured };
         if !imported.is_textured {
             // Without textures, the convention for texture coordinates makes no difference.
             for convention in [TexcoordConvention::Same, TexcoordConvention::Flipped] {
-                let variant = MaterialVariant { convention, ..variant.clone() };
-                self.used.insert((key.0, format!("{variant:?}")), imported.clone());
+                let inputs = ShapeMaterialInputs { convention, ..inputs.clone() };
+                self.used.insert((key.0, format!("{inputs:?}")), imported.clone());
             }
         }
         self.used.insert(key, imported.clone());
@@ -239,17 +240,17 @@ fn diffuse_description(reflectance: DVec3) -> MaterialKindDescription {
 }
 
 /// Converter of one BSDF to a material, with the state of the conversion.
-struct MaterialConverter<'c, 'a> {
-    materials: &'c mut Materials,
-    textures: &'c mut Textures,
+struct MitsubaMaterialConverter<'c, 'a> {
+    materials: &'c mut MitsubaMaterials,
+    textures: &'c mut MitsubaTextures,
     context: &'c ImportContext<'a>,
     convention: TexcoordConvention,
     /// Name of the material in the imported scene. The names of materials in a mix begin with it.
     name: &'c str,
 }
 
-impl MaterialConverter<'_, '_> {
-    fn convert_bsdf(&mut self, bsdf: &Rc<SceneObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
+impl MitsubaMaterialConverter<'_, '_> {
+    fn convert_bsdf(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         if depth > MAX_DEPTH {
             return Err(bsdf.place.error("BSDFs are nested too deep, or contain themselves", "nest them less deep"));
         }
@@ -273,7 +274,7 @@ impl MaterialConverter<'_, '_> {
             }
             "conductor" | "roughconductor" => {
                 let roughness = if bsdf.plugin == "conductor" { 0.0.into() } else { self.roughness(bsdf)? };
-                let tint = self.texture_values(bsdf, "specular_reflectance", 1.0, TextureUse::Color)?;
+                let tint = self.texture_values(bsdf, "specular_reflectance", 1.0, MitsubaTextureUse::Color)?;
                 conductor(context, bsdf, tint, roughness)?.into()
             }
             "plastic" | "roughplastic" => self.convert_plastic(bsdf)?,
@@ -287,7 +288,7 @@ impl MaterialConverter<'_, '_> {
                 self.convert_first_nested(bsdf, &sides, depth)?
             }
             "mask" => {
-                let opacity = self.texture_values(bsdf, "opacity", 0.5, TextureUse::Fraction)?.into_number();
+                let opacity = self.texture_values(bsdf, "opacity", 0.5, MitsubaTextureUse::Fraction)?.into_number();
                 let sides = context.children(bsdf, ObjectClass::Bsdf)?;
                 let solid = self.convert_first_nested(bsdf, &sides, depth)?;
                 self.mix_with_clear(solid, opacity)
@@ -299,8 +300,8 @@ impl MaterialConverter<'_, '_> {
                 let scale = bsdf.number("scale").unwrap_or(1.0);
                 let heights = context.children(bsdf, ObjectClass::Texture)?;
                 if let Some((_, texture)) = heights.first() {
-                    let wanted = (TextureUse::Height, self.convention);
-                    if let TextureValues::Texture(texture, _) =
+                    let wanted = (MitsubaTextureUse::Height, self.convention);
+                    if let MitsubaTextureValues::Texture(texture, _) =
                         self.textures.convert_texture(context, texture, wanted, 1.0, 0)?
                     {
                         surface.normal = Some(NormalPerturbationDescription::Bump { texture, height: scale });
@@ -311,7 +312,7 @@ impl MaterialConverter<'_, '_> {
             "normalmap" => {
                 let sides = context.children(bsdf, ObjectClass::Bsdf)?;
                 let mut surface = self.convert_first_nested(bsdf, &sides, depth)?;
-                let wanted = (TextureUse::Normal, self.convention);
+                let wanted = (MitsubaTextureUse::Normal, self.convention);
                 let values = match context.children(bsdf, ObjectClass::Texture)?.first() {
                     Some((_, texture)) => Some(self.textures.convert_texture(context, texture, wanted, 1.0, 0)?),
                     // A fork of Mitsuba names the picture file in the BSDF itself.
@@ -320,7 +321,7 @@ impl MaterialConverter<'_, '_> {
                     }
                     None => None,
                 };
-                if let Some(TextureValues::Texture(name, _)) = values {
+                if let Some(MitsubaTextureValues::Texture(name, _)) = values {
                     surface.normal = Some(NormalPerturbationDescription::NormalMap(name));
                 }
                 self.without_mix_perturbation(bsdf, surface)
@@ -343,8 +344,8 @@ impl MaterialConverter<'_, '_> {
     /// `bsdf` is the BSDF around them, at nesting depth `depth`.
     fn convert_first_nested(
         &mut self,
-        bsdf: &Rc<SceneObject>,
-        sides: &[(String, Rc<SceneObject>)],
+        bsdf: &Rc<MitsubaObject>,
+        sides: &[(String, Rc<MitsubaObject>)],
         depth: u32,
     ) -> ReadResult<ConvertedBsdf> {
         let Some((_, inner)) = sides.first() else {
@@ -354,7 +355,7 @@ impl MaterialConverter<'_, '_> {
         self.convert_bsdf(inner, depth + 1)
     }
 
-    fn convert_dielectric(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<ConvertedBsdf> {
+    fn convert_dielectric(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<ConvertedBsdf> {
         self.note_tints(bsdf)?;
         let index = refractive_index(self.context, bsdf)?;
         let roughness = if bsdf.plugin == "dielectric" { 0.0.into() } else { self.roughness(bsdf)? };
@@ -374,19 +375,19 @@ impl MaterialConverter<'_, '_> {
     }
 
     /// Adds a message for each specular tint of a dielectric that is not 1. Tints are ignored.
-    fn note_tints(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<()> {
+    fn note_tints(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<()> {
         for name in ["specular_reflectance", "specular_transmittance"] {
-            if self.texture_values(bsdf, name, 1.0, TextureUse::Color)?.mean() != DVec3::ONE {
+            if self.texture_values(bsdf, name, 1.0, MitsubaTextureUse::Color)?.mean() != DVec3::ONE {
                 self.context.add_note(&format!("`{name}` of dielectrics is ignored: it is 1"), bsdf);
             }
         }
         Ok(())
     }
 
-    fn convert_plastic(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<ConvertedBsdf> {
+    fn convert_plastic(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<ConvertedBsdf> {
         let index = refractive_index(self.context, bsdf)?;
-        let base = self.texture_values(bsdf, "diffuse_reflectance", 0.5, TextureUse::Color)?;
-        let tint = self.texture_values(bsdf, "specular_reflectance", 1.0, TextureUse::Color)?.mean();
+        let base = self.texture_values(bsdf, "diffuse_reflectance", 0.5, MitsubaTextureUse::Color)?;
+        let tint = self.texture_values(bsdf, "specular_reflectance", 1.0, MitsubaTextureUse::Color)?.mean();
         let alpha = if bsdf.plugin == "plastic" { 0.0 } else { self.mean_roughness(bsdf)? };
         if tint != DVec3::ONE {
             self.context.add_note("`specular_reflectance` of plastic is ignored", bsdf);
@@ -400,17 +401,17 @@ impl MaterialConverter<'_, '_> {
         Ok(kind.into())
     }
 
-    fn convert_principled(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<ConvertedBsdf> {
+    fn convert_principled(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<ConvertedBsdf> {
         let context = self.context;
         for name in ["clearcoat", "sheen", "flatness", "anisotropic", "spec_tint"] {
             if bsdf.number(name).is_some_and(|strength| strength != 0.0) {
                 context.add_note(&format!("`{name}` of `principled` is ignored"), bsdf);
             }
         }
-        let base = self.texture_values(bsdf, "base_color", 0.5, TextureUse::Color)?;
-        let metallic = self.texture_values(bsdf, "metallic", 0.0, TextureUse::Fraction)?.into_number();
-        let rough = self.texture_values(bsdf, "roughness", 0.5, TextureUse::Fraction)?.mean().x;
-        let transmission = self.texture_values(bsdf, "spec_trans", 0.0, TextureUse::Fraction)?.into_number();
+        let base = self.texture_values(bsdf, "base_color", 0.5, MitsubaTextureUse::Color)?;
+        let metallic = self.texture_values(bsdf, "metallic", 0.0, MitsubaTextureUse::Fraction)?.into_number();
+        let rough = self.texture_values(bsdf, "roughness", 0.5, MitsubaTextureUse::Fraction)?.mean().x;
+        let transmission = self.texture_values(bsdf, "spec_trans", 0.0, MitsubaTextureUse::Fraction)?.into_number();
         let index = match bsdf.number("eta") {
             Some(eta) if eta > 1.0 => eta,
             _ => {
@@ -435,7 +436,7 @@ impl MaterialConverter<'_, '_> {
         }
         if metallic != TexturedValue::Plain(0.0) {
             let metal = super::conductors::metal_from_reflectance(base.mean(), alpha.into());
-            if matches!(base, TextureValues::Texture(..)) {
+            if matches!(base, MitsubaTextureValues::Texture(..)) {
                 context.add_note("metals with a texture of color have its mean", bsdf);
             }
             kind = self.add_mix(kind, metal, metallic);
@@ -443,9 +444,9 @@ impl MaterialConverter<'_, '_> {
         Ok(kind.into())
     }
 
-    fn convert_phong(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<ConvertedBsdf> {
+    fn convert_phong(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<ConvertedBsdf> {
         let diffuse = self.textured_color(bsdf, "diffuse_reflectance", 0.5)?;
-        let specular = self.texture_values(bsdf, "specular_reflectance", 0.2, TextureUse::Color)?.mean();
+        let specular = self.texture_values(bsdf, "specular_reflectance", 0.2, MitsubaTextureUse::Color)?.mean();
         let shininess = bsdf.number("exponent").unwrap_or(30.0).clamp(0.0, 1e6);
         let specular = specular * phong_specular_color(shininess);
         Ok(MaterialKindDescription::Phong(PhongDescription {
@@ -457,7 +458,7 @@ impl MaterialConverter<'_, '_> {
         .into())
     }
 
-    fn convert_blend(&mut self, bsdf: &Rc<SceneObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
+    fn convert_blend(&mut self, bsdf: &Rc<MitsubaObject>, depth: u32) -> ReadResult<ConvertedBsdf> {
         let weight = if bsdf.plugin == "mixturebsdf" {
             let weights = bsdf.text("weights").and_then(super::color::parse_numbers).unwrap_or_default();
             match weights[..] {
@@ -470,7 +471,7 @@ impl MaterialConverter<'_, '_> {
                 _ => return Err(bsdf.place.error("this mixture has not two weights", "give `weights` of two BSDFs")),
             }
         } else {
-            self.texture_values(bsdf, "weight", 0.5, TextureUse::Fraction)?.into_number()
+            self.texture_values(bsdf, "weight", 0.5, MitsubaTextureUse::Fraction)?.into_number()
         };
         let parts = self.context.children(bsdf, ObjectClass::Bsdf)?;
         let [(_, first), (_, second)] = &parts[..] else {
@@ -495,7 +496,7 @@ impl MaterialConverter<'_, '_> {
     /// Returns `surface`; if it is a mix, without its own bump map or normal map.
     ///
     /// Only the parts of a mix can have such maps. Adds a message if a map is removed.
-    fn without_mix_perturbation(&mut self, bsdf: &SceneObject, surface: ConvertedBsdf) -> ConvertedBsdf {
+    fn without_mix_perturbation(&mut self, bsdf: &MitsubaObject, surface: ConvertedBsdf) -> ConvertedBsdf {
         if surface.kind.mix_material_names().is_some() && surface.normal.is_some() {
             self.context.add_note("bump maps and normal maps of mixes are ignored", bsdf);
             return surface.kind.into();
@@ -532,7 +533,7 @@ impl MaterialConverter<'_, '_> {
     ///
     /// A constant α of a Beckmann distribution is multiplied by √ln 2. Then GGX has the same median
     /// slope.
-    fn roughness(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<TexturedValue<f64>> {
+    fn roughness(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<TexturedValue<f64>> {
         let is_ggx = bsdf.text("distribution").unwrap_or("beckmann") == "ggx";
         if !is_ggx {
             self.context.add_note("Beckmann distributions become GGX with the same median slope", bsdf);
@@ -541,34 +542,37 @@ impl MaterialConverter<'_, '_> {
         let _ = bsdf.boolean("sample_visible", true);
         if bsdf.values.contains_key("alpha_u") || bsdf.values.contains_key("alpha_v") {
             self.context.add_note("anisotropic roughness becomes isotropic", bsdf);
-            let [u, v] = ["alpha_u", "alpha_v"].map(|name| self.texture_values(bsdf, name, 0.1, TextureUse::Fraction));
+            let [u, v] =
+                ["alpha_u", "alpha_v"].map(|name| self.texture_values(bsdf, name, 0.1, MitsubaTextureUse::Fraction));
             return Ok((factor * (u?.mean().x * v?.mean().x).sqrt()).into());
         }
-        Ok(match self.texture_values(bsdf, "alpha", 0.1, TextureUse::Fraction)?.into_number() {
+        Ok(match self.texture_values(bsdf, "alpha", 0.1, MitsubaTextureUse::Fraction)?.into_number() {
             TexturedValue::Plain(alpha) => (factor * alpha).into(),
             texture @ TexturedValue::Texture(_) => texture,
         })
     }
 
-    fn mean_roughness(&mut self, bsdf: &Rc<SceneObject>) -> ReadResult<f64> {
+    fn mean_roughness(&mut self, bsdf: &Rc<MitsubaObject>) -> ReadResult<f64> {
         match self.roughness(bsdf)? {
             TexturedValue::Plain(alpha) => Ok(alpha),
-            TexturedValue::Texture(_) => Ok(self.texture_values(bsdf, "alpha", 0.1, TextureUse::Fraction)?.mean().x),
+            TexturedValue::Texture(_) => {
+                Ok(self.texture_values(bsdf, "alpha", 0.1, MitsubaTextureUse::Fraction)?.mean().x)
+            }
         }
     }
 
     fn texture_values(
         &mut self,
-        bsdf: &SceneObject,
+        bsdf: &MitsubaObject,
         name: &str,
         default: f64,
-        wanted: TextureUse,
-    ) -> ReadResult<TextureValues> {
+        wanted: MitsubaTextureUse,
+    ) -> ReadResult<MitsubaTextureValues> {
         self.textures.texture_values(self.context, bsdf, (name, default), (wanted, self.convention))
     }
 
-    fn textured_color(&mut self, bsdf: &SceneObject, name: &str, default: f64) -> ReadResult<TexturedValue<DVec3>> {
-        Ok(self.texture_values(bsdf, name, default, TextureUse::Color)?.into_color())
+    fn textured_color(&mut self, bsdf: &MitsubaObject, name: &str, default: f64) -> ReadResult<TexturedValue<DVec3>> {
+        Ok(self.texture_values(bsdf, name, default, MitsubaTextureUse::Color)?.into_color())
     }
 }
 

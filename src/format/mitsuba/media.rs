@@ -3,7 +3,7 @@
 use super::color::ColorMeaning;
 use super::context::ImportContext;
 use super::files::ReadResult;
-use super::tree::{ObjectClass, SceneObject};
+use super::tree::{MitsubaObject, ObjectClass};
 use super::volume::{self, VolumeGrid};
 use crate::format::description::{
     DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, Span, Spanned, TransformStep,
@@ -29,20 +29,20 @@ enum VolumeValues {
 
 /// Media and density grids of the imported scene so far.
 #[derive(Default)]
-pub(super) struct Media {
+pub(super) struct MitsubaMedia {
     /// Media of the imported scene.
     pub descriptions: Vec<Spanned<MediumDescription>>,
     /// Embedded density grids, by path.
     pub grids: BTreeMap<String, Arc<DensityGrid>>,
-    names: HashMap<*const SceneObject, String>,
+    names: HashMap<*const MitsubaObject, String>,
 }
 
-impl Media {
+impl MitsubaMedia {
     /// Returns the name of a medium in the imported scene. Converts the medium at its first use.
     pub fn medium_name(
         &mut self,
         context: &ImportContext<'_>,
-        medium: &Rc<SceneObject>,
+        medium: &Rc<MitsubaObject>,
     ) -> ReadResult<Spanned<String>> {
         let key = Rc::as_ptr(medium);
         if let Some(name) = self.names.get(&key) {
@@ -58,7 +58,7 @@ impl Media {
     fn convert_medium(
         &mut self,
         context: &ImportContext<'_>,
-        medium: &SceneObject,
+        medium: &MitsubaObject,
         name: &str,
     ) -> ReadResult<MediumDescription> {
         let phase = read_phase_function(context, medium)?;
@@ -81,7 +81,7 @@ impl Media {
     fn homogeneous_coefficients(
         &self,
         context: &ImportContext<'_>,
-        medium: &SceneObject,
+        medium: &MitsubaObject,
         scale: f64,
     ) -> ReadResult<MediumCoefficients> {
         if let Some(material) = medium.text("material") {
@@ -113,7 +113,7 @@ impl Media {
     fn heterogeneous_medium(
         &mut self,
         context: &ImportContext<'_>,
-        medium: &SceneObject,
+        medium: &MitsubaObject,
         (name, scale): (&str, f64),
     ) -> ReadResult<(MediumCoefficients, DensityDescription)> {
         let values = |names: [&str; 2], default: f64| -> ReadResult<VolumeValues> {
@@ -181,7 +181,7 @@ fn weighted_mean(grid: &VolumeGrid, weight: impl Fn(usize) -> f64) -> DVec3 {
     if total > 0.0 { sum / total } else { plain / (grid.values.len() / grid.channels).max(1) as f64 }
 }
 
-fn read_volume(context: &ImportContext<'_>, volume: &SceneObject) -> ReadResult<VolumeValues> {
+fn read_volume(context: &ImportContext<'_>, volume: &MitsubaObject) -> ReadResult<VolumeValues> {
     match volume.plugin.as_str() {
         "constvolume" => {
             let color = context.color(volume, "value", ColorMeaning::Coefficient, 1.0)?;
@@ -222,11 +222,11 @@ fn read_volume(context: &ImportContext<'_>, volume: &SceneObject) -> ReadResult<
     }
 }
 
-fn singular_transform_error(volume: &SceneObject) -> SceneReadError {
+fn singular_transform_error(volume: &MitsubaObject) -> SceneReadError {
     volume.place.error("the transform of the volume is singular", "scale it less")
 }
 
-fn read_phase_function(context: &ImportContext<'_>, medium: &SceneObject) -> ReadResult<PhaseFunctionDescription> {
+fn read_phase_function(context: &ImportContext<'_>, medium: &MitsubaObject) -> ReadResult<PhaseFunctionDescription> {
     let Some(phase) = context.child(medium, ObjectClass::Phase, "phase")? else {
         return Ok(PhaseFunctionDescription::Isotropic);
     };

@@ -3,7 +3,7 @@
 use super::context::ImportContext;
 use super::files::ReadResult;
 use super::serialized;
-use super::tree::SceneObject;
+use super::tree::MitsubaObject;
 use crate::format::SceneError;
 use crate::format::import::SceneReadError;
 use crate::format::mesh::{self, LoadedMesh, TriangleMesh};
@@ -44,7 +44,7 @@ impl Meshes {
     pub fn embed_mesh_file(
         &mut self,
         context: &ImportContext<'_>,
-        shape: &SceneObject,
+        shape: &MitsubaObject,
     ) -> ReadResult<(String, TexcoordConvention)> {
         let Some(name) = shape.text("filename") else {
             return Err(shape.place.error("this mesh has no file", "give it a `filename`"));
@@ -171,7 +171,7 @@ impl Meshes {
     ///
     /// Embeds the copy at its first use. It bounds the medium inside a thin wall, because the wall
     /// itself cannot bound a medium.
-    pub fn inner_copy_path(&mut self, path: &str) -> String {
+    pub fn embed_shrunken_copy(&mut self, path: &str) -> String {
         if let Some(inner) = self.inner.get(path) {
             return inner.clone();
         }
@@ -202,7 +202,7 @@ impl Meshes {
 }
 
 /// Converts the error of a mesh file to an error at the shape that names the file.
-fn mesh_error(shape: &SceneObject, error: &mesh::MeshError) -> SceneReadError {
+fn mesh_error(shape: &MitsubaObject, error: &mesh::MeshError) -> SceneReadError {
     let help = "repair the mesh or name another";
     let place = &shape.place;
     let described = SceneError::error_at_span(&place.source, place.span, error.to_string(), "this mesh", help);

@@ -31,7 +31,7 @@ use super::import::{ImportOptions, ImportedScene, SceneImporter, SceneReadError}
 use super::mesh::MeshReadMonitor;
 use context::ImportContext;
 use document::read_tree;
-use files::{ReadResult, SceneFiles};
+use files::{MitsubaSceneFiles, ReadResult};
 use glam::DVec3;
 use lights::read_light;
 use sensor::read_camera;
@@ -40,8 +40,8 @@ use shapes::Shapes;
 use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
-use textures::Textures;
-use tree::{ObjectClass, SceneObject};
+use textures::MitsubaTextures;
+use tree::{MitsubaObject, ObjectClass};
 
 /// Importer of Mitsuba scenes.
 pub(super) struct MitsubaImporter;
@@ -61,7 +61,7 @@ impl SceneImporter for MitsubaImporter {
         monitor: &dyn MeshReadMonitor,
         options: &ImportOptions,
     ) -> Result<ImportedScene, SceneReadError> {
-        let files = SceneFiles::new(path, monitor, options);
+        let files = MitsubaSceneFiles::new(path, monitor, options);
         let bytes = files.read_file(path)?;
         import_bytes(&files, bytes)
     }
@@ -74,13 +74,13 @@ impl SceneImporter for MitsubaImporter {
 /// # Errors
 /// [`SceneReadError`] at the first defect, or at content that cannot be imported.
 pub fn decode(path: &Path, bytes: &[u8], options: &ImportOptions) -> Result<ImportedScene, SceneReadError> {
-    import_bytes(&SceneFiles::new(path, &(), options), bytes.to_vec())
+    import_bytes(&MitsubaSceneFiles::new(path, &(), options), bytes.to_vec())
 }
 
-fn import_bytes(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ImportedScene> {
+fn import_bytes(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ImportedScene> {
     let tree = read_tree(files, bytes)?;
     let context = ImportContext { files, tree: &tree, notes: RefCell::default() };
-    let (mut shapes, mut textures) = (Shapes::default(), Textures::default());
+    let (mut shapes, mut textures) = (Shapes::default(), MitsubaTextures::default());
     for (_, shape) in context.children(&tree.root, ObjectClass::Shape)? {
         shapes.add_shape(&context, &mut textures, &shape)?;
     }
@@ -138,11 +138,11 @@ fn import_bytes(files: &SceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ImportedSc
 /// `has_emitters` is true if a shape emits. Without any emitter, adds a white sky and a message.
 fn read_lights(
     context: &ImportContext<'_>,
-    textures: &mut Textures,
+    textures: &mut MitsubaTextures,
     has_emitters: bool,
 ) -> ReadResult<Vec<Spanned<LightDescription>>> {
     let mut lights: Vec<Spanned<LightDescription>> = Vec::new();
-    let emitters: Vec<(String, Rc<SceneObject>)> = context.children(&context.tree.root, ObjectClass::Emitter)?;
+    let emitters: Vec<(String, Rc<MitsubaObject>)> = context.children(&context.tree.root, ObjectClass::Emitter)?;
     let is_environment = |light: &LightDescription| matches!(light, LightDescription::Environment(_));
     for (_, emitter) in &emitters {
         let Some(light) = read_light(context, textures, emitter)? else { continue };

@@ -2,7 +2,7 @@
 
 use super::context::ImportContext;
 use super::files::ReadResult;
-use super::tree::{ObjectClass, SceneObject};
+use super::tree::{MitsubaObject, ObjectClass};
 use crate::format::description::{
     ApertureDescription, CameraDescription, DirectionOrTarget, FocusDescription, LensDescription, ProjectionDescription,
 };
@@ -18,7 +18,7 @@ const FILM_DIAGONAL: f64 = 43.266_615_305_567_875;
 const MAX_FILM_SIZE: f64 = 65_536.0;
 
 /// Size of the film, and size of the centered crop that the picture shows.
-struct Film {
+struct MitsubaFilm {
     /// Full size of the film \[pixels].
     size: [f64; 2],
     /// Size of the picture, a centered part of the film \[pixels].
@@ -28,7 +28,10 @@ struct Film {
 /// Converts a sensor to a camera; `None` if the kind of sensor is not supported.
 ///
 /// A sensor looks along +z of its own frame, with +y up and +x to the left.
-pub(super) fn read_camera(context: &ImportContext<'_>, sensor: &SceneObject) -> ReadResult<Option<CameraDescription>> {
+pub(super) fn read_camera(
+    context: &ImportContext<'_>,
+    sensor: &MitsubaObject,
+) -> ReadResult<Option<CameraDescription>> {
     let film = read_film(context, sensor)?;
     let to_world = sensor.transform("to_world").unwrap_or(DMat4::IDENTITY);
     let axes = [to_world.x_axis, to_world.y_axis, to_world.z_axis].map(|axis| axis.truncate());
@@ -76,8 +79,8 @@ pub(super) fn read_camera(context: &ImportContext<'_>, sensor: &SceneObject) -> 
 /// Returns the perspective projection of a sensor. A crop of the film narrows the field of view.
 fn perspective_projection(
     context: &ImportContext<'_>,
-    sensor: &SceneObject,
-    film: &Film,
+    sensor: &MitsubaObject,
+    film: &MitsubaFilm,
     lens: Option<LensDescription>,
 ) -> ReadResult<ProjectionDescription> {
     let half_height = half_image_height(sensor, film.size)?;
@@ -95,7 +98,7 @@ fn perspective_projection(
 ///
 /// `size` is the width and height of the picture; only their ratio matters. `sensor` may also be a
 /// projector, which has the same parameters.
-pub(super) fn half_image_height(sensor: &SceneObject, size: [f64; 2]) -> ReadResult<f64> {
+pub(super) fn half_image_height(sensor: &MitsubaObject, size: [f64; 2]) -> ReadResult<f64> {
     let [width, height] = size;
     let diagonal = libm::hypot(width, height);
     let Some(angle) = sensor.number("fov") else {
@@ -121,10 +124,10 @@ pub(super) fn half_image_height(sensor: &SceneObject, size: [f64; 2]) -> ReadRes
     })
 }
 
-fn read_film(context: &ImportContext<'_>, sensor: &SceneObject) -> ReadResult<Film> {
+fn read_film(context: &ImportContext<'_>, sensor: &MitsubaObject) -> ReadResult<MitsubaFilm> {
     let [width, height] = DEFAULT_FILM_SIZE.map(f64::from);
     let Some(film) = context.child(sensor, ObjectClass::Film, "film")? else {
-        return Ok(Film { size: [width, height], crop: [width, height] });
+        return Ok(MitsubaFilm { size: [width, height], crop: [width, height] });
     };
     let pixels = |name: &str, default: f64| {
         let count = film.number(name).unwrap_or(default).trunc();
@@ -136,8 +139,8 @@ fn read_film(context: &ImportContext<'_>, sensor: &SceneObject) -> ReadResult<Fi
     let offset = ["crop_offset_x", "crop_offset_y"].map(|name| film.number(name).unwrap_or(0.0));
     let is_centered = (0..2).all(|axis| size[axis] - crop[axis] == 2.0 * offset[axis]);
     if is_centered {
-        return Ok(Film { size, crop });
+        return Ok(MitsubaFilm { size, crop });
     }
     context.add_note("crops that are not centered are ignored: the picture shows the whole film", &film);
-    Ok(Film { size, crop: size })
+    Ok(MitsubaFilm { size, crop: size })
 }

@@ -2,7 +2,7 @@
 
 use super::context::ImportContext;
 use super::files::ReadResult;
-use super::tree::{ObjectClass, SceneObject};
+use super::tree::{MitsubaObject, ObjectClass};
 use std::rc::Rc;
 
 /// Integrators of Mitsuba, each with the algorithm of Caustica that finds the same light paths.
@@ -29,7 +29,7 @@ const FILTERS: [(&str, &str); 5] =
 /// Returns flags of `render` that correspond to the integrator and the pixel filter of the scene.
 ///
 /// The text is empty if nothing corresponds.
-pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<SceneObject>>) -> ReadResult<String> {
+pub(super) fn suggested_flags(context: &ImportContext<'_>, sensor: Option<&Rc<MitsubaObject>>) -> ReadResult<String> {
     let mut flags = Vec::new();
     let integrators = context.children(&context.tree.root, ObjectClass::Integrator)?;
     if let Some((_, integrator)) = integrators.first() {

@@ -3,11 +3,11 @@
 use super::color::ColorMeaning;
 use super::context::ImportContext;
 use super::files::ReadResult;
-use super::materials::{MaterialBoundary, MaterialVariant, Materials};
-use super::media::Media;
+use super::materials::{MaterialBoundary, MitsubaMaterials, ShapeMaterialInputs};
+use super::media::MitsubaMedia;
 use super::meshes::{Meshes, TexcoordConvention};
-use super::textures::{TextureUse, TextureValues, Textures};
-use super::tree::{ObjectClass, SceneObject};
+use super::textures::{MitsubaTextureUse, MitsubaTextureValues, MitsubaTextures};
+use super::tree::{MitsubaObject, ObjectClass};
 use crate::format::description::{
     BoxDescription, CylinderDescription, DiscDescription, GroupItem, MeshDescription, MeshOptions, ObjectDescription,
     ObjectGroup, RectangleDescription, ShapeDescription, Span, Spanned, SphereDescription, TransformStep,
@@ -31,16 +31,16 @@ pub(super) struct Shapes {
     /// Embedded meshes of the objects.
     pub meshes: Meshes,
     /// Materials of the objects in the imported scene.
-    pub materials: Materials,
+    pub materials: MitsubaMaterials,
     /// Media inside the objects in the imported scene.
-    pub media: Media,
+    pub media: MitsubaMedia,
     /// Lower and upper corner of the objects' bounds in world space; `None` if there are no
     /// objects.
     pub bounds: Option<(DVec3, DVec3)>,
     /// True if a surface emits light.
     pub has_emitters: bool,
     /// Members of each shape group, by the address of the group's object.
-    groups: HashMap<*const SceneObject, Rc<Vec<PlacedShape>>>,
+    groups: HashMap<*const MitsubaObject, Rc<Vec<PlacedShape>>>,
 }
 
 /// A shape of the imported scene with its material and transform.
@@ -65,7 +65,7 @@ struct ShapeGeometry {
 
 /// Emission of a shape: constant radiance, or a texture; neither if the shape emits nothing.
 #[derive(Default)]
-struct ShapeEmission {
+struct MitsubaShapeEmission {
     radiance: Option<DVec3>,
     texture: Option<(Spanned<String>, f64)>,
 }
@@ -77,8 +77,8 @@ impl Shapes {
     pub fn add_shape(
         &mut self,
         context: &ImportContext<'_>,
-        textures: &mut Textures,
-        shape: &Rc<SceneObject>,
+        textures: &mut MitsubaTextures,
+        shape: &Rc<MitsubaObject>,
     ) -> ReadResult<()> {
         if shape.plugin == "shapegroup" {
             return Ok(());
@@ -93,8 +93,8 @@ impl Shapes {
     fn placed_shapes(
         &mut self,
         context: &ImportContext<'_>,
-        textures: &mut Textures,
-        shape: &Rc<SceneObject>,
+        textures: &mut MitsubaTextures,
+        shape: &Rc<MitsubaObject>,
         depth: u32,
     ) -> ReadResult<Vec<PlacedShape>> {
         if depth > MAX_DEPTH {
@@ -118,8 +118,8 @@ impl Shapes {
     fn shapes_of_group(
         &mut self,
         context: &ImportContext<'_>,
-        textures: &mut Textures,
-        group: &Rc<SceneObject>,
+        textures: &mut MitsubaTextures,
+        group: &Rc<MitsubaObject>,
         depth: u32,
     ) -> ReadResult<Rc<Vec<PlacedShape>>> {
         if let Some(known) = self.groups.get(&Rc::as_ptr(group)) {
@@ -143,8 +143,8 @@ impl Shapes {
     fn convert_single_shape(
         &mut self,
         context: &ImportContext<'_>,
-        textures: &mut Textures,
-        shape: &Rc<SceneObject>,
+        textures: &mut MitsubaTextures,
+        shape: &Rc<MitsubaObject>,
     ) -> ReadResult<Vec<PlacedShape>> {
         let bsdf = context.children(shape, ObjectClass::Bsdf)?.into_iter().next().map(|(_, bsdf)| bsdf);
         let medium = match context.named_child(shape, ObjectClass::Medium, "interior")? {
@@ -162,8 +162,8 @@ impl Shapes {
             (None, if shape.plugin == "sphere" { TexcoordConvention::Flipped } else { TexcoordConvention::Same })
         };
         let emission = self.shape_emission(context, textures, shape, convention)?;
-        let variant = MaterialVariant { medium: medium.clone(), emission: emission.texture.clone(), convention };
-        let material = self.materials.imported_material(context, textures, bsdf.as_ref(), &variant)?;
+        let inputs = ShapeMaterialInputs { medium: medium.clone(), emission: emission.texture.clone(), convention };
+        let material = self.materials.imported_material(context, textures, bsdf.as_ref(), &inputs)?;
         let Some(ShapeGeometry { surface, to_world, bounds }) =
             self.shape_geometry(context, shape, mesh.as_deref(), material.is_textured, material.boundary)?
         else {
@@ -192,28 +192,28 @@ impl Shapes {
     fn shape_emission(
         &mut self,
         context: &ImportContext<'_>,
-        textures: &mut Textures,
-        shape: &SceneObject,
+        textures: &mut MitsubaTextures,
+        shape: &MitsubaObject,
         convention: TexcoordConvention,
-    ) -> ReadResult<ShapeEmission> {
+    ) -> ReadResult<MitsubaShapeEmission> {
         let emitters = context.children(shape, ObjectClass::Emitter)?;
-        let Some((_, emitter)) = emitters.first() else { return Ok(ShapeEmission::default()) };
+        let Some((_, emitter)) = emitters.first() else { return Ok(MitsubaShapeEmission::default()) };
         if emitter.plugin != "area" {
             let message = format!("emitters of kind `{}` on surfaces are ignored", emitter.plugin);
             context.add_note_on_object(&message, emitter);
-            return Ok(ShapeEmission::default());
+            return Ok(MitsubaShapeEmission::default());
         }
-        let wanted = (TextureUse::Radiance, convention);
+        let wanted = (MitsubaTextureUse::Radiance, convention);
         Ok(match textures.texture_values(context, emitter, ("radiance", 1.0), wanted)? {
-            TextureValues::Constant(_) => {
+            MitsubaTextureValues::Constant(_) => {
                 let radiance = context.color(emitter, "radiance", ColorMeaning::Emission, 1.0)?;
                 let radiance = Some(radiance).filter(|radiance| *radiance != DVec3::ZERO);
                 self.has_emitters |= radiance.is_some();
-                ShapeEmission { radiance, texture: None }
+                MitsubaShapeEmission { radiance, texture: None }
             }
-            TextureValues::Texture(name, _) => {
+            MitsubaTextureValues::Texture(name, _) => {
                 self.has_emitters = true;
-                ShapeEmission { radiance: None, texture: Some((name, 1.0)) }
+                MitsubaShapeEmission { radiance: None, texture: Some((name, 1.0)) }
             }
         })
     }
@@ -225,7 +225,7 @@ impl Shapes {
     fn shape_geometry(
         &mut self,
         context: &ImportContext<'_>,
-        shape: &SceneObject,
+        shape: &MitsubaObject,
         mesh: Option<&str>,
         is_textured: bool,
         boundary: MaterialBoundary,
@@ -323,7 +323,7 @@ impl Shapes {
         const SHRINK: f64 = 1.0 - 1e-4;
         match shape {
             ShapeDescription::Mesh(MeshDescription { path, options }) => {
-                let inner = self.meshes.inner_copy_path(&path.value);
+                let inner = self.meshes.embed_shrunken_copy(&path.value);
                 ShapeDescription::Mesh(MeshDescription { path: Spanned::new(inner, Span::default()), options })
             }
             ShapeDescription::Sphere(SphereDescription { center, radius }) => {
@@ -340,7 +340,12 @@ impl Shapes {
     /// Adds a shape to the imported scene. `source` is the shape's object in the Mitsuba file.
     ///
     /// A shape with a singular transform is left out with a message.
-    fn push_shape(&mut self, context: &ImportContext<'_>, placed: PlacedShape, source: &SceneObject) -> ReadResult<()> {
+    fn push_shape(
+        &mut self,
+        context: &ImportContext<'_>,
+        placed: PlacedShape,
+        source: &MitsubaObject,
+    ) -> ReadResult<()> {
         let PlacedShape { material, shape, emission, to_world, bounds: (low, high) } = placed;
         if Transform::new(to_world).is_err() {
             context.add_note("objects that are scaled to nothing are left out", source);
@@ -372,6 +377,6 @@ fn mesh_shape(path: String) -> ShapeDescription {
     })
 }
 
-fn to_world_matrix(shape: &SceneObject) -> DAffine3 {
+fn to_world_matrix(shape: &MitsubaObject) -> DAffine3 {
     DAffine3::from_mat4(shape.transform("to_world").unwrap_or(DMat4::IDENTITY))
 }

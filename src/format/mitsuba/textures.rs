@@ -4,7 +4,7 @@ use super::color::ColorMeaning;
 use super::context::ImportContext;
 use super::files::ReadResult;
 use super::meshes::TexcoordConvention;
-use super::tree::{ObjectClass, SceneObject};
+use super::tree::{MitsubaObject, ObjectClass};
 use crate::color::{Rgb, luminance};
 use crate::format::SceneError;
 use crate::format::description::{
@@ -24,7 +24,7 @@ const MAX_DEPTH: u32 = 8;
 
 /// Quantity that a texture stands for. It selects the conversion and the range of pixel values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum TextureUse {
+pub(super) enum MitsubaTextureUse {
     /// Colors inside \[0, 1].
     Color,
     /// Numbers inside \[0, 1], the luminance of the texture's colors.
@@ -39,7 +39,7 @@ pub(super) enum TextureUse {
 
 /// Values of a color parameter or texture: a constant, or a texture of the imported scene.
 #[derive(Clone, Debug)]
-pub(super) enum TextureValues {
+pub(super) enum MitsubaTextureValues {
     /// Equal values everywhere.
     Constant(DVec3),
     /// Name of a texture in the imported scene (or path of a picture in `Textures::embedded`), and
@@ -47,7 +47,7 @@ pub(super) enum TextureValues {
     Texture(Spanned<String>, DVec3),
 }
 
-impl TextureValues {
+impl MitsubaTextureValues {
     /// Returns the mean of the values over the texture; for a constant, the constant.
     pub fn mean(&self) -> DVec3 {
         match self {
@@ -75,7 +75,7 @@ impl TextureValues {
 
 /// Textures and embedded pictures of the imported scene so far.
 #[derive(Default)]
-pub(super) struct Textures {
+pub(super) struct MitsubaTextures {
     /// Textures of the imported scene.
     pub descriptions: Vec<Spanned<TextureDescription>>,
     /// Embedded pictures, by path.
@@ -85,12 +85,12 @@ pub(super) struct Textures {
     /// Converted picture files, as paths of embedded pictures or as constants.
     ///
     /// The key holds the file, a flag for raw values, the use, and the bits of the factor.
-    embedded: HashMap<(PathBuf, bool, TextureUse, u64), TextureValues>,
+    embedded: HashMap<(PathBuf, bool, MitsubaTextureUse, u64), MitsubaTextureValues>,
     /// Names of the textures. A key is a texture's content as text, so equal textures become one.
     names: HashMap<String, String>,
 }
 
-impl Textures {
+impl MitsubaTextures {
     /// Converts the texture or color `name` of an object; returns `default` if the object has
     /// neither.
     ///
@@ -99,21 +99,23 @@ impl Textures {
     pub fn texture_values(
         &mut self,
         context: &ImportContext<'_>,
-        object: &SceneObject,
+        object: &MitsubaObject,
         (name, default): (&str, f64),
-        (wanted, convention): (TextureUse, TexcoordConvention),
-    ) -> ReadResult<TextureValues> {
+        (wanted, convention): (MitsubaTextureUse, TexcoordConvention),
+    ) -> ReadResult<MitsubaTextureValues> {
         let meaning = match wanted {
-            TextureUse::Color => ColorMeaning::Reflectance,
-            TextureUse::Radiance => ColorMeaning::Emission,
-            TextureUse::Fraction | TextureUse::Height | TextureUse::Normal => ColorMeaning::Coefficient,
+            MitsubaTextureUse::Color => ColorMeaning::Reflectance,
+            MitsubaTextureUse::Radiance => ColorMeaning::Emission,
+            MitsubaTextureUse::Fraction | MitsubaTextureUse::Height | MitsubaTextureUse::Normal => {
+                ColorMeaning::Coefficient
+            }
         };
         if context.color_value(object, name)?.is_none()
             && let Some(texture) = context.named_child(object, ObjectClass::Texture, name)?
         {
             return self.convert_texture(context, &texture, (wanted, convention), 1.0, 0);
         }
-        Ok(TextureValues::Constant(clamped_to_range(context.color(object, name, meaning, default)?, wanted)))
+        Ok(MitsubaTextureValues::Constant(clamped_to_range(context.color(object, name, meaning, default)?, wanted)))
     }
 
     /// Converts a texture object to the quantity `wanted`, with its values multiplied by `factor`.
@@ -122,17 +124,17 @@ impl Textures {
     pub fn convert_texture(
         &mut self,
         context: &ImportContext<'_>,
-        texture: &SceneObject,
-        (wanted, convention): (TextureUse, TexcoordConvention),
+        texture: &MitsubaObject,
+        (wanted, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
         depth: u32,
-    ) -> ReadResult<TextureValues> {
+    ) -> ReadResult<MitsubaTextureValues> {
         if depth > MAX_DEPTH {
             return Err(texture.place.error("textures are nested too deep", "nest them less deep"));
         }
         if let Some(color) = context.spectrum_object(texture)? {
             let color = color.to_rgb(ColorMeaning::Reflectance).max(DVec3::ZERO) * factor;
-            return Ok(TextureValues::Constant(clamped_to_range(color, wanted)));
+            return Ok(MitsubaTextureValues::Constant(clamped_to_range(color, wanted)));
         }
         match texture.plugin.as_str() {
             "bitmap" => self.convert_bitmap(context, texture, (wanted, convention), factor),
@@ -141,13 +143,13 @@ impl Textures {
                 let own = factor * texture.number("scale").or_else(|| texture.number("value")).unwrap_or(1.0);
                 match context.children(texture, ObjectClass::Texture)?.first() {
                     Some((_, inner)) => self.convert_texture(context, inner, (wanted, convention), own, depth + 1),
-                    None => Ok(TextureValues::Constant(clamped_to_range(DVec3::splat(own), wanted))),
+                    None => Ok(MitsubaTextureValues::Constant(clamped_to_range(DVec3::splat(own), wanted))),
                 }
             }
             _ => {
                 let message = format!("textures of kind `{}` become gray of reflectance 0.5", texture.plugin);
                 context.add_note_on_object(&message, texture);
-                Ok(TextureValues::Constant(clamped_to_range(DVec3::splat(0.5 * factor), wanted)))
+                Ok(MitsubaTextureValues::Constant(clamped_to_range(DVec3::splat(0.5 * factor), wanted)))
             }
         }
     }
@@ -158,7 +160,7 @@ impl Textures {
     pub fn read_picture(
         &mut self,
         context: &ImportContext<'_>,
-        object: &SceneObject,
+        object: &MitsubaObject,
         is_raw: bool,
     ) -> ReadResult<(PathBuf, Rc<Image>)> {
         let Some(name) = object.text("filename") else {
@@ -228,12 +230,12 @@ impl Textures {
     pub fn convert_bitmap(
         &mut self,
         context: &ImportContext<'_>,
-        texture: &SceneObject,
-        (wanted, convention): (TextureUse, TexcoordConvention),
+        texture: &MitsubaObject,
+        (wanted, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
-    ) -> ReadResult<TextureValues> {
+    ) -> ReadResult<MitsubaTextureValues> {
         // Before version 2, the encoding is called `gamma`.
-        let is_raw = wanted == TextureUse::Normal
+        let is_raw = wanted == MitsubaTextureUse::Normal
             || texture.boolean("raw", false)
             || texture.number("gamma").is_some_and(|gamma| gamma == 1.0);
         let (file, picture) = self.read_picture(context, texture, is_raw)?;
@@ -246,17 +248,17 @@ impl Textures {
                 let pixels: Vec<Rgb> = picture.pixels().iter().map(value).collect();
                 let mean = pixels.iter().map(|pixel| pixel.as_dvec3()).sum::<DVec3>() / pixels.len() as f64;
                 let values = if pixels.iter().all(|pixel| *pixel == pixels[0]) {
-                    TextureValues::Constant(pixels[0].as_dvec3())
+                    MitsubaTextureValues::Constant(pixels[0].as_dvec3())
                 } else {
                     let image = Image::from_pixels(picture.width(), picture.height(), pixels);
                     let image = image.map_err(|error| texture.place.error(error, "name another picture"))?;
-                    TextureValues::Texture(Spanned::new(self.embed_picture(image), Span::default()), mean)
+                    MitsubaTextureValues::Texture(Spanned::new(self.embed_picture(image), Span::default()), mean)
                 };
                 self.embedded.insert(key, values.clone());
                 values
             }
         };
-        let TextureValues::Texture(path, mean) = values else { return Ok(values) };
+        let MitsubaTextureValues::Texture(path, mean) = values else { return Ok(values) };
         if texture.text("filter_type") == Some("nearest") {
             context.add_note("textures are interpolated instead of showing square pixels", texture);
         }
@@ -274,17 +276,17 @@ impl Textures {
         // v = 0 is the top of a picture in Mitsuba, and the bottom in Caustica.
         let coordinates = texcoord_transform_description(context, texture, flipped_v(to_uv));
         let kind = TextureKindDescription::Image { path, encoding: PictureEncoding::Linear, wrap, coordinates };
-        Ok(TextureValues::Texture(self.texture_name(kind), mean))
+        Ok(MitsubaTextureValues::Texture(self.texture_name(kind), mean))
     }
 
     fn convert_checkerboard(
         &mut self,
         context: &ImportContext<'_>,
-        texture: &SceneObject,
-        (wanted, convention): (TextureUse, TexcoordConvention),
+        texture: &MitsubaObject,
+        (wanted, convention): (MitsubaTextureUse, TexcoordConvention),
         factor: f64,
         depth: u32,
-    ) -> ReadResult<TextureValues> {
+    ) -> ReadResult<MitsubaTextureValues> {
         let mut colors = [DVec3::ZERO; 2];
         for (color, (name, default)) in colors.iter_mut().zip([("color0", 0.4), ("color1", 0.2)]) {
             let inner = match context.color_value(texture, name)? {
@@ -307,7 +309,7 @@ impl Textures {
         let (linear, offset) = mitsuba_texcoord_transform(context, texture, convention);
         let coordinates = texcoord_transform_description(context, texture, (linear * 2.0, offset * 2.0));
         let name = self.texture_name(TextureKindDescription::Checker { colors, coordinates });
-        Ok(TextureValues::Texture(name, mean))
+        Ok(MitsubaTextureValues::Texture(name, mean))
     }
 
     /// Returns the name of the texture with this content. Adds it to the imported scene if it is
@@ -324,24 +326,28 @@ impl Textures {
 }
 
 /// Returns a color clamped to the range of the quantity `wanted`.
-fn clamped_to_range(color: DVec3, wanted: TextureUse) -> DVec3 {
+fn clamped_to_range(color: DVec3, wanted: MitsubaTextureUse) -> DVec3 {
     match wanted {
-        TextureUse::Color | TextureUse::Fraction | TextureUse::Normal => color.clamp(DVec3::ZERO, DVec3::ONE),
-        TextureUse::Height | TextureUse::Radiance => color.max(DVec3::ZERO),
+        MitsubaTextureUse::Color | MitsubaTextureUse::Fraction | MitsubaTextureUse::Normal => {
+            color.clamp(DVec3::ZERO, DVec3::ONE)
+        }
+        MitsubaTextureUse::Height | MitsubaTextureUse::Radiance => color.max(DVec3::ZERO),
     }
 }
 
 /// Converts a pixel to the quantity `wanted`, clamped to its range. Infinite values and NaN become
 /// 0.
-fn value_for_use(pixel: Rgb, wanted: TextureUse) -> Vec3 {
+fn value_for_use(pixel: Rgb, wanted: MitsubaTextureUse) -> Vec3 {
     let pixel = if pixel.is_finite() { pixel } else { Rgb::ZERO };
     let pixel = match wanted {
-        TextureUse::Color | TextureUse::Radiance | TextureUse::Normal => pixel,
-        TextureUse::Fraction | TextureUse::Height => Rgb::splat(luminance(pixel)),
+        MitsubaTextureUse::Color | MitsubaTextureUse::Radiance | MitsubaTextureUse::Normal => pixel,
+        MitsubaTextureUse::Fraction | MitsubaTextureUse::Height => Rgb::splat(luminance(pixel)),
     };
     match wanted {
-        TextureUse::Color | TextureUse::Fraction | TextureUse::Normal => pixel.clamp(Vec3::ZERO, Vec3::ONE),
-        TextureUse::Height | TextureUse::Radiance => pixel.max(Vec3::ZERO),
+        MitsubaTextureUse::Color | MitsubaTextureUse::Fraction | MitsubaTextureUse::Normal => {
+            pixel.clamp(Vec3::ZERO, Vec3::ONE)
+        }
+        MitsubaTextureUse::Height | MitsubaTextureUse::Radiance => pixel.max(Vec3::ZERO),
     }
 }
 
@@ -352,7 +358,7 @@ fn value_for_use(pixel: Rgb, wanted: TextureUse) -> Vec3 {
 /// Singular transforms are ignored with a message.
 fn mitsuba_texcoord_transform(
     context: &ImportContext<'_>,
-    texture: &SceneObject,
+    texture: &MitsubaObject,
     convention: TexcoordConvention,
 ) -> (DMat2, DVec2) {
     let matrix = texture.transform("to_uv").unwrap_or(DMat4::IDENTITY);
@@ -390,7 +396,7 @@ fn flipped_v((linear, offset): (DMat2, DVec2)) -> (DMat2, DVec2) {
 /// A shear is ignored with a message.
 fn texcoord_transform_description(
     context: &ImportContext<'_>,
-    texture: &SceneObject,
+    texture: &MitsubaObject,
     (linear, offset): (DMat2, DVec2),
 ) -> TexcoordTransformDescription {
     let (u, v) = (linear.x_axis, linear.y_axis);

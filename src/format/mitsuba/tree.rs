@@ -3,7 +3,7 @@
 //! Names of values are in snake case, whatever the version of the file: `toWorld` is `to_world`.
 
 use super::color::ColorValue;
-use super::files::Place;
+use super::files::MitsubaPlace;
 use glam::{DMat4, DVec3};
 use std::cell::Cell;
 use std::collections::{BTreeMap, HashMap};
@@ -87,14 +87,14 @@ pub(super) enum Value {
 #[derive(Clone, Debug)]
 pub(super) enum ChildObject {
     /// The nested object itself.
-    Own(Rc<SceneObject>),
+    Own(Rc<MitsubaObject>),
     /// Identifier of the object, which may be defined later, and the position of the reference.
-    Reference(String, Place),
+    Reference(String, MitsubaPlace),
 }
 
 /// An object of the scene file: an instance of a Mitsuba plugin.
 #[derive(Debug)]
-pub(super) struct SceneObject {
+pub(super) struct MitsubaObject {
     /// Class of the object, such as BSDF or emitter.
     pub class: ObjectClass,
     /// Name of its plugin, such as `diffuse`.
@@ -102,7 +102,7 @@ pub(super) struct SceneObject {
     /// Identifier by which references name the object; `None` without one.
     pub id: Option<String>,
     /// Position in the file.
-    pub place: Place,
+    pub place: MitsubaPlace,
     /// Values by name, each with a flag that is true if the importer has read it.
     pub values: BTreeMap<String, (Value, Cell<bool>)>,
     /// Nested objects, each with its name inside this object, in the order of the file.
@@ -115,14 +115,14 @@ pub(super) struct SceneObject {
 #[derive(Debug)]
 pub(super) struct ObjectTree {
     /// Root object. Its children are the objects at the top level of the file.
-    pub root: Rc<SceneObject>,
+    pub root: Rc<MitsubaObject>,
     /// Objects by identifier.
-    pub by_id: HashMap<String, Rc<SceneObject>>,
+    pub by_id: HashMap<String, Rc<MitsubaObject>>,
 }
 
 impl ObjectTree {
     /// True if `condition` holds for any object of the scene.
-    pub fn any_object(&self, condition: &dyn Fn(&SceneObject) -> bool) -> bool {
+    pub fn any_object(&self, condition: &dyn Fn(&MitsubaObject) -> bool) -> bool {
         let mut pending = vec![&self.root];
         while let Some(object) = pending.pop() {
             if condition(object) {
@@ -134,7 +134,7 @@ impl ObjectTree {
     }
 }
 
-impl SceneObject {
+impl MitsubaObject {
     /// Returns the objects that are nested in this one directly, without references.
     pub fn own_children(&self) -> impl Iterator<Item = &Rc<Self>> {
         self.children.iter().filter_map(|(_, child)| match child {

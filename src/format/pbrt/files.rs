@@ -1,6 +1,7 @@
 //! Access to the files of a pbrt scene, with checks of permission and memory.
 
 use crate::format::SceneError;
+pub(super) use crate::format::import::ReadResult;
 use crate::format::import::{ImportOptions, SceneReadError};
 use crate::format::mesh::MeshReadMonitor;
 use crate::image::open_file;
@@ -10,18 +11,16 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-pub(super) type ReadResult<T> = Result<T, SceneReadError>;
-
 /// Position of a directive in a pbrt scene: file name and line.
 #[derive(Clone, Debug)]
-pub(super) struct Place {
+pub(super) struct PbrtPlace {
     /// Name of the file.
     pub file: Rc<str>,
     /// Line of the directive in the file, from 1.
     pub line: u32,
 }
 
-impl Place {
+impl PbrtPlace {
     /// Returns an error with `message` and the remedy `help`, at this position.
     pub fn error(&self, message: impl Display, help: &str) -> SceneReadError {
         SceneError::error_without_position(&self.file, format!("line {}: {message}", self.line), help).into()
@@ -35,7 +34,7 @@ impl Place {
 }
 
 /// Access to the scene file and the files that it refers to, within a memory limit.
-pub(super) struct SceneFiles<'a> {
+pub(super) struct PbrtSceneFiles<'a> {
     /// Path of the scene file.
     pub path: &'a Path,
     /// Receives the path of each file that is read after the scene file.
@@ -48,7 +47,7 @@ pub(super) struct SceneFiles<'a> {
     used: Cell<u64>,
 }
 
-impl<'a> SceneFiles<'a> {
+impl<'a> PbrtSceneFiles<'a> {
     /// Prepares reading the scene at `path`; reads no file.
     pub fn new(path: &'a Path, monitor: &'a dyn MeshReadMonitor, options: &'a ImportOptions) -> Self {
         let free_at_start = options.memory.available_bytes();
@@ -85,7 +84,7 @@ impl<'a> SceneFiles<'a> {
     ///
     /// `name` is relative to the folder of the scene file. Reports the file to the monitor. The
     /// file must lie inside that folder, unless the options allow outside files.
-    pub fn resolve_path(&self, place: &Place, name: &str) -> ReadResult<PathBuf> {
+    pub fn resolve_path(&self, place: &PbrtPlace, name: &str) -> ReadResult<PathBuf> {
         let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let file = folder.join(name);
         let Ok(absolute) = file.canonicalize() else {
@@ -102,7 +101,7 @@ impl<'a> SceneFiles<'a> {
     }
 
     /// Returns the decompressed content of a gzip file.
-    pub fn gunzipped(&self, bytes: &[u8], place: &Place) -> ReadResult<Vec<u8>> {
+    pub fn gunzipped(&self, bytes: &[u8], place: &PbrtPlace) -> ReadResult<Vec<u8>> {
         let free = self.free_memory().unwrap_or(u64::MAX);
         let mut out = Vec::new();
         let read = flate2::read::MultiGzDecoder::new(bytes).take(free).read_to_end(&mut out);

@@ -1,18 +1,18 @@
 //! Interprets the directives of a pbrt scene.
 
 use super::camera::{FilmSize, film_size, read_camera};
-use super::content::SceneContent;
-use super::files::{Place, ReadResult, SceneFiles};
-use super::lights::{Lights, ShapeEmission};
-use super::materials::Materials;
-use super::media::Media;
+use super::content::PbrtSceneContent;
+use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
+use super::lights::{Lights, PbrtShapeEmission};
+use super::materials::PbrtMaterials;
+use super::media::PbrtMedia;
 use super::parameters::{Parameters, parse_number};
 use super::settings::SuggestedFlags;
 use super::shapes::read_shape;
 use super::state::{AreaLightDirective, CurrentMaterial, GraphicsState, MovingTransform, object_motion, transform_map};
 use super::surfaces::{back_side_shape, is_sheet, world_area};
-use super::textures::Textures;
-use super::tokens::{Token, TokenKind, Tokens};
+use super::textures::PbrtTextures;
+use super::tokens::{PbrtToken, TokenKind, Tokens};
 use crate::format::SourceText;
 use crate::format::assets::EmbeddedAssets;
 use crate::format::description::{
@@ -68,13 +68,13 @@ struct ObjectDefinition {
 
 /// State of the interpreter while it reads a pbrt scene.
 pub(super) struct Interpreter<'a> {
-    files: &'a SceneFiles<'a>,
+    files: &'a PbrtSceneFiles<'a>,
     state: GraphicsState,
     saved: Vec<GraphicsState>,
     coordinates: HashMap<String, MovingTransform>,
-    content: SceneContent,
+    content: PbrtSceneContent,
     lights: Lights,
-    media: Media,
+    media: PbrtMedia,
     film: Option<FilmSize>,
     settings: SuggestedFlags,
     camera: Option<CameraDescription>,
@@ -97,11 +97,11 @@ pub(super) struct Interpreter<'a> {
 
 impl<'a> Interpreter<'a> {
     /// Returns the interpreter in its state before the first directive.
-    pub fn new(files: &'a SceneFiles<'a>) -> Self {
-        let content = SceneContent {
+    pub fn new(files: &'a PbrtSceneFiles<'a>) -> Self {
+        let content = PbrtSceneContent {
             meshes: BTreeMap::new(),
-            textures: Textures::default(),
-            materials: Materials::new(),
+            textures: PbrtTextures::default(),
+            materials: PbrtMaterials::new(),
             notes: ImportNotes::default(),
             is_v3: false,
         };
@@ -112,7 +112,7 @@ impl<'a> Interpreter<'a> {
             coordinates: HashMap::from([("world".to_owned(), MovingTransform::IDENTITY)]),
             content,
             lights: Lights::default(),
-            media: Media::default(),
+            media: PbrtMedia::default(),
             film: None,
             settings: SuggestedFlags::default(),
             camera: None,
@@ -140,7 +140,7 @@ impl<'a> Interpreter<'a> {
     /// Returns the imported scene. Adds a white sky if it has no light, and a camera if it has
     /// none.
     pub fn finish(mut self) -> ReadResult<ImportedScene> {
-        let place = Place { file: self.files.path.display().to_string().into(), line: 1 };
+        let place = PbrtPlace { file: self.files.path.display().to_string().into(), line: 1 };
         if self.open_object.is_some() {
             return Err(place.error("an object is not closed", "add `ObjectEnd`"));
         }
@@ -170,7 +170,7 @@ impl<'a> Interpreter<'a> {
             let message = format!("the settings of the file are not applied: they stand for `{flags}`");
             self.content.notes.add_missing(&message);
         }
-        let SceneContent { meshes, textures, materials, notes, .. } = self.content;
+        let PbrtSceneContent { meshes, textures, materials, notes, .. } = self.content;
         let (media, grids) = self.media.into_descriptions(self.mirror);
         let description = SceneDescription {
             camera: Spanned::new(camera, Span::default()),
@@ -208,7 +208,7 @@ impl<'a> Interpreter<'a> {
         &mut self,
         directive: &str,
         tokens: &mut Tokens<'_>,
-        place: Place,
+        place: PbrtPlace,
         depth: usize,
     ) -> ReadResult<()> {
         match directive {
@@ -248,7 +248,7 @@ impl<'a> Interpreter<'a> {
             }
             "ActiveTransform" => {
                 let word = match tokens.next_token()? {
-                    Some(Token { kind: TokenKind::Word(word), .. }) => word,
+                    Some(PbrtToken { kind: TokenKind::Word(word), .. }) => word,
                     _ => "",
                 };
                 self.state.is_active = match word {
@@ -309,7 +309,7 @@ impl<'a> Interpreter<'a> {
             "MediumInterface" => {
                 let inside = read_quoted(tokens, &place)?;
                 let outside = match tokens.peek_token()? {
-                    Some(Token { kind: TokenKind::Quoted(_), .. }) => read_quoted(tokens, &place)?,
+                    Some(PbrtToken { kind: TokenKind::Quoted(_), .. }) => read_quoted(tokens, &place)?,
                     _ => inside.clone(),
                 };
                 self.state.media = [inside.into(), outside.into()];
@@ -324,7 +324,7 @@ impl<'a> Interpreter<'a> {
                 let (name, value_kind, class) =
                     (read_quoted(tokens, &place)?, read_quoted(tokens, &place)?, read_quoted(tokens, &place)?);
                 let parameters = Parameters::read(tokens, place, self.files)?;
-                let SceneContent { textures, notes, .. } = &mut self.content;
+                let PbrtSceneContent { textures, notes, .. } = &mut self.content;
                 let is_color = value_kind != "float";
                 textures.define_texture((&name, &class, is_color), &parameters, self.files, notes)
             }
@@ -415,7 +415,7 @@ impl<'a> Interpreter<'a> {
         }
     }
 
-    fn save_state(&mut self, place: &Place) -> ReadResult<()> {
+    fn save_state(&mut self, place: &PbrtPlace) -> ReadResult<()> {
         if self.saved.len() >= MAX_ATTRIBUTE_DEPTH {
             return Err(place.error("attribute blocks nest too deep", "close the blocks: `AttributeEnd`"));
         }
@@ -437,7 +437,7 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    fn run_included_file(&mut self, name: &str, is_import: bool, place: &Place, depth: usize) -> ReadResult<()> {
+    fn run_included_file(&mut self, name: &str, is_import: bool, place: &PbrtPlace, depth: usize) -> ReadResult<()> {
         self.includes += 1;
         if depth >= MAX_INCLUDE_DEPTH || self.includes > MAX_INCLUDES {
             let help = "let no file include itself";
@@ -474,12 +474,12 @@ impl<'a> Interpreter<'a> {
                 None
             }
             (Some(light), None) => {
-                Some(ShapeEmission::from_parameters(&light.parameters, self.files, &mut self.content)?)
+                Some(PbrtShapeEmission::from_parameters(&light.parameters, self.files, &mut self.content)?)
             }
             (None, _) => None,
         };
         let alpha = parameters.find("alpha");
-        let SceneContent { meshes, textures, materials, notes, .. } = &mut self.content;
+        let PbrtSceneContent { meshes, textures, materials, notes, .. } = &mut self.content;
         let material =
             materials.imported_material_name(&self.state.material, (medium, alpha), textures, self.files, notes)?;
         let separates_media = inside != self.state.media[1];
@@ -510,7 +510,7 @@ impl<'a> Interpreter<'a> {
         Ok(())
     }
 
-    fn add_instance(&mut self, name: &str, place: &Place) -> ReadResult<()> {
+    fn add_instance(&mut self, name: &str, place: &PbrtPlace) -> ReadResult<()> {
         let definition = self.definitions.get(name).cloned().ok_or_else(|| {
             place.error(format!("no object is called `{name}`"), "define it before: `ObjectBegin`, `ObjectEnd`")
         })?;
@@ -543,7 +543,7 @@ fn transformed_object(
     object: Spanned<ObjectDescription>,
     outer: DAffine3,
     transform: &MovingTransform,
-    place: &Place,
+    place: &PbrtPlace,
     notes: &mut ImportNotes,
 ) -> Spanned<ObjectDescription> {
     let under = |map: DAffine3, object: Spanned<ObjectDescription>| {
@@ -565,9 +565,9 @@ fn transformed_object(
 
 /// Reads a text in quotes, and returns it without the quotes; an error if the next token is
 /// another.
-fn read_quoted(tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<String> {
+fn read_quoted(tokens: &mut Tokens<'_>, place: &PbrtPlace) -> ReadResult<String> {
     match tokens.next_token()? {
-        Some(Token { kind: TokenKind::Quoted(text), .. }) => Ok(text.into_owned()),
+        Some(PbrtToken { kind: TokenKind::Quoted(text), .. }) => Ok(text.into_owned()),
         _ => {
             Err(place.error("a name in quotes is missing", "write the name after the directive, as `Shape \"sphere\"`"))
         }
@@ -575,7 +575,7 @@ fn read_quoted(tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<String> {
 }
 
 /// Reads exactly `count` numbers, with or without brackets around them.
-fn read_numbers(tokens: &mut Tokens<'_>, count: usize, place: &Place) -> ReadResult<Vec<f64>> {
+fn read_numbers(tokens: &mut Tokens<'_>, count: usize, place: &PbrtPlace) -> ReadResult<Vec<f64>> {
     let mut numbers = Vec::with_capacity(count);
     let missing = || place.error(format!("the directive needs {count} numbers"), "add the missing numbers");
     let mut is_open = false;
@@ -586,7 +586,7 @@ fn read_numbers(tokens: &mut Tokens<'_>, count: usize, place: &Place) -> ReadRes
             TokenKind::Open | TokenKind::Close | TokenKind::Quoted(_) => return Err(missing()),
         }
     }
-    if is_open && !matches!(tokens.next_token()?, Some(Token { kind: TokenKind::Close, .. })) {
+    if is_open && !matches!(tokens.next_token()?, Some(PbrtToken { kind: TokenKind::Close, .. })) {
         return Err(place.error("a bracket is not closed", "close it with `]`"));
     }
     Ok(numbers)

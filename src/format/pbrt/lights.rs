@@ -1,8 +1,8 @@
 //! Converts lights of pbrt scenes.
 
-use super::content::SceneContent;
+use super::content::PbrtSceneContent;
 use super::environment::{MapLayout, to_equirectangular};
-use super::files::{Place, ReadResult, SceneFiles};
+use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
 use super::parameters::{Parameter, Parameters};
 use super::spectra::{ColorUse, color};
 use super::textures::read_picture;
@@ -41,8 +41,8 @@ impl Lights {
         kind: &str,
         parameters: &Parameters,
         to_world: DAffine3,
-        content: &mut SceneContent,
-        files: &SceneFiles<'_>,
+        content: &mut PbrtSceneContent,
+        files: &PbrtSceneFiles<'_>,
     ) -> ReadResult<()> {
         let place = &parameters.place;
         let is_v3 = content.is_v3;
@@ -143,8 +143,8 @@ impl Lights {
         parameters: &Parameters,
         (axes, scale): (DMat3, DVec3),
         constant: DVec3,
-        content: &mut SceneContent,
-        files: &SceneFiles<'_>,
+        content: &mut PbrtSceneContent,
+        files: &PbrtSceneFiles<'_>,
     ) -> ReadResult<()> {
         let place = &parameters.place;
         if parameters.find("portal").is_some() {
@@ -181,8 +181,8 @@ impl Lights {
     /// If that light has a map, embeds it as a picture in `content`.
     pub fn into_descriptions(
         mut self,
-        content: &mut SceneContent,
-        files: &SceneFiles<'_>,
+        content: &mut PbrtSceneContent,
+        files: &PbrtSceneFiles<'_>,
     ) -> ReadResult<Vec<Spanned<LightDescription>>> {
         let radiance = match self.map {
             Some(mut map) => {
@@ -205,9 +205,9 @@ impl Lights {
 /// A square map of pbrt-v4 is octahedral; any other is by latitude and longitude.
 fn environment_map(
     parameter: &Parameter,
-    place: &Place,
-    content: &mut SceneContent,
-    files: &SceneFiles<'_>,
+    place: &PbrtPlace,
+    content: &mut PbrtSceneContent,
+    files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<(Image, MapLayout)> {
     let name = parameter.texts.first().map(String::as_str).unwrap_or_default();
     let image = read_picture(name, PixelMeaning::Radiance, place, files)?;
@@ -230,8 +230,8 @@ fn environment_map(
 fn goniometric_map(
     parameters: &Parameters,
     axes: DMat3,
-    content: &mut SceneContent,
-    files: &SceneFiles<'_>,
+    content: &mut PbrtSceneContent,
+    files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<Option<Image>> {
     let place = &parameters.place;
     let Some(parameter) = parameters.find_any(&["filename", "mapname"]) else { return Ok(None) };
@@ -251,7 +251,7 @@ fn goniometric_map(
 /// Returns the picture of a projection light, and its full vertical angle \[degrees].
 ///
 /// `axes` maps the light's space to world space. Right-handed axes flip the picture.
-fn projected_picture(parameters: &Parameters, axes: DMat3, files: &SceneFiles<'_>) -> ReadResult<(Image, f64)> {
+fn projected_picture(parameters: &Parameters, axes: DMat3, files: &PbrtSceneFiles<'_>) -> ReadResult<(Image, f64)> {
     let place = &parameters.place;
     let fov = parameters.number_or("fov", 90.0);
     if !(fov > 0.0 && fov < 180.0) {
@@ -279,7 +279,7 @@ fn nonnegative_finite_pixel(pixel: Vec3) -> Vec3 {
 }
 
 /// Returns the parameter `scale` of a light: a number, or a color in pbrt-v3; 1 if it is missing.
-fn light_scale(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<DVec3> {
+fn light_scale(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<DVec3> {
     match parameters.find("scale") {
         Some(parameter) => color(parameter, ColorUse::Unbounded, &parameters.place, files),
         None => Ok(DVec3::ONE),
@@ -288,25 +288,31 @@ fn light_scale(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<DV
 
 /// Emission of a shape, as its `AreaLightSource` states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ShapeEmission {
-    /// Radiance \[W/(m² sr)]; if `is_power`, flux \[W] by color, not yet divided by π and the area.
-    radiance: DVec3,
-    /// True if the file states the flux of the shape instead of its radiance.
-    is_power: bool,
+pub(super) struct PbrtShapeEmission {
+    strength: EmissionStrength,
     /// True if both sides emit.
     pub is_two_sided: bool,
 }
 
-impl ShapeEmission {
+/// Strength of the emission of a shape, by color, in the quantity that the file states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum EmissionStrength {
+    /// Radiance \[W/(m² sr)].
+    Radiance(DVec3),
+    /// Flux of the whole shape \[W].
+    Flux(DVec3),
+}
+
+impl PbrtShapeEmission {
     /// Reads the emission that the parameters of an `AreaLightSource` directive state.
     pub fn from_parameters(
         parameters: &Parameters,
-        files: &SceneFiles<'_>,
-        content: &mut SceneContent,
+        files: &PbrtSceneFiles<'_>,
+        content: &mut PbrtSceneContent,
     ) -> ReadResult<Self> {
-        let place: &Place = &parameters.place;
+        let place: &PbrtPlace = &parameters.place;
         let wanted = ColorUse::Light { is_v3: content.is_v3 };
-        let radiance = match parameters.find("L") {
+        let color = match parameters.find("L") {
             Some(parameter) => color(parameter, wanted, place, files)?,
             None => DVec3::ONE,
         };
@@ -315,21 +321,24 @@ impl ShapeEmission {
                 .notes
                 .add_unsupported("pictures of area lights are ignored: they emit evenly", place.position_text());
         }
-        let power = parameters.number("power").filter(|power| *power > 0.0);
         let is_two_sided = parameters.flag("twosided") == Some(true);
-        let radiance = radiance * light_scale(parameters, files)? * power.unwrap_or(1.0);
-        Ok(Self { radiance, is_power: power.is_some(), is_two_sided })
+        let scaled = color * light_scale(parameters, files)?;
+        let strength = match parameters.number("power").filter(|power| *power > 0.0) {
+            Some(power) => EmissionStrength::Flux(scaled * power),
+            None => EmissionStrength::Radiance(scaled),
+        };
+        Ok(Self { strength, is_two_sided })
     }
 
     /// Returns the radiance of a shape \[W/(m² sr)].
     ///
     /// `area` computes the shape's world-space area. It is called only if the file states a flux.
     pub fn radiance(&self, area: impl FnOnce() -> f64) -> DVec3 {
-        if !self.is_power {
-            return self.radiance;
-        }
         let sides = if self.is_two_sided { 2.0 } else { 1.0 };
-        self.radiance / (PI * sides * area().max(f64::MIN_POSITIVE))
+        match self.strength {
+            EmissionStrength::Radiance(radiance) => radiance,
+            EmissionStrength::Flux(flux) => flux / (PI * sides * area().max(f64::MIN_POSITIVE)),
+        }
     }
 }
 

@@ -1,10 +1,10 @@
 //! Converts materials of pbrt to materials of the scene language.
 
-use super::files::{Place, ReadResult, SceneFiles};
+use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
 use super::parameters::{Parameter, Parameters};
 use super::spectra::{SpectralValue, spectral_value};
 use super::state::CurrentMaterial;
-use super::textures::{TextureValue, Textures};
+use super::textures::{PbrtTextures, TextureValue};
 use crate::bsdf::{LossyCoat, MAX_COAT_INDEX, metal_refractive_index};
 use crate::color::{conductor_rgb, glass_by_name};
 use crate::format::description::{
@@ -59,7 +59,7 @@ struct FileMaterial {
 }
 
 /// Materials that the pbrt file defines, and the materials of the imported scene that shapes use.
-pub(super) struct Materials {
+pub(super) struct PbrtMaterials {
     numbered: Vec<Option<FileMaterial>>,
     named: HashMap<String, FileMaterial>,
     /// Names of the imported scene's materials. A key combines pbrt's material, the medium inside
@@ -70,10 +70,10 @@ pub(super) struct Materials {
 }
 
 /// Converter of one pbrt material for a shape, with the state of the conversion.
-struct MaterialConverter<'m> {
-    materials: &'m mut Materials,
-    textures: &'m mut Textures,
-    files: &'m SceneFiles<'m>,
+struct PbrtMaterialConverter<'m> {
+    materials: &'m mut PbrtMaterials,
+    textures: &'m mut PbrtTextures,
+    files: &'m PbrtSceneFiles<'m>,
     notes: &'m mut ImportNotes,
     /// Name of the medium inside the shape; `None` for vacuum.
     medium: Option<&'m str>,
@@ -85,7 +85,7 @@ struct Roughness {
     mean: f64,
 }
 
-impl Materials {
+impl PbrtMaterials {
     /// Returns the table of materials before the first directive.
     ///
     /// It holds only pbrt's default material, with the number 0.
@@ -115,8 +115,8 @@ impl Materials {
         &mut self,
         material: &CurrentMaterial,
         (medium, alpha): (Option<&str>, Option<&Parameter>),
-        textures: &mut Textures,
-        files: &SceneFiles<'_>,
+        textures: &mut PbrtTextures,
+        files: &PbrtSceneFiles<'_>,
         notes: &mut ImportNotes,
     ) -> ReadResult<String> {
         let opacity = alpha.map_or(String::new(), |alpha| format!("{:?} {:?}", alpha.numbers, alpha.texts));
@@ -127,10 +127,10 @@ impl Materials {
         if let Some(name) = self.used.get(&key) {
             return Ok(name.clone());
         }
-        let mut converter = MaterialConverter { materials: self, textures, files, notes, medium };
+        let mut converter = PbrtMaterialConverter { materials: self, textures, files, notes, medium };
         let mut name = converter.convert_material(material, 0)?;
         if let Some(parameter) = alpha {
-            let place = Place { file: files.path.display().to_string().into(), line: 0 };
+            let place = PbrtPlace { file: files.path.display().to_string().into(), line: 0 };
             let value = converter.textures.parameter_value(parameter, false, &place, files)?;
             let (amount, mean) = converter.textured_scalar_and_mean(&value, &|alpha| alpha.clamp(0.0, 1.0))?;
             if amount != TexturedValue::Plain(1.0) && mean < 1.0 {
@@ -149,10 +149,10 @@ impl Materials {
     }
 }
 
-impl MaterialConverter<'_> {
+impl PbrtMaterialConverter<'_> {
     /// Converts a pbrt material, adds it to the imported scene, and returns its name there.
     fn convert_material(&mut self, material: &CurrentMaterial, depth: usize) -> ReadResult<String> {
-        let missing = |name: &str, place: &Place| {
+        let missing = |name: &str, place: &PbrtPlace| {
             place.error(format!("no material is called `{name}`"), "define it with `MakeNamedMaterial`")
         };
         let found = match material {
@@ -539,7 +539,7 @@ impl MaterialConverter<'_> {
         Ok(texture.map(|texture| NormalPerturbationDescription::Bump { texture, height: 1.0 }))
     }
 
-    fn add_note(&mut self, message: &str, place: &Place) {
+    fn add_note(&mut self, message: &str, place: &PbrtPlace) {
         self.notes.add_unsupported(message, place.position_text());
     }
 }

@@ -1,6 +1,6 @@
 //! Converts participating media of pbrt scenes.
 
-use super::files::{Place, ReadResult, SceneFiles};
+use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
 use super::parameters::Parameters;
 use super::spectra::{ColorUse, color};
 use crate::format::description::{
@@ -31,13 +31,13 @@ type DensityGrids = BTreeMap<String, Arc<DensityGrid>>;
 
 /// Media of the imported scene so far, with their density grids.
 #[derive(Default)]
-pub(super) struct Media {
+pub(super) struct PbrtMedia {
     /// Media of the imported scene. Boxes of grids are in pbrt's world space.
     descriptions: Vec<Spanned<MediumDescription>>,
     grids: DensityGrids,
 }
 
-impl Media {
+impl PbrtMedia {
     /// True if a medium called `name` has been added.
     pub fn contains(&self, name: &str) -> bool {
         self.descriptions.iter().any(|medium| medium.name == name)
@@ -63,7 +63,7 @@ impl Media {
         name: &str,
         parameters: &Parameters,
         to_world: DAffine3,
-        files: &SceneFiles<'_>,
+        files: &PbrtSceneFiles<'_>,
         notes: &mut ImportNotes,
     ) -> ReadResult<()> {
         let place = &parameters.place;
@@ -102,7 +102,7 @@ impl Media {
         &mut self,
         parameters: &Parameters,
         to_world: DAffine3,
-        files: &SceneFiles<'_>,
+        files: &PbrtSceneFiles<'_>,
         notes: &mut ImportNotes,
     ) -> ReadResult<MediumValues> {
         let place = &parameters.place;
@@ -139,7 +139,7 @@ impl Media {
         &mut self,
         parameters: &Parameters,
         to_world: DAffine3,
-        files: &SceneFiles<'_>,
+        files: &PbrtSceneFiles<'_>,
         notes: &mut ImportNotes,
     ) -> ReadResult<MediumValues> {
         let place = &parameters.place;
@@ -186,7 +186,7 @@ impl Media {
         (size, values): ([u32; 3], Vec<f32>),
         parameters: &Parameters,
         to_world: DAffine3,
-        files: &SceneFiles<'_>,
+        files: &PbrtSceneFiles<'_>,
     ) -> ReadResult<DensityDescription> {
         let place = &parameters.place;
         let corner = |name: &str, default: DVec3| parameters.point(name).unwrap_or(default);
@@ -205,7 +205,7 @@ impl Media {
 /// Reads the values of a homogeneous medium.
 fn homogeneous_medium(
     parameters: &Parameters,
-    files: &SceneFiles<'_>,
+    files: &PbrtSceneFiles<'_>,
     notes: &mut ImportNotes,
 ) -> ReadResult<MediumValues> {
     if let Some(preset) = parameters.text("preset") {
@@ -225,7 +225,7 @@ fn homogeneous_medium(
 fn absorption_and_scattering(
     parameters: &Parameters,
     defaults_to_one: bool,
-    files: &SceneFiles<'_>,
+    files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<[DVec3; 2]> {
     let place = &parameters.place;
     let scale = parameters.number_or("scale", 1.0);
@@ -240,7 +240,7 @@ fn absorption_and_scattering(
 /// Returns the parameter `Le` of a medium: emitted radiance per optical depth of absorption.
 ///
 /// The factor `Lescale` is not included. The result is 0 if the medium does not emit.
-fn emission(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<DVec3> {
+fn emission(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<DVec3> {
     match parameters.find("Le") {
         Some(parameter) => color(parameter, ColorUse::Light { is_v3: false }, &parameters.place, files),
         None => Ok(DVec3::ZERO),
@@ -262,7 +262,7 @@ fn cell_values<'p, const N: usize>(
     name: &str,
     size: [u32; 3],
 ) -> ReadResult<Option<&'p [[f64; N]]>> {
-    let place: &Place = &parameters.place;
+    let place: &PbrtPlace = &parameters.place;
     let Some(parameter) = parameters.find(name) else { return Ok(None) };
     let (values, rest) = parameter.numbers.as_chunks::<N>();
     let count = size.iter().map(|n| u128::from(*n)).product::<u128>();

@@ -23,7 +23,7 @@ mod tokens;
 
 use super::import::{ImportOptions, ImportedScene, SceneImporter, SceneReadError};
 use super::mesh::MeshReadMonitor;
-use files::SceneFiles;
+use files::PbrtSceneFiles;
 use interpreter::Interpreter;
 use std::path::Path;
 
@@ -45,7 +45,7 @@ impl SceneImporter for PbrtImporter {
         monitor: &dyn MeshReadMonitor,
         options: &ImportOptions,
     ) -> Result<ImportedScene, SceneReadError> {
-        let files = SceneFiles::new(path, monitor, options);
+        let files = PbrtSceneFiles::new(path, monitor, options);
         let bytes = files.read_file(path)?;
         import_bytes(&files, &bytes)
     }
@@ -58,10 +58,10 @@ impl SceneImporter for PbrtImporter {
 /// # Errors
 /// [`SceneReadError`] at the first defect, or at content that cannot be imported.
 pub fn decode(path: &Path, bytes: &[u8], options: &ImportOptions) -> Result<ImportedScene, SceneReadError> {
-    import_bytes(&SceneFiles::new(path, &(), options), bytes)
+    import_bytes(&PbrtSceneFiles::new(path, &(), options), bytes)
 }
 
-fn import_bytes(files: &SceneFiles<'_>, bytes: &[u8]) -> Result<ImportedScene, SceneReadError> {
+fn import_bytes(files: &PbrtSceneFiles<'_>, bytes: &[u8]) -> Result<ImportedScene, SceneReadError> {
     let mut interpreter = Interpreter::new(files);
     interpreter.run(bytes)?;
     interpreter.finish()

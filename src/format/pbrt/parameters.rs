@@ -1,6 +1,6 @@
 //! Parameter lists of pbrt directives: `"type name" [values]`.
 
-use super::files::{Place, ReadResult, SceneFiles};
+use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
 use super::tokens::{TokenKind, Tokens};
 use glam::DVec3;
 
@@ -27,14 +27,14 @@ pub(super) struct Parameter {
 #[derive(Clone, Debug)]
 pub(super) struct Parameters {
     /// Position of the directive.
-    pub place: Place,
+    pub place: PbrtPlace,
     list: Vec<Parameter>,
 }
 
 impl Parameters {
     /// Returns number parameters from pairs of a name and values.
     #[cfg(test)]
-    pub fn of_numbers(place: Place, numbers: &[(&str, &[f64])]) -> Self {
+    pub fn of_numbers(place: PbrtPlace, numbers: &[(&str, &[f64])]) -> Self {
         let parameter = |(name, numbers): &(&str, &[f64])| Parameter {
             kind: "float".to_owned(),
             name: (*name).to_owned(),
@@ -45,11 +45,11 @@ impl Parameters {
     }
 
     /// Reads the parameters of the directive at `place`, up to the next directive.
-    pub fn read(tokens: &mut Tokens<'_>, place: Place, files: &SceneFiles<'_>) -> ReadResult<Self> {
+    pub fn read(tokens: &mut Tokens<'_>, place: PbrtPlace, files: &PbrtSceneFiles<'_>) -> ReadResult<Self> {
         let mut list = Vec::new();
         while let Some(token) = tokens.peek_token()? {
             let TokenKind::Quoted(declaration) = &token.kind else { break };
-            let place = Place { file: place.file.clone(), line: token.line };
+            let place = PbrtPlace { file: place.file.clone(), line: token.line };
             let mut words = declaration.split_whitespace();
             let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
                 let message = format!("`{declaration}` is not a type and a name");
@@ -124,7 +124,7 @@ impl Parameters {
 
 impl Parameter {
     /// Reads the values after a parameter's type and name: one value, or all values in brackets.
-    fn read_values(&mut self, tokens: &mut Tokens<'_>, place: &Place) -> ReadResult<()> {
+    fn read_values(&mut self, tokens: &mut Tokens<'_>, place: &PbrtPlace) -> ReadResult<()> {
         let missing = |name: &str| place.error(format!("the parameter `{name}` has no values"), VALUE_HELP);
         let first = tokens.next_token()?.ok_or_else(|| missing(&self.name))?;
         if first.kind != TokenKind::Open {
@@ -140,7 +140,7 @@ impl Parameter {
         }
     }
 
-    fn push_value(&mut self, kind: &TokenKind<'_>, place: &Place) -> ReadResult<()> {
+    fn push_value(&mut self, kind: &TokenKind<'_>, place: &PbrtPlace) -> ReadResult<()> {
         match kind {
             TokenKind::Quoted(text) => self.texts.push(text.clone().into_owned()),
             TokenKind::Word(word @ ("true" | "false")) => self.texts.push((*word).to_owned()),
@@ -154,7 +154,7 @@ impl Parameter {
 }
 
 /// Parses a finite number of magnitude at most 10³⁰.
-pub(super) fn parse_number(word: &str, place: &Place) -> ReadResult<f64> {
+pub(super) fn parse_number(word: &str, place: &PbrtPlace) -> ReadResult<f64> {
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() && number.abs() <= 1e30 => Ok(number),
         Ok(_) => Err(place.error(format!("the number {word} is too large"), "use numbers up to 1e30")),

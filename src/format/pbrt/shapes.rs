@@ -1,7 +1,7 @@
 //! Converts shapes of pbrt scenes.
 
-use super::content::SceneContent;
-use super::files::{ReadResult, SceneFiles};
+use super::content::PbrtSceneContent;
+use super::files::{PbrtSceneFiles, ReadResult};
 use super::parameters::Parameters;
 use super::quadrics::quadric_mesh;
 use super::subdivision::loop_subdivided;
@@ -34,8 +34,8 @@ pub(super) fn read_shape(
     (kind, name): (&str, &str),
     parameters: &Parameters,
     is_reversed: bool,
-    content: &mut SceneContent,
-    files: &SceneFiles<'_>,
+    content: &mut PbrtSceneContent,
+    files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<Option<ShapeDescription>> {
     let place = &parameters.place;
     let radius = |parameters: &Parameters| {
@@ -136,7 +136,7 @@ fn cuts_quadric(kind: &str, parameters: &Parameters) -> bool {
 }
 
 /// Returns the vertex indices of the parameter `indices`. Fails if one is not below `count`.
-fn vertex_indices(parameters: &Parameters, count: usize, files: &SceneFiles<'_>) -> ReadResult<Vec<u32>> {
+fn vertex_indices(parameters: &Parameters, count: usize, files: &PbrtSceneFiles<'_>) -> ReadResult<Vec<u32>> {
     let numbers = parameters.numbers("indices");
     files.count_memory(MEMORY_PER_CORNER * numbers.len() as u64)?;
     let index = |number: &f64| {
@@ -150,7 +150,7 @@ fn vertex_indices(parameters: &Parameters, count: usize, files: &SceneFiles<'_>)
 }
 
 /// Returns a mesh with the positions, normals and texture coordinates of a shape, but no triangles.
-fn mesh_of_vertices(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<TriangleMesh> {
+fn mesh_of_vertices(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<TriangleMesh> {
     let place = &parameters.place;
     let positions = parameters.points("P")?;
     files.count_memory(MEMORY_PER_CORNER * positions.len() as u64)?;
@@ -175,7 +175,7 @@ fn mesh_of_vertices(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResu
 }
 
 /// Returns the mesh of a `trianglemesh` or the control mesh of a `loopsubdiv` shape.
-fn triangle_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<TriangleMesh> {
+fn triangle_mesh(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<TriangleMesh> {
     let mut mesh = mesh_of_vertices(parameters, files)?;
     let mut corners = vertex_indices(parameters, mesh.positions.len(), files)?;
     if corners.is_empty() && mesh.positions.len() == 3 {
@@ -206,7 +206,7 @@ fn orient_along_normals(mesh: &mut TriangleMesh) {
 /// Returns the triangles of bilinear patches. A parallelogram becomes two triangles.
 ///
 /// Any other patch is divided into [`PATCH_SEGMENTS`]² quads.
-fn bilinear_mesh(parameters: &Parameters, files: &SceneFiles<'_>) -> ReadResult<TriangleMesh> {
+fn bilinear_mesh(parameters: &Parameters, files: &PbrtSceneFiles<'_>) -> ReadResult<TriangleMesh> {
     let base = mesh_of_vertices(parameters, files)?;
     let mut corners = vertex_indices(parameters, base.positions.len(), files)?;
     if corners.is_empty() && base.positions.len() == 4 {

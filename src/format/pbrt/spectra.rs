@@ -1,6 +1,6 @@
 //! Converts colors and spectra of pbrt: RGB, XYZ, blackbodies, sampled and named spectra.
 
-use super::files::{Place, ReadResult, SceneFiles};
+use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
 use super::parameters::{Parameter, parse_number};
 use crate::bsdf::metal_refractive_index;
 use crate::color::{Spectrum, illuminant_rgb, xyz_to_rgb};
@@ -45,8 +45,8 @@ impl SpectralValue {
 pub(super) fn color(
     parameter: &Parameter,
     wanted: ColorUse,
-    place: &Place,
-    files: &SceneFiles<'_>,
+    place: &PbrtPlace,
+    files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<DVec3> {
     let value = match (&*parameter.kind, &*parameter.numbers) {
         ("blackbody", [kelvin, rest @ ..]) => {
@@ -80,8 +80,8 @@ pub(super) fn color(
 /// Returns the value of a color parameter: a spectrum if the file gives one, else RGB.
 pub(super) fn spectral_value(
     parameter: &Parameter,
-    place: &Place,
-    files: &SceneFiles<'_>,
+    place: &PbrtPlace,
+    files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<SpectralValue> {
     let Parameter { kind, name, numbers, texts } = parameter;
     let channels = |rgb| Ok(SpectralValue::Channels(rgb));
@@ -98,7 +98,7 @@ pub(super) fn spectral_value(
 }
 
 /// Returns the spectrum of a list that alternates between wavelength \[nm] and value.
-fn sampled_spectrum(pairs: &[f64], place: &Place) -> ReadResult<Spectrum> {
+fn sampled_spectrum(pairs: &[f64], place: &PbrtPlace) -> ReadResult<Spectrum> {
     let samples = pairs.as_chunks::<2>().0.to_vec();
     let spectrum = if pairs.len().is_multiple_of(2) { Spectrum::from_samples(samples) } else { None };
     spectrum.ok_or_else(|| {
@@ -107,7 +107,7 @@ fn sampled_spectrum(pairs: &[f64], place: &Place) -> ReadResult<Spectrum> {
 }
 
 /// Returns the spectrum that pbrt calls `name`, or else the spectrum in the file `name`.
-fn named_spectrum(name: &str, place: &Place, files: &SceneFiles<'_>) -> ReadResult<SpectralValue> {
+fn named_spectrum(name: &str, place: &PbrtPlace, files: &PbrtSceneFiles<'_>) -> ReadResult<SpectralValue> {
     if let Some(metal) = name.strip_prefix("metal-") {
         let (metal, is_eta) = match (metal.strip_suffix("-eta"), metal.strip_suffix("-k")) {
             (Some(metal), _) => (metal, true),
@@ -130,12 +130,12 @@ fn named_spectrum(name: &str, place: &Place, files: &SceneFiles<'_>) -> ReadResu
     let mut numbers = Vec::new();
     let file: std::rc::Rc<str> = path.display().to_string().into();
     for (line, content) in text.lines().enumerate() {
-        let place = Place { file: file.clone(), line: line as u32 + 1 };
+        let place = PbrtPlace { file: file.clone(), line: line as u32 + 1 };
         for word in content.split('#').next().unwrap_or_default().split_whitespace() {
             numbers.push(parse_number(word, &place)?);
         }
     }
-    sampled_spectrum(&numbers, &Place { file, line: 1 }).map(SpectralValue::Spectrum)
+    sampled_spectrum(&numbers, &PbrtPlace { file, line: 1 }).map(SpectralValue::Spectrum)
 }
 
 /// Returns a part of the complex index of refraction η + ik of a metal, for red, green and blue: η

@@ -1,6 +1,6 @@
 //! The graphics state of pbrt: transforms, material, media and area light of the next shape.
 
-use super::files::{Place, ReadResult};
+use super::files::{PbrtPlace, ReadResult};
 use super::parameters::Parameters;
 use crate::format::description::TransformStep;
 use crate::math::Transform;
@@ -79,7 +79,7 @@ pub(super) enum CurrentMaterial {
     /// Name of a material, and the position of the directive that uses it.
     ///
     /// The material may be defined later.
-    Named(Rc<str>, Place),
+    Named(Rc<str>, PbrtPlace),
 }
 
 /// pbrt's graphics state, which applies to the directives that follow.
@@ -115,7 +115,7 @@ impl GraphicsState {
     /// At each active time (shutter start or end), replaces the current transform T by T · `map`.
     ///
     /// So `map` is applied to points first.
-    pub fn concatenate(&mut self, map: DAffine3, place: &Place) -> ReadResult<()> {
+    pub fn concatenate(&mut self, map: DAffine3, place: &PbrtPlace) -> ReadResult<()> {
         for i in 0..2 {
             if self.is_active[i] {
                 let product = self.transform.0[i] * map;
@@ -140,7 +140,7 @@ impl GraphicsState {
 }
 
 /// Returns the affine map of a transform directive, such as `Rotate`, with the numbers `n`.
-pub(super) fn transform_map(directive: &str, n: &[f64], place: &Place) -> ReadResult<DAffine3> {
+pub(super) fn transform_map(directive: &str, n: &[f64], place: &PbrtPlace) -> ReadResult<DAffine3> {
     let vector = |i: usize| DVec3::new(n[i], n[i + 1], n[i + 2]);
     let invalid = |message: &str| place.error(message, "correct the numbers of the transform");
     match directive {
@@ -177,8 +177,8 @@ pub(super) fn transform_map(directive: &str, n: &[f64], place: &Place) -> ReadRe
 mod tests {
     use super::*;
 
-    fn place() -> Place {
-        Place { file: "test".into(), line: 1 }
+    fn place() -> PbrtPlace {
+        PbrtPlace { file: "test".into(), line: 1 }
     }
 
     /// pbrt's camera looks along +z, with +x to the right.

@@ -1,6 +1,6 @@
 //! Properties of shapes that lamps and media need: whether they are sheets, area and back side.
 
-use super::files::{ReadResult, SceneFiles};
+use super::files::{PbrtSceneFiles, ReadResult};
 use crate::format::description::{
     CylinderDescription, DiscDescription, MeshDescription, MeshOptions, ShapeDescription, Span, Spanned,
     SphereDescription,
@@ -39,7 +39,7 @@ pub(super) fn back_side_shape(
     shape: &ShapeDescription,
     name: &str,
     meshes: &mut BTreeMap<String, Arc<TriangleMesh>>,
-    files: &SceneFiles<'_>,
+    files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<Option<ShapeDescription>> {
     Ok(if let ShapeDescription::Disc(DiscDescription { center, normal, radius }) = shape {
         let center = *center - normal.normalize() * (SIDE_DISTANCE * radius);

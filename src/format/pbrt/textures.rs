@@ -1,6 +1,6 @@
 //! Converts textures of pbrt to textures and embedded pictures of the imported scene.
 
-use super::files::{Place, ReadResult, SceneFiles};
+use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
 use super::parameters::{Parameter, Parameters};
 use super::spectra::{ColorUse, color};
 use crate::format::description::{
@@ -95,7 +95,7 @@ impl TextureValue {
 
 /// Textures that the pbrt file defines, and the textures and pictures of the imported scene.
 #[derive(Default)]
-pub(super) struct Textures {
+pub(super) struct PbrtTextures {
     /// Textures that the pbrt file defines, by name. The key's flag is true for color textures, and
     /// false for number textures.
     defined: HashMap<(bool, String), TextureValue>,
@@ -105,7 +105,7 @@ pub(super) struct Textures {
     pub pictures: BTreeMap<String, Arc<Image>>,
 }
 
-impl Textures {
+impl PbrtTextures {
     /// Adds a texture that the pbrt file defines.
     ///
     /// `class` is its type, such as `imagemap`. `is_color` is true for colors, and false for
@@ -114,7 +114,7 @@ impl Textures {
         &mut self,
         (name, class, is_color): (&str, &str, bool),
         parameters: &Parameters,
-        files: &SceneFiles<'_>,
+        files: &PbrtSceneFiles<'_>,
         notes: &mut ImportNotes,
     ) -> ReadResult<()> {
         let place = &parameters.place;
@@ -231,8 +231,8 @@ impl Textures {
         &self,
         parameter: &Parameter,
         is_color: bool,
-        place: &Place,
-        files: &SceneFiles<'_>,
+        place: &PbrtPlace,
+        files: &PbrtSceneFiles<'_>,
     ) -> ReadResult<TextureValue> {
         if parameter.kind != "texture" {
             let wanted = if is_color { ColorUse::Reflectance } else { ColorUse::Unbounded };
@@ -256,7 +256,7 @@ impl Textures {
         &mut self,
         value: &TextureValue,
         map: &dyn Fn(DVec3) -> DVec3,
-        files: &SceneFiles<'_>,
+        files: &PbrtSceneFiles<'_>,
     ) -> ReadResult<(TexturedValue<DVec3>, DVec3)> {
         files.count_memory(value.memory_bytes())?;
         let mapped = value.with_mapped_values(map);
@@ -288,7 +288,7 @@ impl Textures {
     }
 
     /// Embeds a picture in the imported scene, and returns its path there.
-    pub fn embed_picture(&mut self, image: Image, files: &SceneFiles<'_>) -> ReadResult<String> {
+    pub fn embed_picture(&mut self, image: Image, files: &PbrtSceneFiles<'_>) -> ReadResult<String> {
         files.count_memory(12 * image.pixels().len() as u64)?;
         let path = format!("picture{}", self.pictures.len());
         self.pictures.insert(path.clone(), image.into());
@@ -316,8 +316,8 @@ fn texcoord_transform_description(parameters: &Parameters, notes: &mut ImportNot
 pub(super) fn read_picture(
     name: &str,
     meaning: PixelMeaning,
-    place: &Place,
-    files: &SceneFiles<'_>,
+    place: &PbrtPlace,
+    files: &PbrtSceneFiles<'_>,
 ) -> ReadResult<Image> {
     let path = files.resolve_path(place, name)?;
     let bytes = files.read_file(&path)?;

@@ -1,12 +1,12 @@
 //! Splits pbrt's text format into tokens: words, numbers, quoted texts and brackets.
 
-use super::files::{Place, ReadResult};
+use super::files::{PbrtPlace, ReadResult};
 use std::borrow::Cow;
 use std::rc::Rc;
 
 /// A token of a pbrt file, with its line.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Token<'t> {
+pub(super) struct PbrtToken<'t> {
     /// Content of the token.
     pub kind: TokenKind<'t>,
     /// Line of the token, from 1.
@@ -32,7 +32,7 @@ pub(super) struct Tokens<'t> {
     position: usize,
     line: u32,
     file: Rc<str>,
-    peeked: Option<Token<'t>>,
+    peeked: Option<PbrtToken<'t>>,
 }
 
 impl<'t> Tokens<'t> {
@@ -42,12 +42,12 @@ impl<'t> Tokens<'t> {
     }
 
     /// Returns the position of `line` in this file, for messages.
-    pub fn place(&self, line: u32) -> Place {
-        Place { file: Rc::clone(&self.file), line }
+    pub fn place(&self, line: u32) -> PbrtPlace {
+        PbrtPlace { file: Rc::clone(&self.file), line }
     }
 
     /// Returns the next token and moves past it; `None` at the end of the file.
-    pub fn next_token(&mut self) -> ReadResult<Option<Token<'t>>> {
+    pub fn next_token(&mut self) -> ReadResult<Option<PbrtToken<'t>>> {
         if let Some(token) = self.peeked.take() {
             return Ok(Some(token));
         }
@@ -55,14 +55,14 @@ impl<'t> Tokens<'t> {
     }
 
     /// Returns the next token without moving past it; `None` at the end of the file.
-    pub fn peek_token(&mut self) -> ReadResult<Option<&Token<'t>>> {
+    pub fn peek_token(&mut self) -> ReadResult<Option<&PbrtToken<'t>>> {
         if self.peeked.is_none() {
             self.peeked = self.read_token()?;
         }
         Ok(self.peeked.as_ref())
     }
 
-    fn read_token(&mut self) -> ReadResult<Option<Token<'t>>> {
+    fn read_token(&mut self) -> ReadResult<Option<PbrtToken<'t>>> {
         self.skip_blanks();
         let line = self.line;
         let rest = &self.text[self.position..];
@@ -84,7 +84,7 @@ impl<'t> Tokens<'t> {
                 TokenKind::Word(&rest[..length])
             }
         };
-        Ok(Some(Token { kind, line }))
+        Ok(Some(PbrtToken { kind, line }))
     }
 
     /// Skips white space and comments.
