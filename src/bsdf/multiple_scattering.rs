@@ -218,7 +218,7 @@ impl MultipleRefraction {
 
     /// Returns the part of the lost light that leaves on the side of `wo`, or on the other side.
     #[inline]
-    pub(super) fn part(&self, is_transmitted: bool) -> f64 {
+    pub(super) fn leaving_fraction(&self, is_transmitted: bool) -> f64 {
         if is_transmitted { self.crossing } else { 1.0 - self.crossing }
     }
 
@@ -226,8 +226,8 @@ impl MultipleRefraction {
     #[inline]
     pub(super) fn evaluate(&self, cos_i: f64, is_transmitted: bool, transport: TransportMode) -> f64 {
         let side = if is_transmitted { 1 - self.near } else { self.near };
-        let f =
-            FRAC_1_PI * self.lost * self.part(is_transmitted) * self.loss.fraction(side, cos_i) / self.loss.mean(side);
+        let f = FRAC_1_PI * self.lost * self.leaving_fraction(is_transmitted) * self.loss.fraction(side, cos_i)
+            / self.loss.mean(side);
         if is_transmitted && transport == TransportMode::Radiance { f / (self.eta * self.eta) } else { f }
     }
 }

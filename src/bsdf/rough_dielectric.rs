@@ -119,7 +119,7 @@ impl RoughDielectric {
             .facet_scattering(o, i, n, eta)
             .map_or(0.0, |m| m.fresnel * Ggx::new(self.alpha).scattered_direction_pdf(&m.facet, cos_o));
         let pdf = self.multiple_refraction(eta, cos_o).map_or(single, |multiple| {
-            let part = multiple.lost * multiple.part(cos_i < 0.0);
+            let part = multiple.lost * multiple.leaving_fraction(cos_i < 0.0);
             (1.0 - multiple.lost) * single + part * lost_direction_pdf(self.alpha, cos_i.abs())
         });
         pdf as f32
@@ -147,7 +147,7 @@ impl RoughDielectric {
         let (lost, lobe) = (multiple.map_or(0.0, |multiple| multiple.lost), f64::from(lobe));
         let (wi, is_transmitted) = match multiple {
             Some(multiple) if lobe < lost => {
-                let is_transmitted = lobe < lost * multiple.part(true);
+                let is_transmitted = lobe < lost * multiple.leaving_fraction(true);
                 (sample_lost_direction(self.alpha, if is_transmitted { -n } else { n }, u), is_transmitted)
             }
             Some(_) | None => {

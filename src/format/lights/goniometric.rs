@@ -108,7 +108,7 @@ fn read_intensity_profile(r: &Resolver<'_>, path: &Spanned<String>) -> Result<Eq
     let help = "write an angle from 0 to 180 degrees and an intensity per line, in ascending order";
     let refuse = |message: &str| r.file_error(path, &message, help);
     let text = std::fs::read_to_string(r.find_file("profile", path)?).map_err(|e| refuse(&e.to_string()))?;
-    let profile = parse_intensity_profile(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
+    let profile = parse_angle_intensity_table(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
     map_from_intensity_profile(&profile).map_err(|e| refuse(&e.to_string()))
 }
 
@@ -116,7 +116,7 @@ fn read_intensity_profile(r: &Resolver<'_>, path: &Spanned<String>) -> Result<Eq
 ///
 /// Each line holds one pair, in ascending order of angle. `#` starts a comment. `None` if the text
 /// is no such table.
-fn parse_intensity_profile(text: &str) -> Option<Vec<(f64, f64)>> {
+fn parse_angle_intensity_table(text: &str) -> Option<Vec<(f64, f64)>> {
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
     let pair = |line: &str| {
         let mut numbers = line.split_whitespace().map(str::parse::<f64>);

@@ -161,7 +161,7 @@ fn for_each_statement<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Resul
 struct ObjChunkChecker<'u> {
     valid_lines: String,
     /// Numbers of lines `v`, `vt` and `vn` read so far, counted from the start of the file.
-    list_lengths: [usize; 3],
+    v_vt_vn_counts_so_far: [usize; 3],
     /// Kinds of indices and material index (see `groups`) of the current face group; `None` before
     /// the first face.
     group: Option<(PresentIndices, usize)>,
@@ -182,7 +182,7 @@ impl<'u> ObjChunkChecker<'u> {
     fn check_obj_chunk(text: &str, before: &ObjLineCounts, used: &'u [AtomicBool]) -> Result<Self, InvalidObjLine> {
         let mut chunk = Self {
             valid_lines: String::with_capacity(text.len()),
-            list_lengths: before.lists,
+            v_vt_vn_counts_so_far: before.lists,
             group: None,
             names: Vec::new(),
             groups: Vec::new(),
@@ -251,7 +251,7 @@ impl<'u> ObjChunkChecker<'u> {
             self.valid_lines.push_str(word);
         }
         self.valid_lines.push('\n');
-        self.list_lengths[list] += 1;
+        self.v_vt_vn_counts_so_far[list] += 1;
         Ok(())
     }
 
@@ -309,7 +309,7 @@ impl<'u> ObjChunkChecker<'u> {
             if part.is_empty() {
                 continue;
             }
-            let known = self.list_lengths[k];
+            let known = self.v_vt_vn_counts_so_far[k];
             let index = match part.parse::<i64>() {
                 Ok(i) if i > 0 => usize::try_from(i).ok(),
                 Ok(i) if i < 0 => usize::try_from(i.unsigned_abs()).ok().and_then(|i| (known + 1).checked_sub(i)),
