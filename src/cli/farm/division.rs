@@ -9,7 +9,7 @@ use std::ops::Range;
 /// Shard k makes the same passes in every division with the same number of passes per shard, so
 /// that a render can grow by further shards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(super) struct Division {
+pub(super) struct ShardDivision {
     /// Number of shards, which count from 1.
     pub shards: u32,
     /// Number of passes of all shards.
@@ -25,8 +25,8 @@ pub(super) struct ArrayTasks {
     pub tasks: String,
 }
 
-impl Division {
-    /// Returns the number of the passes of shard `number`, counted from 0.
+impl ShardDivision {
+    /// Returns the numbers of the passes of shard `number`, counted from 0.
     pub fn shard_passes(self, number: u32) -> Range<u32> {
         Shard { number, count: self.shards }.passes(self.passes)
     }
@@ -93,16 +93,16 @@ mod tests {
     /// Shards of a grown division begin with those of the smaller one and continue it.
     #[test]
     fn grown_divisions_keep_their_shards() {
-        let first = Division { shards: 6, passes: 24 };
+        let first = ShardDivision { shards: 6, passes: 24 };
         let grown = first.with_more_shards(3, 100).unwrap();
-        assert_eq!(grown, Division { shards: 9, passes: 36 });
-        assert!(first.agrees_with(grown) && !first.agrees_with(Division { shards: 6, passes: 25 }));
+        assert_eq!(grown, ShardDivision { shards: 9, passes: 36 });
+        assert!(first.agrees_with(grown) && !first.agrees_with(ShardDivision { shards: 6, passes: 25 }));
         for shard in 1..=6 {
             assert_eq!(first.shard_passes(shard), grown.shard_passes(shard));
         }
         assert_eq!((grown.shard_passes(7), grown.shard_passes(9)), (24..28, 32..36));
         assert_eq!(first.with_more_shards(3, 35), None);
         assert_eq!(first.with_more_shards(u32::MAX, u32::MAX), None);
-        assert_eq!(Division { shards: 3, passes: 7 }.with_more_shards(1, 100), None);
+        assert_eq!(ShardDivision { shards: 3, passes: 7 }.with_more_shards(1, 100), None);
     }
 }

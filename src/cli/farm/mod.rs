@@ -20,8 +20,8 @@ use super::scene::{load_scene_and_file, with_thread_pool};
 use super::{CommandFailure, Exit};
 use crate::image::{check_replaceable, check_writable};
 use crate::render::FilmHeader;
-use division::{Division, job_arrays};
-use script::{Scripts, command_line};
+use division::{ShardDivision, job_arrays};
+use script::{JobScripts, command_line};
 use slurm_render::{SlurmRender, merge_arguments, shard_arguments};
 use std::io::Write as _;
 use std::path::PathBuf;
@@ -51,7 +51,7 @@ fn run_slurm(arguments: &SlurmArguments) -> Result<Exit, CommandFailure> {
             .map_err(CommandFailure::output_error)?;
     }
     let folder = WorkFolder::new(&work_folder_path(arguments)).map_err(CommandFailure::output_error)?;
-    let scripts = Scripts::new(arguments, &folder, division).map_err(CommandFailure::usage_error)?;
+    let scripts = JobScripts::new(arguments, &folder, division).map_err(CommandFailure::usage_error)?;
     let progress = ProgressDisplay::new(arguments.quiet);
     let header = with_thread_pool(&arguments.scene, || checked_film_header(arguments, &folder, &progress))?;
     if arguments.dry_run {
@@ -64,13 +64,13 @@ fn run_slurm(arguments: &SlurmArguments) -> Result<Exit, CommandFailure> {
 /// Returns the division of the first wave.
 ///
 /// With `--target-error`, all shards have the same number of passes, so that others can follow.
-fn first_division(arguments: &SlurmArguments) -> Result<Division, CommandFailure> {
+fn first_division(arguments: &SlurmArguments) -> Result<ShardDivision, CommandFailure> {
     let SlurmArguments { shards, passes, .. } = *arguments;
     if shards > passes {
         return Err(CommandFailure::usage_error(EmptyShardsError { shards, passes }));
     }
     let equal = passes.div_ceil(shards).checked_mul(shards).filter(|_| arguments.target_error.is_some());
-    Ok(Division { shards, passes: equal.unwrap_or(passes) })
+    Ok(ShardDivision { shards, passes: equal.unwrap_or(passes) })
 }
 
 /// Returns the folder of `--work-dir`, or its default.
@@ -107,8 +107,8 @@ fn checked_film_header(
 }
 
 /// Prints the scripts of the first round, and the commands that submit them.
-fn print_scripts(folder: &WorkFolder, scripts: &Scripts, division: Division) -> Result<Exit, CommandFailure> {
-    // Without Slurm, arrays have the size of a fresh installation.
+fn print_scripts(folder: &WorkFolder, scripts: &JobScripts, division: ShardDivision) -> Result<Exit, CommandFailure> {
+    // Without Slurm, the size of job arrays is that of a fresh installation.
     let most = slurm::max_task_number().unwrap_or(slurm::DEFAULT_MAX_ARRAY_SIZE - 1);
     let shards: Vec<u32> = (1..=division.shards).collect();
     let line = |arguments: Vec<String>| {

@@ -1,7 +1,7 @@
 //! Shell scripts of the jobs.
 
 use super::args::SlurmArguments;
-use super::division::Division;
+use super::division::ShardDivision;
 use super::work_folder::{MERGE_DONE, MERGED_FILM, WorkFolder};
 use crate::cli::pictures::picture_flags;
 use std::fmt::Write as _;
@@ -33,17 +33,17 @@ pub(super) enum ScriptError {
 
 /// Scripts of a job array and of the merge after it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Scripts {
-    /// Script of one shard. Its argument is the offset of its job array, to which it adds the
-    /// number of the task.
+pub(super) struct JobScripts {
+    /// Script of one shard. Its argument is the offset of its job array: the number of the shard
+    /// minus the number of the task.
     pub shard: String,
     /// Script that merges all films.
     pub merge: String,
 }
 
-impl Scripts {
+impl JobScripts {
     /// Returns the scripts of a render with `arguments` that is divided by `division`.
-    pub fn new(arguments: &SlurmArguments, folder: &WorkFolder, division: Division) -> Result<Self, ScriptError> {
+    pub fn new(arguments: &SlurmArguments, folder: &WorkFolder, division: ShardDivision) -> Result<Self, ScriptError> {
         let program = match &arguments.program {
             Some(program) => absolute_text(program)?,
             None => absolute_text(&std::env::current_exe()?)?,
@@ -62,13 +62,13 @@ fn shard_script(
     arguments: &SlurmArguments,
     program: &str,
     enter: &str,
-    Division { shards, passes }: Division,
+    ShardDivision { shards, passes }: ShardDivision,
 ) -> Result<String, ScriptError> {
     let scene = &arguments.scene;
     let mut words = vec![program.to_owned(), "render".to_owned(), absolute_text(&scene.scene)?];
     let mut add = |flag: &str, value: String| words.extend([flag.to_owned(), value]);
     add("--passes", passes.to_string());
-    add("--threads", threads(arguments).to_string());
+    add("--threads", shard_threads(arguments).to_string());
     add("--seed", arguments.method.seed.to_string());
     add("--save-every", format!("{}s", arguments.save_every.as_secs_f64()));
     if let Some((width, height)) = scene.size {
@@ -84,7 +84,7 @@ fn shard_script(
     let switches = [("--strict", scene.import.strict), ("--allow-outside", scene.import.allow_outside)];
     words.extend(switches.into_iter().filter(|(_, given)| *given).map(|(flag, _)| flag.to_owned()));
     let command = command_line(&words)?;
-    let head = head(arguments, "shards", threads(arguments), "log/%A_%a.log")?;
+    let head = script_head(arguments, "shards", shard_threads(arguments), "log/%A_%a.log")?;
     Ok(format!(
         "{head}{enter}shard=$((${{1:-0}} + SLURM_ARRAY_TASK_ID))\n\
          echo \"shard $shard of {shards}, start ${{SLURM_RESTART_COUNT:-0}}\"\n\
@@ -103,14 +103,14 @@ fn merge_script(arguments: &SlurmArguments, program: &str, enter: &str) -> Resul
         words.extend(["--memory".to_owned(), memory.to_string()]);
     }
     let (program, outputs) = (quoted(program)?, command_line(&words)?);
-    let head = head(arguments, "merge", 1, "log/%j.log")?;
+    let head = script_head(arguments, "merge", 1, "log/%j.log")?;
     Ok(format!(
         "{head}{enter}{program} merge shard-*.film -o {MERGED_FILM} {outputs} || exit\necho done >{MERGE_DONE}\n"
     ))
 }
 
 /// Returns the first lines of a script, with options for sbatch. `log` is the file of messages.
-fn head(arguments: &SlurmArguments, kind: &str, threads: u32, log: &str) -> Result<String, UnfitWordError> {
+fn script_head(arguments: &SlurmArguments, kind: &str, threads: u32, log: &str) -> Result<String, UnfitWordError> {
     let scene = arguments.scene.scene.file_stem().unwrap_or_default().to_string_lossy();
     let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
     let scene = scene.replace(|c| !is_plain(c), "_");
@@ -136,7 +136,7 @@ fn head(arguments: &SlurmArguments, kind: &str, threads: u32, log: &str) -> Resu
 }
 
 /// Returns the number of threads of a shard.
-fn threads(arguments: &SlurmArguments) -> u32 {
+fn shard_threads(arguments: &SlurmArguments) -> u32 {
     arguments.scene.threads.unwrap_or(1)
 }
 

@@ -4,9 +4,9 @@
 //! still active. So a command that was interrupted can be given again.
 
 use super::args::SlurmArguments;
-use super::division::{ArrayTasks, Division, job_arrays, number_list};
-use super::script::Scripts;
-use super::slurm::{self, SlurmError, Task};
+use super::division::{ArrayTasks, ShardDivision, job_arrays, number_list};
+use super::script::JobScripts;
+use super::slurm::{self, SlurmError, SlurmTask};
 use super::waves::{NextWave, next_wave};
 use super::work_folder::{FarmState, MERGE_SCRIPT, MERGED_FILM, SHARD_SCRIPT, WorkFolder};
 use crate::cli::film::{check_film_memory, read_film};
@@ -69,7 +69,7 @@ enum RoundEnd {
     /// All shards are complete and merged.
     Complete,
     /// All jobs ended, but passes are missing. Holds the tasks as Slurm knew them last.
-    Incomplete(Vec<Task>),
+    Incomplete(Vec<SlurmTask>),
     /// A signal interrupted the command.
     Interrupted,
 }
@@ -116,18 +116,18 @@ impl<'a> SlurmRender<'a> {
 
     /// Renders until the picture of `division` is written, or the error of `--target-error` is
     /// reached.
-    pub fn run(&self, division: Division) -> Result<Exit, CommandFailure> {
+    pub fn run(&self, division: ShardDivision) -> Result<Exit, CommandFailure> {
         let most_tasks = slurm::max_task_number().map_err(slurm_failure)?;
         let (_lock, earlier) = self.folder.open().map_err(CommandFailure::usage_error)?;
         let mut state = self.initial_state(division, earlier)?;
         loop {
-            if let Some(exit) = self.complete(&mut state, most_tasks)? {
+            if let Some(exit) = self.complete_shards(&mut state, most_tasks)? {
                 return Ok(exit);
             }
             let merged = self.folder.file(MERGED_FILM);
             check_film_memory(std::slice::from_ref(&merged), 1, self.arguments.scene.memory)?;
             let film = read_film(&merged)?;
-            let Some(target) = self.target() else { return Ok(self.print_summary(&film.rendered)) };
+            let Some(target) = self.error_target() else { return Ok(self.print_summary(&film.rendered)) };
             let most = self.arguments.max_passes.unwrap_or(self.arguments.passes.saturating_mul(MAX_GROWTH));
             match next_wave(&film.rendered, state.division, target, most) {
                 NextWave::Grow(larger) => {
@@ -147,11 +147,11 @@ impl<'a> SlurmRender<'a> {
     }
 
     /// Returns the state from which to continue: that of an earlier command, or a new one.
-    fn initial_state(&self, division: Division, earlier: Option<FarmState>) -> Result<FarmState, CommandFailure> {
+    fn initial_state(&self, division: ShardDivision, earlier: Option<FarmState>) -> Result<FarmState, CommandFailure> {
         let new = FarmState { header: self.header.clone(), division, jobs: Vec::new() };
         let Some(mut state) = earlier else { return Ok(new) };
         let mut differences = new.header.differences(&state.header);
-        let size = |d: Division| format!("{} passes in {} shards", d.passes, d.shards);
+        let size = |d: ShardDivision| format!("{} passes in {} shards", d.passes, d.shards);
         if !division.agrees_with(state.division) {
             differences.push(format!("{} here, {} there", size(division), size(state.division)));
         }
@@ -169,9 +169,9 @@ impl<'a> SlurmRender<'a> {
 
     /// Submits rounds of jobs until all shards of `state` are complete and merged. Returns the exit
     /// code if a signal interrupts that.
-    fn complete(&self, state: &mut FarmState, most_tasks: u32) -> Result<Option<Exit>, CommandFailure> {
+    fn complete_shards(&self, state: &mut FarmState, most_tasks: u32) -> Result<Option<Exit>, CommandFailure> {
         let mut failures = 0;
-        if slurm_tasks(&state.jobs)?.iter().any(Task::is_active) {
+        if slurm_tasks(&state.jobs)?.iter().any(SlurmTask::is_active) {
             let jobs = jobs_text(&state.jobs);
             self.progress.print_line(&format!("following {jobs} of an earlier command"));
             match self.finish_round(state)? {
@@ -202,7 +202,7 @@ impl<'a> SlurmRender<'a> {
             }
             failures = if self.pass_count(state.division) > before { 0 } else { failures + 1 };
             if failures > self.arguments.retries {
-                return Err(self.failed_jobs(&missing, failures, state, &known));
+                return Err(self.no_progress_failure(&missing, failures, state, &known));
             }
             if !missing.is_empty() {
                 let list = number_list(&missing);
@@ -214,14 +214,15 @@ impl<'a> SlurmRender<'a> {
     /// Submits the incomplete shards and the merge after them. If sbatch refuses one of the jobs,
     /// cancels the others.
     fn submit_round(&self, state: &mut FarmState, most_tasks: u32) -> Result<(), CommandFailure> {
-        let scripts = Scripts::new(self.arguments, self.folder, state.division).map_err(CommandFailure::usage_error)?;
+        let scripts =
+            JobScripts::new(self.arguments, self.folder, state.division).map_err(CommandFailure::usage_error)?;
         let folder = self.folder;
         state.jobs.clear();
         let written = folder
             .save(state)
             .and_then(|()| folder.write(SHARD_SCRIPT, scripts.shard.as_bytes()))
             .and_then(|()| folder.write(MERGE_SCRIPT, scripts.merge.as_bytes()))
-            .and_then(|()| folder.forget_merge());
+            .and_then(|()| folder.remove_merge_mark());
         written.map_err(CommandFailure::output_error)?;
         let shards = self.incomplete_shards(state.division);
         let mut submit = |arguments: Vec<String>| match slurm::submit(&arguments) {
@@ -253,7 +254,7 @@ impl<'a> SlurmRender<'a> {
 
     /// Follows the jobs of `state` until they have ended.
     fn finish_round(&self, state: &FarmState) -> Result<RoundEnd, CommandFailure> {
-        let Some(tasks) = self.follow(&state.jobs)? else { return Ok(RoundEnd::Interrupted) };
+        let Some(tasks) = self.follow_jobs(&state.jobs)? else { return Ok(RoundEnd::Interrupted) };
         self.wait_for_files(state.division, &tasks);
         Ok(if self.is_complete(state.division) { RoundEnd::Complete } else { RoundEnd::Incomplete(tasks) })
     }
@@ -261,10 +262,10 @@ impl<'a> SlurmRender<'a> {
     /// Waits until no job is active, and prints a line whenever the states of tasks change.
     ///
     /// Returns the tasks as Slurm knew them last; `None` if a signal interrupted the command.
-    fn follow(&self, jobs: &[String]) -> Result<Option<Vec<Task>>, CommandFailure> {
+    fn follow_jobs(&self, jobs: &[String]) -> Result<Option<Vec<SlurmTask>>, CommandFailure> {
         let start = Instant::now();
         let mut shown = String::new();
-        let mut last: Vec<Task> = Vec::new();
+        let mut last: Vec<SlurmTask> = Vec::new();
         let mut silent_since: Option<Instant> = None;
         loop {
             match slurm::tasks(jobs) {
@@ -276,8 +277,9 @@ impl<'a> SlurmRender<'a> {
                         self.progress.print_line(&format!("{time}: {text}"));
                         shown = text;
                     }
-                    if !tasks.iter().any(Task::is_active) {
-                        // Slurm forgets ended jobs, but their last states tell why they ended.
+                    if !tasks.iter().any(SlurmTask::is_active) {
+                        // Slurm forgets ended jobs. The last known states of their tasks show why
+                        // they ended.
                         return Ok(Some(if tasks.is_empty() { last } else { tasks }));
                     }
                     last = tasks;
@@ -300,7 +302,7 @@ impl<'a> SlurmRender<'a> {
 
     /// Waits for files that completed jobs must have written, but that a network file system does
     /// not show yet.
-    fn wait_for_files(&self, division: Division, tasks: &[Task]) {
+    fn wait_for_files(&self, division: ShardDivision, tasks: &[SlurmTask]) {
         let start = Instant::now();
         let all_completed = !tasks.is_empty() && tasks.iter().all(|task| task.state == "COMPLETED");
         while all_completed && !self.is_complete(division) && start.elapsed() < FILE_DELAY {
@@ -311,12 +313,12 @@ impl<'a> SlurmRender<'a> {
     }
 
     /// True if all shards are complete and merged.
-    fn is_complete(&self, division: Division) -> bool {
+    fn is_complete(&self, division: ShardDivision) -> bool {
         self.folder.is_merged() && self.incomplete_shards(division).is_empty()
     }
 
     /// Returns the numbers of the shards whose films lack passes.
-    fn incomplete_shards(&self, division: Division) -> Vec<u32> {
+    fn incomplete_shards(&self, division: ShardDivision) -> Vec<u32> {
         let is_incomplete = |shard: &u32| {
             let passes = division.shard_passes(*shard);
             self.folder.shard_passes(*shard).first_missing(passes).is_some()
@@ -325,12 +327,18 @@ impl<'a> SlurmRender<'a> {
     }
 
     /// Returns the number of passes in the films of all shards.
-    fn pass_count(&self, division: Division) -> u64 {
+    fn pass_count(&self, division: ShardDivision) -> u64 {
         (1..=division.shards).map(|shard| self.folder.shard_passes(shard).len()).sum()
     }
 
     /// Returns the failure after too many rounds without progress.
-    fn failed_jobs(&self, missing: &[u32], rounds: u32, state: &FarmState, tasks: &[Task]) -> CommandFailure {
+    fn no_progress_failure(
+        &self,
+        missing: &[u32],
+        rounds: u32,
+        state: &FarmState,
+        tasks: &[SlurmTask],
+    ) -> CommandFailure {
         let failed = tasks.iter().find(|task| task.state != "COMPLETED").map(|task| task.id.clone());
         let log = failed.or_else(|| state.jobs.last().cloned()).unwrap_or_default();
         let what = if missing.is_empty() {
@@ -350,7 +358,7 @@ impl<'a> SlurmRender<'a> {
     }
 
     /// Returns the error target; `None` without `--target-error`.
-    fn target(&self) -> Option<ErrorTarget> {
+    fn error_target(&self) -> Option<ErrorTarget> {
         let error = self.arguments.target_error?;
         Some(ErrorTarget { error, confidence: self.arguments.confidence })
     }
@@ -362,7 +370,7 @@ impl<'a> SlurmRender<'a> {
         }
         let passes = rendered.film.passes();
         self.progress.print_line(&count_with_noun(passes as usize, "pass", "passes"));
-        let estimate = rendered.estimate_error(self.target()).filter(|_| passes >= MIN_PASSES);
+        let estimate = rendered.estimate_error(self.error_target()).filter(|_| passes >= MIN_PASSES);
         if let Some((estimate, _)) = estimate {
             self.progress.print_line(&format!("estimated error {}", forecast_text::error_text(&estimate)));
         }
@@ -402,7 +410,7 @@ fn is_interrupted_within(time: Duration) -> bool {
 }
 
 /// Returns the tasks of the jobs of an earlier command; none without such jobs.
-fn slurm_tasks(jobs: &[String]) -> Result<Vec<Task>, CommandFailure> {
+fn slurm_tasks(jobs: &[String]) -> Result<Vec<SlurmTask>, CommandFailure> {
     if jobs.is_empty() { Ok(Vec::new()) } else { slurm::tasks(jobs).map_err(slurm_failure) }
 }
 

@@ -1,6 +1,6 @@
 //! Size of the next wave of shards of a render with an error target.
 
-use super::division::Division;
+use super::division::ShardDivision;
 use crate::cli::interrupt::INTERRUPTED;
 use crate::render::error_estimate::StopForecast;
 use crate::render::{EndReason, ErrorTarget, RenderResult, StopCriteria};
@@ -10,7 +10,7 @@ use std::time::Duration;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NextWave {
     /// Another wave, after which the render has this division.
-    Grow(Division),
+    Grow(ShardDivision),
     /// The error is low enough.
     Reached,
     /// More passes cannot reach the target, because of bias.
@@ -24,7 +24,7 @@ pub(super) enum NextWave {
 ///
 /// A wave is at most as large as all earlier ones together, because the forecast of few passes is
 /// uncertain.
-pub(super) fn next_wave(rendered: &RenderResult, division: Division, target: ErrorTarget, most: u32) -> NextWave {
+pub(super) fn next_wave(rendered: &RenderResult, division: ShardDivision, target: ErrorTarget, most: u32) -> NextWave {
     let estimated = rendered.estimate_error(Some(target));
     let stop = StopCriteria { target: Some(target), ..StopCriteria::unlimited(&INTERRUPTED) };
     match stop.end_reason(rendered.film.passes(), estimated.as_ref(), Duration::ZERO) {

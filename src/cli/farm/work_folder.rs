@@ -1,6 +1,6 @@
 //! Folder of a farm render: its scripts, films, logs and the numbers of its jobs.
 
-use super::division::Division;
+use super::division::ShardDivision;
 use crate::cli::file_lock::FileLock;
 use crate::image::replace_file;
 use crate::render::{FilmHeader, PassSet, read_pass_numbers};
@@ -36,7 +36,7 @@ pub(super) struct FarmState {
     /// Scene and settings on which the passes depend.
     pub header: FilmHeader,
     /// Shards that were submitted so far.
-    pub division: Division,
+    pub division: ShardDivision,
     /// Numbers of the jobs of the last round.
     pub jobs: Vec<String>,
 }
@@ -124,7 +124,7 @@ impl WorkFolder {
     }
 
     /// Removes the mark of an earlier merge.
-    pub fn forget_merge(&self) -> Result<(), WorkFolderError> {
+    pub fn remove_merge_mark(&self) -> Result<(), WorkFolderError> {
         match fs::remove_file(self.file(MERGE_DONE)) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(self.error(error)),
             _ => Ok(()),
