@@ -154,3 +154,20 @@ impl SceneFile {
         &self.folder
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::IMPORTERS;
+    use std::collections::HashSet;
+
+    #[test]
+    fn importers_share_no_extension() {
+        let mut known = HashSet::new();
+        for importer in IMPORTERS {
+            for extension in importer.extensions() {
+                assert!(known.insert(extension), "{extension} is read by two importers");
+                assert_eq!(**extension, extension.to_ascii_lowercase());
+            }
+        }
+    }
+}

@@ -22,11 +22,31 @@ fn every_bsdf_stores_photons_or_casts_caustics() {
         assert!(!bsdf.is_specular() || bsdf.casts_caustics(), "{bsdf:?}");
     }
     assert!(!Bsdf::Black.stores_photons() && !Bsdf::Black.casts_caustics() && !Bsdf::Black.is_specular());
-    let metals: Vec<bool> = representative_bsdfs()[5..10].iter().map(Bsdf::stores_photons).collect();
-    assert_eq!(metals, [false, false, false, true, true]);
-    let specular: Vec<bool> = representative_bsdfs()[5..].iter().map(Bsdf::is_specular).collect();
-    assert_eq!(specular, [true, false, false, false, false, true, false, false, false, true]);
-    assert!(representative_bsdfs()[10..].iter().all(Bsdf::casts_caustics));
+}
+
+#[test]
+fn roughness_decides_photon_storage_of_conductors() {
+    let (eta, k) = metal_refractive_index("nickel").unwrap();
+    for (alpha, is_specular, stores) in [
+        (0.0, true, false),
+        (0.05, false, false),
+        (PHOTON_STORAGE_ALPHA, false, false),
+        (PHOTON_STORAGE_ALPHA + 0.01, false, true),
+        (1.0, false, true),
+    ] {
+        let metal = Bsdf::Conductor(Conductor::new(eta, k, alpha, Single));
+        assert_eq!((metal.is_specular(), metal.stores_photons()), (is_specular, stores), "{alpha}");
+    }
+}
+
+#[test]
+fn dielectrics_of_all_roughnesses_cast_caustics() {
+    for alpha in [0.0, 0.05, 0.31, 1.0] {
+        let glass = Bsdf::dielectric(1.5, alpha, Single);
+        assert_eq!((glass.is_specular(), glass.casts_caustics()), (alpha == 0.0, true), "{alpha}");
+    }
+    let sheet = Bsdf::ThinDielectric(ThinDielectric { eta: 1.5, transmittance: Rgb::ONE });
+    assert!(sheet.is_specular() && sheet.casts_caustics());
 }
 
 /// Index of the BSDF's variant in the enum [`Bsdf`].
