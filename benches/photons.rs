@@ -43,7 +43,7 @@ fn trace(bencher: Bencher, threads: usize, pass: &PhotonPass<'_>) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     bencher
         .counter(ItemsCount::new(PATHS))
-        .bench_local(|| pool.install(|| pass.trace(Key::new(1), PATHS, &|_| {}).deposits.photons.len()));
+        .bench_local(|| pool.install(|| pass.trace(Key::new(1), PATHS, &|_| {}).deposits.surface_photons.len()));
 }
 
 /// Returns photons on the walls of a unit box.

@@ -104,7 +104,8 @@ fn shard(settings: &Settings, passes: std::ops::Range<u32>, work: &mut Work) -> 
 
 /// Renders in shards, and prints estimated and true error.
 fn compare_errors(photons: u32, passes: u32, shards: u32) -> Result<(), Box<dyn Error>> {
-    let mut settings = Settings { photons, caustic_photons: photons / 2, balance: false, ..settings() };
+    let mut settings =
+        Settings { unaimed_paths: photons, aimed_paths: photons / 2, allows_balance: false, ..settings() };
     settings.camera_paths.samples = Some(1);
     let mut work = Work::default();
     let mut total: Option<RenderResult> = None;

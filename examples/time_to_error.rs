@@ -47,7 +47,7 @@ fn integrator<'a>(name: &str, scene: &'a Scene) -> Option<Box<dyn Integrator + '
         "pm-importance" => (Algorithm::Pm, FinalGathering::Importance),
         _ => (Algorithm::ALL.into_iter().find(|a| a.name() == word)?, FinalGathering::default()),
     };
-    let settings = Settings { camera_paths, balance, final_gathering, ..Settings::default() };
+    let settings = Settings { camera_paths, allows_balance: balance, final_gathering, ..Settings::default() };
     Some(algorithm.prepare(scene, settings))
 }
 

@@ -100,6 +100,9 @@
 //! In all photon algorithms except `pm`, gather radii shrink from pass to pass. So the mean of the
 //! passes converges to the true radiance.
 
+#[macro_use]
+mod enum_list;
+
 #[doc(hidden)]
 pub mod accel;
 #[doc(hidden)]

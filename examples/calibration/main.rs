@@ -23,7 +23,8 @@ mod targets;
 mod trace;
 
 use caustica::integrate::Algorithm;
-use caustica::plan::{Effect, EffectOverrides, Plan};
+use caustica::plan::{EffectOverrides, Plan};
+use caustica::scene::Effect;
 use scenes::{TestScene, Truth};
 use std::error::Error;
 use trace::Trace;

@@ -35,7 +35,7 @@ impl TestScene {
 
 /// Returns default settings with `photons` photon paths per pass.
 pub fn settings(photons: u32) -> Settings {
-    let mut settings = Settings { photons, caustic_photons: photons / 2, ..Settings::default() };
+    let mut settings = Settings { unaimed_paths: photons, aimed_paths: photons / 2, ..Settings::default() };
     settings.camera_paths.estimate_error = true;
     settings
 }
@@ -79,7 +79,7 @@ fn reference(scene: &Scene, settings: &Settings, size: (u32, u32), seed: u64, pa
     (settings.alpha, settings.gather_k) = (1.0, Some(0));
     // Camera paths find indirect light without bias.
     settings.indirect_photons = IndirectPhotons::Off;
-    (settings.photons, settings.caustic_photons) = (4 * settings.photons, 8 * settings.caustic_photons);
+    (settings.unaimed_paths, settings.aimed_paths) = (4 * settings.unaimed_paths, 8 * settings.aimed_paths);
     let interrupted = AtomicBool::new(false);
     let stop = StopCriteria { passes: Some(passes), ..StopCriteria::unlimited(&interrupted) };
     let integrator = Algorithm::Hybrid.prepare(scene, settings);

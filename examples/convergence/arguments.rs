@@ -64,7 +64,7 @@ impl Arguments {
         for technique in &self.without {
             match technique.as_str() {
                 "light-tracing" => settings.light_tracing = LightTracing::Off,
-                "prefix-rays" => settings.prefix_rays = false,
+                "prefix-rays" => settings.allows_prefix_rays = false,
                 "indirect-photons" => settings.indirect_photons = IndirectPhotons::Off,
                 _ => return Err(format!("`{technique}` cannot be turned off")),
             }

@@ -118,9 +118,9 @@ fn reference_settings(focus: &Focus, usual: &Settings, light_tracing: LightTraci
         radius: radii.map(|radii| radii.caustic / 10.0),
         alpha: 1.0,
         gather_k: Some(0),
-        photons: 4 * usual.photons,
-        caustic_photons: 4 * usual.caustic_photons,
-        balance: false,
+        unaimed_paths: 4 * usual.unaimed_paths,
+        aimed_paths: 4 * usual.aimed_paths,
+        allows_balance: false,
         indirect_photons: IndirectPhotons::Off,
         light_tracing,
         ..usual.clone()
@@ -233,7 +233,7 @@ pub fn print(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         names => names.iter().map(String::as_str).collect(),
     };
     let passes = arguments.passes.clone().unwrap_or_else(|| vec![4, 16, 64, 256, 1024]);
-    let part = f64::from(arguments.photons.unwrap_or(PHOTONS)) / f64::from(Settings::default().photons);
+    let part = f64::from(arguments.photons.unwrap_or(PHOTONS)) / f64::from(Settings::default().unaimed_paths);
     let truth_passes = arguments.truth.unwrap_or(1024);
     for name in names {
         let focus = Focus::new(name)?;

@@ -40,7 +40,7 @@ fn read_scene(name: &str, size: (u32, u32)) -> Result<(Scene, u32), Box<dyn Erro
 fn settings(arguments: &Arguments, seed: u64, part: f64) -> Result<Settings, String> {
     let mut settings = Settings::default();
     let scaled = |count: u32| (f64::from(count) * part).round() as u32;
-    (settings.photons, settings.caustic_photons) = (scaled(settings.photons), scaled(settings.caustic_photons));
+    (settings.unaimed_paths, settings.aimed_paths) = (scaled(settings.unaimed_paths), scaled(settings.aimed_paths));
     settings.camera_paths.seed = seed;
     arguments.turn_off(&mut settings)?;
     Ok(settings)

@@ -88,7 +88,7 @@ impl RenderOptions {
         let kernel: Kernel = self.kernel.parse().map_err(|e: UnknownKernel| PyValueError::new_err(e.to_string()))?;
         let effects = self.effects.parse().map_err(|e: UnknownOverrideError| PyValueError::new_err(e.to_string()))?;
         let defaults = Settings::default();
-        let photons = self.photons.unwrap_or(defaults.photons);
+        let unaimed_paths = self.photons.unwrap_or(defaults.unaimed_paths);
         Ok(Settings {
             camera_paths: CameraPathSettings {
                 samples: self.spp,
@@ -103,16 +103,16 @@ impl RenderOptions {
                 clamp: self.clamp,
                 effects,
             },
-            photons,
-            caustic_photons: self.caustic_photons.unwrap_or(photons / 2),
-            balance: self.photons.is_none() && self.caustic_photons.is_none() && self.gather_k.is_none(),
+            unaimed_paths,
+            aimed_paths: self.caustic_photons.unwrap_or(unaimed_paths / 2),
+            allows_balance: self.photons.is_none() && self.caustic_photons.is_none() && self.gather_k.is_none(),
             gather_k: self.gather_k,
             radius: self.radius,
             alpha: self.alpha.unwrap_or(ALPHA),
             kernel,
-            prefix_rays: self.prefix_rays,
-            guides_environment: self.environment_guiding,
-            guides_scatter_points: self.scatter_point_guiding,
+            allows_prefix_rays: self.prefix_rays,
+            allows_environment_guiding: self.environment_guiding,
+            allows_scatter_point_guiding: self.scatter_point_guiding,
             light_tracing: choice(
                 "light_tracing",
                 &self.light_tracing,

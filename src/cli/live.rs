@@ -4,7 +4,7 @@ use super::interrupt::INTERRUPTED;
 use super::progress::print_message;
 use super::{CommandFailure, Exit, RenderArguments};
 use crate::image;
-use crate::view::{Frame, LivePage, LiveRender, PageServer, Request};
+use crate::view::{LiveFrame, LivePage, LiveRender, PageServer, Request};
 use miette::Report;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,17 +15,17 @@ use std::time::Instant;
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("cannot read the reference `{}`: {source}", path.display())]
 #[diagnostic(help("name a picture in .exr, .png or .hdr format"))]
-struct ReferenceError {
+struct LiveReferenceError {
     path: PathBuf,
     source: image::ReadError,
 }
 
 /// Reads the reference picture at `path`; returns `None` if `path` is `None`.
-pub(super) fn read_reference(path: Option<&Path>) -> Result<Option<Frame>, CommandFailure> {
+pub(super) fn read_reference(path: Option<&Path>) -> Result<Option<LiveFrame>, CommandFailure> {
     let Some(path) = path else { return Ok(None) };
     let image = image::read(path)
-        .map_err(|source| CommandFailure::new(Exit::Input, ReferenceError { path: path.to_owned(), source }))?;
-    Ok(Some(Frame::from_image(&image)))
+        .map_err(|source| CommandFailure::new(Exit::Input, LiveReferenceError { path: path.to_owned(), source }))?;
+    Ok(Some(LiveFrame::from_image(&image)))
 }
 
 /// Prints the URL of a live page. It is printed even if the command is quiet, because the secret
@@ -47,7 +47,7 @@ impl LiveOutput {
         let reference = read_reference(arguments.reference.as_deref())?;
         let scene = arguments.scene.scene.display().to_string();
         let page = Arc::new(LivePage::new(scene, arguments.method.integrator.name(), false, reference));
-        let server = PageServer::start(address, page.clone(), Box::new(take_request));
+        let server = PageServer::start(address, page.clone(), Box::new(handle_page_request));
         let server = server.map_err(|error| CommandFailure::usage_error(Report::new(error)))?;
         print_page_address(&server);
         Ok(Some(Self { page, server }))
@@ -66,7 +66,7 @@ impl LiveOutput {
 
 /// Handles a request of the page. [`Request::Stop`] acts like the first Ctrl-C; for other requests,
 /// returns false, because a page of `caustica render` cannot do them.
-fn take_request(request: Request) -> bool {
+fn handle_page_request(request: Request) -> bool {
     match request {
         Request::Stop => {
             INTERRUPTED.store(true, Ordering::Relaxed);

@@ -7,7 +7,8 @@ use super::scene::{load_scene, with_thread_pool};
 use super::settings::settings_from_arguments;
 use super::{CommandFailure, Exit};
 use crate::integrate::{Algorithm, EnvironmentGuidingReport, Integrator, RayPhotonBalance, ScatterPointGuidingReport};
-use crate::plan::{Effect, EffectDecision, Plan, SceneFeatures};
+use crate::plan::{EffectDecision, Plan, SceneFeatures};
+use crate::scene::Effect;
 use crate::study::text::{count_text, percent_text, signed_count_text};
 use crate::study::{ExpectedWork, WorkCounts, expected_work};
 use serde::Serialize;
@@ -22,8 +23,12 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<Exit, CommandFailure> {
         let integrator = algorithm.prepare(&scene, settings);
         let work = expected_work(integrator.as_ref());
         let text = if arguments.json {
-            let report =
-                PlanReport::new(arguments.scene.scene.display().to_string(), algorithm, integrator.as_ref(), &work);
+            let report = PlanCommandReport::new(
+                arguments.scene.scene.display().to_string(),
+                algorithm,
+                integrator.as_ref(),
+                &work,
+            );
             let json = serde_json::to_string_pretty(&report);
             json.map_err(CommandFailure::output_error)? + "\n"
         } else {
@@ -77,7 +82,7 @@ const UNSAMPLED_CAUSTICS: &str = "warning: this method finds caustics only by ch
 
 /// Returns a line with the numbers of camera rays and photon paths of a pass.
 fn pass_counts_line(balance: &RayPhotonBalance) -> String {
-    let RayPhotonBalance { samples, photons, caustic_photons } = balance;
+    let RayPhotonBalance { samples, unaimed_paths: photons, aimed_paths: caustic_photons } = balance;
     let mut line =
         format!("each pass: {}", count_with_noun(*samples as usize, "camera ray per pixel", "camera rays per pixel"));
     for (n, which) in [(photons, "photon paths"), (caustic_photons, "photon paths aimed at specular objects")] {
@@ -168,7 +173,7 @@ fn work_counts_text(work: WorkCounts, number: fn(f64) -> String) -> String {
 }
 
 #[derive(Debug, Serialize)]
-struct PlanReport {
+struct PlanCommandReport {
     schema: u32,
     version: &'static str,
     scene: String,
@@ -227,7 +232,7 @@ pub(super) fn plan_effect_reports(plan: &Plan) -> Vec<EffectDecisionReport> {
     plan.decisions.iter().map(report).collect()
 }
 
-impl PlanReport {
+impl PlanCommandReport {
     fn new(scene: String, algorithm: Algorithm, integrator: &dyn Integrator, work: &ExpectedWork) -> Self {
         let plan = integrator.plan();
         let costed = |(report, decision): (EffectDecisionReport, &EffectDecision)| {

@@ -112,7 +112,8 @@ impl EstimatedErrorReport {
 pub(super) struct GatherRadiiReport {
     /// Largest gather radius of the indirect map in the first pass \[length]. Jensen 2001 calls it
     /// the global map.
-    pub global: f32,
+    #[serde(rename = "global")]
+    pub indirect: f32,
     /// Largest gather radius of the caustic map in the first pass \[length].
     pub caustic: f32,
 }
@@ -120,9 +121,11 @@ pub(super) struct GatherRadiiReport {
 #[derive(Debug, Serialize)]
 pub(super) struct PhotonReports {
     /// Photon paths that lights emit in all directions: the paths of `--photons`.
-    pub global: PhotonReport,
-    /// Photon paths that lights aim at casters, such as glass: the paths of `--caustic-photons`.
-    pub caustic: PhotonReport,
+    #[serde(rename = "global")]
+    pub unaimed: PhotonReport,
+    /// Photon paths that are aimed at casters, such as glass: those of `--caustic-photons`.
+    #[serde(rename = "caustic")]
+    pub aimed: PhotonReport,
 }
 
 #[derive(Debug, Serialize)]
@@ -180,13 +183,13 @@ impl RenderReport {
             triangles: setup.triangles,
             shapes: setup.shapes,
             lights: setup.lights,
-            radii: setup.radii.map(|r| GatherRadiiReport { global: r.indirect, caustic: r.caustic }),
+            radii: setup.radii.map(|r| GatherRadiiReport { indirect: r.indirect, caustic: r.caustic }),
             emission_guiding: setup.emission_guiding,
             environment_guiding: setup.environment_guiding,
             scatter_point_guiding: setup.scatter_point_guiding,
             effects: setup.effects,
             balance: setup.balance,
-            photons: PhotonReports { global: rendered.unaimed, caustic: rendered.aimed },
+            photons: PhotonReports { unaimed: rendered.unaimed, aimed: rendered.aimed },
             error: EstimatedErrorReport::new(rendered, confidence),
             clamped_fraction: rendered.clamped_fraction(),
             counters: rendered.counters,

@@ -6,7 +6,8 @@ use crate::integrate::{
     ALPHA, Algorithm, CameraPathSettings, FinalGathering, IndirectPhotons, LightTracing, Settings, VolumeEstimator,
 };
 use crate::photon::Kernel;
-use crate::plan::{Effect, EffectOverrides};
+use crate::plan::EffectOverrides;
+use crate::scene::Effect;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
@@ -17,11 +18,13 @@ impl ValueEnum for Algorithm {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(PossibleValue::new(self.name()).help(match self {
-            Self::Hybrid => "Path tracing with next-event estimation, and photons for caustics",
+            Self::Hybrid => {
+                "Path tracing with next-event estimation; photons carry caustics and a share of other indirect light"
+            }
             Self::Path => "Path tracing",
             Self::Sppm => "Stochastic progressive photon mapping",
             Self::Ppm => "Progressive photon mapping with fixed hit points",
-            Self::Pm => "Photon mapping with a global and a caustic map and final gathering",
+            Self::Pm => "Photon mapping with an indirect and a caustic map, and final gathering",
             Self::Distributed => {
                 "Distributed ray tracing: soft shadows and glossy reflections, no diffuse interreflection"
             }
@@ -38,7 +41,9 @@ impl ValueEnum for FinalGathering {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(match self {
-            Self::None => PossibleValue::new("none").help("Density estimate of the global map at the visible surface"),
+            Self::None => {
+                PossibleValue::new("none").help("Density estimate of the indirect map at the visible surface")
+            }
             Self::Bsdf => PossibleValue::new("bsdf").help("Gather rays sampled from the BSDF"),
             Self::Importance => PossibleValue::new("importance").help("Gather rays guided by photons"),
         })
@@ -89,7 +94,7 @@ impl ValueEnum for VolumeEstimator {
 
 /// Returns the settings that the arguments describe.
 pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: EffectOverrides) -> Settings {
-    let photons = arguments.photons.unwrap_or(Settings::default().photons);
+    let unaimed_paths = arguments.photons.unwrap_or(Settings::default().unaimed_paths);
     Settings {
         camera_paths: CameraPathSettings {
             samples: arguments.spp,
@@ -103,17 +108,19 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
             clamp: None,
             effects,
         },
-        photons,
-        caustic_photons: arguments.caustic_photons.unwrap_or(photons / 2),
-        balance: arguments.photons.is_none() && arguments.caustic_photons.is_none() && arguments.gather_k.is_none(),
+        unaimed_paths,
+        aimed_paths: arguments.caustic_photons.unwrap_or(unaimed_paths / 2),
+        allows_balance: arguments.photons.is_none()
+            && arguments.caustic_photons.is_none()
+            && arguments.gather_k.is_none(),
         gather_k: arguments.gather_k,
         radius: arguments.radius,
         alpha: arguments.alpha.unwrap_or(ALPHA),
         kernel: arguments.kernel,
         volume: arguments.volume,
-        prefix_rays: !arguments.no_prefix_rays,
-        guides_environment: !arguments.no_environment_guiding,
-        guides_scatter_points: !arguments.no_scatter_point_guiding,
+        allows_prefix_rays: !arguments.no_prefix_rays,
+        allows_environment_guiding: !arguments.no_environment_guiding,
+        allows_scatter_point_guiding: !arguments.no_scatter_point_guiding,
         light_tracing: arguments.light_tracing,
         indirect_photons: arguments.indirect_photons,
         final_gathering: arguments.final_gathering,

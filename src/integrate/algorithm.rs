@@ -6,36 +6,35 @@ use super::policy::PolicyFn;
 use super::raycast::RaycastIntegrator;
 use super::settings::Settings;
 use super::{distributed, hybrid, path, pm, ppm, sppm, whitted};
-use crate::plan::{Effect, Effects, Plan};
-use crate::scene::Scene;
+use crate::plan::Plan;
+use crate::scene::{Effect, Effects, Scene};
 
-/// Rendering algorithm, the value of the option `--integrator`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Algorithm {
-    /// Path tracing with next-event estimation, and photon mapping for caustics.
-    Hybrid,
-    /// Path tracing.
-    Path,
-    /// Stochastic progressive photon mapping.
-    Sppm,
-    /// Progressive photon mapping; all passes trace the same camera paths.
-    Ppm,
-    /// Photon mapping with an indirect and a caustic map, whose gather radii stay fixed over the
-    /// passes.
-    Pm,
-    /// Distributed ray tracing (Cook, Porter and Carpenter 1984).
-    Distributed,
-    /// Recursive ray tracing (Whitted 1980).
-    Whitted,
-    /// Ray casting with Phong's shading model and without shadows, as in MIT course 6.837.
-    Raycast,
+enum_with_all! {
+    /// Rendering algorithm, the value of the option `--integrator`.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Algorithm {
+        /// Path tracing with next-event estimation. Photons carry caustics and their
+        /// interreflection, and by default a share of the other indirect light.
+        Hybrid,
+        /// Path tracing.
+        Path,
+        /// Stochastic progressive photon mapping.
+        Sppm,
+        /// Progressive photon mapping. All passes trace the same camera paths.
+        Ppm,
+        /// Photon mapping with an indirect map and a caustic map. Gather radii stay fixed over the
+        /// passes.
+        Pm,
+        /// Distributed ray tracing (Cook, Porter and Carpenter 1984).
+        Distributed,
+        /// Recursive ray tracing (Whitted 1980).
+        Whitted,
+        /// Ray casting with Phong's shading model and without shadows, as in MIT course 6.837.
+        Raycast,
+    }
 }
 
 impl Algorithm {
-    /// All algorithms, `hybrid` first.
-    pub const ALL: [Self; 8] =
-        [Self::Hybrid, Self::Path, Self::Sppm, Self::Ppm, Self::Pm, Self::Distributed, Self::Whitted, Self::Raycast];
-
     /// Returns the algorithm's name on the command line, such as `sppm`.
     #[must_use]
     pub fn name(self) -> &'static str {

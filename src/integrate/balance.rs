@@ -15,10 +15,12 @@ pub struct RayPhotonBalance {
     pub samples: u32,
     /// Number of unaimed photon paths, for [`Settings::photons`](super::Settings::photons); `None`
     /// without such paths.
-    pub photons: Option<u32>,
+    #[serde(rename = "photons")]
+    pub unaimed_paths: Option<u32>,
     /// Number of aimed photon paths, for
     /// [`Settings::caustic_photons`](super::Settings::caustic_photons); `None` without such paths.
-    pub caustic_photons: Option<u32>,
+    #[serde(rename = "caustic_photons")]
+    pub aimed_paths: Option<u32>,
 }
 
 /// Largest factor by which a pilot may change the number of camera rays or photon paths. It limits

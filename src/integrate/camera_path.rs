@@ -25,9 +25,8 @@ use crate::bsdf::TransportMode;
 use crate::color::{self, Rgb};
 use crate::medium::PhaseFunction;
 use crate::photon::VisiblePoint;
-use crate::plan::Effect;
 use crate::sampling::{Dimension, Sampler};
-use crate::scene::{Interior, PathEvent, PathRay, Scene, SurfaceInteraction, SurfaceVertex};
+use crate::scene::{Effect, Interior, PathEvent, PathRay, Scene, SurfaceInteraction, SurfaceVertex};
 use glam::Vec3;
 
 /// Least throughput of the fainter branch, as a mean over RGB, for which a camera path splits into
@@ -340,7 +339,7 @@ fn photon_radiance<I: Interior>(
     ends_gather_ray: bool,
     task: &mut PathTask,
 ) -> Rgb {
-    let lookup_scale = match paths.policy.photons {
+    let lookup_scale = match paths.policy.lookups {
         PhotonLookups::Never => return Rgb::ZERO,
         PhotonLookups::FewPerPixel => match vertex.sampler.sample_index_and_count() {
             (index, samples) if vertex.history.receivers == 0 && index < weights.prefix.lookups => {
@@ -354,7 +353,7 @@ fn photon_radiance<I: Interior>(
             return Rgb::ZERO;
         }
     };
-    let before_gather_ray = paths.policy.photons == PhotonLookups::GatherRays && !ends_gather_ray;
+    let before_gather_ray = paths.policy.lookups == PhotonLookups::GatherRays && !ends_gather_ray;
     let lookup = if before_gather_ray { PhotonMapChoice::Caustic } else { PhotonMapChoice::CausticAndIndirect };
     let estimate = paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, lookup_scale, task));
     let interreflection = if shares_indirect_light(weights.indirect, vertex.history) {

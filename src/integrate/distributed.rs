@@ -8,7 +8,7 @@
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{IndirectPhotons, LightTracing, Settings};
-use crate::plan::Effects;
+use crate::scene::Effects;
 
 /// Returns the rules of camera paths for distributed ray tracing.
 pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
@@ -22,7 +22,7 @@ pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
         directions: DirectionSampling::OneLobe,
         adds_caustics: true,
         min_throughput: 0.0,
-        photons: PhotonLookups::Never,
+        lookups: PhotonLookups::Never,
         shrinking_radii: true,
         light_tracing: LightTracing::Off,
         indirect_photons: IndirectPhotons::Off,

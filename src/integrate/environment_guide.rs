@@ -40,7 +40,7 @@ const PARENT_WEIGHT: f64 = 2.0;
 /// over the scene.
 #[derive(Debug)]
 pub(super) struct EnvironmentGuide {
-    grid: CellGrid,
+    grid: SceneCellGrid,
     /// Distribution of shadow-ray directions in each cell, over the unit square.
     /// [`EnvironmentLight::sample`] turns points of the square into directions.
     cells: Vec<SquareGridDistribution>,
@@ -49,7 +49,7 @@ pub(super) struct EnvironmentGuide {
 /// Data from which the guide is fitted, for each bin of each cell: the number of pilot rays, and
 /// the sum of their squared contributions to the picture.
 pub(super) struct EnvironmentGuideFit {
-    grid: CellGrid,
+    grid: SceneCellGrid,
     counts: Vec<f64>,
     squares: Vec<f64>,
 }
@@ -90,7 +90,7 @@ impl EnvironmentGuideFit {
     /// along each axis.
     pub fn new(points: &[Vec3]) -> Self {
         let bins = (CELLS * CELLS * CELLS) as usize * BINS;
-        Self { grid: CellGrid::new(points), counts: vec![0.0; bins], squares: vec![0.0; bins] }
+        Self { grid: SceneCellGrid::new(points), counts: vec![0.0; bins], squares: vec![0.0; bins] }
     }
 
     /// Adds a pilot ray from `p`, whose direction the light has sampled from the point `u` in
@@ -183,12 +183,12 @@ fn distribution(means: &[f64]) -> Option<SquareGridDistribution> {
 
 /// Division of space into cells by planes at right angles to the axes.
 #[derive(Clone, Debug)]
-struct CellGrid {
+struct SceneCellGrid {
     /// Coordinates of the cell boundaries on each axis, in ascending order \[length].
     planes: [[f32; CELLS as usize - 1]; 3],
 }
 
-impl CellGrid {
+impl SceneCellGrid {
     fn new(points: &[Vec3]) -> Self {
         let planes = [0, 1, 2].map(|axis| {
             let mut positions: Vec<f32> = points.iter().map(|p| p[axis]).collect();

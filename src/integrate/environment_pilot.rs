@@ -11,9 +11,8 @@ use crate::color::{self, Rgb};
 use crate::light::EnvironmentLight;
 use crate::math::{Ray, offset_ray_origin};
 use crate::photon::VisiblePoint;
-use crate::plan::Effects;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
-use crate::scene::{Scene, for_interior};
+use crate::scene::{Effects, Scene, for_interior};
 use glam::Vec2;
 use rayon::prelude::*;
 

@@ -18,7 +18,7 @@
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::Settings;
-use crate::plan::{Effect, Effects};
+use crate::scene::{Effect, Effects};
 
 /// Returns the rules of camera paths for `hybrid`.
 pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
@@ -33,7 +33,7 @@ pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
         directions: DirectionSampling::Bsdf,
         adds_caustics: false,
         min_throughput: 0.0,
-        photons: PhotonLookups::FewPerPixel,
+        lookups: PhotonLookups::FewPerPixel,
         shrinking_radii: true,
         light_tracing: settings.light_tracing,
         indirect_photons: settings.indirect_photons,

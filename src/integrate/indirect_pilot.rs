@@ -89,10 +89,10 @@ struct LightParts {
     /// ignores their noise, because other pilots reduce it.
     emission_and_caustics: f64,
     /// Indirect light found by the camera path after its first receiver.
-    paths: f64,
+    path_light: f64,
     /// Indirect light found by the photon estimate at the first receiver.
-    photons: f64,
-    /// Noisy estimate of the bias of `photons`.
+    photon_light: f64,
+    /// Noisy estimate of the bias of the photon estimate.
     bias: f64,
 }
 
@@ -107,8 +107,8 @@ struct PassCost {
     continuation: f64,
     /// Work per pixel of tracing, storing and gathering photons, relative to tracing one photon
     /// ray.
-    photons: f64,
-    /// Work of one photon estimate apart from its photons, relative to tracing one photon ray.
+    photon_work: f64,
+    /// Work of one photon estimate apart from its photons.
     lookup: f64,
 }
 
@@ -151,7 +151,7 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
         direct_variance,
         prefix: work.prefixes / paths,
         continuation: ((work.paths - work.prefixes) / paths).max(1.0),
-        photons: f64::from(divisor) * (work.photons / pixels + work.gathering / paths),
+        photon_work: f64::from(divisor) * (work.photon_work / pixels + work.gathering / paths),
         lookup: balance::LOOKUP_WORK,
     };
     let division = IndirectDivision {
@@ -163,7 +163,7 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
         path_price: 0.0,
         passes: MAX_PASSES,
     };
-    let parts = if renderer.settings.balance { &PHOTON_PARTS[..] } else { &PHOTON_PARTS[..1] };
+    let parts = if renderer.settings.allows_balance { &PHOTON_PARTS[..] } else { &PHOTON_PARTS[..1] };
     least_cost_division(&division, parts, &cost, |pass| renderer.map_builder.relative_disc_area(pass))
 }
 
@@ -188,9 +188,8 @@ struct TrialWork {
     prefixes: f64,
     /// Work of tracing and storing the photons of the interreflection map, relative to tracing one
     /// photon ray.
-    photons: f64,
-    /// Work of gathering the photons of the interreflection map, relative to tracing one photon
-    /// ray.
+    photon_work: f64,
+    /// Work of gathering the photons of the interreflection map.
     gathering: f64,
 }
 
@@ -240,7 +239,7 @@ impl<'a> PilotTrial<'a> {
         TrialWork {
             paths: balance::camera_path_work(both),
             prefixes: scale * balance::camera_path_work(&prefixes),
-            photons: rays_per_path * unaimed.emitted as f64 + balance::photon_storage_work(unaimed.stored),
+            photon_work: rays_per_path * unaimed.emitted as f64 + balance::photon_storage_work(unaimed.stored),
             gathering: LOOKUP_PHOTON_WORK
                 * (both.gathered_photons as f64 - scale * alone.gathered_photons as f64).max(0.0),
         }
@@ -264,8 +263,8 @@ impl LightParts {
         Self {
             direct: total - up_to_receiver - all_photons - paths,
             emission_and_caustics: up_to_receiver + all_photons - photons,
-            paths,
-            photons,
+            path_light: paths,
+            photon_light: photons,
             bias: BIAS_FACTOR * step,
         }
     }
@@ -285,7 +284,7 @@ fn cell_errors(
     rare: f64,
 ) -> Option<(Vec<IndirectErrors>, f64)> {
     let size = CELL_POINTS as usize;
-    let light = |p: &LightParts| p.direct + p.emission_and_caustics + 0.5 * (p.paths + p.photons);
+    let light = |p: &LightParts| p.direct + p.emission_and_caustics + 0.5 * (p.path_light + p.photon_light);
     let cells: Vec<(&[LightParts], &[LightParts])> = one.chunks(size).zip(other.chunks(size)).collect();
     let cell_light: Vec<f64> =
         cells.iter().map(|(a, b)| a.iter().chain(*b).map(light).sum::<f64>() / (2 * size) as f64).collect();
@@ -302,11 +301,11 @@ fn cell_errors(
             for (a, b) in a.iter().zip(*b) {
                 let half = |a: f64, b: f64| 0.5 * (a - b) * (a - b);
                 sums[0] += half(a.direct, b.direct) * scale;
-                sums[1] += half(a.paths, b.paths) * scale;
-                sums[2] += half(a.photons, b.photons) * scale;
+                sums[1] += half(a.path_light, b.path_light) * scale;
+                sums[2] += half(a.photon_light, b.photon_light) * scale;
                 sums[3] += a.bias * b.bias * scale;
-                sums[4] += 0.5 * (a.paths + b.paths) * (scale / size as f64).sqrt();
-                sums[5] += 0.5 * (a.photons + b.photons) * (scale / size as f64).sqrt();
+                sums[4] += 0.5 * (a.path_light + b.path_light) * (scale / size as f64).sqrt();
+                sums[5] += 0.5 * (a.photon_light + b.photon_light) * (scale / size as f64).sqrt();
             }
             sums
         })
@@ -359,7 +358,7 @@ fn least_cost_division(
     let alone = (cost.direct_variance + path_variance) * (cost.prefix + cost.continuation);
     let error_and_work = |division: &IndirectDivision, part: f64, number: u32| {
         let (error, paths) = division.mean_error_and_paths(number as f32, area(number - 1) as f32);
-        let work = n * cost.prefix + paths * cost.continuation + part * cost.photons + cost.lookup;
+        let work = n * cost.prefix + paths * cost.continuation + part * cost.photon_work + cost.lookup;
         (cost.direct_variance / n + error, work)
     };
     let priced = |part: f64| {

@@ -6,7 +6,8 @@ use super::pass::{ExpectedPhotons, Pass, ProgressMonitor};
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{EmissionGuidingReports, GatherRadii};
 use super::scatter_point_pilot::ScatterPointGuidingReport;
-use crate::plan::{Effects, Plan};
+use crate::plan::Plan;
+use crate::scene::Effects;
 use crate::stats::Counters;
 
 /// A rendering algorithm, prepared to render passes of one scene. *Pilots* are small simulations

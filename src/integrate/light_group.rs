@@ -3,26 +3,27 @@
 use super::vertex::PathHistory;
 use crate::color::Rgb;
 
-/// Direct, indirect or caustic part of a picture's light, by the receivers and casters on the
-/// light's way to the camera.
-///
-/// Casters between the camera and the first receiver change no group.
-/// [`PhotonKind`](crate::photon::PhotonKind) defines receivers and casters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LightGroup {
-    /// Light that reaches the first receiver straight from a light, and light that the camera sees
-    /// without any receiver: lights, the environment and the background.
-    Direct,
-    /// Light that another receiver has scattered before the first receiver of the camera path.
-    Indirect,
-    /// Light that reaches the first receiver over casters only.
-    Caustic,
+enum_with_all! {
+    /// Part of a picture's light: direct, indirect or caustic. The receivers and casters on the
+    /// light's way to the camera determine the part.
+    ///
+    /// Casters between the camera and the first receiver do not change it.
+    /// [`PhotonKind`](crate::photon::PhotonKind) defines receivers and casters.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum LightGroup {
+        /// Light that reaches the first receiver straight from a light, and light that the camera
+        /// sees without any receiver: lights, the environment and the background.
+        Direct,
+        /// Light that another receiver has scattered before it reaches the first receiver of the
+        /// camera path.
+        Indirect,
+        /// Light that reaches the first receiver over one or more casters, and over no other
+        /// receiver.
+        Caustic,
+    }
 }
 
 impl LightGroup {
-    /// All groups. The index of a group is its discriminant.
-    pub const ALL: [Self; 3] = [Self::Direct, Self::Indirect, Self::Caustic];
-
     /// Returns the name of the group, which names its layer in files.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -19,9 +19,8 @@ use crate::photon::{
     AFTER_CAUSTIC_THINNING, Bandwidth, DensityEstimateShares, LightTracer, Photon, PhotonMap, PhotonPass,
     PhotonPassResult, PhotonSource, Splat, StoreMask, VolumePhotons, thin_beams,
 };
-use crate::plan::{Effect, Effects};
 use crate::sampling::{Dimension, Key, Purpose};
-use crate::scene::Scene;
+use crate::scene::{Effect, Effects, Scene};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::Instant;
@@ -149,10 +148,10 @@ impl<'a> PhotonMapBuilder<'a> {
         // start in all directions.
         let aimed =
             || PhotonSource::aimed_at_casters(scene).or_else(|| PhotonSource::emitting_in_all_directions(scene));
-        let aimed_source = source(request.aimed, settings.caustic_photons, &aimed);
+        let aimed_source = source(request.aimed, settings.aimed_paths, &aimed);
         let unaimed_source =
-            source(request.unaimed, settings.photons, &|| PhotonSource::emitting_in_all_directions(scene));
-        let counts = PhotonPathCounts { unaimed: settings.photons, aimed: settings.caustic_photons };
+            source(request.unaimed, settings.unaimed_paths, &|| PhotonSource::emitting_in_all_directions(scene));
+        let counts = PhotonPathCounts { unaimed: settings.unaimed_paths, aimed: settings.aimed_paths };
         let mut builder = Self {
             scene,
             settings,
@@ -223,9 +222,9 @@ impl<'a> PhotonMapBuilder<'a> {
     fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
         if self.aimed_paths_fill_indirect_map() {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
-            (&self.aimed_source, mask, self.settings.caustic_photons / AFTER_CAUSTIC_THINNING)
+            (&self.aimed_source, mask, self.settings.aimed_paths / AFTER_CAUSTIC_THINNING)
         } else {
-            (&self.unaimed_source, self.request.unaimed, self.settings.photons)
+            (&self.unaimed_source, self.request.unaimed, self.settings.unaimed_paths)
         }
     }
 
@@ -345,12 +344,12 @@ impl<'a> PhotonMapBuilder<'a> {
         let deposits = traced.deposits;
 
         // The limit grows with the number of paths, so that discs keep their size.
-        let ratio = f64::from(self.counts.aimed) / f64::from(self.settings.caustic_photons.max(1));
+        let ratio = f64::from(self.counts.aimed) / f64::from(self.settings.aimed_paths.max(1));
         let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
         let k = photon_limit(self.settings.gather_k.unwrap_or(usual_k), options.divisor);
         let surface = self.radii.map_or(1.0, |radii| radii.caustic);
         let limits = DensityEstimateLimits { radii: MapRadii { surface, volume: self.volume_radii.caustic }, k };
-        let photons = MapPhotons { surface: deposits.photons, volume: deposits.volume };
+        let photons = MapPhotons { surface: deposits.surface_photons, volume: deposits.volume };
         let mut map = self.index_photons(photons, limits, options, monitor, out);
         map.has_density_estimate_shares = light_tracer.is_some();
         let after_caustic = MapPhotons { surface: deposits.after_caustic, volume: deposits.after_caustic_volume };
@@ -413,7 +412,7 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let traced = self.trace_photons(task, monitor, out);
         out.unaimed += photon_report(&traced);
-        MapPhotons { surface: traced.deposits.photons, volume: traced.deposits.volume }
+        MapPhotons { surface: traced.deposits.surface_photons, volume: traced.deposits.volume }
     }
 
     /// Traces the photons that guide final-gathering rays, and returns them; empty if the policy
@@ -434,7 +433,7 @@ impl<'a> PhotonMapBuilder<'a> {
             key: options.photon_path_key(Purpose::GatherRayGuides),
             light_tracer: None,
         };
-        self.trace_photons(task, monitor, out).deposits.photons
+        self.trace_photons(task, monitor, out).deposits.surface_photons
     }
 
     /// Returns the photon map of `photons` with its search structures, and with the gather radii of

@@ -10,9 +10,8 @@ use super::scatter_point_guide::ScatterPointGuide;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
 use crate::color::Rgb;
 use crate::light::{DirectLightSample, EnvironmentLight, Light, LightBvhSampler, ShadowTarget};
-use crate::plan::{Effect, Effects};
 use crate::sampling::Dimension;
-use crate::scene::{Interior, Scene};
+use crate::scene::{Effect, Effects, Interior, Scene};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
@@ -91,6 +90,7 @@ impl<'a> NextEventEstimator<'a> {
         let all = if centers || !effects.has(Effect::Textures) { scene.mean_emission_lights() } else { scene.lights() };
         let skipped = scene.environment_light_index().filter(|_| !effects.has(Effect::Environment));
         // The environment is the last of the lights.
+        debug_assert!(skipped.is_none_or(|index| index + 1 == all.len()));
         let lights = &all[..skipped.unwrap_or(all.len())];
         let sampled = |n: u32| {
             let surfaces = if centers { 1 } else { lights.iter().filter(|l| !l.is_delta()).count() as u32 };
@@ -118,7 +118,7 @@ impl<'a> NextEventEstimator<'a> {
 
     /// Returns the number of lights if each vertex and medium segment up to the first receiver
     /// sends shadow rays to all of them; 0 if these rays go to chosen lights.
-    pub fn light_count_of_first_scheme(&self) -> usize {
+    pub fn always_sampled_light_count(&self) -> usize {
         match self.schemes[0] {
             ShadowRayScheme::All(_) => self.lights.len(),
             ShadowRayScheme::Chosen(_) => 0,
@@ -128,7 +128,7 @@ impl<'a> NextEventEstimator<'a> {
     /// Returns the environment light whose shadow rays a guide could improve: `None` if the scene
     /// has none, if shadow rays go to the centers of lights, or if the effect of shadows is off.
     pub fn guidable_environment_light(&self) -> Option<&EnvironmentLight> {
-        let Light::Environment(environment) = self.lights.last()? else { return None };
+        let environment = self.lights.iter().find_map(Light::as_environment_light)?;
         (!self.centers && self.effects.has(Effect::Shadows)).then_some(environment)
     }
 

@@ -13,7 +13,8 @@ pub struct MeanGatherDisc {
     /// Mean gather radius of the density estimates \[length].
     pub radius: f32,
     /// Mean number of photons in a density estimate.
-    pub photons: f32,
+    #[serde(rename = "photons")]
+    pub mean_count: f32,
 }
 
 /// Differences between a pixel's photon estimates with discs of full, half and quarter area.
@@ -37,7 +38,7 @@ pub struct NestedEstimates {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct GatherDiscSum {
     radius: f32,
-    photons: f32,
+    photon_counts: f32,
     count: u32,
 }
 
@@ -45,13 +46,13 @@ impl GatherDiscSum {
     /// Adds an estimate with gather radius `radius` \[length] and `photons` photons.
     pub fn add(&mut self, radius: f32, photons: u32) {
         self.radius += radius;
-        self.photons += photons as f32;
+        self.photon_counts += photons as f32;
         self.count += 1;
     }
 
     fn mean(self) -> Option<MeanGatherDisc> {
         let n = self.count as f32;
-        (self.count > 0).then(|| MeanGatherDisc { radius: self.radius / n, photons: self.photons / n })
+        (self.count > 0).then(|| MeanGatherDisc { radius: self.radius / n, mean_count: self.photon_counts / n })
     }
 }
 
@@ -137,7 +138,7 @@ mod tests {
         assert_eq!(estimates.differences, [Rgb::splat(0.5), Rgb::splat(-0.25)]);
         assert_eq!(
             (estimates.caustic, estimates.indirect),
-            (Some(MeanGatherDisc { radius: 1.0, photons: 15.0 }), None)
+            (Some(MeanGatherDisc { radius: 1.0, mean_count: 15.0 }), None)
         );
         assert_eq!(sum.finish_pixel(1), NestedEstimates::default());
     }

@@ -70,7 +70,7 @@ pub struct ExpectedPhotons {
     /// Number of photon paths that a pass traces for all maps.
     pub paths: u64,
     /// Expected number of stored photons of all maps.
-    pub photons: u64,
+    pub stored_photons: u64,
     /// Expected number of stored photons in the largest map.
     pub largest_map: u64,
 }

@@ -10,9 +10,8 @@ use super::prefix_rays::PrefixRayCounts;
 use super::settings::Settings;
 use super::shutter::{MAX_PHOTON_SLICES, MAX_SLICES, SLICE_PIXELS, SlicedCameras};
 use super::tiles::{self, FilmSampling, PrefixRays};
-use crate::plan::Effect;
 use crate::sampling::{Key, Purpose};
-use crate::scene::{self, Scene};
+use crate::scene::{self, Effect, Scene};
 use std::sync::Arc;
 
 /// Number of tiles that a pass renders a second time, with camera paths of its own, if all passes
@@ -97,7 +96,7 @@ impl<'a> PassRenderer<'a> {
     ///
     /// The report is `None` if the scene has no light to guide or the settings forbid it.
     pub fn find_environment_guide(&self) -> (ShadowRayGuides, Option<EnvironmentGuidingReport>) {
-        let light = self.nee.guidable_environment_light().filter(|_| self.settings.guides_environment);
+        let light = self.nee.guidable_environment_light().filter(|_| self.settings.allows_environment_guiding);
         let Some(light) = light.filter(|_| self.policy.direct_light) else { return (self.guides.clone(), None) };
         let seed = self.settings.camera_paths.seed;
         let (guide, report) = guide_environment_light(self.scene, light, self.policy.effects, seed);

@@ -23,9 +23,9 @@ use super::shutter::{ShutterSlice, SlicedCameras};
 use super::tiles::{FilmSampling, render_tiles};
 use super::work_pilot::{find_ray_photon_balance, measure_pass_work};
 use crate::photon::add_splats;
-use crate::plan::{Effect, Effects, Plan};
+use crate::plan::Plan;
 use crate::sampling::{Key, Purpose};
-use crate::scene::{Scene, for_interior};
+use crate::scene::{Effect, Effects, Scene, for_interior};
 use crate::stats::Counters;
 use glam::Vec2;
 use std::sync::Arc;
@@ -222,7 +222,7 @@ impl<'a> PathIntegrator<'a> {
         // Balance camera rays against photons. Use only effects that change the picture, so that
         // the others do not change the balance.
         let balances =
-            settings.balance && settings.camera_paths.samples.is_none() && policy.allows_ray_photon_balance();
+            settings.allows_balance && settings.camera_paths.samples.is_none() && policy.allows_ray_photon_balance();
         let balance = match (balances, needed_policy()) {
             (false, _) => None,
             (true, None) => find_ray_photon_balance(&renderer),
@@ -232,7 +232,7 @@ impl<'a> PathIntegrator<'a> {
                 find_ray_photon_balance(&renderer)
             }
         };
-        if let Some(RayPhotonBalance { samples, photons, caustic_photons }) = balance {
+        if let Some(RayPhotonBalance { samples, unaimed_paths: photons, aimed_paths: caustic_photons }) = balance {
             renderer.samples = samples;
             let counts = &mut renderer.map_builder.counts;
             counts.unaimed = photons.unwrap_or(counts.unaimed);
@@ -247,7 +247,7 @@ impl<'a> PathIntegrator<'a> {
         renderer.map_builder.find_density_estimate_shares();
 
         // Add prefix rays where highlights and caustics need them.
-        if settings.prefix_rays && policy.allows_prefix_rays() {
+        if settings.allows_prefix_rays && policy.allows_prefix_rays() {
             renderer.prefix_rays = run_pilot(&renderer, needed_policy(), find_prefix_ray_counts);
         }
 

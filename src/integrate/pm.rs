@@ -13,7 +13,7 @@
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{FinalGathering, IndirectPhotons, LightTracing, Settings};
-use crate::plan::{Effect, Effects};
+use crate::scene::{Effect, Effects};
 
 /// Returns the rules of camera paths for photon mapping with fixed radii.
 pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
@@ -23,7 +23,7 @@ pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
         FinalGathering::Bsdf | FinalGathering::Importance => (4, LightSampling::OneRay),
     };
     let gathers = effects.has(Effect::Gathering) && effects.has(Effect::Interreflection);
-    let (continuation, directions, photons) = match settings.final_gathering {
+    let (continuation, directions, lookups) = match settings.final_gathering {
         FinalGathering::Bsdf if gathers => {
             (PathContinuation::GatherRays, DirectionSampling::Bsdf, PhotonLookups::GatherRays)
         }
@@ -44,7 +44,7 @@ pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {
         directions,
         adds_caustics: false,
         min_throughput: 0.0,
-        photons,
+        lookups,
         shrinking_radii: false,
         light_tracing: LightTracing::Off,
         indirect_photons: IndirectPhotons::Off,

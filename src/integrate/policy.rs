@@ -6,7 +6,7 @@
 
 use super::settings::{IndirectPhotons, LightTracing, Settings};
 use crate::photon::StoreMask;
-use crate::plan::{Effect, Effects};
+use crate::scene::{Effect, Effects};
 
 /// Function that makes an algorithm's policy for a set of simulated effects.
 pub(super) type PolicyFn = fn(Effects, &Settings) -> PathPolicy;
@@ -35,7 +35,7 @@ pub(super) struct PathPolicy {
     /// 0, Russian roulette may end a faint path before a receiver is shaded.
     pub min_throughput: f32,
     /// Vertices at which camera paths read photon maps.
-    pub photons: PhotonLookups,
+    pub lookups: PhotonLookups,
     /// True if gather radii shrink from pass to pass.
     pub shrinking_radii: bool,
     /// Division of directly visible caustics between photon estimates and light tracing.
@@ -120,7 +120,7 @@ pub(super) struct PhotonMapRequest {
 impl PathPolicy {
     /// True if camera paths estimate radiance from photon maps.
     pub fn reads_photons(&self) -> bool {
-        match self.photons {
+        match self.lookups {
             PhotonLookups::FewPerPixel | PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => true,
             PhotonLookups::Never | PhotonLookups::RecordVisible => false,
         }
@@ -129,13 +129,13 @@ impl PathPolicy {
     /// True if every camera path reads photon maps, false if only few paths per pixel and pass do.
     /// Meaningless if [`PathPolicy::reads_photons`] is false.
     pub fn reads_photons_each_sample(&self) -> bool {
-        self.photons != PhotonLookups::FewPerPixel
+        self.lookups != PhotonLookups::FewPerPixel
     }
 
     /// True if a pilot may add [prefix rays](super::prefix_rays): camera paths that end at their
     /// first receiver.
     pub fn allows_prefix_rays(&self) -> bool {
-        self.photons == PhotonLookups::FewPerPixel
+        self.lookups == PhotonLookups::FewPerPixel
     }
 
     /// True if a pilot may change the numbers of camera rays and photon paths, to get less noise
@@ -156,7 +156,7 @@ impl PathPolicy {
             after_direct: interreflection,
             ..StoreMask::NONE
         };
-        let (after_caustic, unaimed) = match self.photons {
+        let (after_caustic, unaimed) = match self.lookups {
             PhotonLookups::Never | PhotonLookups::RecordVisible => {
                 return PhotonMapRequest { aimed: StoreMask::NONE, unaimed: StoreMask::NONE, guides: false };
             }

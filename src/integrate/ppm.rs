@@ -11,7 +11,7 @@
 use super::policy::{LightSampling, PathPolicy};
 use super::settings::Settings;
 use super::sppm;
-use crate::plan::Effects;
+use crate::scene::Effects;
 
 /// Returns the rules of camera paths for progressive photon mapping.
 pub(super) fn path_policy(effects: Effects, settings: &Settings) -> PathPolicy {

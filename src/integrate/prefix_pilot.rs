@@ -29,9 +29,8 @@ use super::pilot_statistics::{box_mean, positive_median};
 use super::prefix_rays::{PrefixRayCount, PrefixRayCounts, PrefixWeights};
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
-use crate::plan::Effect;
 use crate::sampling::{Key, Purpose};
-use crate::scene::for_interior;
+use crate::scene::{Effect, for_interior};
 use crate::stats::Counters;
 use glam::Vec2;
 use rayon::prelude::*;
@@ -108,7 +107,7 @@ struct PixelLightStatistics {
     /// variance.
     up_to_receiver: RunningVariance,
     /// Photon estimate at the first receiver, as mean and variance.
-    photons: RunningVariance,
+    photon_estimate: RunningVariance,
     /// Sum over whole camera paths of (`after_receiver` − its mean) times (`up_to_receiver` − its
     /// mean), from which
     /// their covariance follows.
@@ -126,7 +125,7 @@ struct PixelVariance {
     /// covariance is added: a ray near an edge finds either one light or the other.
     up_to_receiver: f64,
     /// Variance of the photon estimate at the first receiver.
-    photons: f64,
+    photon_estimate: f64,
 }
 
 /// Returns the number of [prefix rays](super::prefix_rays) that each pixel should get; `None` if
@@ -158,7 +157,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
             let before = parts.x - light.after_receiver.mean;
             light.after_receiver.add(parts.x);
             light.up_to_receiver.add(parts.y);
-            light.photons.add(parts.z);
+            light.photon_estimate.add(parts.z);
             light.products += f64::from(before) * f64::from(parts.y - light.up_to_receiver.mean);
         });
         whole_work += picture.counters;
@@ -176,7 +175,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         light.par_iter_mut().zip(&picture.image).enumerate().for_each(|(pixel, (light, parts))| {
             light.up_to_receiver.add(parts.y);
             if looks_up(pixel) {
-                light.photons.add(parts.z);
+                light.photon_estimate.add(parts.z);
             }
         });
         let Counters { gathers, gathered_photons, .. } = picture.counters;
@@ -199,7 +198,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     let camera = f64::from(renderer.samples) * balance::camera_path_work(&whole_work) / whole_pictures;
     let work = PassWork {
         camera: camera / pixels,
-        photons: (photons + lookup(&whole_work) / whole_pictures) / pixels,
+        photon_work: (photons + lookup(&whole_work) / whole_pictures) / pixels,
         prefix_ray: balance::camera_path_work(&ray_work) / traced_rays,
         lookup: lookup(&lookup_work) / traced_lookups,
     };
@@ -242,7 +241,7 @@ fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool
     let n = f64::from(samples);
     let total: f64 = variances.iter().map(|v| v.after_receiver + v.up_to_receiver).sum();
     let least = CANDIDATE_VARIANCE * total / variances.len() as f64;
-    variances.iter().map(|v| v.photons * n * n > least).collect()
+    variances.iter().map(|v| v.photon_estimate * n * n > least).collect()
 }
 
 /// Renders picture `i` of the prefix-ray pilot, with one ray per pixel. `parts` returns which parts
@@ -287,7 +286,8 @@ fn render_light_parts(
 /// the picture. This measure lies between the absolute error, which neglects dark pixels, and the
 /// relative error, which neglects bright ones.
 fn pixel_variances(light: &[PixelLightStatistics], width: usize, height: usize) -> Option<Vec<PixelVariance>> {
-    let mean: Vec<f32> = light.iter().map(|l| l.after_receiver.mean + l.up_to_receiver.mean + l.photons.mean).collect();
+    let mean: Vec<f32> =
+        light.iter().map(|l| l.after_receiver.mean + l.up_to_receiver.mean + l.photon_estimate.mean).collect();
     let median = positive_median(mean.iter().map(|l| f64::from(*l)))?;
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
     // keeps detail, a larger one includes rare bright rays.
@@ -298,11 +298,11 @@ fn pixel_variances(light: &[PixelLightStatistics], width: usize, height: usize) 
         let scale = 1.0 / (median * (brightness + median));
         let up_to_receiver = smoothed(&|i| light[i].up_to_receiver.variance(), i);
         let covariance = smoothed(&|i| light[i].products, i) / f64::from(WHOLE_PICTURES - 1);
-        let photons = smoothed(&|i| light[i].photons.variance(), i);
+        let photons = smoothed(&|i| light[i].photon_estimate.variance(), i);
         PixelVariance {
             after_receiver: box_mean(&|i| light[i].after_receiver.variance(), i, 1) * scale,
             up_to_receiver: (up_to_receiver + 2.0 * covariance.min(0.0)).max(0.0) * scale,
-            photons: photons * scale,
+            photon_estimate: photons * scale,
         }
     };
     Some((0..light.len()).into_par_iter().map(variance).collect())
@@ -315,8 +315,8 @@ struct PassWork {
     camera: f64,
     /// Work of tracing, indexing and gathering photons, divided by the number of pixels, relative
     /// to tracing one photon ray.
-    photons: f64,
-    /// Work of one prefix ray without photon estimate, relative to tracing one photon ray.
+    photon_work: f64,
+    /// Work of one prefix ray without photon estimate.
     prefix_ray: f64,
     /// Work of the photon estimates of one prefix ray, relative to tracing one photon ray.
     lookup: f64,
@@ -335,7 +335,7 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
     let count = |v: &PixelVariance, scale: f64| {
         // `max` ignores NaN, so a NaN variance gives no ray.
         let whole = |n: f64| n.max(0.0).floor().min(f64::from(u8::MAX));
-        let lookups = whole(v.photons.sqrt() * scale * lookup_scale - 1.0);
+        let lookups = whole(v.photon_estimate.sqrt() * scale * lookup_scale - 1.0);
         (whole(v.up_to_receiver.sqrt() * scale * ray_scale - n).max(lookups), lookups)
     };
     let pixels = variances.len() as f64;
@@ -346,12 +346,14 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
         };
         variances.iter().map(pixel_work).sum::<f64>() / pixels
     };
-    let rest_work = work.camera + work.photons;
+    let rest_work = work.camera + work.photon_work;
     let photon_variance_factor = rest_work / work.camera.max(f64::MIN_POSITIVE);
     let variance = |scale: f64| {
         let pixel_variance = |v: &PixelVariance| {
             let (rays, lookups) = count(v, scale);
-            photon_variance_factor * v.after_receiver / n + v.up_to_receiver / (n + rays) + v.photons / (1.0 + lookups)
+            photon_variance_factor * v.after_receiver / n
+                + v.up_to_receiver / (n + rays)
+                + v.photon_estimate / (1.0 + lookups)
         };
         variances.iter().map(pixel_variance).sum::<f64>() / pixels
     };

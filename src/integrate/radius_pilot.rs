@@ -5,9 +5,8 @@ use super::volume_estimate::VolumeEstimator;
 use crate::bsdf::TransportMode;
 use crate::math::Ray;
 use crate::photon::{EmissionGuidingReport, Photon, PhotonBeamMap, PhotonMap, PhotonPass, VolumePhotonMap};
-use crate::plan::Effects;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
-use crate::scene::{PathEvent, Scene, SpectralInterior, SurfaceVertex};
+use crate::scene::{Effects, PathEvent, Scene, SpectralInterior, SurfaceVertex};
 use glam::Vec2;
 
 /// Largest number of photon paths of a pilot that finds gather radii. The radii are then scaled to
@@ -115,7 +114,7 @@ pub(super) fn find_gather_radius(
     let key = Key::new(seed).purpose_key(Purpose::Pilot);
     let pilot = pilot_path_count(paths, max_pilot_paths);
     let traced = pass.trace(key, pilot, &|_| {});
-    let photons = &traced.deposits.photons;
+    let photons = &traced.deposits.surface_photons;
     if photons.is_empty() {
         return None;
     }

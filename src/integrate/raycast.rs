@@ -9,10 +9,10 @@ use super::tiles::{self, FilmImage, FilmSampling};
 use crate::camera::{CropWindow, Filter};
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::plan::{Effects, Plan};
+use crate::plan::Plan;
 use crate::sampling::{Key, Purpose};
 use crate::scene::{
-    Effect, Hit, LegacyLight, MeanParameterEvaluator, PhongAppearance, RayCone, Scene, SurfaceInteraction,
+    Effect, Effects, Hit, LegacyLight, MeanParameterEvaluator, PhongAppearance, RayCone, Scene, SurfaceInteraction,
     TextureEvaluator,
 };
 use crate::stats::Counters;

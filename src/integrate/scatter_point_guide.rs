@@ -19,16 +19,17 @@ const NEIGHBORHOOD_WEIGHT: f64 = 1.0;
 /// media. Start points of shadow rays are sampled in proportion to it.
 #[derive(Debug)]
 pub(super) struct ScatterPointGuide {
-    grid: CellGrid,
-    /// Root mean square of the radiance that a shadow ray finds, by light and cell \[W/(m² sr)].
+    grid: MediumCellGrid,
+    /// Root mean square of the radiance that a shadow ray finds, for each light and cell \[W/(m²
+    /// sr)].
     values: Vec<f32>,
 }
 
 /// Data to which [`ScatterPointGuide`] is fitted: by light and cell, the number of pilot rays and
 /// the sum of the squared radiance that they found.
 pub(super) struct ScatterPointFit {
-    grid: CellGrid,
-    counts: Vec<f64>,
+    grid: MediumCellGrid,
+    ray_counts: Vec<f64>,
     squares: Vec<f64>,
 }
 
@@ -40,7 +41,7 @@ pub(super) struct InScatteringSample {
     /// Scattering point, in world space.
     pub p: Vec3,
     /// Radiance that arrives from the light, times the phase function \[W/(m² sr²)].
-    pub radiance: f64,
+    pub scattered_radiance: f64,
     /// Contribution of the ray to the light that its camera path finds \[W/(m² sr)].
     pub contribution: f64,
 }
@@ -60,11 +61,11 @@ pub(super) struct GuidedDistances {
 
 /// Grid of equal boxes over an axis-aligned box.
 #[derive(Clone, Debug)]
-struct CellGrid {
+struct MediumCellGrid {
     origin: Vec3,
     /// Edges of a cell \[length].
     cell: Vec3,
-    counts: UVec3,
+    cells_per_axis: UVec3,
 }
 
 impl ScatterPointGuide {
@@ -90,16 +91,16 @@ impl ScatterPointFit {
     /// Makes an empty fit for `lights` lights, over the bounding box of `points`. Returns `None` if
     /// the box is empty or not finite.
     pub fn new(points: impl Iterator<Item = Vec3>, lights: usize) -> Option<Self> {
-        let grid = CellGrid::new(&Bounds::from_points(points))?;
+        let grid = MediumCellGrid::new(&Bounds::from_points(points))?;
         let len = grid.len() * lights;
-        Some(Self { grid, counts: vec![0.0; len], squares: vec![0.0; len] })
+        Some(Self { grid, ray_counts: vec![0.0; len], squares: vec![0.0; len] })
     }
 
     /// Adds what one shadow ray of the pilot found.
     pub fn add(&mut self, sample: &InScatteringSample) {
         let i = sample.light * self.grid.len() + self.grid.cell_index(sample.p);
-        self.counts[i] += 1.0;
-        self.squares[i] += sample.radiance * sample.radiance;
+        self.ray_counts[i] += 1.0;
+        self.squares[i] += sample.scattered_radiance * sample.scattered_radiance;
     }
 
     /// Returns the guide fitted to the added rays.
@@ -110,14 +111,15 @@ impl ScatterPointFit {
         let mean = |i: usize| {
             let (mut count, mut square) = (0.0, 0.0);
             self.grid.for_each_neighbor(i % len, |cell| {
-                count += self.counts[i / len * len + cell];
+                count += self.ray_counts[i / len * len + cell];
                 square += self.squares[i / len * len + cell];
             });
             let neighborhood = if count > 0.0 { square / count } else { 0.0 };
-            let mean = (self.squares[i] + NEIGHBORHOOD_WEIGHT * neighborhood) / (self.counts[i] + NEIGHBORHOOD_WEIGHT);
+            let mean =
+                (self.squares[i] + NEIGHBORHOOD_WEIGHT * neighborhood) / (self.ray_counts[i] + NEIGHBORHOOD_WEIGHT);
             mean.sqrt() as f32
         };
-        let values = (0..self.counts.len()).map(mean).collect();
+        let values = (0..self.ray_counts.len()).map(mean).collect();
         ScatterPointGuide { grid: self.grid, values }
     }
 }
@@ -170,7 +172,7 @@ impl GuidedDistances {
     }
 }
 
-impl CellGrid {
+impl MediumCellGrid {
     /// Makes a grid of nearly cubic cells over `bounds`; `None` if the box is empty or not finite.
     fn new(bounds: &Bounds) -> Option<Self> {
         let extent = bounds.extent();
@@ -188,32 +190,32 @@ impl CellGrid {
         }
         let counts = counts(edge);
         let origin = bounds.center() - 0.5 * extent;
-        Some(Self { origin, cell: extent / counts, counts: counts.as_uvec3() })
+        Some(Self { origin, cell: extent / counts, cells_per_axis: counts.as_uvec3() })
     }
 
     fn len(&self) -> usize {
-        self.counts.element_product() as usize
+        self.cells_per_axis.element_product() as usize
     }
 
     /// Returns the index of the cell that contains `p`, or of the nearest cell.
     fn cell_index(&self, p: Vec3) -> usize {
-        let cell = ((p - self.origin) / self.cell).max(Vec3::ZERO).as_uvec3().min(self.counts - UVec3::ONE);
+        let cell = ((p - self.origin) / self.cell).max(Vec3::ZERO).as_uvec3().min(self.cells_per_axis - UVec3::ONE);
         self.index(cell)
     }
 
     fn index(&self, cell: UVec3) -> usize {
-        ((cell.z * self.counts.y + cell.y) * self.counts.x + cell.x) as usize
+        ((cell.z * self.cells_per_axis.y + cell.y) * self.cells_per_axis.x + cell.x) as usize
     }
 
     /// Calls `visit` with the indices of the cells that touch cell `index`, and with `index`.
     fn for_each_neighbor(&self, index: usize, mut visit: impl FnMut(usize)) {
         let index = index as u32;
         let cell = UVec3::new(
-            index % self.counts.x,
-            index / self.counts.x % self.counts.y,
-            index / (self.counts.x * self.counts.y),
+            index % self.cells_per_axis.x,
+            index / self.cells_per_axis.x % self.cells_per_axis.y,
+            index / (self.cells_per_axis.x * self.cells_per_axis.y),
         );
-        let (low, high) = (cell.saturating_sub(UVec3::ONE), (cell + 1).min(self.counts - UVec3::ONE));
+        let (low, high) = (cell.saturating_sub(UVec3::ONE), (cell + 1).min(self.cells_per_axis - UVec3::ONE));
         for z in low.z..=high.z {
             for y in low.y..=high.y {
                 for x in low.x..=high.x {
@@ -228,7 +230,7 @@ impl CellGrid {
     ///
     /// Source: Amanatides and Woo 1987, "A Fast Voxel Traversal Algorithm for Ray Tracing".
     fn for_each_cell(&self, ray: &Ray, mut visit: impl FnMut(usize, f32, f32)) {
-        let end = self.origin + self.cell * self.counts.as_vec3();
+        let end = self.origin + self.cell * self.cells_per_axis.as_vec3();
         let inverse = ray.direction.recip();
         let (a, b) = ((self.origin - ray.origin) * inverse, (end - ray.origin) * inverse);
         // An axis at right angles to the ray gives infinities, or NaN on a face of the box, which
@@ -240,7 +242,7 @@ impl CellGrid {
             return;
         }
         let p = (ray.at(from) - self.origin) / self.cell;
-        let mut cell = p.max(Vec3::ZERO).as_uvec3().min(self.counts - UVec3::ONE);
+        let mut cell = p.max(Vec3::ZERO).as_uvec3().min(self.cells_per_axis - UVec3::ONE);
         loop {
             // Find the nearest of the planes through which the ray may leave the cell.
             let forward = ray.direction.cmpgt(Vec3::ZERO);
@@ -259,7 +261,8 @@ impl CellGrid {
                 visit(self.index(cell), from, to);
             }
             from = to;
-            let leaves = if ray.direction[axis] > 0.0 { cell[axis] + 1 == self.counts[axis] } else { cell[axis] == 0 };
+            let leaves =
+                if ray.direction[axis] > 0.0 { cell[axis] + 1 == self.cells_per_axis[axis] } else { cell[axis] == 0 };
             if leaves || from >= last {
                 return;
             }

@@ -13,8 +13,8 @@ use super::pass_renderer::PassRenderer;
 use super::policy::{PathContinuation, PathPolicy, PhotonLookups};
 use super::scatter_point_guide::{ScatterPointFit, ScatterPointGuide};
 use crate::color::{self, Rgb};
-use crate::plan::Effect;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::scene::Effect;
 use crate::stats::Counters;
 use glam::Vec2;
 use std::sync::Arc;
@@ -60,11 +60,11 @@ pub(super) fn guide_scatter_points(
     renderer: &PassRenderer<'_>,
 ) -> (ScatterPointSampling, Option<ScatterPointGuidingReport>) {
     let (scene, policy, settings) = (renderer.scene, &renderer.policy, &renderer.settings);
-    let may_guide = policy.direct_light && policy.effects.has(Effect::Media) && settings.guides_scatter_points;
+    let may_guide = policy.direct_light && policy.effects.has(Effect::Media) && settings.allows_scatter_point_guiding;
     if !may_guide || !scene.media_in_use().iter().any(|medium| medium.is_homogeneous() && medium.scatters()) {
         return (ScatterPointSampling::Unguided, None);
     }
-    let lights = NextEventEstimator::new(scene, policy, ShadowRayGuides::default()).light_count_of_first_scheme();
+    let lights = NextEventEstimator::new(scene, policy, ShadowRayGuides::default()).always_sampled_light_count();
     if lights == 0 {
         return (ScatterPointSampling::Unguided, None);
     }
@@ -95,7 +95,7 @@ fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<L
     let count = width.saturating_mul(height).clamp(PATHS.0, PATHS.1);
     let samplers = (0..count).map(|i| Sampler::new(key, i, count));
     let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
-    let policy = PathPolicy { continuation: PathContinuation::Never, photons: PhotonLookups::Never, ..renderer.policy };
+    let policy = PathPolicy { continuation: PathContinuation::Never, lookups: PhotonLookups::Never, ..renderer.policy };
     let tasks = with_path_context(renderer, &policy, ScatterPointSampling::Recorded, |paths| {
         trace_paths_through_film_points(paths, &points).1
     });

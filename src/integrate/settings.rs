@@ -73,13 +73,16 @@ pub struct Settings {
     /// Number of photon paths per pass that start in all directions.
     ///
     /// They fill the interreflection map of `hybrid`, and the indirect map of other algorithms.
-    pub photons: u32,
+    pub unaimed_paths: u32,
     /// Number of photon paths per pass that are aimed at casters, such as glass or mirrors.
-    pub caustic_photons: u32,
+    ///
+    /// They fill the caustic map. In `hybrid`, they also fill the indirect map, with light that
+    /// receivers reflect after a caustic.
+    pub aimed_paths: u32,
     /// True if a pilot may trade camera rays for photon paths, to get less noise for the same work.
     ///
     /// `photons`, `caustic_photons` and the camera rays per pixel are then starting values.
-    pub balance: bool,
+    pub allows_balance: bool,
     /// Largest number of photons of a density estimate; 0 for no limit.
     ///
     /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in other maps.
@@ -95,13 +98,13 @@ pub struct Settings {
     pub kernel: Kernel,
     /// True if [`Algorithm::Hybrid`](super::Algorithm::Hybrid) may trace prefix rays: extra camera
     /// paths that end at their first receiver. A pilot finds how many each pixel needs.
-    pub prefix_rays: bool,
+    pub allows_prefix_rays: bool,
     /// True if a pilot may guide shadow rays to the environment light: towards the directions from
     /// which the light reaches each part of the scene.
-    pub guides_environment: bool,
+    pub allows_environment_guiding: bool,
     /// True if a pilot may choose the points of homogeneous media from which shadow rays start: in
     /// the lit parts, and as many as reduce the noise most in a given time.
-    pub guides_scatter_points: bool,
+    pub allows_scatter_point_guiding: bool,
     /// Division of directly visible caustics between photon estimates and light tracing, in
     /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
     pub light_tracing: LightTracing,
@@ -159,16 +162,16 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             camera_paths: CameraPathSettings::default(),
-            photons: 500_000,
-            caustic_photons: 250_000,
-            balance: true,
+            unaimed_paths: 500_000,
+            aimed_paths: 250_000,
+            allows_balance: true,
             gather_k: None,
             radius: None,
             alpha: ALPHA,
             kernel: Kernel::default(),
-            prefix_rays: true,
-            guides_environment: true,
-            guides_scatter_points: true,
+            allows_prefix_rays: true,
+            allows_environment_guiding: true,
+            allows_scatter_point_guiding: true,
             light_tracing: LightTracing::default(),
             indirect_photons: IndirectPhotons::default(),
             volume: VolumeEstimator::default(),

@@ -10,7 +10,7 @@
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{IndirectPhotons, LightTracing, Settings};
-use crate::plan::Effects;
+use crate::scene::Effects;
 
 /// Returns the rules of camera paths for stochastic progressive photon mapping.
 pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
@@ -24,7 +24,7 @@ pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
         directions: DirectionSampling::Bsdf,
         adds_caustics: false,
         min_throughput: 0.0,
-        photons: PhotonLookups::FirstReceiver,
+        lookups: PhotonLookups::FirstReceiver,
         shrinking_radii: true,
         light_tracing: LightTracing::Off,
         indirect_photons: IndirectPhotons::Off,

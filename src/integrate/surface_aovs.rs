@@ -8,9 +8,10 @@ use super::settings::CameraPathSettings;
 use super::tiles::FilmSampling;
 use crate::bsdf::TransportMode;
 use crate::color::{self, Rgb};
-use crate::plan::{Effect, Effects};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
-use crate::scene::{FilmMotion, Interior, PathEvent, PathRay, Scene, SurfaceInteraction, for_interior};
+use crate::scene::{
+    Effect, Effects, FilmMotion, Interior, PathEvent, PathRay, Scene, SurfaceInteraction, for_interior,
+};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 

@@ -8,9 +8,8 @@ use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPoli
 use super::settings::{CameraPathSettings, IndirectPhotons, LightTracing};
 use crate::math::Bounds;
 use crate::photon::{VisiblePoint, VisiblePointMap};
-use crate::plan::Effects;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
-use crate::scene::Scene;
+use crate::scene::{Effects, Scene};
 use glam::Vec2;
 
 /// Smallest and largest number of camera rays that find visible points. Between these limits, there
@@ -76,7 +75,7 @@ fn path_policy(effects: Effects) -> PathPolicy {
         directions: DirectionSampling::Bsdf,
         adds_caustics: false,
         min_throughput: 0.0,
-        photons: PhotonLookups::RecordVisible,
+        lookups: PhotonLookups::RecordVisible,
         shrinking_radii: true,
         light_tracing: LightTracing::Off,
         indirect_photons: IndirectPhotons::Off,

@@ -8,7 +8,7 @@
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::{IndirectPhotons, LightTracing, Settings};
-use crate::plan::Effects;
+use crate::scene::Effects;
 
 /// Mean throughput of the RGB channels below which a branch ends: 1/256, one level of an 8-bit
 /// picture.
@@ -26,7 +26,7 @@ pub(super) fn path_policy(effects: Effects, _: &Settings) -> PathPolicy {
         directions: DirectionSampling::Bsdf,
         adds_caustics: true,
         min_throughput: MIN_THROUGHPUT,
-        photons: PhotonLookups::Never,
+        lookups: PhotonLookups::Never,
         shrinking_radii: true,
         light_tracing: LightTracing::Off,
         indirect_photons: IndirectPhotons::Off,

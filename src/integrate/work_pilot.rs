@@ -117,8 +117,8 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
     Some(RayPhotonBalance {
         samples: samples.round().max(1.0) as u32,
-        photons: paths(unaimed, made.unaimed.emitted),
-        caustic_photons: paths(aimed, made.aimed.emitted),
+        unaimed_paths: paths(unaimed, made.unaimed.emitted),
+        aimed_paths: paths(aimed, made.aimed.emitted),
     })
 }
 
@@ -187,11 +187,12 @@ mod tests {
         let scene = builder.build(eye).unwrap();
         let balance = |photons| {
             let indirect_photons = IndirectPhotons::Off;
-            let settings = Settings { photons, caustic_photons: 20_000, indirect_photons, ..Settings::default() };
+            let settings =
+                Settings { unaimed_paths: photons, aimed_paths: 20_000, indirect_photons, ..Settings::default() };
             Algorithm::Hybrid.prepare(&scene, settings).ray_photon_balance().unwrap()
         };
         let found = balance(1);
-        assert_eq!((found, found.photons), (balance(4_000_000), None));
-        assert!((5000..=80_000).contains(&found.caustic_photons.unwrap()), "{found:?}");
+        assert_eq!((found, found.unaimed_paths), (balance(4_000_000), None));
+        assert!((5000..=80_000).contains(&found.aimed_paths.unwrap()), "{found:?}");
     }
 }

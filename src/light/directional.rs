@@ -60,7 +60,7 @@ impl LightSource for DirectionalLight {
         None
     }
 
-    fn peak_strength(&self) -> Option<Rgb> {
+    fn nominal_strength(&self) -> Option<Rgb> {
         Some(self.irradiance)
     }
 }

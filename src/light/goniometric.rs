@@ -98,7 +98,7 @@ impl PositionalLight for GoniometricLight {
         self.map.integral() * self.scale
     }
 
-    fn peak_intensity(&self) -> Rgb {
+    fn nominal_intensity(&self) -> Rgb {
         self.scale
     }
 }

@@ -209,8 +209,8 @@ impl Light {
     /// point or spot light, it is the largest intensity \[W/sr]. For a projector or goniometric
     /// light, it is the intensity where the picture or map has the value 1 \[W/sr].
     #[must_use]
-    pub fn peak_strength(&self) -> Option<Rgb> {
-        dispatch!(self, light => light.peak_strength())
+    pub fn nominal_strength(&self) -> Option<Rgb> {
+        dispatch!(self, light => light.nominal_strength())
     }
 
     /// True if light may enter `sphere`, ignoring occlusion; false only if it certainly does not.

@@ -35,7 +35,7 @@ pub(super) trait PositionalLight {
 
     /// Largest radiant intensity \[W/sr]. For a projector or goniometric light, it is the intensity
     /// where the picture or map has the value 1.
-    fn peak_intensity(&self) -> Rgb;
+    fn nominal_intensity(&self) -> Rgb;
 
     /// Returns a cone of axes and the largest angle \[radians] between an emitted direction and the
     /// nearest axis in this cone.
@@ -72,7 +72,7 @@ impl PositionalLight for PointLight {
         self.intensity * (4.0 * PI)
     }
 
-    fn peak_intensity(&self) -> Rgb {
+    fn nominal_intensity(&self) -> Rgb {
         self.intensity
     }
 }
@@ -121,8 +121,8 @@ impl<L: PositionalLight> LightSource for L {
         Some(LightBounds::new(Bounds::from_points([self.position()]), axes, spread, self.flux()))
     }
 
-    fn peak_strength(&self) -> Option<Rgb> {
-        Some(self.peak_intensity())
+    fn nominal_strength(&self) -> Option<Rgb> {
+        Some(self.nominal_intensity())
     }
 
     fn may_illuminate(&self, sphere: BoundingSphere) -> bool {

@@ -178,7 +178,7 @@ impl PositionalLight for ProjectorLight {
         (self.picture.integral * self.scale.as_dvec3()).as_vec3()
     }
 
-    fn peak_intensity(&self) -> Rgb {
+    fn nominal_intensity(&self) -> Rgb {
         self.scale
     }
 

@@ -101,7 +101,7 @@ pub(super) trait LightSource {
     fn bounds(&self) -> Option<LightBounds>;
 
     /// Implements [`Light::peak_strength`]. The default `None` is right for all but delta lights.
-    fn peak_strength(&self) -> Option<Rgb> {
+    fn nominal_strength(&self) -> Option<Rgb> {
         None
     }
 

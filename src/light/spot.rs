@@ -85,7 +85,7 @@ impl PositionalLight for SpotLight {
         self.flux()
     }
 
-    fn peak_intensity(&self) -> Rgb {
+    fn nominal_intensity(&self) -> Rgb {
         self.peak
     }
 

@@ -57,7 +57,7 @@ pub struct DistanceSample {
 pub struct TransmittanceCurve {
     /// Extinction coefficient of a homogeneous medium \[1/length]; zero for a medium with a density
     /// grid.
-    extinction: Rgb,
+    homogeneous_extinction: Rgb,
     /// Distances \[length] of the tentative collisions in a density grid, each with the
     /// transmittance just beyond it. Empty for a homogeneous medium.
     steps: Vec<(f32, Rgb)>,
@@ -70,9 +70,9 @@ impl TransmittanceCurve {
     /// The new curve replaces the old one in `self` and reuses its memory.
     pub fn sample(&mut self, medium: &Medium, ray: &Ray, distance: f32, rng: &mut impl Rng) {
         self.steps.clear();
-        self.extinction = Rgb::ZERO;
+        self.homogeneous_extinction = Rgb::ZERO;
         match &medium.density {
-            None => self.extinction = medium.extinction(),
+            None => self.homogeneous_extinction = medium.extinction(),
             Some(grid) => tracking::transmittance_curve(medium, grid, ray, distance, rng, self),
         }
     }
@@ -82,8 +82,8 @@ impl TransmittanceCurve {
     #[inline]
     #[must_use]
     pub fn transmittance_at(&self, t: f32) -> Rgb {
-        if self.extinction != Rgb::ZERO {
-            return homogeneous::transmittance(self.extinction, t);
+        if self.homogeneous_extinction != Rgb::ZERO {
+            return homogeneous::transmittance(self.homogeneous_extinction, t);
         }
         match self.steps.partition_point(|(drop, _)| *drop <= t) {
             0 => Rgb::ONE,

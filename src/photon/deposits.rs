@@ -43,7 +43,7 @@ impl VolumePhotons {
 #[derive(Debug, Default)]
 pub struct Deposits {
     /// Photons on surfaces, except the photons in `after_caustic`.
-    pub photons: Vec<Photon>,
+    pub surface_photons: Vec<Photon>,
     /// Surface photons that a receiver has scattered after a caustic
     /// ([`PhotonKind::AfterCaustic`]).
     ///
@@ -71,7 +71,7 @@ impl Deposits {
     /// Total number of stored photons and beams, on surfaces and in media; splats do not count.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.photons.len() + self.after_caustic.len() + self.volume.len() + self.after_caustic_volume.len()
+        self.surface_photons.len() + self.after_caustic.len() + self.volume.len() + self.after_caustic_volume.len()
     }
 
     /// True if the pass stored no photon and no beam; it may have stored splats.
@@ -83,12 +83,12 @@ impl Deposits {
     /// Concatenates the deposits of consecutive chunks of photon paths.
     pub(super) fn concatenate(chunks: Vec<Self>) -> Self {
         let mut all = Self::default();
-        all.photons.reserve_exact(chunks.iter().map(|chunk| chunk.photons.len()).sum());
+        all.surface_photons.reserve_exact(chunks.iter().map(|chunk| chunk.surface_photons.len()).sum());
         all.after_caustic.reserve_exact(chunks.iter().map(|chunk| chunk.after_caustic.len()).sum());
         all.splats.reserve_exact(chunks.iter().map(|chunk| chunk.splats.len()).sum());
         for chunk in chunks {
             all.splats.extend_from_slice(&chunk.splats);
-            all.photons.extend_from_slice(&chunk.photons);
+            all.surface_photons.extend_from_slice(&chunk.surface_photons);
             all.after_caustic.extend_from_slice(&chunk.after_caustic);
             all.volume.extend(chunk.volume);
             all.after_caustic_volume.extend(chunk.after_caustic_volume);
@@ -105,7 +105,7 @@ impl Deposits {
         let (photons, volume) = if is_separate {
             (&mut self.after_caustic, &mut self.after_caustic_volume)
         } else {
-            (&mut self.photons, &mut self.volume)
+            (&mut self.surface_photons, &mut self.volume)
         };
         let flux = deposit.flux;
         let code = deposit.wavelength.map_or(0, Wavelength::byte_code);

@@ -1,7 +1,7 @@
 //! Decides which effects a render simulates, with reasons.
 
-use super::{Effect, EffectOverrides, Effects, SceneFeatures};
-use crate::scene::Scene;
+use super::{EffectOverrides, SceneFeatures};
+use crate::scene::{CASTERS, Effect, Effects, Scene};
 use std::fmt;
 
 /// Reason why a render needs an effect of light, or does not need it or cannot simulate it.
@@ -72,8 +72,8 @@ impl fmt::Display for EffectReason {
             Self::MayOcclude => f.write_str("objects may occlude each other"),
             Self::UnsupportedByAlgorithm => f.write_str("the algorithm does not simulate it"),
             Self::NoLight => f.write_str("no light has power"),
-            Self::NoCaster => f.write_str("no object is a mirror, glass or low-roughness conductor"),
-            Self::NoLitCaster => f.write_str("no light reaches a mirror, glass or low-roughness conductor directly"),
+            Self::NoCaster => write!(f, "the scene has no casters: {CASTERS}"),
+            Self::NoLitCaster => write!(f, "no light reaches a caster directly: {CASTERS}"),
             Self::NoReceiver => f.write_str("no surface or medium stores photons"),
             Self::BlackReceivers => f.write_str("all surfaces that store photons absorb all light"),
             Self::OneFlatObject => f.write_str("the scene is one flat object, and no light lies in its plane"),
@@ -176,6 +176,10 @@ impl Plan {
 fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> Result<EffectReason, EffectReason> {
     let need = |condition: bool, otherwise: EffectReason| if condition { Ok(()) } else { Err(otherwise) };
     let any = |n: usize, otherwise: EffectReason| need(n > 0, otherwise);
+    let requires = |other: Effect| {
+        assert!((other as u16) < effect as u16, "{effect:?} is decided before {other:?}");
+        need(before.has(other), EffectReason::Requires(other))
+    };
     // Media that scatter count as receivers.
     let receivers = features.receivers + features.scattering_media;
     let scattering = features.scattering_receivers + features.scattering_media;
@@ -192,7 +196,7 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
             Ok(EffectReason::Objects(features.lit_casters, "may cast caustics"))
         }
         Effect::CausticBounces => {
-            need(before.has(Effect::Caustics), EffectReason::Requires(Effect::Caustics))?;
+            requires(Effect::Caustics)?;
             any(scattering, EffectReason::BlackReceivers)?;
             Ok(EffectReason::Objects(scattering, "may reflect caustics"))
         }
@@ -209,7 +213,7 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
             Ok(EffectReason::Objects(scattering, "may light other objects"))
         }
         Effect::Gathering => {
-            need(before.has(Effect::Interreflection), EffectReason::Requires(Effect::Interreflection))?;
+            requires(Effect::Interreflection)?;
             Ok(EffectReason::Objects(scattering, "may light other objects"))
         }
         Effect::Shadows => {

@@ -1,6 +1,6 @@
 //! Effects of light that the user forces on or off, whatever the plan decides.
 
-use super::{Effect, Effects};
+use crate::scene::{Effect, Effects};
 use std::str::FromStr;
 
 /// Effects that the user forces on or off. The plan decides about all others.

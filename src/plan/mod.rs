@@ -7,7 +7,6 @@ mod decide;
 mod effect_overrides;
 mod scene_features;
 
-pub use crate::scene::{Effect, Effects};
 pub use decide::{EffectDecision, EffectReason, Plan};
 pub use effect_overrides::{EffectOverrides, UnknownOverrideError};
 pub use scene_features::SceneFeatures;

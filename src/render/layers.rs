@@ -30,7 +30,7 @@ pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
             vec![("caustic".to_owned(), map(&caustic)), ("global".to_owned(), map(&indirect))]
         };
         layers.push(ExrLayer { name: "radius".to_owned(), channels: channels(|d| d.radius) });
-        layers.push(ExrLayer { name: "photons".to_owned(), channels: channels(|d| d.photons) });
+        layers.push(ExrLayer { name: "photons".to_owned(), channels: channels(|d| d.mean_count) });
     }
     layers
 }

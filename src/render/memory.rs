@@ -246,7 +246,7 @@ fn check_pixel_memory(
 /// [`MemoryError`] if there are too many photons.
 pub fn check_photon_memory(expected: ExpectedPhotons, pictures: u64, free: Option<u64>) -> Result<(), MemoryError> {
     let free = free.map(|free| free.saturating_sub(pictures));
-    let ExpectedPhotons { paths, photons: stored, largest_map } = expected;
+    let ExpectedPhotons { paths, stored_photons: stored, largest_map } = expected;
     if largest_map > u64::from(u32::MAX) {
         return Err(MemoryError::Indices { paths, stored: largest_map });
     }
@@ -290,7 +290,7 @@ mod tests {
     #[test]
     fn too_many_photons_are_refused() {
         let index = u64::from(u32::MAX);
-        let expected = |photons, largest_map| ExpectedPhotons { paths: 1, photons, largest_map };
+        let expected = |photons, largest_map| ExpectedPhotons { paths: 1, stored_photons: photons, largest_map };
         assert_eq!(check_photon_memory(expected(2 * index, index), 0, None), Ok(()));
         assert!(matches!(
             check_photon_memory(expected(2 * index, index + 1), 0, None),

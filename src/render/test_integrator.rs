@@ -3,8 +3,9 @@
 use crate::color::Rgb;
 use crate::integrate::{Integrator, NestedEstimates, Pass, ProgressMonitor, RadiusLaw};
 use crate::photon::Kernel;
-use crate::plan::{Effects, Plan};
+use crate::plan::Plan;
 use crate::sampling::{Dimension, Key, Purpose};
+use crate::scene::Effects;
 use crate::stats::Counters;
 
 /// Width and height of the passes of [`NoisyIntegrator`] \[pixels].

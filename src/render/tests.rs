@@ -31,7 +31,7 @@ fn noisy_pass(number: u32, decades: f64) -> Pass {
     };
     let nested = |pixel| NestedEstimates {
         differences: [color(pixel, 1) - color(pixel, 2), color(pixel, 3) - color(pixel, 4)],
-        caustic: Some(MeanGatherDisc { radius: 1.0, photons: 2.0 }),
+        caustic: Some(MeanGatherDisc { radius: 1.0, mean_count: 2.0 }),
         indirect: None,
     };
     Pass {

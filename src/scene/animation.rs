@@ -120,7 +120,7 @@ pub(super) fn physical_light_strength_at_mid_shutter(
     else {
         return strength;
     };
-    place_delta_light(&placed, strength, DVec3::ZERO).0.peak_strength().map_or(strength, LightStrength::Physical)
+    place_delta_light(&placed, strength, DVec3::ZERO).0.nominal_strength().map_or(strength, LightStrength::Physical)
 }
 
 /// Returns a copy of `scene` with all moving parts placed at `time`, from 0 (shutter opens) to 1

@@ -3,70 +3,64 @@
 use super::InteriorKind;
 use std::str::FromStr;
 
+/// Text of [`CASTERS`].
+macro_rules! casters {
+    () => {
+        "mirrors, glass, thin sheets, and conductors and coats of low roughness"
+    };
+}
+
+/// Names of all casters, as [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics) defines
+/// them, for texts about a scene.
+pub const CASTERS: &str = casters!();
+
 /// Former name of [`Effect::Specular`], still accepted.
 const SPECULAR_ALIAS: &str = "casters";
 
-/// A part of light transport that a render may simulate or leave out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u16)]
-pub enum Effect {
-    /// Reflection and refraction on camera paths at casters, such as glass and mirrors.
-    /// [`PhotonKind`](crate::photon::PhotonKind) defines casters.
-    Specular,
-    /// Caustics: light that mirrors, glass and other casters focus onto other surfaces.
-    /// [`PhotonKind`](crate::photon::PhotonKind) defines casters.
-    Caustics,
-    /// Interreflection of caustics: light that diffuse or glossy surfaces reflect further after a
-    /// caustic.
-    CausticBounces,
-    /// Interreflection between diffuse or glossy surfaces.
-    Interreflection,
-    /// Final gathering: rays sampled at diffuse or glossy surfaces look up indirect light in a
-    /// photon map where they hit.
-    Gathering,
-    /// Shadows: shadow rays test whether surfaces block the light.
-    Shadows,
-    /// Area lights of their true size: they cast soft shadows, and paths that hit an emitter
-    /// receive its light.
-    SoftShadows,
-    /// Light from an environment light.
-    Environment,
-    /// Nested dielectrics: absorption inside bodies, and refraction where bodies overlap.
-    Interiors,
-    /// Depth of field: camera rays from the whole lens instead of its center.
-    Lens,
-    /// Motion blur of objects, lights, textures and the camera.
-    Motion,
-    /// Textures of material parameters and of emission.
-    Textures,
-    /// Shading normals perturbed by bump maps and normal maps.
-    Bump,
-    /// Absorption, scattering and emission in participating media.
-    Media,
-    /// Dispersion: the refractive index of glass depends on the wavelength.
-    Dispersion,
+enum_with_all! {
+    /// A part of light transport that a render may simulate or leave out.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    #[repr(u16)]
+    pub enum Effect {
+        /// Reflection and refraction on camera paths at casters, such as glass and mirrors.
+        /// [`PhotonKind`](crate::photon::PhotonKind) defines casters.
+        Specular,
+        /// Caustics: light that mirrors, glass and other casters focus onto other surfaces.
+        /// [`PhotonKind`](crate::photon::PhotonKind) defines casters.
+        Caustics,
+        /// Interreflection of caustics: light that diffuse or glossy surfaces reflect further after
+        /// a caustic.
+        CausticBounces,
+        /// Interreflection between diffuse or glossy surfaces.
+        Interreflection,
+        /// Final gathering: rays sampled at diffuse or glossy surfaces look up indirect light in a
+        /// photon map where they hit.
+        Gathering,
+        /// Shadows: shadow rays test whether surfaces block the light.
+        Shadows,
+        /// Area lights of their true size: they cast soft shadows, and paths that hit an emitter
+        /// receive its light.
+        SoftShadows,
+        /// Light from an environment light.
+        Environment,
+        /// Nested dielectrics: absorption inside bodies, and refraction where bodies overlap.
+        Interiors,
+        /// Depth of field: camera rays from the whole lens instead of its center.
+        Lens,
+        /// Motion blur of objects, lights, textures and the camera.
+        Motion,
+        /// Textures of material parameters and of emission.
+        Textures,
+        /// Shading normals perturbed by bump maps and normal maps.
+        Bump,
+        /// Absorption, scattering and emission in participating media.
+        Media,
+        /// Dispersion: the refractive index of glass depends on the wavelength.
+        Dispersion,
+    }
 }
 
 impl Effect {
-    /// All effects, in the order in which reports list them.
-    pub const ALL: [Self; 15] = [
-        Self::Specular,
-        Self::Caustics,
-        Self::CausticBounces,
-        Self::Interreflection,
-        Self::Gathering,
-        Self::Shadows,
-        Self::SoftShadows,
-        Self::Environment,
-        Self::Interiors,
-        Self::Lens,
-        Self::Motion,
-        Self::Textures,
-        Self::Bump,
-        Self::Media,
-        Self::Dispersion,
-    ];
-
     /// Name of the effect on the command line and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -94,10 +88,8 @@ impl Effect {
     #[must_use]
     pub const fn symptom_if_missing(self) -> &'static str {
         match self {
-            Self::Specular => "mirrors, glass and low-roughness conductors are black",
-            Self::Caustics => {
-                "caustics of glass, mirrors and low-roughness conductors are missing: their shadows are too dark"
-            }
+            Self::Specular => concat!(casters!(), " are black"),
+            Self::Caustics => concat!("caustics of ", casters!(), " are missing: their shadows are too dark"),
             Self::CausticBounces => "surfaces lit by caustics do not light other surfaces",
             Self::Interreflection => {
                 "diffuse surfaces do not light each other: surfaces without direct light are black"

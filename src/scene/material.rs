@@ -203,7 +203,7 @@ impl MaterialKind {
 
     /// True if a texture determines the roughness of a metal, so that photons may be stored at some
     /// points only.
-    fn has_roughness_texture(&self) -> bool {
+    fn roughness_decides_photon_storage(&self) -> bool {
         match self {
             Self::Conductor { roughness, .. } => roughness.is_textured(),
             // The base of a coated surface always stores photons.
@@ -237,7 +237,7 @@ impl Material {
     #[must_use]
     pub fn new(kind: MaterialKind) -> Self {
         let (mean_bsdf, textured) = (kind.bsdf(&MeanParameterEvaluator), kind.is_textured());
-        let may_store_photons = mean_bsdf.stores_photons() || kind.has_roughness_texture();
+        let may_store_photons = mean_bsdf.stores_photons() || kind.roughness_decides_photon_storage();
         Self { kind, normals: NormalPerturbation::None, mean_bsdf, textured, may_store_photons }
     }
 
@@ -521,3 +521,6 @@ impl Material {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -24,7 +24,7 @@ mod textured;
 pub use crate::light::DeltaLightKind;
 pub use build::SceneBuilder;
 pub use delta_light::{LegacyLight, LightStrength};
-pub use effects::{Effect, Effects};
+pub use effects::{CASTERS, Effect, Effects};
 pub use error::BuildError;
 pub use film_motion::FilmMotion;
 pub use geometry::Hit;

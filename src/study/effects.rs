@@ -207,7 +207,7 @@ impl<'a> EffectStudy<'a> {
         let all = self.runs.iter().map(|run| run.integrator.expected_photons());
         all.fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
-            photons: a.photons.max(b.photons),
+            stored_photons: a.stored_photons.max(b.stored_photons),
             largest_map: a.largest_map.max(b.largest_map),
         })
     }
@@ -269,13 +269,13 @@ impl<'a> EffectStudy<'a> {
 ///
 /// Pictures without an effect then use the same numbers.
 fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {
-    let mut fixed = Settings { balance: false, ..settings.clone() };
-    if settings.balance
+    let mut fixed = Settings { allows_balance: false, ..settings.clone() };
+    if settings.allows_balance
         && let Some(balance) = algorithm.prepare(scene, settings.clone()).ray_photon_balance()
     {
         fixed.camera_paths.samples = Some(balance.samples);
-        fixed.photons = balance.photons.unwrap_or(fixed.photons);
-        fixed.caustic_photons = balance.caustic_photons.unwrap_or(fixed.caustic_photons);
+        fixed.unaimed_paths = balance.unaimed_paths.unwrap_or(fixed.unaimed_paths);
+        fixed.aimed_paths = balance.aimed_paths.unwrap_or(fixed.aimed_paths);
     }
     fixed
 }

@@ -3,8 +3,8 @@
 use super::{EffectStudy, EffectStudyResult, ReportContext, effects_html_page, expected_work};
 use crate::camera::Camera;
 use crate::integrate::{Algorithm, Settings, SilentMonitor};
-use crate::plan::{Effect, EffectOverrides};
-use crate::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use crate::plan::EffectOverrides;
+use crate::scene::{DeltaLightKind, Effect, LightStrength, Material, Scene, SceneBuilder};
 use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicBool;
@@ -35,7 +35,7 @@ pub(super) fn glass_sphere_on_floor(width: u32, height: u32) -> Scene {
 }
 
 fn settings_with_few_photons(effects: EffectOverrides) -> Settings {
-    let mut settings = Settings { photons: 0, caustic_photons: 4000, balance: false, ..Settings::default() };
+    let mut settings = Settings { unaimed_paths: 0, aimed_paths: 4000, allows_balance: false, ..Settings::default() };
     settings.camera_paths.effects = effects;
     settings
 }

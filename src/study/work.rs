@@ -2,7 +2,7 @@
 //! machine.
 
 use crate::integrate::Integrator;
-use crate::plan::{Effect, Effects};
+use crate::scene::{Effect, Effects};
 
 /// Counts of rays and photons of a pass, or differences between the counts of two passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -73,9 +73,9 @@ mod tests {
     #[test]
     fn expected_work_matches_a_pass() {
         let settings = Settings {
-            photons: 100_000,
-            caustic_photons: 100_000,
-            balance: false,
+            unaimed_paths: 100_000,
+            aimed_paths: 100_000,
+            allows_balance: false,
             radius: Some(0.5),
             ..Settings::default()
         };

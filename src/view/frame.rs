@@ -22,45 +22,47 @@ const MAX_EXPONENT: i32 = 15;
 /// Number of channel values that are converted to half floats at once.
 const CHUNK: usize = 1024;
 
-/// Kind of layer that the live page can show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LayerKind {
-    /// The picture: radiance \[W/(m² sr)].
-    Picture,
-    /// Direct light of the picture \[W/(m² sr)], see [`LightGroup::Direct`].
-    Direct,
-    /// Indirect light of the picture \[W/(m² sr)], see [`LightGroup::Indirect`].
-    Indirect,
-    /// Caustic light of the picture \[W/(m² sr)], see [`LightGroup::Caustic`].
-    Caustic,
-    /// Standard error of the radiance \[W/(m² sr)].
-    Noise,
-    /// Estimated bias of the radiance \[W/(m² sr)], signed.
-    Bias,
-    /// Mean gather radius of density estimates from the caustic map \[length].
-    CausticRadius,
-    /// Mean gather radius \[length] of density estimates from the indirect map, and from the
-    /// interreflection map of `hybrid`.
-    GlobalRadius,
-    /// Mean number of photons in density estimates from the caustic map.
-    CausticPhotons,
-    /// Mean number of photons in density estimates from the indirect map, and from the
-    /// interreflection map of `hybrid`.
-    GlobalPhotons,
-    /// Albedo of the surface that the camera sees, in \[0, 1].
-    Albedo,
-    /// Shading normal of this surface, in world space.
-    Normal,
-    /// Length of the path from the camera to this surface \[length].
-    Depth,
-    /// Position of this surface in world space \[length].
-    Position,
-    /// Number of the object, from 1; 0 for none.
-    Object,
-    /// Number of the material, from 1; 0 for none.
-    Material,
-    /// Motion on the film while the shutter is open \[pixels to the right and down].
-    Motion,
+enum_with_all! {
+    /// Kind of layer that the live page can show.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum LayerKind {
+        /// The picture: radiance \[W/(m² sr)].
+        Picture,
+        /// Direct light of the picture \[W/(m² sr)], see [`LightGroup::Direct`].
+        Direct,
+        /// Indirect light of the picture \[W/(m² sr)], see [`LightGroup::Indirect`].
+        Indirect,
+        /// Caustic light of the picture \[W/(m² sr)], see [`LightGroup::Caustic`].
+        Caustic,
+        /// Standard error of the radiance \[W/(m² sr)].
+        Noise,
+        /// Estimated bias of the radiance \[W/(m² sr)], signed.
+        Bias,
+        /// Mean gather radius of density estimates from the caustic map \[length].
+        CausticRadius,
+        /// Mean gather radius \[length] of density estimates from the indirect map, and from the
+        /// interreflection map of `hybrid`.
+        IndirectRadius,
+        /// Mean number of photons in density estimates from the caustic map.
+        CausticPhotons,
+        /// Mean number of photons in density estimates from the indirect map, and from the
+        /// interreflection map of `hybrid`.
+        IndirectPhotons,
+        /// Albedo of the surface that the camera sees, in \[0, 1].
+        Albedo,
+        /// Shading normal of this surface, in world space.
+        Normal,
+        /// Length of the path from the camera to this surface \[length].
+        Depth,
+        /// Position of this surface in world space \[length].
+        Position,
+        /// Number of the object, from 1; 0 for none.
+        Object,
+        /// Number of the material, from 1; 0 for none.
+        Material,
+        /// Motion on the film while the shutter is open \[pixels to the right and down].
+        Motion,
+    }
 }
 
 /// Frame of the live page to which a layer belongs.
@@ -75,27 +77,6 @@ pub(super) enum FrameKind {
 }
 
 impl LayerKind {
-    /// All kinds, the picture first.
-    pub const ALL: [Self; 17] = [
-        Self::Picture,
-        Self::Direct,
-        Self::Indirect,
-        Self::Caustic,
-        Self::Noise,
-        Self::Bias,
-        Self::CausticRadius,
-        Self::GlobalRadius,
-        Self::CausticPhotons,
-        Self::GlobalPhotons,
-        Self::Albedo,
-        Self::Normal,
-        Self::Depth,
-        Self::Position,
-        Self::Object,
-        Self::Material,
-        Self::Motion,
-    ];
-
     /// Returns the name of the layer in the URL of its pixels. Layers other than the picture have
     /// the names of `--aov` in EXR files, such as `radius.caustic`.
     #[must_use]
@@ -108,9 +89,9 @@ impl LayerKind {
             Self::Noise => "noise",
             Self::Bias => "bias",
             Self::CausticRadius => "radius.caustic",
-            Self::GlobalRadius => "radius.global",
+            Self::IndirectRadius => "radius.global",
             Self::CausticPhotons => "photons.caustic",
-            Self::GlobalPhotons => "photons.global",
+            Self::IndirectPhotons => "photons.global",
             Self::Albedo => "albedo",
             Self::Normal => "normal",
             Self::Depth => "depth",
@@ -128,9 +109,9 @@ impl LayerKind {
             Self::Noise
             | Self::Bias
             | Self::CausticRadius
-            | Self::GlobalRadius
+            | Self::IndirectRadius
             | Self::CausticPhotons
-            | Self::GlobalPhotons => FrameKind::Maps,
+            | Self::IndirectPhotons => FrameKind::Maps,
             Self::Albedo
             | Self::Normal
             | Self::Depth
@@ -173,7 +154,7 @@ pub struct Layer {
 /// Picture of a render at one moment, maps of its estimated error, or surface AOVs. All layers have
 /// one size.
 #[derive(Debug)]
-pub struct Frame {
+pub struct LiveFrame {
     /// Sequence number of the publication that made the frame. A later frame has a larger number.
     pub sequence: u32,
     /// Width and height \[pixels].
@@ -214,7 +195,7 @@ impl Layer {
     }
 }
 
-impl Frame {
+impl LiveFrame {
     /// Makes a frame that holds the picture alone.
     #[must_use]
     pub fn from_picture(sequence: u32, size: (u32, u32), passes: u32, pixels: &[Vec3]) -> Self {
@@ -269,9 +250,9 @@ impl Frame {
             };
             layers.push(Layer::from_colors(LayerKind::Bias, &bias));
             layers.push(numbers(LayerKind::CausticRadius, &caustic, |disc| disc.radius));
-            layers.push(numbers(LayerKind::GlobalRadius, &indirect, |disc| disc.radius));
-            layers.push(numbers(LayerKind::CausticPhotons, &caustic, |disc| disc.photons));
-            layers.push(numbers(LayerKind::GlobalPhotons, &indirect, |disc| disc.photons));
+            layers.push(numbers(LayerKind::IndirectRadius, &indirect, |disc| disc.radius));
+            layers.push(numbers(LayerKind::CausticPhotons, &caustic, |disc| disc.mean_count));
+            layers.push(numbers(LayerKind::IndirectPhotons, &indirect, |disc| disc.mean_count));
         }
         let (size, passes) = (rendered.film.size(), rendered.film.passes());
         Some(Self { sequence, size, passes, is_preview: false, layers })

@@ -1,6 +1,6 @@
 //! Newest state of a render: the render publishes it, and the web server reads it.
 
-use super::frame::Frame;
+use super::frame::LiveFrame;
 use super::status::{FrameReport, LiveStatus, SceneSource};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -12,11 +12,11 @@ pub struct LiveState {
     /// Progress, limits and error of the render, as browsers receive them.
     pub status: LiveStatus,
     /// The newest picture or preview; `None` before the first one.
-    pub picture: Option<Arc<Frame>>,
+    pub picture: Option<Arc<LiveFrame>>,
     /// The newest maps of the estimated error; `None` before the first ones.
-    pub maps: Option<Arc<Frame>>,
+    pub maps: Option<Arc<LiveFrame>>,
     /// Surface AOVs; `None` until a browser asks for them.
-    pub surfaces: Option<Arc<Frame>>,
+    pub surfaces: Option<Arc<LiveFrame>>,
     /// Text of the scene file, with its errors.
     pub source: Arc<SceneSource>,
 }
@@ -50,7 +50,7 @@ pub struct LivePage {
     /// True if a browser has asked for surface AOVs, and the render has made none since.
     wants_surfaces: AtomicBool,
     /// Reference picture for comparisons.
-    reference: Option<Arc<Frame>>,
+    reference: Option<Arc<LiveFrame>>,
 }
 
 impl LivePage {
@@ -59,7 +59,7 @@ impl LivePage {
     /// `interactive` is true for `caustica view`, whose page can move the camera. `reference` is a
     /// picture that the page compares with the render.
     #[must_use]
-    pub fn new(scene: String, integrator: &'static str, interactive: bool, reference: Option<Frame>) -> Self {
+    pub fn new(scene: String, integrator: &'static str, interactive: bool, reference: Option<LiveFrame>) -> Self {
         let status = LiveStatus {
             version: env!("CARGO_PKG_VERSION"),
             scene,
@@ -158,7 +158,7 @@ impl LivePage {
 
     /// Returns the reference picture that the page compares with the render; `None` without
     /// `--reference`.
-    pub(super) fn reference(&self) -> Option<&Frame> {
+    pub(super) fn reference(&self) -> Option<&LiveFrame> {
         self.reference.as_deref()
     }
 

@@ -1,6 +1,6 @@
 //! Publication of a render's passes to the live page.
 
-use super::frame::Frame;
+use super::frame::LiveFrame;
 use super::live_page::{LivePage, LiveState};
 use super::pace::Pace;
 use super::status::{CurvePoint, ForecastReport, Phase, PlanReport};
@@ -57,7 +57,7 @@ impl<'a> LiveRender<'a> {
     pub fn show_preview(&self, size: (u32, u32), pixels: &[Vec3]) {
         let seconds = self.start.elapsed().as_secs_f64();
         self.publish(|state, sequence| {
-            let frame = Frame { is_preview: true, ..Frame::from_picture(sequence, size, 0, pixels) };
+            let frame = LiveFrame { is_preview: true, ..LiveFrame::from_picture(sequence, size, 0, pixels) };
             state.picture = Some(Arc::new(frame));
             state.status.first_pixels_seconds.get_or_insert(seconds);
         });
@@ -111,7 +111,7 @@ impl<'a> LiveRender<'a> {
             && let Some(aovs) = find()
         {
             self.publish(|state, sequence| {
-                state.surfaces = Some(Arc::new(Frame::from_surface_aovs(sequence, size, &aovs)));
+                state.surfaces = Some(Arc::new(LiveFrame::from_surface_aovs(sequence, size, &aovs)));
             });
             // Requests from before the publication are served.
             self.page.take_surface_request();
@@ -131,9 +131,9 @@ impl<'a> LiveRender<'a> {
     /// Publishes the picture, the counts and the error curve of `rendered`.
     fn publish_result(&self, rendered: &RenderResult) {
         let seconds = self.start.elapsed().as_secs_f64();
-        let frame = Frame::from_render(0, rendered);
+        let frame = LiveFrame::from_render(0, rendered);
         self.publish(|state, sequence| {
-            state.picture = Some(Arc::new(Frame { sequence, ..frame }));
+            state.picture = Some(Arc::new(LiveFrame { sequence, ..frame }));
             let status = &mut state.status;
             status.passes = rendered.film.passes();
             status.seconds = rendered.wall.as_secs_f64();
@@ -148,8 +148,8 @@ impl<'a> LiveRender<'a> {
 
     /// Publishes maps of the estimated error; does nothing if the error is not estimated yet.
     fn publish_maps(&self, rendered: &RenderResult) {
-        if let Some(maps) = Frame::from_error_maps(0, rendered) {
-            self.publish(|state, sequence| state.maps = Some(Arc::new(Frame { sequence, ..maps })));
+        if let Some(maps) = LiveFrame::from_error_maps(0, rendered) {
+            self.publish(|state, sequence| state.maps = Some(Arc::new(LiveFrame { sequence, ..maps })));
         }
     }
 }

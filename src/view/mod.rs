@@ -16,7 +16,7 @@ mod status;
 mod tev;
 
 pub use address::{ListenAddress, ListenError};
-pub use frame::{Frame, Layer, LayerKind};
+pub use frame::{Layer, LayerKind, LiveFrame};
 pub use live_page::{LivePage, LiveState};
 pub use live_render::LiveRender;
 pub use request::{Orbit, Request};

@@ -1,6 +1,6 @@
 //! Responses of the server: page, events, pixels, scene text and saved pictures.
 
-use super::frame::{Frame, FrameKind, LayerKind};
+use super::frame::{FrameKind, LayerKind, LiveFrame};
 use super::live_page::{LivePage, PublishedState};
 use crate::image::{self, BitDepth, ExrPrecision, Image, OutputFormat, ToneMap, WriteOptions};
 use axum::body::{Body, Bytes};
@@ -203,7 +203,7 @@ pub(super) async fn saved_picture(page: Arc<LivePage>, file: String, options: Sa
 
 /// Returns the name of a saved file, made from the name of the scene, the number of passes, and the
 /// extension of the format.
-fn saved_file_name(scene: &str, frame: &Frame, format: OutputFormat) -> String {
+fn saved_file_name(scene: &str, frame: &LiveFrame, format: OutputFormat) -> String {
     let stem = Path::new(scene).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let stem: String =
         stem.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
@@ -216,7 +216,7 @@ fn saved_file_name(scene: &str, frame: &Frame, format: OutputFormat) -> String {
 
 /// Returns the picture of `frame` as the bytes of a file; `None` if encoding fails, as with an
 /// invalid exposure.
-fn encoded_picture(frame: &Frame, format: OutputFormat, tone: ToneMap) -> Option<Vec<u8>> {
+fn encoded_picture(frame: &LiveFrame, format: OutputFormat, tone: ToneMap) -> Option<Vec<u8>> {
     let pixels = frame.layer(LayerKind::Picture)?.colors();
     let image = Image::from_pixels(frame.size.0, frame.size.1, pixels).ok()?;
     let software = ("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")));

@@ -143,7 +143,7 @@ async fn serve(listener: TcpListener, shared: Arc<RouteState>) {
         .route("/{token}/layer/{name}", get(send_layer))
         .route("/{token}/source", get(send_source))
         .route("/{token}/save/{file}", get(send_file))
-        .route("/{token}/request/{name}", post(take_request))
+        .route("/{token}/request/{name}", post(handle_page_request))
         .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
         .layer(from_fn_with_state(shared.clone(), guard_request))
         .with_state(shared);
@@ -226,7 +226,7 @@ async fn send_file(
     }
 }
 
-async fn take_request(
+async fn handle_page_request(
     State(shared): State<Arc<RouteState>>,
     Path((_, name)): Path<(String, String)>,
     body: Bytes,

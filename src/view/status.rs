@@ -1,6 +1,6 @@
 //! Facts about a render that the live page shows beside its pixels.
 
-use super::frame::Frame;
+use super::frame::LiveFrame;
 use super::request::Orbit;
 use crate::integrate::PhotonReport;
 use crate::plan::Plan;
@@ -272,7 +272,7 @@ impl PlanReport {
 impl FrameReport {
     /// Makes the description of `frame`.
     #[must_use]
-    pub fn new(frame: &Frame) -> Self {
+    pub fn new(frame: &LiveFrame) -> Self {
         Self {
             sequence: frame.sequence,
             width: frame.size.0,

@@ -34,7 +34,7 @@ impl ServedPage {
         Self::with_reference(None)
     }
 
-    fn with_reference(reference: Option<Frame>) -> Self {
+    fn with_reference(reference: Option<LiveFrame>) -> Self {
         let page = Arc::new(LivePage::new("a b/scene.txt".to_owned(), "path", true, reference));
         let requests = Arc::<Mutex<Vec<Request>>>::default();
         let list = requests.clone();
@@ -95,7 +95,7 @@ impl ServedPage {
     fn show(&self, number: u32, size: (u32, u32), radiance: f32) {
         self.page.publish(number, |state, sequence| {
             let pixels = vec![Vec3::new(radiance, 0.5 * radiance, -radiance); (size.0 * size.1) as usize];
-            state.picture = Some(Arc::new(Frame::from_picture(sequence, size, 7, &pixels)));
+            state.picture = Some(Arc::new(LiveFrame::from_picture(sequence, size, 7, &pixels)));
         });
     }
 }
@@ -201,7 +201,7 @@ fn readers_receive_the_newest_state() {
 fn layers_keep_three_digits_of_all_values() {
     let radiances = [0.0, 1.0, 1e-4, 123.456, 65_504.0, 3e7, -2.5, f32::INFINITY, f32::NAN];
     let pixels: Vec<Vec3> = radiances.iter().map(|value| Vec3::splat(*value)).collect();
-    let frame = Frame::from_picture(9, (3, 3), 1, &pixels);
+    let frame = LiveFrame::from_picture(9, (3, 3), 1, &pixels);
     let (head, values) = decode(&frame.encoded_layer(LayerKind::Picture).unwrap());
     assert_eq!(head, [9, 3, 3, 3]);
     for (i, radiance) in radiances.iter().enumerate() {
@@ -213,7 +213,7 @@ fn layers_keep_three_digits_of_all_values() {
         );
     }
     for scale in [1e-30, 1e-42, 1e30, 3e38] {
-        let frame = Frame::from_picture(1, (1, 1), 1, &[Vec3::splat(scale)]);
+        let frame = LiveFrame::from_picture(1, (1, 1), 1, &[Vec3::splat(scale)]);
         let (_, values) = decode(&frame.encoded_layer(LayerKind::Picture).unwrap());
         assert!((values[0] / scale - 1.0).abs() < 1.0 / 2048.0 || scale < f32::MIN_POSITIVE, "{scale} {}", values[0]);
     }
@@ -240,7 +240,7 @@ fn maps_are_made_only_when_asked_for() {
     assert_eq!(served.get("layer/secret").code, 404);
     assert_eq!(served.get("layer/reference").code, 404);
     let reference = Image::from_pixels(1, 1, vec![Vec3::splat(2.0)]).unwrap();
-    let served = ServedPage::with_reference(Some(Frame::from_image(&reference)));
+    let served = ServedPage::with_reference(Some(LiveFrame::from_image(&reference)));
     assert_eq!(decode(&served.get("layer/reference").body).1, [2.0; 3]);
 }
 

@@ -8,8 +8,7 @@ use caustica::integrate::{
     Algorithm, AovSurface, CameraPathSettings, LightGroup, Pass, SURFACE_AOV_RAYS, Settings, SilentMonitor,
     SurfaceAovs, render_surface_aovs,
 };
-use caustica::plan::Effects;
-use caustica::scene::Scene;
+use caustica::scene::{Effects, Scene};
 use glam::{DMat2, DVec2, DVec3, Vec2, Vec3};
 
 /// Algorithms that simulate light.
@@ -27,7 +26,7 @@ const SIMULATIONS: [Algorithm; 7] = [
 fn grouped(filter: FilterKind) -> Settings {
     let camera_paths =
         CameraPathSettings { groups_light: true, filter: Filter::new(filter), ..CameraPathSettings::default() };
-    Settings { camera_paths, photons: 4000, caustic_photons: 4000, balance: false, ..Settings::default() }
+    Settings { camera_paths, unaimed_paths: 4000, aimed_paths: 4000, allows_balance: false, ..Settings::default() }
 }
 
 /// Fails unless the light groups of each pixel add up to the picture to rounding.
@@ -103,7 +102,7 @@ fn algorithms_agree_on_each_light_group() {
     let passes = 24;
     let groups_of_passes = |algorithm: Algorithm| -> Vec<[f64; 3]> {
         let settings = Settings { radius: Some(0.05), alpha: 1.0, ..grouped(FilterKind::Box) };
-        let mut settings = Settings { photons: 40_000, caustic_photons: 40_000, ..settings };
+        let mut settings = Settings { unaimed_paths: 40_000, aimed_paths: 40_000, ..settings };
         settings.camera_paths.samples = Some(64);
         let integrator = algorithm.prepare(&scene, settings);
         let groups = |pass| {

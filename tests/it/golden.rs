@@ -34,9 +34,9 @@ fn picture(scene: &Path) -> Image {
     (file.description.camera.value.width, file.description.camera.value.height) = SIZE;
     let scene = file.resolve().unwrap();
     let settings = Settings {
-        balance: false,
-        photons: 20_000,
-        caustic_photons: 20_000,
+        allows_balance: false,
+        unaimed_paths: 20_000,
+        aimed_paths: 20_000,
         camera_paths: CameraPathSettings { samples: Some(2), ..CameraPathSettings::default() },
         ..Settings::default()
     };

@@ -4,7 +4,7 @@ use crate::support::browser::Browser;
 use caustica::image::Image;
 use caustica::integrate::{ALPHA, Algorithm, squared_radius_ratio};
 use caustica::sampling::{Dimension, Key};
-use caustica::study::methods::{ConvergenceCheckpoint, GroundTruth, MethodResult, MethodStudyResult};
+use caustica::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult, Reference};
 use caustica::study::report::methods::{csv_report, markdown_report, method_study_json, methods_html_page};
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -57,7 +57,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
             seconds,
             wall: 0.5 * seconds,
             rays: 3e6 * f64::from(n),
-            photons: if algorithm.traces_photons() { 5e5 * f64::from(n) } else { 0.0 },
+            photon_paths: if algorithm.traces_photons() { 5e5 * f64::from(n) } else { 0.0 },
             noise2: noises.iter().sum::<f64>() / SEEDS as f64,
             bias2: drift * drift,
             estimated: squares.iter().map(|s| 1.1 * s).collect(),
@@ -78,8 +78,8 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
     let grains =
         |i: u32, amount: f64| (3.0 * amount * (random(key.child_key(99).child_key(u64::from(i))) - 0.5)) as f32;
     let shown = picture(|x, y, i| soft(x, y) + Vec3::splat(grains(i, 0.4 * grain)));
-    let truth = picture(|x, y, _| radiance(x, y));
-    let pairs = || shown.pixels().iter().zip(truth.pixels());
+    let reference = picture(|x, y, _| radiance(x, y));
+    let pairs = || shown.pixels().iter().zip(reference.pixels());
     MethodResult {
         label: label.into(),
         algorithm,
@@ -107,7 +107,7 @@ fn found() -> MethodStudyResult {
         seeds: SEEDS as u32,
         budget: 60.0,
         thread_time_share: 0.85,
-        truth: GroundTruth {
+        reference: Reference {
             source: "auto: 256 passes of hybrid, twice".into(),
             error: Some(0.004),
             picture: picture(|x, y, _| radiance(x, y)),
@@ -239,7 +239,7 @@ fn browser_shows_the_page() {
     let shown = browser.open("report.html", &page, "", (1000, 900));
     assert!(shown.complaints.is_empty(), "{:?}", shown.complaints);
     let dom = words(&shown.dom);
-    assert!(dom.contains("aria-pressed=\"true\">truth</button>"), "the script ran");
+    assert!(dom.contains("aria-pressed=\"true\">reference</button>"), "the script ran");
     assert_eq!(dom.matches("class=\"picture shown\"").count(), 1);
     assert_eq!(dom.matches("<polyline").count(), page.matches("<polyline").count());
 

@@ -6,8 +6,8 @@ use caustica::color::{self, Rgb};
 use caustica::image;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
 use caustica::math::Ray;
-use caustica::plan::{Effect, EffectOverrides};
-use caustica::scene::{Effects, Hit, RayCone, Scene, SurfaceInteraction};
+use caustica::plan::EffectOverrides;
+use caustica::scene::{Effect, Effects, Hit, RayCone, Scene, SurfaceInteraction};
 use glam::{DVec2, DVec3, Vec3};
 
 fn scene(text: &str) -> Scene {
@@ -17,8 +17,13 @@ fn scene(text: &str) -> Scene {
 fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effects: EffectOverrides) -> Vec<Vec<Rgb>> {
     let filter = Filter::new(FilterKind::Box);
     let camera_paths = CameraPathSettings { samples: Some(samples), filter, effects, ..CameraPathSettings::default() };
-    let settings =
-        Settings { camera_paths, balance: false, photons: 20_000, caustic_photons: 20_000, ..Settings::default() };
+    let settings = Settings {
+        camera_paths,
+        allows_balance: false,
+        unaimed_paths: 20_000,
+        aimed_paths: 20_000,
+        ..Settings::default()
+    };
     let integrator = algorithm.prepare(scene, settings);
     (0..passes).map(|pass| integrator.render_pass(pass, &SilentMonitor).image).collect()
 }

@@ -44,8 +44,8 @@ fn scene() -> Scene {
 
 fn settings() -> Settings {
     Settings {
-        photons: PHOTONS,
-        caustic_photons: PHOTONS,
+        unaimed_paths: PHOTONS,
+        aimed_paths: PHOTONS,
         camera_paths: CameraPathSettings {
             samples: Some(2),
             max_bounces: 50,

@@ -5,9 +5,8 @@ use caustica::camera::CropWindow;
 use caustica::integrate::{
     Algorithm, AovSurface, CameraPathSettings, Pass, Settings, SilentMonitor, render_surface_aovs,
 };
-use caustica::plan::Effects;
 use caustica::render::{RenderResult, StopCriteria, render};
-use caustica::scene::Scene;
+use caustica::scene::{Effects, Scene};
 use glam::Vec3;
 use std::sync::atomic::AtomicBool;
 
@@ -18,7 +17,7 @@ fn cut<T: Clone>(whole: &[T], width: u32, window: CropWindow) -> Vec<T> {
 }
 
 fn cheap(camera_paths: CameraPathSettings) -> Settings {
-    Settings { camera_paths, photons: 3000, caustic_photons: 3000, ..Settings::default() }
+    Settings { camera_paths, unaimed_paths: 3000, aimed_paths: 3000, ..Settings::default() }
 }
 
 #[test]

@@ -8,9 +8,9 @@ use crate::cli::progress::{InputFileCollector, ProgressDisplay, print_message, w
 use crate::cli::scene::{load_scene, with_thread_pool};
 use crate::cli::settings::settings_from_arguments;
 use crate::cli::{CommandFailure, Exit, StudyArguments};
-use crate::plan::{Effect, EffectDecision};
+use crate::plan::EffectDecision;
 use crate::render::{check_photon_memory, check_picture_memory};
-use crate::scene::Scene;
+use crate::scene::{Effect, Scene};
 use crate::stats::Counters;
 use crate::study::report::effects::{csv_report, markdown_report};
 use crate::study::text::{count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text};

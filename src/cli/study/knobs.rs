@@ -28,8 +28,8 @@ const CAMERA_RAY_FACTORS: [f64; 2] = [0.5, 2.0];
 /// Settings that pilot passes chose for a method.
 struct PilotChosenSettings {
     samples: u32,
-    photons: u32,
-    caustic_photons: u32,
+    unaimed_paths: u32,
+    aimed_paths: u32,
     radius: Option<f32>,
 }
 
@@ -44,8 +44,8 @@ impl PilotChosenSettings {
             .map(|radii| if algorithm == Algorithm::Hybrid { radii.caustic } else { radii.indirect });
         Self {
             samples: (camera_rays / (u64::from(width) * u64::from(height))).max(1) as u32,
-            photons: balance.and_then(|b| b.photons).unwrap_or(settings.photons),
-            caustic_photons: balance.and_then(|b| b.caustic_photons).unwrap_or(settings.caustic_photons),
+            unaimed_paths: balance.and_then(|b| b.unaimed_paths).unwrap_or(settings.unaimed_paths),
+            aimed_paths: balance.and_then(|b| b.aimed_paths).unwrap_or(settings.aimed_paths),
             radius,
         }
     }
@@ -74,7 +74,7 @@ fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) ->
     let algorithm = method.integrator;
     method.spp = Some(pilot.samples);
     if algorithm.traces_photons() {
-        (method.photons, method.caustic_photons) = (Some(pilot.photons), Some(pilot.caustic_photons));
+        (method.photons, method.caustic_photons) = (Some(pilot.unaimed_paths), Some(pilot.aimed_paths));
     }
     let base = method.clone();
     let mut all = vec![VariantArguments { label: name.clone(), method }];
@@ -101,8 +101,8 @@ fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) ->
         }
         for by in PHOTON_FACTORS {
             let [photons, caustic] =
-                [pilot.photons, pilot.caustic_photons].map(|n| if n == 0 { 0 } else { scaled(n, by) });
-            if [photons, caustic] == [pilot.photons, pilot.caustic_photons] {
+                [pilot.unaimed_paths, pilot.aimed_paths].map(|n| if n == 0 { 0 } else { scaled(n, by) });
+            if [photons, caustic] == [pilot.unaimed_paths, pilot.aimed_paths] {
                 continue;
             }
             add(format!("--photons {photons} --caustic-photons {caustic}"), &|method| {

@@ -7,9 +7,9 @@ use std::fmt::Write as _;
 
 /// Returns a table for each method, with one row per checkpoint.
 pub(super) fn checkpoints_table(found: &MethodStudyResult) -> String {
-    let mut text = format!("truth: {}", found.truth.source);
-    if let Some(error) = found.truth.error {
-        let _ = write!(text, "\ntruth: noise of the reference {}", percent_text(error));
+    let mut text = format!("reference: {}", found.reference.source);
+    if let Some(error) = found.reference.error {
+        let _ = write!(text, "\nreference: noise {}", percent_text(error));
     }
     let _ = writeln!(text, "\n{} seeds each; seconds of processor time per seed; - means hidden by noise", found.seeds);
     for method in &found.methods {
@@ -34,7 +34,8 @@ pub(super) fn checkpoints_table(found: &MethodStudyResult) -> String {
                 rms_estimated_error(checkpoint),
             );
         }
-        let _ = writeln!(text, "  {}", judge_convergence(method, fit_convergence(method).as_ref(), found.truth.error));
+        let _ =
+            writeln!(text, "  {}", judge_convergence(method, fit_convergence(method).as_ref(), found.reference.error));
         let _ = writeln!(text, "  {}", method.command);
     }
     text

@@ -35,10 +35,10 @@ pub(super) fn render_preview(
     let (width, height) = preview_size(scene.camera().size());
     let small = scene.with_camera(&scene.camera_in_description().with_size(width, height));
     let mut settings = Settings {
-        balance: false,
-        prefix_rays: false,
-        guides_environment: false,
-        guides_scatter_points: false,
+        allows_balance: false,
+        allows_prefix_rays: false,
+        allows_environment_guiding: false,
+        allows_scatter_point_guiding: false,
         ..settings.clone()
     };
     settings.camera_paths.samples = Some(SAMPLES);

@@ -112,7 +112,7 @@ fn photon_radiance<I: Interior>(
     task: &mut PathTask,
 ) -> Rgb {
     let Some(maps) = paths.maps else { return Rgb::ZERO };
-    let lookup_scale = match paths.policy.photons {
+    let lookup_scale = match paths.policy.lookups {
         PhotonLookups::Never | PhotonLookups::RecordVisible => return Rgb::ZERO,
         PhotonLookups::FewPerPixel => match path_segment.sampler.sample_index_and_count() {
             (0, samples) if path_segment.history.receivers == 0 => samples as f32,

@@ -101,11 +101,11 @@ fn parent_bins_have_32_children() {
 
 #[test]
 fn cells_of_points_outside_are_the_nearest() {
-    let grid = CellGrid::new(&unit_cube());
+    let grid = SceneCellGrid::new(&unit_cube());
     assert_eq!(grid.cell_index(Vec3::new(0.45, 0.2, 0.0)), 8 + 3);
     assert_eq!(grid.cell_index(Vec3::new(-9.0, 99.0, 0.0)), 7 * 8);
     assert!(grid.cell_index(Vec3::NAN) < 512);
-    let empty = CellGrid::new(&[]);
+    let empty = SceneCellGrid::new(&[]);
     assert_eq!(empty.cell_index(Vec3::ONE), empty.cell_index(Vec3::splat(2.0)));
 }
 
@@ -114,7 +114,7 @@ fn cells_of_points_outside_are_the_nearest() {
 fn far_points_keep_cells_small() {
     let mut points = unit_cube();
     points.extend([Vec3::splat(-1000.0), Vec3::splat(1000.0)]);
-    let grid = CellGrid::new(&points);
+    let grid = SceneCellGrid::new(&points);
     let cells: std::collections::BTreeSet<usize> =
         (0..16).map(|i| grid.cell_index(Vec3::new((i as f32 + 0.5) / 16.0, 0.5, 0.5))).collect();
     assert_eq!(cells.len(), 8);

@@ -1,7 +1,8 @@
 use super::*;
 use std::f64::consts::TAU;
 
-const COST: PassCost = PassCost { direct_variance: 0.01, prefix: 4.0, continuation: 16.0, photons: 20.0, lookup: 20.0 };
+const COST: PassCost =
+    PassCost { direct_variance: 0.01, prefix: 4.0, continuation: 16.0, photon_work: 20.0, lookup: 20.0 };
 
 fn division(path_variance: f32, photon_variance: f32, squared_bias: f32) -> IndirectDivision {
     let cell = IndirectErrors { path_variance, photon_variance: photon_variance * 1e5, squared_bias };
@@ -30,7 +31,7 @@ fn photons_take_part_where_they_pay() {
     assert_eq!(least_cost_division(&division(0.4, 0.002, 3.0), &PHOTON_PARTS, &COST, area), None);
     // Photons must not cost more than the camera paths that they save.
     assert_eq!(
-        least_cost_division(&division(0.4, 0.002, 1e-4), &PHOTON_PARTS, &PassCost { photons: 1e4, ..COST }, area),
+        least_cost_division(&division(0.4, 0.002, 1e-4), &PHOTON_PARTS, &PassCost { photon_work: 1e4, ..COST }, area),
         None
     );
     assert_eq!(least_cost_division(&division(0.0, 0.0, 0.0), &PHOTON_PARTS, &COST, area), None);
@@ -59,8 +60,8 @@ fn trials_measure_variances_and_bias() {
         let point = |i: u64| LightParts {
             direct: 1.0 + 0.2 * normal(keys[0], i),
             emission_and_caustics: 0.0,
-            paths: 1.0 + 0.5 * normal(keys[1], i),
-            photons: 1.0 + 0.1 * normal(keys[2], i),
+            path_light: 1.0 + 0.5 * normal(keys[1], i),
+            photon_light: 1.0 + 0.1 * normal(keys[2], i),
             bias: 0.05 + 0.05 * normal(keys[3], i),
         };
         (0..u64::from(cells * CELL_POINTS)).map(point).collect()

@@ -75,9 +75,9 @@ impl<'a> PhotonMapBuilder<'a> {
             Some(report)
         };
         self.emission_guiding_reports.aimed =
-            guide(&mut self.aimed_source, self.request.aimed, settings.caustic_photons, EmissionGuidingPilot::PATHS);
-        // If gather rays read the indirect map, its photons are needed everywhere: do not guide
-        // them.
+            guide(&mut self.aimed_source, self.request.aimed, settings.aimed_paths, EmissionGuidingPilot::PATHS);
+        // If gather rays read the indirect map, its photons are needed everywhere, so they are not
+        // guided.
         if !self.request.unaimed.direct {
             let max_paths = if self.policy.indirect_photons == IndirectPhotons::Off {
                 EmissionGuidingPilot::PATHS
@@ -85,7 +85,7 @@ impl<'a> PhotonMapBuilder<'a> {
                 MAX_INTERREFLECTION_GUIDING_PATHS
             };
             self.emission_guiding_reports.unaimed =
-                guide(&mut self.unaimed_source, self.request.unaimed, settings.photons, max_paths);
+                guide(&mut self.unaimed_source, self.request.unaimed, settings.unaimed_paths, max_paths);
         }
     }
 
@@ -112,7 +112,7 @@ impl<'a> PhotonMapBuilder<'a> {
             settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
         };
         let interreflection = if self.may_build_interreflection_map() {
-            let paths = (self.settings.photons, radius_pilot::MAX_INDIRECT_PATHS);
+            let paths = (self.settings.unaimed_paths, radius_pilot::MAX_INDIRECT_PATHS);
             radius(&self.unaimed_source, self.request.unaimed, paths, INDIRECT_COUNT)
         } else {
             0.0
@@ -124,7 +124,7 @@ impl<'a> PhotonMapBuilder<'a> {
             (INDIRECT_COUNT, radius_pilot::MAX_PATHS)
         };
         let indirect = radius(source, mask, (paths, max_pilot_paths), default_k);
-        let paths = (settings.caustic_photons, radius_pilot::MAX_PATHS);
+        let paths = (settings.aimed_paths, radius_pilot::MAX_PATHS);
         let caustic = radius(&self.aimed_source, StoreMask::CAUSTIC, paths, CAUSTIC_K);
         self.interreflection_radius = interreflection;
         GatherRadii { indirect, caustic }
@@ -152,9 +152,9 @@ impl<'a> PhotonMapBuilder<'a> {
             })
         };
         let (source, mask, paths) = self.indirect_map_inputs();
-        let caustic = radii(&self.aimed_source, StoreMask::CAUSTIC, settings.caustic_photons);
+        let caustic = radii(&self.aimed_source, StoreMask::CAUSTIC, settings.aimed_paths);
         let interreflection = if self.may_build_interreflection_map() {
-            radii(&self.unaimed_source, self.request.unaimed, settings.photons)
+            radii(&self.unaimed_source, self.request.unaimed, settings.unaimed_paths)
         } else {
             VolumeKernelRadii::default()
         };
@@ -197,10 +197,10 @@ impl<'a> PhotonMapBuilder<'a> {
             let traced = self.photon_pass(source, mask).trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
             let volume_photon_size = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
-            let one = scale(traced.deposits.photons.len() + volume_photon_size(&traced.deposits.volume));
+            let one = scale(traced.deposits.surface_photons.len() + volume_photon_size(&traced.deposits.volume));
             let other =
                 scale(traced.deposits.after_caustic.len() + volume_photon_size(&traced.deposits.after_caustic_volume));
-            ExpectedPhotons { paths: paths.into(), photons: one + other, largest_map: one.max(other) }
+            ExpectedPhotons { paths: paths.into(), stored_photons: one + other, largest_map: one.max(other) }
         };
         let guides = if self.request.guides { self.counts.unaimed / GUIDE_PHOTON_DIVISOR } else { 0 };
         let maps = [
@@ -210,7 +210,7 @@ impl<'a> PhotonMapBuilder<'a> {
         ];
         maps.into_iter().fold(ExpectedPhotons::default(), |all, map| ExpectedPhotons {
             paths: all.paths + map.paths,
-            photons: all.photons + map.photons,
+            stored_photons: all.stored_photons + map.stored_photons,
             largest_map: all.largest_map.max(map.largest_map),
         })
     }

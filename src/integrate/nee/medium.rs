@@ -9,9 +9,8 @@ use crate::integrate::vertex::MediumPathSegment;
 use crate::light::ShadowTarget;
 use crate::math::Ray;
 use crate::medium::DistanceSample;
-use crate::plan::Effect;
 use crate::sampling::{Dimension, Sampler};
-use crate::scene::{Interior, MediumSegment};
+use crate::scene::{Effect, Interior, MediumSegment};
 use glam::{Vec2, Vec3};
 
 /// Fraction of the points on a segment that does not follow the guide (defensive sampling).
@@ -171,12 +170,12 @@ impl NextEventEstimator<'_> {
             );
             sum += found;
             if records {
-                let radiance = f64::from(color::channel_mean(found) / color::channel_mean(point.weight));
+                let scattered_radiance = f64::from(color::channel_mean(found) / color::channel_mean(point.weight));
                 let contribution = f64::from(color::channel_mean(path_segment.throughput * found) / expected_count);
                 task.records.in_scattering_samples.push(InScatteringSample {
                     light,
                     p: point.p,
-                    radiance,
+                    scattered_radiance,
                     contribution,
                 });
             }

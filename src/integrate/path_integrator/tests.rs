@@ -41,8 +41,8 @@ fn indirect_light_weights_in_fog_sum_to_one() {
     let camera_paths = CameraPathSettings { samples: Some(SAMPLES), max_bounces: 1000, ..Default::default() };
     let settings = Settings {
         camera_paths,
-        photons: PHOTONS,
-        balance: false,
+        unaimed_paths: PHOTONS,
+        allows_balance: false,
         radius: Some(0.03),
         alpha: 1.0,
         indirect_photons: IndirectPhotons::Full,

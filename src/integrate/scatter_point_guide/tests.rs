@@ -14,7 +14,12 @@ fn guide_of_lit_end() -> ScatterPointGuide {
     let mut fit = ScatterPointFit::new([Vec3::ZERO, size].into_iter(), 2).unwrap();
     for i in 0..400_000 {
         let p = random_point(i) * size;
-        fit.add(&InScatteringSample { light: 1, p, radiance: if p.x > 3.0 { 2.0 } else { 0.0 }, contribution: 0.0 });
+        fit.add(&InScatteringSample {
+            light: 1,
+            p,
+            scattered_radiance: if p.x > 3.0 { 2.0 } else { 0.0 },
+            contribution: 0.0,
+        });
     }
     fit.fitted_guide()
 }
@@ -74,7 +79,7 @@ fn guided_distances_match_their_pdf() {
 /// middle of their part.
 #[test]
 fn rays_cross_all_cells_on_their_way() {
-    let grid = CellGrid::new(&Bounds::from_points([Vec3::splat(-1.0), Vec3::new(1.0, 0.5, 3.0)])).unwrap();
+    let grid = MediumCellGrid::new(&Bounds::from_points([Vec3::splat(-1.0), Vec3::new(1.0, 0.5, 3.0)])).unwrap();
     assert!((12_000..=24_000).contains(&grid.len()), "{}", grid.len());
     for i in 0..2000 {
         let direction = random_point(i) - 0.5;
@@ -98,7 +103,7 @@ fn rays_cross_all_cells_on_their_way() {
         assert!(pieces < 200);
     }
     // A flat or empty box is no problem.
-    assert!(CellGrid::new(&Bounds::from_points([Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0)])).is_some());
-    assert!(CellGrid::new(&Bounds::from_points([Vec3::ZERO])).is_none());
-    assert!(CellGrid::new(&Bounds::from_points([])).is_none());
+    assert!(MediumCellGrid::new(&Bounds::from_points([Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0)])).is_some());
+    assert!(MediumCellGrid::new(&Bounds::from_points([Vec3::ZERO])).is_none());
+    assert!(MediumCellGrid::new(&Bounds::from_points([])).is_none());
 }

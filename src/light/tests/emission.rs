@@ -28,6 +28,29 @@ fn lights_of_all_kinds() -> Vec<Light> {
     ]
 }
 
+/// Index of the light's variant in the enum [`Light`].
+///
+/// A new variant does not compile here, which reminds its author to add it to
+/// [`lights_of_all_kinds`].
+fn index_of_light_variant(light: &Light) -> usize {
+    match light {
+        Light::Point(_) => 0,
+        Light::Spot(_) => 1,
+        Light::Projector(_) => 2,
+        Light::Goniometric(_) => 3,
+        Light::Directional(_) => 4,
+        Light::Area(_) => 5,
+        Light::Environment(_) => 6,
+    }
+}
+
+#[test]
+fn every_light_variant_is_tested() {
+    let mut is_tested = [false; 7];
+    lights_of_all_kinds().iter().for_each(|light| is_tested[index_of_light_variant(light)] = true);
+    assert_eq!(is_tested, [true; 7]);
+}
+
 const DOMAIN: BoundingSphere = BoundingSphere { center: Vec3::new(0.1, 0.2, 0.0), radius: 4.0 };
 
 fn ray_hits_sphere(ball: &BoundingSphere, e: &EmissionSample) -> bool {

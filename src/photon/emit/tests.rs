@@ -35,7 +35,7 @@ fn directional_light_reaches_unbounded_planes() {
     assert!(scene.photon_domain().radius >= 3.0);
     let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
-    let photons = pass.trace(Key::new(1), 4096, &|_| {}).deposits.photons;
+    let photons = pass.trace(Key::new(1), 4096, &|_| {}).deposits.surface_photons;
     let on = |axis: usize, at: f32| photons.iter().any(|p| (p.position[axis] - at).abs() < 1e-3);
     assert!(on(1, -1.0) && on(2, -3.0));
 }
@@ -46,7 +46,7 @@ fn distant_planes_shadow_parallel_light() {
         let scene = sun_over_ball_scene(height);
         let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
-        let photons = pass.trace(Key::new(1), 4096, &|_| {}).deposits.photons;
+        let photons = pass.trace(Key::new(1), 4096, &|_| {}).deposits.surface_photons;
         let on_ball = photons.iter().filter(|p| p.position.length() < 0.6).count();
         assert_eq!(on_ball == 0, shaded, "{on_ball} of {} under a plane at {height}", photons.len());
         assert!(!photons.is_empty());

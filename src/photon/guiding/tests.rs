@@ -135,7 +135,7 @@ fn fluxes_by_region(scene: &Scene, source: &PhotonSource<'_>) -> [PassStatistics
     for i in 0..32 {
         let traced = photon_pass_of_source(scene, source).trace(pass_key(i), 8192, &|_| {});
         let mut flux = [0.0; 3];
-        for Photon { position: p, data: f } in &traced.deposits.photons {
+        for Photon { position: p, data: f } in &traced.deposits.surface_photons {
             let region = if (p.y - floor).abs() > 1e-3 { 2 } else { usize::from(p.x < edge.x || p.z < edge.z) };
             flux[region] += f64::from(color::channel_mean(f.flux()));
         }
@@ -188,7 +188,8 @@ fn aiming_and_guiding_together_are_unbiased() {
         let (mut seen, mut emitted) = (PassStatistics::default(), PassStatistics::default());
         for i in 0..32 {
             let traced = pass.trace(pass_key(i), 4096, &|_| {});
-            let there = traced.deposits.photons.iter().filter(|p| p.position.x > corner.x && p.position.z > corner.z);
+            let there =
+                traced.deposits.surface_photons.iter().filter(|p| p.position.x > corner.x && p.position.z > corner.z);
             seen.add(there.map(|p| f64::from(color::channel_mean(p.data.flux()))).sum());
             emitted.add(traced.audit.emitted[0]);
         }
@@ -218,7 +219,7 @@ fn guiding_reduces_visible_variance() {
         let mut means = vec![PassStatistics::default(); 1600];
         for i in 0..24 {
             let map = PhotonMap::build(
-                photon_pass_of_source(&scene, source).trace(pass_key(i), 16384, &|_| {}).deposits.photons,
+                photon_pass_of_source(&scene, source).trace(pass_key(i), 16384, &|_| {}).deposits.surface_photons,
             );
             let mut scratch = PhotonSearchBuffers::default();
             for (p, mean) in floor_corner_points(&scene).zip(&mut means) {

@@ -2,8 +2,8 @@ use super::*;
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::integrate::{Algorithm, Pass, PassStage, Settings, SilentMonitor};
-use crate::plan::{Effects, Plan};
-use crate::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
+use crate::plan::Plan;
+use crate::scene::{DeltaLightKind, Effects, LightStrength, Material, Scene, SceneBuilder};
 use crate::shape::{Plane, Shape, Sphere};
 use glam::DVec3;
 use std::sync::atomic::{AtomicU32, AtomicU64};
@@ -90,7 +90,7 @@ fn lit_ball() -> Scene {
 fn a_cancelled_pass_stops_early_and_is_dropped() {
     const PHOTONS: u32 = 1 << 20;
     let (scene, interrupted) = (lit_ball(), AtomicBool::new(false));
-    let settings = Settings { photons: PHOTONS, ..Settings::default() };
+    let settings = Settings { unaimed_paths: PHOTONS, ..Settings::default() };
     let integrator = Algorithm::Sppm.prepare(&scene, settings);
     let first = render(
         RenderResult::without_passes(integrator.as_ref(), (64, 64)),

@@ -16,7 +16,7 @@ pub(super) struct DiscAreaSums {
     /// Exponent α by which gather radii shrink from pass to pass (radius law); 1 for fixed radii.
     alpha: f64,
     /// Exponent p: the blur of a pass is proportional to the p-th power of its gather disc area.
-    power: f64,
+    blur_exponent: f64,
     /// Number of summed passes.
     pub passes: u32,
     /// Gather disc area of the next pass, which is not summed yet, relative to the first pass.
@@ -29,13 +29,13 @@ pub(super) struct DiscAreaSums {
 }
 
 impl DiscAreaSums {
-    pub fn new(alpha: f64, power: f64) -> Self {
-        Self { alpha, power, passes: 0, area: squared_radius_ratio(alpha, 0), inverse_area: 0.0, blur: 0.0 }
+    pub fn new(alpha: f64, blur_exponent: f64) -> Self {
+        Self { alpha, blur_exponent, passes: 0, area: squared_radius_ratio(alpha, 0), inverse_area: 0.0, blur: 0.0 }
     }
 
     /// Returns the sums over the first `passes` passes, with a relative error below 10⁻³.
-    pub fn of_passes(alpha: f64, power: f64, passes: u32) -> Self {
-        let mut sums = Self::new(alpha, power);
+    pub fn of_passes(alpha: f64, blur_exponent: f64, passes: u32) -> Self {
+        let mut sums = Self::new(alpha, blur_exponent);
         sums.advance_to(passes);
         sums
     }
@@ -60,7 +60,7 @@ impl DiscAreaSums {
 
     fn add_pass(&mut self) {
         self.inverse_area += 1.0 / self.area;
-        self.blur += if self.power == 1.0 { self.area } else { libm::pow(self.area, self.power) };
+        self.blur += if self.blur_exponent == 1.0 { self.area } else { libm::pow(self.area, self.blur_exponent) };
         self.passes += 1;
         let i = f64::from(self.passes);
         self.area *= (i + self.alpha) / (i + 1.0);
@@ -76,7 +76,7 @@ impl DiscAreaSums {
         let middle = at(n + 0.5 * f64::from(count));
         self.area = at(n + f64::from(count));
         self.inverse_area += f64::from(count) / middle;
-        self.blur += f64::from(count) * libm::pow(middle, self.power);
+        self.blur += f64::from(count) * libm::pow(middle, self.blur_exponent);
         self.passes += count;
     }
 }

@@ -362,7 +362,7 @@ impl NestedEstimateSums {
 
 impl GatherDiscTotals {
     fn add(&mut self, discs: Option<MeanGatherDisc>) {
-        if let Some(MeanGatherDisc { radius, photons }) = discs {
+        if let Some(MeanGatherDisc { radius, mean_count: photons }) = discs {
             self.radius += radius;
             self.photons += photons;
             self.passes += 1;
@@ -380,6 +380,6 @@ impl GatherDiscTotals {
     /// passes.
     fn mean(self) -> MeanGatherDisc {
         let n = self.passes.max(1) as f32;
-        MeanGatherDisc { radius: self.radius / n, photons: self.photons / n }
+        MeanGatherDisc { radius: self.radius / n, mean_count: self.photons / n }
     }
 }

@@ -25,7 +25,7 @@ pub struct ErrorForecast {
     /// Relative blur (bias of photon density estimates) of the first pass.
     blur: f64,
     /// Exponent p: the blur of a pass is proportional to the p-th power of its gather disc area.
-    power: f64,
+    blur_exponent: f64,
 }
 
 impl ErrorForecast {
@@ -39,11 +39,11 @@ impl ErrorForecast {
         let fireflies = n * estimate.fireflies.squared_error_of_fireflies();
         let variance = (estimate.parts.noise * n - fireflies).max(0.0);
         let Some((alpha, kernel_difference_variance)) = law else {
-            let (alpha, power) = (1.0, 1.0);
-            return Self { estimate, alpha, path_variance: variance, photon_variance: 0.0, blur: 0.0, power };
+            let (alpha, blur_exponent) = (1.0, 1.0);
+            return Self { estimate, alpha, path_variance: variance, photon_variance: 0.0, blur: 0.0, blur_exponent };
         };
-        let power = (-libm::log2(estimate.blur_ratio)).max(0.0);
-        let sums = DiscAreaSums::of_passes(alpha, power, estimate.passes);
+        let blur_exponent = (-libm::log2(estimate.blur_ratio)).max(0.0);
+        let sums = DiscAreaSums::of_passes(alpha, blur_exponent, estimate.passes);
         let photon_variance = estimate.differences.variance / f64::from(kernel_difference_variance);
         let photon_variance = photon_variance.min(variance);
         Self {
@@ -52,14 +52,14 @@ impl ErrorForecast {
             path_variance: variance - photon_variance,
             photon_variance: photon_variance * n / sums.inverse_area,
             blur: estimate.blur * n / sums.blur,
-            power,
+            blur_exponent,
         }
     }
 
     /// Returns the predicted relative error after `passes` ≥ 1 passes.
     #[must_use]
     pub fn error_after_passes(&self, passes: u32) -> f64 {
-        let (noise, bias) = self.noise_and_bias(&DiscAreaSums::of_passes(self.alpha, self.power, passes));
+        let (noise, bias) = self.noise_and_bias(&DiscAreaSums::of_passes(self.alpha, self.blur_exponent, passes));
         noise.hypot(bias)
     }
 
@@ -100,7 +100,7 @@ impl ErrorForecast {
     /// Above 1024 passes, the number is exact to 1 %.
     #[must_use]
     pub fn passes_to_reach_noise(&self, target: f64) -> Option<u32> {
-        let mut sums = DiscAreaSums::new(self.alpha, self.power);
+        let mut sums = DiscAreaSums::new(self.alpha, self.blur_exponent);
         while sums.passes < MAX_PASSES {
             sums.add_group();
             if self.noise_and_bias(&sums).0 <= target {

@@ -36,11 +36,11 @@ const PRIOR_EXPONENT: f64 = 0.5;
 
 /// Possible exponents p of the decay of blur, which is proportional to disc area to the power p: ¼
 /// at edges, 1 in smooth light. All are equally likely before measurement.
-const POWERS: [f64; 5] = [0.25, 0.4375, 0.625, 0.8125, 1.0];
+const BLUR_EXPONENTS: [f64; 5] = [0.25, 0.4375, 0.625, 0.8125, 1.0];
 
 /// Least probability of an exponent of [`POWERS`], given the measured blur, relative to the most
 /// likely exponent.
-const LEAST_POWER_WEIGHT: f64 = 1e-3;
+const LEAST_EXPONENT_WEIGHT: f64 = 1e-3;
 
 /// Forecast of the number of passes after which a render reaches its error target.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,7 +76,7 @@ struct ForecastDraw {
     /// Standard normal variate that determines the expected noise of the picture.
     noise: f64,
     /// Uniform variate that determines the exponent of [`POWERS`] by which blur decays.
-    power: f64,
+    exponent_choice: f64,
     /// Uniform variate that determines the expected blur of the picture.
     blur: f64,
     /// Standard normal variate that determines the noise of blur estimates after later passes.
@@ -84,6 +84,16 @@ struct ForecastDraw {
 }
 
 /// The [`DRAWS`] draws of every forecast. Their `noise` is stratified; their other quantities
+#[derive(Clone, Copy)]
+struct DrawnBlur {
+    /// Index in [`BLUR_EXPONENTS`] of the exponent by which blur decays.
+    exponent_index: usize,
+    /// Expected ‖D₀‖² after the passes made so far: the mean square over the picture of the
+    /// difference of density estimates with full and half discs.
+    d0_squared: f64,
+}
+
+/// The [`DRAWS`] draws of every forecast. Their `noise` is stratified. Their other quantities
 /// follow an additive recurrence (Roberts 2018, "The unreasonable effectiveness of quasirandom
 /// sequences").
 static ALL_DRAWS: LazyLock<Vec<ForecastDraw>> = LazyLock::new(|| {
@@ -91,9 +101,9 @@ static ALL_DRAWS: LazyLock<Vec<ForecastDraw>> = LazyLock::new(|| {
     let root: f64 = 1.220_744_084_605_759_5;
     let steps = [1.0 / root, 1.0 / (root * root), 1.0 / (root * root * root)];
     let draw = |i: usize| {
-        let [power, blur, later_blur] = steps.map(|step| (0.5 + i as f64 * step).fract());
+        let [exponent_choice, blur, later_blur] = steps.map(|step| (0.5 + i as f64 * step).fract());
         let noise = (i as f64 + 0.5) / DRAWS as f64;
-        ForecastDraw { noise: normal_quantile(noise), power, blur, later_blur: normal_quantile(later_blur) }
+        ForecastDraw { noise: normal_quantile(noise), exponent_choice, blur, later_blur: normal_quantile(later_blur) }
     };
     (0..DRAWS).map(draw).collect()
 });
@@ -122,12 +132,12 @@ impl ErrorForecast {
         let [low, median, high] = [tail, 0.5, 1.0 - tail].map(quantile);
         match (low, median) {
             (Some(low), Some(median)) => StopForecast::Passes(PassRange { low, median, high }),
-            _ => StopForecast::TooFar { at_least: low.unwrap_or_else(|| self.max_simulated_passes()) },
+            _ => StopForecast::TooFar { at_least: low.unwrap_or_else(|| self.max_imagined_passes()) },
         }
     }
 
     /// Largest number of passes for which a forecast simulates the render.
-    fn max_simulated_passes(&self) -> u32 {
+    fn max_imagined_passes(&self) -> u32 {
         self.estimate.passes.saturating_mul(MAX_EXTRAPOLATION).min(MAX_PASSES)
     }
 
@@ -141,21 +151,23 @@ impl ErrorForecast {
     fn ends_of_draws(&self, target: f64, half_width: f64) -> Vec<Option<u32>> {
         let made = self.estimate.passes;
         let ended = self.estimate.parts.error_interval(half_width).1 <= target;
-        let possible = if ended { MIN_PASSES..=made } else { made + 1..=self.max_simulated_passes() };
-        let (weights, densities) = (self.power_weights(), self.blur_quantiles());
-        let mut sums = POWERS.map(|power| DiscAreaSums::new(self.alpha, power));
-        let at_pilot = POWERS.map(|power| DiscAreaSums::of_passes(self.alpha, power, made));
-        let choices: Vec<(usize, f64)> = ALL_DRAWS
-            .iter()
-            .map(|draw| (cumulative_index(&weights, draw.power), quantile_at(&densities, draw.blur)))
-            .collect();
+        let possible = if ended { MIN_PASSES..=made } else { made + 1..=self.max_imagined_passes() };
+        let (weights, densities) = (self.exponent_weights(), self.blur_quantiles());
+        let mut sums = BLUR_EXPONENTS.map(|exponent| DiscAreaSums::new(self.alpha, exponent));
+        let sums_so_far = BLUR_EXPONENTS.map(|exponent| DiscAreaSums::of_passes(self.alpha, exponent, made));
+        let blurs = ALL_DRAWS.iter().map(|draw| DrawnBlur {
+            exponent_index: cumulative_index(&weights, draw.exponent_choice),
+            d0_squared: quantile_at(&densities, draw.blur),
+        });
+        let blurs: Vec<DrawnBlur> = blurs.collect();
         let mut ends = vec![None; DRAWS];
         let due = EstimateSchedule::due_passes().skip_while(|n| n < possible.start());
         for passes in due.take_while(|n| possible.contains(n)) {
             sums.iter_mut().for_each(|sums| sums.advance_to(passes));
-            for ((end, draw), (power, d0_squared)) in ends.iter_mut().zip(ALL_DRAWS.iter()).zip(&choices) {
+            for ((end, draw), blur) in ends.iter_mut().zip(ALL_DRAWS.iter()).zip(&blurs) {
                 if end.is_none() {
-                    let parts = self.simulated_parts(draw, *power, *d0_squared, (&sums[*power], &at_pilot[*power]));
+                    let index = blur.exponent_index;
+                    let parts = self.imagined_parts(draw, *blur, &sums[index], &sums_so_far[index]);
                     *end = (parts.error_interval(half_width).1 <= target).then_some(passes);
                 }
             }
@@ -176,19 +188,19 @@ impl ErrorForecast {
     ///
     /// `power` is an index of [`POWERS`]. `at_pilot` holds the passes made so far, and `d0_squared`
     /// is the drawn expectation of ‖D₀‖² after them. [`NestedDifferenceMoments`] defines D₀.
-    fn simulated_parts(
+    fn imagined_parts(
         &self,
         draw: &ForecastDraw,
-        power: usize,
-        d0_squared: f64,
-        (sums, at_pilot): (&DiscAreaSums, &DiscAreaSums),
+        blur: DrawnBlur,
+        sums: &DiscAreaSums,
+        sums_so_far: &DiscAreaSums,
     ) -> SquaredErrorParts {
         let parts = &self.estimate.parts;
-        let (n, made) = (f64::from(sums.passes), f64::from(at_pilot.passes));
+        let (n, made) = (f64::from(sums.passes), f64::from(sums_so_far.passes));
         let distance = 1.0 - n.min(made) / n.max(made);
         let deviation = (parts.noise_uncertainty + MODEL_DEVIATION * MODEL_DEVIATION * distance * distance).sqrt();
         let noise = self.squared_noise(sums) * libm::exp(draw.noise * deviation);
-        let blur = self.simulated_blur(draw, power, d0_squared, (sums, at_pilot));
+        let blur = self.imagined_blur(draw, blur, sums, sums_so_far);
         SquaredErrorParts {
             noise,
             noise_uncertainty: parts.noise_uncertainty * made / n,
@@ -202,25 +214,25 @@ impl ErrorForecast {
 
     /// Returns the blur that a simulated render estimates after the passes that `sums` holds.
     /// [`simulated_parts`](Self::simulated_parts) explains the arguments.
-    fn simulated_blur(
+    fn imagined_blur(
         &self,
         draw: &ForecastDraw,
-        power: usize,
-        d0_squared: f64,
-        (sums, at_pilot): (&DiscAreaSums, &DiscAreaSums),
+        blur: DrawnBlur,
+        sums: &DiscAreaSums,
+        sums_so_far: &DiscAreaSums,
     ) -> BlurEstimate {
         let measured = &self.estimate.differences;
-        if measured.variance <= 0.0 && d0_squared <= 0.0 {
+        if measured.variance <= 0.0 && blur.d0_squared <= 0.0 {
             return BlurEstimate::default();
         }
         let n = f64::from(sums.passes);
-        let decay = (sums.blur / n) / (at_pilot.blur / f64::from(at_pilot.passes));
-        let growth = (sums.inverse_area / n) / (at_pilot.inverse_area / f64::from(at_pilot.passes));
-        let (expected, variance) = (d0_squared * decay * decay, measured.variance * growth);
+        let decay = (sums.blur / n) / (sums_so_far.blur / f64::from(sums_so_far.passes));
+        let growth = (sums.inverse_area / n) / (sums_so_far.inverse_area / f64::from(sums_so_far.passes));
+        let (expected, variance) = (blur.d0_squared * decay * decay, measured.variance * growth);
         let d0_squared_variance = NestedDifferenceMoments::d0_squared_variance(expected, variance, measured.scatter, n);
         let d0_squared = expected + draw.later_blur * d0_squared_variance.sqrt();
-        let squared = squared_difference_ratio(POWERS[power]);
-        let smooth_to_edge = (squared - 0.25) / (squared_difference_ratio(POWERS[0]) - 0.25);
+        let squared = squared_difference_ratio(BLUR_EXPONENTS[blur.exponent_index]);
+        let smooth_to_edge = (squared - 0.25) / (squared_difference_ratio(BLUR_EXPONENTS[0]) - 0.25);
         let correlation = 0.5 + (EDGE_CORRELATION - 0.5) * smooth_to_edge;
         let trust = measured.measurement_weight();
         let correlation =
@@ -241,22 +253,22 @@ impl ErrorForecast {
     /// [`NestedDifferenceMoments`] defines D₀ and D₁. An exponent p predicts ‖D₁‖² = 2^(−2p) ‖D₀‖².
     /// The difference between this prediction and the measured ‖D₁‖² gives the likelihood of p. The
     /// estimates of ‖D₁‖² and ‖D₀‖² have about the same variance.
-    fn power_weights(&self) -> [f64; POWERS.len()] {
+    fn exponent_weights(&self) -> [f64; BLUR_EXPONENTS.len()] {
         let measured = &self.estimate.differences;
         // Least variance. A measured ratio between those of two neighbouring exponents then fits
         // both exponents, even if it has no noise.
         let rounding = 1e-4 * measured.d0_squared * measured.d0_squared;
-        let square = |power: f64| {
-            let ratio = squared_difference_ratio(power);
+        let square = |exponent: f64| {
+            let ratio = squared_difference_ratio(exponent);
             let difference = measured.d1_squared - ratio * measured.d0_squared;
             let variance = (1.0 + ratio * ratio) * measured.d0_squared_variance + rounding;
             if variance > 0.0 { difference * difference / variance } else { 0.0 }
         };
-        let squares = POWERS.map(square);
+        let squares = BLUR_EXPONENTS.map(square);
         let least = squares.into_iter().fold(f64::INFINITY, f64::min);
         let mut sum = 0.0;
         squares.map(|square| {
-            sum += libm::exp(-0.5 * (square - least)) + LEAST_POWER_WEIGHT;
+            sum += libm::exp(-0.5 * (square - least)) + LEAST_EXPONENT_WEIGHT;
             sum
         })
     }
@@ -292,8 +304,8 @@ impl ErrorForecast {
 /// Returns ‖D₁‖² / ‖D₀‖² where blur is proportional to disc area to the power `power`.
 ///
 /// [`NestedDifferenceMoments`] defines D₀ and D₁.
-fn squared_difference_ratio(power: f64) -> f64 {
-    libm::exp2(-2.0 * power)
+fn squared_difference_ratio(exponent: f64) -> f64 {
+    libm::exp2(-2.0 * exponent)
 }
 
 /// Returns the first index whose cumulative weight exceeds `uniform` times the last cumulative

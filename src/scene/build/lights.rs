@@ -96,6 +96,7 @@ pub(super) fn collect_lights(
         found.of_object.push(light);
     }
     // The environment light comes last, because [`LegacyLight`] has no counterpart of it.
+    assert_eq!(found.legacy_lights.len(), found.lights.len());
     if let Some(environment) = environment {
         found.environment_light_index = Some(found.lights.len());
         found.lights.push(Light::Environment(Arc::new(environment)));

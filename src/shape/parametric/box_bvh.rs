@@ -10,7 +10,7 @@ const LEAF_BIT: u32 = 1 << 31;
 
 /// Node with eight children; the bounds of an unused slot have lower corner +∞ and upper corner −∞.
 #[derive(Debug)]
-struct Node {
+struct BoxBvhNode {
     /// Bounds of the children, as `bounds[axis][side][child]` with side 0 lower and side 1 upper.
     bounds: [[[f64; ARITY]; 2]; 3],
     /// Child references: the index of a node or, with [`LEAF_BIT`], of a box.
@@ -42,7 +42,7 @@ impl Line {
 /// Bounding volume hierarchy over boxes, with eight children per node.
 #[derive(Debug)]
 pub struct BoxBvh {
-    nodes: Vec<Node>,
+    nodes: Vec<BoxBvhNode>,
 }
 
 impl BoxBvh {
@@ -62,7 +62,7 @@ impl BoxBvh {
         let index = self.nodes.len();
         // Unused slots keep this inverted box, which no line hits.
         let empty = [[f64::INFINITY; ARITY], [f64::NEG_INFINITY; ARITY]];
-        self.nodes.push(Node { bounds: [empty; 3], children: [0; ARITY] });
+        self.nodes.push(BoxBvhNode { bounds: [empty; 3], children: [0; ARITY] });
         let mut rest = order;
         let mut parts = Vec::new();
         if rest.len() <= ARITY {

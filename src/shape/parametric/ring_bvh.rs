@@ -13,7 +13,7 @@ const LEAF_BIT: u32 = 1 << 31;
 /// A ring is a range of squared radii and a range of heights. Both are expanded by the rounding
 /// error of the intersection test.
 #[derive(Debug)]
-struct Node {
+struct RingBvhNode {
     inner2: [f64; ARITY],
     outer2: [f64; ARITY],
     below: [f64; ARITY],
@@ -39,7 +39,7 @@ impl RingBounds {
 /// Bounding volume hierarchy over rings. Nodes group rings that are adjacent along the profile.
 #[derive(Debug)]
 pub struct RingBvh {
-    nodes: Vec<Node>,
+    nodes: Vec<RingBvhNode>,
 }
 
 impl RingBvh {
@@ -58,7 +58,7 @@ impl RingBvh {
         let index = self.nodes.len();
         let nowhere = [f64::INFINITY; ARITY];
         let (below, above) = (nowhere, nowhere.map(|x| -x));
-        self.nodes.push(Node { inner2: nowhere, outer2: above, below, above, children: [0; ARITY] });
+        self.nodes.push(RingBvhNode { inner2: nowhere, outer2: above, below, above, children: [0; ARITY] });
         let share = rings.len().div_ceil(ARITY).max(1);
         for (i, part) in rings.chunks(share).enumerate() {
             let ring = part[1..].iter().fold(part[0], |a, b| a.union(*b));

@@ -1,13 +1,13 @@
 //! Reference pictures: two independent pictures, or one that is taken as exact.
 
-use super::GroundTruth;
+use super::Reference;
 use super::clock::{measure_time, system_clock};
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, PictureSizeError, RelativeErrorWeights, open_file};
 use crate::integrate::{Algorithm, CameraPathSettings, ProgressMonitor, Settings};
-use crate::plan::{Effect, EffectOverrides, Plan};
+use crate::plan::{EffectOverrides, Plan};
 use crate::render::Film;
-use crate::scene::Scene;
+use crate::scene::{Effect, Scene};
 use glam::DVec3;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -167,8 +167,8 @@ impl ReferencePictures {
     /// The error is the relative noise of this mean, which is half of the relative difference
     /// √(mean of (A − B)²). It does not contain a bias that both references share.
     #[must_use]
-    pub fn ground_truth(&self) -> GroundTruth {
-        GroundTruth { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
+    pub fn mean_reference(&self) -> Reference {
+        Reference { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
     }
 
     /// Mean of the two reference pictures, or the single reference picture.

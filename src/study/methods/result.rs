@@ -16,7 +16,8 @@ pub struct ConvergenceCheckpoint {
     /// Number of rays of all kinds so far, mean over seeds.
     pub rays: f64,
     /// Number of photon paths emitted so far, mean over seeds.
-    pub photons: f64,
+    #[serde(rename = "photons")]
+    pub photon_paths: f64,
     /// Relative squared error of each seed's picture, see
     /// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
     ///
@@ -89,7 +90,7 @@ pub struct MethodResult {
 
 /// Reference that the errors of a study are measured against: a picture with its origin and error.
 #[derive(Clone, Debug)]
-pub struct GroundTruth {
+pub struct Reference {
     /// Origin of the references, such as `auto: 256 passes of hybrid, twice`.
     pub source: String,
     /// Relative error of `picture`, due to the noise of the two references; `None` for a single
@@ -120,7 +121,7 @@ pub struct MethodStudyResult {
     /// Below 0.9, other programs disturbed the measurement. It is 1 if processor time is unknown.
     pub thread_time_share: f64,
     /// Reference picture that errors are measured against.
-    pub truth: GroundTruth,
+    pub reference: Reference,
     /// Results of each method that the study compares.
     pub methods: Vec<MethodResult>,
     /// True if the study was interrupted before it reached its limits.

@@ -156,7 +156,7 @@ impl<'a> MethodStudy<'a> {
     pub fn max_expected_photon_counts(&self) -> ExpectedPhotons {
         self.runs.iter().map(|run| run.expected).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
             paths: a.paths.max(b.paths),
-            photons: a.photons.max(b.photons),
+            stored_photons: a.stored_photons.max(b.stored_photons),
             largest_map: a.largest_map.max(b.largest_map),
         })
     }
@@ -244,7 +244,7 @@ impl<'a> MethodStudy<'a> {
             seeds: self.seeds,
             budget: limits.budget,
             thread_time_share: shares.fold(1.0, f64::min),
-            truth: references.ground_truth(),
+            reference: references.mean_reference(),
             methods: self.runs.into_iter().filter_map(|run| run.into_result(subject)).collect(),
             interrupted,
         }
@@ -297,7 +297,7 @@ impl MethodRun<'_> {
             seconds: self.time.processor / seeds,
             wall: self.time.wall / seeds,
             rays: self.rays as f64 / seeds,
-            photons: self.photons as f64 / seeds,
+            photon_paths: self.photons as f64 / seeds,
             squares: measured.squares,
             noises: measured.noises,
             noise2: measured.noise2,
@@ -308,8 +308,8 @@ impl MethodRun<'_> {
         };
         if last {
             self.checkpoints.pop_if(|before| f64::from(passes) < MIN_CHECKPOINT_RATIO * f64::from(before.passes));
-            let truth = references.mean().pixels();
-            let differences = truth
+            let reference = references.mean().pixels();
+            let differences = reference
                 .iter()
                 .enumerate()
                 .map(|(i, t)| (mean_pixel_over_pictures(&pictures, i) - t.as_dvec3()).as_vec3());

@@ -10,7 +10,8 @@ use super::{
 use crate::color::Rgb;
 use crate::image::{self, Image, WriteOptions};
 use crate::integrate::{Algorithm, CameraPathSettings, Integrator, Pass, ProgressMonitor, Settings, SilentMonitor};
-use crate::plan::{Effect, EffectOverrides, Effects, Plan};
+use crate::plan::{EffectOverrides, Plan};
+use crate::scene::{Effect, Effects};
 use crate::stats::{Counters, cpu_seconds};
 use crate::study::tests::{diffuse_sphere_on_floor, glass_sphere_on_floor};
 use std::sync::Mutex;
@@ -58,18 +59,18 @@ fn noise_and_bias_are_separated() {
     let (bias, sigma, reference) = (0.1, 0.2, 0.2);
     let pictures: Vec<_> = (0..4).map(|seed| noisy_picture(bias, sigma, seed)).collect();
     let found = separate_noise_and_bias(&references_with_noise(reference), &pictures);
-    let (bias2, noise2, truth2) = (bias * bias, sigma * sigma, reference * reference);
+    let (bias2, noise2, reference2) = (bias * bias, sigma * sigma, reference * reference);
     let of_mean = |v: f64| 0.5 * v / CHANNELS.sqrt();
     for square in &found.squares {
-        assert_near(*square, 0.5 * (bias2 + noise2), of_mean(bias2 + noise2 + truth2));
+        assert_near(*square, 0.5 * (bias2 + noise2), of_mean(bias2 + noise2 + reference2));
     }
     // A variance that is estimated from n channels, with three degrees of freedom each, has the
     // relative standard deviation √(2/(3n)).
     assert_near(found.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / (3.0 * CHANNELS)).sqrt());
-    assert_near(found.bias2, 0.5 * bias2, of_mean(bias2 + 0.25 * noise2 + truth2));
+    assert_near(found.bias2, 0.5 * bias2, of_mean(bias2 + 0.25 * noise2 + reference2));
     let mean: f64 = found.squares.iter().sum::<f64>() / 4.0;
     assert!((mean - found.noise2 - found.bias2).abs() < 1e-12, "the parts make the whole");
-    assert_near(found.rmse * found.rmse, bias2 + noise2, 2.0 * of_mean(bias2 + noise2 + truth2));
+    assert_near(found.rmse * found.rmse, bias2 + noise2, 2.0 * of_mean(bias2 + noise2 + reference2));
 }
 
 #[test]
@@ -81,9 +82,10 @@ fn unbiased_pictures_have_no_bias() {
 
 #[test]
 fn error_map_has_the_mean_error() {
-    let truth = ReferencePictures::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
+    let references =
+        ReferencePictures::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
     let pictures = [noisy_picture(0.1, 0.0, 0), noisy_picture(-0.3, 0.0, 0)];
-    let map = pixel_errors(&truth, &pictures);
+    let map = pixel_errors(&references, &pictures);
     // The squared errors are 0.01 and 0.09, and their mean is halved to make it relative. Pixels
     // near 1 are rounded by 6e-8, so errors near 0.1 are rounded by 6e-7 of their value.
     assert!(map.iter().all(|e| (f64::from(*e) - 0.025f64.sqrt()).abs() < 1e-6), "{}", map[0]);
@@ -191,7 +193,7 @@ fn methods_run_until_their_budget() {
     assert_eq!(checkpoint_pass_counts(&found, 0), [1, 2, 4, 6]);
     assert_eq!(checkpoint_pass_counts(&found, 1), [1, 2, 4, 8, 16, 24]);
     let last = found.methods[0].checkpoints.last().unwrap();
-    assert!((last.seconds - 6.0).abs() < 1e-9 && (last.rays - 6.0 * 15.5).abs() < 1e-9 && last.photons == 900.0);
+    assert!((last.seconds - 6.0).abs() < 1e-9 && (last.rays - 6.0 * 15.5).abs() < 1e-9 && last.photon_paths == 900.0);
     assert!((last.wall * 0.8 * rayon::current_num_threads() as f64 - 6.0).abs() < 1e-9);
     assert!(
         !found.interrupted && (found.thread_time_share - if cpu_seconds().is_some() { 0.8 } else { 1.0 }).abs() < 1e-9
@@ -289,10 +291,10 @@ fn measured_errors_match_synthetic_methods() {
 fn references_estimate_their_noise() {
     // The mean of both references has half the variance of each. At radiance 1, the relative
     // error is √(0.2²/2 / 2) = 0.1.
-    let truth = references_with_noise(0.2).ground_truth();
-    assert_near(truth.error.unwrap(), 0.1, 0.1 / (2.0 * CHANNELS).sqrt() + 5e-4);
+    let reference = references_with_noise(0.2).mean_reference();
+    assert_near(reference.error.unwrap(), 0.1, 0.1 / (2.0 * CHANNELS).sqrt() + 5e-4);
     let exact = ReferencePictures::new("here".into(), image_from_pixels(noisy_picture(0.0, 0.0, 0)), None).unwrap();
-    assert_eq!(exact.ground_truth().error, None);
+    assert_eq!(exact.mean_reference().error, None);
 }
 
 #[test]
@@ -321,7 +323,7 @@ fn reference_algorithm_depends_on_caustics() {
         first.both_reference_pictures()[0] != first.both_reference_pictures()[1]
             && first.both_reference_pictures()[0] != second.both_reference_pictures()[0]
     );
-    assert!(first.ground_truth().source.starts_with("auto: 1 pass of path, twice: "));
+    assert!(first.mean_reference().source.starts_with("auto: 1 pass of path, twice: "));
     assert!(render(0, true).is_none());
 }
 
@@ -334,7 +336,7 @@ fn unusable_references_are_refused_with_a_remedy() {
         image::write(&path(name), &good, &WriteOptions::default()).unwrap();
     }
     assert!(
-        ReferencePictures::read(&path("a.exr"), None, SIZE).unwrap().ground_truth().source.contains("taken as exact")
+        ReferencePictures::read(&path("a.exr"), None, SIZE).unwrap().mean_reference().source.contains("taken as exact")
     );
     let refused = |name: &str, size| ReferencePictures::read(&path("a.exr"), Some(&path(name)), size).unwrap_err();
     assert!(matches!(refused("a.png", SIZE), ReferenceError::NotLinear { .. }));

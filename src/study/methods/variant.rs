@@ -1,8 +1,8 @@
 //! Methods that a study compares, and their checks.
 
 use crate::integrate::{Algorithm, Settings};
-use crate::plan::{Effect, EffectOverrides, Plan};
-use crate::scene::Scene;
+use crate::plan::{EffectOverrides, Plan};
+use crate::scene::{Effect, Scene};
 
 /// Rendering method that a study measures: an algorithm with its settings.
 #[derive(Clone, Debug)]
@@ -23,7 +23,7 @@ pub struct MethodVariant {
 pub enum MethodVariantError {
     /// No method is given.
     #[error("there is no method to study")]
-    None,
+    NoMethod,
     /// Two methods have the same label.
     #[error("`{0}` is given twice")]
     Twice(String),
@@ -34,7 +34,7 @@ pub enum MethodVariantError {
 
 pub(super) fn check_method_variants(variants: &[MethodVariant], seeds: u32) -> Result<(), MethodVariantError> {
     if variants.is_empty() {
-        return Err(MethodVariantError::None);
+        return Err(MethodVariantError::NoMethod);
     }
     if seeds < 2 {
         return Err(MethodVariantError::OneSeed);
@@ -51,14 +51,21 @@ pub(super) fn check_method_variants(variants: &[MethodVariant], seeds: u32) -> R
 pub fn applicable_methods(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
     let plan = Plan::new(scene, Algorithm::Hybrid.supported_effects(), overrides);
     let facts = &plan.features;
-    let photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
-    let applies = |algorithm: &Algorithm| match algorithm {
-        Algorithm::Path => true,
-        Algorithm::Hybrid => photons && plan.simulated_effects().has(Effect::Caustics),
-        _ => photons,
+    let stores_photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
+    let has_caustics = plan.simulated_effects().has(Effect::Caustics);
+    // Position in the list, or `None` for an algorithm that is left out.
+    let position = |algorithm: Algorithm| match algorithm {
+        Algorithm::Path => Some(0),
+        Algorithm::Pm => stores_photons.then_some(1),
+        Algorithm::Ppm => stores_photons.then_some(2),
+        Algorithm::Sppm => stores_photons.then_some(3),
+        Algorithm::Hybrid => (stores_photons && has_caustics).then_some(4),
+        Algorithm::Distributed | Algorithm::Whitted | Algorithm::Raycast => None,
     };
-    let all = [Algorithm::Path, Algorithm::Pm, Algorithm::Ppm, Algorithm::Sppm, Algorithm::Hybrid];
-    all.into_iter().filter(applies).collect()
+    let mut applicable: Vec<(u8, Algorithm)> =
+        Algorithm::ALL.into_iter().filter_map(|algorithm| Some((position(algorithm)?, algorithm))).collect();
+    applicable.sort_by_key(|(position, _)| *position);
+    applicable.into_iter().map(|(_, algorithm)| algorithm).collect()
 }
 
 #[cfg(test)]
@@ -80,7 +87,7 @@ mod tests {
         );
         assert_eq!(
             (check_method_variants(&[], 2), check_method_variants(&[variant_with_label("a")], 1)),
-            (Err(MethodVariantError::None), Err(MethodVariantError::OneSeed))
+            (Err(MethodVariantError::NoMethod), Err(MethodVariantError::OneSeed))
         );
     }
 

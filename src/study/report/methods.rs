@@ -67,7 +67,7 @@ pub fn methods_html_page(found: &MethodStudyResult) -> Result<String, StudyError
 
 /// Explanation of errors and slopes at the end of the page.
 const READING_GUIDE_HTML: &str = "<h2>How to read this</h2>\n\
-<p>Errors are relative: the root of the mean squared difference to the truth, divided by local radiance and that of a typical \
+<p>Errors are relative: the root of the mean squared difference to the reference, divided by local radiance and that of a typical \
 pixel. Noise differs between seeds; bias is common to all seeds. error² = noise² + bias². \
 Time is processor time of all threads without setup, mean over seeds.</p>\n\
 <p>Slopes are least-squares lines in the plots, over checkpoints with at least a sixteenth of the last one&#39;s \
@@ -79,14 +79,15 @@ fn command_block_html(command: &str) -> String {
 }
 
 fn study_summary_html(found: &MethodStudyResult) -> String {
-    let truth = found.truth.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
-    let size = format!("{} × {} pixels", found.truth.picture.width(), found.truth.picture.height());
+    let own_error =
+        found.reference.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
+    let size = format!("{} × {} pixels", found.reference.picture.width(), found.reference.picture.height());
     let seeds = format!("{} of each method, up to {} of processor time each", found.seeds, duration_text(found.budget));
     let mut list = "<dl>\n".to_owned();
     for (term, text) in [
         ("Scene", format!("{}, {size}", found.scene)),
         ("Seeds", seeds),
-        ("Truth", format!("{}{truth}", found.truth.source)),
+        ("Reference", format!("{}{own_error}", found.reference.source)),
         ("Program", found.program.clone()),
         ("Machine", found.machine.clone()),
     ] {

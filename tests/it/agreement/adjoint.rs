@@ -52,7 +52,7 @@ fn flux_by_photons(scene: &Scene, mask: StoreMask, passes: u32) -> Estimate {
     let window = |p: DVec3| p.y.abs() < 1e-3 && p.x.abs() < HALF && p.z.abs() < HALF;
     let per_area = ALBEDO / PI / (4.0 * HALF * HALF);
     let samples: Vec<DVec3> =
-        traced.iter().map(|t| flux_where(scene, &t.deposits.photons, window) * per_area).collect();
+        traced.iter().map(|t| flux_where(scene, &t.deposits.surface_photons, window) * per_area).collect();
     let n = f64::from(passes);
     let mean = samples.iter().sum::<DVec3>() / n;
     let squares: DVec3 = samples.iter().map(|s| (s - mean) * (s - mean)).sum();

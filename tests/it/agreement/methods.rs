@@ -72,16 +72,16 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
     };
     let settings = Settings {
         camera_paths,
-        balance: false,
-        photons: effort.photons,
-        caustic_photons: effort.caustic,
+        allows_balance: false,
+        unaimed_paths: effort.photons,
+        aimed_paths: effort.caustic,
         gather_k: Some(0),
         radius: Some(effort.radius as f32),
         alpha: ALPHA,
         kernel: Kernel::Epanechnikov,
-        prefix_rays: true,
-        guides_environment: true,
-        guides_scatter_points: true,
+        allows_prefix_rays: true,
+        allows_environment_guiding: true,
+        allows_scatter_point_guiding: true,
         light_tracing: LightTracing::Weighted,
         indirect_photons: IndirectPhotons::Weighted,
         volume: match method {

@@ -82,13 +82,16 @@ fn path_lengths_in_grey_room_are_geometric() {
         }
         b.add_delta_light(DeltaLightKind::Point { position: DVec3::splat(0.2) }, LightStrength::Power(grey(N)));
         let passes = trace_photon_passes(&photon_only_scene(b), StoreMask::ALL, 10_000, 20_000, N as u32);
-        let landed: Vec<f64> = passes.iter().map(|t| t.deposits.photons.len() as f64).collect();
+        let landed: Vec<f64> = passes.iter().map(|t| t.deposits.surface_photons.len() as f64).collect();
         assert_mean(&format!("photons a path, ρ = {albedo}"), &landed, N / (1.0 - albedo), 0.0, 2e-3);
         let variance = N * albedo / ((1.0 - albedo) * (1.0 - albedo));
         let squares: Vec<f64> = landed.iter().map(|n| n - N / (1.0 - albedo)).map(|d| d * d).collect();
         assert_mean(&format!("their variance, ρ = {albedo}"), &squares, variance, 0.0, 0.015);
         let roulette: Vec<f64> = passes.iter().map(|t| t.audit.roulette[0]).map(|r| r * r).collect();
         assert_mean(&format!("variance of roulette, ρ = {albedo}"), &roulette, N * albedo, 1e-5, 0.015);
-        assert!(passes.iter().all(|t| t.rays == t.deposits.photons.len() as u64), "each ray lands in a closed room");
+        assert!(
+            passes.iter().all(|t| t.rays == t.deposits.surface_photons.len() as u64),
+            "each ray lands in a closed room"
+        );
     }
 }

@@ -35,9 +35,9 @@ fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) 
     let scene = photon_only_scene(b);
     let mut moments = Moments { mean: vec![], variance: vec![], expected: vec![] };
     for traced in trace_photon_passes(&scene, StoreMask::INDIRECT, 1000, 48, 1 << 15) {
-        let n = traced.deposits.photons.len() as f64;
-        let density = flux_where(&scene, &traced.deposits.photons, |_| true).x / (4.0 * PI);
-        let map = PhotonMap::build(traced.deposits.photons);
+        let n = traced.deposits.surface_photons.len() as f64;
+        let density = flux_where(&scene, &traced.deposits.surface_photons, |_| true).x / (4.0 * PI);
+        let map = PhotonMap::build(traced.deposits.surface_photons);
         let at = |p: &DVec3| estimated_irradiance(&scene, &map, *p, -*p, bandwidth, kernel).x / density - 1.0;
         let deviations: Vec<f64> = fibonacci_directions(PROBES).iter().map(at).collect();
         let count = f64::from(PROBES);

@@ -80,7 +80,7 @@ fn photons_pass_slab_by_its_transmittance() {
         assert_mean_rgb(&format!("back from a slab at {degrees}°"), &share(|a| a.escaped), back, 0.03);
         let stored: Vec<DVec3> = passes
             .iter()
-            .map(|t| flux_where(&scene, &t.deposits.photons, |_| true) / DVec3::from(t.audit.emitted))
+            .map(|t| flux_where(&scene, &t.deposits.surface_photons, |_| true) / DVec3::from(t.audit.emitted))
             .collect();
         assert_mean_rgb(&format!("stored behind a slab at {degrees}°"), &stored, through, 4e-3);
     }

@@ -8,8 +8,8 @@ use crate::support::{
 use caustica::color::Wavelength;
 use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use caustica::photon::{Photon, PhotonSource, StoreMask};
-use caustica::plan::{Effect, EffectOverrides};
-use caustica::scene::{Effects, Scene};
+use caustica::plan::EffectOverrides;
+use caustica::scene::{Effect, Effects, Scene};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_3, PI};
 
@@ -102,7 +102,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
             .map(|t| {
                 let turned: Vec<f64> = t
                     .deposits
-                    .photons
+                    .surface_photons
                     .iter()
                     .filter(|p| codes.contains(&p.data.wavelength()) && photon_position(&scene, p).x > 0.0)
                     .map(|p| {
@@ -157,14 +157,17 @@ fn dispersed_beam_sums_to_white() {
             let effects = if dispersion { Effects::ALL } else { Effects::ALL.without_effect(Effect::Dispersion) };
             let source = PhotonSource::emitting_in_all_directions(&scene).unwrap().with_effects(effects);
             let passes = trace_passes_from_source(&scene, &source, StoreMask::CAUSTIC, 10_000, PASSES, 1 << 15);
-            let with_wavelength = passes[0].deposits.photons.iter().filter(|p| p.data.wavelength() != 0).count();
+            let with_wavelength =
+                passes[0].deposits.surface_photons.iter().filter(|p| p.data.wavelength() != 0).count();
             assert_eq!(
-                with_wavelength > passes[0].deposits.photons.len() / 2,
+                with_wavelength > passes[0].deposits.surface_photons.len() / 2,
                 dispersion,
                 "{glass}: {with_wavelength}"
             );
-            let sums: Vec<DVec3> =
-                passes.iter().map(|t| t.deposits.photons.iter().map(|p| p.data.flux().as_dvec3()).sum()).collect();
+            let sums: Vec<DVec3> = passes
+                .iter()
+                .map(|t| t.deposits.surface_photons.iter().map(|p| p.data.flux().as_dvec3()).sum())
+                .collect();
             // Each photon of one wavelength has its own hue, which is rounded. One ray in 10⁵
             // passes between two faces at an edge of the prism.
             assert_mean_rgb(&format!("{glass}, dispersion {dispersion}"), &sums, DVec3::splat(7.0), 5e-3);
@@ -401,7 +404,7 @@ fn rainbow_stands_at_42_degrees() {
         let within = |p: &Photon| bow_angle(&scene, p).is_some_and(|a| a >= edges[i] && a < edges[i + 1]);
         let samples: Vec<f64> = passes
             .iter()
-            .map(|t| t.deposits.photons.iter().filter(|p| within(p)).map(|p| p.data.flux().as_dvec3().x).sum())
+            .map(|t| t.deposits.surface_photons.iter().filter(|p| within(p)).map(|p| p.data.flux().as_dvec3().x).sum())
             .collect();
         // Limits of rings have the rounding error of 10⁻⁴ degrees. Midpoints of rays are accurate
         // to 10⁻⁵ of the ball's radius.
@@ -442,7 +445,7 @@ fn rainbow_is_red_outside() {
             .iter()
             .map(|t| {
                 let (mut sum, mut weight) = (0.0, 0.0);
-                for p in t.deposits.photons.iter().filter(|p| of_band(p)) {
+                for p in t.deposits.surface_photons.iter().filter(|p| of_band(p)) {
                     if let Some(angle) = bow_angle(&scene, p).filter(|a| *a >= edges[0] && *a < edges[1]) {
                         let power = p.data.flux().as_dvec3().element_sum();
                         sum += power * angle;

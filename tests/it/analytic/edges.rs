@@ -26,7 +26,7 @@ fn floor_photon_maps(shade: bool) -> (caustica::scene::Scene, Vec<PhotonMap>) {
     b.add_delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     let scene = photon_only_scene(b);
     let passes = trace_photon_passes(&scene, StoreMask::ALL, 0, PASSES, 1 << 16);
-    let maps = passes.into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
+    let maps = passes.into_iter().map(|t| PhotonMap::build(t.deposits.surface_photons)).collect();
     (scene, maps)
 }
 
@@ -96,7 +96,7 @@ fn estimates_do_not_leak_between_surfaces() {
     b.add_shape(Shape::Rectangle(wall), white, grey(0.0));
     b.add_delta_light(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     let scene = photon_only_scene(b);
-    let photons = trace_photon_passes(&scene, StoreMask::ALL, 0, 1, 1 << 14).remove(0).deposits.photons;
+    let photons = trace_photon_passes(&scene, StoreMask::ALL, 0, 1, 1 << 14).remove(0).deposits.surface_photons;
     let map = PhotonMap::build(photons);
     let at = |p, n| estimated_irradiance(&scene, &map, p, n, fixed_bandwidth(RADIUS), Kernel::Box).x;
     let middle = dvec3(0.5, 0.0, 0.5);

@@ -58,10 +58,10 @@ fn box_with_hole(inside: &str) -> Scene {
 /// Also checks that shadow rays are guided if `guided` is true, and only then.
 fn means_and_variance(scene: &Scene, algorithm: Algorithm, guided: bool, passes: u32) -> (Vec<f64>, f64) {
     let settings = Settings {
-        guides_environment: guided,
-        guides_scatter_points: false,
+        allows_environment_guiding: guided,
+        allows_scatter_point_guiding: false,
         indirect_photons: IndirectPhotons::Off,
-        balance: false,
+        allows_balance: false,
         ..camera_ray_settings(4, 20)
     };
     let integrator = algorithm.prepare(scene, settings);
@@ -143,7 +143,11 @@ fn open_scenes_guide_no_shadow_rays() {
          Group { MaterialName floor  Plane { normal 0 1 0  offset 0 }  Sphere { center 0 .5 0  radius .5 } }",
     );
     let picture = |guides_environment| {
-        let settings = Settings { guides_environment, balance: false, ..camera_ray_settings(2, 10) };
+        let settings = Settings {
+            allows_environment_guiding: guides_environment,
+            allows_balance: false,
+            ..camera_ray_settings(2, 10)
+        };
         let integrator = Algorithm::Hybrid.prepare(&scene, settings);
         assert!(!integrator.environment_guiding_report().is_some_and(|report| report.used));
         render_one_pass(&*integrator, 0)

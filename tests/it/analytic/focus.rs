@@ -69,7 +69,7 @@ fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
                 let expected = beam_average(z, |rho| f64::from(u8::from(rho <= radius)));
                 let inside = |p: DVec3| p.x * p.x + p.z * p.z <= radius * radius;
                 let samples: Vec<f64> =
-                    passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, inside).x).collect();
+                    passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, inside).x).collect();
                 let what = format!("z = {z}, within {radius}, aimed: {aimed}");
                 assert_mean(&what, &samples, expected, expected * HUE_ROUNDING + 4e-5, 0.04);
             }
@@ -83,8 +83,10 @@ fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
 fn focus_estimate_is_beam_convolved_with_kernel() {
     for z in [1.3, 1.5] {
         let scene = lens_scene(z);
-        let maps: Vec<PhotonMap> =
-            trace_focus_passes(&scene, true).into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
+        let maps: Vec<PhotonMap> = trace_focus_passes(&scene, true)
+            .into_iter()
+            .map(|t| PhotonMap::build(t.deposits.surface_photons))
+            .collect();
         for kernel in KERNELS {
             for radius in [0.03, 0.1] {
                 let expected = beam_average(z, |rho| kernel_at(kernel, rho, radius));

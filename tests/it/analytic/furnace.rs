@@ -82,12 +82,12 @@ fn furnace_radiance_holds_for_nearest_neighbours() {
 fn coloured_flux_survives_grey_roulette() {
     let scene = furnace_scene();
     let passes = trace_photon_passes(&scene, StoreMask::ALL, 1000, 64, 1 << 13);
-    let landed: Vec<DVec3> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true)).collect();
+    let landed: Vec<DVec3> = passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, |_| true)).collect();
     let emitted = EMITTED * (PI * 24.0);
     assert_mean_rgb("landed flux", &landed, emitted / (DVec3::ONE - ALBEDO), 4e-3);
     let direct: Vec<DVec3> = trace_photon_passes(&scene, StoreMask::DIRECT, 0, 4, 1 << 13)
         .iter()
-        .map(|t| t.deposits.photons.iter().map(|p| p.data.flux().as_dvec3()).sum())
+        .map(|t| t.deposits.surface_photons.iter().map(|p| p.data.flux().as_dvec3()).sum())
         .collect();
     for flux in direct {
         // Emitted flux is random only by the choice of lights. All six lights are equal, so it is

@@ -74,7 +74,8 @@ fn photon_estimates_keep_indirect_light_in_a_sphere() {
     let indirect = FLUX / (4.0 * PI * RADIUS * RADIUS) * ALBEDO / (1.0 - ALBEDO);
     let expected = ALBEDO / PI * (direct + indirect);
     let means = |indirect_photons| {
-        let settings = Settings { indirect_photons, photons: 4000, balance: false, ..camera_ray_settings(1, 1000) };
+        let settings =
+            Settings { indirect_photons, unaimed_paths: 4000, allows_balance: false, ..camera_ray_settings(1, 1000) };
         picture_means_and_variance(&scene, &settings, 100)
     };
     let variances = [(IndirectPhotons::Off, 0.03), (IndirectPhotons::Weighted, 0.015), (IndirectPhotons::Full, 0.015)]
@@ -109,8 +110,13 @@ fn photon_estimates_keep_indirect_light_in_fog() {
     );
     for indirect_photons in [IndirectPhotons::Off, IndirectPhotons::Full] {
         let radius = Some(0.03);
-        let settings =
-            Settings { indirect_photons, radius, photons: 4000, balance: false, ..camera_ray_settings(1, 1000) };
+        let settings = Settings {
+            indirect_photons,
+            radius,
+            unaimed_paths: 4000,
+            allows_balance: false,
+            ..camera_ray_settings(1, 1000)
+        };
         let (values, _) = picture_means_and_variance(&scene, &settings, 60);
         assert_mean(&format!("{indirect_photons:?}"), &values, 1.0, 0.005, 0.01);
     }
@@ -143,8 +149,13 @@ fn shared_indirect_light_in_fog_keeps_its_mean() {
     );
     let picture_means = |indirect_photons, passes| {
         let radius = Some(0.05);
-        let settings =
-            Settings { indirect_photons, radius, photons: 5000, balance: false, ..camera_ray_settings(4, 1000) };
+        let settings = Settings {
+            indirect_photons,
+            radius,
+            unaimed_paths: 5000,
+            allows_balance: false,
+            ..camera_ray_settings(4, 1000)
+        };
         let (values, variance) = picture_means_and_variance(&scene, &settings, passes);
         (mean_and_error(&values), variance)
     };
@@ -191,9 +202,9 @@ fn every_subset_of_techniques_has_the_same_mean() {
                     let mut settings = Settings {
                         indirect_photons,
                         light_tracing,
-                        prefix_rays,
-                        photons: 20_000,
-                        caustic_photons: 10_000,
+                        allows_prefix_rays: prefix_rays,
+                        unaimed_paths: 20_000,
+                        aimed_paths: 10_000,
                         gather_k: Some(0),
                         radius: Some(0.05),
                         ..camera_ray_settings(4, 1000)

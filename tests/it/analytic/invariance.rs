@@ -125,7 +125,7 @@ fn stored_photon_fluxes(at: Placement, aimed: bool, mask: StoreMask, passes: u32
     };
     trace_passes_from_source(&scene, &source.unwrap(), mask, 50, passes, paths)
         .iter()
-        .map(|t| flux_where(&scene, &t.deposits.photons, inside) / (at.scale * at.scale))
+        .map(|t| flux_where(&scene, &t.deposits.surface_photons, inside) / (at.scale * at.scale))
         .collect()
 }
 
@@ -183,7 +183,7 @@ fn aimed_emission_preserves_caustics() {
     let everywhere = stored_photon_fluxes(HERE, false, StoreMask::CAUSTIC, 32, 1 << 17);
     assert_same_images("aimed against everywhere", &aimed, &everywhere, 5e-3);
     let scene = room_scene(HERE);
-    let count = |mask| trace_photon_passes(&scene, mask, 50, 1, 1 << 14)[0].deposits.photons.len();
+    let count = |mask| trace_photon_passes(&scene, mask, 50, 1, 1 << 14)[0].deposits.surface_photons.len();
     let apart = [StoreMask::DIRECT, StoreMask::CAUSTIC, StoreMask::INDIRECT];
     assert_eq!(apart.map(count).iter().sum::<usize>(), count(StoreMask::ALL), "classes are disjoint and complete");
     assert_eq!(count(apart[1]), count(StoreMask::CAUSTIC));

@@ -125,7 +125,7 @@ fn floor_under_lamp(lamp: &Lamp) -> SceneBuilder {
 fn floor_photon_maps(scene: &Scene) -> Vec<PhotonMap> {
     trace_photon_passes(scene, DIRECT, 0, PASSES, 1 << 17)
         .into_iter()
-        .map(|t| PhotonMap::build(t.deposits.photons))
+        .map(|t| PhotonMap::build(t.deposits.surface_photons))
         .collect()
 }
 
@@ -213,7 +213,8 @@ fn disc_flux_below_point_light_matches_solid_angle() {
     let passes = trace_photon_passes(&scene, DIRECT, 0, PASSES, 1 << 16);
     for radius in [0.3, 1.0, 5.0] {
         let inside = |p: DVec3| p.x * p.x + p.z * p.z < radius * radius;
-        let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, inside).x).collect();
+        let samples: Vec<f64> =
+            passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, inside).x).collect();
         let expected = TAU * INTENSITY * (1.0 - HEIGHT / libm::hypot(HEIGHT, radius));
         assert_mean(&format!("flux within {radius}"), &samples, expected, expected * 2.0 * HUE_ROUNDING, 3e-3);
     }

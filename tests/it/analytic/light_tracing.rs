@@ -90,7 +90,7 @@ fn screen_area(camera: &Camera, x: u32, y: u32) -> f64 {
 fn pictured_flux(camera: &Camera, (light_tracing, photons): (LightTracing, u32), seed: u64, passes: u32) -> Vec<f64> {
     let scene = ball_scene(*camera);
     let mut settings =
-        Settings { balance: false, caustic_photons: photons, light_tracing, ..camera_ray_settings(1, 100) };
+        Settings { allows_balance: false, aimed_paths: photons, light_tracing, ..camera_ray_settings(1, 100) };
     settings.camera_paths.seed = seed;
     let areas: Vec<f64> = (0..SIZE * SIZE).map(|i| screen_area(camera, i % SIZE, i / SIZE)).collect();
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);

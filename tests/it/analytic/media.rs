@@ -5,8 +5,8 @@ use crate::support::{
     scene_from_text_in,
 };
 use caustica::integrate::{Algorithm, IndirectPhotons, Settings, SilentMonitor, VolumeEstimator};
-use caustica::plan::{Effect, EffectOverrides};
-use caustica::scene::Scene;
+use caustica::plan::EffectOverrides;
+use caustica::scene::{Effect, Scene};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -344,7 +344,7 @@ fn photon_beam_estimate_matches_formula() {
         // `Pm` is left out, because it uses the same photons as the first pass of `Sppm`.
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
             let base = settings_with(64, single_scattering_effects());
-            let settings = Settings { radius: Some(radius as f32), volume, caustic_photons: 60_000, ..base };
+            let settings = Settings { radius: Some(radius as f32), volume, aimed_paths: 60_000, ..base };
             // Radii of `Sppm` shrink from pass to pass. So each value comes from the first pass of
             // another seed.
             let samples: Vec<DVec3> = (0..PASSES)

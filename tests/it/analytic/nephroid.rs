@@ -58,7 +58,8 @@ fn flux_along_cup_axis_matches_closed_form() {
     let part = |z: f64| (1.0 - 1.0 / (4.0 * z * z)).max(0.0).sqrt();
     for (from, to) in [(0.5, 0.51), (0.51, 0.55), (0.55, 0.7), (0.7, 0.95), (0.5, 0.95)] {
         let inside = |p: DVec3| p.z > from && p.z <= to;
-        let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, inside).x).collect();
+        let samples: Vec<f64> =
+            passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, inside).x).collect();
         let expected = 2.0 * IRRADIANCE * REFLECTANCE * (part(to) - part(from));
         // Half a facet, 8·10⁻⁴ of the beam's half width, is divided correctly in the mean. The
         // sagitta of a facet moves crossings by 10⁻⁶. Near 1/2, that changes at most √(4·10⁻⁶) of
@@ -70,7 +71,7 @@ fn flux_along_cup_axis_matches_closed_form() {
     // moves a ray sideways by at most 10⁻⁵.
     let sideways =
         |p: &Photon| (0.5 - 1e-5 - photon_position(&scene, p).z) * f64::from(p.data.incident_direction().x.abs());
-    let most = passes.iter().flat_map(|t| &t.deposits.photons).map(sideways).fold(0.0, f64::max);
+    let most = passes.iter().flat_map(|t| &t.deposits.surface_photons).map(sideways).fold(0.0, f64::max);
     assert!(most < 1e-5, "no ray crosses the axis before half the radius: {most}");
 }
 
@@ -120,7 +121,7 @@ fn nephroid_fold(t: f64) -> DVec2 {
 fn cup_floor_flux_matches_ray_tracing() {
     let scene = floor_scene();
     let maps: Vec<PhotonMap> =
-        reflected_ray(&scene).into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
+        reflected_ray(&scene).into_iter().map(|t| PhotonMap::build(t.deposits.surface_photons)).collect();
     // The points are at the cusp, on both sides of it, on the fold, and away from it.
     for at in
         [DVec2::new(0.0, 0.5), DVec2::new(0.0, 0.56), DVec2::new(0.0, 0.42), nephroid_fold(0.6), DVec2::new(-0.5, 0.2)]
@@ -148,7 +149,7 @@ fn flux_peaks_at_the_nephroid() {
         // `outward` is the normal of the fold that points to the wall.
         let outward = if tangent.perp().dot(nephroid_fold(t)) > 0.0 { tangent.perp() } else { -tangent.perp() };
         let mut cells = [0f64; 12];
-        for p in passes.iter().flat_map(|t| &t.deposits.photons) {
+        for p in passes.iter().flat_map(|t| &t.deposits.surface_photons) {
             let p = photon_position(&scene, p);
             let d = DVec2::new(p.x, p.z) - nephroid_fold(t);
             let cell = (d.dot(outward) * 100.0 + 6.0).floor();

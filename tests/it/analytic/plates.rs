@@ -29,10 +29,10 @@ fn cube_faces_exchange_flux_by_form_factors() {
     };
     for (face, name, factor) in [(0, "floor", 0.199_825), (2, "left", 0.200_044), (5, "front", 0.200_044)] {
         let samples: Vec<f64> =
-            passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, on(face)).x / PI).collect();
+            passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, on(face)).x / PI).collect();
         assert_mean(&format!("form factor of the {name}"), &samples, factor, 5e-7 + factor * HUE_ROUNDING, 2e-3);
     }
-    let total: f64 = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x / PI).sum();
+    let total: f64 = passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, |_| true).x / PI).sum();
     // All flux that leaves the ceiling lands, up to the rounding of hues.
     assert!((total / f64::from(PASSES) - 1.0).abs() < 2.0 * HUE_ROUNDING, "{total}");
 }
@@ -70,7 +70,7 @@ fn infinite_plates_have_geometric_series_of_flux() {
     let passes = trace_photon_passes(&scene, StoreMask::ALL, 10_000, PASSES, 1 << 15);
     let floor = LIGHT * PI / (DVec3::ONE - FLOOR * CEILING);
     for (name, low, expected) in [("floor", true, floor), ("ceiling", false, floor * FLOOR)] {
-        let on = |t: &PhotonPassResult| flux_where(&scene, &t.deposits.photons, |p| (p.y < 0.35) == low) / 4.0;
+        let on = |t: &PhotonPassResult| flux_where(&scene, &t.deposits.surface_photons, |p| (p.y < 0.35) == low) / 4.0;
         assert_mean_rgb(
             &format!("irradiance of the {name}"),
             &passes.iter().map(on).collect::<Vec<_>>(),
@@ -123,7 +123,7 @@ fn parallel_mirrors_show_row_of_lights() {
         let mask =
             StoreMask { direct: class == PhotonKind::Direct, caustic: class == PhotonKind::Caustic, ..StoreMask::NONE };
         let passes = trace_photon_passes(&scene, mask, 1000, PASSES, 1 << 16);
-        let maps: Vec<PhotonMap> = passes.into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
+        let maps: Vec<PhotonMap> = passes.into_iter().map(|t| PhotonMap::build(t.deposits.surface_photons)).collect();
         for kernel in [Kernel::Box, Kernel::Epanechnikov] {
             let expected = kernel_weighted_mean(kernel, R, |d| {
                 let p = at + dvec3(d.x, 0.0, d.y);

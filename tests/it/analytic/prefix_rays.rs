@@ -16,7 +16,7 @@ const FILM: f64 = 0.4;
 ///
 /// Also checks that prefix rays are traced if `settings` allow them, and only then.
 fn picture_means(scene: &Scene, settings: Settings, passes: u32) -> Vec<f64> {
-    let allowed = settings.prefix_rays;
+    let allowed = settings.allows_prefix_rays;
     let integrator = Algorithm::Hybrid.prepare(scene, settings);
     assert_eq!(integrator.prefix_rays_per_pixel() > 0.0, allowed);
     let mean =
@@ -44,7 +44,11 @@ fn prefix_rays_keep_light_of_small_highlights() {
     let scene = b.build(camera).unwrap();
     let expected = 10.0 * PI * radius * radius / (FILM * FILM);
     let samples = |prefix_rays| {
-        picture_means(&scene, Settings { balance: false, prefix_rays, ..camera_ray_settings(4, 100) }, 200)
+        picture_means(
+            &scene,
+            Settings { allows_balance: false, allows_prefix_rays: prefix_rays, ..camera_ray_settings(4, 100) },
+            200,
+        )
     };
     let (with, without) = (samples(true), samples(false));
     assert_mean("with prefix rays", &with, expected, 0.0, 0.03);
@@ -72,15 +76,15 @@ fn prefix_rays_keep_light_of_mirrored_caustics() {
     // All photons of the caustic are within the gather radius, so that the estimate keeps their
     // flux.
     let settings = Settings {
-        balance: false,
-        caustic_photons: 20_000,
+        allows_balance: false,
+        aimed_paths: 20_000,
         gather_k: Some(0),
         radius: Some(0.02),
         ..camera_ray_settings(1, 100)
     };
     let flux_per_mean = FILM * FILM / libm::cos(tilt) * PI / REFLECTANCE;
     let flux = |prefix_rays| {
-        let means = picture_means(&scene, Settings { prefix_rays, ..settings.clone() }, 300);
+        let means = picture_means(&scene, Settings { allows_prefix_rays: prefix_rays, ..settings.clone() }, 300);
         means.iter().map(|mean| mean * flux_per_mean).collect::<Vec<f64>>()
     };
     let (with, without) = (flux(true), flux(false));

@@ -50,7 +50,7 @@ fn reflected_photons_cover_sphere_uniformly() {
     for bounces in [1, 1000] {
         let mut counts = vec![0; 32 * 32];
         for t in trace_photon_passes(&scene, StoreMask::INDIRECT, bounces, 4, 1 << 16) {
-            t.deposits.photons.iter().for_each(|p| counts[sphere_cell(photon_position(&scene, p), 2.0)] += 1);
+            t.deposits.surface_photons.iter().for_each(|p| counts[sphere_cell(photon_position(&scene, p), 2.0)] += 1);
         }
         let z = chi_square(&counts);
         eprintln!("chi-square of {bounces} bounces: z = {z:.2}");
@@ -67,7 +67,7 @@ fn flux_by_bounce_is_power_of_albedo() {
     let scene = photon_only_scene(sphere_scene(2.0, 0.6, dvec3(0.3, -0.2, 1.6)));
     let landed = |n| {
         let passes = trace_photon_passes(&scene, StoreMask::INDIRECT, n, PASSES, 1 << 14);
-        passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x).collect::<Vec<f64>>()
+        passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, |_| true).x).collect::<Vec<f64>>()
     };
     let mut before = landed(0);
     assert!(before.iter().all(|f| *f == 0.0), "the first surface holds direct photons only");
@@ -92,7 +92,7 @@ fn sphere_estimates_match_uniform_irradiance() {
     let expected = albedo * FLUX / (4.0 * PI * radius * radius * (1.0 - albedo));
     let maps: Vec<PhotonMap> = trace_photon_passes(&scene, StoreMask::INDIRECT, 1000, PASSES, 1 << 15)
         .into_iter()
-        .map(|t| PhotonMap::build(t.deposits.photons))
+        .map(|t| PhotonMap::build(t.deposits.surface_photons))
         .collect();
     // Each estimate adds 800 photons in single precision, with a relative error of at most 800 ·
     // 2⁻²⁴ = 5·10⁻⁵. Hues are accurate to 2·10⁻⁵.
@@ -141,7 +141,8 @@ fn cavity_returns_effective_albedo() {
         let flux = PI * PI * (1.0 - height * height);
         let series = 1.0 / (1.0 - albedo * (1.0 - f));
         let passes = trace_photon_passes(&scene, StoreMask::ALL, 1000, PASSES, 1 << 15);
-        let landed: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x).collect();
+        let landed: Vec<f64> =
+            passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, |_| true).x).collect();
         assert_mean(
             &format!("landed in a cavity, f = {f}"),
             &landed,

@@ -58,7 +58,7 @@ fn flux_is_conserved_under_water() {
     ] {
         let passes = trace_photon_passes(&scene, mask, 10_000, PASSES, 1 << 15);
         let samples: Vec<f64> =
-            passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x / 4.0).collect();
+            passes.iter().map(|t| flux_where(&scene, &t.deposits.surface_photons, |_| true).x / 4.0).collect();
         assert_mean(&format!("{name} flux under water"), &samples, expected, expected * (1e-5 + HUE_ROUNDING), 4e-3);
     }
 }

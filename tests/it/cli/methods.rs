@@ -83,7 +83,7 @@ fn study_prints_table_and_writes_data() {
     }
     let table = made.stdout.lines().filter(|l| !l.contains("caustica render"));
     assert!(table.clone().all(|l| l.chars().count() <= 110), "{}", made.stdout);
-    assert!(made.stdout.contains("truth: a.exr, b.exr\ntruth: noise of the reference "));
+    assert!(made.stdout.contains("reference: a.exr, b.exr\nreference: noise "));
     assert_eq!((&report["interrupted"], &report["seeds"], &report["width"]), (&false.into(), &2.into(), &40.into()));
 }
 

@@ -59,8 +59,8 @@ impl Picture {
         };
         let settings = Settings {
             camera_paths,
-            photons: how.photons,
-            caustic_photons: how.caustic_photons,
+            unaimed_paths: how.photons,
+            aimed_paths: how.caustic_photons,
             gather_k: how.gather_k,
             radius: how.radius,
             final_gathering: how.gathering,

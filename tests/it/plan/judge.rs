@@ -4,9 +4,9 @@ use super::sketch::{Light, LightKind, Material, MediumSketch, Object, Sketch};
 use caustica::color::Rgb;
 use caustica::light::Light as Resolved;
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
-use caustica::plan::{Effect, EffectReason, Plan};
+use caustica::plan::{EffectReason, Plan};
 use caustica::sampling::{Dimension, Key, Purpose, sobol_2d};
-use caustica::scene::Scene;
+use caustica::scene::{Effect, Scene};
 use glam::DVec3;
 
 /// Number of photon paths that are traced to find out whether light reaches a specular object.
@@ -136,7 +136,7 @@ fn casts(material: &Material) -> bool {
 fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     if let Some(source) = PhotonSource::emitting_in_all_directions(scene) {
         let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
-        if !pass.trace(Key::new(1), PHOTONS, &|_| {}).deposits.photons.is_empty() {
+        if !pass.trace(Key::new(1), PHOTONS, &|_| {}).deposits.surface_photons.is_empty() {
             return false;
         }
     }

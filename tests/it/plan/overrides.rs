@@ -2,8 +2,8 @@
 
 use super::compare::{Picture, RenderSettings, scene};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
-use caustica::plan::{Effect, EffectOverrides, Effects};
-use caustica::scene::Scene;
+use caustica::plan::EffectOverrides;
+use caustica::scene::{Effect, Effects, Scene};
 use caustica::stats::Counters;
 
 /// Integrators with distinct behaviour.
@@ -188,7 +188,7 @@ fn unused_media_change_nothing() {
     let distributions = |effects| {
         let camera_paths = CameraPathSettings { effects, ..CameraPathSettings::default() };
         Algorithm::Hybrid
-            .prepare(&scene, Settings { camera_paths, balance: false, ..Settings::default() })
+            .prepare(&scene, Settings { camera_paths, allows_balance: false, ..Settings::default() })
             .emission_guiding_reports()
     };
     let planned = distributions(EffectOverrides::PLANNED);

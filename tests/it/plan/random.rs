@@ -5,7 +5,8 @@ use super::generate::{Random, more, sketch};
 use super::judge;
 use super::sketch::{Light, LightKind, Material, Object, Shape, Sketch};
 use caustica::integrate::{Algorithm, FinalGathering};
-use caustica::plan::{Effect, EffectOverrides, EffectReason, Effects, Plan};
+use caustica::plan::{EffectOverrides, EffectReason, Plan};
+use caustica::scene::{Effect, Effects};
 use glam::DVec3;
 use std::mem::{Discriminant, discriminant};
 

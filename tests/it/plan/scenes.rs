@@ -4,8 +4,8 @@ use super::compare::{RenderSettings, difference};
 use crate::support::{self, project_path};
 use caustica::format::SceneFile;
 use caustica::integrate::Algorithm;
-use caustica::plan::{Effect, EffectOverrides, Plan};
-use caustica::scene::Scene;
+use caustica::plan::{EffectOverrides, Plan};
+use caustica::scene::{Effect, Scene};
 use std::fs;
 use std::path::{Path, PathBuf};
 

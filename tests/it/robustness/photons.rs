@@ -65,7 +65,7 @@ fn settings(paths: u32, samples: u32) -> Settings {
         estimate_error: true,
         ..CameraPathSettings::default()
     };
-    Settings { camera_paths, photons: paths, caustic_photons: paths, balance: false, ..Settings::default() }
+    Settings { camera_paths, unaimed_paths: paths, aimed_paths: paths, allows_balance: false, ..Settings::default() }
 }
 
 /// Renders `passes` passes with error estimation.
@@ -90,7 +90,7 @@ fn assert_finite(what: &str, rendered: &RenderResult) {
     let maps = estimator.error_maps(&rendered.film);
     assert!(maps.noise.iter().chain(&maps.bias).all(|v| v.is_finite()), "{what}: a map of errors is not finite");
     let discs = || maps.caustic.iter().chain(&maps.indirect);
-    assert!(discs().all(|d| d.radius.is_finite() && d.photons.is_finite()), "{what}: a disc is not finite");
+    assert!(discs().all(|d| d.radius.is_finite() && d.mean_count.is_finite()), "{what}: a disc is not finite");
     let estimate = estimator.estimate(&rendered.film);
     let all = [
         estimate.error,

@@ -85,9 +85,9 @@ fn check_each_scene(check: impl Fn(usize, &SceneFile) -> Option<String> + Sync) 
 
 fn low_cost_settings() -> Settings {
     Settings {
-        balance: false,
-        photons: 2000,
-        caustic_photons: 2000,
+        allows_balance: false,
+        unaimed_paths: 2000,
+        aimed_paths: 2000,
         camera_paths: CameraPathSettings { samples: Some(1), ..CameraPathSettings::default() },
         ..Settings::default()
     }
@@ -176,7 +176,7 @@ fn no_integrator_depends_on_length_unit() {
         (
             "goblet",
             Algorithm::Hybrid,
-            Settings { balance: true, camera_paths: CameraPathSettings { samples: None, ..estimated }, ..base },
+            Settings { allows_balance: true, camera_paths: CameraPathSettings { samples: None, ..estimated }, ..base },
         ),
     ];
     cases.into_par_iter().for_each(|(name, algorithm, settings)| {
@@ -243,8 +243,11 @@ fn stored_fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
     let one = |index: u32| {
         let key = Key::new(7).purpose_key(Purpose::Test).child_key(index.into());
         let traced = pass.trace(key, 4096, &|_| {});
-        let inside =
-            traced.deposits.photons.iter().filter(|p| (p.position.as_dvec3() + scene.origin()).distance(middle) < near);
+        let inside = traced
+            .deposits
+            .surface_photons
+            .iter()
+            .filter(|p| (p.position.as_dvec3() + scene.origin()).distance(middle) < near);
         inside.map(|p| p.data.flux().as_dvec3()).sum::<DVec3>().to_array().to_vec()
     };
     (0..PASSES).into_par_iter().map(one).collect()

@@ -125,8 +125,8 @@ pub fn fixed_bandwidth(radius: f64) -> Bandwidth {
 /// `caustic_photons` for the caustic map.
 pub fn fixed_radius_settings(photons: u32, caustic_photons: u32, radius: f64) -> Settings {
     Settings {
-        photons,
-        caustic_photons,
+        unaimed_paths: photons,
+        aimed_paths: caustic_photons,
         gather_k: Some(0),
         radius: Some(radius as f32),
         kernel: Kernel::Epanechnikov,

@@ -14,7 +14,7 @@ fn flags_of_a_variant_override_shared_flags() {
     assert_eq!((integrator, photons, gather_k, radius), (Algorithm::Sppm, Some(4000), Some(20), Some(0.5)));
     assert_eq!((filter, seed, adaptive), (FilterKind::Tent, 9, true));
     let variant = read.into_study_variant(EffectOverrides::PLANNED);
-    assert_eq!((variant.settings.caustic_photons, variant.settings.camera_paths.seed), (2000, 9));
+    assert_eq!((variant.settings.aimed_paths, variant.settings.camera_paths.seed), (2000, 9));
     let expected = "--integrator sppm --photons 4000 --gather-k 20 --radius 0.5 --filter tent --adaptive";
     assert_eq!(variant.flags.join(" "), expected);
     assert_eq!(

@@ -74,7 +74,7 @@ fn material_libraries_and_unchanged_meshes_are_reported() {
 
 /// Returns the bits of a picture of the scene.
 fn picture_bits(scene: &Scene) -> Vec<u32> {
-    let settings = Settings { photons: 100, caustic_photons: 100, ..Settings::default() };
+    let settings = Settings { unaimed_paths: 100, aimed_paths: 100, ..Settings::default() };
     let image = Algorithm::Path.prepare(scene, settings).render_pass(0, &SilentMonitor).image;
     image.iter().flat_map(|pixel| pixel.to_array().map(f32::to_bits)).collect()
 }

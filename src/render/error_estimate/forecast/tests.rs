@@ -18,7 +18,7 @@ fn error_estimate_with_parts(
 }
 
 fn noise_and_bias_after_passes(forecast: &ErrorForecast, passes: u32) -> (f64, f64) {
-    forecast.noise_and_bias(&DiscAreaSums::of_passes(forecast.alpha, forecast.power, passes))
+    forecast.noise_and_bias(&DiscAreaSums::of_passes(forecast.alpha, forecast.blur_exponent, passes))
 }
 
 /// A tenth of the pixels are fireflies of relative squared noise 16. With more passes, more pixels

@@ -43,7 +43,7 @@ fn normal_quantiles_match_tables() {
 fn draws_are_spread_evenly() {
     let mean = |of: fn(&ForecastDraw) -> f64| ALL_DRAWS.iter().map(of).sum::<f64>() / DRAWS as f64;
     assert!(mean(|draw| draw.noise).abs() < 0.05 && mean(|draw| draw.later_blur).abs() < 0.05);
-    assert!((mean(|draw| draw.power) - 0.5).abs() < 0.02 && (mean(|draw| draw.blur) - 0.5).abs() < 0.02);
+    assert!((mean(|draw| draw.exponent_choice) - 0.5).abs() < 0.02 && (mean(|draw| draw.blur) - 0.5).abs() < 0.02);
     assert!((mean(|draw| draw.noise * draw.noise) - 1.0).abs() < 0.1);
     assert!(mean(|draw| draw.noise * draw.later_blur).abs() < 0.1);
 }

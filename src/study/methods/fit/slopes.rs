@@ -149,11 +149,11 @@ fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
 /// (Hesterberg 2015, section 3.1).
 fn bootstrap_interval_factor(seeds: usize) -> f64 {
     let degrees = seeds as f64 - 1.0;
-    student_t_quantile(seeds - 1) * (seeds as f64 / degrees).sqrt()
+    student_t_quantile_975(seeds - 1) * (seeds as f64 / degrees).sqrt()
 }
 
 /// 97.5 % quantile of Student's t distribution with the given degrees of freedom.
-pub(super) fn student_t_quantile(degrees: usize) -> f64 {
+pub(super) fn student_t_quantile_975(degrees: usize) -> f64 {
     const FEW_DEGREES: [f64; 10] = [12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060, 2.2622, 2.2281];
     let (z, n) = (1.959_964_f64, degrees as f64);
     let (z3, z5) = (z * z * z, z * z * z * z * z);
@@ -175,7 +175,7 @@ pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
         return None;
     }
     let mean = values.iter().sum::<f64>() / n as f64;
-    let half = student_t_quantile(n - 1) * standard_deviation(values.iter().copied()) / (n as f64).sqrt();
+    let half = student_t_quantile_975(n - 1) * standard_deviation(values.iter().copied()) / (n as f64).sqrt();
     Some([mean - half, mean + half])
 }
 

@@ -1,11 +1,11 @@
 //! Tests of fits and verdicts, on synthetic methods with known convergence.
 
-use super::slopes::student_t_quantile;
+use super::slopes::student_t_quantile_975;
 use super::*;
 use crate::image::Image;
 use crate::integrate::{ALPHA, Algorithm, squared_radius_ratio};
 use crate::sampling::Key;
-use crate::study::methods::{ConvergenceCheckpoint, GroundTruth, MethodResult, MethodStudyResult};
+use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult, Reference};
 use glam::Vec3;
 use rand::RngExt;
 
@@ -46,7 +46,7 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
         ConvergenceCheckpoint {
             passes: n,
             seconds,
-            photons: 1000.0 * f64::from(n),
+            photon_paths: 1000.0 * f64::from(n),
             squares,
             noises,
             noise2,
@@ -168,18 +168,18 @@ fn verdicts_name_the_cause_of_bias() {
 }
 
 #[test]
-fn errors_below_the_truth_are_not_judged() {
+fn errors_below_the_reference_error_are_not_judged() {
     let method = synthetic_method(Algorithm::Path, 0.0, 1.0, &powers_of_two(9), 6);
     let fit = fit_convergence(&method);
     // The error at the last checkpoint, after 256 passes, is 0.1/√256.
     assert!(matches!(
         judge_convergence(&method, fit.as_ref(), Some(0.01)),
-        ConvergenceVerdict::TooSmall { truth: Some(_) }
+        ConvergenceVerdict::TooSmall { reference_error: Some(_) }
     ));
     assert!(matches!(judge_convergence(&method, fit.as_ref(), Some(0.005)), ConvergenceVerdict::Expected { .. }));
     let mut below = method.clone();
     below.checkpoints.last_mut().unwrap().squares = vec![-1e-9; SEEDS];
-    assert!(matches!(fitted_verdict(&below), ConvergenceVerdict::TooSmall { truth: None }));
+    assert!(matches!(fitted_verdict(&below), ConvergenceVerdict::TooSmall { reference_error: None }));
     let mut alone = method;
     alone.checkpoints.iter_mut().for_each(|c| (c.squares.truncate(1), c.noises.clear()).1);
     assert!(matches!(fitted_verdict(&alone), ConvergenceVerdict::Wide { .. }));
@@ -207,7 +207,7 @@ fn times_to_error_follow_the_slope() {
     assert!(
         (effort.passes - 36.0).abs() < 1e-9
             && (effort.seconds - 9.0).abs() < 1e-9
-            && (effort.photons - 36e3).abs() < 1e-6
+            && (effort.photon_paths - 36e3).abs() < 1e-6
     );
     let TimeToError::Predicted { effort, seconds: Some([low, high]) } = time_to(0.1 / 64.0) else { panic!() };
     assert!((effort.passes - 4096.0).abs() < 1e-6 && (low - 1024.0).abs() < 1e-6 && (high - 1024.0).abs() < 1e-6);
@@ -306,7 +306,7 @@ fn pareto_front_and_recommendation_have_least_error() {
         seeds: 8,
         budget: 64.0,
         thread_time_share: 1.0,
-        truth: GroundTruth { source: "closed form".into(), error: None, picture },
+        reference: Reference { source: "closed form".into(), error: None, picture },
         methods: vec![method_without_noise(), early],
         interrupted: false,
     };
@@ -325,6 +325,6 @@ fn pareto_front_and_recommendation_have_least_error() {
 #[test]
 fn students_t_matches_tables() {
     for (degrees, t) in [(1, 12.7062), (7, 2.3646), (11, 2.2010), (30, 2.0423), (1000, 1.9623)] {
-        assert!((student_t_quantile(degrees) - t).abs() < 1e-3, "{degrees}");
+        assert!((student_t_quantile_975(degrees) - t).abs() < 1e-3, "{degrees}");
     }
 }

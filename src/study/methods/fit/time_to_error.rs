@@ -22,23 +22,32 @@ pub struct RenderEffort {
     /// Number of passes; not a whole number if it is interpolated.
     pub passes: f64,
     /// Number of emitted photon paths.
-    pub photons: f64,
+    #[serde(rename = "photons")]
+    pub photon_paths: f64,
 }
 
 impl RenderEffort {
     fn effort_at_checkpoint(checkpoint: &ConvergenceCheckpoint) -> Self {
-        Self { seconds: checkpoint.seconds, passes: f64::from(checkpoint.passes), photons: checkpoint.photons }
+        Self {
+            seconds: checkpoint.seconds,
+            passes: f64::from(checkpoint.passes),
+            photon_paths: checkpoint.photon_paths,
+        }
     }
 
     fn scaled_by(self, factor: f64) -> Self {
-        Self { seconds: self.seconds * factor, passes: self.passes * factor, photons: self.photons * factor }
+        Self { seconds: self.seconds * factor, passes: self.passes * factor, photon_paths: self.photon_paths * factor }
     }
 
     /// Interpolates each number between `a` (`t` = 0) and `b` (`t` = 1): logarithmically if both
     /// numbers are positive, else linearly.
     fn interpolate_effort(a: Self, b: Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| if a > 0.0 && b > 0.0 { a * libm::pow(b / a, t) } else { a + (b - a) * t };
-        Self { seconds: mix(a.seconds, b.seconds), passes: mix(a.passes, b.passes), photons: mix(a.photons, b.photons) }
+        Self {
+            seconds: mix(a.seconds, b.seconds),
+            passes: mix(a.passes, b.passes),
+            photon_paths: mix(a.photon_paths, b.photon_paths),
+        }
     }
 }
 

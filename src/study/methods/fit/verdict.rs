@@ -26,7 +26,7 @@ pub enum ConvergenceVerdict {
     /// The error is too small to be measured: the reference or the scatter between seeds hides it.
     TooSmall {
         /// Relative error of the reference; `None` if the reference is taken as exact.
-        truth: Option<f64>,
+        reference_error: Option<f64>,
     },
     /// The slope of the error has no confidence interval: there are too few seeds, or their errors
     /// scatter too much.
@@ -101,13 +101,13 @@ pub enum BiasCause {
 pub fn judge_convergence(
     method: &MethodResult,
     fit: Option<&ConvergenceFit>,
-    truth: Option<f64>,
+    reference_error: Option<f64>,
 ) -> ConvergenceVerdict {
     let (Some(fit), Some(last)) = (fit, method.checkpoints.last()) else { return ConvergenceVerdict::TooFew };
-    let least = truth.unwrap_or(0.0);
+    let least = reference_error.unwrap_or(0.0);
     let nothing = mean_confidence_interval(&last.squares).is_some_and(|[low, _]| low <= 0.0)
         || last.mean_squared_error() <= least * least;
-    let (Some(slopes), false) = (fit.error, nothing) else { return ConvergenceVerdict::TooSmall { truth } };
+    let (Some(slopes), false) = (fit.error, nothing) else { return ConvergenceVerdict::TooSmall { reference_error } };
     let SlopeEstimate { value: slope, interval } = slopes.by_passes;
     let Some([low, high]) = interval else { return ConvergenceVerdict::Wide { slope } };
     let law = |quantity| predicted_convergence_slopes(method.algorithm, quantity, &fit.passes, method.alpha);
@@ -155,10 +155,10 @@ impl fmt::Display for ConvergenceVerdict {
         let as_theory = "falls as theory says";
         match self {
             Self::TooFew => write!(f, "too few checkpoints: give it more time"),
-            Self::TooSmall { truth: Some(truth) } => {
-                write!(f, "below the error of the references, {}", error_percent_text(*truth))
+            Self::TooSmall { reference_error: Some(error) } => {
+                write!(f, "below the error of the references, {}", error_percent_text(*error))
             }
-            Self::TooSmall { truth: None } => write!(f, "too small to measure with these seeds"),
+            Self::TooSmall { reference_error: None } => write!(f, "too small to measure with these seeds"),
             Self::Wide { slope } => write!(f, "slope {}; too few seeds for an interval", slope_text(*slope)),
             Self::Undecided { slope, interval } => {
                 let [low, high] = interval.map(slope_text);
@@ -192,13 +192,13 @@ impl fmt::Display for BiasCause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Radii(radii) => match radii.map(f64::from) {
-                [global, caustic] if caustic > 0.0 && global > 0.0 && caustic != global => {
-                    write!(f, " at r = {}, caustics at r = {}", three_digit_text(global), three_digit_text(caustic))
+                [indirect, caustic] if caustic > 0.0 && indirect > 0.0 && caustic != indirect => {
+                    write!(f, " at r = {}, caustics at r = {}", three_digit_text(indirect), three_digit_text(caustic))
                 }
-                [global, caustic] => write!(f, " at r = {}", three_digit_text(global.max(caustic))),
+                [indirect, caustic] => write!(f, " at r = {}", three_digit_text(indirect.max(caustic))),
             },
             Self::LeavesOut => write!(f, ", from light that the algorithm leaves out"),
-            Self::Unknown => write!(f, ", unknown to theory: does the truth show the same scene?"),
+            Self::Unknown => write!(f, ", unknown to theory: does the reference show the same scene?"),
         }
     }
 }

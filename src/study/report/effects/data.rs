@@ -101,7 +101,8 @@ pub fn markdown_report(about: &ReportContext, findings: &EffectStudyResult) -> S
 mod tests {
     use super::*;
     use crate::integrate::{Algorithm, Settings, SilentMonitor};
-    use crate::plan::{Effect, EffectOverrides};
+    use crate::plan::EffectOverrides;
+    use crate::scene::Effect;
     use crate::study::EffectStudy;
     use crate::study::tests::diffuse_sphere_on_floor;
     use std::sync::atomic::AtomicBool;

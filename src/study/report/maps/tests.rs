@@ -69,9 +69,9 @@ fn error_maps_are_logarithmic() {
 /// [`RelativeErrorWeights`].
 #[test]
 fn differences_are_relative_to_local_radiance() {
-    let truth = Image::from_pixels(2, 1, vec![Vec3::splat(2.0); 2]).unwrap();
+    let reference = Image::from_pixels(2, 1, vec![Vec3::splat(2.0); 2]).unwrap();
     let difference = Image::from_pixels(2, 1, vec![Vec3::new(0.3, 0.0, 0.0), Vec3::splat(-1.0)]).unwrap();
-    let found = relative_differences(&difference, &RelativeErrorWeights::from_image(&truth));
+    let found = relative_differences(&difference, &RelativeErrorWeights::from_image(&reference));
     let eight = f64::sqrt(8.0);
     assert!((found[0] - 0.1 / eight).abs() < 1e-7 && (found[1] + 1.0 / eight).abs() < 1e-12);
 }

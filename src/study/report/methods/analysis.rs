@@ -32,7 +32,7 @@ impl MethodStudyAnalysis {
         let fits: Vec<Option<ConvergenceFit>> = found.methods.iter().map(fit_convergence).collect();
         let recommendation = recommend_method(found, &fits);
         let judge = |(method, fit): (&MethodResult, Option<ConvergenceFit>)| {
-            let verdict = judge_convergence(method, fit.as_ref(), found.truth.error);
+            let verdict = judge_convergence(method, fit.as_ref(), found.reference.error);
             let reaches = TARGET_ERRORS.map(|e| time_to_error(method, fit.as_ref(), &verdict, e));
             MethodAnalysis { tenth: time_to_tenth_of_error(method, fit.as_ref(), &verdict), reaches, verdict, fit }
         };
@@ -100,7 +100,7 @@ pub(super) fn slope_range_text(law: Option<SlopeRange>) -> String {
 pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (String, Vec<String>) {
     let work = |effort: &RenderEffort| {
         let passes = Some(format!("{} passes", count_text(effort.passes.max(1.0))));
-        passes.into_iter().chain(has_photons.then(|| format!("{} photons", count_text(effort.photons))))
+        passes.into_iter().chain(has_photons.then(|| format!("{} photons", count_text(effort.photon_paths))))
     };
     match reach {
         TimeToError::Within(effort) => (format!("< {}", duration_text(effort.seconds)), work(effort).collect()),

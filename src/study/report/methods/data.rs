@@ -55,7 +55,7 @@ pub fn csv_report(found: &MethodStudyResult) -> String {
                 number(c.wall),
                 number(method.setup),
                 number(c.rays),
-                number(c.photons),
+                number(c.photon_paths),
                 number(c.mean_squared_error()),
                 low,
                 high,
@@ -87,14 +87,15 @@ struct MethodStudyJson<'f> {
     thread_time_share: f64,
     interrupted: bool,
     warnings: Vec<String>,
-    truth: GroundTruthJson<'f>,
+    #[serde(rename = "truth")]
+    reference: ReferenceJson<'f>,
     methods: Vec<MethodJson<'f>>,
     pareto: &'f [ParetoPoint],
     recommendation: &'f Option<MethodRecommendation>,
 }
 
 #[derive(Serialize)]
-struct GroundTruthJson<'f> {
+struct ReferenceJson<'f> {
     source: &'f str,
     error: Option<f64>,
 }
@@ -164,14 +165,14 @@ pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json
         machine: &found.machine,
         scene: &found.scene,
         command: &found.command,
-        width: found.truth.picture.width(),
-        height: found.truth.picture.height(),
+        width: found.reference.picture.width(),
+        height: found.reference.picture.height(),
         seeds: found.seeds,
         budget: found.budget,
         thread_time_share: found.thread_time_share,
         interrupted: found.interrupted,
         warnings: study_warnings(found),
-        truth: GroundTruthJson { source: &found.truth.source, error: found.truth.error },
+        reference: ReferenceJson { source: &found.reference.source, error: found.reference.error },
         methods: methods.collect(),
         pareto: &analysis.pareto,
         recommendation: &analysis.recommendation,
@@ -183,15 +184,16 @@ pub fn method_study_json(found: &MethodStudyResult) -> Result<String, serde_json
 #[must_use]
 pub fn markdown_report(found: &MethodStudyResult) -> String {
     let analysis = MethodStudyAnalysis::new(found);
-    let truth = found.truth.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
+    let own_error =
+        found.reference.error.map_or(String::new(), |e| format!(", its own error about {}", error_percent_text(e)));
     let mut text = format!(
-        "# Error over time: {}\n\n{}. {}. Seeds: {} of each method, up to {} of processor time each. Truth: {}{truth}.\n\n{}",
+        "# Error over time: {}\n\n{}. {}. Seeds: {} of each method, up to {} of processor time each. Reference: {}{own_error}.\n\n{}",
         escape_markdown(&found.scene),
         escape_markdown(&found.program),
         escape_markdown(&found.machine),
         found.seeds,
         duration_text(found.budget),
-        escape_markdown(&found.truth.source),
+        escape_markdown(&found.reference.source),
         markdown_code_block(&found.command),
     );
     for warning in study_warnings(found) {
@@ -248,7 +250,7 @@ fn checkpoints_markdown(method: &MethodResult) -> String {
             c.passes.to_string(),
             duration_text(c.seconds),
             count_text(c.rays),
-            count_text(c.photons),
+            count_text(c.photon_paths),
             square_root_percent_text(c.mean_squared_error()),
             square_root_percent_text(c.noise2),
             square_root_percent_text(c.bias2),

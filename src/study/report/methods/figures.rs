@@ -141,7 +141,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
 
 /// HTML of the reference and all pictures. A script shows one of them at a time in the same place.
 pub(super) fn picture_switcher_html(found: &MethodStudyResult) -> Result<String, StudyError> {
-    let exposed = auto_exposure_stops(&found.truth.picture).unwrap_or(0.0);
+    let exposed = auto_exposure_stops(&found.reference.picture).unwrap_or(0.0);
     let mut flip = "<div id=\"pictures\">\n<div id=\"flip-buttons\" role=\"group\" aria-label=\"Picture\" hidden=\"hidden\"></div>\n<div id=\"flip\">\n".to_owned();
     let mut add = |label: &str, image: &Image, caption: &str, command: &str| -> Result<(), StudyError> {
         let shown = inline_png(&encode_png(image, exposed)?, image_size(image), label);
@@ -154,7 +154,7 @@ pub(super) fn picture_switcher_html(found: &MethodStudyResult) -> Result<String,
         );
         Ok(())
     };
-    add("truth", &found.truth.picture, &format!("The truth: {}", found.truth.source), &found.command)?;
+    add("reference", &found.reference.picture, &format!("The reference: {}", found.reference.source), &found.command)?;
     for method in &found.methods {
         let last = method.checkpoints.last();
         let summary = last.map_or(String::new(), |c| {
@@ -176,8 +176,8 @@ pub(super) fn picture_switcher_html(found: &MethodStudyResult) -> Result<String,
 pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, StudyError> {
     let mut crops = String::new();
     for window in largest_error_windows(&found.methods, CROP_COUNT) {
-        let truth = window.crop_image(&found.truth.picture)?;
-        let exposed = auto_exposure_stops(&truth).unwrap_or(0.0);
+        let reference = window.crop_image(&found.reference.picture)?;
+        let exposed = auto_exposure_stops(&reference).unwrap_or(0.0);
         let place = format!(
             "columns {} to {}, rows {} to {}",
             window.x,
@@ -202,7 +202,7 @@ pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, Stud
             crops += &figure_html("crop", "", &shown, label, command);
             Ok(())
         };
-        add("truth", &truth, &found.command)?;
+        add("reference", &reference, &found.command)?;
         for method in &found.methods {
             add(&method.label, &window.crop_image(&method.picture)?, &method.command)?;
         }
@@ -252,7 +252,7 @@ pub(super) fn method_articles_html(
     found: &MethodStudyResult,
     analysis: &MethodStudyAnalysis,
 ) -> Result<String, StudyError> {
-    let weights = RelativeErrorWeights::from_image(&found.truth.picture);
+    let weights = RelativeErrorWeights::from_image(&found.reference.picture);
     let differences: Vec<Vec<f64>> =
         found.methods.iter().map(|m| relative_differences(&m.difference, &weights)).collect();
     let most_error = color_scale_maximum(found.methods.iter().flat_map(|m| m.error.iter().map(|e| f64::from(*e))));
@@ -267,7 +267,7 @@ pub(super) fn method_articles_html(
         );
     }
     if let Some(most) = most_difference {
-        all += "<p>Mean difference to the truth: blue is too dark, orange is too bright, black is equal:</p>\n";
+        all += "<p>Mean difference to the reference: blue is too dark, orange is too bright, black is equal:</p>\n";
         let ticks =
             [format!("−{}", error_percent_text(most)), "0".to_owned(), format!("+{}", error_percent_text(most))];
         all += &color_legend_svg(
@@ -317,13 +317,13 @@ pub(super) fn method_articles_html(
             let shown = inline_png(
                 &encode_png(&map, 0.0)?,
                 image_size(&map),
-                &format!("map of the relative difference of {} to the truth", method.label),
+                &format!("map of the relative difference of {} to the reference", method.label),
             );
             all += &figure_html(
                 "map",
                 "",
                 &shown,
-                &format!("Relative difference to the truth, mean over seeds, up to ±{}.", error_percent_text(most)),
+                &format!("Relative difference to the reference, mean over seeds, up to ±{}.", error_percent_text(most)),
                 &method.command,
             );
         }
@@ -333,15 +333,15 @@ pub(super) fn method_articles_html(
 }
 
 fn gather_radii_text(method: &MethodResult) -> String {
-    let Some([global, caustic]) = method.radii.map(|radii| radii.map(f64::from)) else { return String::new() };
+    let Some([indirect, caustic]) = method.radii.map(|radii| radii.map(f64::from)) else { return String::new() };
     let law = if method.algorithm == Algorithm::Pm || method.alpha >= 1.0 {
         "fixed".to_owned()
     } else {
         format!("shrinking with α = {}", three_digit_text(method.alpha))
     };
     format!(
-        " Largest radii of the first pass: {} of the global map, {} of the caustic map; {law}.",
-        three_digit_text(global),
+        " Largest radii of the first pass: {} of the indirect map, {} of the caustic map; {law}.",
+        three_digit_text(indirect),
         three_digit_text(caustic)
     )
 }

@@ -141,7 +141,7 @@ pub(super) fn checkpoint_tables_html(found: &MethodStudyResult) -> String {
                 duration_text(c.seconds),
                 duration_text(c.wall),
                 count_text(c.rays),
-                count_text(c.photons),
+                count_text(c.photon_paths),
                 square_root_percent_text(c.mean_squared_error()),
                 square_root_percent_text(c.noise2),
                 square_root_percent_text(c.bias2),

@@ -11,7 +11,7 @@ const MIN_THREAD_TIME_SHARE: f64 = 0.9;
 ///
 /// At a ratio of 3, the squared error of the reference is 1/9 of the squared error of the method.
 /// This changes the error of the method by about 6 %.
-const MIN_ERROR_OVER_TRUTH: f64 = 3.0;
+const MIN_ERROR_RATIO: f64 = 3.0;
 
 /// Texts of reasons to doubt the results of a study; empty if there are none.
 pub(super) fn study_warnings(found: &MethodStudyResult) -> Vec<String> {
@@ -26,17 +26,17 @@ pub(super) fn study_warnings(found: &MethodStudyResult) -> Vec<String> {
             100.0 * found.thread_time_share
         ));
     }
-    if let Some(truth) = found.truth.error {
+    if let Some(reference_error) = found.reference.error {
         let close = |m: &&crate::study::methods::MethodResult| {
-            m.checkpoints
-                .last()
-                .is_some_and(|c| c.mean_squared_error() < MIN_ERROR_OVER_TRUTH * MIN_ERROR_OVER_TRUTH * truth * truth)
+            m.checkpoints.last().is_some_and(|c| {
+                c.mean_squared_error() < MIN_ERROR_RATIO * MIN_ERROR_RATIO * reference_error * reference_error
+            })
         };
         let labels: Vec<&str> = found.methods.iter().filter(close).map(|m| m.label.as_str()).collect();
         if !labels.is_empty() {
             warnings.push(format!(
-                "The truth has an error of about {}, and {} below {MIN_ERROR_OVER_TRUTH} times that. Its bias may distort them: render longer references.",
-                error_percent_text(truth),
+                "The reference has an error of about {}, and {} below {MIN_ERROR_RATIO} times that. Its bias may distort them: render longer references.",
+                error_percent_text(reference_error),
                 match labels.as_slice() {
                     [one] => format!("that of {one} is"),
                     many => format!("those of {} are", many.join(", ")),

@@ -74,7 +74,8 @@ fn merged_parts_equal_one_render() {
         let mut file = SceneFile::read(&project_path(&format!("scenes/{name}.txt"))).unwrap();
         (file.description.camera.value.width, file.description.camera.value.height) = SIZE;
         let scene = file.resolve().unwrap();
-        let mut settings = Settings { photons: 500, caustic_photons: 500, balance: false, ..Settings::default() };
+        let mut settings =
+            Settings { unaimed_paths: 500, aimed_paths: 500, allows_balance: false, ..Settings::default() };
         settings.camera_paths.samples = Some(1);
         settings.camera_paths.estimate_error = true;
         let integrator = algorithm.prepare(&scene, settings);

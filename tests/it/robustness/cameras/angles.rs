@@ -105,7 +105,7 @@ fn visible_light_has_correct_mean_at_extreme_angles() {
                 seed: 7 + i as u64,
                 ..CameraPathSettings::default()
             };
-            let settings = Settings { camera_paths, balance: false, ..Settings::default() };
+            let settings = Settings { camera_paths, allows_balance: false, ..Settings::default() };
             let image = render_one_pass(&*Algorithm::Path.prepare(&scene, settings), 0);
             assert!(image.iter().all(|p| p.is_finite()), "{angle}°");
             let mean = image.iter().map(|p| f64::from(color::channel_mean(*p))).sum::<f64>() / image.len() as f64 / 2.0;

@@ -25,8 +25,13 @@ fn zero_aperture_equals_pinhole_bit_for_bit() {
     let picture = |algorithm: Algorithm, lens: &str| {
         let camera_paths =
             CameraPathSettings { samples: Some(2), estimate_error: true, ..CameraPathSettings::default() };
-        let settings =
-            Settings { camera_paths, photons: 2000, caustic_photons: 2000, balance: false, ..Settings::default() };
+        let settings = Settings {
+            camera_paths,
+            unaimed_paths: 2000,
+            aimed_paths: 2000,
+            allows_balance: false,
+            ..Settings::default()
+        };
         let scene = resolved_scene(&scene(lens)).unwrap();
         let image = render_one_pass(&*algorithm.prepare(&scene, settings), 0);
         assert!(image.iter().all(|p| p.is_finite()));
@@ -124,8 +129,13 @@ fn extreme_lenses_give_finite_images() {
         "fNumber 1.4 sensorHeight 1e-9 focusDistance 2 blades 3",
     ] {
         let camera_paths = CameraPathSettings { samples: Some(4), ..CameraPathSettings::default() };
-        let settings =
-            Settings { camera_paths, photons: 500, caustic_photons: 500, balance: false, ..Settings::default() };
+        let settings = Settings {
+            camera_paths,
+            unaimed_paths: 500,
+            aimed_paths: 500,
+            allows_balance: false,
+            ..Settings::default()
+        };
         let scene = resolved_scene(&scene(lens)).unwrap();
         let image = render_one_pass(&*Algorithm::Hybrid.prepare(&scene, settings), 0);
         assert!(image.iter().all(|p| p.is_finite()), "{lens}");

@@ -52,9 +52,9 @@ fn tiny_images_are_finite_with_every_integrator() {
                 };
                 let settings = Settings {
                     camera_paths,
-                    photons: 2000,
-                    caustic_photons: 2000,
-                    balance: false,
+                    unaimed_paths: 2000,
+                    aimed_paths: 2000,
+                    allows_balance: false,
                     final_gathering: FinalGathering::Bsdf,
                     ..Settings::default()
                 };
@@ -110,7 +110,7 @@ fn images_20000_pixels_long_are_correct() {
             filter: Filter::new(FilterKind::Box),
             ..CameraPathSettings::default()
         };
-        let settings = Settings { camera_paths, balance: false, ..Settings::default() };
+        let settings = Settings { camera_paths, allows_balance: false, ..Settings::default() };
         let image = render_one_pass(&*Algorithm::Path.prepare(&scene, settings), 0);
         for (i, pixel) in image.iter().enumerate() {
             match i as u32 {

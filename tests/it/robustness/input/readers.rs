@@ -67,7 +67,7 @@ pub fn render(bytes: &[u8]) {
     (description.camera.value.width, description.camera.value.height) = (2, 2);
     let Some(scene) = resolved(&description, bytes) else { return };
     let camera_paths = CameraPathSettings { samples: Some(1), max_bounces: 6, ..CameraPathSettings::default() };
-    let settings = Settings { camera_paths, balance: false, ..Settings::default() };
+    let settings = Settings { camera_paths, allows_balance: false, ..Settings::default() };
     let pass = Algorithm::Path.prepare(&scene, settings).render_pass(0, &SilentMonitor);
     assert!(pass.image.iter().all(|pixel| pixel.is_finite()), "{:?}", pass.image);
 }

@@ -85,7 +85,7 @@ fn camera_along_x() -> Camera {
 
 fn settings(max_bounces: u32) -> Settings {
     let camera_paths = CameraPathSettings { samples: Some(1), max_bounces, ..CameraPathSettings::default() };
-    Settings { camera_paths, balance: false, ..Settings::default() }
+    Settings { camera_paths, allows_balance: false, ..Settings::default() }
 }
 
 /// A camera ray across a million boundaries obeys Beer's law.

@@ -63,10 +63,10 @@ fn shading_normals_never_exceed_furnace() {
                 ..CameraPathSettings::default()
             };
             let settings = Settings {
-                photons: 1000,
-                caustic_photons: 1000,
+                unaimed_paths: 1000,
+                aimed_paths: 1000,
                 radius: Some(0.2),
-                balance: false,
+                allows_balance: false,
                 camera_paths,
                 ..Settings::default()
             };

@@ -26,10 +26,10 @@ const KINDS: [&str; 5] = ["matt", "gloss", "mirror", "metal", "rough"];
 fn settings() -> Settings {
     let camera_paths = CameraPathSettings { samples: Some(2), ..CameraPathSettings::default() };
     Settings {
-        photons: 2000,
-        caustic_photons: 2000,
+        unaimed_paths: 2000,
+        aimed_paths: 2000,
         radius: Some(0.2),
-        balance: false,
+        allows_balance: false,
         camera_paths,
         ..Settings::default()
     }
@@ -73,7 +73,7 @@ fn coarse_ball_is_dark_inside() {
             // A photon stores the side of the surface on which it landed. The normal of that side
             // points away from the ball's center.
             let outwards = |p: &Photon| p.data.normal().dot(p.position + inside.origin().as_vec3()) > 0.0;
-            assert!(traced.deposits.photons.iter().all(outwards), "{kind}: photons inside");
+            assert!(traced.deposits.surface_photons.iter().all(outwards), "{kind}: photons inside");
         }
     }
 }

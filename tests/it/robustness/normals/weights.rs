@@ -215,7 +215,7 @@ fn coarse_ball_flux_matches_its_faces() {
         .map(|t| {
             let each = t.audit.emitted[0] / t.paths as f64;
             let flux = |p: &caustica::photon::Photon| f64::from(p.data.flux().x);
-            t.deposits.photons.iter().map(|p| flux(p).min(MAX_WEIGHT * each)).sum()
+            t.deposits.surface_photons.iter().map(|p| flux(p).min(MAX_WEIGHT * each)).sum()
         })
         .collect();
     // The hue of a photon rounds by 10⁻⁵. Weights that are left out change the mean by at most
@@ -223,11 +223,14 @@ fn coarse_ball_flux_matches_its_faces() {
     let slack = expected * (s2 / (MAX_WEIGHT - 1.0) + 3e-5);
     crate::support::assert_mean("flux on a coarse ball", &samples, expected, slack, 0.01);
     // The number of photons with a factor above x is compared with its expected value.
-    let landed: usize = traced.iter().map(|t| t.deposits.photons.len()).sum();
+    let landed: usize = traced.iter().map(|t| t.deposits.surface_photons.len()).sum();
     for x in [3.0, 10.0, 30.0] {
         let each = traced[0].audit.emitted[0] / traced[0].paths as f64;
-        let beyond =
-            traced.iter().flat_map(|t| &t.deposits.photons).filter(|p| f64::from(p.data.flux().x) > x * each).count();
+        let beyond = traced
+            .iter()
+            .flat_map(|t| &t.deposits.surface_photons)
+            .filter(|p| f64::from(p.data.flux().x) > x * each)
+            .count();
         let expected = landed as f64 * s2 / (s2 + (x - 1.0) * (x - 1.0));
         assert!((beyond as f64) < expected + Z * expected.sqrt() + 10.0, "{beyond} beyond {x}, {expected}");
     }

@@ -64,9 +64,9 @@ fn photons_converge_at_focus() {
         .map(|i| {
             let traced = pass.trace(key(i), 1 << 17, &|_| {});
             let focus = (DVec3::Y - scene.origin()).as_vec3();
-            let off = traced.deposits.photons.iter().map(|p| (p.position - focus).length()).fold(0.0, f32::max);
+            let off = traced.deposits.surface_photons.iter().map(|p| (p.position - focus).length()).fold(0.0, f32::max);
             assert!(off < 1e-5, "{off}");
-            traced.deposits.photons.iter().map(|p| f64::from(p.data.flux().y)).sum()
+            traced.deposits.surface_photons.iter().map(|p| f64::from(p.data.flux().y)).sum()
         })
         .collect();
     let (mean, error) = mean_and_error(&samples);

@@ -95,7 +95,7 @@ fn point_light_in_floor_lights_ceiling() {
         let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
         let traced = pass.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 16, &|_| {});
-        let flux: f64 = traced.deposits.photons.iter().map(|p| f64::from(p.data.flux().y)).sum();
+        let flux: f64 = traced.deposits.surface_photons.iter().map(|p| f64::from(p.data.flux().y)).sum();
         assert!((6.0 * flux - 1.0).abs() < 0.044, "{at} {turn}: {flux}");
         let out = rendered(&scene, Algorithm::Whitted, settings(0, 16), 1);
         let seen = out.film.mean().iter().map(|v| f64::from(v.y)).sum::<f64>() / 256.0 * 4.0 * PI / 0.5;

@@ -78,7 +78,7 @@ fn powers_at_float_limits_render_finitely() {
     let algorithms = WITH_PHOTONS.into_iter().chain([Algorithm::Path]);
     let jobs: Vec<(Algorithm, bool)> = algorithms.flat_map(|a| [(a, false), (a, true)]).collect();
     jobs.par_iter().for_each(|(algorithm, fog)| {
-        let settings = Settings { balance: !fog, ..settings(4096, 2) };
+        let settings = Settings { allows_balance: !fog, ..settings(4096, 2) };
         let render = |scale: f32| rendered(&room(scale, *fog), *algorithm, settings.clone(), 4);
         let one = render(1.0);
         assert_finite("1 W", &one);

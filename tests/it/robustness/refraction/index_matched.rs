@@ -45,10 +45,10 @@ const BODIES: [&str; 4] = [
 #[test]
 fn index_matched_bodies_change_no_bit() {
     let settings = || Settings {
-        photons: 2000,
-        caustic_photons: 2000,
+        unaimed_paths: 2000,
+        aimed_paths: 2000,
         radius: Some(0.1),
-        balance: false,
+        allows_balance: false,
         camera_paths: CameraPathSettings { samples: Some(2), ..CameraPathSettings::default() },
         ..Settings::default()
     };
@@ -69,7 +69,7 @@ fn index_matched_bodies_change_no_photon() {
         let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
         let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: 30 };
         let traced = pass.trace(test_key(1), 1 << 13, &|_| {});
-        (traced.deposits.photons, traced.audit, traced.rays)
+        (traced.deposits.surface_photons, traced.audit, traced.rays)
     };
     let expected = trace(&room(""));
     assert!(expected.0.len() > 5000);

@@ -183,8 +183,13 @@ fn trapped_camera_paths_terminate() {
         b.add_delta_light(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
         let camera_paths =
             CameraPathSettings { samples: Some(4), max_bounces: BOUNCES, ..CameraPathSettings::default() };
-        let settings =
-            Settings { camera_paths, photons: 100, caustic_photons: 100, balance: false, ..Settings::default() };
+        let settings = Settings {
+            camera_paths,
+            unaimed_paths: 100,
+            aimed_paths: 100,
+            allows_balance: false,
+            ..Settings::default()
+        };
         let image = render_passes(&built(b), algorithm, settings, 1);
         assert!(image.iter().all(|p| *p == Vec3::ZERO), "{algorithm:?}: {image:?}");
     }

@@ -39,7 +39,8 @@ fn trace(scene: &Scene, index: u64) -> PhotonPassResult {
 /// flux.
 #[test]
 fn white_surfaces_terminate_no_photon() {
-    let PhotonPassResult { deposits: Deposits { photons, .. }, audit, rays, .. } = trace(&room("1 1 1", 0.0), 0);
+    let PhotonPassResult { deposits: Deposits { surface_photons: photons, .. }, audit, rays, .. } =
+        trace(&room("1 1 1", 0.0), 0);
     assert_eq!((audit.stopped, audit.roulette, audit.absorbed), (audit.emitted, [0.0; 3], [0.0; 3]));
     assert_eq!(photons.len() as u64, u64::from(PATHS) * u64::from(BOUNCES + 1));
     assert_eq!(rays, photons.len() as u64);
@@ -50,7 +51,8 @@ fn white_surfaces_terminate_no_photon() {
 #[test]
 fn black_surfaces_terminate_every_photon() {
     for albedo in ["0 0 0", "1e-45 1e-45 1e-45", "0 0 1e-40"] {
-        let PhotonPassResult { deposits: Deposits { photons, .. }, audit, rays, .. } = trace(&room(albedo, 0.0), 0);
+        let PhotonPassResult { deposits: Deposits { surface_photons: photons, .. }, audit, rays, .. } =
+            trace(&room(albedo, 0.0), 0);
         assert_eq!((photons.len() as u32, rays), (PATHS, u64::from(PATHS)), "{albedo}");
         assert_eq!((audit.absorbed, audit.stopped), (audit.emitted, [0.0; 3]), "{albedo}");
         assert!(audit.roulette.iter().all(|r| r.is_finite() && r.abs() < 1e-30), "{albedo}: {audit:?}");
@@ -68,7 +70,7 @@ fn zero_channel_stays_zero() {
     let scene = room("0 0 1", 0.0);
     let kept: Vec<f64> = (0..16)
         .map(|i| {
-            let PhotonPassResult { deposits: Deposits { photons, .. }, audit, .. } = trace(&scene, i);
+            let PhotonPassResult { deposits: Deposits { surface_photons: photons, .. }, audit, .. } = trace(&scene, i);
             assert_eq!(audit.stopped[..2], [0.0; 2]);
             let on = photons[..].iter().filter(|p| p.data.flux().x == 0.0);
             let twice = 2.0 * 3.0 / f64::from(PATHS);
@@ -100,8 +102,13 @@ fn settings(samples: u32, max_bounces: u32, seed: u64) -> Settings {
 fn camera_paths_follow_same_roulette() {
     let dark = room("0 0 0", 0.25);
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed] {
-        let quick =
-            Settings { photons: 100, caustic_photons: 100, radius: Some(0.1), balance: false, ..settings(4, 10, 0) };
+        let quick = Settings {
+            unaimed_paths: 100,
+            aimed_paths: 100,
+            radius: Some(0.1),
+            allows_balance: false,
+            ..settings(4, 10, 0)
+        };
         let image = render_passes(&dark, algorithm, quick, 1);
         assert!(image.iter().all(|p| (*p - 0.25).abs().max_element() < 1e-6), "{algorithm:?}: {image:?}");
     }

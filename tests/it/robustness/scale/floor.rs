@@ -86,7 +86,7 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
 /// Radii vary twofold over the ranks, so this is less than a tenth of a radius.
 #[test]
 fn huge_floor_does_not_blur_caustics() {
-    let settings = || Settings { caustic_photons: 250_000, ..low_cost_settings() };
+    let settings = || Settings { aimed_paths: 250_000, ..low_cost_settings() };
     let radius = |floor| Algorithm::Hybrid.prepare(&scene_on_floor(floor), settings()).gather_radii().unwrap().caustic;
     let (flat, round) = (radius(FLAT), radius(ROUND));
     assert!((round / flat - 1.0).abs() < 0.1, "{round} on a sphere, {flat} on a disc");
@@ -98,7 +98,7 @@ fn huge_floor_does_not_blur_caustics() {
 fn flux(scene: &Scene, mask: StoreMask, counts: impl Fn(glam::DVec3) -> bool) -> f64 {
     let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask, max_bounces: 20 };
-    let photons = pass.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 17, &|_| {}).deposits.photons;
+    let photons = pass.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 17, &|_| {}).deposits.surface_photons;
     let landed = photons.iter().filter(|p| counts(p.position.as_dvec3() + scene.origin()));
     landed.map(|p| f64::from(p.data.flux().y)).sum()
 }

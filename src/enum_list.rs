@@ -1,0 +1,22 @@
+//! Enums that list their own variants.
+
+/// Defines an enum without data, and the constant `ALL` with its variants in the order of
+/// definition. So the list cannot lack a variant.
+macro_rules! enum_with_all {
+    (
+        $(#[$attribute:meta])*
+        $visibility:vis enum $name:ident {
+            $($(#[$variant_attribute:meta])* $variant:ident,)*
+        }
+    ) => {
+        $(#[$attribute])*
+        $visibility enum $name {
+            $($(#[$variant_attribute])* $variant,)*
+        }
+
+        impl $name {
+            /// All variants, in the order of definition.
+            $visibility const ALL: [Self; [$(stringify!($variant)),*].len()] = [$(Self::$variant),*];
+        }
+    };
+}

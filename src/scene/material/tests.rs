@@ -1,0 +1,58 @@
+use super::*;
+
+/// One or more materials of every kind; coats have roughnesses on both sides of the limit up to
+/// which they are split from their base.
+fn materials_of_all_kinds() -> Vec<Material> {
+    let gray = Rgb::splat(0.5);
+    let mut materials = vec![
+        Material::black(),
+        Material::diffuse(gray),
+        Material::phong(gray, gray, 10.0),
+        Material::mirror(gray),
+        Material::conductor(gray, gray, 0.1),
+        Material::thin_dielectric(1.5, gray),
+        Material::dielectric(1.5, Rgb::ZERO),
+        Material::mix(0, 1, 0.5),
+    ];
+    materials.extend([0.0, 0.1, 0.3, 0.31, 1.0].map(|alpha| Material::coated_diffuse(gray, 1.5, alpha, true)));
+    materials
+}
+
+/// Index of the variant in the enum [`MaterialKind`].
+///
+/// A new variant does not compile here, which reminds its author to add it to
+/// [`materials_of_all_kinds`].
+fn index_of_kind(kind: &MaterialKind) -> usize {
+    match kind {
+        MaterialKind::Black => 0,
+        MaterialKind::Diffuse { .. } => 1,
+        MaterialKind::Phong { .. } => 2,
+        MaterialKind::Mirror { .. } => 3,
+        MaterialKind::Conductor { .. } => 4,
+        MaterialKind::Thin { .. } => 5,
+        MaterialKind::Dielectric { .. } => 6,
+        MaterialKind::CoatedDiffuse { .. } => 7,
+        MaterialKind::Mix { .. } => 8,
+    }
+}
+
+#[test]
+fn every_kind_of_material_is_tested() {
+    let mut is_tested = [false; 9];
+    materials_of_all_kinds().iter().for_each(|material| is_tested[index_of_kind(material.kind())] = true);
+    assert_eq!(is_tested, [true; 9]);
+}
+
+/// A hit on a material that is chosen by chance gets a random number. Without it, the base would
+/// always be selected, and the coat would be lost.
+#[test]
+fn materials_with_a_separate_coat_are_chosen_by_chance() {
+    let mut coats = 0;
+    for material in materials_of_all_kinds() {
+        let mut has_separate_coat = false;
+        material.visit_bsdf_variants(&[], |bsdf| has_separate_coat |= bsdf.separate_coat().is_some());
+        coats += u32::from(has_separate_coat);
+        assert!(material.is_chosen_by_chance() || !has_separate_coat, "{:?}", material.kind());
+    }
+    assert_eq!(coats, 3);
+}
