@@ -7,13 +7,13 @@ mod it {
     }
 }
 
-use caustica::cli::{Arguments, Command, Exit, FarmEngine};
+use caustica::cli::{Arguments, Command, Exit, FarmEngine, MethodArguments};
 use caustica::format::grid::{self, DensityGrid, GridEncoding};
 use caustica::format::mesh::{self, MeshFormat};
 use caustica::format::{SourceText, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, SilentMonitor};
-use clap::{CommandFactory, Parser};
+use clap::{Args as _, CommandFactory, Parser};
 use it::support::shell::shell_words;
 use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader};
@@ -289,6 +289,62 @@ fn docs_list_every_flag_with_default() {
     assert_flags_are_listed("diff", "Diff");
     assert_flags_are_listed("mesh", "Mesh");
     assert_flags_are_listed("merge", "Merge");
+}
+
+/// The sections about the other commands name all their flags, and no flag that a command lacks.
+///
+/// A section may refer to the flags of the algorithm, which the section `Flags` lists.
+#[test]
+fn docs_name_every_flag_of_other_commands() {
+    let guide = |page: &str| std::fs::read_to_string(repository_root().join("docs/guide").join(page)).unwrap();
+    let (commands, live) = (guide("command-line.md"), guide("live-page.md"));
+    for (command, page, section) in [
+        ("check", &commands, "Check"),
+        ("convert", &commands, "Convert"),
+        ("plan", &commands, "Plan"),
+        ("estimate", &commands, "Estimate"),
+        ("study", &commands, "Study"),
+        ("film", &commands, "Merge"),
+        ("view", &live, "Flags of view"),
+    ] {
+        let (_, after) = page.split_once(&format!("\n## {section}\n")).unwrap();
+        let text = after.split("\n## ").next().unwrap();
+        let named: BTreeSet<String> =
+            text.split(|c: char| !c.is_ascii_alphanumeric() && c != '-').filter_map(long_flag).collect();
+        let flags = flags_of_command(&[command]);
+        let of_algorithm: BTreeSet<String> = if text.contains("[flags of the algorithm]") {
+            MethodArguments::augment_args(clap::Command::new("")).get_arguments().filter_map(argument_flag).collect()
+        } else {
+            BTreeSet::new()
+        };
+        let of_check = if text.contains("[`check`](#check)") { flags_of_command(&["check"]) } else { BTreeSet::new() };
+        let missing: Vec<_> = flags
+            .difference(&named)
+            .filter(|flag| !of_algorithm.contains(*flag) && !of_check.contains(*flag))
+            .collect();
+        assert!(missing.is_empty(), "the section {section} does not name {missing:?} of {command}");
+        let first_cells = text.lines().filter_map(|line| line.strip_prefix("| `-")?.split(" | ").next());
+        for flag in first_cells.flat_map(|cell| cell.split(['`', ' ', ',']).filter_map(long_flag).collect::<Vec<_>>()) {
+            assert!(command == "film" || flags.contains(&flag), "{command} has no flag {flag}");
+        }
+    }
+}
+
+/// Returns `word` if it is the name of a long flag, such as `--size`.
+fn long_flag(word: &str) -> Option<String> {
+    let name = word.trim_end_matches('-').strip_prefix("--")?;
+    name.starts_with(|c: char| c.is_ascii_lowercase()).then(|| format!("--{name}"))
+}
+
+fn argument_flag(argument: &clap::Arg) -> Option<String> {
+    argument.get_long().filter(|long| *long != "help").map(|long| format!("--{long}"))
+}
+
+/// Returns the long flags of a command, given as the names of nested subcommands.
+fn flags_of_command(names: &[&str]) -> BTreeSet<String> {
+    let arguments = Arguments::command();
+    let command = names.iter().fold(&arguments, |command, name| command.find_subcommand(name).unwrap());
+    command.get_arguments().filter_map(argument_flag).collect()
 }
 
 fn assert_flags_are_listed(command: &str, section: &str) {

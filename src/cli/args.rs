@@ -594,12 +594,25 @@ mod tests {
 
     #[test]
     fn help_of_format_names_every_extension() {
-        let command = ImportArguments::augment_args(clap::Command::new("render"));
-        let format = command.get_arguments().find(|argument| argument.get_id() == "format").unwrap();
-        let help = format.get_help().unwrap().to_string();
-        let words: Vec<&str> = help.split(|c: char| !c.is_alphanumeric()).collect();
+        let words = words_of_help("format");
         for extension in scene_extensions() {
-            assert!(words.contains(&extension), "{extension}");
+            assert!(words.iter().any(|word| word == extension), "{extension}");
         }
+    }
+
+    #[test]
+    fn help_of_scene_names_every_imported_format() {
+        let words = words_of_help("scene");
+        for extension in scene_extensions().filter(|extension| !SCENE_TEXT_EXTENSIONS.contains(extension)) {
+            assert!(words.iter().any(|word| word == extension), "{extension}");
+        }
+    }
+
+    /// Returns the words in the help text of the argument `id` of all commands that read a scene.
+    fn words_of_help(id: &str) -> Vec<String> {
+        let command = SceneArguments::augment_args(clap::Command::new("render"));
+        let argument = command.get_arguments().find(|argument| argument.get_id() == id).unwrap();
+        let help = argument.get_help().unwrap().to_string();
+        help.split(|c: char| !c.is_alphanumeric()).map(str::to_owned).collect()
     }
 }

@@ -36,7 +36,9 @@ mod updates;
 #[cfg(feature = "view")]
 mod view;
 
-pub use args::{Arguments, Command, EstimateArguments, PlanArguments, RenderArguments, StudyArguments};
+pub use args::{
+    Arguments, Command, EstimateArguments, MethodArguments, PlanArguments, RenderArguments, StudyArguments,
+};
 pub use convert::ConvertArguments;
 pub use diff::{DiffArguments, ErrorMapKind, FlipMetricModeArgument};
 pub use failure::{CommandFailure, Exit};
