@@ -39,7 +39,7 @@
 //! let (center, direction) = (DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0));
 //! let camera = Camera::perspective(center, direction, DVec3::Y, 0.7, 32, 24)?;
 //! let scene = builder.build(camera)?;
-//! let settings = Settings { caustic_photons: 2000, ..Settings::default() };
+//! let settings = Settings { aimed_paths: 2000, ..Settings::default() };
 //! let pass = Algorithm::Hybrid.prepare(&scene, settings).render_pass(0, &SilentMonitor);
 //! assert_eq!(pass.image.len(), 32 * 24);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -217,7 +217,7 @@ pub use integrate::ProgressMonitor;
 /// # Example: fewer photons than by default
 /// ```
 /// use caustica::Settings;
-/// let settings = Settings { photons: 10_000, caustic_photons: 5_000, ..Default::default() };
+/// let settings = Settings { unaimed_paths: 10_000, aimed_paths: 5_000, ..Default::default() };
 /// ```
 pub use integrate::Settings;
 

@@ -20,7 +20,9 @@ const MAX_RATIO: f32 = 0.6;
 /// Number of tabulated roughnesses from 0 to 1, evenly spaced in √α.
 const ALPHAS: usize = 16;
 
-/// Number of tabulated cosines from 0 to 1, evenly spaced in √cosθ.
+/// Number of points and generator of the Fibonacci lattice that selects visible microfacets.
+///
+/// The albedo at each node of the table is a mean over these microfacets.
 const COSINES: usize = 32;
 
 /// Number of points and generator of a Fibonacci lattice, which selects visible microfacets.

@@ -7,8 +7,8 @@ use super::{BsdfSample, MicrofacetScattering, NonSpecularSample, SMOOTH_ALPHA, d
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
-/// Cosine of incidence at which the Fresnel reflectance stands for its mean over microfacets that
-/// light meets after the first.
+/// Cosine of incidence at which the Fresnel reflectance stands for its mean over all microfacets
+/// but the first that light meets.
 ///
 /// It is the mean cosine of diffuse light.
 const MEAN_COSINE: f32 = 2.0 / 3.0;

@@ -40,7 +40,8 @@ impl Dielectric {
     pub fn reflect_and_refract(&self, wo: Vec3, ns: Vec3, ng: Vec3, transport: TransportMode) -> DielectricSplit {
         let outside = wo.dot(ng) >= 0.0;
         let (near_ns, near_ng, eta) = if outside { (ns, ng, self.eta) } else { (-ns, -ng, 1.0 / self.eta) };
-        // If the shading normal would send light to the wrong side, use the geometric normal.
+        // If the shading normal would send light to the wrong side of the surface, use the
+        // geometric normal.
         let mut uses_geometric_normal = wo.dot(near_ns) <= 0.0;
         let mut bent = refract(wo, if uses_geometric_normal { near_ng } else { near_ns }, eta);
         if bent.transmittance > 0.0 && bent.transmitted.dot(near_ng) >= 0.0 {

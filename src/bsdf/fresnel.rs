@@ -25,7 +25,7 @@ pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
 #[inline]
 pub(super) fn fresnel_reflectance(cos_i: f64, eta: f64) -> (f64, f64) {
     // Both products are exact if the factors were f32 numbers. So the sum has the right sign even
-    // within an ulp of the critical angle.
+    // if `cos_i` is within an ulp of the critical angle.
     let cos2_t = ((eta - 1.0) * (eta + 1.0) + cos_i * cos_i) / (eta * eta);
     if cos2_t <= 0.0 {
         return (1.0, 0.0);

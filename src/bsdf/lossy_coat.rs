@@ -77,10 +77,10 @@ impl LossyCoat {
     }
 }
 
-/// Divides light that arrives with the cosine of incidence `cos` by the directions into which an
+/// Divides light that arrives with the cosine of incidence `cos` among the directions into which an
 /// interface scatters it.
 ///
-/// Calls `visit` with the fraction and the cosine of each direction; the cosine is below 0 on the
+/// Calls `visit` with the fraction and the cosine of each direction. The cosine is below 0 on the
 /// far side. `eta` is the index of the far side over that of the near side. Light scatters at one
 /// microfacet only.
 fn for_each_scattered_part(cos: f64, eta: f64, alpha: f64, mut visit: impl FnMut(f64, f64)) {

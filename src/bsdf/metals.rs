@@ -53,8 +53,8 @@ pub const METAL_NAMES: [&str; METAL_TABLE.len()] = {
     names
 };
 
-/// Complex refractive index η + ik of the metal with this name of [`METALS`] or chemical symbol;
-/// `None` for other names.
+/// Complex refractive index η + ik of the metal with this name of [`METAL_NAMES`] or chemical
+/// symbol; `None` for other names.
 ///
 /// Returns η and k, each for linear red, green and blue.
 #[must_use]

@@ -81,8 +81,8 @@ impl Ggx {
         self.masking_over_cos(cos_o) * self.masking_over_cos(cos_i)
     }
 
-    /// Returns G₂/G₁(wo): the fraction of the microfacets visible from `wo` that are visible from
-    /// `wi`.
+    /// Returns G₂/G₁(wo): the fraction of the microfacets visible from `wo` that are also visible
+    /// from `wi`.
     ///
     /// `masking_shadowing` is G₂/(cosθₒ·cosθᵢ), where G₂ is the masking-shadowing function.
     #[inline]
@@ -90,7 +90,8 @@ impl Ggx {
         masking_shadowing * cos_i / self.masking_over_cos(cos_o)
     }
 
-    /// Solid-angle pdf \[1/sr] of `wi`, if [`Ggx::sample_visible_normal`] samples the microfacet.
+    /// Returns the solid-angle pdf \[1/sr] of `wi`, if [`Ggx::sample_visible_normal`] samples the
+    /// microfacet that scatters light.
     ///
     /// `facet` describes the microfacets that scatter `wi` to `wo`. `cos_o` is the cosine of `wo`.
     #[inline]

@@ -39,7 +39,10 @@ use std::f32::consts::FRAC_1_PI;
 /// GGX roughness α below which a surface counts as smooth.
 pub const SMOOTH_ALPHA: f32 = 1e-3;
 
-/// GGX roughness α of a conductor above which photons are stored on it.
+/// GGX roughness α of a conductor or of a dielectric coat above which photons are stored on it.
+///
+/// Photon estimates then include the light that it reflects. A smoother conductor or coat is a
+/// caster; [`Bsdf::select_layer`] splits such a coat from its base.
 pub const PHOTON_STORAGE_ALPHA: f32 = 0.3;
 
 /// Width of the refracted lobe \[radians] below which a rough dielectric counts as smooth.
@@ -211,11 +214,12 @@ impl Bsdf {
         }
     }
 
-    /// Selects base or coat of a coated surface by `u` in \[0, 1).
+    /// Selects the base or the coat of a coated surface by `u` in \[0, 1). A small `u` selects the
+    /// base.
     ///
     /// The probabilities depend on `wo` and the shading normal `ns`. The selected BSDF is divided
-    /// by its probability. A small `u` selects the base. Only a coated surface with α up to
-    /// [`PHOTON_STORAGE_ALPHA`] is split; any other BSDF is returned whole.
+    /// by its probability. A coat with α above [`PHOTON_STORAGE_ALPHA`] is not split from its base:
+    /// that BSDF, like any other, is returned whole.
     #[inline]
     #[must_use]
     pub fn select_layer(self, wo: Vec3, ns: Vec3, u: f32) -> Self {
@@ -233,9 +237,11 @@ impl Bsdf {
         }
     }
 
-    /// The coat as a separate BSDF, if [`Bsdf::select_layer`] splits this surface; else `None`.
+    /// Returns the coat as a BSDF of its own, if [`Bsdf::select_layer`] chooses between coat and
+    /// base here (coat α up to [`PHOTON_STORAGE_ALPHA`]); else `None`.
     ///
-    /// It is not divided by a selection probability.
+    /// Unlike the coat that `select_layer` returns, it is not divided by the probability of that
+    /// choice.
     #[must_use]
     pub fn separate_coat(&self) -> Option<Self> {
         match self {

@@ -46,22 +46,24 @@ const HORIZON: f64 = 1e-3;
 /// Number of intervals between two nodes in means over directions.
 const STEPS: usize = 16;
 
-/// Index of the side of lower refractive index in arrays over sides.
+/// Index in arrays over the two sides of an interface: the side of lower refractive index.
 const RARE: usize = 0;
 
-/// Index of the side of higher refractive index in arrays over sides.
+/// Index in arrays over the two sides of an interface: the side of higher refractive index.
 const DENSE: usize = 1;
 
-/// Lost light at one refractive index and one roughness.
+/// Lost light at one refractive index and one roughness: light that one microfacet scatters so that
+/// it meets another.
 #[derive(Debug)]
 struct LossCell {
-    /// Lost fraction of light by side of arrival and cosine.
+    /// Lost fraction of light, for each side of arrival and each cosine of incidence.
     by_cosine: [[f32; COSINES]; 2],
-    /// Eighth root of the lost fraction of diffuse light, by side of arrival.
+    /// Eighth root of the lost fraction of diffuse light, for each side of arrival.
     ///
-    /// The mean is nearly proportional to α². So its root is nearly linear between the nodes.
+    /// The fraction is nearly proportional to α², and the nodes are spaced in the fourth root of α.
+    /// So the root is nearly linear between the nodes.
     mean_root: [f32; 2],
-    /// Fraction of diffuse light that a smooth interface transmits from its rare side.
+    /// Fraction of diffuse light that a smooth interface transmits from the side of lower index.
     transmittance: f32,
 }
 
@@ -94,7 +96,8 @@ impl LossCell {
     }
 }
 
-/// Lost light at any index and roughness: a mean of the cells around them.
+/// Lost light at any refractive index and roughness, as a weighted mean of the tabulated cells
+/// around them.
 #[derive(Clone, Copy, Debug)]
 struct Loss {
     cells: [&'static LossCell; 4],
@@ -133,14 +136,15 @@ impl Loss {
         f64::from(self.cells.iter().zip(self.weights).map(|(cell, weight)| value(cell) * weight).sum::<f32>())
     }
 
-    /// Lost fraction of light from a direction of cosine `cos` on a side.
+    /// Lost fraction of light that arrives on side `side` ([`RARE`] or [`DENSE`]) with the cosine
+    /// of incidence `cos`.
     #[inline]
     fn fraction(&self, side: usize, cos: f64) -> f64 {
         let (node, u) = node_position(grid_position(cos, self.alpha), COSINES);
         self.interpolate(|cell| cell.by_cosine[side][node] * (1.0 - u) + cell.by_cosine[side][node + 1] * u)
     }
 
-    /// Lost fraction of diffuse light from a side, above 0.
+    /// Lost fraction of diffuse light that arrives on side `side` ([`RARE`] or [`DENSE`]), above 0.
     #[inline]
     fn mean(&self, side: usize) -> f64 {
         let root = self.interpolate(|cell| cell.mean_root[side]);
@@ -184,10 +188,10 @@ impl MultipleReflection {
 
 /// Reflection and transmission of light that microfacets of a dielectric scatter more than once.
 ///
-/// The light that crosses the interface is T = t·min(b, b′), per irradiance of diffuse light on
-/// both sides in proportion to the squared index n². The lost light of the sides is b and b′, and t
-/// is the transmittance of a smooth interface. T is the same in both directions, so the BSDF is
-/// reciprocal up to n².
+/// Let diffuse light arrive on both sides, in proportion to the squared index n². Then the light
+/// that crosses the interface is T = t·min(b, b′) times the irradiance. b and b′ are the lost
+/// fractions of light on both sides, and t is the transmittance of a smooth interface. T is the
+/// same in both directions, so the BSDF is reciprocal up to n².
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MultipleRefraction {
     loss: Loss,
@@ -216,7 +220,8 @@ impl MultipleRefraction {
         Self { loss, near, eta, crossing, lost: loss.fraction(near, cos_o) }
     }
 
-    /// Returns the part of the lost light that leaves on the side of `wo`, or on the other side.
+    /// Returns the fraction of the lost light that leaves on the side of `wo`, or on the other side
+    /// if `is_transmitted` is true.
     #[inline]
     pub(super) fn leaving_fraction(&self, is_transmitted: bool) -> f64 {
         if is_transmitted { self.crossing } else { 1.0 - self.crossing }
@@ -255,8 +260,8 @@ pub(super) fn lost_direction_pdf(alpha: f32, cos: f64) -> f64 {
     FRAC_1_PI * cos / ((cos * cos + a2) * libm::log1p(1.0 / a2))
 }
 
-/// Fraction of light from a direction of cosine `cos` that is lost when each microfacet scatters
-/// once.
+/// Returns the fraction of light from a direction of cosine `cos` that is lost if each light path
+/// scatters at one microfacet only.
 ///
 /// `eta` is the refractive index of the far side, relative to the near side.
 fn lost_fraction(cos: f64, eta: f64, alpha: f64) -> f64 {

@@ -90,13 +90,14 @@ pub struct MethodArguments {
     #[arg(long, value_enum, default_value = "hybrid")]
     pub integrator: Algorithm,
 
-    /// Photon paths of the global map per pass, such as 500k or 2M; 0 for none  [default: about
-    /// 500k]
+    /// Photon paths per pass that start in all directions, such as 500k or 2M; 0 for none. They
+    /// fill the interreflection map of hybrid and the indirect map of sppm, ppm and pm
+    /// [default: about 500k]
     #[arg(long, value_parser = parse_count, value_name = "N")]
     pub photons: Option<u32>,
 
-    /// Photon paths of the caustic map per pass, aimed at glass and mirrors; 0 for none  [default:
-    /// half as many as --photons]
+    /// Photon paths per pass that are aimed at glass, mirrors and other casters; 0 for none. They
+    /// fill the caustic map  [default: half as many as --photons]
     #[arg(long, value_parser = parse_count, value_name = "N")]
     pub caustic_photons: Option<u32>,
 
@@ -309,8 +310,8 @@ pub struct RenderArguments {
     #[arg(long, visible_alias = "no-gauge")]
     pub no_error_estimate: bool,
 
-    /// Render only a window of the picture, in pixels from its upper left corner. Its pixels have
-    /// the bits that they have in the whole picture
+    /// Render only a window of the picture, in pixels from its upper left corner. Its pixels are
+    /// bit-identical to those of the whole picture
     #[arg(long, value_name = "X0,Y0,X1,Y1")]
     pub crop: Option<CropWindow>,
 
@@ -430,7 +431,7 @@ pub struct EstimateArguments {
     pub quiet: bool,
 }
 
-/// Fields of [`StudyModeArguments`] that set up a study of methods. Their flags conflict with
+/// Fields of [`StudyModeArguments`] that configure a study of methods. Their flags conflict with
 /// `--effects`.
 const METHOD_STUDY_FLAGS: [&str; 8] =
     ["methods", "variants", "knobs", "budget", "seeds", "truth", "truth_time", "save_truth"];
@@ -463,13 +464,13 @@ pub struct StudyModeArguments {
     #[arg(long, value_parser = parse_duration, default_value = "60s", value_name = "TIME")]
     pub budget: Duration,
 
-    /// Number of pictures per method, with seeds from --seed upwards. Several pictures separate
-    /// noise from bias
+    /// Number of pictures per method, with the seeds --seed, --seed + 1 and so on. Several pictures
+    /// separate noise from bias
     #[arg(long, value_parser = parse_seed_count, default_value = "8", value_name = "N")]
     pub seeds: u32,
 
-    /// Reference of the errors: auto (two references, rendered first), A.exr,B.exr (two independent
-    /// ones) or A.exr (an exact one)
+    /// Reference pictures to measure errors against: auto (two pictures, rendered first),
+    /// A.exr,B.exr (two independent pictures) or A.exr (one picture, taken as exact)
     #[arg(long, default_value = "auto", value_name = "FILES")]
     pub truth: ReferenceSource,
 

@@ -33,8 +33,8 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, CommandFailure> {
 
 /// Returns the scene warnings that `caustica render` prints before it renders, one line each.
 ///
-/// Two kinds of warnings of `caustica check` are left out. Some need meshes to be read again. The
-/// warning of a scene without objects is printed by `caustica render` itself.
+/// Of the warnings of `caustica check`, two kinds are left out: those for which meshes must be read
+/// again, and the one about a scene without objects, which `caustica render` prints itself.
 pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let mut lines = import_warnings(file);
     lines.extend(file.unused_item_warnings());
@@ -44,7 +44,8 @@ pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &
     lines.iter().map(|line| replace_control_characters(line)).collect()
 }
 
-/// Returns warnings if the camera sees no object or no photon can be stored, one line each.
+/// Returns a warning if the camera sees no object, and one if no photon can be stored, one line
+/// each.
 fn scene_warnings(scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let features = SceneFeatures::from_scene(scene);
     let mut warnings = Vec::new();

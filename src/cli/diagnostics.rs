@@ -28,8 +28,7 @@ pub(super) fn no_photon_stored_note(rendered: &RenderResult) -> Option<String> {
 
 /// Returns a text with three fractions of the emitted photon flux: absorbed, escaped, and stopped.
 ///
-/// The stopped flux is that of paths ended at the bounce limit, or because no later photon of the
-/// path could be stored.
+/// Flux is stopped at the bounce limit, or where no later photon of the path could be stored.
 fn flux_fractions_text(audit: &EnergyAudit) -> String {
     let sum = |flux: [f64; 3]| DVec3::from(flux).element_sum();
     let emitted = sum(audit.emitted);

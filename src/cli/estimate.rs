@@ -97,8 +97,7 @@ fn estimate_method(
 
 /// Renders the pilot: a short render from which costs are extrapolated.
 ///
-/// Returns the pilot's result, and the time that each pass after the first is expected to take
-/// \[s].
+/// Returns the result of the pilot, and the expected time of each pass after the first \[s].
 fn render_pilot(
     arguments: &EstimateArguments,
     integrator: &dyn Integrator,

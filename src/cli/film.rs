@@ -25,11 +25,11 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Smallest time between two saves, as a multiple of the time that a save takes. So saves take at
-/// most 1 % of a render.
+/// Smallest time between two saves, as a multiple of the time that a save takes. It keeps the time
+/// of saves below 1 % of a render.
 const MIN_INTERVAL_FACTOR: u32 = 100;
 
-/// Flag of renders whose films have no sums of the error.
+/// Flag of a render whose film has no data for the error estimate.
 const NO_ERROR_ESTIMATE: &str = "--no-error-estimate";
 
 /// Flag of renders whose films have light groups.
@@ -72,7 +72,7 @@ pub(super) struct OtherRenderError {
 #[diagnostic(help("wait for its end, or choose another film file"))]
 struct FilmInUseError(PathBuf);
 
-/// Error: a film holds passes outside of the shard that is to be rendered.
+/// Error: a film holds passes that do not belong to the shard to render.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("the film `{}` holds passes {passes}, which are not those of --shard", path.display())]
 #[diagnostic(help("give each part of the passes a film file of its own"))]
@@ -104,9 +104,9 @@ pub(super) fn read_film(path: &Path) -> Result<FilmFile, CommandFailure> {
     read().map_err(|source| CommandFailure::new(Exit::Input, FilmReadError { path: path.to_owned(), source }))
 }
 
-/// Returns a failure if `count` of the films at `paths` do not fit into memory at a time.
+/// Returns a failure if `count` of the films at `paths` do not fit into memory together.
 ///
-/// `memory` is the limit of `--memory` \[bytes]. Reads only the headers.
+/// `memory` is the limit of `--memory` \[bytes]. Only the headers of the films are read.
 pub(super) fn check_film_memory(paths: &[PathBuf], count: usize, memory: Option<u64>) -> Result<(), CommandFailure> {
     let free = memory.map_or(MemoryLimit::System, MemoryLimit::Limit).available_bytes();
     for path in paths {
@@ -208,8 +208,8 @@ fn film_layers(header: &FilmHeader) -> RenderedLayers {
     }
 }
 
-/// Returns the header of the film of a render of `size` (width, height) pixels, which may be a
-/// window of a `whole` picture. `inputs` are the files that the scene names.
+/// Returns the header of the film of a render of `size` (width, height) pixels. The render may be a
+/// window of a picture of `whole` pixels. `inputs` are the files that the scene names.
 pub(super) fn film_header(
     render: &FilmSettings<'_>,
     size: (u32, u32),
@@ -218,7 +218,7 @@ pub(super) fn film_header(
 ) -> Result<FilmHeader, CommandFailure> {
     let mut settings = render.flags();
     if render.crop.is_some() {
-        // The same window of another picture shows something else.
+        // A window at the same place of a picture of another size shows something else.
         settings.extend(["--size".to_owned(), format!("{}x{}", whole.0, whole.1)]);
     }
     let digests = std::iter::once(render.scene).chain(inputs.iter().map(PathBuf::as_path)).map(|path| {
@@ -266,10 +266,10 @@ impl io::Write for HashWriter<'_> {
 }
 
 impl<'a> SavedFilm<'a> {
-    /// Locks the film file at `path`. Returns it with the render that it holds; `None` if the file
-    /// does not exist.
+    /// Locks the film file at `path`. Returns it with the render that it holds; the render is
+    /// `None` if the file does not exist.
     ///
-    /// The file must be of the render with `header`. `interval` is the time between two saves.
+    /// The film must belong to the render with `header`. `interval` is the time between two saves.
     pub fn open(
         path: &'a Path,
         header: FilmHeader,
@@ -280,7 +280,7 @@ impl<'a> SavedFilm<'a> {
         let lock = lock.ok_or_else(in_use)?;
         let mut rendered = None;
         if path.exists() {
-            // Equal sizes also tell that the film fits into memory.
+            // A film of the same size as this render fits into memory, which was checked before.
             let differences = header.differences(&read_header(path)?);
             if !differences.is_empty() {
                 let error = OtherRenderError { path: path.to_owned(), differences };
@@ -291,7 +291,7 @@ impl<'a> SavedFilm<'a> {
         Ok((Self { path, header, interval, next: Instant::now() + interval, _lock: lock }, rendered))
     }
 
-    /// Returns an error unless all passes of `rendered` are among `numbers`.
+    /// Returns an error unless `numbers` contains all passes of `rendered`.
     pub fn check_shard(&self, rendered: &RenderResult, numbers: Range<u32>) -> Result<(), CommandFailure> {
         let mut shard = PassSet::default();
         shard.insert(numbers);
@@ -302,8 +302,8 @@ impl<'a> SavedFilm<'a> {
         Err(CommandFailure::usage_error(OtherShardError { path: self.path.to_owned(), passes }))
     }
 
-    /// Saves `rendered` if a save is due. If writing fails, prints a warning: the next save may
-    /// succeed.
+    /// Saves `rendered` if a save is due. Prints a warning if writing fails, because the next save
+    /// may succeed.
     pub fn save_if_due(&mut self, rendered: &RenderResult) {
         let start = Instant::now();
         if start < self.next {

@@ -4,7 +4,7 @@ use crate::render::ErrorTarget;
 use crate::render::error_estimate::{ErrorEstimate, StopForecast};
 use crate::study::text::percent_text;
 
-/// Advice for a target error that more passes cannot reach, because bias remains.
+/// Advice for a target error that more passes cannot reach because of bias.
 pub(super) const BIAS_REMEDY: &str =
     "the rest is bias of this method: choose a smaller --radius, or --integrator sppm or hybrid, whose radii shrink";
 
@@ -29,8 +29,9 @@ pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
 /// Returns a text about the time until a render reaches `target`, such as `; 1.0 % in about 42 s
 /// (35 s to 50 s)`.
 ///
-/// `estimate` is the estimated error so far, and `forecast` predicts the passes until `target`.
-/// `pass_seconds` is the time of one pass \[s]. The text is empty if the estimated error is 0.
+/// `estimate` is the error estimated so far, and `forecast` predicts the number of passes that
+/// reach `target`. `pass_seconds` is the time of one pass \[s]. The text is empty if the estimated
+/// error is 0.
 pub(super) fn time_to_target_text(
     estimate: &ErrorEstimate,
     target: ErrorTarget,

@@ -10,15 +10,16 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Largest number of a frame, plus one. All output files are checked before the first frame.
+/// Largest allowed `end` of a [`FrameRange`]. All output files are checked before the first frame
+/// is rendered.
 const MAX_FRAMES: u32 = 10_000;
 
 /// Numbers of the frames to render, from `first` to before `end`: value of `--frames`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameRange {
-    /// Number of the first frame.
+    /// Number of the first frame to render.
     pub first: u32,
-    /// Number after that of the last frame.
+    /// Number after that of the last frame to render.
     pub end: u32,
 }
 
@@ -58,10 +59,11 @@ pub(super) struct FrameNameError {
 #[diagnostic(help("remove Moving around the camera"))]
 pub(super) struct MovingCameraError;
 
-/// Returns `path` with the number `frame` in the place of `%d`, or of `%04d` with leading zeros up
-/// to four digits.
+/// Returns `path` with the number `frame` in place of `%d`, or of `%04d` with leading zeros up to
+/// four digits.
 ///
-/// `flag` is the flag of the file, for the error that there is no single such place.
+/// `flag` is the flag that names the file. The error names it if `path` has no such place, or more
+/// than one.
 pub(super) fn frame_path(flag: &'static str, path: &Path, frame: u32) -> Result<PathBuf, FrameNameError> {
     let numbered = path.to_str().and_then(|text| {
         let (before, rest) = text.split_once('%')?;
@@ -76,9 +78,9 @@ pub(super) fn frame_path(flag: &'static str, path: &Path, frame: u32) -> Result<
     numbered.ok_or_else(|| FrameNameError { flag, path: path.to_owned() })
 }
 
-/// Cameras on a circle around a point, which all look at it.
+/// Cameras on a circle around a point, which they all look at.
 pub(super) struct Turntable {
-    /// Camera of frame 0, in the coordinates of the description.
+    /// Camera of frame 0, in the coordinates of the scene description.
     camera: Camera,
     pivot: DVec3,
     /// Unit vector about which the camera turns.
@@ -104,8 +106,8 @@ impl Turntable {
         Ok(Self { camera: scene.camera_in_description(), pivot, axis, frames })
     }
 
-    /// Returns the camera of a frame; `None` for that of the scene. It moves to the right with the
-    /// number of the frame.
+    /// Returns the camera of a frame; `None` for the frame that the scene's own camera shows. The
+    /// camera moves to the right as frame numbers rise.
     pub fn camera(&self, frame: u32) -> Option<Camera> {
         let step = frame % self.frames;
         let angle = TAU * f64::from(step) / f64::from(self.frames);

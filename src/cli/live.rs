@@ -64,8 +64,10 @@ impl LiveOutput {
     }
 }
 
-/// Handles a request of the page. [`Request::Stop`] acts like the first Ctrl-C; for other requests,
-/// returns false, because a page of `caustica render` cannot do them.
+/// Handles a request of the live page. [`Request::Stop`] acts like the first Ctrl-C.
+///
+/// Returns false for other requests, because `caustica render` cannot resume a render or move its
+/// camera.
 fn handle_page_request(request: Request) -> bool {
     match request {
         Request::Stop => {

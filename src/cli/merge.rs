@@ -1,4 +1,4 @@
-//! `caustica merge`: adds the film files of parts of a render.
+//! `caustica merge`: adds the passes of several film files.
 
 use super::film::{OtherRenderError, check_film_memory, read_film, write_film};
 use super::number::parse_bytes;
@@ -38,7 +38,7 @@ pub struct MergeArguments {
     pub quiet: bool,
 }
 
-/// Error: a film cannot be added to those before it.
+/// Error: a film cannot be added to the films named before it.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("cannot add the film `{}`: {source}", path.display())]
 #[diagnostic(help("`caustica film FILE` lists the passes of a film"))]
@@ -92,8 +92,8 @@ pub(super) fn is_film(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(FILM_EXTENSION))
 }
 
-/// Returns the sum of the films at `paths`. Skips a film with the same passes as an earlier film.
-/// At most two films are in memory at a time.
+/// Returns the sum of the films at `paths`. Skips a film that holds the same passes as an earlier
+/// film. At most two films are in memory at a time.
 fn merged_film(paths: &[PathBuf], progress: &ProgressDisplay) -> Result<FilmFile, CommandFailure> {
     let mut total: Option<FilmFile> = None;
     let mut added: Vec<PassSet> = Vec::new();
@@ -116,7 +116,7 @@ fn merged_film(paths: &[PathBuf], progress: &ProgressDisplay) -> Result<FilmFile
     total.ok_or_else(missing_argument)
 }
 
-/// Returns an error if `film`, which was read from `path`, is of another render than `total`.
+/// Returns an error if `film`, which was read from `path`, belongs to another render than `total`.
 fn check_same_render(total: &FilmFile, film: &FilmFile, path: &Path) -> Result<(), CommandFailure> {
     let differences = total.header.differences(&film.header);
     if differences.is_empty() {
@@ -125,7 +125,7 @@ fn check_same_render(total: &FilmFile, film: &FilmFile, path: &Path) -> Result<(
     Err(CommandFailure::new(Exit::Input, OtherRenderError { path: path.to_owned(), differences }))
 }
 
-/// Returns `total` with the passes of `film`, which was read from `path`.
+/// Returns `total` with the passes of `film` added. `film` was read from `path`.
 fn sum_of_films(mut total: FilmFile, film: &FilmFile, path: &Path) -> Result<FilmFile, CommandFailure> {
     let merged = total.rendered.merge(&film.rendered);
     let error = |source| CommandFailure::new(Exit::Input, FilmMergeError { path: path.to_owned(), source });

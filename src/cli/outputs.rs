@@ -46,7 +46,7 @@ pub(super) fn check_distinct_files(outputs: &[FileWithRole], inputs: &[FileWithR
     Ok(())
 }
 
-/// Errors of outputs that could not be written. A failed output does not prevent the next ones.
+/// Errors of outputs that could not be written. Other outputs are still written after a failure.
 #[derive(Debug, Default)]
 pub(super) struct OutputFailures(Vec<Report>);
 

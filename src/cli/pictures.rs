@@ -31,8 +31,8 @@ pub struct PictureArguments {
 }
 
 impl PictureArguments {
-    /// Returns the options of writing picture files. `curve` is the tone curve if `--tone` is not
-    /// given.
+    /// Returns the options for writing picture files. `curve` is the tone curve that is used
+    /// without `--tone`.
     pub(super) fn write_options(&self, curve: ToneCurve) -> WriteOptions {
         WriteOptions {
             tone: ToneMap { curve: self.tone.unwrap_or(curve), exposure_stops: self.exposure },

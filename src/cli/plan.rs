@@ -59,14 +59,14 @@ pub(super) fn print_plan(integrator: &dyn Integrator, progress: &ProgressDisplay
     }
 }
 
-/// True if the scene has caustics and the algorithm of `integrator` traces no photons.
+/// True if the scene has caustics, but the algorithm of `integrator` traces no photons.
 ///
-/// Its estimated error then leaves out the caustics that its camera paths did not hit.
+/// The estimated error of the picture then leaves out the caustics that no camera path hit.
 pub(super) fn finds_caustics_only_by_chance(integrator: &dyn Integrator) -> bool {
     integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none()
 }
 
-/// Returns lines that describe the work of a pass: numbers of rays and photons, the share of
+/// Returns lines that describe the work of a pass: its numbers of rays and photons, the share of
 /// indirect light that photon estimates carry, and the guiding of shadow rays.
 pub(super) fn pass_work_lines(integrator: &dyn Integrator) -> Vec<String> {
     let counts = integrator.ray_photon_balance().map(|balance| pass_counts_line(&balance));
@@ -102,7 +102,7 @@ fn prefix_rays_line(mean: f64) -> Option<String> {
 }
 
 /// Returns a line with the shares of indirect light that photon estimates carry in the first pass
-/// and in pass 100; `None` if camera paths carry all of it.
+/// and in pass 100; `None` if camera paths carry all indirect light.
 fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
     let percent = |pass| (100.0 * integrator.photon_share_of_indirect_light(pass)).round();
     let (first, later) = (percent(0), percent(99));
@@ -189,10 +189,11 @@ struct PlanCommandReport {
     prefix_rays_per_pixel: f64,
     /// Share in \[0, 1] of the indirect light that photon estimates carry in the first pass.
     indirect_photon_share: f64,
-    /// Findings of the pilot that guides shadow rays to the environment; `None` if there was no
-    /// such pilot.
+    /// Report of the pilot that guides shadow rays to the environment; `None` if there was no such
+    /// pilot.
     environment_guiding: Option<EnvironmentGuidingReport>,
-    /// Findings of the pilot that guides shadow rays from media; `None` if there was no such pilot.
+    /// Report of the pilot that guides the points of media from which shadow rays start; `None` if
+    /// there was no such pilot.
     scatter_point_guiding: Option<ScatterPointGuidingReport>,
     effects: Vec<EffectCostReport>,
 }

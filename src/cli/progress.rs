@@ -60,7 +60,7 @@ pub(super) struct ProgressBarLabels {
     pass: String,
     /// Expected end of the whole render; `None` if unknown.
     end: Option<Instant>,
-    /// Number of triangles of all meshes that have been read so far.
+    /// Number of triangles of all meshes that were read so far.
     triangles: usize,
 }
 

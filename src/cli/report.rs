@@ -60,7 +60,8 @@ pub(super) struct LimitsReport {
     seconds: Option<f64>,
     /// Relative error at which the render ends; `None` without this limit.
     error: Option<f64>,
-    /// Confidence with which the true error must be at most `error`; `None` if `error` is `None`.
+    /// Confidence with which the true error must be at most `error`; `None` if there is no limit
+    /// `error`.
     confidence: Option<Confidence>,
 }
 
@@ -84,11 +85,11 @@ pub(super) struct EstimatedErrorReport {
     /// Confidence that the true error lies between the bounds `low` and `high` of the estimate.
     pub confidence: Confidence,
     /// Total number of passes after which the estimated error is expected to be half of its present
-    /// value (median of the forecast); `None` if it is unknown, or if no number of passes halves
-    /// it.
+    /// value (median of the forecast). `None` if it is unknown, or if no number of passes halves
+    /// the error.
     halving_passes: Option<u32>,
-    /// Expected time of the passes still missing to `halving_passes` \[s]; `None` if that is
-    /// `None`.
+    /// Expected time of the passes that are still missing to `halving_passes` \[s]; `None` if
+    /// `halving_passes` is `None`.
     halving_seconds: Option<f64>,
 }
 
@@ -110,8 +111,10 @@ impl EstimatedErrorReport {
 
 #[derive(Debug, Serialize)]
 pub(super) struct GatherRadiiReport {
-    /// Largest gather radius of the indirect map in the first pass \[length]. Jensen 2001 calls it
-    /// the global map.
+    /// Largest gather radius of the indirect map in the first pass \[length].
+    ///
+    /// The map holds all indirect light. In `hybrid`, it holds only light that a receiver scattered
+    /// after a caustic.
     #[serde(rename = "global")]
     pub indirect: f32,
     /// Largest gather radius of the caustic map in the first pass \[length].
@@ -120,7 +123,7 @@ pub(super) struct GatherRadiiReport {
 
 #[derive(Debug, Serialize)]
 pub(super) struct PhotonReports {
-    /// Photon paths that lights emit in all directions: the paths of `--photons`.
+    /// Photon paths that start in all directions (unaimed): those of `--photons`.
     #[serde(rename = "global")]
     pub unaimed: PhotonReport,
     /// Photon paths that are aimed at casters, such as glass: those of `--caustic-photons`.

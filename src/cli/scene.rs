@@ -11,7 +11,8 @@ use crate::stats::MemoryLimit;
 use miette::Report;
 use std::path::{Path, PathBuf};
 
-/// Reads and builds the scene that the command line names. `--size` replaces its picture size.
+/// Reads and builds the scene that the command line names. `--size` replaces the picture size of
+/// the scene.
 ///
 /// If a picture or an input does not fit into memory, returns a failure before memory is allocated.
 /// `monitor` receives the progress of reading.
@@ -68,7 +69,8 @@ pub(super) fn load_scene_and_file(
     Ok((file, scene))
 }
 
-/// Reads the scene file that the command line names. `--size` replaces its picture size.
+/// Reads the scene file that the command line names. `--size` replaces the picture size of the
+/// scene.
 ///
 /// If the picture does not fit into memory, returns a failure.
 pub(super) fn read_sized_scene_file(
@@ -87,7 +89,8 @@ pub(super) fn read_sized_scene_file(
     Ok(file)
 }
 
-/// Builds the scene that `file` describes, within the memory limit of the command line.
+/// Resolves the scene that `file` describes: loads the files that it names and builds the scene,
+/// within the memory limit of the command line.
 pub(super) fn resolve_scene_file(
     file: &SceneFile,
     arguments: &SceneArguments,

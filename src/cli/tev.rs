@@ -30,7 +30,7 @@ impl TevOutput {
     /// Sends the final picture. If `has_layers` is true, also sends the layers of `--aov`, as a
     /// second image.
     ///
-    /// Waits a limited time for the viewer to read them, and prints a warning if it does not.
+    /// Waits a limited time for the viewer to read the images, and prints a warning if it does not.
     pub fn finish(self, rendered: &RenderResult, aovs: Option<&SurfaceAovs>, has_layers: bool) {
         let size = rendered.film.size();
         self.client.send(&self.name, size, picture_and_group_layers(rendered));

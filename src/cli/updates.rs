@@ -7,8 +7,8 @@ use std::error::Error;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// Smallest time between two updates, as a multiple of the time that an update takes. So updates
-/// take at most 1 % of a render.
+/// Smallest time between two updates, as a multiple of the time that an update takes. It keeps the
+/// time of updates below 1 % of a render.
 const MIN_INTERVAL_FACTOR: u32 = 100;
 
 /// Writer of the pictures of an unfinished render.

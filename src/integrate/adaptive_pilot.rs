@@ -20,17 +20,17 @@ use std::sync::Arc;
 /// one camera ray per pixel each.
 const PILOT_PICTURES: u32 = 4;
 
-/// Divisor of the number of photon paths: the adaptive-sampling pilot traces 1/16 of the paths of a
-/// pass.
+/// Divisor of the number of photon paths of a pass: the adaptive-sampling pilot traces 1/16 of the
+/// paths.
 const PILOT_DIVISOR: u32 = 16;
 
-/// Smallest number of camera rays of a pixel, relative to the mean over all pixels.
+/// Smallest number of camera rays of a pixel, divided by the mean over all pixels.
 const MIN_RELATIVE_COUNT: f64 = 0.5;
 
-/// Largest number of camera rays of a pixel, relative to the mean over all pixels.
+/// Largest number of camera rays of a pixel, divided by the mean over all pixels.
 const MAX_RELATIVE_COUNT: f64 = 8.0;
 
-/// Returns how many camera rays each pixel needs, relative to the mean over all pixels.
+/// Returns the number of camera rays that each pixel needs, divided by the mean over all pixels.
 ///
 /// The values are ordered by rows from the top. A pilot renders a few pictures and measures their
 /// noise. Returns `None` if they have no noise.
@@ -38,7 +38,7 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let options = MapBuildOptions::for_pilot(key, PILOT_DIVISOR);
     let maps = renderer.map_builder.build(&options, &SilentMonitor, &mut Pass::default());
-    // Moving objects rest at one time, without slices of the shutter interval.
+    // Moving objects stay at one time, because the pilot does not slice the shutter interval.
     let pilot = renderer.with_one_sample();
     let pictures: Vec<Vec<f64>> = (0..PILOT_PICTURES)
         .map(|i| {
@@ -58,11 +58,11 @@ pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Ar
     relative_ray_counts(&pictures, width as usize, height as usize, renderer.samples)
 }
 
-/// Returns how many camera rays each pixel needs, relative to the mean over all pixels; `None` if
-/// the `pictures` have no noise.
+/// Returns the number of camera rays that each pixel needs, divided by the mean over all pixels;
+/// `None` if the `pictures` have no noise.
 ///
-/// The counts follow from the differences between the independent `pictures`, which show the noise.
-/// `samples` is the mean number of rays per pixel.
+/// `pictures` are independent, so their differences are noise. `samples` is the mean number of rays
+/// per pixel in a pass.
 fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32) -> Option<Arc<[f32]>> {
     let n = pictures.len() as f64;
     let mean: Vec<f64> =
@@ -93,7 +93,7 @@ fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, sampl
     let share = |scale: f64, w: f64| (scale * w).clamp(least, MAX_RELATIVE_COUNT);
     let total = |scale: f64| wanted.iter().map(|w| share(scale, *w)).sum::<f64>() / wanted.len() as f64;
     let (mut low, mut high) = (0.0, 1.0 / largest);
-    // If few pixels need rays, this bound of the scale would leave rays unused: raise it.
+    // If few pixels need rays, this upper bound of the scale would leave rays unused: raise it.
     while total(high) < 1.0 && high * largest < MAX_RELATIVE_COUNT * 1e6 {
         high *= 2.0;
     }
@@ -109,7 +109,8 @@ fn relative_ray_counts(pictures: &[Vec<f64>], width: usize, height: usize, sampl
 mod tests {
     use super::*;
 
-    /// In pictures with a constant left half and a noisy right half, the right half gets more rays.
+    /// In pictures that are constant on the left and noisy on the right, pixels on the right get
+    /// more rays, and the total number stays the same.
     #[test]
     fn rays_follow_noise_and_keep_their_total() {
         let (width, height) = (16, 8);

@@ -13,12 +13,12 @@ use crate::stats::Counters;
 pub struct RayPhotonBalance {
     /// Number of camera rays per pixel.
     pub samples: u32,
-    /// Number of unaimed photon paths, for [`Settings::photons`](super::Settings::photons); `None`
-    /// without such paths.
+    /// Number of unaimed photon paths, for
+    /// [`Settings::unaimed_paths`](super::Settings::unaimed_paths); `None` without such paths.
     #[serde(rename = "photons")]
     pub unaimed_paths: Option<u32>,
     /// Number of aimed photon paths, for
-    /// [`Settings::caustic_photons`](super::Settings::caustic_photons); `None` without such paths.
+    /// [`Settings::aimed_paths`](super::Settings::aimed_paths); `None` without such paths.
     #[serde(rename = "caustic_photons")]
     pub aimed_paths: Option<u32>,
 }
@@ -30,26 +30,28 @@ const MAX_CHANGE: f64 = 4.0;
 // The unit of work is the time of one photon ray, about 0.1 µs. The ratios come from
 // docs/measurements/.
 
-/// Work of tracing and shading one ray of a camera path, relative to tracing a photon ray.
+/// Work of tracing and shading one ray of a camera path. The unit is the work of tracing one photon
+/// ray.
 const CAMERA_RAY_WORK: f64 = 2.0;
 
-/// Work of storing and indexing one photon, relative to tracing a photon ray.
+/// Work of storing and indexing one photon. The unit is the work of tracing one photon ray.
 const STORED_PHOTON_WORK: f64 = 1.5;
 
-/// Work of one photon in a density estimate, relative to tracing a photon ray.
+/// Work of one photon in a density estimate. The unit is the work of tracing one photon ray.
 pub(super) const GATHERED_PHOTON_WORK: f64 = 0.2;
 
-/// Work of one density estimate apart from its photons, relative to tracing a photon ray.
+/// Work of one density estimate apart from its photons. The unit is the work of tracing one photon
+/// ray.
 pub(super) const LOOKUP_WORK: f64 = 20.0;
 
-/// One source of noise in a pass: the camera rays, the photon paths in all directions, or the
-/// photon paths aimed at casters.
+/// One source of noise in a pass: the camera rays, the unaimed photon paths, or the photon paths
+/// aimed at casters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NoiseSource {
-    /// Variance of the picture if there is one sample: one camera ray per pixel, or one photon
-    /// path.
+    /// Variance of the picture of a pass with one sample of this source: one camera ray per pixel,
+    /// or one photon path.
     pub variance: f64,
-    /// Work of one sample, relative to tracing a photon ray.
+    /// Work of one sample. The unit is the work of tracing one photon ray.
     pub cost: f64,
     /// Number of samples before balancing.
     pub count: f64,
@@ -61,8 +63,8 @@ impl NoiseSource {
     }
 }
 
-/// Returns the numbers of samples of all sources for which the pass has least noise. The total work
-/// is the same as with the default numbers.
+/// Returns the numbers of samples of all sources for which a pass has the least noise, at the total
+/// work of the default numbers.
 ///
 /// A sample is one camera ray per pixel, or one photon path. No number changes by more than a
 /// factor of [`MAX_CHANGE`]. A source without noise keeps its number of samples, and its work is
@@ -91,29 +93,30 @@ pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
     numbers(low)
 }
 
-/// Returns the work of tracing the camera paths that `counters` count; tracing one photon ray is
-/// the unit.
+/// Returns the work of tracing the camera paths whose rays `counters` count. The unit is the work
+/// of tracing one photon ray.
 pub(super) fn camera_path_work(counters: &Counters) -> f64 {
     CAMERA_RAY_WORK * (counters.camera_rays + counters.continuation_rays + counters.shadow_rays) as f64
 }
 
-/// Returns the work of the photon density estimates that `counters` count; tracing one photon ray
-/// is the unit.
+/// Returns the work of the photon density estimates that `counters` count. The unit is the work of
+/// tracing one photon ray.
 pub(super) fn gathering_work(counters: &Counters) -> f64 {
     GATHERED_PHOTON_WORK * counters.gathered_photons as f64
 }
 
-/// Returns the work of storing and indexing `photons` photons; tracing one photon ray is the unit.
+/// Returns the work of storing and indexing `photons` photons. The unit is the work of tracing one
+/// photon ray.
 pub(super) fn photon_storage_work(photons: u64) -> f64 {
     STORED_PHOTON_WORK * photons as f64
 }
 
-/// Returns the mean relative variance, over points of the film, of a radiance estimate that was
-/// made twice; 0 if all points are black.
+/// Returns the mean relative variance of a radiance estimate over points of the film; 0 if all
+/// points are black.
 ///
-/// `one` and `other` are independent estimates at the same points. `light` is the mean radiance at
-/// each point. The squared difference at a point is divided by the squared radiance there plus the
-/// squared median radiance of all points.
+/// `one` and `other` are two independent estimates at the same points. `light` is the mean radiance
+/// at each point. The squared difference at a point is divided by the squared radiance there plus
+/// the squared median radiance of all points.
 pub(super) fn relative_variance(one: &[Rgb], other: &[Rgb], light: &[f64]) -> f64 {
     let Some(median) = positive_median(light.iter().copied()) else { return 0.0 };
     let square = |((a, b), light): ((&Rgb, &Rgb), &f64)| {

@@ -29,10 +29,10 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Effect, Interior, PathEvent, PathRay, Scene, SurfaceInteraction, SurfaceVertex};
 use glam::Vec3;
 
-/// Least throughput of the fainter branch, as a mean over RGB, for which a camera path splits into
-/// a reflected and a refracted branch at a smooth dielectric.
+/// Least throughput of the fainter branch, as a mean over RGB, at which a camera path splits at a
+/// smooth dielectric into a reflected and a refracted branch.
 ///
-/// Below it, the path samples one of the two.
+/// Below it, the path samples one of the two branches.
 const MIN_SPLIT_THROUGHPUT: f32 = 0.001;
 
 /// Mean throughput of the RGB channels below which Russian roulette may end a path.
@@ -48,7 +48,7 @@ const MAX_BRANCHES: usize = 16;
 /// photon maps.
 const NO_MAP_RADIUS: f32 = 1.0;
 
-/// Smallest length of a final-gathering ray that reads the indirect map at its end, relative to the
+/// Smallest length of a final-gathering ray that reads the indirect map at its end, divided by the
 /// map's gather radius.
 ///
 /// At the end of a shorter ray, the blur of the map would show. The path then continues instead.
@@ -71,7 +71,8 @@ pub(super) struct PathContext<'a> {
     min_gather_distance: f32,
 }
 
-/// State of a camera path, or of a branch of it, between two vertices.
+/// State of a camera path between two vertices. At a smooth dielectric, a path splits into a
+/// reflected and a refracted branch; each branch then has a state of its own.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PathState<I> {
     path_ray: PathRay<I>,
@@ -79,16 +80,16 @@ pub(super) struct PathState<I> {
     throughput: Rgb,
     bounce: u32,
     history: PathHistory,
-    /// Factor that the throughput gets at the next vertex: the weight of camera paths for indirect
-    /// light, just after the first receiver; else 1.
+    /// Factor on the throughput, which is applied at the next vertex: just after the first receiver
+    /// the weight of camera paths for indirect light, else 1.
     ///
-    /// Emission at the next vertex is direct light of the previous vertex. So the factor counts
-    /// only after that emission is added.
+    /// Emission at the next vertex is direct light of the previous vertex. So the factor is applied
+    /// after that emission was added.
     pending_weight: f32,
     /// True after the path's first receiver, if this path carries a part of the receiver's indirect
     /// light and a photon estimate carries the rest.
     carries_shared_light: bool,
-    /// Previous vertex if next-event estimation there could have sampled the light that the path
+    /// Previous vertex, if next-event estimation there could have sampled the light that the path
     /// hits now. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
     /// shadow rays.
     prev: Option<PrevVertex>,
@@ -368,10 +369,10 @@ fn photon_radiance<I: Interior>(
     estimate
 }
 
-/// True if photon estimates find part or all of the indirect light at a receiver. They do so only
+/// True if photon estimates find a part or all of the indirect light at a receiver. They do so only
 /// at the first receiver of a camera path.
 ///
-/// `history` counts the receivers and casters on the path before this receiver.
+/// `history` holds the receivers and casters on the path before this receiver.
 #[inline]
 fn shares_indirect_light(weights: IndirectWeights, history: PathHistory) -> bool {
     weights.photon_weight > 0.0 && history.receivers == 0
@@ -407,8 +408,8 @@ fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, weights: &PathWeights, 
     weighted
 }
 
-/// Records the position of `vertex` in `task` as a point visible to the camera. Its weight is the
-/// throughput times the BRDF, which is the importance of photons there.
+/// Records `vertex` in `task` as a point visible to the camera. Its weight is the throughput times
+/// the BRDF, which is the importance of photons there.
 fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, task: &mut PathTask) {
     let surface = vertex.surface;
     let normal = surface.facing_normal();
@@ -422,8 +423,8 @@ fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, task: &mut Path
     });
 }
 
-/// True if `vertex` ends a final-gathering ray that is long enough for a lookup in the indirect
-/// map.
+/// True if `vertex` ends a final-gathering ray, and the ray is long enough for a lookup in the
+/// indirect map.
 #[inline]
 fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bool {
     paths.policy.continuation == PathContinuation::GatherRays
@@ -503,7 +504,7 @@ impl<'a> PathContext<'a> {
 }
 
 impl<I: Interior> PathState<I> {
-    /// Makes this path weight the indirect light that it finds from now on, after its first
+    /// Sets the weight of the indirect light that this path finds from now on, after its first
     /// receiver. Photon estimates carry the rest of that light.
     ///
     /// `sampler` is the sampler of the path's vertex at the receiver.

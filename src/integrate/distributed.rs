@@ -1,7 +1,8 @@
 //! `distributed`: distributed ray tracing (Cook, Porter and Carpenter 1984).
 //!
 //! # Algorithm
-//! - **Prepare**: nothing.
+//! - **Prepare**: guide shadow rays to the environment light, and guide the points of media from
+//!   which shadow rays start.
 //! - **Each pass**: trace camera paths that sample area lights, glossy lobes, the lens and the
 //!   pixel at random. A path continues only if the chosen BSDF lobe is not diffuse, so diffuse
 //!   surfaces do not light each other.

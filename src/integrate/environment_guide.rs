@@ -1,5 +1,5 @@
-//! Guided sampling of the environment light: shadow rays prefer directions from which it reaches
-//! the scene.
+//! Guided sampling of the environment light: shadow rays prefer directions from which its light
+//! reaches the scene.
 //!
 //! Walls block shadow rays towards the environment: in a room, only rays through a window find
 //! light. A grid over the scene holds in each cell a distribution over the unit square. The
@@ -32,8 +32,8 @@ const CELLS: u32 = 1 << REFINEMENTS;
 /// A guided ray has at most 5 times the weight of the same ray without guiding.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
-/// Weight of the mean of the coarser bin around a bin in the estimated mean of the bin, in units of
-/// one ray (shrinkage estimator).
+/// Weight of the parent bin's mean in the estimated mean of a bin (shrinkage estimator). The unit
+/// is the weight of one ray; the parent is the larger bin of the next coarser level.
 const PARENT_WEIGHT: f64 = 2.0;
 
 /// Distributions of the directions from which the environment light reaches each cell of a grid
@@ -63,7 +63,8 @@ impl EnvironmentGuide {
     pub fn sample_li(&self, light: &EnvironmentLight, p: Vec3, u: Vec2) -> Option<DirectLightSample> {
         let (u, _) = self.guided_sample(p, u);
         let (wi, _) = light.sample(u)?;
-        // Compute the pdf as MIS weights do: rounding may move the direction to another bin.
+        // Compute the pdf from the direction, as MIS weights do. Rounding may move the direction to
+        // another bin than `u`.
         let pdf = self.pdf_li(light, p, wi);
         let irradiance = light.radiance(wi) / pdf;
         (pdf > 0.0).then_some(DirectLightSample { wi, target: ShadowTarget::Infinity, irradiance, pdf: Some(pdf) })
@@ -93,9 +94,10 @@ impl EnvironmentGuideFit {
         Self { grid: SceneCellGrid::new(points), counts: vec![0.0; bins], squares: vec![0.0; bins] }
     }
 
-    /// Adds a pilot ray from `p`, whose direction the light has sampled from the point `u` in
-    /// \[0, 1)². `square` is the squared contribution to the picture that the ray would have
-    /// without guiding.
+    /// Adds what a pilot ray from `p` found. The light has sampled its direction from the point `u`
+    /// in \[0, 1)².
+    ///
+    /// `square` is the squared contribution to the picture that the ray would have without guiding.
     pub fn add(&mut self, p: Vec3, u: Vec2, square: f64) {
         let bin = self.grid.cell_index(p) * BINS + SquareGridDistribution::cell_index(SIDE, u);
         self.counts[bin] += 1.0;
@@ -106,7 +108,8 @@ impl EnvironmentGuideFit {
     /// picture.
     ///
     /// The squared contributions are averaged in each bin. Each average is drawn towards that of
-    /// the larger bin of the next coarser level, and that towards the next, up to the whole scene.
+    /// its parent bin, the larger bin of the next coarser level. That average is drawn towards its
+    /// own parent's, and so on up to the whole scene.
     pub fn fitted_guide(&self) -> Option<EnvironmentGuide> {
         let mean = self.squares.iter().sum::<f64>() / self.counts.iter().sum::<f64>().max(1.0);
         let mut means = vec![mean; RefinementLevel(0).bin_count()];

@@ -38,8 +38,10 @@ const RAYS_PER_POINT: u32 = 6;
 const MIN_GAIN: f64 = 1.5;
 
 /// Largest fraction of unguided shadow rays that reach the environment, for which the
-/// environment-guiding pilot goes on. Above it, the pilot ends after the first round without a
-/// guide, because camera paths that sample the BSDF find such a widely visible sky well.
+/// environment-guiding pilot goes on.
+///
+/// Above it, the pilot ends after the first round without a guide: camera paths that sample the
+/// BSDF find such a widely visible sky well.
 const MAX_UNOCCLUDED: f64 = 0.25;
 
 /// Work and estimated benefit of the pilot that guides shadow rays to the environment light.
@@ -49,8 +51,8 @@ pub struct EnvironmentGuidingReport {
     pub rays: u64,
     /// Fraction in \[0, 1] of unguided shadow rays that reach the environment.
     pub unoccluded: f64,
-    /// Ratio of the second moments of unguided and guided shadow rays' contributions to the
-    /// picture; 1 if no ray contributes.
+    /// Second moment of unguided shadow rays' contributions to the picture, divided by that of
+    /// guided ones; 1 if no ray contributes.
     pub gain: f64,
     /// True if the render guides shadow rays.
     pub used: bool,
@@ -64,7 +66,8 @@ struct PilotRay {
     u: Vec2,
     /// Pdf of `u` over the unit square.
     pdf: f32,
-    /// Contribution that the ray would make to the picture without guiding; 0 if occluded.
+    /// Contribution that the ray would make to the picture if it had been sampled without guiding;
+    /// 0 if occluded.
     contribution: f64,
 }
 
@@ -151,14 +154,15 @@ fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key:
         return Rgb::ZERO;
     }
     for_interior!(effects, <I> {
-        // Start outside all bodies. Crossed boundaries reveal the bodies around the origin.
+        // Start as the light does: outside all bodies. Crossed boundaries reveal the bodies around
+        // the ray's origin.
         let interior = scene.start_light_path::<I>(light, *ray, effects).interior;
         scene.shadow_transmittance(ray, interior, key)
     })
 }
 
-/// Returns the ratio of the second moments of unguided and guided contributions to the picture.
-/// Both are estimated from guided `rays`. It is 1 if no ray contributes.
+/// Returns the second moment of unguided contributions to the picture, divided by that of guided
+/// ones. Both are estimated from guided `rays`. The result is 1 if no ray contributes.
 fn guiding_gain(rays: &[PilotRay]) -> f64 {
     let (mut unguided, mut guided) = (0.0, 0.0);
     for ray in rays {

@@ -38,8 +38,8 @@ pub(super) fn film_points_in_pixels(scene: &Scene, key: Key, set: u32) -> Vec<Fi
 
 /// Traces a camera path through each of `points`.
 ///
-/// Returns the radiance at each point \[W/(m² sr)], and the parallel tasks. The
-/// tasks hold ray counts and visible points.
+/// Returns the radiance at each point \[W/(m² sr)], and the parallel tasks that traced the paths.
+/// The tasks hold the ray counts and the visible points.
 pub(super) fn trace_paths_through_film_points(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
@@ -50,8 +50,8 @@ pub(super) fn trace_paths_through_film_points(
 /// Traces a camera path through each of `points`, and calls `result` with its radiance \[W/(m² sr)]
 /// and the task that traced it.
 ///
-/// Returns the values that `result` returned, and the ray counts of all paths. If `nested`, photon
-/// estimates are also made with smaller nested discs.
+/// Returns the values that `result` returned, and the ray counts of all paths. If `nested` is true,
+/// each photon estimate is also made with smaller nested discs.
 pub(super) fn map_paths_through_film_points<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],

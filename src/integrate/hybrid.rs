@@ -4,17 +4,21 @@
 //!
 //! # Algorithm
 //! - **Prepare**: aim photon emission at casters, guide it to what the camera sees, and find gather
-//!   radii. Divide indirect light between camera paths and photons. Balance camera rays against
-//!   photons. Find the weights of light tracing and the numbers of prefix rays.
+//!   radii. Guide shadow rays to the environment light, and guide the points of media from which
+//!   shadow rays start. Divide indirect light between camera paths and photons. Balance camera rays
+//!   against photons. Find the weights of light tracing and the numbers of prefix rays.
 //! - **Each pass**: trace photon paths aimed at casters. At their first receiver, connect them to
 //!   the camera and store photons in the caustic map. At later receivers, store photons in the
-//!   indirect map. Trace further photon paths in all directions, and store photons that a receiver
-//!   reflected in the interreflection map. Then trace camera paths with next-event estimation. One
-//!   path of each pixel reads the photon maps at its first receiver, and some paths continue there.
-//!   Then trace prefix rays, which end at their first receiver, in the pixels that need them.
+//!   indirect map. Trace unaimed photon paths, which start in all directions, and store photons
+//!   that a receiver reflected in the interreflection map. Then trace camera paths with next-event
+//!   estimation. One path of each pixel reads the photon maps at its first receiver, and some paths
+//!   continue there. Then trace prefix rays, which end at their first receiver, in the pixels that
+//!   need them.
 //!
-//! Only photons carry caustics. So a camera path ignores emission that it hits after a receiver and
-//! one or more casters. Gather radii shrink from pass to pass, so the mean of the passes converges.
+//! Photons carry caustics and the light that receivers reflect after a caustic. Camera paths ignore
+//! emission that they hit after a receiver and one or more casters. Of the other indirect light,
+//! photons carry a share that a pilot finds; it may be 0, and camera paths carry the rest. Gather
+//! radii shrink from pass to pass, so the mean of the passes converges.
 
 use super::policy::{DirectionSampling, LightSampling, PathContinuation, PathPolicy, PhotonLookups};
 use super::settings::Settings;

@@ -46,8 +46,8 @@ pub(super) struct IndirectWeights {
     pub samples: u32,
 }
 
-/// Relative noise and bias of indirect light in one cell of the film grid, by camera paths and by
-/// photon estimates. Values are relative to the squared light in the cell.
+/// Relative variance and bias of indirect light in one cell of the film grid, by camera paths and
+/// by photon estimates. They are divided by the squared indirect light of the cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct IndirectErrors {
     /// Relative variance of the indirect light found by one camera path that continues at its first
@@ -61,10 +61,10 @@ pub(super) struct IndirectErrors {
 }
 
 /// Division of indirect light between camera paths and photon estimates: errors of both techniques
-/// over the film, and numbers of samples. The weights of the techniques follow from them.
+/// over the film, and numbers of samples, from which the weights of the techniques follow.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct IndirectDivision {
-    /// Number of columns of the film grid: square cells in which errors are known.
+    /// Number of columns of the film grid, which divides the film into square cells.
     pub columns: u32,
     /// Errors of both techniques in each cell of the film grid, by rows from the top.
     pub cells: Vec<IndirectErrors>,
@@ -74,15 +74,15 @@ pub(super) struct IndirectDivision {
     pub samples: u32,
     /// Number of unaimed photon paths per pass. They fill the interreflection map.
     pub unaimed_paths: u32,
-    /// Price of a camera path. A path continues after its first receiver only if that reduces the
-    /// relative variance of indirect light by at least this value.
+    /// Price of a camera path, as a relative variance. A path continues after its first receiver
+    /// only if that reduces the relative variance of indirect light by at least this value.
     pub path_price: f32,
     /// Number of passes with photon estimates of indirect light. Later passes use camera paths
     /// alone.
     pub passes: u32,
 }
 
-/// Technique that finds, in one pass, the indirect light at the first receiver of each camera path.
+/// Technique that finds the indirect light at the first receivers of the camera paths of one pass.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) enum IndirectTechnique<'a> {
     /// Camera paths that continue at their first receiver.
@@ -98,7 +98,7 @@ pub(super) enum IndirectTechnique<'a> {
         division: &'a IndirectDivision,
         /// Number of the pass, counted from 1.
         number: f32,
-        /// Area of gather discs in the pass, relative to the first pass.
+        /// Area of gather discs in the pass, divided by that in the first pass.
         area: f32,
     },
 }
@@ -113,7 +113,7 @@ impl IndirectTechnique<'_> {
         }
     }
 
-    /// Returns the weights of camera paths and photon estimates for indirect light at a film
+    /// Returns the weights of camera paths and of photon estimates for the indirect light at a film
     /// position \[pixels from the top left].
     #[inline]
     pub fn technique_weights(&self, film: Vec2) -> IndirectWeights {
@@ -127,11 +127,12 @@ impl IndirectTechnique<'_> {
 }
 
 impl IndirectWeights {
-    /// Weight 1 for camera paths and for photon estimates, for a pilot that compares them. Indirect
-    /// light then counts twice.
+    /// Weight 1 for camera paths and also for photon estimates, for a pilot that compares them.
+    /// Indirect light then counts twice.
     const COMPARISON: Self = Self { photon_weight: 1.0, continued: u32::MAX, samples: u32::MAX };
 
-    /// True if camera path `index` of a pixel's `count` paths continues at its first receiver.
+    /// True if camera path number `index` of the `count` paths of a pixel continues at its first
+    /// receiver: if `index` is below the number of continued paths.
     ///
     /// A pilot traces a single path per pixel (`count` is 1). It continues with the probability
     /// `continued`/`samples`, by the random number `u` in \[0, 1).
@@ -140,8 +141,8 @@ impl IndirectWeights {
         if count == 1 { u * (self.samples as f32) < self.continued as f32 } else { index < self.continued }
     }
 
-    /// Returns the weight of each camera path that continues at its first receiver, if `count`
-    /// paths of the pixel are traced.
+    /// Returns the factor on the light of each camera path that continues at its first receiver, if
+    /// `count` paths of the pixel are traced.
     ///
     /// In a pilot, `count` is 1, and the single path stands for all paths of the pixel.
     #[inline]
@@ -156,10 +157,10 @@ impl IndirectWeights {
 
 impl IndirectErrors {
     /// Returns the weights of camera paths and of photon estimates, and the number of continued
-    /// camera paths, that give least error for their work.
+    /// camera paths, for which the error of indirect light is least at the price of a path.
     ///
-    /// `number` is the number of the pass, counted from 1; `area` is the area of gather discs,
-    /// relative to the first pass.
+    /// `number` is the number of the pass, counted from 1. `area` is the area of its gather discs,
+    /// divided by that in the first pass.
     #[inline]
     fn least_error_weights(&self, division: &IndirectDivision, number: f32, area: f32) -> IndirectWeights {
         let samples = division.samples;
@@ -182,8 +183,9 @@ impl IndirectErrors {
     /// Returns the relative mean squared error of the photon estimate in pass `number`, counted
     /// from 1.
     ///
-    /// `photon_paths` is their number in the pass, and `area` the area of gather discs, relative to
-    /// the first pass. The squared bias counts `number` times, because all passes share it.
+    /// `photon_paths` is the number of unaimed photon paths of the pass. `area` is the area of its
+    /// gather discs, divided by that in the first pass. The squared bias counts `number` times,
+    /// because all passes share it.
     #[inline]
     fn photon_error(&self, photon_paths: u32, number: f32, area: f32) -> f32 {
         self.photon_variance / (photon_paths as f32 * area) + number * self.squared_bias * area * area
@@ -220,18 +222,19 @@ impl IndirectDivision {
     }
 
     /// Returns the weight of photon estimates in pass `number`, counted from 1, as a mean over all
-    /// cells of the film grid. `area` is the area of gather discs, relative to the first pass.
+    /// cells of the film grid. `area` is the area of gather discs in this pass, divided by that in
+    /// the first pass.
     fn mean_photon_weight(&self, number: f32, area: f32) -> f64 {
         let weights =
             self.cells.iter().map(|cell| f64::from(cell.least_error_weights(self, number, area).photon_weight));
         weights.sum::<f64>() / self.cells.len().max(1) as f64
     }
 
-    /// Returns two means over all cells of the film grid: relative error of indirect light in a
-    /// pass, and number of continued camera paths per pixel.
+    /// Returns two means over all cells of the film grid: the relative squared error of indirect
+    /// light in a pass, and the number of continued camera paths per pixel.
     ///
-    /// `number` is the number of the pass, counted from 1; `area` is the area of gather discs,
-    /// relative to the first pass.
+    /// `number` is the number of the pass, counted from 1. `area` is the area of its gather discs,
+    /// divided by that in the first pass.
     pub fn mean_error_and_paths(&self, number: f32, area: f32) -> (f64, f64) {
         let mut sums = (0.0, 0.0);
         for cell in &self.cells {

@@ -1,8 +1,9 @@
 //! Pilot that divides indirect light between camera paths and photon estimates.
 //!
-//! It traces camera paths through each cell of a grid over the film. For each path, camera paths
-//! and photon estimates both find all indirect light. A second trial uses independent random
-//! numbers. The differences between the two trials measure the variance of each technique.
+//! It traces camera paths through each cell of a grid over the film. For each path, both techniques
+//! find all indirect light: the continued path, and a photon estimate. A second trial uses
+//! independent random numbers. The differences between the two trials measure the variance of each
+//! technique.
 //!
 //! The bias of a photon estimate is proportional to the area of its disc. So the difference from an
 //! estimate with half the area measures the bias. The product of this difference in both trials is
@@ -33,7 +34,7 @@ const CELLS: u32 = 24;
 const CELL_POINTS: u32 = 16;
 
 /// Least divisor of the number of photon paths of a pass: each of the indirect-light pilot's two
-/// trials traces at most 1/8 of them.
+/// trials traces at most 1/8 of the paths.
 const MIN_DIVISOR: u32 = 8;
 
 /// Largest number of photon paths in each of the indirect-light pilot's two trials.
@@ -46,11 +47,11 @@ const TYPICAL_PASS: u32 = 4;
 /// Largest number of passes in which photon estimates carry a part of the indirect light.
 const MAX_PASSES: u32 = 1 << 16;
 
-/// Limit of error times work, relative to camera paths alone: photon estimates are used only below
-/// it.
+/// Largest error times work of a division of indirect light, divided by that of camera paths alone,
+/// at which passes use photon estimates.
 const MAX_COST: f64 = 0.8;
 
-/// Candidate numbers of photon paths per pass, relative to the number in the settings. The
+/// Candidate numbers of photon paths per pass, divided by the number in the settings. The
 /// indirect-light pilot chooses the best one.
 const PHOTON_PARTS: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0625];
 
@@ -61,8 +62,8 @@ const WORK_STEP: usize = 8;
 /// Number of iterations of the search for [`IndirectDivision::path_price`].
 const SEARCH_STEPS: u32 = 12;
 
-/// Work of one photon in a density estimate, including its search, relative to tracing a photon
-/// ray.
+/// Work of one photon in a density estimate, including its search. The unit is the work of tracing
+/// one photon ray.
 const LOOKUP_PHOTON_WORK: f64 = 0.3;
 
 /// Largest fraction of a cell's indirect light that photon estimates of the indirect-light pilot
@@ -70,14 +71,13 @@ const LOOKUP_PHOTON_WORK: f64 = 0.3;
 /// assumes one.
 const MOST_MISSED: f64 = 0.9;
 
-/// Variance, relative to the squared indirect light, that is assumed for photon estimates in a cell
-/// where they miss more than [`MOST_MISSED`]. It holds for scenes with scattering media.
+/// Relative variance that is assumed for photon estimates in a cell where they miss more than
+/// [`MOST_MISSED`] of the indirect light. It holds for scenes with scattering media.
 ///
 /// In thick media, photons near the camera may be rare, but then each carries great flux.
 const RARE_IN_MEDIA: f64 = 1e4;
 
-/// Ratio of the bias of a density estimate to its difference from an estimate with half the disc
-/// area.
+/// Bias of a density estimate, divided by its difference from an estimate with half the disc area.
 const BIAS_FACTOR: f64 = 2.0;
 
 /// Parts of the light of one camera path, averaged over RGB \[W/(m² sr)].
@@ -85,7 +85,7 @@ const BIAS_FACTOR: f64 = 2.0;
 struct LightParts {
     /// Direct light at the first receiver.
     direct: f64,
-    /// Emission that the path finds up to its first receiver, and the caustics there. The pilot
+    /// Emission that the path finds up to its first receiver, plus the caustics there. This pilot
     /// ignores their noise, because other pilots reduce it.
     emission_and_caustics: f64,
     /// Indirect light found by the camera path after its first receiver.
@@ -96,17 +96,17 @@ struct LightParts {
     bias: f64,
 }
 
-/// Work of a pass per pixel, relative to tracing one photon ray, and the noise of its direct light.
+/// Work per pixel of the parts of a pass, and the noise of its direct light. The unit of work is
+/// that of tracing one photon ray.
 #[derive(Clone, Copy, Debug, Default)]
 struct PassCost {
-    /// Relative variance of the direct light that one camera path finds.
+    /// Relative variance of the direct light that one camera path finds at its first receiver.
     direct_variance: f64,
-    /// Work of one camera path up to its first receiver, relative to tracing one photon ray.
+    /// Work of one camera path up to its first receiver.
     prefix: f64,
-    /// Work of one camera path after its first receiver, relative to tracing one photon ray.
+    /// Work of one camera path after its first receiver.
     continuation: f64,
-    /// Work per pixel of tracing, storing and gathering photons, relative to tracing one photon
-    /// ray.
+    /// Work per pixel of tracing, storing and gathering the photons.
     photon_work: f64,
     /// Work of one photon estimate apart from its photons.
     lookup: f64,
@@ -179,15 +179,14 @@ fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
     (size, (cells(width), cells(height)))
 }
 
-/// Work of the parts of one trial of the indirect-light pilot, relative to tracing one photon ray.
+/// Work of the parts of one trial of the indirect-light pilot. The unit is the work of tracing one
+/// photon ray.
 struct TrialWork {
-    /// Work of all camera paths of the trial, relative to tracing one photon ray.
+    /// Work of all camera paths of the trial.
     paths: f64,
-    /// Work of all camera paths of the trial up to their first receiver, relative to tracing one
-    /// photon ray.
+    /// Work of all camera paths of the trial up to their first receiver.
     prefixes: f64,
-    /// Work of tracing and storing the photons of the interreflection map, relative to tracing one
-    /// photon ray.
+    /// Work of tracing and storing the photons of the interreflection map.
     photon_work: f64,
     /// Work of gathering the photons of the interreflection map.
     gathering: f64,
@@ -211,7 +210,7 @@ impl<'a> PilotTrial<'a> {
         Self { maps, report }
     }
 
-    /// Traces camera paths through `points` with `technique` for indirect light. Returns the light
+    /// Traces camera paths through `points`, with `technique` for indirect light. Returns the light
     /// of each path, and the counters of all paths.
     fn trace_paths(
         &self,
@@ -224,11 +223,11 @@ impl<'a> PilotTrial<'a> {
         map_paths_through_film_points(&paths, points, nests_estimates, LightParts::from_path_sums)
     }
 
-    /// Returns the work of camera paths through `points`, and of the photons of the interreflection
-    /// map.
+    /// Returns the work of the camera paths through `points`, and of the photons of the
+    /// interreflection map.
     ///
-    /// `both` holds the counters of these paths from [`IndirectTechnique::Comparison`], in which
-    /// both techniques find indirect light.
+    /// `both` holds the counters of these paths when both techniques find indirect light
+    /// ([`IndirectTechnique::Comparison`]).
     fn measure_work(&self, pilot: &PassRenderer<'_>, points: &[FilmPoint], both: &Counters) -> TrialWork {
         let some_points: Vec<FilmPoint> = points.iter().step_by(WORK_STEP).copied().collect();
         let (_, alone) = self.trace_paths(pilot, &some_points, IndirectTechnique::Paths);
@@ -247,8 +246,8 @@ impl<'a> PilotTrial<'a> {
 }
 
 impl LightParts {
-    /// Splits the `radiance` of a camera path into its parts by the sums in `task`, and resets
-    /// these sums.
+    /// Splits the `radiance` of a camera path into its parts, by the sums of light in `task`.
+    /// Resets these sums.
     fn from_path_sums(radiance: Rgb, task: &mut PathTask) -> Self {
         let LightByPart {
             up_to_receiver,
@@ -273,9 +272,9 @@ impl LightParts {
 /// Returns the relative errors of both techniques in each cell, and the mean relative variance of
 /// the direct light of a camera path; `None` if all is black.
 ///
-/// `one` and `other` hold the light of two trials. `paths` is the number of photon paths of a
-/// trial. `rare` is the variance of photon estimates that found almost no light, relative to the
-/// squared light that camera paths found.
+/// `one` and `other` hold the light of the two trials. `paths` is the number of photon paths of a
+/// trial. `rare` is the variance that is assumed for photon estimates that found almost no light,
+/// divided by the squared light that camera paths found.
 fn cell_errors(
     one: &[LightParts],
     other: &[LightParts],
@@ -289,9 +288,9 @@ fn cell_errors(
     let cell_light: Vec<f64> =
         cells.iter().map(|(a, b)| a.iter().chain(*b).map(light).sum::<f64>() / (2 * size) as f64).collect();
     let median = positive_median(cell_light.iter().copied())?;
-    // Six values for each cell, relative to the light of the cell. They are the variances of direct
-    // light, of paths and of photons, the squared bias, and the mean light that each technique
-    // finds.
+    // Six values for each cell: the variances of direct light, of paths and of photons, the squared
+    // bias, and the mean light that each technique finds. All are divided by the light of the cell,
+    // or by its square.
     let raw: Vec<[f64; 6]> = cells
         .iter()
         .zip(&cell_light)
@@ -315,7 +314,8 @@ fn cell_errors(
     let smoothed = |i: usize, value: usize| box_mean(|i| raw[i][value], i, 1, grid);
     let errors = |i: usize| {
         let (by_paths, by_photons) = (smoothed(i, 4), smoothed(i, 5));
-        // If the pilot has too few photons to measure their variance, assume a variance.
+        // If the pilot has too few photons to measure the variance of the photon estimate, assume
+        // one.
         let missed = (by_paths - by_photons).max(0.0);
         let relative_variance = if missed > MOST_MISSED * by_paths {
             rare
@@ -341,11 +341,11 @@ fn cell_errors(
 }
 
 /// Chooses the number of photon paths, the number of passes with photon estimates, and
-/// [`IndirectDivision::path_price`] for which error times work is least. Returns them in a copy of
-/// `division`; `None` if camera paths alone are as good.
+/// [`IndirectDivision::path_price`] for which error times work is least. Returns a copy of
+/// `division` with them; `None` if camera paths alone are as good.
 ///
-/// `parts` are the numbers of photon paths to choose from, relative to the number of `division`.
-/// `area` returns the relative disc area of a pass, counted from 0.
+/// `parts` are the numbers of photon paths to choose from, divided by the number of `division`.
+/// `area` returns the disc area of a pass, counted from 0, divided by that of the first pass.
 fn least_cost_division(
     division: &IndirectDivision,
     parts: &[f64],

@@ -19,13 +19,13 @@ pub trait Integrator: Send + Sync {
     /// Renders the pass with number `pass`, counted from 0.
     fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> Pass;
 
-    /// Returns the decision for each effect of light: whether it is simulated, and why.
+    /// Returns the plan: the decision for each effect of light whether it is simulated, and why.
     fn plan(&self) -> &Plan;
 
     /// Estimates the ray and photon counts of the first pass, if only `effects` are simulated.
     fn expected_work(&self, effects: Effects) -> Counters;
 
-    /// Returns how many photon paths a pass traces, and estimates how many photons it stores by
+    /// Returns how many photon paths a pass traces. Also estimates how many photons it stores, by
     /// tracing a few paths. All numbers are 0 without photons.
     fn expected_photons(&self) -> ExpectedPhotons {
         ExpectedPhotons::default()
@@ -70,7 +70,8 @@ pub trait Integrator: Send + Sync {
         false
     }
 
-    /// True if passes divide the light of each pixel by [`LightGroup`](super::LightGroup).
+    /// True if passes divide the light of each pixel into the parts of
+    /// [`LightGroup`](super::LightGroup).
     fn groups_light(&self) -> bool {
         false
     }
@@ -80,14 +81,14 @@ pub trait Integrator: Send + Sync {
         false
     }
 
-    /// Returns the work and benefit of guiding shadow rays to the environment light; `None` if no
-    /// pilot tried to guide them.
+    /// Returns the work and benefit of the pilot that guides shadow rays to the environment light;
+    /// `None` if no such pilot ran.
     fn environment_guiding_report(&self) -> Option<EnvironmentGuidingReport> {
         None
     }
 
-    /// Returns the work and benefit of guiding the points of media from which shadow rays start;
-    /// `None` if no pilot tried to guide them.
+    /// Returns the work and benefit of the pilot that guides the points of media from which shadow
+    /// rays start; `None` if no such pilot ran.
     fn scatter_point_guiding_report(&self) -> Option<ScatterPointGuidingReport> {
         None
     }

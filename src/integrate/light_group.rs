@@ -45,24 +45,26 @@ impl LightGroup {
         }
     }
 
-    /// Returns the group of direct light at a receiver with the vertices of `history` before it.
+    /// Returns the group of direct light at a receiver. `history` holds the receivers and casters
+    /// on the path before it.
     #[inline]
     pub(super) fn of_direct_light(history: PathHistory) -> Self {
         Self::of_found_light(PathHistory { receivers: history.receivers + 1, casters: 0 })
     }
 
-    /// Returns the group of an estimate from the caustic map at a receiver with the vertices of
-    /// `history` before it.
+    /// Returns the group of an estimate from the caustic map at a receiver. `history` holds the
+    /// receivers and casters on the path before it.
     #[inline]
     pub(super) fn of_caustic_map(history: PathHistory) -> Self {
         Self::of_found_light(PathHistory { receivers: history.receivers + 1, casters: 1 })
     }
 }
 
-/// Light of one camera ray by [`LightGroup`], as contributions to the pixel \[W/(m² sr)].
+/// Light of one camera ray in the parts of [`LightGroup`], as contributions to the pixel \[W/(m²
+/// sr)].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct GroupedLight {
-    /// True if light is added; false ignores it.
+    /// True if light is added; if false, [`GroupedLight::add`] does nothing.
     pub is_wanted: bool,
     sums: [Rgb; LightGroup::ALL.len()],
 }

@@ -28,7 +28,7 @@ use std::time::Instant;
 /// Default limit on the number of photons of a density estimate in the caustic map.
 pub const CAUSTIC_K: u32 = 50;
 
-/// Divisor of the number of unaimed photon paths of a pass: 1/16 as many paths guide
+/// Divisor of the number of unaimed photon paths of a pass: 1/16 as many photon paths guide
 /// final-gathering rays.
 const GUIDE_PHOTON_DIVISOR: u32 = 16;
 
@@ -41,7 +41,7 @@ const MIN_K: f64 = 8.0;
 /// Source, number and random key of the photon paths to trace for one map, and the kinds of photons
 /// to store.
 struct PhotonTracingTask<'a> {
-    /// Photon source that samples the emission; `None` traces nothing.
+    /// Photon source from which the paths start; `None` traces nothing.
     source: Option<&'a PhotonSource<'a>>,
     mask: StoreMask,
     /// Number of photon paths.
@@ -74,7 +74,7 @@ struct DensityEstimateLimits {
     k: u32,
 }
 
-/// Results of the photon paths aimed at casters, except the caustic map.
+/// Results of the photon paths aimed at casters, apart from the caustic map.
 struct AimedPathResults {
     /// Photons that a receiver has scattered after a caustic, for the indirect map of `hybrid`.
     /// Empty for other algorithms.
@@ -92,8 +92,7 @@ struct VolumeKernelRadiiPerMap {
 
 /// Builder of the photon maps of any pass. It holds the photon sources and gather radii.
 ///
-/// Aimed and unaimed photon paths fill the maps that a table in
-/// [`photon_maps`](super::photon_maps) lists.
+/// A table in [`integrate`](super) lists the maps, and the photon paths that fill them.
 #[derive(Debug)]
 pub(super) struct PhotonMapBuilder<'a> {
     scene: &'a Scene,
@@ -122,7 +121,7 @@ pub(super) struct PhotonMapBuilder<'a> {
     /// Lower bound on gather radii in the first pass \[length].
     min_radius: f32,
     pub emission_guiding_reports: EmissionGuidingReports,
-    /// Share of a caustic photon's flux that density estimates use, at each pixel; light tracing
+    /// Share of a caustic photon's flux that density estimates use, for each pixel; light tracing
     /// carries the rest. `None` without light tracing.
     density_estimate_shares: Option<Arc<DensityEstimateShares>>,
 }
@@ -217,8 +216,8 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// Returns how the indirect map is filled: its photon source, the kinds of photons that it
-    /// stores, and the number of photon paths per pass.
+    /// Returns what fills the indirect map: its photon source, the kinds of photons that it stores,
+    /// and the number of photon paths per pass.
     fn indirect_map_inputs(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
         if self.aimed_paths_fill_indirect_map() {
             let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
@@ -228,8 +227,9 @@ impl<'a> PhotonMapBuilder<'a> {
         }
     }
 
-    /// True if the indirect map holds only light after a caustic, which aimed paths find, as in
-    /// `hybrid`; false if it holds all indirect light.
+    /// True if aimed photon paths fill the indirect map, as in `hybrid`. The map then holds only
+    /// photons that a receiver scattered after a caustic. False if unaimed paths fill it with all
+    /// indirect light.
     fn aimed_paths_fill_indirect_map(&self) -> bool {
         self.request.aimed.separates_after_caustic || self.may_build_interreflection_map()
     }
@@ -239,7 +239,7 @@ impl<'a> PhotonMapBuilder<'a> {
         self.policy.indirect_photons != IndirectPhotons::Off && self.unaimed_source.is_some()
     }
 
-    /// Returns the area of gather discs in pass `pass`, relative to the first pass.
+    /// Returns the area of gather discs in pass `pass`, divided by that in the first pass.
     pub fn relative_disc_area(&self, pass: u32) -> f64 {
         squared_radius_ratio(self.radius_law().alpha, pass)
     }
@@ -287,7 +287,8 @@ impl<'a> PhotonMapBuilder<'a> {
         media && self.traces_photons() && self.scene.media_in_use().iter().any(|medium| medium.scatters())
     }
 
-    /// Returns `mask` with a new `beams`: true if the estimator for media reads photon beams.
+    /// Returns `mask`, with `beams` true if the estimator for media reads photon beams, and false
+    /// if it reads photon points.
     fn with_beams_if_read(&self, mask: StoreMask) -> StoreMask {
         StoreMask { beams: self.settings.volume == VolumeEstimator::Beams, ..mask }
     }
@@ -358,8 +359,9 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// Builds the indirect map.
     ///
-    /// In `hybrid`, the map holds `after_caustic`: photons that aimed paths stored after a caustic.
-    /// Other algorithms trace paths in all directions to fill the map.
+    /// In `hybrid`, no photon path is traced here: the map holds `after_caustic`, the photons that
+    /// the aimed paths of the caustic map stored after a caustic. Other algorithms trace paths in
+    /// all directions to fill the map.
     fn build_indirect_map(
         &self,
         after_caustic: MapPhotons,

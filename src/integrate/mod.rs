@@ -4,16 +4,58 @@
 //! `PathPolicy` describes: `hybrid.rs` makes such a policy, and `camera_path.rs` holds the loop
 //! that follows it. Ray casting implements [`Integrator`] directly, in `raycast.rs`.
 //!
-//! Terms of this folder:
+//! # Terms
 //!
 //! - *Receiver*, *caster*, *caustic*: see [`PhotonKind`](crate::photon::PhotonKind).
-//! - *Caustic map*, *indirect map*, *interreflection map*; *aimed* and *unaimed* photon paths: see
-//!   `photon_maps.rs`.
 //! - *Prefix*: the part of a camera path up to its first receiver. *Prefix ray*: an extra camera
 //!   path that ends at its first receiver.
 //! - *Pilot*: a small simulation before the first pass, whose rays and photons no pass uses.
 //! - *Slice*: a part of the shutter interval with its own copy of the scene, photons and camera
 //!   rays.
+//!
+//! # Photon paths and photon maps
+//!
+//! A pass traces two sets of photon paths. Flags and JSON reports call them by other names:
+//!
+//! | photon paths | start | flag | name in JSON |
+//! | --- | --- | --- | --- |
+//! | aimed | towards casters | `--caustic-photons` | `caustic` |
+//! | unaimed | in all directions | `--photons` | `global` |
+//!
+//! Each photon map holds some [kinds of photons](crate::photon::PhotonKind) of one set:
+//!
+//! | map | algorithm | kinds of photons | paths | finds |
+//! | --- | --- | --- | --- | --- |
+//! | caustic | all with photons | `Caustic` | aimed | caustics |
+//! | indirect | `pm`, `ppm`, `sppm` | `AfterCaustic`, `AfterDirect` | unaimed | indirect light |
+//! | indirect | `hybrid` | `AfterCaustic` | aimed | indirect light of caustics |
+//! | interreflection | `hybrid` | `AfterDirect` | unaimed | all other indirect light |
+//!
+//! If final-gathering rays read the indirect map of `pm`, it holds `Direct` photons too. Jensen
+//! 2001 calls the indirect map the global map. In JSON reports, `radii.global` is the gather radius
+//! of the indirect map. In EXR files, the layers `radius.global` and `photons.global` describe
+//! density estimates from the indirect and the interreflection map.
+//!
+//! Which photons a pass stores is decided in three steps. `PathPolicy::photon_map_request` names
+//! the kinds of photons for the maps that a policy reads. `PhotonMapBuilder::new` drops unaimed
+//! paths if media emit light. `PhotonMapBuilder::with_beams_if_read` decides between photon beams
+//! and photon points.
+//!
+//! # State of a camera path
+//!
+//! | struct | content | lifetime |
+//! | --- | --- | --- |
+//! | `PathContext` | scene, policy, photon maps, limits | pass |
+//! | `PathTask` | the five structs below, and counts of rays | tile, or chunk of a pilot |
+//! | `PrefixLightSums` | weights and sums of light up to the first receiver | pixel |
+//! | `PathInputs` | film position, shutter slice, weights of indirect light | camera ray |
+//! | `PixelState` | light kept apart from the radiance, such as light groups | pixel |
+//! | `PilotRecords` | what pilots take from the task | task |
+//! | `ScratchBuffers` | reused memory | vertex or medium segment |
+//! | `PathState` | ray, throughput and history of one branch | until the branch ends |
+//!
+//! `indirect_division.rs` lists the fields that divide indirect light between camera paths and
+//! photons, in the order in which they are used.
 
 mod adaptive_pilot;
 mod algorithm;

@@ -32,8 +32,8 @@ enum ShadowRayScheme {
     Chosen(u32),
 }
 
-/// Guides of shadow rays that pilots have learned: directions to the environment, and start points
-/// in media.
+/// Guides of shadow rays that pilots have learned: for their directions to the environment, and for
+/// their start points in media.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ShadowRayGuides {
     /// Guide of shadow rays to the environment light; `None` samples directions from the light's
@@ -43,11 +43,11 @@ pub(super) struct ShadowRayGuides {
     pub scatter_points: ScatterPointSampling,
 }
 
-/// Choice of the scattering points of a homogeneous medium from which shadow rays start, on
-/// segments of camera paths up to the first receiver.
+/// Choice of the points of a homogeneous medium from which shadow rays start, on segments of camera
+/// paths up to the first receiver.
 #[derive(Clone, Debug, Default)]
 pub(super) enum ScatterPointSampling {
-    /// One point for each shadow ray that a surface point would send.
+    /// One point for each shadow ray that a surface point would send, sampled without a guide.
     #[default]
     Unguided,
     /// Many points, whose shadow rays a pilot records.
@@ -55,8 +55,8 @@ pub(super) enum ScatterPointSampling {
     /// Points that follow a guide.
     Guided {
         guide: Arc<ScatterPointGuide>,
-        /// Expected number of points for each unit of radiance that a segment adds to the pixel
-        /// according to the guide \[m² sr/W].
+        /// Expected number of points on a segment, divided by the radiance that the segment adds to
+        /// the pixel according to the guide \[m² sr/W].
         points_per_radiance: f32,
     },
 }
@@ -89,7 +89,7 @@ impl<'a> NextEventEstimator<'a> {
         let centers = light_sampling == LightSampling::Centers || !effects.has(Effect::SoftShadows);
         let all = if centers || !effects.has(Effect::Textures) { scene.mean_emission_lights() } else { scene.lights() };
         let skipped = scene.environment_light_index().filter(|_| !effects.has(Effect::Environment));
-        // The environment is the last of the lights.
+        // The environment is the last of the lights, so a shorter slice leaves it out.
         debug_assert!(skipped.is_none_or(|index| index + 1 == all.len()));
         let lights = &all[..skipped.unwrap_or(all.len())];
         let sampled = |n: u32| {
@@ -116,8 +116,8 @@ impl<'a> NextEventEstimator<'a> {
         Self { scene, lights, effects, directions, has_null_interfaces, centers, light_sampler, schemes, guides }
     }
 
-    /// Returns the number of lights if each vertex and medium segment up to the first receiver
-    /// sends shadow rays to all of them; 0 if these rays go to chosen lights.
+    /// Returns the number of lights if each vertex and medium segment up to a path's first receiver
+    /// sends shadow rays to all of them. Returns 0 if these rays go to randomly chosen lights.
     pub fn always_sampled_light_count(&self) -> usize {
         match self.schemes[0] {
             ShadowRayScheme::All(_) => self.lights.len(),
@@ -159,7 +159,7 @@ impl<'a> NextEventEstimator<'a> {
     /// Estimates the direct light that `vertex` scatters towards the previous vertex \[W/(m² sr)].
     ///
     /// If the path `continues`, its next ray may hit the same light. The estimate is then
-    /// multiplied by its MIS weight (balance heuristic) against that ray.
+    /// multiplied by the MIS weight (balance heuristic) of shadow rays against that ray.
     pub fn estimate_direct_light<I: Interior>(
         &self,
         vertex: &PathVertex<'_, I>,
@@ -309,7 +309,7 @@ impl<'a> NextEventEstimator<'a> {
     }
 
     /// Returns the transmittance from `vertex` to the sampled point of a light, through the media
-    /// and absorbing bodies that surround the vertex. Surfaces on the way are ignored.
+    /// and absorbing bodies around the vertex. Surfaces on the way are ignored.
     #[inline]
     fn transmittance<I: Interior>(&self, vertex: &PathVertex<'_, I>, sample: &DirectLightSample) -> Rgb {
         match sample.target {

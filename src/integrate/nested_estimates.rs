@@ -1,5 +1,5 @@
-//! Photon density estimates of a pixel with nested gather discs of several sizes. Their differences
-//! measure the bias.
+//! Photon density estimates of a pixel with nested gather discs of several sizes. The differences
+//! between the sizes measure the bias.
 
 use crate::color::Rgb;
 use crate::photon::LEVELS;
@@ -34,7 +34,7 @@ pub struct NestedEstimates {
     pub indirect: Option<MeanGatherDisc>,
 }
 
-/// Sums of the gather radii and photon counts of estimates from one map.
+/// Sums of the gather radii and of the photon counts of a pixel's density estimates from one map.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct GatherDiscSum {
     radius: f32,
@@ -43,7 +43,8 @@ pub(super) struct GatherDiscSum {
 }
 
 impl GatherDiscSum {
-    /// Adds an estimate with gather radius `radius` \[length] and `photons` photons.
+    /// Counts one density estimate: adds its gather radius \[length] and its number of photons to
+    /// the sums.
     pub fn add(&mut self, radius: f32, photons: u32) {
         self.radius += radius;
         self.photon_counts += photons as f32;
@@ -83,7 +84,7 @@ impl NestedEstimateSum {
         Self { is_wanted, ..Self::default() }
     }
 
-    /// Adds one estimate: its radiance for each disc size, largest disc first.
+    /// Adds one photon estimate, given its radiance for each disc size, largest disc first.
     ///
     /// `throughput` is the factor from the estimate's radiance to radiance of the pixel.
     #[inline]
@@ -94,8 +95,10 @@ impl NestedEstimateSum {
         self.last_difference = radiance[0] - radiance[1];
     }
 
-    /// Adds the sums of the current camera ray, times its filter weight `weight`, to the pixel, and
-    /// resets them. `None`, or a sum that is not finite, drops the ray.
+    /// Adds the sums of the current camera ray, times its filter weight `weight`, to the sums of
+    /// the pixel, and resets them.
+    ///
+    /// A weight of `None`, or a sum that is not finite, drops the ray.
     #[inline]
     pub fn finish_camera_ray(&mut self, weight: Option<f32>) {
         if let Some(weight) = weight.filter(|_| self.ray.iter().all(|difference| difference.is_finite())) {

@@ -59,7 +59,8 @@ pub struct PhotonReport {
     pub emitted: u64,
     /// Number of stored photons.
     pub stored: u64,
-    /// Flux that the paths emitted, and how much of it was absorbed, escaped or was stopped \[W].
+    /// Flux \[W] that the paths emitted, and the parts of it that were absorbed, escaped or were
+    /// stopped.
     pub audit: EnergyAudit,
 }
 
@@ -103,8 +104,8 @@ pub struct Pass {
     ///
     /// Empty unless [`CameraPathSettings::clamp`](super::CameraPathSettings::clamp) is set.
     pub clamped: Vec<Rgb>,
-    /// Radiance of some pixels by camera paths that no other pass traces: pairs of an index in
-    /// `image` and a radiance \[W/(m² sr)].
+    /// Pairs of the index of a pixel in `image`, and its radiance by camera paths that no other
+    /// pass traces \[W/(m² sr)].
     ///
     /// Empty unless all passes share the camera paths of `image` and the error is estimated.
     pub unshared_path_pixels: Vec<(u32, Rgb)>,

@@ -29,7 +29,7 @@ pub(super) struct PassRenderer<'a> {
     pub map_builder: PhotonMapBuilder<'a>,
     /// Mean number of camera rays per pixel and pass.
     pub samples: u32,
-    /// Number of camera rays of each pixel relative to `samples`; `None` gives each pixel `samples`
+    /// Number of camera rays of each pixel, divided by `samples`; `None` gives each pixel `samples`
     /// rays.
     pub relative_ray_counts: Option<Arc<[f32]>>,
     /// Number of [prefix rays](super::prefix_rays) of each pixel, and their work; `None` traces
@@ -91,10 +91,12 @@ impl<'a> PassRenderer<'a> {
         self.guides = guides;
     }
 
-    /// Runs the pilot that guides shadow rays to the environment light. Returns the guides, with
-    /// one for the environment if it would reduce the noise enough, and a report.
+    /// Runs the pilot that guides shadow rays to the environment light. Returns the guides of this
+    /// renderer, with a new guide for the environment if it would reduce the noise enough, and a
+    /// report.
     ///
-    /// The report is `None` if the scene has no light to guide or the settings forbid it.
+    /// The report is `None` if the scene has no environment light to guide to, or if the settings
+    /// forbid the pilot.
     pub fn find_environment_guide(&self) -> (ShadowRayGuides, Option<EnvironmentGuidingReport>) {
         let light = self.nee.guidable_environment_light().filter(|_| self.settings.allows_environment_guiding);
         let Some(light) = light.filter(|_| self.policy.direct_light) else { return (self.guides.clone(), None) };
@@ -108,7 +110,7 @@ impl<'a> PassRenderer<'a> {
         Self { samples: 1, relative_ray_counts: None, prefix_rays: None, ..self.for_scene_at_time(self.scene) }
     }
 
-    /// True if passes show the scene at different times.
+    /// True if something moves while the shutter is open, so that passes show different times.
     pub fn has_motion(&self) -> bool {
         self.policy.effects.has(Effect::Motion) && self.scene.has_motion()
     }

@@ -41,7 +41,8 @@ pub(super) struct PathIntegrator<'a> {
     make_policy: PolicyFn,
     /// Report of the pilot that guides shadow rays to the environment light; `None` without pilot.
     environment_guiding: Option<EnvironmentGuidingReport>,
-    /// Report of the pilot that guides the scattering points of shadow rays; `None` without pilot.
+    /// Report of the pilot that learns from which points of media shadow rays should start: its
+    /// work, and the gain in efficiency. `None` without pilot.
     scatter_point_guiding: Option<ScatterPointGuidingReport>,
     balance: Option<RayPhotonBalance>,
     /// Number of slices of the shutter interval in each pass. Each slice has its own photons and
@@ -72,8 +73,8 @@ impl Integrator for PathIntegrator<'_> {
             let options = MapBuildOptions::for_slice(seed, pass, slice);
             let mut slice_maps = map_builder.traces_photons().then(|| map_builder.build(&options, monitor, &mut out));
             if let Some(maps) = &mut slice_maps {
-                // Each slice estimates the light of the whole interval, so the picture needs the
-                // mean over the slices.
+                // Each slice estimates the light of the whole shutter interval, so the picture
+                // needs the mean over the slices.
                 let share = 1.0 / slice.count as f32;
                 maps.splats.iter_mut().for_each(|splat| splat.radiance *= share);
                 splats.append(&mut maps.splats);
@@ -261,9 +262,10 @@ impl<'a> PathIntegrator<'a> {
     }
 }
 
-/// Returns the result of `pilot` for `renderer`, under `policy` if it is given.
+/// Runs `pilot` for `renderer`, and returns its result. If `policy` is given, it replaces the
+/// policy of the renderer.
 ///
-/// `policy` must be the renderer's policy with fewer effects.
+/// `policy` must be that of the renderer with fewer effects of light.
 fn run_pilot<'a, T>(
     renderer: &PassRenderer<'a>,
     policy: Option<PathPolicy>,

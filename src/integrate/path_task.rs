@@ -39,9 +39,9 @@ pub(super) struct PixelLight {
 pub(super) struct PilotRecords {
     /// Light by part, summed over the camera paths since the pilot last took it.
     pub light: LightByPart,
-    /// Shadow rays from media, of all camera paths of the task.
+    /// Shadow rays that started in media, from all camera paths of the task.
     pub in_scattering_samples: Vec<InScatteringSample>,
-    /// Points visible to the camera, of all camera paths of the task.
+    /// Points visible to the camera, from all camera paths of the task.
     pub visible_points: Vec<VisiblePoint>,
 }
 

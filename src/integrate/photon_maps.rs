@@ -1,23 +1,6 @@
 //! Photon maps of a pass, and radiance estimates from them.
 //!
-//! A pass traces two sets of photon paths. They have other names in settings, flags and reports:
-//!
-//! | photon paths | start | [`Settings`](super::Settings) | flag | name in JSON |
-//! | --- | --- | --- | --- | --- |
-//! | aimed | towards casters | `caustic_photons` | `--caustic-photons` | `caustic` |
-//! | unaimed | in all directions | `photons` | `--photons` | `global` |
-//!
-//! Each photon map holds some [kinds of photons](crate::photon::PhotonKind) of one set:
-//!
-//! | map | algorithm | kinds of photons | paths | finds |
-//! | --- | --- | --- | --- | --- |
-//! | caustic | all with photons | `Caustic` | aimed | caustics |
-//! | indirect | `pm`, `ppm`, `sppm` | `AfterCaustic`, `AfterDirect` | unaimed | indirect light |
-//! | indirect | `hybrid` | `AfterCaustic` | aimed | indirect light of caustics |
-//! | interreflection | `hybrid` | `AfterDirect` | unaimed | all other indirect light |
-//!
-//! If final-gathering rays read the indirect map of `pm`, it holds `Direct` photons too. Jensen
-//! 2001, flags and reports call the indirect map the global map.
+//! The [module](super) lists the maps, the photon paths that fill them, and their names in reports.
 
 use super::light_group::LightGroup;
 use super::nested_estimates::GatherDiscSum;
@@ -41,8 +24,8 @@ pub(super) struct PhotonDensityEstimator<'a> {
     pub kernel: Kernel,
     /// Photon beams and photon points in media.
     pub volume: BeamAndPointMaps,
-    /// True if each photon stores the share of its flux that counts in density estimates at
-    /// directly visible surfaces. Light tracing carries the rest.
+    /// True if each photon stores which share of its flux counts in density estimates at directly
+    /// visible surfaces. Light tracing carries the rest of the flux.
     pub has_density_estimate_shares: bool,
 }
 

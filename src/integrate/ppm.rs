@@ -1,7 +1,7 @@
 //! `ppm`: progressive photon mapping (Hachisuka, Ogaki and Jensen 2008).
 //!
 //! # Algorithm
-//! - **Prepare**: aim and guide photon emission, and find gather radii.
+//! - **Prepare**: aim and guide photon emission, find gather radii, and guide shadow rays.
 //! - **Each pass**: trace new photons. All passes trace the same camera paths, so the gather points
 //!   stay fixed. Gather radii shrink by the law of independent passes (Knaus and Zwicker 2011), not
 //!   by statistics of each gather point. So any pass can be computed alone.

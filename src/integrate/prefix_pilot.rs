@@ -48,7 +48,7 @@ const PREFIX_PICTURES: u32 = 4;
 const LOOKUP_PICTURES: u32 = 2;
 
 /// Least divisor of the number of photon paths of a pass: the prefix-ray pilot traces at most a
-/// quarter of them.
+/// quarter of the paths.
 const MIN_DIVISOR: u32 = 4;
 
 /// Largest number of photon paths that the prefix-ray pilot traces for one photon map.
@@ -58,7 +58,7 @@ const MAX_PATHS: u32 = 1 << 20;
 /// work.
 const SEARCH_STEPS: u32 = 20;
 
-/// Largest work of prefix rays, relative to the work of the rest of a pass.
+/// Largest work of prefix rays, divided by the work of the rest of a pass.
 ///
 /// It limits the waste of work on a pixel where the prefix-ray pilot found a rare bright ray by
 /// chance.
@@ -231,8 +231,8 @@ enum PathParts {
     Prefix,
 }
 
-/// Returns for each pixel true if prefix rays of the prefix-ray pilot should read photon maps in
-/// that pixel.
+/// Returns a flag for each pixel: true if prefix rays of the prefix-ray pilot should read photon
+/// maps in that pixel.
 ///
 /// `variances` are those of single whole camera paths. A pass traces n = `samples` camera paths in
 /// each pixel, and only one of them reads photon maps. A second photon estimate pays if the
@@ -308,17 +308,16 @@ fn pixel_variances(light: &[PixelLightStatistics], width: usize, height: usize) 
     Some((0..light.len()).into_par_iter().map(variance).collect())
 }
 
-/// Work of the parts of a pass, relative to tracing one photon ray.
+/// Work of the parts of a pass. The unit is the work of tracing one photon ray.
 #[derive(Clone, Copy, Debug)]
 struct PassWork {
-    /// Work of all camera paths of a pixel, relative to tracing one photon ray.
+    /// Work of all camera paths of a pixel.
     camera: f64,
-    /// Work of tracing, indexing and gathering photons, divided by the number of pixels, relative
-    /// to tracing one photon ray.
+    /// Work of tracing, indexing and gathering photons, divided by the number of pixels.
     photon_work: f64,
     /// Work of one prefix ray without photon estimate.
     prefix_ray: f64,
-    /// Work of the photon estimates of one prefix ray, relative to tracing one photon ray.
+    /// Work of the photon estimates of one prefix ray.
     lookup: f64,
 }
 

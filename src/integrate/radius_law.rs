@@ -11,14 +11,15 @@ pub const ALPHA: f64 = 2.0 / 3.0;
 /// Law by which gather radii shrink from pass to pass, and the kernel of density estimates.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct RadiusLaw {
-    /// Exponent α of shrinking gather radii: the variance of photon estimates falls as n^−α over n
-    /// passes; 1 for fixed radii.
+    /// Exponent α of shrinking gather radii: the variance of photon estimates falls as n^−α with
+    /// the number of passes n. It is 1 for fixed radii.
     pub alpha: f64,
     /// Kernel of photon density estimates.
     pub kernel: Kernel,
 }
 
-/// Returns the squared gather radius of pass `pass`, counted from 0, relative to the first pass.
+/// Returns the squared gather radius of pass `pass`, counted from 0, divided by that of the first
+/// pass.
 ///
 /// It is the product of (i + α)/(i + 1) for i = 1 … pass (Knaus and Zwicker 2011, equation 15).
 #[must_use]
@@ -26,7 +27,7 @@ pub fn squared_radius_ratio(alpha: f64, pass: u32) -> f64 {
     (1..=pass).map(f64::from).map(|i| (i + alpha) / (i + 1.0)).product()
 }
 
-/// Returns the kernel radius of pass `pass` relative to the first pass, for a kernel in
+/// Returns the kernel radius of pass `pass`, divided by that of the first pass, for a kernel in
 /// `dimensions` (d) dimensions.
 ///
 /// The kernel's length, area or volume shrinks by [`squared_radius_ratio`] with the exponent 1 − (1
@@ -60,8 +61,8 @@ mod tests {
         }
     }
 
-    /// The product agrees with its closed form Γ(N+α)/(Γ(1+α)Γ(N+1)), and with the asymptote
-    /// N^(α−1)/Γ(1+α), whose relative error is below 1/N.
+    /// The squared radius ratio agrees with its closed form Γ(N+α)/(Γ(1+α)Γ(N+1)), and with the
+    /// asymptote N^(α−1)/Γ(1+α), whose relative error is below 1/N.
     #[test]
     fn squared_radius_ratio_is_a_ratio_of_gammas() {
         assert_eq!(

@@ -17,8 +17,8 @@ pub(super) const MAX_PATHS: u32 = 1 << 16;
 /// light. Few paths suffice, because the density of indirect photons varies slowly.
 pub(super) const MAX_INDIRECT_PATHS: u32 = 1 << 14;
 
-/// Number of photon paths of a pilot, as a multiple of the paths of a pass. [`MIN_PATHS`] and
-/// [`MAX_PATHS`] limit it.
+/// Number of photon paths of a pilot that finds gather radii, as a multiple of the paths of a pass.
+/// [`MIN_PATHS`] and [`MAX_PATHS`] limit it.
 const PILOT_PASSES: u32 = 4;
 
 /// Smallest number of photon paths of a pilot that finds gather radii, even if a pass traces fewer
@@ -33,16 +33,16 @@ const PROBES: usize = 512;
 /// photon.
 const RADIUS_QUANTILE: f64 = 0.75;
 
-/// Largest gather radius relative to the scene's radius. A larger radius would blur the whole
+/// Largest gather radius, divided by the scene's radius. A larger radius would blur the whole
 /// scene.
 const MAX_RADIUS: f32 = 0.1;
 
-/// Smallest gather radius, relative to the radius of the scene, that single precision resolves. If
-/// most photons are closer to the origin than the radius of the scene, it is relative to their
-/// distance from the origin.
+/// Smallest gather radius that single precision resolves, divided by the radius of the scene. If
+/// most photons are closer to the origin than that radius, it is divided by their distance from the
+/// origin.
 const MIN_RADIUS: f32 = 1e-6;
 
-/// Smallest gather radius, relative to the width of a pixel's footprint on the closest visible
+/// Smallest gather radius, divided by the width of a pixel's footprint on the closest visible
 /// surface.
 const PIXEL_PART: f32 = 0.125;
 
@@ -55,17 +55,17 @@ const MEDIA_RAYS: u32 = 512;
 /// Largest number of casters on a camera path that measures the density of photons in media.
 const MAX_CASTERS: u32 = 8;
 
-/// Target for the number of beams or photons within the kernel radius of a camera ray, as a median.
-/// Rays without beams or photons do not count.
+/// Target for the number of beams or photons within the kernel radius of a camera ray. The median
+/// over rays reaches it; rays without beams or photons do not count.
 const MEDIAN_COUNT: f64 = 64.0;
 
-/// Smallest kernel radius of photon beams, relative to the width of a pixel's footprint in the
+/// Smallest kernel radius of photon beams, divided by the width of a pixel's footprint in the
 /// medium.
 ///
 /// If a smaller radius would hold enough beams, passes drop beams at random instead.
 const BEAM_PIXEL_PART: f32 = 0.25;
 
-/// Kernel radius with which a pilot counts photons in media, relative to the scene's radius. The
+/// Kernel radius with which a pilot counts photons in media, divided by the scene's radius. The
 /// radius for passes follows from the count.
 const TRIAL_RADIUS: f32 = 0.02;
 
@@ -92,8 +92,8 @@ pub struct EmissionGuidingReports {
     pub aimed: Option<EmissionGuidingReport>,
 }
 
-/// Returns the number of photon paths of a pilot: four times the `paths` of a pass, but at least
-/// 16,384 and at most `most`.
+/// Returns the number of photon paths of a pilot that finds gather radii: four times the `paths` of
+/// a pass, but at least 16,384 and at most `most`.
 pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
     paths.saturating_mul(PILOT_PASSES).max(MIN_PATHS).min(most)
 }
@@ -101,8 +101,8 @@ pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
 /// Runs a gather-radius pilot. Returns the gather radius \[length] within which three of four
 /// stored photons have `k` neighbours; `None` if the pilot stores no photon.
 ///
-/// The radius is for a pass of `paths` photon paths, and at least `min_radius`. The pilot traces at
-/// most `max_pilot_paths` paths.
+/// The radius suits a pass of `paths` photon paths, and is at least `min_radius`. The pilot traces
+/// at most `max_pilot_paths` paths.
 pub(super) fn find_gather_radius(
     pass: &PhotonPass<'_>,
     (paths, max_pilot_paths): (u32, u32),
@@ -226,11 +226,10 @@ pub(super) fn find_volume_kernel_radii(
     Some(VolumeKernelRadii { beams: beams.max(widest), points, kept_beams })
 }
 
-/// Returns the width of a pixel's footprint in the medium \[length]; 0 if none of `camera_paths`
-/// crosses a medium.
+/// Returns the width of a pixel's footprint in the medium \[length], at the median distance of all
+/// `camera_paths`; 0 if none of them crosses a medium.
 ///
-/// A path's distance is measured to the middle of its way through media. The footprint is that at
-/// the median distance of all paths.
+/// The distance of a path is that from the camera to the middle of its way through media.
 fn median_footprint(scene: &Scene, camera_paths: &[Vec<Ray>]) -> f32 {
     let (width, spread) = scene.camera().pixel_footprint();
     let size = scene.photon_domain().radius;

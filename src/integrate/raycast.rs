@@ -55,7 +55,7 @@ impl Integrator for RaycastIntegrator<'_> {
 }
 
 impl<'a> RaycastIntegrator<'a> {
-    /// Makes an integrator with one ray through a corner of each pixel. If `settings` ask for
+    /// Makes an integrator that sends one ray through a corner of each pixel. If `settings` ask for
     /// several rays per pixel, the rays follow the pixel filter instead.
     pub fn new(scene: &'a Scene, plan: Plan, settings: &CameraPathSettings) -> Self {
         let samples = settings.samples.unwrap_or(1);

@@ -13,11 +13,11 @@ use crate::scene::Interior;
 use glam::Vec3;
 use std::cell::RefCell;
 
-/// Search radius for the photons that guide a final-gathering ray, relative to the smallest length
-/// of such a ray.
+/// Search radius for the photons that guide a final-gathering ray, divided by the smallest length
+/// at which such a ray reads the indirect map.
 const GUIDE_RADIUS: f32 = 4.0;
 
-/// Sets the task's gather guide to the directions from which photons arrived near `vertex`.
+/// Fills the task's gather guide with the directions from which photons arrived near `vertex`.
 pub(super) fn collect_gather_directions<I: Interior>(
     maps: &PhotonMaps<'_>,
     min_gather_distance: f32,

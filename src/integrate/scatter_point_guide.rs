@@ -1,4 +1,5 @@
-//! Guide of scattering points in homogeneous media, for next-event estimation.
+//! Guide of the points in homogeneous media from which the shadow rays of next-event estimation
+//! start.
 //!
 //! Shadow rays from points of a medium find light only in its lit parts, such as the cone of a spot
 //! light or the shafts behind a window. A grid over the visible part of the media holds, for each
@@ -11,12 +12,12 @@ use glam::{UVec3, Vec3};
 /// Largest number of cells of the grid.
 const MAX_CELLS: f32 = 24_000.0;
 
-/// Weight of the mean of the surrounding cells in the estimate of a cell (shrinkage estimator),
-/// expressed as a number of shadow rays.
+/// Weight of the surrounding cells' mean in the estimate of a cell (shrinkage estimator). The unit
+/// is the weight of one shadow ray.
 const NEIGHBORHOOD_WEIGHT: f64 = 1.0;
 
-/// Learned strength of the light that each light sends to each cell of a grid over the visible
-/// media. Start points of shadow rays are sampled in proportion to it.
+/// Learned strength of the light that arrives from each light in each cell of a grid over the
+/// visible media. The start points of shadow rays are sampled in proportion to it.
 #[derive(Debug)]
 pub(super) struct ScatterPointGuide {
     grid: MediumCellGrid,
@@ -25,8 +26,8 @@ pub(super) struct ScatterPointGuide {
     values: Vec<f32>,
 }
 
-/// Data to which [`ScatterPointGuide`] is fitted: by light and cell, the number of pilot rays and
-/// the sum of the squared radiance that they found.
+/// Data to which [`ScatterPointGuide`] is fitted: for each light and cell, the number of pilot rays
+/// and the sum of the squares of what they found.
 pub(super) struct ScatterPointFit {
     grid: MediumCellGrid,
     ray_counts: Vec<f64>,
@@ -38,9 +39,10 @@ pub(super) struct ScatterPointFit {
 pub(super) struct InScatteringSample {
     /// Index of the light.
     pub light: usize,
-    /// Scattering point, in world space.
+    /// Point of the medium where the light scatters and the shadow ray starts, in world space.
     pub p: Vec3,
-    /// Radiance that arrives from the light, times the phase function \[W/(m² sr²)].
+    /// Irradiance that arrives from the light, times the phase function \[W/(m² sr)]. The medium
+    /// scatters this, times its scattering coefficient, for each unit of length.
     pub scattered_radiance: f64,
     /// Contribution of the ray to the light that its camera path finds \[W/(m² sr)].
     pub contribution: f64,
@@ -69,14 +71,14 @@ struct MediumCellGrid {
 }
 
 impl ScatterPointGuide {
-    /// Sets `distances` to the distribution along `ray` for the light with index `light`, in a
-    /// medium of mean extinction coefficient `extinction` \[1/length].
+    /// Sets `distances` to the distribution of guided distances along `ray`, for the light with
+    /// index `light`, in a medium of mean extinction coefficient `extinction` \[1/length].
     ///
     /// The distribution is empty if the ray meets no cell in which the pilot found light.
     pub fn distances_along(&self, light: usize, ray: &Ray, extinction: f32, distances: &mut GuidedDistances) {
         distances.clear();
         let len = self.grid.len();
-        // Lights that the pilot did not need are black.
+        // The guide has no values for lights that the pilot did not record.
         let Some(values) = self.values.get(light * len..(light + 1) * len) else { return };
         self.grid.for_each_cell(ray, |cell, from, to| {
             // Any positive weight is unbiased: this one is close to exp(−depth).
@@ -105,7 +107,7 @@ impl ScatterPointFit {
 
     /// Returns the guide fitted to the added rays.
     ///
-    /// The mean of a cell is drawn towards the mean of the 3×3×3 cells around and including it.
+    /// The mean of a cell is drawn towards the mean of the block of 3×3×3 cells whose center it is.
     pub fn fitted_guide(self) -> ScatterPointGuide {
         let len = self.grid.len();
         let mean = |i: usize| {

@@ -23,39 +23,42 @@ use std::sync::Arc;
 /// limits, the scatter-point pilot traces one path per pixel.
 const PATHS: (u32, u32) = (2000, 6000);
 
-/// Mean numbers of guided points per camera path whose noise and work the scatter-point pilot
-/// compares.
+/// Mean numbers of guided points per camera path that the scatter-point pilot tries. It compares
+/// their noise and work.
 const TRIAL_POINTS: [f64; 5] = [0.5, 1.0, 2.0, 4.0, 8.0];
 
-/// Largest ratio of noise times work, relative to the best number of points, at which the
-/// scatter-point pilot prefers a smaller number.
+/// Largest noise times work, divided by that of the best number of points, at which the
+/// scatter-point pilot prefers a smaller number of points.
 ///
 /// It exceeds 1, because a shadow ray from a medium takes longer than the mean ray of a camera
 /// path.
 const NEGLIGIBLE_LOSS: f64 = 1.15;
 
-/// Ratio of noise times work, without guide over with guide, above which passes use the guide.
+/// Least gain at which passes use the guide: noise times work without guide, divided by noise times
+/// work with guide.
 ///
 /// It exceeds 1, because the work counts rays only, and guided points take longer to sample.
 const MIN_GAIN: f64 = 1.3;
 
-/// Work and estimated benefit of the pilot that guides the scattering points of shadow rays.
+/// Report of the pilot that learns from which points of media shadow rays should start: its work,
+/// and the gain in efficiency.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ScatterPointGuidingReport {
-    /// Number of shadow rays from which the pilot learned the lit parts of media.
+    /// Number of shadow rays that the pilot traced to learn the lit parts of media.
     pub rays: u64,
-    /// Ratio of variance times work of camera paths, without guide over with guide.
+    /// Variance times work of camera paths without the guide, divided by that with the guide.
     pub gain: f64,
-    /// True if the render guides scattering points.
+    /// True if the render guides the points of media from which shadow rays start.
     pub used: bool,
 }
 
 /// Runs the scatter-point pilot. Returns how the passes of `renderer` choose the points of
 /// homogeneous media from which shadow rays start, and a report.
 ///
-/// The result depends only on the scene, the policy and the settings. The report is `None` in
-/// scenes without homogeneous scattering media, with so many lights that shadow rays go to chosen
-/// ones, or whose media get no direct light. The settings may also forbid the pilot.
+/// The result depends only on the scene, the policy and the settings. The report is `None` if the
+/// settings forbid the pilot, or if the scene gives it nothing to do: no homogeneous medium
+/// scatters, no medium gets direct light, or shadow rays go to randomly chosen lights because there
+/// are many.
 pub(super) fn guide_scatter_points(
     renderer: &PassRenderer<'_>,
 ) -> (ScatterPointSampling, Option<ScatterPointGuidingReport>) {
@@ -110,7 +113,7 @@ fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<L
 }
 
 /// Returns the guided sampling whose number of points has little noise for its work. Also returns
-/// the ratio of noise times work, without guide over with guide.
+/// the gain: noise times work without guide, divided by that with guide.
 fn choose_point_count(renderer: &PassRenderer<'_>, key: Key, learned: LearnedGuide) -> (ScatterPointSampling, f64) {
     let LearnedGuide { guide, mean_radiance, .. } = learned;
     let guided = TRIAL_POINTS.map(|points| ScatterPointSampling::Guided {

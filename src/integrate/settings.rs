@@ -28,11 +28,11 @@ pub struct CameraPathSettings {
     ///
     /// [`Algorithm::Raycast`](super::Algorithm::Raycast) ignores it.
     pub groups_light: bool,
-    /// Window of pixels that passes render; `None` for the whole picture. Each pixel has the bits
-    /// that it has in the whole picture.
+    /// Window of pixels that passes render; `None` for the whole picture. Its pixels are
+    /// bit-identical to those of the whole picture.
     pub crop: Option<CropWindow>,
-    /// Upper bound \[W/(m² sr)] on the largest channel of the light that a camera path finds
-    /// without photon estimates; `None` for no bound.
+    /// Upper bound \[W/(m² sr)] on the largest channel of the light of one camera path, without its
+    /// photon estimates; `None` for no bound.
     pub clamp: Option<f32>,
     /// Effects of light that are forced on or off, whatever the plan decides.
     pub effects: EffectOverrides,
@@ -56,9 +56,9 @@ impl Default for CameraPathSettings {
 }
 
 impl CameraPathSettings {
-    /// Returns the window of pixels to render of a picture of `size` (width, height) pixels.
+    /// Returns the window of pixels that is rendered of a picture of `size` (width, height) pixels.
     ///
-    /// A window that does not fit into the picture counts as the whole picture.
+    /// A `crop` window that does not fit into the picture counts as the whole picture.
     #[must_use]
     pub fn window(&self, size: (u32, u32)) -> CropWindow {
         self.crop.filter(|window| window.fits_into(size)).unwrap_or(CropWindow::of_whole_picture(size))
@@ -70,9 +70,10 @@ impl CameraPathSettings {
 pub struct Settings {
     /// Settings that all algorithms use.
     pub camera_paths: CameraPathSettings,
-    /// Number of photon paths per pass that start in all directions.
+    /// Number of unaimed photon paths per pass, which start in all directions.
     ///
-    /// They fill the interreflection map of `hybrid`, and the indirect map of other algorithms.
+    /// They fill the interreflection map of `hybrid`, and the indirect map of `sppm`, `ppm` and
+    /// `pm`.
     pub unaimed_paths: u32,
     /// Number of photon paths per pass that are aimed at casters, such as glass or mirrors.
     ///
@@ -81,12 +82,12 @@ pub struct Settings {
     pub aimed_paths: u32,
     /// True if a pilot may trade camera rays for photon paths, to get less noise for the same work.
     ///
-    /// `photons`, `caustic_photons` and the camera rays per pixel are then starting values.
+    /// `unaimed_paths`, `aimed_paths` and the camera rays per pixel are then starting values.
     pub allows_balance: bool,
     /// Largest number of photons of a density estimate; 0 for no limit.
     ///
-    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in other maps.
-    /// The farthest photon only sets the radius, so a limit of 1 acts like 2.
+    /// `None` stands for [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and for no limit in
+    /// other maps. The farthest photon only sets the radius, so a limit of 1 acts like 2.
     pub gather_k: Option<u32>,
     /// Largest gather radius of the first pass \[length]. `None` lets a pilot choose one for each
     /// map.

@@ -2,8 +2,8 @@
 //! (Knaus and Zwicker 2011).
 //!
 //! # Algorithm
-//! - **Prepare**: aim and guide photon emission, find gather radii, and balance camera rays against
-//!   photons.
+//! - **Prepare**: aim and guide photon emission, find gather radii, guide shadow rays, and balance
+//!   camera rays against photons.
 //! - **Each pass**: trace new photons into a caustic map and an indirect map. Trace new camera
 //!   paths. Each ends at the first surface that stores photons. There it does next-event estimation
 //!   and reads both maps. Gather radii shrink from pass to pass.

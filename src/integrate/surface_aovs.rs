@@ -24,7 +24,10 @@ const ALBEDO_SAMPLES: u32 = 4;
 /// Largest number of specular surfaces on the way to a hit.
 const MAX_SPECULAR_BOUNCES: u32 = 16;
 
-/// Weight, as the mean of its channels, below which a branch of a ray is not followed.
+/// Weight of a branch of a camera ray, as the mean of its channels, below which the branch is not
+/// followed.
+///
+/// Smooth dielectrics split a ray into a reflected and a refracted branch.
 const MIN_WEIGHT: f32 = 0.01;
 
 /// Choice of the surface along a camera ray that the AOVs describe.
@@ -60,9 +63,9 @@ pub struct SurfaceAovs {
     /// Motion on the film from the opening to the closing of the shutter \[pixels to the right and
     /// down], as a mean over the rays.
     ///
-    /// It is that of the first surface, also if this is specular, or else of the surroundings at
-    /// infinity. Rays count as zero if they see what is behind the camera at an end of the shutter
-    /// interval.
+    /// It is the motion of the first surface that a ray meets, even if the surface is specular, or
+    /// else of the surroundings at infinity. A ray counts as zero if what it sees is behind the
+    /// camera at the opening or at the closing of the shutter.
     pub motion: Vec<Vec2>,
 }
 
@@ -78,25 +81,28 @@ struct PixelAovs {
     motion: Vec2,
 }
 
-/// AOVs that one camera ray finds over all its branches.
+/// AOVs that one camera ray finds. Smooth dielectrics split the ray into a reflected and a
+/// refracted branch; the AOVs combine all branches.
 #[derive(Clone, Copy, Default)]
 struct RayAovs {
     /// Albedo, as a weighted sum over the branches of the ray.
     albedo: Rgb,
     /// Shading normal, as a weighted mean over the branches of the ray.
     normal: Vec3,
-    /// Surface at the end of the branch with the largest weight; `None` if no branch reaches one.
+    /// Surface at the end of the branch with the largest weight; `None` if no branch ends at a
+    /// surface.
     seen: Option<BranchEndSurface>,
     /// Motion on the film of what the ray sees first \[pixels to the right and down].
     motion: Vec2,
 }
 
-/// Surface at the end of a branch of a ray.
+/// Surface at which one branch of a camera ray ends. Smooth dielectrics split a ray into a
+/// reflected and a refracted branch.
 #[derive(Clone, Copy)]
 struct BranchEndSurface {
     /// Weight of the branch, as the mean of its channels.
     weight: f32,
-    /// Length of the path from the camera \[length].
+    /// Length of the path from the camera to the surface \[length].
     depth: f32,
     position: DVec3,
     object: u32,
@@ -110,13 +116,13 @@ struct RayBranch<I> {
     path_ray: PathRay<I>,
     /// Factor from the albedo at the end of the branch to the albedo of the ray.
     weight: Rgb,
-    /// Length of the path from the camera \[length].
+    /// Length of the path from the camera to the start of the current segment \[length].
     depth: f32,
     bounces: u32,
     sampler: Sampler,
 }
 
-/// Copy of the scene at one time of the shutter interval, with all that its rays share.
+/// Copy of the scene at one time of the shutter interval, with the data that all its rays share.
 struct SceneAtTime<'a> {
     scene: &'a Scene,
     /// Time in \[0, 1]: 0 is the opening of the shutter, 1 its closing.
@@ -260,8 +266,8 @@ fn clip_to_albedo(color: Rgb) -> Rgb {
 }
 
 impl<I: Interior> RayBranch<I> {
-    /// Adds the branches that leave a specular `surface` to `branches`: two at a smooth dielectric,
-    /// else at most one.
+    /// Adds the continuations of the branch at a specular `surface` to `branches`: two at a smooth
+    /// dielectric, else at most one.
     fn push_continuations(&self, surface: &SurfaceInteraction<'_>, branches: &mut Vec<Self>) {
         let mut push = |direction: Vec3, weight: Rgb, is_transmitted: bool| {
             let mut next = *self;
@@ -287,8 +293,8 @@ impl<I: Interior> RayBranch<I> {
 }
 
 impl RayAovs {
-    /// Adds albedo and normal of the `surface` at the end of `branch`. Also sets `seen` if no other
-    /// branch has a larger weight.
+    /// Adds the albedo and the normal of `surface`, at which `branch` ends. Also sets `seen` to it
+    /// if no earlier branch has a larger weight.
     fn add_surface<I: Interior>(&mut self, scene: &Scene, branch: &RayBranch<I>, surface: &SurfaceInteraction<'_>) {
         let albedo = directional_albedo(surface, branch.sampler).max(surface.emission);
         self.albedo += branch.weight * clip_to_albedo(albedo);
@@ -316,10 +322,11 @@ fn directional_albedo(surface: &SurfaceInteraction<'_>, sampler: Sampler) -> Rgb
 }
 
 impl PixelAovs {
-    /// Returns the means of the rays' AOVs, and the most frequent object and material.
+    /// Returns the AOVs of a pixel: means over its rays, and the object and the material that most
+    /// rays reach.
     ///
     /// Each ray comes with its filter weight. Rays without positive weight are left out, so that
-    /// all values stay in their ranges; the others count equally.
+    /// all values stay in their ranges. The others count equally.
     fn from_rays(rays: impl Iterator<Item = (RayAovs, f32)>) -> Self {
         let (mut albedo, mut normal, mut motion) = (DVec3::ZERO, DVec3::ZERO, DVec2::ZERO);
         let (mut depth, mut position) = (0.0, DVec3::ZERO);
@@ -350,8 +357,8 @@ impl PixelAovs {
     }
 }
 
-/// Returns the index that occurs most often in `indices`, the lowest of several; `None` if there
-/// are none. Sorts `indices`.
+/// Returns the index that occurs most often in `indices`, and the lowest such index if there are
+/// several; `None` if `indices` is empty. Sorts `indices`.
 fn most_frequent_index(indices: &mut [u32]) -> Option<u32> {
     indices.sort_unstable();
     let runs = indices.chunk_by(|a, b| a == b).map(|run| (run.len(), run[0]));

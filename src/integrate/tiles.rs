@@ -28,24 +28,26 @@ pub(super) struct FilmSampling<'a> {
     pub samples: u32,
     /// True if rays start at random points of the lens; false if at its center.
     pub lens: bool,
-    /// Number of rays of each pixel relative to the mean; `None` gives all pixels the mean.
+    /// Number of rays of each pixel, divided by the mean over all pixels; `None` gives all pixels
+    /// the mean.
     pub relative_ray_counts: Option<&'a [f32]>,
     /// Numbers of [prefix rays](super::prefix_rays); `None` traces none.
     pub prefix_rays: Option<PrefixRays<'a>>,
     /// True if each photon estimate is repeated with smaller nested discs, to measure its bias.
     pub nested: bool,
-    /// True if the light of each pixel is divided into direct, indirect and caustic light.
+    /// True if the light of each pixel is also stored in three parts: direct, indirect and caustic
+    /// light.
     pub groups_light: bool,
     /// Window of pixels to render.
     pub window: CropWindow,
-    /// Upper bound \[W/(m² sr)] on the largest channel of the light that a camera path finds
-    /// without photon estimates; `None` for no bound.
+    /// Upper bound \[W/(m² sr)] on the largest channel of the light of one camera path, without its
+    /// photon estimates; `None` for no bound.
     pub clamp: Option<f32>,
     /// Slices of the shutter interval among which camera rays are divided; `None` sends all rays
     /// through `camera`.
     pub slices: Option<SlicedCameras<'a>>,
-    /// Stride of the rendered tiles: with 1, all tiles are rendered; with n, one of n tiles, and
-    /// the others stay black.
+    /// Stride of the rendered tiles. With 1, all tiles are rendered; with n, one of every n tiles,
+    /// and the others stay black.
     pub tile_stride: u32,
 }
 

@@ -6,13 +6,14 @@ use crate::sampling::Sampler;
 use crate::scene::{Effects, Interior, MediumSegment, PathRay, RayCone, Scene, SurfaceInteraction};
 use glam::Vec3;
 
-/// Numbers of receivers and casters on a camera path up to a vertex.
+/// Numbers of receivers and casters that a camera path has visited up to a vertex.
 /// [`PhotonKind`](crate::photon::PhotonKind) defines receivers and casters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PathHistory {
-    /// Number of receivers since the camera.
+    /// Number of receivers visited since the camera.
     pub receivers: u32,
-    /// Number of casters since the last receiver; since the camera if there is none.
+    /// Number of casters visited since the last receiver, or since the camera if there is no
+    /// receiver.
     pub casters: u32,
 }
 
@@ -30,7 +31,8 @@ pub(super) struct PathVertex<'a, I> {
     pub surface: &'a SurfaceInteraction<'a>,
     /// Nested bodies and medium on the side of the surface from which the path arrived.
     pub interior: &'a I,
-    /// Numbers of receivers and casters before this vertex, plus this vertex if it is a caster.
+    /// Numbers of receivers and casters that the path visited before this vertex. If this vertex is
+    /// a caster, it counts too.
     pub history: PathHistory,
     /// Factor from radiance that leaves the vertex to radiance of the pixel.
     pub throughput: Rgb,
@@ -78,7 +80,7 @@ impl<I: Interior> PathVertex<'_, I> {
 pub(super) struct MediumPathSegment<'a, I> {
     /// Ray and medium of the segment.
     pub segment: &'a MediumSegment<'a, I>,
-    /// Numbers of receivers and casters on the camera path before the segment.
+    /// Numbers of receivers and casters that the camera path visited before the segment.
     pub history: PathHistory,
     /// Factor from radiance at the start of the segment to radiance of the pixel.
     pub throughput: Rgb,
@@ -96,7 +98,7 @@ pub(super) struct PrevVertex {
     /// Unit normal of the hemisphere from which the previous vertex scatters light; `None` for the
     /// whole sphere.
     pub hemisphere: Option<Vec3>,
-    /// Numbers of receivers and casters on the camera path before the vertex.
+    /// Numbers of receivers and casters that the camera path visited before the previous vertex.
     pub history: PathHistory,
     /// Pdf of the direction in which the path left the vertex \[1/sr].
     pub pdf: f32,

@@ -16,8 +16,8 @@ use glam::Vec2;
 /// are four rays per pixel.
 const RAYS: (u32, u32) = (2000, 20_000);
 
-/// Largest radius around a visible point within which photons count as visible, relative to the
-/// diagonal of the bounding box of all visible points.
+/// Largest distance between a photon and a visible point at which the photon counts as visible,
+/// divided by the diagonal of the bounding box of all visible points.
 const MAX_RADIUS: f32 = 0.1;
 
 /// Returns a map of the points on receivers that the camera sees directly or over casters, such as

@@ -50,9 +50,8 @@ pub(super) struct BeamAndPointMaps {
 /// Sums of the radiance from photons in a medium, for a kernel of the full radius and for kernels
 /// of smaller nested radii.
 ///
-/// One photon is chosen with a probability proportional to its radiance. Probe rays from the
-/// kernel's center, the first of them towards this photon, measure which part of the kernel no
-/// surface hides.
+/// Surfaces hide a part of the kernel. Probe rays from its center measure that part. The first of
+/// them goes towards one photon, chosen with a probability proportional to its radiance.
 struct NestedKernelSums {
     sums: [Rgb; LEVELS],
     /// Number of dimensions in which the kernel spreads: 1 to 3.
@@ -62,28 +61,29 @@ struct NestedKernelSums {
     chosen: Option<ChosenPhoton>,
 }
 
-/// Photon chosen from all photons of a kernel, to measure which part of the kernel surfaces hide.
+/// Photon chosen from all photons of a kernel. Probe rays towards it and around it measure which
+/// part of the kernel surfaces hide.
 struct ChosenPhoton {
     /// Radiance of the photon times the kernel value for the full radius.
     radiance: Rgb,
-    /// Squared distance of the photon from the kernel's center, relative to the squared full
-    /// radius.
+    /// Squared distance of the photon from the kernel's center, divided by the squared full radius.
     x2: f32,
     /// Ray from the kernel's center towards the photon, of unit direction.
     towards: Ray,
 }
 
 impl NestedKernelSums {
-    /// Makes empty sums for a kernel in `dimensions` dimensions. If `nested`, the kernels of
-    /// smaller radii are summed too.
+    /// Makes empty sums for a kernel in `dimensions` dimensions. If `nested` is true, the kernels
+    /// of smaller radii are summed too.
     fn new(dimensions: u32, nested: bool) -> Self {
         Self { sums: [Rgb::ZERO; LEVELS], dimensions, nested, chosen: None }
     }
 
-    /// Adds `radiance` times the kernel value `weight` of the full radius.
+    /// Adds one photon of the given `radiance`. `weight` is the kernel value of the full radius at
+    /// the photon.
     ///
-    /// `x2` is the squared distance relative to the squared full radius, in \[0, 1). `towards`
-    /// returns the ray from the kernel's center towards the photon.
+    /// `x2` is the squared distance of the photon from the kernel's center, divided by the squared
+    /// full radius, in \[0, 1). `towards` returns the ray from the center towards the photon.
     #[inline]
     fn add(&mut self, radiance: Rgb, weight: f32, x2: f32, rng: &mut impl Rng, towards: impl FnOnce() -> Ray) {
         let radiance = radiance * weight;
@@ -120,8 +120,8 @@ impl NestedKernelSums {
     }
 }
 
-/// Returns the kernel values of all nested radii at one photon, relative to the kernel of the full
-/// radius.
+/// Returns the kernel values of all nested radii at one photon, divided by the value of the kernel
+/// of the full radius.
 ///
 /// At the fraction x of its radius, a kernel is proportional to 1 − x² in one and three dimensions,
 /// and to (1 − x²)² in two. `x2` is x² for the full radius.
@@ -302,8 +302,8 @@ fn divide_by_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
     Rgb::select(scattering.cmpgt(Rgb::ZERO), weight / scattering, Rgb::ZERO)
 }
 
-/// Returns the factor on a photon's flux for the difference between the wavelengths of photon and
-/// camera path.
+/// Returns the factor on a photon's flux that accounts for the difference between the wavelengths
+/// of the photon and of the camera path.
 ///
 /// `own` is the wavelength of the camera path, `other` the wavelength code of the photon. If both
 /// are set, the factor replaces the photon's spectral weight by a box kernel of half width `band`

@@ -12,8 +12,8 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 use crate::stats::Counters;
 
-/// Divisor of the number of photon paths: the ray-photon-balance pilot traces 1/16 of the paths of
-/// a pass.
+/// Divisor of the number of photon paths of a pass: the ray-photon-balance pilot traces 1/16 of the
+/// paths.
 const PILOT_DIVISOR: u32 = 16;
 
 /// Radiance at the ray-photon-balance pilot's film points, and counts of the rays of their camera
@@ -23,8 +23,8 @@ struct FilmPointEstimates {
     counters: Counters,
 }
 
-/// Runs the ray-photon-balance pilot. Returns the numbers of camera rays and photon paths that give
-/// least noise for the same work as the default numbers.
+/// Runs the ray-photon-balance pilot. Returns the numbers of camera rays and photon paths for which
+/// a pass has the least noise, at the work of the default numbers.
 ///
 /// Returns `None` without photons. The result depends only on the scene and the settings.
 pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<RayPhotonBalance> {
@@ -50,7 +50,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let reference = estimate_at_points(renderer, Some(&maps), &points);
     let other_camera = estimate_at_points(renderer, Some(&maps), &other_points);
     std::mem::swap(&mut maps.caustic, &mut other_maps.caustic);
-    // In `hybrid`, aimed paths fill the caustic map and the indirect map: replace both.
+    // In `hybrid`, aimed paths fill the caustic map and the indirect map, so both are replaced.
     let one_source = renderer.map_builder.request.aimed.separates_after_caustic;
     if one_source {
         std::mem::swap(&mut maps.indirect, &mut other_maps.indirect);
@@ -76,8 +76,8 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     // Measure the work of each source.
     let pixel_count = pixel_count(renderer.scene);
     let points = f64::from(POINTS);
-    // A pass traces more photon paths than the pilot, so each of its estimates gathers more
-    // photons.
+    // A pass traces more photon paths than the pilot, so each density estimate of the pass gathers
+    // more photons.
     let gathering =
         |counters: &Counters| balance::gathering_work(counters) / points * pixel_count * f64::from(PILOT_DIVISOR);
     let gathered = gathering(&reference.counters);
@@ -170,7 +170,8 @@ mod tests {
     use crate::shape::{Plane, Shape, Sphere};
     use glam::{DVec3, Vec3};
 
-    /// If `hybrid` traces no unaimed photon paths, the setting for their number has no influence.
+    /// If `hybrid` traces no unaimed photon paths, the setting for their number does not change the
+    /// balance.
     ///
     /// `hybrid` traces no such paths if photon estimates of indirect light are off.
     #[test]

@@ -114,8 +114,8 @@ impl LightSurface {
         }
     }
 
-    /// Texture coordinates of the surface's point `p`. `coord` holds the parametric coordinates of
-    /// `p`.
+    /// Texture coordinates of the point `p` of the surface. `coord` holds the parametric
+    /// coordinates of `p`.
     fn tex_coord(&self, p: Vec3, coord: SurfaceCoord) -> TexCoord {
         match (self, coord) {
             (Self::Shape(shape), SurfaceCoord::Shape(uv)) => shape.tex_coord(p, uv),
@@ -160,8 +160,8 @@ impl LightSurface {
             }
             Self::Triangles { mesh, first, choice } => {
                 let triangles = || *first as usize..*first as usize + choice.len();
-                // The shading normals at a triangle's corners choose its outer side. If they
-                // disagree, both sides may emit.
+                // The shading normals at a triangle's corners decide which side is the outer one.
+                // If they disagree, both sides may emit.
                 let normal = |i| {
                     let [a, b, c] = [Vec2::ZERO, Vec2::X, Vec2::Y].map(|b| mesh.surface_point(i, b).ng);
                     (a == b && b == c).then(|| a.as_dvec3())

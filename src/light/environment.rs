@@ -72,7 +72,7 @@ impl EnvironmentLight {
         let d = self.map.sample(u)?;
         let [sin, cos] = self.rotation;
         let direction = Vec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x);
-        // Rounding may move the direction to the next pixel, so the pdf is looked up again.
+        // Rounding may move the direction to another pixel, so its pdf is looked up again.
         let pdf = self.pdf(direction);
         (pdf > 0.0).then_some((direction, pdf))
     }

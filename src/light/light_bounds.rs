@@ -13,8 +13,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 pub(super) struct LightBounds {
     /// Box around the positions of the lights, in world space.
     pub space: Bounds,
-    /// Cone that contains the outer normals of all emitting surfaces. For a light at a point, it is
-    /// a cone of emission axes: each emitted direction lies within `spread` of one of them.
+    /// Cone that contains the outer normals of all emitting surfaces. For a light at a point, it
+    /// contains the emission axes instead: each emitted direction lies within `spread` of one of
+    /// them.
     normals: DirectionCone,
     /// Largest angle \[radians] between an emitted direction and the nearest direction in
     /// `normals`, at most π/2.
@@ -91,7 +92,7 @@ impl LightBounds {
         }
     }
 
-    /// Weighted solid angle of the emitted directions \[sr]: flux divided by this is about the
+    /// Weighted solid angle of the emitted directions \[sr]. The flux divided by it is about the
     /// intensity along the normals.
     ///
     /// Directions inside the cone of normals have weight 1. A direction outside, within `spread` of
@@ -115,8 +116,8 @@ impl LightBounds {
 /// multiple of the squared radius r² of the lights' bounding sphere.
 ///
 /// With this bound, a point among the lights gets about the mean of 1/d² over their box. Over a
-/// ball of radius R, this mean is 3/R², as if d² were R²/3. A cube in the bounding sphere has the
-/// volume of a ball with R² of about r²/2, which gives r²/6.
+/// ball of radius R, this mean is 3/R², as if d² were R²/3. A cube inside the bounding sphere has
+/// the volume of a ball with R² = r²/2, which gives r²/6.
 const MIN_SQUARED_DISTANCE: f64 = 1.0 / 6.0;
 
 /// Bounds of one or more lights, in a form from which their importance at a point is computed fast.
@@ -189,7 +190,8 @@ impl LightImportance {
         };
         let angle = |cos: f64| CosSin::from_cos(cos.clamp(-1.0, 1.0));
         let emitted = angle(w.dot(self.axis.as_dvec3())).subtract_clamped(self.normals).subtract_clamped(subtended).0;
-        // Not `<=`: with zero spread, a direction inside the cone has the cosine 1 = `cos_spread`.
+        // The comparison is `<`, not `<=`: with zero spread, a direction inside the cone has the
+        // cosine 1 = `cos_spread`.
         if emitted < self.cos_spread {
             return 0.0;
         }

@@ -49,8 +49,8 @@ enum LightBvhLocation {
     Absent,
     /// The light is at infinity, so it is outside of the tree.
     Infinite,
-    /// The light is in the tree. The bits lead from the root to its leaf, lowest bit first: a bit 0
-    /// to the first child of a node, a bit 1 to the second.
+    /// The light is in the tree. The bits of the number lead from the root to its leaf, lowest bit
+    /// first: a bit 0 to the first child of a node, a bit 1 to the second.
     Tree(u64),
 }
 
@@ -72,8 +72,8 @@ impl LightBvhSampler {
     pub fn new(lights: &[Light], domain: BoundingSphere) -> Option<Self> {
         let mut locations = vec![LightBvhLocation::Absent; lights.len()];
         let (mut infinite, mut bounded) = (Vec::new(), Vec::new());
-        // The margin allows for the rounding of positions. A light in the plane of a surface may
-        // then count as above the surface.
+        // The margin allows for the rounding of positions: because of rounding, a light in the
+        // plane of a surface may count as above the surface.
         let margin = 1e-6 * (domain.center.abs().max_element() + domain.radius);
         for (i, light) in lights.iter().enumerate().filter(|(_, l)| color::channel_mean(l.power(domain)) > 0.0) {
             match light.bounds(margin) {
@@ -192,7 +192,7 @@ impl LightBvhSampler {
     fn child_probabilities(&self, parent: usize, second: usize, p: Vec3, n: Option<Vec3>) -> Option<[f64; 2]> {
         let [a, b] = [parent + 1, second].map(|i| self.nodes[i].importance.importance_at(p, n));
         let total = a + b;
-        // Two quotients, because 1 − a/total would round a small probability to zero.
+        // Both quotients are computed, because 1 − a/total would round a small probability to zero.
         (total > 0.0).then(|| [a / total, b / total])
     }
 }

@@ -203,11 +203,11 @@ impl Light {
         }
     }
 
-    /// Strength of a delta light; `None` for area and environment lights.
+    /// Strength of a delta light, as a scene states it; `None` for area and environment lights.
     ///
-    /// For a directional light, the strength is the irradiance at normal incidence \[W/m²]. For a
-    /// point or spot light, it is the largest intensity \[W/sr]. For a projector or goniometric
-    /// light, it is the intensity where the picture or map has the value 1 \[W/sr].
+    /// For a directional light, it is the irradiance at normal incidence \[W/m²]. For a point or
+    /// spot light, it is the largest intensity \[W/sr]. For a projector or goniometric light, it is
+    /// the intensity where the picture or map has the value 1 \[W/sr].
     #[must_use]
     pub fn nominal_strength(&self) -> Option<Rgb> {
         dispatch!(self, light => light.nominal_strength())

@@ -128,9 +128,9 @@ impl PhotonAim {
 /// Finds the interval that contains `at` ≥ 0, among adjacent intervals of the given `widths`. The
 /// first interval starts at 0.
 ///
-/// Returns the relative position of `at` in the interval, in \[0, 1), and the index of the
-/// interval. An `at` beyond the end lies in the last interval. Returns `None` if there is no
-/// interval.
+/// Returns the position of `at` in the interval, as a fraction in \[0, 1) of its width, and the
+/// index of the interval. An `at` beyond the end lies in the last interval. Returns `None` if there
+/// is no interval.
 #[inline]
 fn locate_in_intervals(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)> {
     let mut chosen = None;

@@ -20,6 +20,9 @@ pub struct PointLight {
 }
 
 /// A light whose rays leave from one point, with an intensity that depends on the direction.
+///
+/// So a ray depends on the argument `direction` of [`LightSource::sample_le`] alone, not on
+/// `position`.
 pub(super) trait PositionalLight {
     /// Position of the light in world space.
     fn position(&self) -> Vec3;
@@ -33,8 +36,9 @@ pub(super) trait PositionalLight {
     /// Radiant flux of the light \[W].
     fn flux(&self) -> Rgb;
 
-    /// Largest radiant intensity \[W/sr]. For a projector or goniometric light, it is the intensity
-    /// where the picture or map has the value 1.
+    /// Radiant intensity by which a scene states the strength of the light \[W/sr]: the largest
+    /// one. For a projector or goniometric light, it is the intensity where the picture or map has
+    /// the value 1.
     fn nominal_intensity(&self) -> Rgb;
 
     /// Returns a cone of axes and the largest angle \[radians] between an emitted direction and the

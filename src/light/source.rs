@@ -36,7 +36,8 @@ pub struct DirectLightSample {
 pub struct EmissionSample {
     /// The emitted ray, with a unit direction.
     pub ray: Ray,
-    /// Flux \[W] that the ray carries: the light's flux per pdf of the ray.
+    /// Flux \[W] that the ray carries: the flux that the light emits there, divided by the pdf of
+    /// the ray.
     ///
     /// The expected value is the flux of all rays that can be sampled.
     pub flux: Rgb,
@@ -69,9 +70,9 @@ pub(super) enum LightGeometry<'a> {
 /// `sample_li` and `sample_le` must describe the same emitted radiance: camera paths sample direct
 /// light by `sample_li`, and photon paths start by `sample_le`.
 ///
-/// Three methods have defaults. A delta light must implement `peak_strength`. A light that cannot
-/// reach all of space should implement `may_illuminate`, so that fewer photons miss the caustic
-/// casters. A light with a texture must implement `untextured_light`.
+/// Three methods have defaults. A delta light must implement `nominal_strength`. A light that
+/// cannot reach all of space should implement `may_illuminate`, so that fewer photons miss the
+/// caustic casters. A light with a texture must implement `untextured_light`.
 pub(super) trait LightSource {
     /// Position, direction or surface from which the light comes.
     fn geometry(&self) -> LightGeometry<'_>;
@@ -100,7 +101,8 @@ pub(super) trait LightSource {
     /// Bounds of the light's positions and emitted directions; `None` for lights at infinity.
     fn bounds(&self) -> Option<LightBounds>;
 
-    /// Implements [`Light::peak_strength`]. The default `None` is right for all but delta lights.
+    /// Implements [`Light::nominal_strength`]. The default `None` is right for all lights except
+    /// delta lights.
     fn nominal_strength(&self) -> Option<Rgb> {
         None
     }

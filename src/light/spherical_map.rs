@@ -71,7 +71,8 @@ impl EquirectangularMap {
         let row_edge_cosines: Vec<f64> = (0..=h).map(|row| cos(PI * row as f64 / h as f64)).collect();
         let brightness = |x: usize, y: usize| f64::from(color::channel_mean(map.pixels()[y * w + x]));
         // Mean of the interpolated value over a pixel, first horizontally, then vertically. It is
-        // positive if the value is positive anywhere in the pixel, so no such direction has pdf 0.
+        // positive if the value is positive anywhere in the pixel, so no direction with light has
+        // pdf 0.
         let across = |x: usize, y: usize| {
             0.125 * (brightness((x + w - 1) % w, y) + brightness((x + 1) % w, y)) + 0.75 * brightness(x, y)
         };

@@ -74,8 +74,8 @@ impl PositionalLight for SpotLight {
 
     fn sample_emission(&self, u: Vec2) -> Option<EmissionSample> {
         let w = Frame::from_normal(self.axis).to_world(warp::square_to_uniform_cone(u, self.outer_one_minus_cos));
-        // Not `intensity(w)`: in a narrow beam, the rounding error of `w` is not small against the
-        // beam's width.
+        // `intensity(w)` would be imprecise: in a narrow beam, the rounding error of `w` is not
+        // small against the beam's width.
         let intensity = self.intensity_at_one_minus_cos(u.x * self.outer_one_minus_cos);
         let flux = intensity * (TAU * self.outer_one_minus_cos);
         Some(EmissionSample { ray: Ray::new(self.position, w), flux })

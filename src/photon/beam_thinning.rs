@@ -38,8 +38,8 @@ mod tests {
     use crate::color::Rgb;
     use glam::Vec3;
 
-    /// Over evenly spaced `start` values, weak and strong beams keep their mean flux. The number of
-    /// kept beams does not exceed the share.
+    /// For evenly spaced values of `start`, weak and strong beams keep their mean flux, and the
+    /// number of kept beams does not exceed the share.
     #[test]
     fn thinning_keeps_the_mean_flux_of_each_beam() {
         let flux = |i: u32| Rgb::new(1.0, 0.5, 0.25) * [1.0, 3.0, 0.01, 60.0][i as usize % 4] * (1 + i % 7) as f32;

@@ -8,7 +8,8 @@ use crate::sampling::{Dimension, Key, sobol_2d};
 use crate::scene::{NearPrimitives, Scene};
 use glam::Vec3;
 
-/// Number of probe rays that measure which fraction of a gather disc is surface.
+/// Number of probe rays that measure the coverage of a gather disc: the fraction of the disc that
+/// is surface.
 const PROBES: u32 = 16;
 
 /// Lower bound of a coverage, the visible fraction of a kernel.
@@ -63,7 +64,8 @@ fn coverage_by_probes(
         let cos = scene.normal_at(&ray, &hit).dot(normal).abs();
         if cos > MIN_NORMAL_COSINE {
             let rise = (height - hit.t) / radius;
-            // A flat surface is hit at `height` up to rounding errors, and must count as flat.
+            // A flat surface is hit at `height` up to rounding errors. Such hits must count as
+            // flat.
             let shape = if rise.abs() < 1e-3 {
                 shape
             } else {

@@ -47,8 +47,8 @@ pub struct Deposits {
     /// Surface photons that a receiver has scattered after a caustic
     /// ([`PhotonKind::AfterCaustic`]).
     ///
-    /// If [`StoreMask::separates_after_caustic`](super::StoreMask) is not set, `photons` holds
-    /// these photons instead, and this list is empty.
+    /// If [`StoreMask::separates_after_caustic`](super::StoreMask) is not set, `surface_photons`
+    /// holds these photons instead, and this list is empty.
     pub after_caustic: Vec<Photon>,
     /// Photons in media, except the photons in `after_caustic_volume`.
     pub volume: VolumePhotons,

@@ -11,7 +11,7 @@ use crate::sampling::{Dimension, DiscreteDistribution, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
-/// Number of emission samples that estimate the power of one light towards the casters.
+/// Number of emission samples from which the power of one light towards the casters is estimated.
 const POWER_SAMPLES: u32 = 256;
 
 /// Weight of a light's total power in the probability of sampling the light, for photon paths aimed
@@ -37,8 +37,10 @@ pub struct PhotonSource<'a> {
     effects: Effects,
 }
 
-/// A sampled light, and the primary sample: random numbers in \[0, 1)⁴ that determine position and
-/// direction of the emitted ray (Kelemen et al. 2002).
+/// A sampled light, with the primary samples that determine position and direction of the emitted
+/// ray.
+///
+/// Primary samples are random numbers in \[0, 1)⁴ (Kelemen et al. 2002).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimaryEmissionSample {
     /// Index of the sampled light in [`Scene::lights`].
@@ -78,7 +80,8 @@ impl<'a> PhotonSource<'a> {
         };
         let domain = scene.photon_domain();
         let reaching = |(light, power): (&Light, f64)| {
-            // A light that misses a moving caster now may reach it at another shutter time.
+            // A light that misses a moving caster at this time may reach it at another shutter
+            // time.
             let reaches =
                 scene.has_motion() || spheres.iter().any(|sphere| light.may_illuminate(Some(*sphere), domain));
             if reaches { power } else { 0.0 }
@@ -90,8 +93,8 @@ impl<'a> PhotonSource<'a> {
         let (total, total_aimed) = (light_powers.iter().sum::<f64>(), aimed.iter().sum::<f64>());
         let weight = |(power, aimed): (&f64, &f64)| {
             let plain = power / total;
-            // An estimate of zero does not prove that no light reaches a caster. The total powers
-            // then decide.
+            // An estimated power of zero does not prove that no light reaches a caster. The total
+            // powers then decide.
             if total_aimed > 0.0 {
                 DEFENSIVE_FRACTION * plain + (1.0 - DEFENSIVE_FRACTION) * aimed / total_aimed
             } else {
@@ -113,8 +116,8 @@ impl<'a> PhotonSource<'a> {
     /// Returns the source without the environment light; `None` if no other light has power.
     #[must_use]
     pub fn without_environment_light(self) -> Option<Self> {
-        // Without an environment light, the probabilities are kept: recomputing would change their
-        // rounding.
+        // Without an environment light, the probabilities stay as they are, because recomputing
+        // would change their rounding.
         let Some(environment) = self.scene.environment_light_index() else { return Some(self) };
         let weight = |i| if i == environment { 0.0 } else { f64::from(self.light_distribution.probability(i)) };
         let light_distribution = DiscreteDistribution::new((0..self.scene.lights().len()).map(weight))?;
@@ -139,8 +142,8 @@ impl<'a> PhotonSource<'a> {
         Self { effects, ..self }
     }
 
-    /// Returns the kind of [`Interior`](crate::scene::Interior) that photon paths carry. The
-    /// simulated effects determine it.
+    /// Returns the kind of [`Interior`](crate::scene::Interior) that photon paths need to simulate
+    /// their effects.
     ///
     /// An `Interior` tracks the nested bodies, the medium and the wavelength of a path.
     pub(super) fn interior_kind(&self) -> InteriorKind {
@@ -239,8 +242,8 @@ fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
     scene.lights().iter().map(|light| f64::from(color::channel_mean(light.power(scene.photon_domain()))))
 }
 
-/// Estimates the power \[W], averaged over RGB, that light number `light` emits towards the spheres
-/// of `aim`.
+/// Estimates the power \[W] that the light with index `light` emits towards the spheres of `aim`,
+/// averaged over RGB.
 fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
     let key = Key::new(0).purpose_key(Purpose::LightWeights).light_power_pilot_key(light);
     let flux = |i| {

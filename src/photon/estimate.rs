@@ -62,8 +62,8 @@ impl PhotonSearchBuffers {
     }
 }
 
-/// Lower bound of a disc's radius, divided by the distance of the query point from the origin:
-/// about 100 rounding errors of a position.
+/// Lower bound of a disc's radius, divided by the distance of the query point from the origin. It
+/// is about 100 rounding errors of a position.
 const MIN_RELATIVE_RADIUS: f32 = 1e-5;
 
 /// Lower bound of the disc's radius in a k-nearest-neighbour estimate, divided by
@@ -137,7 +137,7 @@ impl PhotonMap {
         let resolved = p.length() * MIN_RELATIVE_RADIUS;
         let bandwidth = Bandwidth { radius: bandwidth.radius.max(resolved), ..bandwidth };
         let mut radius = bandwidth.radius;
-        // Height of `p` over a photon's tangent plane, relative to the limit for the largest disc.
+        // Height of `p` over a photon's tangent plane, divided by the limit for the largest disc.
         // Smaller discs have lower limits.
         let height = |data: &PhotonData| {
             if N > 1 {
@@ -163,12 +163,12 @@ impl PhotonMap {
                     }
                 }
                 let count = scratch.found.len() as u32;
-                // √(radius²) could differ from the radius by rounding.
+                // √(squared radius) could differ from the radius by rounding.
                 let radius = if count < bandwidth.k { bandwidth.radius } else { r2.sqrt() };
                 return sums.into_radiance(radius, count);
             }
-            // The k-th photon is nearer than the least radius: use all photons within the least
-            // radius.
+            // The k-th photon is nearer than the least radius, so all photons within the least
+            // radius count.
             radius = least;
         }
         let mut sums = KernelSums::<N>::new(kernel, radius * radius);

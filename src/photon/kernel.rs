@@ -98,8 +98,8 @@ impl Kernel {
 mod tests {
     use super::*;
 
-    /// The integral of each kernel and its `nested_difference_variance` agree with the midpoint
-    /// rule over d, whose error is O(n⁻²).
+    /// The integral of each kernel over its disc, and its `nested_difference_variance`, agree with
+    /// the midpoint rule over the distance. The error of the rule is O(n⁻²).
     #[test]
     fn kernel_constants_match_quadrature() {
         let n = 100_000;

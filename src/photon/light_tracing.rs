@@ -40,11 +40,10 @@ pub struct DensityEstimateShares {
 impl DensityEstimateShares {
     /// Computes the share of density estimates at each pixel from the `splats` of a pilot.
     ///
-    /// The share is 1/(1 + n²/10²), where n estimates the number of caustic photons per pixel and
-    /// pass. The estimate n is the effective number of `splats` per pixel, measured over 3 × 3
-    /// pixels, times `ratio`. `ratio` is the number of photon paths of a pass, divided by that of
-    /// the pilot. The square reduces the share quickly at foci, where density estimates have rare
-    /// large errors.
+    /// The share is 1/(1 + n²/10²), where n is the estimated number of caustic photons per pixel
+    /// and pass. n is the effective number of `splats` per pixel, measured over 3 × 3 pixels, times
+    /// `ratio`. `ratio` is the number of photon paths of a pass, divided by that of the pilot. The
+    /// square reduces the share quickly at foci, where density estimates have rare large errors.
     #[must_use]
     pub fn from_splats(splats: &[Splat], (width, height): (u32, u32), ratio: f64) -> Self {
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
@@ -148,8 +147,8 @@ impl<'a> LightTracer<'a> {
             None => 1.0,
             Some(_) => 1.0 - f32::from(share) / f32::from(SHARE_STEPS),
         };
-        // On a mix of materials, the photon may have met a caster. Camera paths find the light that
-        // casters reflect to the camera.
+        // The surface may be a mix of materials, at which the photon met a caster. Camera paths
+        // find the light that casters reflect to the camera.
         if splat_share == 0.0 || !surface.bsdf.stores_photons() {
             return share;
         }

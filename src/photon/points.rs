@@ -39,7 +39,7 @@ impl VolumePhoton {
         Some(Self { position, medium, flux, direction: encode_octahedral(direction), wavelength })
     }
 
-    /// Flux of the photon \[W], which scatters at the point.
+    /// Flux of the photon \[W], all of which scatters at the point.
     #[inline]
     #[must_use]
     pub fn flux(&self) -> Rgb {

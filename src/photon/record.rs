@@ -115,8 +115,8 @@ pub(super) const SHARE_STEPS: u8 = 15;
 /// Factor from a unit normal to its stored components, which are 8-bit integers.
 const NORMAL_SCALE: f32 = 127.0;
 
-/// Tangent plane at the query point of a density estimate. Its normal is scaled for comparison with
-/// the quantized normals of photons.
+/// Tangent plane at the query point of a density estimate. Its normal is scaled, so that it can be
+/// compared with the quantized normals of photons.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentPlane {
     point: Vec3,

@@ -117,7 +117,7 @@ impl PhotonPass<'_> {
         PhotonPassResult { deposits: Deposits::concatenate(chunks), audit, rays, paths: u64::from(paths) }
     }
 
-    /// Follows one photon path until it is absorbed, escapes or is stopped; adds its flux and its
+    /// Follows one photon path until it is absorbed, escapes or is stopped. Adds its flux and its
     /// number of rays to `tally`.
     ///
     /// Calls `deposit` for each photon that `mask` stores, on a surface or in a medium, and for
@@ -195,7 +195,7 @@ impl PhotonPass<'_> {
                 return add_flux(&mut audit.stopped, flux);
             }
 
-            // Thin paths that continue after a caustic.
+            // Thin out the paths that continue after a caustic photon.
             if self.mask.separates_after_caustic && kind == PhotonKind::Caustic && receives {
                 add_flux(&mut audit.roulette, flux);
                 if key.uniform_1d(Dimension::ShadingRoulette) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {
@@ -242,7 +242,7 @@ impl PhotonPass<'_> {
     ///
     /// Calls `deposit` with a beam or a point if `mask` stores `kind` in media. `flux` \[W] is the
     /// flux at the last vertex. `weight` is the product of the distance sampling weights of all
-    /// segments since that vertex; the function multiplies it by the weight of this segment.
+    /// segments since that vertex. The function multiplies it by the weight of this segment.
     #[inline]
     fn sample_medium_segment<I: Interior>(
         &self,

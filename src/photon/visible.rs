@@ -14,8 +14,8 @@ pub struct VisiblePoint {
     pub error: Vec3,
     /// Unit geometric normal on the side that the camera path sees.
     pub normal: Vec3,
-    /// Importance of the point: camera path throughput times BRDF, so the pixel's radiance per
-    /// irradiance at the point. Only ratios between points matter.
+    /// Importance of the point: camera path throughput times BRDF, which is the pixel's radiance
+    /// per irradiance at the point. Only ratios between points matter.
     pub weight: f32,
 }
 

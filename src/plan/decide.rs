@@ -4,12 +4,12 @@ use super::{EffectOverrides, SceneFeatures};
 use crate::scene::{CASTERS, Effect, Effects, Scene};
 use std::fmt;
 
-/// Reason why a render needs an effect of light, or does not need it or cannot simulate it.
+/// Reason why a render needs an effect of light, does not need it, or cannot simulate it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EffectReason {
-    /// Objects need the effect. Holds their number, and words that describe them.
+    /// Objects need the effect. Holds the number of these objects, and words that describe them.
     Objects(usize, &'static str),
-    /// Lights need the effect. Holds their number, and words that describe them.
+    /// Lights need the effect. Holds the number of these lights, and words that describe them.
     Lights(usize, &'static str),
     /// The scene has an environment light.
     EnvironmentLight,
@@ -19,12 +19,12 @@ pub enum EffectReason {
     UnsupportedByAlgorithm,
     /// No light has power.
     NoLight,
-    /// The scene has no caustic casters: see
+    /// No object is a caustic caster, see
     /// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     NoCaster,
-    /// No light can reach a caustic caster directly.
+    /// No light can reach a caustic caster on a straight path.
     NoLitCaster,
-    /// No surface and no medium stores photons.
+    /// No surface and no medium of the scene stores photons.
     NoReceiver,
     /// All surfaces that store photons are black.
     BlackReceivers,
@@ -34,7 +34,7 @@ pub enum EffectReason {
     NoSoftLight,
     /// The scene has no environment light.
     NoEnvironmentLight,
-    /// The scene has no objects with an interior that light enters.
+    /// The scene has no object with an interior that light enters.
     NoBody,
     /// The camera has a lens, so objects out of focus are blurred.
     Lens,
@@ -153,8 +153,8 @@ impl Plan {
         Self { features, decisions }
     }
 
-    /// Returns the effects that the scene needs and that the render simulates. Effects that only
-    /// the user wants are left out.
+    /// Returns the effects that the scene needs and that the render simulates. Effects that the
+    /// user forces on without need are left out.
     #[must_use]
     pub fn needed_and_simulated_effects(&self) -> Effects {
         self.decisions
@@ -170,7 +170,8 @@ impl Plan {
     }
 }
 
-/// Decides whether a scene needs `effect`: `Ok` with the reason if so, else `Err` with the reason.
+/// Decides whether a scene needs `effect`. Returns the reason: as `Ok` if the scene needs it, as
+/// `Err` if not.
 ///
 /// `before` holds the needed effects that precede `effect` in [`Effect::ALL`].
 fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> Result<EffectReason, EffectReason> {
@@ -208,7 +209,8 @@ fn decide_effect(features: &SceneFeatures, effect: Effect, before: Effects) -> R
             need(features.lights + features.emitting_media > 0 || hazy, EffectReason::NoLight)?;
             any(receivers, EffectReason::NoReceiver)?;
             any(scattering, EffectReason::BlackReceivers)?;
-            // A soft light makes `one_flat_object` false, because continued paths may hit it (MIS).
+            // If the scene has a soft light, `one_flat_object` is false, because continued paths
+            // may hit that light.
             need(!features.one_flat_object, EffectReason::OneFlatObject)?;
             Ok(EffectReason::Objects(scattering, "may light other objects"))
         }

@@ -19,7 +19,7 @@ pub struct SceneFeatures {
     pub scattering_receivers: usize,
     /// Number of caustic casters, see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     pub casters: usize,
-    /// Number of caustic casters that a light may reach directly.
+    /// Number of caustic casters that a light may reach on a straight path.
     pub lit_casters: usize,
     /// Number of objects with an interior that light enters, such as glass.
     pub bodies: usize,

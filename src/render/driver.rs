@@ -23,13 +23,13 @@ pub struct StopCriteria<'a> {
     pub time: Option<Duration>,
     /// Estimated error at which the render ends; `None` for no target.
     pub target: Option<ErrorTarget>,
-    /// True to give up `target` if bias keeps the error above it after any number of passes, but
-    /// not before the noise is at most the target error.
+    /// True to give up `target` if bias keeps the error above it after any number of passes. The
+    /// render then still goes on until its noise is at most the target error.
     ///
     /// A render without limits of passes and time gives up such a target in any case, even with
     /// more noise.
     pub ends_at_bias: bool,
-    /// Flag that another thread sets to true to end the render after the current pass.
+    /// Flag of another thread: true ends the render after the current pass.
     pub interrupted: &'a AtomicBool,
 }
 
@@ -44,8 +44,8 @@ pub struct ErrorTarget {
 }
 
 impl ErrorTarget {
-    /// Returns the confidence of a two-sided error interval whose upper end exceeds the true error
-    /// with the probability `self.confidence`.
+    /// Returns the confidence that a two-sided error interval needs, so that its upper end exceeds
+    /// the true error with the probability `self.confidence`.
     #[must_use]
     pub fn interval_confidence(self) -> Confidence {
         Confidence::new(2.0 * self.confidence.probability() - 1.0).unwrap_or(Confidence::LEAST)
@@ -73,7 +73,7 @@ pub enum EndReason {
 pub struct RenderResult {
     /// Numbers of the passes in `film`, counted from 0.
     pub numbers: PassSet,
-    /// Film with all passes; its mean is the picture.
+    /// Film with the sums of all passes; its mean is the picture.
     pub film: Film,
     /// Error estimator to which the passes were added; `None` if
     /// [`Integrator::estimates_error`] is false.
@@ -83,7 +83,7 @@ pub struct RenderResult {
     pub groups: Vec<Film>,
     /// Film of the radiance that clamping removed; `None` without clamping.
     pub clamped: Option<Film>,
-    /// Reason why the render ended; without meaning while it goes on.
+    /// Reason why the render ended. It has no meaning while the render goes on.
     pub ended: EndReason,
     /// Counts of rays and density estimates of all passes.
     pub counters: Counters,
@@ -115,8 +115,8 @@ pub struct PassProgress<'a> {
 /// Number of passes before which a render does not give up its error target.
 pub(super) const GIVE_UP_PASSES: u32 = 16;
 
-/// Factor on the permanent bias of a render, the bias that more passes do not remove. A render
-/// gives up its error target only if the product exceeds the target.
+/// Safety factor on the permanent bias of a render, the bias that more passes do not remove. A
+/// render gives up its error target only if factor times bias exceeds the target.
 pub(super) const GIVE_UP_MARGIN: f64 = 0.8;
 
 /// Renders those passes of `numbers` that `rendered` lacks, and returns `rendered` with them. Ends

@@ -12,17 +12,16 @@ use super::pass_set::PassSet;
 use serde::{Deserialize, Serialize};
 use std::io::{self, Read, Write};
 
-/// First line of a film file, with the version number of the format.
+/// First line of a film file. It holds the version number of the format.
 const MAGIC: &[u8; 16] = b"CAUSTICA FILM 2\n";
 
 /// Largest uncompressed content of a block of a film file \[bytes].
 const BLOCK: usize = 1 << 20;
 
-/// Largest size of those contents of a film file that do not grow with the number of pixels
-/// \[bytes].
+/// Largest size of the content of a film file beside the sums of its pixels \[bytes].
 const MAX_FIXED_BYTES: u64 = 1 << 20;
 
-/// Largest size of the contents of a film file for each pixel \[bytes].
+/// Largest size of the content of a film file for one pixel \[bytes].
 ///
 /// The format of the crate `postcard` stores a 64-bit integer in at most 10 bytes.
 const MAX_BYTES_PER_PIXEL: u64 = 1024;
@@ -57,7 +56,7 @@ pub struct FilmHeader {
     pub settings: Vec<String>,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Number of passes of the whole render, if this film is to hold only a part of them
+    /// Number of passes of the whole render, if this film is to hold only a share of them
     /// (`--shard`); else `None`.
     pub planned_passes: Option<u32>,
 }
@@ -92,8 +91,8 @@ pub enum FilmFileError {
 }
 
 impl FilmHeader {
-    /// Returns one line for each difference that forbids adding the passes of two renders; empty if
-    /// they can be added.
+    /// Returns one line for each difference because of which the passes of two renders cannot be
+    /// added; empty if they can.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let mut lines = Vec::new();
@@ -122,7 +121,7 @@ impl FilmHeader {
         lines
     }
 
-    /// Returns the passes that are missing to a whole render if `done` are done.
+    /// Returns the passes that a whole render still lacks after the passes `done`.
     ///
     /// The whole render has the planned passes, and at least all passes up to the last one of
     /// `done`.
@@ -178,7 +177,7 @@ pub fn read_film_header(mut input: impl Read) -> Result<FilmHeader, FilmFileErro
     read_header(&mut input)
 }
 
-/// Returns the numbers of the passes in a film file, without reading the sums.
+/// Returns the numbers of the passes whose sums a film file holds, without reading the sums.
 ///
 /// # Errors
 /// [`FilmFileError`] if `input` does not begin as a film file of this version.
@@ -210,9 +209,9 @@ struct BlockReader<R> {
     block: Vec<u8>,
     /// Index in `block` of the next byte.
     next: usize,
-    /// Number of bytes that further blocks may hold.
+    /// Largest number of bytes that further blocks may hold. A file with more is damaged.
     left: u64,
-    /// Error of the last block, which [`io::Error`] cannot carry through `postcard`.
+    /// Error of reading the last block. [`io::Error`] cannot carry it through `postcard`.
     failure: Option<FilmFileError>,
 }
 
@@ -226,7 +225,8 @@ impl<R: Read> BlockReader<R> {
         Ok(())
     }
 
-    /// Fails unless all bytes were read and an empty block follows.
+    /// Fails unless all bytes of the block were read and the empty block that ends the file
+    /// follows.
     fn check_end(&mut self) -> Result<(), FilmFileError> {
         let is_read = self.next == self.block.len();
         self.read_next_block()?;

@@ -4,7 +4,7 @@ use crate::image::{MAX_PIXELS, PictureSizeError};
 use crate::integrate::ExpectedPhotons;
 use crate::stats::format_bytes;
 
-/// Memory per pixel of a render without an error estimate and further layers \[bytes].
+/// Memory per pixel of a render that estimates no error and stores no further layers \[bytes].
 ///
 /// The film takes 50 bytes, the current pass 13, and the ray distribution of `--adaptive` 20. After
 /// the last pass, the mean and the encoded file reuse the memory of the pass.
@@ -23,8 +23,8 @@ const BYTES_PER_ESTIMATED_PIXEL: u64 = 382;
 /// reuse the memory of the pass.
 const BYTES_PER_GROUPED_PIXEL: u64 = 210;
 
-/// Memory per pixel that a render needs beside [`BYTES_PER_PIXEL`] if it clamps light, to store the
-/// removed light \[bytes].
+/// Memory per pixel that a render with clamping needs beside [`BYTES_PER_PIXEL`], to store the
+/// light that clamping removes \[bytes].
 ///
 /// The film of the removed light takes 50 bytes, its sums in the error estimate 67, and the current
 /// pass 12.
@@ -67,13 +67,13 @@ pub enum MemoryError {
         "choose a smaller --size, or allow more --memory; --no-error-estimate reduces the memory to a fifth"
     ))]
     Picture {
-        /// Number of pictures.
+        /// Number of pictures that are in memory at a time.
         count: usize,
-        /// Width of a picture \[pixels].
+        /// Width of each picture \[pixels].
         width: u32,
-        /// Height of a picture \[pixels].
+        /// Height of each picture \[pixels].
         height: u32,
-        /// Memory that the pictures need \[bytes].
+        /// Memory that all the pictures need \[bytes].
         needed: u64,
         /// Free memory \[bytes].
         free: u64,
@@ -94,7 +94,7 @@ pub enum MemoryError {
         width: u32,
         /// Height of the picture \[pixels].
         height: u32,
-        /// Memory that the films need \[bytes].
+        /// Memory that all the films need \[bytes].
         needed: u64,
         /// Free memory \[bytes].
         free: u64,
@@ -120,7 +120,7 @@ pub enum MemoryError {
         paths: u64,
         /// Number of photons that the pass is expected to store.
         stored: u64,
-        /// Memory that the photons need \[bytes].
+        /// Memory that the expected photons need \[bytes].
         needed: u64,
         /// Free memory \[bytes].
         free: u64,
@@ -130,7 +130,8 @@ pub enum MemoryError {
 const PHOTON_MEMORY_REMEDY: &str = "choose fewer --photons or --caustic-photons and more --passes: only one pass of photons is in memory at a time; \
      or allow more --memory";
 
-/// Returns the memory that rendering `count` pictures without error estimates needs \[bytes].
+/// Returns the memory \[bytes] that `count` pictures need while they are rendered without error
+/// estimates.
 ///
 /// `size` is the width and height of a picture \[pixels]. `free` is the free memory \[bytes];
 /// `None` if unknown.
@@ -141,7 +142,8 @@ pub fn check_picture_memory(count: usize, size: (u32, u32), free: Option<u64>) -
     check_pixel_memory(count, size, BYTES_PER_PIXEL, free)
 }
 
-/// Returns the memory that rendering `count` pictures with error estimates needs \[bytes].
+/// Returns the memory \[bytes] that `count` pictures need while they are rendered with error
+/// estimates.
 ///
 /// `size` is the width and height of a picture \[pixels]. `free` is the free memory \[bytes];
 /// `None` if unknown.
@@ -168,7 +170,7 @@ pub struct RenderedLayers {
 }
 
 impl RenderedLayers {
-    /// Returns the memory of the picture and these layers \[bytes per pixel].
+    /// Returns the memory per pixel of the picture and these layers together \[bytes].
     fn bytes_per_pixel(self) -> u64 {
         let bytes_if = |is_wanted: bool, bytes: u64| if is_wanted { bytes } else { 0 };
         BYTES_PER_PIXEL
@@ -180,8 +182,8 @@ impl RenderedLayers {
     }
 }
 
-/// Returns the memory that rendering a picture of `size` (width, height) pixels with `layers` needs
-/// \[bytes].
+/// Returns the memory \[bytes] that a picture of `size` (width, height) pixels needs while it is
+/// rendered with `layers`.
 ///
 /// `free` is the free memory \[bytes]; `None` if unknown.
 ///
@@ -237,10 +239,10 @@ fn check_pixel_memory(
     }
 }
 
-/// Checks that the photons of a pass fit into memory and into 32-bit indices.
+/// Checks that the photons of a pass fit into memory and that 32-bit indices can address them.
 ///
-/// `free` is the free memory \[bytes]; `None` if unknown. Of the free memory, `pictures` bytes are
-/// reserved for pictures.
+/// `free` is the free memory \[bytes]; `None` if unknown. `pictures` bytes of it are reserved for
+/// pictures.
 ///
 /// # Errors
 /// [`MemoryError`] if there are too many photons.

@@ -126,7 +126,7 @@ pub(super) fn physical_light_strength_at_mid_shutter(
 /// Returns a copy of `scene` with all moving parts placed at `time`, from 0 (shutter opens) to 1
 /// (shutter closes).
 ///
-/// A part whose transform is singular at `time` stays at its mid-shutter position.
+/// A part stays at its mid-shutter position if its transform is singular at `time`.
 pub(super) fn scene_at_time(scene: &Scene, time: f64) -> Scene {
     let mut moved = scene.clone();
     let Some(animation) = &scene.animation else { return moved };

@@ -35,7 +35,7 @@ pub enum LightStrength {
 pub(super) fn place_delta_light(kind: &DeltaLightKind, strength: LightStrength, origin: DVec3) -> (Light, LegacyLight) {
     match kind.place() {
         DeltaLightPlace::Position(position) => {
-            // A light at the origin is treated as one unit away.
+            // A light at the origin is treated as if it were one unit away.
             let distance2 = (position - origin).length_squared() as f32;
             let distance2 = if distance2 > 0.0 { distance2 } else { 1.0 };
             let (intensity, color) = match strength {

@@ -201,8 +201,8 @@ impl MaterialKind {
         }
     }
 
-    /// True if a texture determines the roughness of a metal, so that photons may be stored at some
-    /// points only.
+    /// True if a roughness texture decides at each point whether photons are stored there, as on a
+    /// conductor.
     fn roughness_decides_photon_storage(&self) -> bool {
         match self {
             Self::Conductor { roughness, .. } => roughness.is_textured(),
@@ -241,8 +241,8 @@ impl Material {
         Self { kind, normals: NormalPerturbation::None, mean_bsdf, textured, may_store_photons }
     }
 
-    /// Returns this material with the properties that a mix inherits from its components; unchanged
-    /// if it is no mix.
+    /// Returns this material with `may_store_photons` set for a mix: to true if one of its
+    /// components may store photons. Other materials are returned unchanged.
     ///
     /// `materials` is the list that the component indices of the mix refer to.
     pub(super) fn with_mix_components(self, materials: &[Self]) -> Self {
@@ -482,7 +482,8 @@ impl Material {
     /// Two BSDFs are of different kinds if they differ in being specular, in storing photons, or in
     /// transmitting. The method visits the BSDF with mean parameters. For a conductor or coat with
     /// a roughness texture, it also visits the BSDFs with the least and the greatest roughness. A
-    /// smooth coat is also visited alone, without its base.
+    /// coat with α up to [`PHOTON_STORAGE_ALPHA`](crate::bsdf::PHOTON_STORAGE_ALPHA) is also
+    /// visited alone, without its base.
     pub(super) fn visit_bsdf_variants(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         let mut visit = |bsdf: Bsdf| {
             visit(bsdf);

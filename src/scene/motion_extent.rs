@@ -65,10 +65,11 @@ impl FilmMotionMeasure {
     }
 
     /// Returns how far a point moves through the scene, divided by the width of a pixel at the
-    /// center of the photon domain. `position` is as in [`Self::length_on_film`].
+    /// center of the photon domain.
     ///
-    /// This measure serves objects outside the picture. Their shadows and caustics may fall into
-    /// the picture, and move about as far as the objects.
+    /// `position(i)` is the point, in scene coordinates, after `i` steps of the shutter interval.
+    /// The measure serves objects outside the picture. Their shadows and caustics may fall into the
+    /// picture, and move about as far as the objects.
     fn length_in_scene(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
         (0..STEPS).map(|step| position(step).distance(position(step + 1))).sum::<f64>() / self.pixel
     }
@@ -94,8 +95,8 @@ fn moved_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec
     move |step| motion.at_time(step_time(step)).transform_point3(before)
 }
 
-/// Longest distance that any part of the scene moves while the shutter is open \[pixels]; 0 if
-/// nothing moves.
+/// Returns the longest distance that any part of the scene moves on the film while the shutter is
+/// open \[pixels]; 0 if nothing moves.
 ///
 /// - A shape is measured by the corners of its bounds, on the film and through the scene.
 /// - A light is measured by points around it, through the scene.

@@ -11,8 +11,8 @@ use crate::medium::Medium;
 use crate::sampling::Key;
 use glam::Vec3;
 
-/// Summary of a shape, mesh or plane for planning and photon emission: bounds, material and
-/// emission.
+/// Summary of a shape, mesh or plane for planning and photon emission: its bounding sphere, its
+/// plane if it is flat, its material, and whether a texture varies its emission.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectSummary {
     /// Bounding sphere; `None` for unbounded planes. It is tight for spheres.
@@ -31,7 +31,8 @@ pub struct ObjectSummary {
 pub struct LeafMaterial<'a> {
     /// The dielectric body that the material bounds, if it bounds one.
     pub bounded_body: Option<&'a Body>,
-    /// The BSDF for mean parameters, or for an extreme value of a roughness texture.
+    /// BSDF that the material can have at a hit: the one with mean parameters, or the one with the
+    /// least or greatest value of a roughness texture; for a coat, also the coat alone.
     pub bsdf: Bsdf,
 }
 
@@ -125,8 +126,9 @@ impl Scene {
     /// Calls `visit` with every leaf material (not a mix) to which `material` can resolve.
     ///
     /// A conductor or coat with a roughness texture is visited with its mean, least and greatest
-    /// roughness, because their BSDFs may differ in kind. A smooth coat is also visited alone,
-    /// without its base.
+    /// roughness, because their BSDFs may differ in kind. A coat with α up to
+    /// [`PHOTON_STORAGE_ALPHA`](crate::bsdf::PHOTON_STORAGE_ALPHA) is also visited alone, without
+    /// its base.
     pub fn for_each_leaf_material(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
         match material.mix_component_indices() {
@@ -152,7 +154,7 @@ impl Scene {
         indices.into_iter().map(|index| &self.media[index as usize]).collect()
     }
 
-    /// Returns two flags: whether a BSDF parameter is textured, and whether shading normals are
+    /// Returns two flags: true if a BSDF parameter is textured, and true if shading normals are
     /// perturbed.
     ///
     /// The flags apply to the material with index `material` or, for a mix, to any of its

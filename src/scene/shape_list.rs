@@ -1,4 +1,5 @@
-//! The shapes of a scene. Shapes at rest are shared by all shutter times; moving shapes are not.
+//! The shapes of a scene. Copies of the scene for all shutter times share the shapes at rest, but
+//! not the moving shapes.
 
 use crate::shape::Shape;
 use std::ops::Index;

@@ -22,8 +22,8 @@ pub struct SurfaceInteraction<'a> {
     pub(super) material_index: u32,
     /// The BSDF of the material at this point; for a coated surface, the selected layer.
     pub bsdf: Bsdf,
-    /// True if another random choice here, of mix component or of coat and base, could have given a
-    /// BSDF that stores photons.
+    /// True if another random choice at this hit, of mix component or of coat and base, could have
+    /// given a BSDF that stores photons.
     pub(super) other_stores_photons: bool,
     /// Roughness α of a dielectric body's boundary; 0 for other materials.
     pub(super) roughness: f32,
@@ -50,9 +50,9 @@ impl SurfaceInteraction<'_> {
     /// True if photons are stored here: if the BSDF stores photons, or another random choice of the
     /// BSDF could have done so.
     ///
-    /// Photon paths and camera paths choose their BSDFs independently. Suppose that a BSDF is
-    /// chosen with probability p, and that only photons which chose it were counted. Camera paths
-    /// that choose it too would then receive p times the true estimate.
+    /// Photon paths and camera paths choose their BSDFs independently. Suppose that a camera path
+    /// chooses a BSDF with probability p. If only photons that chose the same BSDF were stored, the
+    /// camera path would find p times the true estimate.
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {

@@ -73,8 +73,8 @@ impl PictureCost {
     }
 }
 
-/// Cost of an effect: cost of the picture with all effects, minus cost of the picture without this
-/// effect.
+/// Cost of an effect: cost of the picture with all effects of the plan, minus cost of the picture
+/// without this effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EffectCost {
     /// Time that the effect adds to a pass, mean over passes \[s].
@@ -90,7 +90,7 @@ pub struct EffectCost {
     pub rays: f64,
     /// Number of density estimates that the effect adds to a pass.
     pub gathers: f64,
-    /// Number of photons that the effect adds to the density estimates of a pass.
+    /// Number of photons that the effect adds to the sums of all density estimates of a pass.
     pub gathered_photons: f64,
 }
 
@@ -200,8 +200,8 @@ impl<'a> EffectStudy<'a> {
         self.runs.len()
     }
 
-    /// Returns the expected photon counts of a pass, each as the maximum over all pictures of the
-    /// study.
+    /// Returns the expected photon counts of a pass. Each is the maximum of this count over all
+    /// pictures of the study.
     #[must_use]
     pub fn max_expected_photon_counts(&self) -> ExpectedPhotons {
         let all = self.runs.iter().map(|run| run.integrator.expected_photons());
@@ -215,7 +215,7 @@ impl<'a> EffectStudy<'a> {
     /// Renders `passes` passes of each picture, but at least one.
     ///
     /// The pictures take turns. When each has made another pass, calls `after` with the number of
-    /// passes so far. Stops early if `interrupted` becomes true.
+    /// passes that each has made. Stops early if `interrupted` becomes true.
     ///
     /// # Errors
     /// [`StudyError`] if a pixel is not finite.
@@ -267,7 +267,7 @@ impl<'a> EffectStudy<'a> {
 /// Returns `settings` with the numbers of rays and photons that a pilot chooses for the picture
 /// with all effects.
 ///
-/// Pictures without an effect then use the same numbers.
+/// All pictures of the study use these numbers.
 fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {
     let mut fixed = Settings { allows_balance: false, ..settings.clone() };
     if settings.allows_balance
@@ -280,8 +280,8 @@ fn settings_with_pilot_counts(scene: &Scene, algorithm: Algorithm, settings: &Se
     fixed
 }
 
-/// Returns the mean over the pixels and channels of `image`. `channel_sums` holds the sum over the
-/// channels of each pixel.
+/// Returns the mean over the pixels and channels of `image`. `channel_sums` supplies, for each
+/// pixel, the sum over its channels.
 fn mean_over_image(channel_sums: impl Iterator<Item = f64>, image: &Image) -> f64 {
     channel_sums.sum::<f64>() / (3.0 * image.pixels().len() as f64)
 }

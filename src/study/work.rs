@@ -1,10 +1,10 @@
-//! Expected work of a plan: numbers of rays and photons. Unlike time, they do not depend on the
-//! machine.
+//! Expected work of a render: numbers of rays and photons of a pass. Unlike time, they do not
+//! depend on the machine.
 
 use crate::integrate::Integrator;
 use crate::scene::{Effect, Effects};
 
-/// Counts of rays and photons of a pass, or differences between the counts of two passes.
+/// Numbers of rays and photons of a pass, or differences between those of two passes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkCounts {
     /// Number of rays of all kinds, such as camera rays and shadow rays.
@@ -13,7 +13,7 @@ pub struct WorkCounts {
     pub gathered_photons: i64,
 }
 
-/// Expected work of the first pass: in total, and as added by each effect.
+/// Expected work of the first pass of a render: in total, and the part that each effect adds.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExpectedWork {
     /// Work of the first pass with all effects of the plan.

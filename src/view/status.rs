@@ -129,7 +129,7 @@ pub struct SceneProblem {
     pub remedy: String,
 }
 
-/// Description of a published [`Frame`] without its pixels: sequence number, size, passes and
+/// Description of a published [`LiveFrame`] without its pixels: sequence number, size, passes and
 /// layers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct FrameReport {

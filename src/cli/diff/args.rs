@@ -9,7 +9,7 @@ use std::path::PathBuf;
 pub enum ErrorMapKind {
     /// FLIP, from 0 to 1
     Flip,
-    /// Error relative to about the mean radiance of the reference around the pixel
+    /// Error divided by the radiance of the reference around the pixel and of a typical pixel
     Relative,
     /// A minus B
     Signed,

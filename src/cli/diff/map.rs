@@ -5,8 +5,8 @@ use crate::image::{Image, OutputFormat, RelativeErrorWeights, diverging_color, s
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
-/// Quantile of the absolute errors at which the colour scale of a PNG error map ends. Larger errors
-/// are clamped, so one firefly does not stretch the scale.
+/// Quantile of the absolute errors that ends the colour scale of a PNG error map. Larger errors are
+/// clamped, so one firefly does not stretch the scale.
 const SCALE_QUANTILE: f64 = 0.99;
 
 /// Colour scale of a PNG error map: the errors that its first and last colours show.
@@ -18,11 +18,10 @@ pub(super) struct ColorScale {
     pub to: f64,
 }
 
-/// Returns the pixels of an error map, and the colour scale of a PNG map.
+/// Returns the pixels of an error map. For PNG, also returns their colour scale.
 ///
 /// For PNG, the pixels are colours. For OpenEXR, they are errors by channel, and the scale is
-/// `None`. `flip` holds the FLIP error of each pixel. It must have as many values as `a` and `b`
-/// have pixels.
+/// `None`. `flip` holds the FLIP error of each pixel of `a` and `b`.
 pub(super) fn error_map(
     kind: ErrorMapKind,
     a: &Image,

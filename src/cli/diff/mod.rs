@@ -139,8 +139,8 @@ fn comparison_failure(arguments: &DiffArguments, error: MetricError) -> CommandF
     CommandFailure::new(Exit::Input, report)
 }
 
-/// Returns the flags whose limits the difference exceeds, such as `max-rmse`, with an explanation
-/// each.
+/// Returns the flags whose limits the difference of the pictures exceeds, such as `max-rmse`, each
+/// with an explanation.
 fn exceeded_limits(arguments: &DiffArguments, report: &DiffReport) -> Vec<(&'static str, String)> {
     let limits = [
         ("max-rmse", "an RMSE", report.rmse, arguments.max_rmse),

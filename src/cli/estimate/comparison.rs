@@ -7,8 +7,8 @@ use crate::study::text::percent_text;
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// Usage error: an algorithm leaves out some light by design, so its estimated error does not
-/// contain its whole error.
+/// Usage error: an algorithm leaves out some light by design. Its estimated error does not contain
+/// that light, so it cannot be compared.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("--compare cannot compare {name}, which leaves light out by design")]
 #[diagnostic(help("choose among hybrid, path, sppm, ppm and pm"))]

@@ -75,8 +75,8 @@ pub(super) struct CostEstimate {
     /// Upper end of the range of likely times of the render \[s]; `None` if it is unknown.
     seconds_high: Option<f64>,
     photons: Option<f64>,
-    /// Relative error that bias keeps in the picture after any number of passes; `None` if the
-    /// target error can be reached.
+    /// Relative bias that remains in the picture after any number of passes; `None` if the target
+    /// error can be reached.
     pub(super) floor: Option<f64>,
     /// Flags of `caustica render` that reach the target error; `None` if it cannot be reached.
     flags: Option<String>,

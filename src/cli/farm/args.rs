@@ -16,7 +16,7 @@ use std::time::Duration;
 /// Arguments of `farm`.
 #[derive(Debug, Args)]
 pub struct FarmArguments {
-    /// The engine that starts the parts of the render.
+    /// The engine that runs the shards, which are the parts of the passes of a render.
     #[command(subcommand)]
     pub engine: FarmEngine,
 }
@@ -40,17 +40,17 @@ pub struct SlurmArguments {
     #[arg(short, long = "output", required = true, value_name = "FILE")]
     pub output: Vec<PathBuf>,
 
-    /// Number of shards, the parts of the passes: one task of Slurm each. With --target-error,
-    /// those of the first wave
+    /// Number of shards: the passes are divided among them, and each runs as one Slurm task. With
+    /// --target-error, the number in the first wave of jobs
     #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub shards: u32,
 
-    /// Number of passes, whose mean is the picture. With --target-error, those of the first wave
+    /// Number of passes, whose mean is the picture. With --target-error, the number in the first
+    /// wave of jobs
     #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub passes: u32,
 
-    /// Submit further waves of shards until the estimated relative error is at most this, such as
-    /// 2%
+    /// Submit further waves of jobs until the estimated relative error is at most this, such as 2%
     #[arg(long, value_parser = parse_relative_error, value_name = "ERROR", conflicts_with = "no_error_estimate")]
     pub target_error: Option<f64>,
 
@@ -75,8 +75,8 @@ pub struct SlurmArguments {
     #[arg(long, value_name = "NAME")]
     pub account: Option<String>,
 
-    /// Time limit of a shard, in the form of Slurm, such as 2:30:00. A shard that reaches it goes
-    /// on in the next round
+    /// Time limit of a shard in Slurm's notation, such as 2:30:00. A shard that reaches it goes on
+    /// in the next round of jobs
     #[arg(long, value_name = "TIME")]
     pub time_limit: Option<String>,
 
@@ -109,12 +109,12 @@ pub struct SlurmArguments {
     #[arg(long)]
     pub no_error_estimate: bool,
 
-    /// Keep direct, indirect and caustic light apart too, in the films
+    /// Also keep direct, indirect and caustic light apart in the films
     #[arg(long)]
     pub light_groups: bool,
 
-    /// Render only a window of the picture, in pixels from its upper left corner. Its pixels have
-    /// the bits that they have in the whole picture
+    /// Render only a window of the picture, in pixels from its upper left corner. Its pixels are
+    /// bit-identical to those of the whole picture
     #[arg(long, value_name = "X0,Y0,X1,Y1")]
     pub crop: Option<CropWindow>,
 
@@ -141,7 +141,7 @@ pub struct SlurmArguments {
 }
 
 impl SlurmArguments {
-    /// Returns the scene and the settings that the films of all shards name.
+    /// Returns the scene and the settings that the headers of all shards' films hold.
     pub(super) fn film_settings(&self) -> FilmSettings<'_> {
         FilmSettings {
             scene: &self.scene.scene,
@@ -183,13 +183,13 @@ const FRAMES_REMEDY: &str =
 const LIVE_REMEDY: &str = "shards run on other machines; afterwards, `caustica render` with this flag and \
                            --film DIR/merged.film goes on from their passes; DIR is that of --work-dir";
 
-/// Flags of `render` that `farm slurm` knows only to refuse them with a reason.
+/// Flags of `render` that `farm slurm` accepts only to refuse them with a reason.
 #[derive(Clone, Copy, Debug)]
 pub struct RefusedArguments;
 
 impl Args for RefusedArguments {
     fn augment_args(command: Command) -> Command {
-        // They take any values, so that no other error comes before the reason.
+        // They accept any values, so that no error about a value hides the reason.
         let argument = |name| Arg::new(name).long(name).hide(true).num_args(0..=1).action(ArgAction::Append);
         command.args(REFUSED.map(|(name, _)| argument(name)))
     }

@@ -1,4 +1,4 @@
-//! Division of a render into shards of equal size, and lists of their numbers.
+//! Division of the passes of a render into shards of equal size, and lists of shard numbers.
 
 use crate::cli::shard::Shard;
 use serde::{Deserialize, Serialize};
@@ -6,22 +6,22 @@ use std::ops::Range;
 
 /// A number of passes, divided into shards.
 ///
-/// Shard k makes the same passes in every division with the same number of passes per shard, so
-/// that a render can grow by further shards.
+/// If two divisions have the same number of passes per shard, shard k makes the same passes in
+/// both. So a render can grow by further shards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct ShardDivision {
     /// Number of shards, which count from 1.
     pub shards: u32,
-    /// Number of passes of all shards.
+    /// Number of passes of all shards together.
     pub passes: u32,
 }
 
 /// Tasks of one job array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct ArrayTasks {
-    /// Difference between the number of a shard and the number of its task.
+    /// Number of a shard minus the number of its task.
     pub offset: u32,
-    /// Numbers of the tasks in the form of sbatch, such as `1-3,7`.
+    /// Numbers of the tasks in sbatch's notation, such as `1-3,7`.
     pub tasks: String,
 }
 
@@ -31,13 +31,13 @@ impl ShardDivision {
         Shard { number, count: self.shards }.passes(self.passes)
     }
 
-    /// True if each shard makes the same passes in both divisions, as far as both have it.
+    /// True if each shard that both divisions have makes the same passes in both.
     pub fn agrees_with(self, other: Self) -> bool {
         u64::from(self.passes) * u64::from(other.shards) == u64::from(other.passes) * u64::from(self.shards)
     }
 
-    /// Returns a division with `more` further shards of the same size; `None` if it would have more
-    /// than `most` passes, or if shards have unequal sizes.
+    /// Returns a division with `more` further shards of the same size. Returns `None` if it would
+    /// have more than `most` passes, or if shards have unequal sizes.
     pub fn with_more_shards(self, more: u32, most: u32) -> Option<Self> {
         let size = self.passes / self.shards;
         if size * self.shards != self.passes {
@@ -49,8 +49,8 @@ impl ShardDivision {
     }
 }
 
-/// Returns the job arrays that run `shards`, whose numbers ascend. Tasks count from 1 to `most` at
-/// most.
+/// Returns the job arrays that run `shards`, whose numbers ascend. Task numbers count from 1 and
+/// are at most `most`.
 pub(super) fn job_arrays(shards: &[u32], most: u32) -> Vec<ArrayTasks> {
     let array_of = |shard: u32| (shard - 1) / most;
     let arrays = shards.chunk_by(|a, b| array_of(*a) == array_of(*b));
@@ -90,7 +90,7 @@ mod tests {
         assert_eq!(arrays(&[], 1000), []);
     }
 
-    /// Shards of a grown division begin with those of the smaller one and continue it.
+    /// The shards of a grown division begin with those of the smaller division, and continue them.
     #[test]
     fn grown_divisions_keep_their_shards() {
         let first = ShardDivision { shards: 6, passes: 24 };

@@ -1,4 +1,4 @@
-//! `caustica farm`: renders the parts of a picture by the jobs of a farm's engine.
+//! `caustica farm`: renders the shards of a picture by the jobs of a farm's engine.
 
 mod args;
 mod division;
@@ -61,9 +61,10 @@ fn run_slurm(arguments: &SlurmArguments) -> Result<Exit, CommandFailure> {
     SlurmRender::new(arguments, &folder, header, &progress).run(division)
 }
 
-/// Returns the division of the first wave.
+/// Returns the division of the first wave of jobs.
 ///
-/// With `--target-error`, all shards have the same number of passes, so that others can follow.
+/// With `--target-error`, all shards have the same number of passes, so that further shards can
+/// follow.
 fn first_division(arguments: &SlurmArguments) -> Result<ShardDivision, CommandFailure> {
     let SlurmArguments { shards, passes, .. } = *arguments;
     if shards > passes {
@@ -85,8 +86,8 @@ fn work_folder_path(arguments: &SlurmArguments) -> PathBuf {
 
 /// Loads the scene, and returns the header of the films of its shards.
 ///
-/// Errors of the scene are reported before any job is submitted, and so are outputs that would
-/// replace inputs.
+/// Errors of the scene are reported before any job is submitted. So are outputs that would replace
+/// inputs.
 fn checked_film_header(
     arguments: &SlurmArguments,
     folder: &WorkFolder,
@@ -121,7 +122,7 @@ fn print_scripts(folder: &WorkFolder, scripts: &JobScripts, division: ShardDivis
     for array in &arrays {
         text += &format!("{}\n", line(shard_arguments(folder, array))?);
     }
-    // The numbers of the jobs are not known yet.
+    // The numbers of the jobs are not known yet, so names stand for them.
     let jobs: Vec<String> = (1..=arrays.len()).map(|n| format!("ARRAY{n}")).collect();
     text += &format!("{}\n", line(merge_arguments(folder, &jobs))?);
     std::io::stdout().write_all(text.as_bytes()).map_err(CommandFailure::output_error)?;

@@ -26,7 +26,7 @@ pub(super) enum ScriptError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Unfit(#[from] UnfitWordError),
-    /// The system does not tell an absolute path.
+    /// The system cannot make a path absolute.
     #[error("cannot find the absolute path of a file: {0}")]
     Path(#[from] io::Error),
 }
@@ -109,7 +109,8 @@ fn merge_script(arguments: &SlurmArguments, program: &str, enter: &str) -> Resul
     ))
 }
 
-/// Returns the first lines of a script, with options for sbatch. `log` is the file of messages.
+/// Returns the first lines of a script, with options for sbatch. `log` is the file for the script's
+/// output.
 fn script_head(arguments: &SlurmArguments, kind: &str, threads: u32, log: &str) -> Result<String, UnfitWordError> {
     let scene = arguments.scene.scene.file_stem().unwrap_or_default().to_string_lossy();
     let is_plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
@@ -118,7 +119,7 @@ fn script_head(arguments: &SlurmArguments, kind: &str, threads: u32, log: &str) 
         format!("--job-name={scene}-{kind}"),
         "--ntasks=1".to_owned(),
         format!("--cpus-per-task={threads}"),
-        // A job that is requeued, for example after its node failed, adds to its log.
+        // A job that is requeued, for example after its node failed, appends to its log.
         "--requeue".to_owned(),
         "--open-mode=append".to_owned(),
         format!("--output={log}"),
@@ -153,7 +154,7 @@ pub(super) fn command_line(words: &[String]) -> Result<String, UnfitWordError> {
     Ok(words?.join(" "))
 }
 
-/// Returns a word in single quotes, if a shell would not take it as it is.
+/// Returns `word` in single quotes if a shell would interpret it, else unchanged.
 fn quoted(word: &str) -> Result<String, UnfitWordError> {
     if word.contains(['\n', '\r', '\0']) {
         return Err(UnfitWordError { text: word.escape_debug().to_string() });

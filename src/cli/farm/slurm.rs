@@ -48,20 +48,21 @@ pub(super) enum SlurmError {
         /// Its message.
         message: String,
     },
-    /// Slurm allows no job arrays.
+    /// Slurm is configured without job arrays.
     #[error("this Slurm allows no job arrays: its MaxArraySize is {0}")]
     #[diagnostic(help("ask its administrator for a MaxArraySize of at least 2"))]
     NoArrays(u32),
 }
 
-/// A job, or a task of a job array, that Slurm knows.
+/// A job of Slurm, or a task of a job array.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct SlurmTask {
     /// Number of the job, such as `12`, or of the task in its array, such as `12_3`.
     pub id: String,
-    /// State in the words of Slurm, such as `RUNNING`.
+    /// State in Slurm's words, such as `RUNNING`.
     pub state: String,
-    /// Reason why the task waits or failed, such as `Resources`; `None` if Slurm tells none.
+    /// Reason why the task waits or failed, such as `Resources`; `None` is Slurm's word for no
+    /// reason.
     pub reason: String,
 }
 
@@ -72,7 +73,7 @@ impl SlurmTask {
     }
 }
 
-/// Returns the largest number of a task in a job array.
+/// Returns the largest number that a task in a job array may have.
 pub(super) fn max_task_number() -> Result<u32, SlurmError> {
     let text = run("scontrol", &["show", "config"])?;
     let size = text.lines().find_map(|line| line.strip_prefix("MaxArraySize"));
@@ -83,11 +84,11 @@ pub(super) fn max_task_number() -> Result<u32, SlurmError> {
     }
 }
 
-/// Submits a job with the arguments of sbatch, and returns its number.
+/// Submits a job with the arguments of sbatch, and returns the job's number.
 pub(super) fn submit(arguments: &[String]) -> Result<String, SlurmError> {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let printed = run("sbatch", &arguments)?;
-    // With several clusters, a semicolon and the name of the cluster follow.
+    // With several clusters, a semicolon and the name of the cluster follow the number.
     let id = printed.trim().split(';').next().unwrap_or_default();
     if id.is_empty() || !id.bytes().all(|b| b.is_ascii_digit()) {
         let message = format!("it printed `{}` instead of the number of the job", printed.trim());
@@ -96,7 +97,7 @@ pub(super) fn submit(arguments: &[String]) -> Result<String, SlurmError> {
     Ok(id.to_owned())
 }
 
-/// Returns all tasks of `jobs` that Slurm still knows. It forgets ended jobs after minutes.
+/// Returns all tasks of `jobs` that Slurm still knows. Slurm forgets ended jobs after some minutes.
 pub(super) fn tasks(jobs: &[String]) -> Result<Vec<SlurmTask>, SlurmError> {
     let list = jobs.join(",");
     let arguments = ["--noheader", "--array", "--states=all", "--format=%i|%T|%r", "--jobs", &list];

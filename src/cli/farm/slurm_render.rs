@@ -1,7 +1,7 @@
 //! A render by job arrays of Slurm, from the first submission to the picture.
 //!
-//! The films in the work folder tell which passes are made. Slurm is only asked whether jobs are
-//! still active. So a command that was interrupted can be given again.
+//! The films in the work folder show which passes are made. Slurm is asked only whether jobs are
+//! still active. So an interrupted command can be run again and continues.
 
 use super::args::SlurmArguments;
 use super::division::{ArrayTasks, ShardDivision, job_arrays, number_list};
@@ -22,13 +22,13 @@ use std::sync::atomic::Ordering;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Largest number of passes of all waves, relative to that of the first wave.
+/// Largest number of passes of all waves of jobs, divided by that of the first wave.
 const MAX_GROWTH: u32 = 100;
 
 /// Time for which Slurm may fail to answer before the command gives up.
 const SILENCE: Duration = Duration::from_secs(600);
 
-/// Time for which a file of a finished job may stay invisible on a network file system.
+/// Time for which a network file system may not yet show a file that a finished job wrote.
 const FILE_DELAY: Duration = Duration::from_secs(60);
 
 /// Longest sleep between two checks for an interrupting signal.
@@ -94,7 +94,8 @@ pub(super) fn shard_arguments(folder: &WorkFolder, array: &ArrayTasks) -> Vec<St
     ]
 }
 
-/// Returns the arguments of sbatch for the merge, which begins when all `jobs` have ended.
+/// Returns the arguments of sbatch for the job that merges the films. It begins when all `jobs`
+/// have ended.
 pub(super) fn merge_arguments(folder: &WorkFolder, jobs: &[String]) -> Vec<String> {
     let mut words = vec!["--parsable".to_owned(), format!("--chdir={}", folder.path().display())];
     if !jobs.is_empty() {
@@ -114,8 +115,8 @@ impl<'a> SlurmRender<'a> {
         Self { arguments, folder, header, progress }
     }
 
-    /// Renders until the picture of `division` is written, or the error of `--target-error` is
-    /// reached.
+    /// Renders until the picture of `division` is written. With `--target-error`, goes on until the
+    /// error is reached.
     pub fn run(&self, division: ShardDivision) -> Result<Exit, CommandFailure> {
         let most_tasks = slurm::max_task_number().map_err(slurm_failure)?;
         let (_lock, earlier) = self.folder.open().map_err(CommandFailure::usage_error)?;
@@ -146,7 +147,8 @@ impl<'a> SlurmRender<'a> {
         }
     }
 
-    /// Returns the state from which to continue: that of an earlier command, or a new one.
+    /// Returns the state from which to continue: the `earlier` state of this render, or a new one
+    /// with `division`.
     fn initial_state(&self, division: ShardDivision, earlier: Option<FarmState>) -> Result<FarmState, CommandFailure> {
         let new = FarmState { header: self.header.clone(), division, jobs: Vec::new() };
         let Some(mut state) = earlier else { return Ok(new) };
@@ -168,7 +170,7 @@ impl<'a> SlurmRender<'a> {
     }
 
     /// Submits rounds of jobs until all shards of `state` are complete and merged. Returns the exit
-    /// code if a signal interrupts that.
+    /// code if a signal interrupts this.
     fn complete_shards(&self, state: &mut FarmState, most_tasks: u32) -> Result<Option<Exit>, CommandFailure> {
         let mut failures = 0;
         if slurm_tasks(&state.jobs)?.iter().any(SlurmTask::is_active) {
@@ -259,7 +261,7 @@ impl<'a> SlurmRender<'a> {
         Ok(if self.is_complete(state.division) { RoundEnd::Complete } else { RoundEnd::Incomplete(tasks) })
     }
 
-    /// Waits until no job is active, and prints a line whenever the states of tasks change.
+    /// Waits until no job is active. Prints a line whenever the states of tasks change.
     ///
     /// Returns the tasks as Slurm knew them last; `None` if a signal interrupted the command.
     fn follow_jobs(&self, jobs: &[String]) -> Result<Option<Vec<SlurmTask>>, CommandFailure> {
@@ -377,7 +379,7 @@ impl<'a> SlurmRender<'a> {
         Exit::Success
     }
 
-    /// Prints why no further wave follows.
+    /// Prints why no further wave of jobs follows.
     fn print_wave_end(&self, end: NextWave, target: ErrorTarget, most: u32) {
         let error = percent_text(target.error);
         match end {
@@ -394,7 +396,7 @@ impl<'a> SlurmRender<'a> {
     }
 }
 
-/// Waits for `time`, or until an interrupting signal. Returns true if there was a signal.
+/// Waits for `time`, or until a signal interrupts the command. Returns true if there was a signal.
 fn is_interrupted_within(time: Duration) -> bool {
     let start = Instant::now();
     loop {
@@ -409,7 +411,7 @@ fn is_interrupted_within(time: Duration) -> bool {
     }
 }
 
-/// Returns the tasks of the jobs of an earlier command; none without such jobs.
+/// Returns the tasks of the jobs that an earlier command submitted; none without such jobs.
 fn slurm_tasks(jobs: &[String]) -> Result<Vec<SlurmTask>, CommandFailure> {
     if jobs.is_empty() { Ok(Vec::new()) } else { slurm::tasks(jobs).map_err(slurm_failure) }
 }

@@ -1,4 +1,4 @@
-//! Size of the next wave of shards of a render with an error target.
+//! Size of the next wave of jobs, for a render with an error target.
 
 use super::division::ShardDivision;
 use crate::cli::interrupt::INTERRUPTED;
@@ -6,7 +6,7 @@ use crate::render::error_estimate::StopForecast;
 use crate::render::{EndReason, ErrorTarget, RenderResult, StopCriteria};
 use std::time::Duration;
 
-/// Step that follows after a wave of shards.
+/// Step that follows after a wave of jobs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NextWave {
     /// Another wave, after which the render has this division.
@@ -19,11 +19,11 @@ pub(super) enum NextWave {
     TooMany,
 }
 
-/// Returns the step after the passes of `rendered`, which has `division`. At most `most` passes
-/// are made.
+/// Returns the step that follows after the passes of `rendered`, whose shards are those of
+/// `division`. At most `most` passes are made.
 ///
-/// A wave is at most as large as all earlier ones together, because the forecast of few passes is
-/// uncertain.
+/// A wave has at most as many passes as all earlier ones together, because a forecast from few
+/// passes is uncertain.
 pub(super) fn next_wave(rendered: &RenderResult, division: ShardDivision, target: ErrorTarget, most: u32) -> NextWave {
     let estimated = rendered.estimate_error(Some(target));
     let stop = StopCriteria { target: Some(target), ..StopCriteria::unlimited(&INTERRUPTED) };
@@ -39,7 +39,7 @@ pub(super) fn next_wave(rendered: &RenderResult, division: ShardDivision, target
     };
     let size = division.passes / division.shards;
     let shards = wanted.div_ceil(size).clamp(1, division.shards);
-    // Near the limit, a smaller wave may fit.
+    // Near the limit of passes, a smaller wave may fit.
     let fitting = shards.min(most.saturating_sub(division.passes) / size);
     match division.with_more_shards(fitting, most) {
         Some(larger) if fitting > 0 => NextWave::Grow(larger),

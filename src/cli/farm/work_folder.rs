@@ -1,4 +1,4 @@
-//! Folder of a farm render: its scripts, films, logs and the numbers of its jobs.
+//! Folder of a farm render: it holds the scripts, films and logs, and the numbers of the jobs.
 
 use super::division::ShardDivision;
 use crate::cli::file_lock::FileLock;
@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// Name of the film of all shards.
 pub(super) const MERGED_FILM: &str = "merged.film";
 
-/// Name of the file that a successful merge leaves.
+/// Name of the file whose existence shows that a merge has succeeded.
 pub(super) const MERGE_DONE: &str = "merge.done";
 
 /// Name of the file that describes the render.
@@ -30,12 +30,13 @@ pub(super) struct WorkFolder {
     path: PathBuf,
 }
 
-/// Description of a farm render, which outlives the command that follows it.
+/// Description of a farm render. It is stored in the work folder, so that a later command can
+/// continue the render.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct FarmState {
     /// Scene and settings on which the passes depend.
     pub header: FilmHeader,
-    /// Shards that were submitted so far.
+    /// Division into shards of all passes that were submitted so far.
     pub division: ShardDivision,
     /// Numbers of the jobs of the last round.
     pub jobs: Vec<String>,
@@ -44,7 +45,7 @@ pub(super) struct FarmState {
 /// Error of the folder of a farm render.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub(super) enum WorkFolderError {
-    /// The folder holds files of the user.
+    /// The folder holds files that no farm render wrote.
     #[error("the folder `{}` is not empty, and is not of an earlier farm render", .0.display())]
     #[diagnostic(help("choose another --work-dir"))]
     Foreign(PathBuf),
@@ -83,7 +84,7 @@ impl WorkFolder {
     }
 
     /// Creates the folder if needed and locks it. Returns the lock, and the description of the
-    /// render that the folder holds; `None` for a new render.
+    /// render that the folder holds. The description is `None` for a new render.
     pub fn open(&self) -> Result<(FileLock, Option<FarmState>), WorkFolderError> {
         let failed = |source| WorkFolderError::Io { path: self.path.clone(), source };
         let is_known = self.file(STATE).is_file();
@@ -123,7 +124,7 @@ impl WorkFolder {
         replace_file(&self.file(name), bytes).map_err(|e| self.error(io::Error::other(e)))
     }
 
-    /// Removes the mark of an earlier merge.
+    /// Removes the file that shows that an earlier merge has succeeded.
     pub fn remove_merge_mark(&self) -> Result<(), WorkFolderError> {
         match fs::remove_file(self.file(MERGE_DONE)) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(self.error(error)),

@@ -19,7 +19,7 @@ pub struct MeshArguments {
     #[arg(long)]
     pub ascii: bool,
 
-    /// Make all repairs: --weld, --remove-duplicates, --remove-degenerate and --orient
+    /// Do all repairs: --weld, --remove-duplicates, --remove-degenerate and --orient
     #[arg(long)]
     pub repair: bool,
 

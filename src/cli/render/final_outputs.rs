@@ -26,9 +26,10 @@ pub(super) struct RenderOutputs<'a> {
 }
 
 impl RenderOutputs<'_> {
-    /// Writes all outputs and prints a summary. An output that fails does not stop the others.
+    /// Writes all outputs and prints a summary. After an output that fails, the others are still
+    /// written.
     ///
-    /// `limits` are those of the command line, and `stop` the criteria that followed from them.
+    /// `limits` are those of the command line, and `stop` the stop criteria that follow from them.
     /// `powerless` is true if the scene has lights, but none has any power.
     pub fn write(
         &self,

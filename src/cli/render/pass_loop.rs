@@ -1,4 +1,4 @@
-//! Passes of a render, with the progress that the terminal shows.
+//! The passes of a render on the command line, with progress on the terminal.
 
 use crate::cli::forecast_text;
 use crate::cli::progress::ProgressDisplay;
@@ -23,13 +23,13 @@ pub(super) fn render_passes(
     let passes_before = before.film.passes();
     let (passes, target) = (stop.passes, stop.target);
     progress.set_pass_number(passes_before + 1, passes);
-    // With a target, the time is known only after the first error estimate.
+    // With an error target, the remaining time is known only after the first error estimate.
     progress.set_time_left(stop.time.filter(|_| target.is_none()));
     let began = Instant::now();
     render(before, numbers, integrator, stop, progress, |standing| {
         let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes - passes_before);
         let forecast = standing.error.as_ref().filter(|_| !progress.is_quiet()).map(|(estimate, forecast)| {
-            // Without a target, the forecast is for half of the error.
+            // Without an error target, the forecast is for half of the present error.
             let half = ErrorTarget { error: 0.5 * estimate.error, confidence: Confidence::default() };
             let target = target.unwrap_or(half);
             (estimate, target, forecast.stop_forecast(target.error, target.interval_confidence()))
@@ -48,7 +48,8 @@ pub(super) fn render_passes(
             progress.print_line(&format!("pass {}{of} after {elapsed:.1} s{error}", standing.passes));
         }
         progress.set_pass_number(standing.passes + 1, passes);
-        // Most passes do not estimate the error. After them, the previous time left stays on show.
+        // Most passes do not estimate the error. After such a pass, the display keeps the previous
+        // remaining time.
         let forecast = forecast.map(|(_, _, forecast)| forecast);
         if let Some(left) = time_until_stop(stop, standing.passes, forecast, began.elapsed(), pass_seconds) {
             progress.set_time_left(Some(left));
@@ -59,10 +60,11 @@ pub(super) fn render_passes(
 }
 
 /// Returns the expected remaining time until the first stop criterion holds; `None` if it is
-/// unknown, as with an error target after a pass without an error estimate.
+/// unknown.
 ///
-/// `passes` is the number of passes so far. `forecast` predicts the passes until the target of
-/// `stop`; it is ignored if `stop` has no target.
+/// It is unknown if there is an error target, and the last pass did not estimate the error.
+/// `passes` is the number of passes so far. `forecast` predicts the passes until the error target
+/// of `stop`; it is ignored if `stop` has no target.
 fn time_until_stop(
     stop: &StopCriteria<'_>,
     passes: u32,

@@ -1,13 +1,13 @@
-//! Renders of one command line, of which each has files of its own: one, or those of `--frames` or
-//! `--stereo`.
+//! The renders that one command line asks for, each with its own files: one render, or those of
+//! `--frames` or `--stereo`.
 
 use super::stereo::arguments_of_eyes;
 use super::turntable::frame_arguments;
 use crate::cli::outputs::FileWithRole;
 use crate::cli::{CommandFailure, RenderArguments};
 
-/// Returns the arguments of each render: of the frames of `--frames`, of the eyes of `--stereo`, or
-/// without these flags a copy of `arguments`.
+/// Returns the arguments of each render that the command line asks for: of the frames of
+/// `--frames`, of the eyes of `--stereo`, or else a copy of `arguments`.
 pub(super) fn arguments_of_renders(arguments: &RenderArguments) -> Result<Vec<RenderArguments>, CommandFailure> {
     if let Some(range) = arguments.frames {
         let frames = range.numbers().map(|frame| frame_arguments(arguments, frame));

@@ -8,7 +8,8 @@ use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Additions to the names of the output files: of the left picture, then of the right one.
+/// Texts that are added to the names of the output files: of the left picture, then of the right
+/// one.
 const NAME_SUFFIXES: [&str; 2] = ["-left", "-right"];
 
 /// Error: the camera of a stereo pair moves while the shutter is open.
@@ -23,11 +24,11 @@ struct MovingStereoCameraError;
 #[diagnostic(help("use PerspectiveCamera: a shift of other cameras shows no depth"))]
 struct StereoProjectionError;
 
-/// Renders the pictures of the left and of the right eye, whose cameras are parallel and `distance`
-/// apart \[scene units], and writes all their outputs. Ends early if the left one does not succeed.
+/// Renders the pictures of the left and of the right eye, and writes all their outputs. Ends early
+/// if the left picture fails.
 ///
-/// `camera` is the camera between the eyes as the scene describes it. `inputs` are the files that
-/// the scene names.
+/// The cameras are parallel and `distance` apart \[scene units]. `camera` is the camera between the
+/// eyes as the scene describes it. `inputs` are the files that the scene names.
 pub(super) fn render_stereo_pair(
     arguments: &RenderArguments,
     distance: f32,
@@ -59,8 +60,8 @@ pub(super) fn render_stereo_pair(
     Ok(Exit::Success)
 }
 
-/// Returns the arguments of the left and of the right picture: with the names of their files, and
-/// with seeds of their own, so that noise is not seen as a surface.
+/// Returns the arguments of the left and of the right picture. Each has the names of its own files
+/// and a seed of its own: with equal noise, a viewer would see the noise as a surface.
 pub(super) fn arguments_of_eyes(arguments: &RenderArguments) -> [RenderArguments; 2] {
     let mut of_eyes = [arguments.clone(), arguments.clone()];
     of_eyes[1].method.seed = arguments.method.seed.wrapping_add(1);

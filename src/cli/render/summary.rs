@@ -71,8 +71,8 @@ pub(super) fn print_render_summary(
     }
 }
 
-/// Returns a line that says which default limit ended a render: error, time or bias. `None` if the
-/// number of passes or the user ended it, or if `stop` lacks a target or a time limit.
+/// Returns a line that says which default limit ended a render: error, time or bias. Returns `None`
+/// if the number of passes or the user ended it, or if `stop` lacks a target or a time limit.
 fn default_end_line(stop: &StopCriteria<'_>, ended: EndReason) -> Option<String> {
     let (target, time) = (stop.target?, stop.time?);
     let error = percent_text(target.error);

@@ -186,7 +186,7 @@ struct EffectResultReport<'f> {
     effect: EffectDecisionReport,
     /// Time and counters of the picture without the effect; `None` if the effect is off.
     without: Option<PictureCostReport<'f>>,
-    /// Additional time and rays for the effect; `None` if the effect is off.
+    /// Time and rays that the effect adds to a pass; `None` if the effect is off.
     cost: Option<EffectCost>,
     /// Light that the effect adds to and removes from the picture; `None` if the effect is off.
     #[serde(rename = "gain")]

@@ -1,4 +1,4 @@
-//! `caustica study --knobs`: variants of a method, each with one setting changed.
+//! `caustica study --knobs`: variants of a method that differ in one setting each.
 
 use super::variants::VariantArguments;
 use crate::cli::args::MethodArguments;
@@ -18,7 +18,7 @@ const RADIUS_FACTORS: [f32; 3] = [0.5, 1.0, 2.0];
 /// Numbers of photon paths that `--knobs` tries, as multiples of the numbers that a pilot chose.
 const PHOTON_FACTORS: [f64; 2] = [0.25, 4.0];
 
-/// Values of `--alpha` that `--knobs` tries, besides the default of ⅔.
+/// Values of `--alpha` that `--knobs` tries besides the default of ⅔.
 const ALPHAS: [f64; 3] = [0.5, 0.8, 1.0];
 
 /// Numbers of camera rays per pixel that `--knobs` tries, as multiples of the number that a pilot
@@ -54,8 +54,8 @@ impl PilotChosenSettings {
 /// Returns a method with default settings, and variants of it that differ in one setting each.
 ///
 /// One pilot chooses the numbers of rays and photons for all variants. Variants of `--radius` scale
-/// the gather radius that the pilot found: of the caustic map for `hybrid`, else of the indirect
-/// map.
+/// a gather radius that the pilot found: in `hybrid` that of the caustic map, else that of the
+/// indirect map.
 pub(super) fn knob_study_variants(
     algorithm: Algorithm,
     shared: &MethodArguments,
@@ -68,7 +68,7 @@ pub(super) fn knob_study_variants(
 }
 
 /// Returns the method `plain`, and variants of it with one setting changed. `pilot` holds the
-/// settings that the changes start from.
+/// values that are changed.
 fn one_setting_variants(plain: VariantArguments, pilot: &PilotChosenSettings) -> Vec<VariantArguments> {
     let VariantArguments { label: name, mut method } = plain;
     let algorithm = method.integrator;

@@ -29,7 +29,7 @@ use miette::IntoDiagnostic;
 /// Default processor time of a reference, as a multiple of `--budget`.
 const REFERENCE_BUDGET_FACTOR: f64 = 4.0;
 
-/// Ratio of processor time to wall time × threads, below which a warning is printed.
+/// Ratio of processor time to (wall time × threads), below which a warning is printed.
 ///
 /// A smaller ratio means that other programs ran, or that threads waited.
 const MIN_THREAD_SHARE: f64 = 0.9;
@@ -168,7 +168,8 @@ fn run_method_study(
 }
 
 /// Returns the variants to measure: first those of `--methods`, then those of `--variant`, then
-/// those of `--knobs`. Without these flags, chooses the methods that differ in the scene.
+/// those of `--knobs`. Without these flags, returns the methods that give different pictures of the
+/// scene.
 fn study_variants(arguments: &StudyArguments, named: Vec<VariantArguments>, scene: &Scene) -> Vec<MethodVariant> {
     let (kind, shared, overrides) = (&arguments.kind, &arguments.method, arguments.simulate);
     let by_default = kind.methods.is_empty() && kind.variants.is_empty() && kind.knobs.is_none();

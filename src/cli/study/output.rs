@@ -23,8 +23,8 @@ struct UnknownReportFormatError {
 pub(super) struct StudyOutputs<'a, F>(Vec<(&'a Path, ReportWriter<F>)>);
 
 impl<'a, F> StudyOutputs<'a, F> {
-    /// Returns the report files that the command line names. Fails if one of them cannot be
-    /// written.
+    /// Returns the report files that the command line names. Returns a failure if one of them
+    /// cannot be written.
     ///
     /// `known` lists the file extensions of reports, each with the function that makes the text.
     pub fn from_arguments(
@@ -52,7 +52,7 @@ impl<'a, F> StudyOutputs<'a, F> {
 
     /// Writes all reports, and prints `text` to the standard output.
     ///
-    /// An output that fails does not stop the others.
+    /// After a report that fails, the others are still written.
     pub fn write_reports(
         &self,
         arguments: &StudyArguments,

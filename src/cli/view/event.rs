@@ -16,7 +16,7 @@ pub(super) enum Event {
     /// A job has read the scene file, with or without errors.
     Read {
         /// Number of the job's render on the page, see
-        /// [`LiveRender::number`](crate::view::LiveRender::number).
+        /// [`LiveRender::render_number`](crate::view::LiveRender::render_number).
         render: u32,
         /// The scene file and the files that it names, with their stamps before reading.
         files: WatchedFiles,

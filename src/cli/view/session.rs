@@ -102,7 +102,8 @@ impl<'a> Session<'a> {
 }
 
 impl SessionState {
-    /// Passes a request of the page on to the job, or takes over the scene that a job has read.
+    /// Handles one event: forwards a stop or resume request of the live page to the running job,
+    /// notes a new camera orbit, or stores the scene that the current job has read.
     fn handle_event(&mut self, event: Event) {
         match event {
             Event::Request(Request::Stop) => self.job.stop(),

@@ -30,9 +30,8 @@ const READ_EXTENSIONS: [&str; 7] = [
     "KHR_texture_basisu",
 ];
 
-/// Extensions that a file may require although the importer ignores them, with a message.
-///
-/// They only refine materials, animate, or add metadata.
+/// Extensions of materials that the importer ignores, with the message about each. A file may
+/// require them, because they only refine materials.
 pub(super) const IGNORED_MATERIAL_EXTENSIONS: [(&str, &str); 6] = [
     ("KHR_materials_anisotropy", "anisotropy is ignored: highlights are round"),
     ("KHR_materials_clearcoat", "clear coats are ignored"),

@@ -67,7 +67,7 @@ impl<'a> Parser<'a> {
     /// An entry starts with a word of `allowed`.
     ///
     /// # Errors
-    /// The error of `parse_entry`, if the text has ended or the list of errors is full.
+    /// The error of `parse_entry`, if the text ended inside a block or the list of errors is full.
     pub fn recover_from_error(
         &mut self,
         allowed: &[&str],
@@ -81,8 +81,8 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Adds `error` to the list of errors. Returns it as `Err` instead if the text has ended or the
-    /// list is full.
+    /// Adds `error` to the list of errors. Returns it as `Err` instead, which ends parsing, if the
+    /// text ended inside a block or the list is full.
     #[inline(never)]
     pub fn record_error(&mut self, error: SceneError) -> Result<(), SceneError> {
         if self.has_unclosed_block || self.errors.len() + 1 >= MAX_ERRORS {

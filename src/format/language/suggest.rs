@@ -62,7 +62,8 @@ pub(in crate::format) fn keyword_synonym(word: &str, allowed: &[&str]) -> Option
 
 /// Returns the candidate with the smallest edit distance to `word`, regardless of case.
 ///
-/// `None` if this distance exceeds a third of the longer word's length.
+/// Candidates of more than [`MAX_WORD_LENGTH`] letters are skipped. `None` if `word` has more, or
+/// if no distance is at most a third of the longer word's length.
 pub(in crate::format) fn nearest_word<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
     let word: Vec<char> = word.chars().take(MAX_WORD_LENGTH + 1).flat_map(char::to_lowercase).collect();
     if word.len() > MAX_WORD_LENGTH {

@@ -134,7 +134,8 @@ impl ImportContext<'_> {
         self.spectrum_object(&texture)
     }
 
-    /// Returns the spectrum that a nested object describes; `None` if the object is a texture.
+    /// Returns the color or spectrum that a nested object describes; `None` if it describes none,
+    /// as a texture of pixels.
     pub fn spectrum_object(&self, object: &MitsubaObject) -> ReadResult<Option<ColorValue>> {
         let scale = || object.number("scale").or_else(|| object.number("value")).unwrap_or(1.0);
         Ok(match object.plugin.as_str() {

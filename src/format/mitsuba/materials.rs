@@ -50,7 +50,7 @@ pub(super) struct MitsubaImportedMaterial {
 
 /// Properties of a shape on which its converted material depends.
 ///
-/// A BSDF becomes one material for each distinct variant.
+/// A BSDF becomes one material for each distinct value.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ShapeMaterialInputs {
     /// Name of the medium inside the shape; `None` for vacuum.

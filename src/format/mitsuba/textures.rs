@@ -42,8 +42,8 @@ pub(super) enum MitsubaTextureUse {
 pub(super) enum MitsubaTextureValues {
     /// Equal values everywhere.
     Constant(DVec3),
-    /// Name of a texture in the imported scene (or path of a picture in `Textures::embedded`), and
-    /// the mean of its values.
+    /// Name of a texture in the imported scene (or path of a picture in
+    /// `MitsubaTextures::embedded`), and the mean of its values.
     Texture(Spanned<String>, DVec3),
 }
 

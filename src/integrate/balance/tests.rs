@@ -9,7 +9,7 @@ fn variance_and_work(sources: &[NoiseSource; 3], numbers: &[f64; 3]) -> (f64, f6
     (noise, sources.iter().zip(numbers).filter(|(p, _)| p.variance > 0.0).map(|(p, n)| p.cost * n).sum())
 }
 
-/// For two sources of equal cost the optimum is n ∝ σ, computed by hand.
+/// The optimum for two sources of equal cost is n ∝ σ.
 #[test]
 fn sample_counts_follow_noise_over_cost() {
     let sources = [noise_source(4.0, 1.0, 10.0), noise_source(1.0, 1.0, 10.0), noise_source(0.0, 5.0, 7.0)];

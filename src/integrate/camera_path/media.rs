@@ -102,8 +102,8 @@ fn cross_medium<I: Interior>(
 /// Returns the radiance that a medium segment scatters to its start, estimated from photon maps
 /// \[W/(m² sr)]; 0 if the policy reads no map on this segment.
 ///
-/// `weights` are those of indirect light at the path's first receiver. Also adds the estimate, times
-/// the throughput, to the sums of `task`.
+/// `weights` are those of indirect light at the path's first receiver. Also adds the estimate,
+/// times the throughput, to the sums of `task`.
 fn photon_radiance<I: Interior>(
     paths: &PathContext<'_>,
     weights: IndirectWeights,

@@ -63,8 +63,8 @@ fn guided_directions_follow_their_pdf() {
     }
 }
 
-/// If only a quarter of the unit square lights a cell, 85 % of the cell's guided samples lie there.
-/// The pdf of the other points stays at least 0.2.
+/// Guided samples lie where rays contributed: if only a quarter of the unit square lights a cell,
+/// 85 % of the cell's guided samples lie there. The pdf of the other points stays at least 0.2.
 #[test]
 fn guided_samples_lie_where_rays_contributed() {
     let guide = half_lit_guide();

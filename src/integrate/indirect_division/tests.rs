@@ -36,8 +36,10 @@ fn weights_of_both_techniques_sum_to_one() {
     }
 }
 
-/// A pilot's single path continues with probability n/N, where n of a pixel's N paths continue. It
-/// then has the weight of one continued path among N.
+/// The single path of a pilot stands for all paths of its pixel.
+///
+/// It continues with probability n/N, where n of the pixel's N paths continue. It then has the
+/// weight of one continued path among N.
 #[test]
 fn paths_of_pilots_stand_for_all_samples() {
     let weights = IndirectWeights { photon_weight: 0.25, continued: 3, samples: 12 };

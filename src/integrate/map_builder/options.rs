@@ -24,8 +24,8 @@ impl PhotonPathCounts {
     }
 }
 
-/// Returns the limit on the photons of a density estimate if only 1/`divisor` of a pass's photon
-/// paths are traced; 0 for no limit.
+/// Returns the limit on the number of photons of a density estimate, if only 1/`divisor` of a
+/// pass's photon paths are traced; 0 for no limit.
 ///
 /// `k` is the limit for all photon paths of a pass.
 pub(super) fn photon_limit(k: u32, divisor: u32) -> u32 {

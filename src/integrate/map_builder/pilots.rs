@@ -27,11 +27,12 @@ const INDIRECT_COUNT: u32 = 100;
 /// holds light that receivers scatter after a caustic.
 const AFTER_CAUSTIC_COUNT: u32 = 50;
 
-/// Largest distance from a point that the camera sees at which a photon counts as visible, relative
-/// to the scene radius.
+/// Largest distance between a photon and a point that the camera sees at which the photon counts as
+/// visible, divided by the scene radius.
 const VISIBLE_RADIUS: f32 = 0.01;
 
-/// Gather radius relative to the scene radius, if the pilot that should find it stores no photon.
+/// Gather radius divided by the scene radius, for a pilot that stores no photon from which it could
+/// find the radius.
 const DEFAULT_RADIUS: f32 = 0.01;
 
 /// Largest number of photon paths of the pilot that guides emission for the interreflection map.
@@ -39,8 +40,8 @@ const DEFAULT_RADIUS: f32 = 0.01;
 /// Many photons of that map are visible, so few paths suffice.
 const MAX_INTERREFLECTION_GUIDING_PATHS: u32 = 1 << 15;
 
-/// Ratio of unguided to guided photon paths of equal noise, above which passes use guided photon
-/// emission.
+/// Least gain at which passes use guided photon emission: number of unguided photon paths, divided
+/// by the number of guided ones of equal noise.
 ///
 /// It exceeds 1, because guided paths take longer to sample.
 const MIN_GUIDING_GAIN: f64 = 1.5;
@@ -108,7 +109,7 @@ impl<'a> PhotonMapBuilder<'a> {
                     self.min_radius,
                 )
             };
-            // A pilot may find no photon although passes will, for example if objects move.
+            // A pilot may store no photon although passes will, for example if objects move.
             settings.radius.or_else(found).unwrap_or(self.scene.photon_domain().radius * DEFAULT_RADIUS)
         };
         let interreflection = if self.may_build_interreflection_map() {

@@ -18,11 +18,11 @@ use glam::{Vec2, Vec3};
 /// A guided point has at most 4 times the weight of the same point without guiding.
 const DEFENSIVE_FRACTION: f32 = 0.25;
 
-/// Smallest expected number of guided points on a segment, for each shadow ray that a surface point
-/// would send. Russian roulette decides about numbers below 1.
+/// Smallest expected number of guided points on a segment, divided by the number of shadow rays
+/// that a surface point would send. Russian roulette decides about numbers below 1.
 const MIN_POINTS: f32 = 0.125;
-/// Largest expected number of guided points on a segment, for each shadow ray that a surface point
-/// would send.
+/// Largest expected number of guided points on a segment, divided by the number of shadow rays that
+/// a surface point would send.
 const MAX_POINTS: f32 = 16.0;
 
 /// Number of points on a segment from which a pilot records shadow rays.
@@ -41,7 +41,7 @@ impl NextEventEstimator<'_> {
     ///
     /// `distance_sample` holds the distance at which the path itself scatters. If the path
     /// `continues` from there, its next ray may hit the same light. The estimate is then multiplied
-    /// by its MIS weight (balance heuristic) against that ray.
+    /// by the MIS weight (balance heuristic) of shadow rays against that ray.
     pub fn estimate_direct_light_in_medium<I: Interior>(
         &self,
         path_segment: &MediumPathSegment<'_, I>,
@@ -110,11 +110,12 @@ impl NextEventEstimator<'_> {
         sum
     }
 
-    /// Estimates the radiance of light `light` (an index) that a homogeneous medium scatters to the
-    /// start of a segment \[W/(m² sr)], by shadow rays from several points. Returns `None` if
-    /// [`ScatterPointSampling`] is `Unguided`.
+    /// Estimates the radiance that a homogeneous medium scatters to the start of a segment,
+    /// straight from the light with index `light` \[W/(m² sr)]. Shadow rays start from several
+    /// points.
     ///
-    /// `rays` is the number of shadow rays that a surface point sends to the light.
+    /// Returns `None` if [`ScatterPointSampling`] is `Unguided`. `rays` is the number of shadow
+    /// rays that a surface point sends to the light.
     fn estimate_at_guided_points<I: Interior>(
         &self,
         light: usize,
@@ -128,7 +129,7 @@ impl NextEventEstimator<'_> {
         let mut guided = std::mem::take(&mut task.scratch.guided_distances);
         guided.clear();
 
-        // Find how many points the segment deserves.
+        // Find how many points the segment needs.
         let (expected_count, records) = match &self.guides.scatter_points {
             ScatterPointSampling::Unguided => return None,
             ScatterPointSampling::Recorded => (RECORDED_POINTS, true),
@@ -236,8 +237,8 @@ impl NextEventEstimator<'_> {
     }
 }
 
-/// Samples a scattering point on a segment in a homogeneous medium, for a shadow ray to a light at
-/// or around `pivot`.
+/// Samples a point on a segment in a homogeneous medium, from which a shadow ray starts. The light
+/// of the ray lies at or around `pivot`.
 ///
 /// Returns `None` if the sampled distance is beyond the segment.
 fn sample_scatter_point_near<I: Interior>(
@@ -249,8 +250,8 @@ fn sample_scatter_point_near<I: Interior>(
     ScatterPointDistribution { path_segment, angles, guided: None }.sample(sampler)
 }
 
-/// Distribution of scattering points along a segment in a homogeneous medium, for the shadow rays
-/// to one light.
+/// Distribution of points along a segment in a homogeneous medium, from which shadow rays to one
+/// light start.
 ///
 /// Half of the unguided points follow the transmittance. The other half are equiangular: uniform in
 /// the angle seen from the light (Kulla and Fajardo 2012, "Importance Sampling Techniques for Path
@@ -258,7 +259,8 @@ fn sample_scatter_point_near<I: Interior>(
 struct ScatterPointDistribution<'a, I> {
     path_segment: &'a MediumPathSegment<'a, I>,
     angles: Option<EquiangularDistribution>,
-    /// Distances that most points follow; `None` without guide, or if the guide found no light.
+    /// Distribution of distances that most points follow; `None` without a guide, or if the guide
+    /// found no light.
     guided: Option<&'a GuidedDistances>,
 }
 

@@ -102,9 +102,11 @@ fn parallel_light(pass: u64, estimate: VolumeEstimator) -> VolumePhotons {
     photons
 }
 
-/// Along a ray beside a wall and across parallel light, the scattered radiance is σs/(4π) · exp(−σt
-/// s) · (1 − exp(−σt L))/σt. Estimates with every kernel size agree with it, although up to half of
-/// the kernel lies behind the wall.
+/// Estimates with every kernel size agree with single scattering, although up to half of the kernel
+/// lies behind a wall.
+///
+/// Along a ray beside the wall and across parallel light, the scattered radiance is σs/(4π) ·
+/// exp(−σt s) · (1 − exp(−σt L))/σt.
 #[test]
 fn estimates_beside_a_wall_match_single_scattering() {
     for estimate in [VolumeEstimator::Beams, VolumeEstimator::BeamRadiance, VolumeEstimator::Points] {

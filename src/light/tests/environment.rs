@@ -136,7 +136,8 @@ fn constant_environment_irradiance_is_pi_times_radiance() {
     }
 }
 
-/// Uniform sampling has a large variance because of the bright sun. Importance sampling does not.
+/// Importance sampling has less variance than uniform sampling, whose variance is large because of
+/// the bright sun.
 #[test]
 fn importance_sampling_reduces_variance() {
     let environment = random_sky_light(0.4);

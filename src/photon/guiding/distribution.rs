@@ -25,15 +25,15 @@ pub(super) struct EmissionGuidingSample {
 }
 
 /// Smallest mean number of pilot samples per cell of a guiding grid. A grid is not refined if the
-/// finer grid would have fewer.
+/// finer grid would have fewer samples per cell.
 const MIN_SAMPLES_PER_CELL: usize = 4;
 
 /// Largest number of subdivisions of the guiding grid of one light. Each subdivision splits each
 /// cell into four, so the grid has at most 4096 cells.
 const MAX_SUBDIVISIONS: u32 = 6;
 
-/// Weight of the parent cell's mean in the estimated mean of a cell, in units of one sample
-/// (shrinkage estimator).
+/// Weight of the parent cell's mean in the estimated mean of a cell (shrinkage estimator). The unit
+/// is the weight of one sample.
 ///
 /// The parent is the cell of the next coarser grid that contains the cell.
 const PARENT_WEIGHT: f64 = 8.0;
@@ -95,11 +95,10 @@ impl EmissionGuidingCells {
         self.squares.iter().map(|s| s.sqrt()).sum::<f64>() / self.squares.len() as f64
     }
 
-    /// Guided pdf in each cell: `uniform`, plus (1 − `uniform`) times a pdf proportional to √(mean
-    /// squared contribution).
+    /// Returns the guided pdf in each cell: the uniform pdf with weight `uniform` in \[0, 1], plus
+    /// a pdf proportional to √(mean squared contribution) with the rest of the weight.
     ///
-    /// `uniform`, in \[0, 1], is the weight of the uniform pdf. The result is 1 in all cells if no
-    /// sample contributes.
+    /// The result is 1 in all cells if no sample contributes.
     fn cell_pdfs(&self, uniform: f64) -> Vec<f64> {
         let mean = self.guided_root_mean_square();
         let pdf = |s: &f64| if mean > 0.0 { uniform + (1.0 - uniform) * s.sqrt() / mean } else { 1.0 };

@@ -1,5 +1,5 @@
 //! Emission guiding: a pilot measures which photon paths contribute to the picture. The render then
-//! emits more paths of this kind.
+//! emits more paths of the kinds that do.
 
 mod distribution;
 #[cfg(test)]
@@ -23,7 +23,7 @@ const ROUNDS: u32 = 2;
 /// Number of photon paths that one Rayon task traces in a pilot.
 const CHUNK: u32 = 4096;
 
-/// Weight of the unguided pdf in the guided pdf (defensive sampling). The remaining weight is on
+/// Weight of the unguided pdf in the guided pdf (defensive sampling). The rest of the weight is on
 /// the pdf that was fitted to pilot samples.
 ///
 /// A guided path has at most 5 times the flux of the same path without guiding.
@@ -64,8 +64,8 @@ pub struct EmissionGuidingReport {
     /// Fraction of the unguided paths of the pilot that contribute to the picture: those with a
     /// photon near a visible point.
     pub useful: f64,
-    /// Number of unguided photon paths that are worth one guided path, because they give the
-    /// picture equal variance; 1 without guiding.
+    /// Number of unguided photon paths that give the picture as little variance as one guided path;
+    /// 1 without guiding.
     ///
     /// The estimate is the second moment of unguided pilot paths, divided by that of guided pilot
     /// paths.
@@ -77,9 +77,10 @@ impl PhotonSource<'_> {
     /// report of the pilot.
     ///
     /// The guided pdf of lights, positions and directions is a mixture. Its main part is
-    /// proportional to a path's root mean squared contribution to the picture, which minimises the
-    /// variance. The unguided pdf bounds the weights. If no pilot photon reaches a visible point,
-    /// the source stays unguided. The result depends only on the scene, this source and `pilot`.
+    /// proportional to the root mean squared contribution of a path to the picture, which minimises
+    /// the variance. The unguided pdf bounds the weights. If no pilot photon reaches a visible
+    /// point, the source stays unguided. The result depends only on the scene, this source and
+    /// `pilot`.
     #[must_use]
     pub fn with_guided_emission(mut self, pilot: &EmissionGuidingPilot<'_>) -> (Self, EmissionGuidingReport) {
         let unguided = self.light_distribution.clone();
@@ -173,7 +174,7 @@ impl PhotonSource<'_> {
     }
 
     /// Fits the probabilities of the lights, and the guided pdf of each light, to `samples` of the
-    /// pilot; updates `self` with them.
+    /// pilot. Sets both in `self`.
     ///
     /// `unguided` holds the probabilities of the lights before guiding. If no sample contributes to
     /// the picture, `self` stays the same.
@@ -192,8 +193,8 @@ impl PhotonSource<'_> {
         if !(total > 0.0 && total.is_finite()) {
             return;
         }
-        // The defensive fraction holds for the joint pdf of light, position and direction. A light
-        // that guiding makes more probable needs a smaller uniform fraction.
+        // The defensive fraction is a fraction of the joint pdf of light, position and direction. A
+        // light that guiding makes more probable needs a smaller uniform fraction.
         let defensive = |i: usize| DEFENSIVE_FRACTION * f64::from(unguided.probability(i));
         let chosen = |i: usize| defensive(i) + (1.0 - DEFENSIVE_FRACTION) * fits[i].guided_root_mean_square() / total;
         if let Some(choice) = DiscreteDistribution::new((0..lights.len()).map(chosen)) {

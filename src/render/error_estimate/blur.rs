@@ -1,29 +1,32 @@
 //! Blur (bias) of photon density estimates, extrapolated from estimates with smaller discs.
 //!
-//! Two differences of such estimates, D₀ and D₁, are the first terms of a series that sums to the
-//! bias. [`NestedDifferenceMoments`] defines them, and their norms and products as means over the
-//! pixels of the picture.
+//! L(r) is the density estimate with disc radius r. D₀ = L(r) − L(r/√2) compares discs of full and
+//! half area, and D₁ = L(r/√2) − L(r/2) discs of half and quarter area. They are the first terms of
+//! a series that sums to the bias. ‖D₀‖², D₀·D₁ and ‖D₁‖² are means over the pixels of the picture.
 
-/// Smallest ratio D₀·D₁ / ‖D₀‖² that is used, because smaller ratios come from noise.
+/// Lower limit of the measured ratio D₀·D₁ / ‖D₀‖². Smaller ratios come from noise.
 ///
-/// [`NestedDifferenceMoments`] defines D₀ and D₁.
+/// D₀ is the difference of density estimates with full and half discs, D₁ with half and quarter
+/// discs.
 const MIN_CORRELATION: f64 = -0.5;
 
-/// Largest ratio D₀·D₁ / ‖D₀‖² that is used: the ratio at a straight edge of light, for the
+/// Upper limit of the measured ratio D₀·D₁ / ‖D₀‖²: its value at a straight edge of light, for the
 /// Epanechnikov kernel.
 ///
-/// [`NestedDifferenceMoments`] defines D₀ and D₁.
+/// D₀ is the difference of density estimates with full and half discs, D₁ with half and quarter
+/// discs.
 pub(super) const EDGE_CORRELATION: f64 = 0.7275;
 
 /// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) for light that is not smooth, with the Epanechnikov
 /// kernel.
 ///
-/// [`NestedDifferenceMoments`] defines D₀ and D₁. The pairs belong to a straight edge of light, and
-/// to bands of light as wide as a half and a fifth of the disc's diameter.
+/// D₀ is the difference of density estimates with full and half discs, D₁ with half and quarter
+/// discs. The pairs belong to a straight edge of light, and to bands of light as wide as a half and
+/// a fifth of the disc's diameter.
 const ROUGH: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
-/// Largest ratio of the blur with discs of half the area to the blur with full discs: the ratio at
-/// a straight edge of light.
+/// Upper limit of [`BlurEstimate::ratio`], the blur with half discs divided by the blur with full
+/// discs: its value at a straight edge of light.
 const MAX_RATIO: f64 = 0.841;
 
 /// Relative standard deviation of that part of the blur (bias of density estimates) that is
@@ -43,15 +46,15 @@ const EXTRAPOLATION_ERROR: f64 = 0.5;
 /// different passes, so noise adds no bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct NestedDifferenceMoments {
-    /// ‖D₀‖²: mean square of D₀ over the picture.
+    /// ‖D₀‖²: mean over the picture of the squared difference between full and half discs.
     pub d0_squared: f64,
-    /// D₀·D₁: mean product of D₀ and D₁ over the picture.
+    /// D₀·D₁: mean over the picture of the product of both differences.
     pub d0_d1: f64,
-    /// ‖D₁‖²: mean square of D₁ over the picture.
+    /// ‖D₁‖²: mean over the picture of the squared difference between half and quarter discs.
     pub d1_squared: f64,
     /// Variance of D₀ in one pass, as a mean over the picture.
     pub variance: f64,
-    /// Variance of the estimate `d0_squared`, due to the noise of the passes.
+    /// Variance that the noise of the passes causes in the estimate `d0_squared`.
     pub d0_squared_variance: f64,
     /// Relative variance of the squared noise of D₀: 2 / effective sample count. The count is the
     /// number of independent values that scatter as much as the noise.
@@ -59,63 +62,59 @@ pub(super) struct NestedDifferenceMoments {
 }
 
 impl NestedDifferenceMoments {
-    /// Returns the variance of the estimate of ‖D₀‖² from `passes` passes.
-    /// [`NestedDifferenceMoments`] defines D₀.
+    /// Returns the variance of an estimate of ‖D₀‖² from `passes` passes, where D₀ is the
+    /// difference of density estimates with full and half discs.
     ///
     /// `d0_squared` is ‖D₀‖² and `variance` the variance of D₀ in one pass. `scatter` is the
-    /// relative variance of the squared noise. The first term is the noise of products of two
-    /// passes. The second term is the noise of products of noise and the expected D₀.
+    /// relative variance of the squared noise of D₀. The first term of the result is the noise of
+    /// products of two passes. The second term is the noise of products of noise and the expected
+    /// D₀.
     pub fn d0_squared_variance(d0_squared: f64, variance: f64, scatter: f64, passes: f64) -> f64 {
         variance * variance * scatter / (passes * (passes - 1.0))
             + 2.0 * d0_squared.max(0.0) * variance * scatter / passes
     }
 
-    /// Weight in \[0, 1] of the measured ratios ‖D₁‖² / ‖D₀‖² and D₀·D₁ / ‖D₀‖², against their
-    /// values in smooth light.
+    /// Returns the weight in \[0, 1] of the measured ratios ‖D₁‖² / ‖D₀‖² and D₀·D₁ / ‖D₀‖². The
+    /// rest of the weight goes to the ratios of smooth light, ¼ and ½.
     ///
-    /// [`NestedDifferenceMoments`] defines D₀ and D₁. The weight is 1 if the measured ‖D₀‖² is
-    /// positive without noise, and 0 if it is not positive.
+    /// The weight is 1 if `d0_squared` is positive and has no noise, and 0 if it is not positive.
     pub fn measurement_weight(&self) -> f64 {
         let measured = self.d0_squared.max(0.0);
         let square = measured * measured;
         if measured > 0.0 { square / (square + 4.0 * self.d0_squared_variance) } else { 0.0 }
     }
 
-    /// Returns the measured ratio D₀·D₁ / ‖D₀‖², limited to values that light can cause. ‖D₀‖² must
-    /// be positive.
-    ///
-    /// [`NestedDifferenceMoments`] defines D₀ and D₁.
+    /// Returns the measured ratio D₀·D₁ / ‖D₀‖², limited to the values that light can cause.
+    /// `d0_squared` must be positive.
     pub fn correlation(&self) -> f64 {
         let limit = (self.d1_squared / self.d0_squared).clamp(0.0, ROUGH[2].0).sqrt();
         (self.d0_d1 / self.d0_squared).clamp(MIN_CORRELATION, EDGE_CORRELATION).clamp(-limit, limit)
     }
 }
 
-/// Estimated blur of the picture (bias of photon density estimates) as a relative error, see
-/// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
+/// Estimated blur of the picture: its relative bias due to photon density estimates.
+/// [`RelativeErrorWeights`](crate::image::RelativeErrorWeights) says relative to what.
 #[derive(Default)]
 pub(super) struct BlurEstimate {
     /// Mean squared relative blur.
     pub square: f64,
     /// Variance of the estimate `square`.
     pub variance: f64,
-    /// Ratio of the blur with discs of half the area to the blur with full discs.
+    /// Blur with discs of half the area, divided by the blur with full discs.
     pub ratio: f64,
-    /// Ratio of the extrapolated blur to the measured difference D₀ + D₁;
-    /// [`NestedDifferenceMoments`] defines D₀ and D₁.
+    /// Extrapolated blur L(r) − L(0), divided by the measured difference L(r) − L(r/2). L(r) is the
+    /// density estimate with disc radius r.
     pub extrapolation: f64,
 }
 
 impl BlurEstimate {
-    /// Extrapolates the blur from two differences of density estimates with nested discs.
+    /// Extrapolates the blur from two measured differences of density estimates with nested discs.
     ///
-    /// The differences D₀ and D₁ ([`NestedDifferenceMoments`]) are the first of a series Dᵢ. The
-    /// blur is the sum of the series.
-    ///
-    /// In smooth light, each difference is half of the previous one, so ‖bias‖² = 4‖D₀‖². At edges,
-    /// the model is Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|, with ratio q and correlation c. Its sum is ‖Σ
-    /// Dᵢ‖² = ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)). q² and qc are measured. If they are noisy, they
-    /// are shrunk towards ¼ and ½, their values in smooth light.
+    /// The differences D₀ and D₁ ([`NestedDifferenceMoments`]) are the first terms of a series Dᵢ
+    /// whose sum is the blur. In smooth light, each term is half of the previous one, so ‖bias‖² =
+    /// 4‖D₀‖². At edges, the model is Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|, with ratio q and correlation
+    /// c. Its sum is ‖Σ Dᵢ‖² = ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)). q² and qc are measured. If they
+    /// are noisy, they are shrunk towards ¼ and ½, their values in smooth light.
     pub(super) fn from_differences(differences: &NestedDifferenceMoments) -> Self {
         let d0_squared = differences.d0_squared.max(0.0);
         if d0_squared <= 0.0 {
@@ -143,10 +142,11 @@ impl BlurEstimate {
     }
 }
 
-/// Returns ‖Σ Dᵢ‖² / ‖D₀‖², the ratio of the squared bias to the squared first difference. The
-/// model is that of [`BlurEstimate::from_differences`]; [`ROUGH`] limits the result.
+/// Returns ‖bias‖² / ‖D₀‖²: the squared blur, divided by the squared difference of density
+/// estimates with full and half discs.
 ///
-/// `correlation` is D₀·D₁ / ‖D₀‖² = qc and `squared` is ‖D₁‖² / ‖D₀‖² = q².
+/// `correlation` is D₀·D₁ / ‖D₀‖² = qc and `squared` is ‖D₁‖² / ‖D₀‖² = q² in the model of
+/// [`BlurEstimate::from_differences`]. [`ROUGH`] limits the result.
 fn squared_bias_ratio(correlation: f64, squared: f64) -> f64 {
     let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared.min(ROUGH[0].0)));
     let rough = ROUGH.windows(2).find(|pair| squared <= pair[1].0).map_or(ROUGH[2].1, |pair| {

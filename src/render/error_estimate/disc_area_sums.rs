@@ -1,4 +1,4 @@
-//! Sums over passes of powers of the disc area of photon estimates.
+//! Sums over passes of powers of the gather disc area of photon estimates.
 
 use crate::integrate::squared_radius_ratio;
 
@@ -9,8 +9,8 @@ pub(super) const EXACT_PASSES: u32 = 1024;
 /// n passes.
 pub(super) const GROUP_DIVISOR: u32 = 128;
 
-/// Sums over passes of two powers of the gather disc area: 1/area and area^`power`. Areas are
-/// relative to the first pass.
+/// Sums over passes of two powers of the gather disc area: area^−1 and area^`blur_exponent`. Areas
+/// are divided by that of the first pass.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DiscAreaSums {
     /// Exponent α by which gather radii shrink from pass to pass (radius law); 1 for fixed radii.
@@ -19,12 +19,13 @@ pub(super) struct DiscAreaSums {
     blur_exponent: f64,
     /// Number of summed passes.
     pub passes: u32,
-    /// Gather disc area of the next pass, which is not summed yet, relative to the first pass.
+    /// Gather disc area of the next pass, which is not summed yet, divided by that of the first
+    /// pass.
     area: f64,
-    /// Sum over passes of the inverse gather disc area, relative to the first pass.
+    /// Sum over passes of 1/area. The noise of photon estimates is proportional to it.
     pub inverse_area: f64,
-    /// Sum over passes of area^`power`. Divided by `passes`, it is proportional to the picture's
-    /// blur.
+    /// Sum over passes of area^`blur_exponent`. Divided by `passes`, it is proportional to the
+    /// picture's blur.
     pub blur: f64,
 }
 
@@ -53,7 +54,7 @@ impl DiscAreaSums {
         if self.group_size() > 1 { self.add_passes_by_midpoint(self.group_size()) } else { self.add_pass() }
     }
 
-    /// Number of passes that the next [`add_group`](Self::add_group) adds.
+    /// Returns the number of passes that the next [`add_group`](Self::add_group) adds.
     fn group_size(&self) -> u32 {
         if self.passes < EXACT_PASSES { 1 } else { self.passes / GROUP_DIVISOR }
     }

@@ -13,13 +13,13 @@ use serde::Serialize;
 pub struct ErrorEstimate {
     /// Number of passes whose mean is the picture.
     pub passes: u32,
-    /// Total relative error: √(noise² + bias²); infinite after too few passes.
+    /// Total relative error √(noise² + bias²) of the picture; infinite after too few passes.
     pub error: f64,
     /// Lower end of the interval that contains the true error with the requested confidence.
     pub low: f64,
     /// Upper end of the interval that contains the true error with the requested confidence.
     pub high: f64,
-    /// Relative standard error of the picture, which is the mean of the passes.
+    /// Relative standard error of the picture: its noise. The picture is the mean of the passes.
     pub noise: f64,
     /// Relative bias, the error that is not noise: √(blur² + shared_paths² + clamping²).
     pub bias: f64,
@@ -30,18 +30,19 @@ pub struct ErrorEstimate {
     /// Relative bias of clamped camera paths, due to the light that clamping removes; 0 without
     /// clamping.
     pub clamping: f64,
-    /// Ratio of the blur with discs of half the area to the blur with full discs: ½ in smooth
-    /// light, larger at edges.
+    /// Blur with discs of half the area, divided by the blur with full discs: ½ in smooth light,
+    /// larger at edges.
     #[serde(skip)]
     pub(super) blur_ratio: f64,
-    /// Ratio of the extrapolated blur to the measured difference L(r) − L(r/2), where L(r) is the
+    /// Extrapolated blur L(r) − L(0), divided by the measured difference L(r) − L(r/2). L(r) is the
     /// density estimate with disc radius r.
     #[serde(skip)]
     pub(super) extrapolation: f64,
     /// Parts of the squared error, with their variances.
     #[serde(skip)]
     pub(super) parts: SquaredErrorParts,
-    /// Moments of differences between nested density estimates; all 0 without photon estimates.
+    /// Moments of the differences between density estimates with full, half and quarter discs; all
+    /// 0 without photon estimates.
     #[serde(skip)]
     pub(super) differences: NestedDifferenceMoments,
     /// Histogram of fireflies: pixels whose relative squared noise exceeds 1.

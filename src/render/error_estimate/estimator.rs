@@ -20,18 +20,12 @@ use glam::{DVec3, Vec3};
 /// Smallest number of passes for which the error is estimated.
 pub const MIN_PASSES: u32 = 4;
 
-/// Number of passes from which the effective sample count of the noise is measured: those with the
-/// lowest pass numbers.
-///
-/// The effective sample count is the number of independent values that scatter as much as the
-/// noise.
+/// Number of passes from which [`LeadingPasses`] measures the effective sample count of the noise:
+/// those with the lowest pass numbers.
 const LEADING_PASSES: usize = 8;
 
-/// Number of passes from which the effective sample count of D₀ is measured: those with the lowest
-/// pass numbers.
-///
-/// D₀ is the difference between density estimates with full and half disc area. The effective
-/// sample count is the number of independent values that scatter as much as the noise of D₀.
+/// Number of passes from which [`LeadingPasses`] measures the effective sample count of D₀, the
+/// difference of density estimates with full and half discs: those with the lowest pass numbers.
 const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
 
 /// Accumulates the passes of a render, and estimates the error of their mean.
@@ -53,18 +47,21 @@ pub struct ErrorEstimator {
     leading: LeadingPasses,
 }
 
-/// Sums over passes of the differences between photon estimates with nested discs, for each pixel.
+/// Sums over passes of the differences between photon density estimates with nested discs, for each
+/// pixel.
+///
+/// D₀ is the difference between estimates with full and half discs, D₁ between half and quarter
+/// discs.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 struct NestedEstimateSums {
-    /// Sums over passes of D₀ and of D₁, for each pixel and channel. [`NestedDifferenceMoments`]
-    /// defines both.
+    /// Sums over passes of D₀ and of D₁, for each pixel and channel.
     differences: [BinnedSums<3>; 2],
     /// Sums over passes and channels of D₀², D₀·D₁ and D₁², for each pixel.
     products: BinnedSums<3>,
     /// Sums over passes of gather radius and photon count of each pixel: first for the caustic map,
     /// then for the indirect map and the interreflection map of `hybrid` together.
     discs: Vec<[GatherDiscTotals; 2]>,
-    /// D₀ of each pixel in the passes with the lowest numbers.
+    /// D₀ of each pixel in the passes with the lowest numbers, which measure how D₀ scatters.
     leading: LeadingPasses,
 }
 
@@ -82,8 +79,8 @@ struct GatherDiscTotals {
 pub struct ErrorMaps {
     /// Standard error of the mean of the passes, by channel \[W/(m² sr)].
     pub noise: Vec<Vec3>,
-    /// Estimated blur of the mean of the passes, by channel, signed \[W/(m² sr)]. The estimate is
-    /// noisy.
+    /// Estimated blur of the mean of the passes, by channel \[W/(m² sr)]. It is positive where the
+    /// picture is too bright. The estimate is noisy.
     pub bias: Vec<Vec3>,
     /// Mean radius and photon count of each pixel's density estimates from the caustic map.
     pub caustic: Vec<MeanGatherDisc>,
@@ -174,7 +171,7 @@ impl ErrorEstimator {
             })
     }
 
-    /// True if both estimators hold sums of the same kinds for the same pixels.
+    /// True if both estimators hold sums of the same kinds for the same number of pixels.
     fn has_same_pixels(&self, other: &Self) -> bool {
         let photon_pixels =
             |estimator: &Self| estimator.photon_estimates.as_ref().map(|estimates| estimates.discs.len());
@@ -231,10 +228,11 @@ impl ErrorEstimator {
         let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&error_weights, film.size().0, n);
         let clamping = self.clamped_light.as_ref().map(|sums| sums.squared_bias(&error_weights, n));
         let (clamping2, clamping_variance) = clamping.unwrap_or_default();
-        // The squared error of this picture scatters about its expectation, which is an estimate
-        // too.
+        // The squared error of this one picture scatters about its expectation. The estimate
+        // scatters too.
         let scatter = self.leading.squared_error_variance(error_weights.pixel_weights(), n);
-        // A variance estimate scatters by (kurtosis − 1) / 2 times that of Gaussian noise.
+        // With outliers, a variance estimate scatters by (kurtosis − 1) / 2 times that of Gaussian
+        // noise.
         let tail_factor = if fourth > 0.0 { 0.5 * tails / fourth } else { 1.0 };
         let parts = SquaredErrorParts {
             noise: noise2,
@@ -330,8 +328,8 @@ impl NestedEstimateSums {
         self.leading.merge(&other.leading, LEADING_PASSES_OF_DIFFERENCES);
     }
 
-    /// Returns the sums over passes of D₀ and of D₁ at pixel `i`. [`NestedDifferenceMoments`]
-    /// defines both.
+    /// Returns the sums over passes of both differences at pixel `i`: D₀ between density estimates
+    /// with full and half discs, and D₁ between half and quarter discs.
     fn difference_sums(&self, i: usize) -> [DVec3; 2] {
         self.differences.each_ref().map(|sums| DVec3::from_array(sums.value(i)))
     }
@@ -339,8 +337,8 @@ impl NestedEstimateSums {
     /// Returns the means over the picture of D₀², D₀·D₁ and D₁² after `n` passes, with their
     /// variances.
     ///
-    /// [`NestedDifferenceMoments`] defines D₀ and D₁. Each product combines two different passes,
-    /// so its noise has mean zero.
+    /// D₀ is the difference between density estimates with full and half discs, D₁ between half and
+    /// quarter discs. Each product combines two different passes, so its noise has mean zero.
     fn nested_difference_moments(&self, error_weights: &RelativeErrorWeights, n: f64) -> NestedDifferenceMoments {
         let pixels = error_weights.pixel_weights().len();
         let (mut square, mut variance) = ([0.0; 3], 0.0);

@@ -3,26 +3,29 @@
 use super::disc_area_sums::DiscAreaSums;
 use super::estimate::ErrorEstimate;
 
-/// Largest number of passes of a forecast.
+/// Largest number of passes that a forecast considers.
 pub(super) const MAX_PASSES: u32 = 10_000_000;
 
-/// Predicted error as a function of the number of passes n.
+/// Predicted error of a picture as a function of the number of passes n.
 ///
 /// Let aᵢ be the disc area of photon estimates in pass i, divided by that in pass 0. The variance
 /// of photon estimates falls as Σ(1/aᵢ)/n², all other variance as 1/n. Blur is proportional to the
 /// mean of aᵢ^p, with a measured exponent p. The shared-path error and the bias of clamping are
 /// constant.
+///
+/// Errors are relative, see [`RelativeErrorWeights`](crate::image::RelativeErrorWeights).
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorForecast {
     /// Error estimate from which the forecast starts.
     pub(super) estimate: ErrorEstimate,
     /// Exponent α by which gather radii shrink from pass to pass (radius law); 1 for fixed radii.
     pub(super) alpha: f64,
-    /// Relative variance of one pass, except the variance of photon estimates and fireflies.
+    /// Relative variance of the picture of one pass, without the variance of photon estimates and
+    /// of fireflies.
     path_variance: f64,
-    /// Relative variance of photon estimates in the first pass.
+    /// Relative variance that photon estimates cause in the picture of the first pass.
     photon_variance: f64,
-    /// Relative blur (bias of photon density estimates) of the first pass.
+    /// Relative blur (bias of photon density estimates) of the picture of the first pass.
     blur: f64,
     /// Exponent p: the blur of a pass is proportional to the p-th power of its gather disc area.
     blur_exponent: f64,
@@ -32,7 +35,7 @@ impl ErrorForecast {
     /// Creates the forecast from an error estimate.
     ///
     /// `law` holds two numbers: the exponent α by which gather radii shrink, and the kernel's
-    /// [`nested_difference_variance`](crate::photon::Kernel::nested_difference_variance). It is
+    /// [`nested_difference_variance`](crate::photon::Kernel::nested_difference_variance). `law` is
     /// `None` without photon estimates.
     pub(super) fn new(estimate: ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(estimate.passes);
@@ -56,14 +59,15 @@ impl ErrorForecast {
         }
     }
 
-    /// Returns the predicted relative error after `passes` ≥ 1 passes.
+    /// Returns the predicted relative error of the picture after `passes` ≥ 1 passes.
     #[must_use]
     pub fn error_after_passes(&self, passes: u32) -> f64 {
         let (noise, bias) = self.noise_and_bias(&DiscAreaSums::of_passes(self.alpha, self.blur_exponent, passes));
         noise.hypot(bias)
     }
 
-    /// Returns the relative bias that remains after any number of passes; `None` if it is 0.
+    /// Returns the relative bias of the picture that remains after any number of passes; `None` if
+    /// it is 0.
     ///
     /// The error of shared camera paths and the bias of clamping remain. Blur remains only if
     /// gather radii do not shrink from pass to pass.
@@ -80,22 +84,27 @@ impl ErrorForecast {
         self.estimate.shared_paths.hypot(self.estimate.clamping)
     }
 
-    /// Returns the predicted squared relative noise after the passes that `sums` holds.
+    /// Predicts the squared noise of the picture after its first `sums.passes` passes, relative as
+    /// in [`ErrorEstimate::noise`].
+    ///
+    /// `sums` supplies the disc areas of these passes.
     pub(super) fn squared_noise(&self, sums: &DiscAreaSums) -> f64 {
         let n = f64::from(sums.passes);
         let fireflies = self.estimate.fireflies.firefly_squared_error_after(n / f64::from(self.estimate.passes));
         (self.path_variance * n + self.photon_variance * sums.inverse_area) / (n * n) + fireflies
     }
 
-    /// Returns the predicted relative noise and bias after the passes that `sums` holds. `sums`
-    /// must use the exponent of this forecast.
+    /// Predicts the noise and the bias of the picture after its first `sums.passes` passes,
+    /// relative as in [`ErrorEstimate`].
+    ///
+    /// `sums` supplies the disc areas of these passes. Its exponent must be that of this forecast.
     fn noise_and_bias(&self, sums: &DiscAreaSums) -> (f64, f64) {
         let blur = self.blur * sums.blur / f64::from(sums.passes);
         (self.squared_noise(sums).sqrt(), blur.hypot(self.constant_bias()))
     }
 
-    /// Predicts the smallest number of passes after which the relative noise is at most `target`;
-    /// `None` above ten million passes.
+    /// Predicts the smallest number of passes after which the relative noise of the picture is at
+    /// most `target`; `None` above ten million passes.
     ///
     /// Above 1024 passes, the number is exact to 1 %.
     #[must_use]

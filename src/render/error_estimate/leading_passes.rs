@@ -2,13 +2,14 @@
 
 use crate::color::Rgb;
 
-/// Grey pictures of the leading passes: those with the lowest pass numbers.
+/// Grey pictures of the leading passes: those with the lowest pass numbers. They measure the
+/// effective sample count of the noise.
 ///
-/// The difference of two passes, divided by √2, contains only noise. The mean square of the
-/// difference is the variance. Let Σ be the covariance matrix of the pixels. The scalar product of
-/// two differences without a common pass has mean zero and variance tr Σ². The effective sample
-/// count is (tr Σ)² / tr Σ² (Satterthwaite 1946). It is the number of independent values with as
-/// much scatter as the noise.
+/// The difference of two passes, divided by √2, contains only noise. Its mean square is the
+/// variance of the noise. Let Σ be the covariance matrix of the pixels. The scalar product of two
+/// differences without a common pass has mean zero and variance tr Σ². The effective sample count
+/// is (tr Σ)² / tr Σ² (Satterthwaite 1946). It is the number of independent values whose mean
+/// square scatters as much as that of the noise.
 ///
 /// The set of leading passes is a function of the set of passes, in whatever order they come.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -21,8 +22,8 @@ pub(super) struct LeadingPasses {
 /// Largest number of leading passes: the passes with the lowest numbers.
 const MAX_PASSES: usize = 8;
 
-/// Effective sample count of the noise that is assumed before measurement: the number of
-/// independent values that scatter as much as the noise.
+/// Effective sample count of the noise that is assumed before measurement. The count is the number
+/// of independent values that scatter as much as the noise.
 const PRIOR_SAMPLES: f64 = 100.0;
 
 /// Weight of [`PRIOR_SAMPLES`] against measured scalar products of pass differences: it counts as
@@ -59,9 +60,9 @@ impl LeadingPasses {
     /// The count is the number of independent values that scatter as much as the noise.
     ///
     /// Few passes measure the count badly, so [`PRIOR_SAMPLES`] has a weight against the
-    /// measurement. The formula holds for Gaussian noise. `weights` holds a factor on the square of
-    /// each pixel's deviation from the mean of the leading passes. The weighted square is clamped
-    /// to `max`.
+    /// measurement. The formula holds for Gaussian noise. `weights` holds a factor for each pixel,
+    /// for the square of its deviation from the mean of the leading passes. The weighted square is
+    /// clamped to `max`.
     pub fn squared_error_variance(&self, weights: &[f64], max: f64) -> f64 {
         let n = self.pictures.len();
         if n < 2 {
@@ -107,11 +108,11 @@ impl LeadingPasses {
         (variance, if count > 0.0 { sum / count } else { 0.0 }, independent)
     }
 
-    /// Returns scalar products of the leading passes' deviations from their mean, divided by the
-    /// number of pixels: one for each pair of passes.
+    /// Returns the scalar products of the leading passes' deviations from their mean, divided by
+    /// the number of pixels: one product for each pair of passes.
     ///
-    /// `weights` holds a factor on the square of each pixel's deviation. The weighted square is
-    /// clamped to `max`.
+    /// `weights` holds a factor for each pixel, for the square of its deviation. The weighted
+    /// square is clamped to `max`.
     fn deviation_products(&self, weights: &[f64], max: f64) -> [[f64; MAX_PASSES]; MAX_PASSES] {
         let mut products = [[0.0; MAX_PASSES]; MAX_PASSES];
         let share = 1.0 / self.pictures.len() as f64;
@@ -122,7 +123,7 @@ impl LeadingPasses {
                 *value = f64::from(picture[pixel]);
                 mean += share * *value;
             }
-            // The weight is for the sum over three channels.
+            // `weights` are factors of sums over three channels. A grey value stands for all three.
             let weight = 3.0 * weight;
             for deviation in &mut deviations[..self.pictures.len()] {
                 *deviation -= mean;

@@ -4,7 +4,7 @@
 /// of a pass.
 const INTERVAL_FACTOR: f64 = 1.05;
 
-/// Schedule that says after which passes the error is estimated: after each of the first, and then
+/// Schedule of error estimates. The error is estimated after each of the first passes, and then
 /// each time that the number of passes has grown by a twentieth.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EstimateSchedule {

@@ -5,10 +5,8 @@ use crate::integrate::Pass;
 use crate::math::BinnedSums;
 use glam::DVec3;
 
-/// Edge length of square blocks of pixels, each of which counts as one independent sample
-/// \[pixels].
-///
-/// Errors of neighbouring pixels correlate.
+/// Edge length of square blocks of pixels \[pixels]. Errors of neighbouring pixels correlate, so
+/// each block counts as one independent sample.
 const BLOCK: u32 = 16;
 
 /// Sums over passes from which the error of shared camera paths is estimated, for a few pixels.

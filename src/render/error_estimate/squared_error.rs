@@ -7,10 +7,11 @@
 pub(super) struct SquaredErrorParts {
     /// Squared relative noise of the picture: the variance of the mean of the passes.
     pub noise: f64,
-    /// Relative variance of one picture's squared noise about its expectation: 2 / effective sample
-    /// count. The count is the number of independent values that scatter as much as the noise.
+    /// Relative variance of the squared noise of one picture about its expectation: 2 / effective
+    /// sample count. The count is the number of independent values that scatter as much as the
+    /// noise.
     pub noise_scatter: f64,
-    /// Relative variance of the estimate `noise` about the expected squared noise.
+    /// Relative variance of the estimate `noise` about the expected squared noise of the picture.
     pub noise_uncertainty: f64,
     /// Squared relative blur of the picture: the squared bias of photon density estimates.
     pub blur: f64,
@@ -41,7 +42,7 @@ impl SquaredErrorParts {
         realised + estimated + self.blur_variance + self.shared_paths_variance + self.clamping_variance
     }
 
-    /// Returns the lower and upper end of an interval of the error, not squared. The interval
+    /// Returns the lower and upper end of an interval of the error \[not squared]. The interval
     /// extends `half_width` standard deviations of the squared error to both sides of the estimate.
     pub fn error_interval(&self, half_width: f64) -> (f64, f64) {
         let deviation = half_width * self.variance().sqrt();

@@ -1,10 +1,15 @@
 //! Forecast of the pass after which a render reaches an error target.
 //!
 //! A render ends once the upper end of its error interval is at most the target. The forecast
-//! simulates this rule. It draws values of the unknown quantities, computes the upper end after
-//! each later pass, and counts after how many passes each draw ends. Unknown are the expected
-//! noise, the expected blur, the exponent of the decay of blur, and the noise of later blur
-//! estimates.
+//! imagines 64 renders that follow this rule, one for each [`ForecastDraw`]; no picture is
+//! rendered. A draw gives values to the unknown quantities: the expected noise, the expected blur,
+//! the exponent of the decay of blur, and the noise of later blur estimates. From them, the
+//! forecast computes the upper end after each later pass, and so the last pass of the imagined
+//! render.
+//!
+//! Blur is the bias of photon density estimates. D₀ is the difference of density estimates with
+//! full and half discs, and D₁ with half and quarter discs. ‖D₀‖² and ‖D₁‖² are their mean squares
+//! over the picture. The blur is extrapolated from them, see [`NestedDifferenceMoments`].
 
 use super::blur::{BlurEstimate, EDGE_CORRELATION, NestedDifferenceMoments};
 use super::confidence::Confidence;
@@ -18,28 +23,29 @@ use std::sync::LazyLock;
 /// Probability that the number of passes at which a render ends lies in the forecast [`PassRange`].
 pub const RANGE_PROBABILITY: f64 = 0.8;
 
-/// Largest ratio of a forecast number of passes to the number of passes made.
+/// Largest number of passes that a forecast considers, divided by the number of passes made.
 const MAX_EXTRAPOLATION: u32 = 1000;
 
-/// Number of draws of the unknown quantities, for each of which a forecast simulates the render.
+/// Number of imagined renders of a forecast. Each has its own draw of the unknown quantities.
 const DRAWS: usize = 64;
 
 /// Relative standard deviation of the predicted noise variance after many more passes, because the
 /// forecast's model of noise is inexact.
 const MODEL_DEVIATION: f64 = 0.2;
 
-/// Exponent e of the prior density (‖D₀‖²)^−e; [`NestedDifferenceMoments`] defines D₀.
+/// Exponent e of the prior for the unknown blur. Before measurement, ‖D₀‖² has the density
+/// (‖D₀‖²)^−e, where D₀ is the difference of density estimates with full and half discs.
 ///
-/// An exponent of 0 would make large blur likely wherever it is not measured yet. An exponent of 1
-/// would exclude such blur.
+/// With e = 0, large blur is likely while noise still hides it. With e = 1, all probability is at
+/// zero blur.
 const PRIOR_EXPONENT: f64 = 0.5;
 
-/// Possible exponents p of the decay of blur, which is proportional to disc area to the power p: ¼
-/// at edges, 1 in smooth light. All are equally likely before measurement.
+/// Possible exponents p of the decay of blur. Blur is proportional to the gather disc area to the
+/// power p: ¼ at edges, 1 in smooth light. All are equally likely before measurement.
 const BLUR_EXPONENTS: [f64; 5] = [0.25, 0.4375, 0.625, 0.8125, 1.0];
 
-/// Least probability of an exponent of [`POWERS`], given the measured blur, relative to the most
-/// likely exponent.
+/// Least probability of an exponent of [`BLUR_EXPONENTS`], given the measured blur, divided by the
+/// probability of the most likely exponent.
 const LEAST_EXPONENT_WEIGHT: f64 = 1e-3;
 
 /// Forecast of the number of passes after which a render reaches its error target.
@@ -71,11 +77,11 @@ pub struct PassRange {
     pub high: Option<u32>,
 }
 
-/// Random variates for one simulated render of a forecast, one for each unknown quantity.
+/// Random variates for one imagined render of a forecast, one for each unknown quantity.
 struct ForecastDraw {
     /// Standard normal variate that determines the expected noise of the picture.
     noise: f64,
-    /// Uniform variate that determines the exponent of [`POWERS`] by which blur decays.
+    /// Uniform variate that determines the exponent of [`BLUR_EXPONENTS`] by which blur decays.
     exponent_choice: f64,
     /// Uniform variate that determines the expected blur of the picture.
     blur: f64,
@@ -83,7 +89,7 @@ struct ForecastDraw {
     later_blur: f64,
 }
 
-/// The [`DRAWS`] draws of every forecast. Their `noise` is stratified; their other quantities
+/// Unknown quantities of the blur (bias of photon density estimates) in one imagined render.
 #[derive(Clone, Copy)]
 struct DrawnBlur {
     /// Index in [`BLUR_EXPONENTS`] of the exponent by which blur decays.
@@ -116,7 +122,8 @@ fn normal_quantile(probability: f64) -> f64 {
 }
 
 impl ErrorForecast {
-    /// Predicts after how many passes the upper end of the error interval is at most `target`.
+    /// Predicts after how many passes a render ends, because the upper end of its error interval is
+    /// at most `target`.
     ///
     /// `confidence` is the confidence of the interval. The render is assumed to estimate its error
     /// after the passes of [`EstimateSchedule`].
@@ -136,18 +143,18 @@ impl ErrorForecast {
         }
     }
 
-    /// Largest number of passes for which a forecast simulates the render.
+    /// Returns the largest number of passes that a forecast from this estimate considers.
     fn max_imagined_passes(&self) -> u32 {
         self.estimate.passes.saturating_mul(MAX_EXTRAPOLATION).min(MAX_PASSES)
     }
 
-    /// Simulates the render for each draw of the unknown quantities. Returns the numbers of passes
-    /// after which the simulated renders end, in ascending order.
+    /// Returns the numbers of passes after which the imagined renders end, one for each draw of the
+    /// unknown quantities, in ascending order.
     ///
     /// A render ends once the upper end of its error interval is at most `target`. `half_width` is
     /// the half width of the interval, in standard deviations of the squared error. The number is
     /// `None`, and comes last, for a render that ends beyond
-    /// [`max_simulated_passes`](Self::max_simulated_passes).
+    /// [`max_imagined_passes`](Self::max_imagined_passes).
     fn ends_of_draws(&self, target: f64, half_width: f64) -> Vec<Option<u32>> {
         let made = self.estimate.passes;
         let ended = self.estimate.parts.error_interval(half_width).1 <= target;
@@ -175,7 +182,7 @@ impl ErrorForecast {
                 break;
             }
         }
-        // A render that has reached its target did so after the passes made at the latest.
+        // A render that has reached its target ended no later than after the passes made so far.
         if ended {
             ends.iter_mut().for_each(|end| *end = end.or(Some(made)));
         }
@@ -183,11 +190,12 @@ impl ErrorForecast {
         ends
     }
 
-    /// Returns the parts of the squared error that a simulated render estimates after the passes
-    /// that `sums` holds.
+    /// Returns the parts of the squared error that the imagined render of `draw` would estimate
+    /// after `sums.passes` passes.
     ///
-    /// `power` is an index of [`POWERS`]. `at_pilot` holds the passes made so far, and `d0_squared`
-    /// is the drawn expectation of ‖D₀‖² after them. [`NestedDifferenceMoments`] defines D₀.
+    /// `sums` and `sums_so_far` hold the disc areas of these passes and of the passes made so far.
+    /// `blur.d0_squared` is the expected ‖D₀‖² after the passes made so far, where D₀ is the
+    /// difference of density estimates with full and half discs.
     fn imagined_parts(
         &self,
         draw: &ForecastDraw,
@@ -212,8 +220,13 @@ impl ErrorForecast {
         }
     }
 
-    /// Returns the blur that a simulated render estimates after the passes that `sums` holds.
-    /// [`simulated_parts`](Self::simulated_parts) explains the arguments.
+    /// Returns the blur that the imagined render of `draw` would estimate after `sums.passes`
+    /// passes.
+    ///
+    /// Blur is the bias of photon density estimates. `sums` and `sums_so_far` hold the disc areas
+    /// of these passes and of the passes made so far. `blur.d0_squared` is the expected ‖D₀‖² after
+    /// the passes made so far, where D₀ is the difference of density estimates with full and half
+    /// discs.
     fn imagined_blur(
         &self,
         draw: &ForecastDraw,
@@ -247,16 +260,17 @@ impl ErrorForecast {
         })
     }
 
-    /// Returns the cumulative probabilities of the exponents [`POWERS`], given the measured blur.
-    /// They are not normalized.
+    /// Returns the cumulative probabilities of the exponents [`BLUR_EXPONENTS`], given the measured
+    /// blur. They are not normalized.
     ///
-    /// [`NestedDifferenceMoments`] defines D₀ and D₁. An exponent p predicts ‖D₁‖² = 2^(−2p) ‖D₀‖².
-    /// The difference between this prediction and the measured ‖D₁‖² gives the likelihood of p. The
-    /// estimates of ‖D₁‖² and ‖D₀‖² have about the same variance.
+    /// D₀ is the difference of density estimates with full and half discs, D₁ with half and quarter
+    /// discs. An exponent p predicts ‖D₁‖² = 2^(−2p) ‖D₀‖². The difference between this prediction
+    /// and the measured ‖D₁‖² gives the likelihood of p. The estimates of ‖D₁‖² and ‖D₀‖² have
+    /// about the same variance.
     fn exponent_weights(&self) -> [f64; BLUR_EXPONENTS.len()] {
         let measured = &self.estimate.differences;
-        // Least variance. A measured ratio between those of two neighbouring exponents then fits
-        // both exponents, even if it has no noise.
+        // Least variance of the difference. If a measured ratio without noise lies between those of
+        // two neighbouring exponents, both exponents then fit it.
         let rounding = 1e-4 * measured.d0_squared * measured.d0_squared;
         let square = |exponent: f64| {
             let ratio = squared_difference_ratio(exponent);
@@ -273,11 +287,11 @@ impl ErrorForecast {
         })
     }
 
-    /// Returns pairs of a value of ‖D₀‖² and its cumulative probability after measurement, both in
-    /// ascending order. The probability is not normalized.
+    /// Returns the distribution of the expected ‖D₀‖² after measurement: pairs of a value and its
+    /// cumulative probability, both in ascending order. The probability is not normalized.
     ///
-    /// [`NestedDifferenceMoments`] defines D₀. The measured ‖D₀‖² has Gaussian noise. Its prior
-    /// density is a power law ([`PRIOR_EXPONENT`]).
+    /// D₀ is the difference of density estimates with full and half discs. The measured ‖D₀‖² has
+    /// Gaussian noise. Its prior density is a power law ([`PRIOR_EXPONENT`]).
     fn blur_quantiles(&self) -> Vec<(f64, f64)> {
         const VALUES: i32 = 80;
         const LEAST: f64 = 1e-3;
@@ -301,22 +315,22 @@ impl ErrorForecast {
     }
 }
 
-/// Returns ‖D₁‖² / ‖D₀‖² where blur is proportional to disc area to the power `power`.
+/// Returns ‖D₁‖² / ‖D₀‖² if blur is proportional to the gather disc area to the power `exponent`.
 ///
-/// [`NestedDifferenceMoments`] defines D₀ and D₁.
+/// D₀ is the difference of density estimates with full and half discs, D₁ with half and quarter
+/// discs.
 fn squared_difference_ratio(exponent: f64) -> f64 {
     libm::exp2(-2.0 * exponent)
 }
 
-/// Returns the first index whose cumulative weight exceeds `uniform` times the last cumulative
-/// weight.
+/// Returns the first index at which the cumulative weight exceeds `uniform` times the total weight.
 fn cumulative_index(cumulative: &[f64], uniform: f64) -> usize {
     let total = cumulative.last().copied().unwrap_or(0.0);
     cumulative.partition_point(|weight| *weight <= uniform * total).min(cumulative.len() - 1)
 }
 
-/// Returns the value whose cumulative weight is `uniform` times the last cumulative weight, by
-/// linear interpolation. `quantiles` are pairs of a value and a cumulative weight.
+/// Returns the value at which the cumulative weight is `uniform` times the total weight, by linear
+/// interpolation. `quantiles` are pairs of a value and a cumulative weight.
 fn quantile_at(quantiles: &[(f64, f64)], uniform: f64) -> f64 {
     let total = quantiles.last().map_or(0.0, |last| last.1);
     let above = quantiles.partition_point(|(_, weight)| *weight <= uniform * total).min(quantiles.len() - 1);

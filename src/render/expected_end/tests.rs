@@ -32,7 +32,9 @@ fn expected_end_agrees_with_render() {
     }
 }
 
-/// Five minutes are 5 passes of a minute. The error of the fifth is σ/√10.
+/// The default time limit ends a render of slow passes.
+///
+/// Five minutes are 5 passes of a minute. The error after the fifth is σ/√10.
 #[test]
 fn slow_passes_end_by_time() {
     let (expected, _) = ends(RenderLimits::default(), &NOISY, 60.0);

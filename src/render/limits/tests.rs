@@ -79,6 +79,9 @@ fn render_without_error_estimates_makes_default_passes() {
     assert_eq!(end(long, Algorithm::Raycast, &blind), (EndReason::Passes, 1));
 }
 
+/// A render without limits ends once its noise is small, although bias keeps the error above the
+/// default.
+///
 /// Bias of 20 % keeps the error at .2/1.2/√2 = 12 %. Noise is 3 % after 22 passes of radiance 1.2.
 #[test]
 fn default_render_ends_when_only_bias_is_left() {

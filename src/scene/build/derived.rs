@@ -7,14 +7,14 @@ use crate::scene::Scene;
 use crate::scene::interiors::{InteriorStack, interior_stack_at};
 use glam::Vec3;
 
-/// Factor from the radius of the bounding sphere of all bounded shapes to that of the [photon
-/// domain](Scene::photon_domain), in a scene with unbounded planes.
+/// Radius of the [photon domain](Scene::photon_domain) in a scene with unbounded planes, divided by
+/// the radius of the bounding sphere of all bounded shapes.
 const OPEN_DOMAIN_FACTOR: f32 = 4.0;
 
-/// Factor from a distance d to the radius of the ball that the ambient medium fills.
+/// Radius of the ball that the ambient medium fills, divided by a distance d.
 ///
-/// The distance d is the greatest one from the center of the photon domain to a light, the camera
-/// or the domain's edge. An unbounded medium would scatter most photons far away from the objects.
+/// d is the greatest distance from the center of the photon domain to a light, the camera or the
+/// domain's edge. An unbounded medium would scatter most photons far away from the objects.
 const AMBIENT_EXTENT_FACTOR: f32 = 2.0;
 
 /// Scene data that is computed from the placement of objects, lights and camera at one time.

@@ -6,8 +6,8 @@ use crate::math::{BoundingSphere, Ray, rounding_error_bound};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Factor from position errors, of a light plus a surface, to the contact distance of the light. A
-/// surface point within this distance counts as touching the light.
+/// Contact distance of a light, divided by the sum of the position errors of a light and a surface.
+/// A surface point within the contact distance counts as touching the light.
 const CONTACT_POSITION_ERRORS: f32 = 40.0;
 
 /// Bound on the number of f64 rounding errors in the difference of two positions, with a safety

@@ -95,7 +95,8 @@ pub(super) fn collect_lights(
         });
         found.of_object.push(light);
     }
-    // The environment light comes last, because [`LegacyLight`] has no counterpart of it.
+    // The environment light comes last: [`LegacyLight`] has no counterpart of it, and the order of
+    // the others is that of the legacy lights.
     assert_eq!(found.legacy_lights.len(), found.lights.len());
     if let Some(environment) = environment {
         found.environment_light_index = Some(found.lights.len());

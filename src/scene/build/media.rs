@@ -10,8 +10,8 @@ use glam::{DAffine3, DVec3};
 /// Returns `media` in coordinates relative to `origin`, at mid-shutter. Adds moving media to
 /// `animation`.
 ///
-/// A density grid moves with the body that its medium fills. If the medium fills several bodies, it
-/// follows the first one, and rests if one of them rests.
+/// A density grid moves with the body that its medium fills. If a medium fills several bodies, its
+/// grid moves with the first one; if one of the bodies rests, the grid rests.
 pub(super) fn place_media(
     media: &[Medium],
     objects: &[SceneObject],

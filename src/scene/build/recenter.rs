@@ -7,7 +7,7 @@ use crate::scene::animation::{MID_SHUTTER, shape_at_time};
 use crate::shape::Shape;
 use glam::{DVec3, Vec2};
 
-/// Largest accepted ratio of an object's distance from the origin to the object's size: 2¹².
+/// Largest accepted distance of an object from the origin, divided by the object's size: 2¹².
 ///
 /// Single precision then rounds the object's coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of its size.
 const MAX_DISTANCE_IN_SIZES: f64 = 4096.0;
@@ -63,9 +63,9 @@ fn union_of_extents((a, b): Extent, (c, d): Extent) -> Extent {
 
 /// Chooses the origin for objects with bounding boxes `boxes`; `None` if there are no boxes.
 ///
-/// The origin is the center of all boxes, if no object is farther from the center than
-/// [`MAX_DISTANCE_IN_SIZES`] times its size. Otherwise, the origin minimizes the greatest ratio of
-/// an object's distance to its size. Small objects on a huge sphere are such a case.
+/// The origin is the center of all boxes, if no object is farther from it than
+/// [`MAX_DISTANCE_IN_SIZES`] times its own size. Otherwise, as for small objects on a huge sphere,
+/// the origin minimizes the greatest distance of an object divided by its size.
 fn origin_for_extents(boxes: &[Extent], view: Option<CameraView>) -> Option<DVec3> {
     let (min, max) = boxes.iter().copied().reduce(union_of_extents)?;
     let center = min * 0.5 + max * 0.5;
@@ -100,7 +100,8 @@ fn camera_and_nearest_distance(camera: &Camera, shapes: &[&Shape]) -> Option<Cam
     Some((position, f64::from(distances.reduce(f32::min)?)))
 }
 
-/// Coordinate along `axis` that minimizes the greatest ratio of a target's distance to its size.
+/// Returns the coordinate along `axis` that minimizes the greatest distance of a target divided by
+/// its size.
 ///
 /// Distances are measured along `axis`. The least ratio is found by bisection between 0 and its
 /// upper bound `most`.

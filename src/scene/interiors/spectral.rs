@@ -139,10 +139,10 @@ impl Interior for SpectralInterior {
             let plain = plain.reflect_and_refract(wo, ns, ng, TransportMode::Importance);
             let (plain, own) = (plain.reflected.1, own.reflected.1);
             if UNDISPERSED_REFLECTANCES.contains(&plain) && own > 0.0 {
-                // The path was reflected with probability `own`, the reflectance R at the sampled
-                // wavelength. The mean of the weight over all wavelengths is white (1). So `plain`,
-                // the R of the d line, is a control variate: its part is exact, and only R −
-                // `plain` needs the weight.
+                // The path was reflected with the probability `own`, the reflectance R at the
+                // sampled wavelength. The mean of the weight over all wavelengths is white (1). So
+                // `plain`, the R of the d line, is a control variate: only R − `plain` needs the
+                // weight, and the part `plain` is exact.
                 self.wavelength = None;
                 return (weight * (own - plain) + plain) / own;
             }

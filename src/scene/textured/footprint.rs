@@ -39,7 +39,7 @@ impl<'a> TextureFootprint<'a> {
         if width > 0.0 {
             let (wo, n) = (wo.as_dvec3(), point.ng.as_dvec3());
             let along = wo - n * wo.dot(n);
-            // At normal incidence, every direction along the surface will do.
+            // At normal incidence, any direction along the surface will do.
             let along = along.try_normalize().unwrap_or_else(|| n.any_orthonormal_vector());
             let long = along * (width / wo.dot(n).abs().max(MIN_COS));
             let across = n.cross(along) * width;

@@ -15,8 +15,8 @@ pub struct StudiedScene {
 }
 
 impl StudiedScene {
-    /// Shell command that renders `passes` passes of `variant`, with a picture that equals that of
-    /// the study bit for bit.
+    /// Returns the shell command that renders `passes` passes of `variant`. Its picture equals that
+    /// of the study bit for bit.
     pub(super) fn render_command_line(&self, variant: &MethodVariant, passes: u32) -> String {
         let mut words = ["caustica", "render"].map(str::to_owned).to_vec();
         // A path that begins with a dash would be read as a flag.

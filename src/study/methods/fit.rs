@@ -1,8 +1,9 @@
 //! Convergence of error, noise and bias: slopes, theory, verdicts, and time to reach an error.
 //!
-//! Slopes are those of least-squares lines in log-log plots. The lines fit the checkpoints with at
-//! least 1/16 of the passes of the last checkpoint. Confidence intervals come from a bootstrap that
-//! resamples whole seeds, because the checkpoints of a seed share passes.
+//! Slopes are those of least-squares lines in log-log plots of the quantity over time or passes.
+//! The lines fit the checkpoints with at least 1/16 of the passes of the last checkpoint.
+//! Confidence intervals come from a bootstrap that resamples whole seeds, because the checkpoints
+//! of a seed share passes.
 
 mod slopes;
 mod theory;

@@ -78,7 +78,7 @@ impl ReferencePictures {
     pub fn new(source: String, a: Image, b: Option<Image>) -> Result<Self, ReferenceError> {
         let exact = b.is_none();
         let b = b.unwrap_or_else(|| a.clone());
-        // The metric checks sizes and pixels; its value is not used.
+        // `rmse` is called because it checks sizes and pixels. Its value is not used.
         rmse(&a, &b)?;
         let halves = a.pixels().iter().zip(b.pixels()).map(|(a, b)| ((a.as_dvec3() + b.as_dvec3()) * 0.5).as_vec3());
         let mean = Image::from_pixels(a.width(), a.height(), halves.collect())?;
@@ -108,9 +108,9 @@ impl ReferencePictures {
     /// Renders two references of `scene` with different seeds.
     ///
     /// They have the camera path settings `like`, but neither its numbers of camera rays nor
-    /// adaptive sampling. Passes are made until the references have taken `seconds` of processor
-    /// time each, on average. After each pass, `after` is called with the number of passes and the
-    /// elapsed fraction of this time. Returns `None` if `interrupted` becomes true.
+    /// adaptive sampling. Passes are made until the references have taken `seconds` \[s] of
+    /// processor time each, on average. After each pass, `after` is called with the number of
+    /// passes and the elapsed fraction of this time. Returns `None` if `interrupted` becomes true.
     ///
     /// # Errors
     /// [`ReferenceError`] if a pixel is not finite.
@@ -162,7 +162,8 @@ impl ReferencePictures {
         &self.pair
     }
 
-    /// Returns the mean of both references A and B, with its origin and error.
+    /// Returns the picture that errors are measured against, with its origin and error. It is the
+    /// mean of both references A and B.
     ///
     /// The error is the relative noise of this mean, which is half of the relative difference
     /// √(mean of (A − B)²). It does not contain a bias that both references share.
@@ -181,7 +182,7 @@ impl ReferencePictures {
         &self.scale
     }
 
-    /// Unbiased estimate of the squared error of pixel `i` with radiance `value`.
+    /// Returns an unbiased estimate of the squared error of pixel `i` with radiance `value`.
     ///
     /// It is (I − A)(I − B) summed over channels, for radiance I and references A and B.
     pub(super) fn unbiased_squared_error(&self, i: usize, value: DVec3) -> f64 {

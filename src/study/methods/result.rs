@@ -24,9 +24,9 @@ pub struct ConvergenceCheckpoint {
     /// The noise of the references cancels in the estimate, so a small error may be estimated as
     /// negative.
     pub squares: Vec<f64>,
-    /// Relative squared noise: variance between the seeds' pictures, weighted like `squares`.
+    /// Relative squared noise: variance between the seeds' pictures, relative as in `squares`.
     pub noise2: f64,
-    /// Estimate of the relative squared noise from each seed; the mean over seeds is `noise2`.
+    /// Estimates of the relative squared noise, one from each seed; their mean is `noise2`.
     ///
     /// With S seeds, the value is S/(S − 1) times the relative squared difference between the
     /// seed's picture and the mean over seeds. The list is empty with one seed.
@@ -44,14 +44,14 @@ pub struct ConvergenceCheckpoint {
 }
 
 impl ConvergenceCheckpoint {
-    /// Relative squared error, mean over seeds.
+    /// Returns the relative squared error, as a mean over seeds.
     #[must_use]
     pub fn mean_squared_error(&self) -> f64 {
         self.squares.iter().sum::<f64>() / self.squares.len().max(1) as f64
     }
 
-    /// Square of the relative error that the renderer itself estimates, mean over seeds with an
-    /// estimate; `None` if no seed has one.
+    /// Returns the square of the relative error that the renderer itself estimates, as a mean over
+    /// the seeds with an estimate; `None` if no seed has one.
     #[must_use]
     pub fn mean_square_of_estimated_error(&self) -> Option<f64> {
         let n = self.estimated.len() as f64;
@@ -66,11 +66,12 @@ pub struct MethodResult {
     pub label: String,
     /// Rendering algorithm.
     pub algorithm: Algorithm,
-    /// Shell command that renders the last picture of the first seed.
+    /// Shell command that renders the first seed's picture at the last checkpoint.
     pub command: String,
     /// Processor time of preparing the integrator of the first seed, with pilots \[s].
     pub setup: f64,
-    /// Exponent α of the radius law (Knaus and Zwicker 2011); 1 for fixed radii.
+    /// Exponent α by which gather radii shrink from pass to pass (radius law of Knaus and Zwicker
+    /// 2011); 1 for fixed radii.
     pub alpha: f64,
     /// Largest gather radii of the first pass: of the indirect map and of the caustic map
     /// \[length].
@@ -81,8 +82,8 @@ pub struct MethodResult {
     pub checkpoints: Vec<ConvergenceCheckpoint>,
     /// Picture of the first seed at the last checkpoint.
     pub picture: Image,
-    /// Relative error of each pixel at the last checkpoint, in rows from the top: root mean square
-    /// over seeds.
+    /// Relative error of each pixel at the last checkpoint, as a root mean square over seeds; in
+    /// rows from the top.
     pub error: Vec<f32>,
     /// Mean over seeds of the pictures at the last checkpoint, minus the reference \[W/(m² sr)].
     pub difference: Image,
@@ -116,7 +117,7 @@ pub struct MethodStudyResult {
     /// Limit of processor time for each seed of a method \[s].
     pub budget: f64,
     /// Share of the threads' time that the program got: processor time divided by the product of
-    /// wall time and threads; the minimum over methods.
+    /// wall time and threads. It is the minimum over methods.
     ///
     /// Below 0.9, other programs disturbed the measurement. It is 1 if processor time is unknown.
     pub thread_time_share: f64,

@@ -18,11 +18,11 @@ use crate::stats::cpu_seconds;
 use crate::study::StudyError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Smallest ratio of the numbers of passes at a method's last two checkpoints. If the ratio is
-/// smaller, the earlier checkpoint is dropped.
+/// Smallest ratio of the numbers of passes at a method's last two checkpoints. The earlier
+/// checkpoint is dropped if the ratio is smaller.
 const MIN_CHECKPOINT_RATIO: f64 = 1.3;
 
-/// Memory of a film (50) and its error estimator (284) \[bytes per pixel].
+/// Memory of a film and of its error estimator \[bytes per pixel].
 const BYTES_PER_FILM_PIXEL: u64 = 50 + 284;
 
 /// Memory of a picture in single precision \[bytes per pixel].
@@ -42,7 +42,7 @@ pub struct StudyLimits {
 #[derive(Clone, Copy, Debug)]
 pub enum MethodStudyEvent<'s> {
     /// Each method that has not reached a limit has made one more pass with each seed. Holds the
-    /// number of passes that each seed has now.
+    /// number of passes that each seed of these methods has made.
     Round(u32),
     /// A method was measured at a checkpoint. Holds the method's label and the checkpoint.
     Checkpoint(&'s str, &'s ConvergenceCheckpoint),
@@ -150,8 +150,8 @@ impl<'a> MethodStudy<'a> {
         Ok(Self { size, seeds, clock, runs })
     }
 
-    /// Returns the expected photon counts of a pass, each as the maximum over all methods of the
-    /// study.
+    /// Returns the expected photon counts of a pass. Each is the maximum of this count over all
+    /// methods of the study.
     #[must_use]
     pub fn max_expected_photon_counts(&self) -> ExpectedPhotons {
         self.runs.iter().map(|run| run.expected).fold(ExpectedPhotons::default(), |a, b| ExpectedPhotons {
@@ -161,8 +161,10 @@ impl<'a> MethodStudy<'a> {
         })
     }
 
-    /// Returns the memory of all pictures of a study \[bytes], for a number of variants and of
-    /// seeds.
+    /// Returns the memory of all pictures of a study \[bytes].
+    ///
+    /// The pictures are `width` × `height` pixels large. `variants` is the number of methods, and
+    /// `seeds` the number of seeds of each.
     #[must_use]
     pub fn study_picture_bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
         let (variants, seeds) = (variants as u64, u64::from(seeds));
@@ -233,7 +235,7 @@ impl<'a> MethodStudy<'a> {
     ) -> MethodStudyResult {
         let threads = rayon::current_num_threads();
         let share = |run: &MethodRun<'_>| run.time.processor / (run.time.wall * threads as f64);
-        // If the system does not report processor time, the share is unknown.
+        // The share of the threads' time is unknown if the system does not report processor time.
         let is_known = |share: &f64| share.is_finite() && cpu_seconds().is_some();
         let shares = self.runs.iter().map(share).filter(is_known);
         MethodStudyResult {
@@ -284,7 +286,7 @@ impl MethodRun<'_> {
         let pictures: Vec<Vec<Rgb>> = self.seeds.iter().map(|seed| seed.film.mean()).collect();
         let image = |pixels: Vec<Rgb>| Image::from_pixels(size.0, size.1, pixels);
         for picture in &pictures {
-            // The metric fails if a pixel is not finite; its value is not used.
+            // `rmse` is called because it fails if a pixel is not finite. Its value is not used.
             rmse(&image(picture.clone())?, references.mean())?;
         }
         let measured = separate_noise_and_bias(references, &pictures);

@@ -26,8 +26,8 @@ pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: 
     let mut plain = 0.0;
     let scale = references.relative_error_weights();
     let count = scale.pixel_weights().len();
-    // The mean over seeds contains each picture. Squared differences from the mean are therefore
-    // too small by this factor.
+    // The mean over seeds contains each picture, so squared differences from the mean are too small
+    // by this factor.
     let whole = seeds / (seeds - 1.0);
     for i in 0..count {
         let mean = mean_pixel_over_pictures(pictures, i);
@@ -52,8 +52,8 @@ pub(super) fn mean_pixel_over_pictures(pictures: &[Vec<Rgb>], i: usize) -> DVec3
     pictures.iter().map(|picture| picture[i].as_dvec3()).sum::<DVec3>() / pictures.len() as f64
 }
 
-/// Returns the relative error of each pixel: root mean square over seeds; 0 if the estimated mean
-/// square is negative.
+/// Returns the relative error of each pixel, as a root mean square over seeds. It is 0 if the
+/// estimated mean square is negative.
 pub(super) fn pixel_errors(references: &ReferencePictures, pictures: &[Vec<Rgb>]) -> Vec<f32> {
     let scale = references.relative_error_weights();
     let square = |i: usize| {

@@ -52,8 +52,11 @@ fn assert_near(found: f64, expected: f64, sigma: f64) {
     assert!((found - expected).abs() < 4.0 * sigma, "{found} is not {expected} ± {sigma}");
 }
 
-/// At radiance 1 in a picture of mean radiance 1, an error e has the relative squared error
-/// e²/(1² + 1²). The product of two independent errors of variance v has the standard deviation v.
+/// Known bias and noise are recovered from four pictures and two noisy references.
+///
+/// The tolerances follow from two facts. At radiance 1 in a picture of mean radiance 1, an error e
+/// has the relative squared error e²/(1² + 1²). The product of two independent errors of variance v
+/// has the standard deviation v.
 #[test]
 fn noise_and_bias_are_separated() {
     let (bias, sigma, reference) = (0.1, 0.2, 0.2);
@@ -182,9 +185,10 @@ fn checkpoint_pass_counts(found: &MethodStudyResult, method: usize) -> Vec<u32> 
     found.methods[method].checkpoints.iter().map(|c| c.passes).collect()
 }
 
-/// Methods stop when the mean processor time of their seeds reaches the budget. Passes of the two
-/// seeds take 1 and 1.5 times the cost of the method. The mean is 1 s for the slow method and 0.25
-/// s for the fast one.
+/// Each method makes passes until the mean processor time of its two seeds reaches the budget.
+///
+/// Passes of the two seeds take 1 and 1.5 times the cost of the method. So the mean is 1 s for the
+/// slow method and 0.25 s for the fast one.
 #[test]
 fn methods_run_until_their_budget() {
     let world = SyntheticStudyState::default();

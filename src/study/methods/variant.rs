@@ -1,4 +1,4 @@
-//! Methods that a study compares, and their checks.
+//! Methods that a study compares, and checks of their list.
 
 use crate::integrate::{Algorithm, Settings};
 use crate::plan::{EffectOverrides, Plan};
@@ -21,7 +21,7 @@ pub struct MethodVariant {
 /// Reason why a study cannot compare the given rendering methods.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MethodVariantError {
-    /// No method is given.
+    /// The list of methods to compare is empty.
     #[error("there is no method to study")]
     NoMethod,
     /// Two methods have the same label.
@@ -43,7 +43,7 @@ pub(super) fn check_method_variants(variants: &[MethodVariant], seeds: u32) -> R
     twice.map_or(Ok(()), |(_, v)| Err(MethodVariantError::Twice(v.label.clone())))
 }
 
-/// Returns the global illumination algorithms that give different results for `scene`.
+/// Returns the global illumination algorithms that give different pictures of `scene`.
 ///
 /// Photon algorithms are left out if the scene has no light, or no surface or medium that stores
 /// photons. `hybrid` is left out in scenes without caustics, where it equals `path`.

@@ -11,8 +11,8 @@ use crate::image::Image;
 use crate::study::{ClockKind, EffectResult, EffectStudyResult, StudyError};
 use std::fmt::Write;
 
-/// Smallest ratio, the smaller to the larger, of the light that an effect adds and the light that
-/// it removes, at which a report shows pictures of both.
+/// Smallest ratio of light removed to light added, or of light added to light removed, at which the
+/// report of an effect shows pictures of both.
 ///
 /// Below this ratio, the smaller amount is mostly noise.
 const MIN_SHOWN_PART: f64 = 0.1;

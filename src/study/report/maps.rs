@@ -4,7 +4,7 @@ use crate::image::{Image, PictureSizeError, RelativeErrorWeights};
 use crate::study::methods::MethodResult;
 use glam::{DVec3, Vec3};
 
-/// Error at the dark end of a logarithmic colour ramp, as a fraction of the error at its bright
+/// Relative error at the dark end of a logarithmic colour ramp, divided by the error at its bright
 /// end.
 pub(super) const MIN_RAMP_FRACTION: f64 = 0.01;
 
@@ -51,8 +51,8 @@ pub(super) fn signed_color_ramp(t: f64) -> Vec3 {
     oklch_to_linear_rgb(0.9 * t.abs(), 0.13 * t.abs().sqrt(), hue)
 }
 
-/// Upper end of a colour scale: 99 % quantile of the positive values, rounded up to 1, 2 or 5
-/// times a power of ten. `None` if no value is positive.
+/// Returns the upper end of a colour scale: the 99 % quantile of the positive values, rounded up to
+/// 1, 2 or 5 times a power of ten. `None` if no value is positive.
 pub(super) fn color_scale_maximum(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.filter(|v| *v > 0.0 && v.is_finite()).collect();
     if values.is_empty() {
@@ -65,8 +65,8 @@ pub(super) fn color_scale_maximum(values: impl Iterator<Item = f64>) -> Option<f
     Some(up * decade)
 }
 
-/// Draws the relative error of each pixel by a logarithmic colour ramp, which ends at the error
-/// `most`.
+/// Draws the relative error of each pixel by a logarithmic colour ramp. `most` is the error at the
+/// bright end of the ramp.
 pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, PictureSizeError> {
     let colour = |e: &f32| {
         let e = f64::from(*e);
@@ -80,10 +80,11 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, Pictu
     Image::from_pixels(picture.width(), picture.height(), method.error.iter().map(colour).collect())
 }
 
-/// Returns the relative difference of each pixel: the mean of `difference` over channels, divided
-/// by the radiance that the reference has around the pixel ([`RelativeErrorWeights`]).
+/// Returns the relative difference of each pixel from the reference: the mean of `difference` over
+/// channels, divided by the radiance that the reference has around the pixel
+/// ([`RelativeErrorWeights`]).
 pub(super) fn relative_differences(difference: &Image, scale: &RelativeErrorWeights) -> Vec<f64> {
-    // Weights contain a factor of 1/3 for the mean over channels.
+    // Each weight contains a factor of 1/3 for the mean over channels.
     let pairs = difference.pixels().iter().zip(scale.pixel_weights());
     pairs.map(|(d, w)| d.as_dvec3().element_sum() / 3.0 * (3.0 * w).sqrt()).collect()
 }
@@ -122,7 +123,8 @@ impl PixelWindow {
     }
 }
 
-/// Finds up to `count` disjoint windows with the largest sums of squared errors over all methods.
+/// Finds up to `count` disjoint windows in which the squared errors, summed over all methods, are
+/// largest.
 ///
 /// The squared errors of each method are divided by their mean over the picture.
 pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> Vec<PixelWindow> {

@@ -28,7 +28,8 @@ fn map_pixels(difference: &Image, of: fn(Vec3) -> Vec3) -> Result<Image, StudyEr
     Ok(Image::from_pixels(difference.width(), difference.height(), pixels)?)
 }
 
-/// Exposure in whole stops at which `image` fills the range of a display; `None` if black.
+/// Returns the exposure in whole stops at which `image` fills the range of a display; `None` if
+/// `image` is black.
 ///
 /// One percent of the non-black pixels may be clipped.
 pub(super) fn auto_exposure_stops(image: &Image) -> Option<f32> {

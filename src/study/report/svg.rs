@@ -94,8 +94,8 @@ impl LogAxis {
         self.from + part * (self.to - self.from)
     }
 
-    /// Values of the ticks at 1, 2 and 5 times powers of ten. The flag is true for ticks with a
-    /// label.
+    /// Returns the values of the ticks at 1, 2 and 5 times powers of ten. The flag of a tick is
+    /// true if it has a label.
     fn tick_values(&self) -> Vec<(f64, bool)> {
         let decades = libm::log10(self.most / self.least);
         let first = libm::floor(libm::log10(self.least)) as i32;
@@ -244,7 +244,7 @@ fn draw_slope_guide(svg: &mut String, guide: &SlopeGuideLine, x: &LogAxis, y: &L
         return;
     }
     let height = |at: f64| y0 * libm::pow(at / x0, guide.slope);
-    // Time at which the guide has the error `value`; unused for a horizontal guide.
+    // Time at which the guide line has the error `value`. A horizontal guide does not use it.
     let leaves = |value: f64| x0 * libm::pow(value / y0, 1.0 / guide.slope);
     let (mut from, mut to) = (x.least, x.most);
     if guide.slope < 0.0 {
@@ -332,15 +332,15 @@ fn shortened_label(label: &str) -> String {
 /// Returns vertical positions of labels that do not overlap, made from the sorted positions
 /// `heights` \[px, downwards].
 ///
-/// Labels are first moved down, to `top` or below and apart from each other. Then they are moved
-/// up, until none is below `bottom`. If there is too little room, some labels end above `top`.
+/// Labels are first moved down until they are below `top` and apart from each other. Then they are
+/// moved up until none is below `bottom`. If there is too little room, some labels end above `top`.
 fn spread_label_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
     let mut placed: Vec<f64> = Vec::with_capacity(heights.len());
     for &height in heights {
         let least = placed.last().map_or(top, |last| last + LABEL_HEIGHT);
         placed.push(height.max(least));
     }
-    // Labels below `bottom` move up again.
+    // Labels that are now below `bottom` move up again.
     let mut most = bottom;
     for at in placed.iter_mut().rev() {
         *at = at.min(most);

@@ -19,7 +19,7 @@ pub fn count_text(n: f64) -> String {
     }
 }
 
-/// Half a step of the last digit in numbers with one decimal place. Smaller numbers are written as
+/// Half a step of the last digit of numbers with one decimal place. Numbers below it are written as
 /// 0.
 const HALF_STEP: f64 = 0.05;
 
@@ -73,8 +73,9 @@ pub fn duration_text(seconds: f64) -> String {
     }
 }
 
-/// Text of a duration in two units, such as `4 min 10 s`. One large unit is 60 small units; `small`
-/// is the number of small units.
+/// Returns the text of a duration in two units, such as `4 min 10 s`.
+///
+/// A large unit has 60 small units, and `small` is the duration in small units.
 fn two_unit_duration_text(small: f64, large_unit: &str, small_unit: &str) -> String {
     let (large, rest) = ((small / 60.0).floor(), small % 60.0);
     if rest == 0.0 {

@@ -121,8 +121,8 @@ pub fn fixed_bandwidth(radius: f64) -> Bandwidth {
     Bandwidth { radius: radius as f32, k: 0 }
 }
 
-/// Returns settings with a fixed gather radius, `photons` paths for the global map, and
-/// `caustic_photons` for the caustic map.
+/// Returns settings with a fixed gather radius, `photons` unaimed paths, and
+/// `caustic_photons` aimed paths.
 pub fn fixed_radius_settings(photons: u32, caustic_photons: u32, radius: f64) -> Settings {
     Settings {
         unaimed_paths: photons,

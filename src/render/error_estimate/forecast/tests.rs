@@ -21,8 +21,10 @@ fn noise_and_bias_after_passes(forecast: &ErrorForecast, passes: u32) -> (f64, f
     forecast.noise_and_bias(&DiscAreaSums::of_passes(forecast.alpha, forecast.blur_exponent, passes))
 }
 
-/// A tenth of the pixels are fireflies of relative squared noise 16. With more passes, more pixels
-/// are fireflies. Above four times the passes, each firefly contributes less.
+/// With more passes, fireflies first become more numerous and then fade.
+///
+/// A tenth of the pixels are fireflies of relative squared noise 16. Above four times the passes,
+/// each contributes less.
 #[test]
 fn fireflies_spread_before_they_fade() {
     let mut fireflies = FireflyHistogram::default();
@@ -36,6 +38,8 @@ fn fireflies_spread_before_they_fade() {
     }
 }
 
+/// Noise without bias falls as 1/√n.
+///
 /// If one pass has variance 0.04, the error is 0.1 after 4 passes and 0.01 after 400 passes.
 #[test]
 fn noise_alone_falls_as_the_root_of_passes() {
@@ -55,8 +59,8 @@ fn fixed_radii_leave_a_bias_floor() {
     assert_eq!(shrinking.bias_floor(), None);
 }
 
-/// If all noise comes from photon estimates, noise and bias fall as n^(−1/3) (Knaus and Zwicker
-/// 2011).
+/// With shrinking gather radii, noise and bias fall as n^(−1/3) if all noise comes from photon
+/// estimates (Knaus and Zwicker 2011).
 #[test]
 fn shrinking_radii_follow_their_law() {
     let alpha = 2.0 / 3.0;
@@ -77,7 +81,7 @@ fn shrinking_radii_follow_their_law() {
     }
 }
 
-/// Groups of passes agree with single passes to 10⁻³.
+/// Sums over groups of passes agree with sums over single passes to 10⁻³.
 #[test]
 fn sums_over_groups_agree_with_single_passes() {
     for power in [0.25, 1.0] {

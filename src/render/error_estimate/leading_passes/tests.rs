@@ -12,8 +12,10 @@ fn passes_of_block_noise(block: usize, pixels: usize, passes: u32, seed: u64) ->
     leading
 }
 
-/// 240 pixels in runs of b equal ones make 240/b independent samples. The mean over 100 seeds of
-/// 20 independent squared products, of relative variance 2, has a relative error of √(2/2000).
+/// Pixels that are always equal count as one independent sample.
+///
+/// 240 pixels in runs of b equal ones make 240/b independent samples. The mean over 100 seeds of 20
+/// independent squared products, of relative variance 2, has a relative error of √(2/2000).
 #[test]
 fn equal_pixels_count_as_one_sample() {
     let weights = vec![1.0; 240];

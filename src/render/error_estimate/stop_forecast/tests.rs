@@ -48,8 +48,10 @@ fn draws_are_spread_evenly() {
     assert!(mean(|draw| draw.noise * draw.later_blur).abs() < 0.1);
 }
 
-/// Noise of 0.1 after 8 passes falls to 0.05 after 32 passes. The range comes from the uncertainty
-/// of the model.
+/// To halve the noise, four times the passes are needed. The uncertainty of the model widens the
+/// range.
+///
+/// Noise of 0.1 after 8 passes falls to 0.05 after 32 passes.
 #[test]
 fn noise_alone_needs_four_times_the_passes() {
     let forecast = forecast_with(NestedDifferenceMoments::default(), None);
@@ -61,7 +63,8 @@ fn noise_alone_needs_four_times_the_passes() {
     assert!((f64::from(high.unwrap()) / factor / 32.0 - 1.0).abs() < 0.08, "{high:?}");
 }
 
-/// A wider interval must fall further: its upper end is √(1 + z·√uncertainty) times the error.
+/// A wider interval needs more passes to fall below the target: its upper end is √(1 +
+/// z·√uncertainty) times the error.
 #[test]
 fn forecast_uses_the_upper_end_of_the_interval() {
     let mut forecast = forecast_with(NestedDifferenceMoments::default(), None);
@@ -86,13 +89,13 @@ fn reached_targets_are_not_in_the_future() {
 fn fixed_radii_never_reach_targets_below_their_blur() {
     let forecast = forecast_with(smooth(1e-4), Some(1.0));
     assert_eq!(forecast.stop_forecast(0.019, CENTER), StopForecast::Never { floor: 0.02 });
-    // 0.01·8/n + 0.02² = 0.03².
+    // The median solves 0.01·8/n + 0.02² = 0.03².
     let median = range(forecast.stop_forecast(0.03, CENTER)).median;
     assert!((155..=175).contains(&median), "{median}");
 }
 
-/// Light with sharp edges blurs as n^(−1/12), smooth light as n^(−1/3). So the same blur takes more
-/// passes to fall at edges.
+/// Blur falls more slowly at sharp edges, as n^(−1/12), than in smooth light, as n^(−1/3). So it
+/// takes more passes to reach a target.
 #[test]
 fn blur_at_edges_decays_slowly() {
     let edge = |d0_squared: f64| NestedDifferenceMoments {

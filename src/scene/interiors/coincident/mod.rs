@@ -14,7 +14,8 @@ use crate::math::{Ray, offset_ray_origin};
 use crate::scene::geometry::CoincidenceGroup;
 use crate::scene::{Scene, SurfaceInteraction};
 
-/// Maximum number of boundaries that may coincide with the one that a ray hits; more are ignored.
+/// Maximum number of boundaries that may coincide with the one that a ray hits. Any more are
+/// ignored.
 const MAX_COINCIDENT_FACES: usize = 3;
 
 /// A boundary of a dielectric body at a hit, and the direction in which the path crosses it.

@@ -15,8 +15,8 @@ const LEAF_FACES: usize = 8;
 /// all faces count as possibly coincident.
 const PAIRS_PER_FACE: usize = 1000;
 
-/// Margin by which bounding boxes are expanded, relative to coordinates and size. It exceeds the
-/// position errors of two surface points (see `SurfacePoint::error`).
+/// Margin by which bounding boxes are expanded, divided by their coordinates and size. It exceeds
+/// the position errors of two surface points (see `SurfacePoint::error`).
 const MARGIN: f32 = 16.0 * f32::EPSILON;
 
 /// One flag for each primitive of a scene: true if a boundary of another object may coincide with
@@ -147,7 +147,7 @@ fn boundary_mesh_bounds(geometry: &Geometry, bounds_body: impl Fn(usize) -> bool
     mesh_bounds
 }
 
-/// Returns for each extent true if its box overlaps the box of another extent.
+/// Returns a flag for each extent: true if its box overlaps the box of another extent.
 fn flag_overlapping_extents(extents: &[BoundaryExtent]) -> Vec<bool> {
     let face = |(extent, i): (&BoundaryExtent, u32)| BoundaryFace {
         primitive: PrimitiveIndex::Other(i),

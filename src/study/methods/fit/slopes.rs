@@ -3,38 +3,40 @@
 use crate::sampling::{Dimension, Key};
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult};
 
-/// Largest ratio of the passes at the last checkpoint to the passes at a fitted checkpoint.
+/// Number of passes of the last checkpoint, divided by that of the earliest checkpoint that may be
+/// fitted.
 const TAIL_RATIO: u32 = 16;
 
-/// Minimum number of checkpoints for a fit. Two are too few: they always lie on a line.
+/// Minimum number of checkpoints for the fit of a line. Two are too few: they always lie on a line.
 const MIN_CHECKPOINTS: usize = 3;
 
 /// Number of bootstrap replicates from which the confidence interval of a slope is computed.
 const BOOTSTRAP_REPLICATES: u64 = 1000;
 
-/// Slope of a quantity in a log-log plot: the exponent of its power law.
+/// Slope of a quantity (error, noise or bias) over time or passes in a log-log plot: the exponent
+/// of its power law.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct SlopeEstimate {
-    /// Slope of the least-squares line.
+    /// Slope of the least-squares line through the checkpoints.
     pub value: f64,
     /// 95 % confidence interval of `value`; `None` if there are too few seeds, or if their errors
     /// scatter too much.
     pub interval: Option<[f64; 2]>,
 }
 
-/// Slopes of error, noise or bias in a log-log plot.
+/// Slopes of one quantity: error, noise or bias.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ConvergenceSlopes {
-    /// Slope over processor time, in a log-log plot.
+    /// Slope of the quantity (error, noise or bias) over processor time, in a log-log plot.
     pub by_time: SlopeEstimate,
-    /// Slope over the number of passes, in a log-log plot.
+    /// Slope of the quantity (error, noise or bias) over the number of passes, in a log-log plot.
     pub by_passes: SlopeEstimate,
 }
 
 /// Slopes of error, noise and bias, fitted to the last checkpoints of a method.
 ///
 /// The fit uses the checkpoints with at least 1/16 of the passes of the last checkpoint. The slopes
-/// of a quantity are `None` if its estimate is zero or negative at a fitted checkpoint.
+/// of a quantity are `None` if its estimate is zero or negative at one of these checkpoints.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct ConvergenceFit {
     /// Number of passes of each fitted checkpoint.
@@ -72,8 +74,8 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     Some(ConvergenceFit { passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
 }
 
-/// Returns the checkpoints to fit: the tail with positive times and at least 1/16 of the passes of
-/// the last checkpoint.
+/// Returns the checkpoints that are fitted: the last ones that have positive times and at least
+/// 1/16 of the passes of the last checkpoint.
 fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceCheckpoint] {
     let last = checkpoints.last().map_or(0, |c| c.passes);
     let early =
@@ -81,7 +83,8 @@ fn checkpoints_to_fit(checkpoints: &[ConvergenceCheckpoint]) -> &[ConvergenceChe
     &checkpoints[checkpoints.iter().take_while(early).count()..]
 }
 
-/// Fits slopes over time and passes to the root of a squared quantity at the checkpoints `tail`.
+/// Fits slopes over time and passes to the root of a squared quantity (error, noise or bias) at the
+/// checkpoints `tail`.
 ///
 /// `square` returns the squared quantity at a checkpoint, averaged over seeds with the given
 /// weights; `None` stands for equal weights. The result is `None` if the squared quantity is not
@@ -101,8 +104,8 @@ fn fit_convergence_slopes(
     let [by_time, by_passes] = of(None)?;
     let replicates: Vec<[f64; 2]> =
         (0..BOOTSTRAP_REPLICATES).filter_map(|replicate| of(Some(&bootstrap_seed_weights(replicate, seeds)))).collect();
-    // An interval needs at least 97.5 % of the replicates. The missing ones have a value of
-    // `square` that is not positive.
+    // An interval needs at least 97.5 % of the replicates. The others are missing because their
+    // `square` was not positive at a checkpoint.
     let has_interval = seeds >= 2 && replicates.len() as u64 * 40 >= BOOTSTRAP_REPLICATES * 39;
     let slope = |value: f64, which: usize| {
         let interval = has_interval.then(|| {
@@ -141,8 +144,8 @@ fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
     (values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt()
 }
 
-/// Half-width of a 95 % confidence interval, divided by the standard deviation of the bootstrap
-/// replicates.
+/// Returns the half-width of a 95 % confidence interval, divided by the standard deviation of the
+/// bootstrap replicates.
 ///
 /// For S seeds, the factor is the 97.5 % quantile of Student's t distribution times √(S/(S − 1)).
 /// The root corrects the variance of the bootstrap, which has the divisor S instead of S − 1
@@ -152,13 +155,13 @@ fn bootstrap_interval_factor(seeds: usize) -> f64 {
     student_t_quantile_975(seeds - 1) * (seeds as f64 / degrees).sqrt()
 }
 
-/// 97.5 % quantile of Student's t distribution with the given degrees of freedom.
+/// Returns the 97.5 % quantile of Student's t distribution with `degrees` degrees of freedom.
 pub(super) fn student_t_quantile_975(degrees: usize) -> f64 {
     const FEW_DEGREES: [f64; 10] = [12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060, 2.2622, 2.2281];
     let (z, n) = (1.959_964_f64, degrees as f64);
     let (z3, z5) = (z * z * z, z * z * z * z * z);
-    // Series of Abramowitz and Stegun 1964, equation 26.7.5. From 11 degrees of freedom on, its
-    // next term is below 10⁻³.
+    // Series of Abramowitz and Stegun 1964, equation 26.7.5, for 11 and more degrees of freedom.
+    // Its next term is then below 10⁻³.
     let many = z
         + (z3 + z) / (4.0 * n)
         + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n)
@@ -166,8 +169,8 @@ pub(super) fn student_t_quantile_975(degrees: usize) -> f64 {
     FEW_DEGREES.get(degrees.wrapping_sub(1)).copied().unwrap_or(many)
 }
 
-/// 95 % confidence interval of the mean of `values` by Student's t; `None` for fewer than two
-/// values.
+/// Returns the 95 % confidence interval of the mean of `values` by Student's t; `None` for fewer
+/// than two values.
 #[must_use]
 pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
     let n = values.len();
@@ -179,7 +182,8 @@ pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
     Some([mean - half, mean + half])
 }
 
-/// 95 % confidence interval of the squared bias; `None` if the noise of each seed is not known.
+/// Returns the 95 % confidence interval of the squared relative bias; `None` if the noise of each
+/// seed is not known.
 pub(super) fn squared_bias_interval(checkpoint: &ConvergenceCheckpoint) -> Option<[f64; 2]> {
     let ConvergenceCheckpoint { squares, noises, .. } = checkpoint;
     (squares.len() == noises.len())

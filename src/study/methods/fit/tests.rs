@@ -78,9 +78,8 @@ fn fitted_verdict(method: &MethodResult) -> ConvergenceVerdict {
 
 /// At least 90 of 100 confidence intervals of 95 % contain the predicted slope.
 ///
-/// With exact intervals, the chance of more than 10 misses is 1 %. The mean logarithm of the
-/// squares differs from the logarithm of their mean by 1/(SEEDS · PIXELS), which is small compared
-/// with the interval.
+/// With exact intervals, the chance of more than 10 misses is 1 %. The logarithm of a mean of
+/// squares is biased by 1/(SEEDS · PIXELS), which is small compared with the interval.
 #[test]
 fn slope_intervals_cover_theory() {
     let passes = powers_of_two(9);
@@ -233,11 +232,10 @@ fn plateaus_never_reach_smaller_errors() {
     assert!(matches!(time_to_tenth_of_error(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
 }
 
-/// Predicts the time to the error 0.12, at a constant bias of 0.1 and a noise of 0.1 after 256
-/// passes.
+/// Above a constant bias, the predicted time is that in which the noise alone falls far enough.
 ///
-/// The squared noise must fall from 0.01 to 0.12² − 0.1² = 0.0044. It does so after 256 ·
-/// 0.01/0.0044 passes.
+/// The bias is 0.1, and the noise is 0.1 after 256 passes. For an error of 0.12, the squared noise
+/// must fall from 0.01 to 0.12² − 0.1² = 0.0044. It does so after 256 · 0.01/0.0044 passes.
 #[test]
 fn only_noise_falls_above_a_plateau() {
     let mut method = method_without_noise();
@@ -253,11 +251,10 @@ fn only_noise_falls_above_a_plateau() {
     assert_eq!(time_to_error(&method, fit.as_ref(), &verdict, 0.1), TimeToError::Never { floor: 0.1 });
 }
 
-/// At a slope of −0.5, a thousandth of the error would take 10⁶ times as long. No time is predicted
-/// then.
+/// No time above a thousand times the measured time is predicted.
 ///
-/// If the slope's confidence interval contains 0, the upper end of the time is a thousand times the
-/// prediction.
+/// At a slope of −0.5, a thousandth of the error would take 10⁶ times as long. If the slope's
+/// confidence interval contains 0, the upper end of the time is a thousand times the prediction.
 #[test]
 fn predictions_end_at_a_thousand_times_the_measured_time() {
     let method = method_without_noise();
@@ -273,8 +270,10 @@ fn predictions_end_at_a_thousand_times_the_measured_time() {
     assert!((high / (1000.0 * effort.seconds) - 1.0).abs() < 1e-9 && low < effort.seconds, "{low} {high}");
 }
 
-/// Gives seeds squared errors that scatter by factors from 1/18 to 18 before the last checkpoint.
-/// Many slopes then agree with them.
+/// If the interval of a slope is too wide, there is no verdict.
+///
+/// The squared errors of the seeds scatter by factors from 1/18 to 18 before the last checkpoint,
+/// so many slopes agree with them.
 #[test]
 fn wide_intervals_give_no_verdict() {
     let mut method = method_without_noise();
@@ -291,8 +290,10 @@ fn wide_intervals_give_no_verdict() {
     assert!(verdict.to_string().starts_with("cannot tell: slope "), "{verdict}");
 }
 
-/// Compares two methods. A pass of the second method takes twice as long. Its error begins at a
-/// third of the first method's error, and does not fall.
+/// The Pareto front and the recommendation hold the method with the least error at each time.
+///
+/// A pass of the second method takes twice as long as one of the first. Its error begins at a third
+/// of the first method's error, and does not fall.
 #[test]
 fn pareto_front_and_recommendation_have_least_error() {
     let mut early = method_without_noise();

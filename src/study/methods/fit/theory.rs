@@ -14,7 +14,8 @@ pub enum ErrorComponent {
     Bias,
 }
 
-/// Range of predicted slopes; both ends are equal if one power law applies.
+/// Range of slopes that theory predicts for a quantity over passes, in a log-log plot. Both ends
+/// are equal if one power law applies.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct SlopeRange {
     /// Steepest (most negative) slope.
@@ -38,9 +39,9 @@ impl SlopeRange {
 ///
 /// - The noise of independent passes falls as n^−½.
 /// - Photon noise and bias follow the gather radii (Knaus and Zwicker 2011). Let s(i) be the
-///   squared radius of pass i over that of the first pass. The mean of n passes has variance ∝ Σ
-///   1/s(i)/n² and bias ∝ Σ s(i)/n. For α = ⅔, noise and bias approach n^−⅓.
-/// - Noise of camera paths adds to photon noise, so the slope of noise is a range.
+///   squared radius of pass i, divided by that of the first pass. The mean of n passes has variance
+///   ∝ Σ 1/s(i)/n² and bias ∝ Σ s(i)/n. For α = ⅔, noise and bias approach n^−⅓.
+/// - The noise of camera paths adds to the photon noise, so the slope of noise is a range.
 /// - The camera paths of `ppm` are equal in all passes, so their noise does not fall.
 /// - In `hybrid`, photon estimates of indirect light lose weight from pass to pass, so their bias
 ///   falls up to twice as steeply as that of caustics.
@@ -59,8 +60,8 @@ pub fn predicted_convergence_slopes(
     let [variance, bias] = variance_and_bias_slopes(passes, alpha);
     let noise = match algorithm {
         Sppm | Hybrid => SlopeRange::single_slope_range(0.5 * variance).enclosing_slope_range(even),
-        // All passes of `ppm` share the camera paths, so their noise does not fall. It does differ
-        // between seeds.
+        // All passes of `ppm` share the camera paths, so more passes do not reduce their noise. The
+        // noise still differs between seeds.
         Ppm => SlopeRange::single_slope_range(0.0).enclosing_slope_range(even),
         Path | Pm | Distributed | Whitted | Raycast => even,
     };

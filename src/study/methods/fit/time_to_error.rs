@@ -1,11 +1,11 @@
-//! Time that methods take to reach an error, and the method with the least error.
+//! Time that methods take to reach an error, and the method with the least error after a time.
 
 use super::slopes::{ConvergenceFit, SlopeEstimate};
 use super::verdict::ConvergenceVerdict;
 use crate::study::methods::{ConvergenceCheckpoint, MethodResult, MethodStudyResult};
 
-/// Largest ratio of a predicted time to the measured time of a study. If the ratio would be larger,
-/// the time counts as unknown.
+/// Largest predicted time, divided by the measured time of a study. A longer time counts as
+/// unknown.
 ///
 /// The ends of the confidence interval of a predicted time lie within the same factor of that time.
 pub const MAX_EXTRAPOLATION: f64 = 1000.0;
@@ -81,7 +81,7 @@ pub enum TimeToError {
 
 /// Returns the time and work after which the relative error of `method` stays at or below `error`.
 ///
-/// `fit` and `verdict` are those of `method`.
+/// `fit` holds the fitted slopes of `method`, and `verdict` the judgement on them.
 #[must_use]
 pub fn time_to_error(
     method: &MethodResult,
@@ -101,8 +101,8 @@ pub fn time_to_error(
         return extrapolate_time_to_error(before, fit, verdict, error);
     };
     let [log_before, log_after] = [before, after].map(|c| 0.5 * libm::log(c.mean_squared_error()));
-    // If the later squared error is not positive, it has no logarithm. The later checkpoint itself
-    // is then used.
+    // The logarithm of the later squared error is unknown if the square is not positive. The later
+    // checkpoint itself is then used.
     let t = if log_after.is_finite() { (log_before - libm::log(error)) / (log_before - log_after) } else { 1.0 };
     TimeToError::Measured(RenderEffort::interpolate_effort(
         RenderEffort::effort_at_checkpoint(before),
@@ -189,7 +189,8 @@ pub fn error_after_seconds(method: &MethodResult, fit: Option<&ConvergenceFit>, 
     }
 }
 
-/// Checkpoint on the Pareto front: no other checkpoint has both less time and less error.
+/// Checkpoint on the Pareto front: no other checkpoint of any method has both less time and less
+/// error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct ParetoPoint {
     /// Index of the method in the list of the study's methods.
@@ -198,7 +199,8 @@ pub struct ParetoPoint {
     pub checkpoint: usize,
 }
 
-/// Pareto front of error and time over all methods, in the order of time.
+/// Returns the Pareto front of error and time over the checkpoints of all methods, in the order of
+/// time.
 ///
 /// Checkpoints whose estimated squared error is not positive are left out.
 #[must_use]
@@ -232,7 +234,10 @@ pub struct MethodRecommendation {
     pub alike: Vec<usize>,
 }
 
-/// Recommends the method with the least error after the budget; `None` if no error is known.
+/// Recommends the method with the least error after the time budget of the study; `None` if no
+/// error is known.
+///
+/// `fits` holds the fitted slopes of each method of `found`.
 #[must_use]
 pub fn recommend_method(found: &MethodStudyResult, fits: &[Option<ConvergenceFit>]) -> Option<MethodRecommendation> {
     let errors: Vec<(usize, f64)> = found

@@ -7,12 +7,13 @@ use crate::study::methods::MethodResult;
 use crate::study::report::text::{error_percent_text, slope_text, three_digit_text};
 use std::fmt;
 
-/// Smallest ratio of squared bias to squared error at which bias is said to dominate the error.
+/// Smallest ratio of squared bias to squared error at which a report says that bias dominates the
+/// error.
 ///
 /// The error then exceeds the bias by at most 12 %.
 pub const BIAS_DOMINATED_SHARE: f64 = 0.8;
 
-/// Width of a slope's confidence interval from which no verdict is given.
+/// Width of the confidence interval of a slope above which the slope is undecided.
 ///
 /// It is half of the distance between slope 0 (a constant error) and slope −½ (the error of
 /// `path`).
@@ -34,8 +35,8 @@ pub enum ConvergenceVerdict {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
     },
-    /// The slope of the error agrees with theory, but its confidence interval is too wide to
-    /// exclude other slopes.
+    /// The slope of the error agrees with theory, but its confidence interval is so wide that it
+    /// does not exclude other slopes.
     Undecided {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
@@ -92,11 +93,11 @@ pub enum BiasCause {
     Unknown,
 }
 
-/// Judges how the error of a method falls.
+/// Judges how the error of a method falls with the number of passes.
 ///
-/// `truth` is the relative error of the reference; `None` if the reference is taken as exact. The
-/// noise of the references cancels in the measured error, but a bias that they share does not. So
-/// errors below `truth` are not judged.
+/// `reference_error` is the relative error of the reference; `None` if the reference is taken as
+/// exact. The noise of the references cancels in the measured error, but a bias that they share
+/// does not. So errors below `reference_error` are not judged.
 #[must_use]
 pub fn judge_convergence(
     method: &MethodResult,
@@ -115,8 +116,8 @@ pub fn judge_convergence(
         return ConvergenceVerdict::Wide { slope };
     };
     let bias = law(ErrorComponent::Bias);
-    // `falling` is the flattest slope that theory predicts for noise and for a bias that falls. A
-    // constant bias does not count.
+    // `falling` is the flattest slope that theory predicts for the noise, and for the bias if it
+    // falls. A constant bias does not count.
     let falling = bias.filter(|b| b.flattest < 0.0).map_or(noise.flattest, |b| b.flattest.max(noise.flattest));
     if low > falling && last.bias2 >= BIAS_DOMINATED_SHARE * last.mean_squared_error() {
         return ConvergenceVerdict::Plateau { floor: last.bias2.sqrt(), cause: bias_cause(method) };

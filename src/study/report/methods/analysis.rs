@@ -22,7 +22,7 @@ pub(super) struct MethodStudyAnalysis {
 pub(super) struct MethodAnalysis {
     pub(super) fit: Option<ConvergenceFit>,
     pub(super) verdict: ConvergenceVerdict,
-    /// Time and work until the method reaches each of [`TARGET_ERRORS`].
+    /// Time and work until the method reaches each error of [`TARGET_ERRORS`].
     pub(super) reaches: [TimeToError; 4],
     pub(super) tenth: TimeToError,
 }
@@ -68,8 +68,8 @@ impl MethodStudyAnalysis {
 }
 
 impl MethodAnalysis {
-    /// Returns the range of slopes that theory predicts for `quantity` over the fitted checkpoints;
-    /// `None` without a fit, or if the quantity is zero.
+    /// Returns the range of slopes over passes that theory predicts for `quantity` at the fitted
+    /// checkpoints; `None` without a fit, or if the quantity is zero.
     pub(super) fn predicted_convergence_slopes(
         &self,
         method: &MethodResult,
@@ -95,8 +95,8 @@ pub(super) fn slope_range_text(law: Option<SlopeRange>) -> String {
 
 /// Returns the time to reach an error as text, and further texts: time range, passes and photons.
 ///
-/// `has_photons` says whether the method has photons to count. An error that is never reached gets
-/// an explanation.
+/// `has_photons` is true if the method traces photons. An error that is never reached gets an
+/// explanation.
 pub(super) fn time_to_error_text(reach: &TimeToError, has_photons: bool) -> (String, Vec<String>) {
     let work = |effort: &RenderEffort| {
         let passes = Some(format!("{} passes", count_text(effort.passes.max(1.0))));

@@ -16,10 +16,11 @@ use serde::Serialize;
 /// meaning.
 const SCHEMA: u32 = 1;
 
-/// Report of a study of methods as CSV, with one row per method and checkpoint.
+/// Returns the report of a study of methods as CSV, with one row per method and checkpoint.
 ///
 /// Column `seconds` is processor time. Columns whose name ends in 2 are estimates of squares, which
-/// noise can make negative. Column `squares` lists all seeds, separated by semicolons.
+/// noise can make negative. Column `squares` lists the relative squared errors of all seeds,
+/// separated by semicolons.
 #[must_use]
 pub fn csv_report(found: &MethodStudyResult) -> String {
     let mut table = csv_row(&[
@@ -131,7 +132,8 @@ struct TimeToErrorJson {
     reach: TimeToError,
 }
 
-/// Report of a study of methods as JSON: everything but pixels. Infinite values are `null`.
+/// Returns the report of a study of methods as JSON: everything but pixels. Infinite values are
+/// `null`.
 ///
 /// # Errors
 /// [`serde_json::Error`] if encoding fails, which is not known to happen.

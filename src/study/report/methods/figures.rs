@@ -64,7 +64,7 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
     let all = || series.iter().flat_map(|s| s.points.iter()).filter(|p| p.0 > 0.0 && p.1 > 0.0);
     let first = all().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let most = all().map(|p| p.1).fold(0.0, f64::max);
-    // The slope guides start above all measured points.
+    // The guide lines, which show the predicted slopes, start above all measured points.
     let guide = |slope: f64, label: &str| SlopeGuideLine {
         label: label.into(),
         slope,
@@ -113,7 +113,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
     let last = method.checkpoints.last()?;
     let guide = |quantity: ErrorComponent, name: &str, square: f64| {
         let law = judged.predicted_convergence_slopes(method, quantity)?;
-        // The guide lies below the measured line. On the line it would be hidden.
+        // The guide line lies below the measured line, which would hide it.
         let through = (last.seconds, 0.8 * square.max(0.0).sqrt());
         Some(SlopeGuideLine {
             label: format!("{name} {}", slope_text(law.flattest)),
@@ -123,7 +123,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
         })
     };
     let noise = guide(ErrorComponent::Noise, "noise", last.noise2);
-    // If noise hides the bias, there is no guide for the bias.
+    // If noise hides the bias, the bias has no guide line.
     let bias = guide(ErrorComponent::Bias, "bias", last.bias2).filter(|_| last.bias2 > 0.1 * last.mean_squared_error());
     let title = format!("Error, noise and bias of {}", method.label);
     let words = format!(

@@ -3,14 +3,14 @@
 use crate::study::methods::MethodStudyResult;
 use crate::study::report::text::error_percent_text;
 
-/// Smallest ratio of processor time to wall time × threads at which measured times are reliable.
+/// Smallest ratio of processor time to (wall time × threads) at which measured times are reliable.
 const MIN_THREAD_TIME_SHARE: f64 = 0.9;
 
-/// Smallest ratio of a method's error to the reference's error at which the method's error is
-/// reliable.
+/// Smallest ratio of a method's error to the reference's error at which the measured error of the
+/// method is reliable.
 ///
 /// At a ratio of 3, the squared error of the reference is 1/9 of the squared error of the method.
-/// This changes the error of the method by about 6 %.
+/// This changes the measured error by about 6 %.
 const MIN_ERROR_RATIO: f64 = 3.0;
 
 /// Texts of reasons to doubt the results of a study; empty if there are none.
