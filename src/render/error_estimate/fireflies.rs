@@ -25,6 +25,11 @@ impl FireflyHistogram {
         self.fractions[octave as usize] += fraction;
     }
 
+    /// Adds the fireflies of other pixels.
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.fractions.iter_mut().zip(other.fractions).for_each(|(fraction, other)| *fraction += other);
+    }
+
     /// Returns the contribution of fireflies to the mean relative squared error after the passes
     /// made so far.
     pub(super) fn squared_error_of_fireflies(&self) -> f64 {
