@@ -4,14 +4,17 @@
 //! cargo run --release --example serial_share -- [--size WxH] [--passes N] [SCENE …]
 //! ```
 //!
-//! A scene is the name of a file in `scenes/`, without `.txt`. The main thread is no member of the
-//! thread pool, so that its processor time is that of all code outside of parallel loops. The
-//! processor time of the process is the whole work. Both are independent of other load. The serial
-//! part inside a parallel loop, such as its longest task, does not count.
+//! A scene is the name of a file in `scenes/` or `tests/scenes/`, without `.txt`.
+//!
+//! The main thread is no member of the thread pool, so that its processor time is that of all code
+//! outside of parallel loops. The processor time of the process is the whole work. Other load
+//! changes neither. The serial part inside a parallel loop, such as its longest task, does not
+//! count.
 
 use caustica::format::SceneFile;
 use caustica::integrate::{Algorithm, PassStage, ProgressMonitor, Settings};
 use caustica::render::RenderResult;
+use caustica::render::error_estimate::{EstimateSchedule, MIN_PASSES};
 use rustix::time::{ClockId, clock_gettime};
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -20,17 +23,16 @@ use std::sync::{Mutex, PoisonError};
 use std::thread::{self, ThreadId};
 
 /// Scenes of the table.
-const SCENES: [&str; 10] =
-    ["matte", "ring", "gem", "glass-ball", "pool", "still-life", "fishbowl", "god-rays", "many-lights", "window"];
+const SCENES: [&str; 8] = ["cbox-caustic", "ring", "gem", "pool", "goblet", "fishbowl", "god-rays", "many-lights"];
 
 /// Number of threads of the limit.
 const THREADS: f64 = 64.0;
 
 /// Number of passes of the render whose limit is stated. It loads the scene and makes pilots once.
-const RENDER_PASSES: f64 = 64.0;
+const RENDER_PASSES: u32 = 64;
 
-/// Number of error estimates of that render.
-const RENDER_ESTIMATES: f64 = 10.0;
+/// Number of error estimates that are timed.
+const TIMED_ESTIMATES: u32 = 4;
 
 /// Phases in the order of the table.
 const PHASES: [Phase; 8] = [
@@ -70,6 +72,14 @@ enum Phase {
 struct Times {
     serial: f64,
     total: f64,
+}
+
+impl Times {
+    /// Adds `count` times the given times \[s].
+    fn add(&mut self, count: u32, serial: f64, total: f64) {
+        self.serial += f64::from(count) * serial;
+        self.total += f64::from(count) * total;
+    }
 }
 
 /// Times by phase.
@@ -132,9 +142,11 @@ impl ProgressMonitor for Stopwatch {
 
 /// Renders a scene, and returns the times of its phases.
 fn measure(name: &str, size: (u32, u32), passes: u32) -> Result<Stopwatch, Box<dyn Error>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(format!("{name}.txt"));
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let paths = ["scenes", "tests/scenes"].map(|scenes| folder.join(scenes).join(format!("{name}.txt")));
+    let path = paths.iter().find(|path| path.exists()).ok_or_else(|| format!("there is no scene {name}"))?;
     let stopwatch = Stopwatch::new();
-    let mut file = SceneFile::read(&path)?;
+    let mut file = SceneFile::read(path)?;
     (file.description.camera.value.width, file.description.camera.value.height) = size;
     let scene = file.resolve()?;
     stopwatch.enter(Phase::Pilots);
@@ -150,42 +162,54 @@ fn measure(name: &str, size: (u32, u32), passes: u32) -> Result<Stopwatch, Box<d
         rendered.film.add(&pass.image);
     }
     stopwatch.enter(Phase::Estimate);
-    std::hint::black_box(rendered.estimate_error(None));
+    (0..TIMED_ESTIMATES).for_each(|_| _ = std::hint::black_box(rendered.estimate_error(None)));
     stopwatch.enter(Phase::Load);
     Ok(stopwatch)
 }
 
-/// Prints one row of the table.
+/// Returns the number of error estimates of a render of [`RENDER_PASSES`] passes.
+fn render_estimates() -> u32 {
+    let due = EstimateSchedule::due_passes().take_while(|passes| *passes <= RENDER_PASSES);
+    due.filter(|passes| *passes >= MIN_PASSES).count() as u32
+}
+
+/// Returns the limit of the speed-up on [`THREADS`] threads, and the serial share of the work.
+fn speedup_limit(Times { serial, total }: Times) -> (f64, f64) {
+    let share = serial / total;
+    (1.0 / (share + (1.0 - share) / THREADS), share)
+}
+
+/// Prints one row of the table. `passes` is the number of measured passes.
 fn print_row(name: &str, stopwatch: &Stopwatch, passes: u32) {
-    let per_pass = RENDER_PASSES / f64::from(passes);
-    let mut render = Times::default();
+    let (mut render, mut passes_alone) = (Times::default(), Times::default());
     let mut cells = Vec::new();
     for phase in PHASES {
         let Times { serial, total } = stopwatch.times(phase);
-        let (count, divisor) = match phase {
-            Phase::Load | Phase::Pilots => (1.0, 1.0),
-            Phase::Pass | Phase::Photons | Phase::Indexing | Phase::Camera | Phase::Film => {
-                (per_pass, f64::from(passes))
-            }
-            Phase::Estimate => (RENDER_ESTIMATES, 1.0),
+        // Number of times that the render has the phase, and number of times that it was measured.
+        let (count, measured) = match phase {
+            Phase::Load | Phase::Pilots => (1, 1),
+            Phase::Pass | Phase::Photons | Phase::Indexing | Phase::Camera | Phase::Film => (RENDER_PASSES, passes),
+            Phase::Estimate => (render_estimates(), TIMED_ESTIMATES),
         };
-        render.serial += count * serial;
-        render.total += count * total;
-        cells.push(format!("{:.1} of {:.0}", 1e3 * serial / divisor, 1e3 * total / divisor));
+        let [serial, total] = [serial, total].map(|seconds| seconds / f64::from(measured));
+        render.add(count, serial, total);
+        if !matches!(phase, Phase::Load | Phase::Pilots) {
+            passes_alone.add(count, serial, total);
+        }
+        cells.push(format!("{:.1} of {:.0}", 1e3 * serial, 1e3 * total));
     }
-    let share = render.serial / render.total;
-    let limit = 1.0 / (share + (1.0 - share) / THREADS);
-    println!("| `{name}` | {} | {:.2} % | {limit:.0} |", cells.join(" | "), 100.0 * share);
+    let [(limit, share), (limit_of_passes, _)] = [render, passes_alone].map(speedup_limit);
+    println!("| `{name}` | {} | {:.2} % | {limit:.0} | {limit_of_passes:.0} |", cells.join(" | "), 100.0 * share);
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let (mut size, mut passes, mut scenes) = ((320, 240), 4, Vec::new());
+    let (mut size, mut passes, mut scenes) = ((480, 360), 4, Vec::new());
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         match word.as_str() {
             "--size" => {
                 let value = words.next().unwrap_or_default();
-                let (width, height) = value.split_once('x').ok_or("write --size 320x240")?;
+                let (width, height) = value.split_once('x').ok_or("write --size 480x360")?;
                 size = (width.parse()?, height.parse()?);
             }
             "--passes" => passes = words.next().unwrap_or_default().parse::<u32>()?.max(4),
@@ -197,8 +221,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     rayon::ThreadPoolBuilder::new().build_global()?;
     let head = ["load", "pilots", "pass", "photons", "indexing", "camera", "film", "estimate"];
-    println!("| scene | {} | serial share | limit |", head.join(" | "));
-    println!("|{}", " --- |".repeat(head.len() + 3));
+    println!("| scene | {} | serial share | limit | limit of the passes |", head.join(" | "));
+    println!("|{}", " --- |".repeat(head.len() + 4));
     for name in &scenes {
         print_row(name, &measure(name, size, passes)?, passes);
     }

@@ -42,10 +42,13 @@ impl BoxTree {
     /// The tree does not depend on the number of threads.
     #[must_use]
     pub fn build(boxes: &[Bounds]) -> Self {
-        let present: Vec<u32> = (0..boxes.len() as u32).filter(|&i| !boxes[i as usize].is_empty()).collect();
         let at = |i: &u32| &boxes[*i as usize];
-        let order: Vec<u32> =
-            morton_order(&present, |i| at(i).center()).par_iter().map(|&i| present[i as usize]).collect();
+        let order: Vec<u32> = if boxes.par_iter().any(Bounds::is_empty) {
+            let present: Vec<u32> = (0..boxes.len() as u32).filter(|i| !at(i).is_empty()).collect();
+            morton_order(&present, |i| at(i).center()).par_iter().map(|&i| present[i as usize]).collect()
+        } else {
+            morton_order(boxes, Bounds::center)
+        };
         let largest = order.par_iter().map(|i| at(i).min.abs().max(at(i).max.abs()).max_element());
         let margin = largest.reduce(|| 0.0, f32::max) * PADDING;
         let mut bounds: Vec<Bounds> = order.par_iter().map(|i| padded_box(at(i), margin)).collect();

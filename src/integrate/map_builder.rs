@@ -74,12 +74,23 @@ struct DensityEstimateLimits {
     k: u32,
 }
 
-/// Results of the photon paths aimed at casters, apart from the caustic map.
-struct AimedPathResults {
+/// Results of the photon paths aimed at casters.
+struct AimedPhotons {
+    /// Photons of the caustic map.
+    caustic: MapPhotons,
     /// Photons that a receiver has scattered after a caustic, for the indirect map of `hybrid`.
     /// Empty for other algorithms.
     after_caustic: MapPhotons,
     splats: Vec<Splat>,
+}
+
+/// Photons of a pass before their search structures are built, by map.
+struct UnindexedPhotons {
+    caustic: MapPhotons,
+    indirect: MapPhotons,
+    /// Photons of the interreflection map of `hybrid`; `None` if camera paths carry all of its
+    /// light.
+    interreflection: Option<MapPhotons>,
 }
 
 /// Radii of the density-estimation kernels in media, for each photon map.
@@ -313,26 +324,39 @@ impl<'a> PhotonMapBuilder<'a> {
     /// and times to `out`.
     pub fn build(&self, options: &MapBuildOptions, monitor: &dyn ProgressMonitor, out: &mut Pass) -> PhotonMaps<'a> {
         // Paths are traced in this order: aimed, unaimed, guides.
-        let (caustic, aimed) = self.build_caustic_map(options, monitor, out);
-        let indirect = self.build_indirect_map(aimed.after_caustic, options, monitor, out);
-        let interreflection = self.build_interreflection_map(options, monitor, out);
+        let AimedPhotons { caustic, after_caustic, splats } = self.trace_aimed_photons(options, monitor, out);
+        let indirect = if self.aimed_paths_fill_indirect_map() {
+            after_caustic
+        } else {
+            self.trace_unaimed_photons(options, monitor, out)
+        };
+        let technique = self.technique_of_pass(options.pass);
+        let has_interreflection = !matches!(technique, IndirectTechnique::Paths);
+        let interreflection = has_interreflection.then(|| self.trace_unaimed_photons(options, monitor, out));
         let guides = PhotonMap::build(self.trace_guide_photons(options, monitor, out));
-        PhotonMaps { guides, caustic, indirect, interreflection, splats: aimed.splats }
+
+        let photons = UnindexedPhotons { caustic, indirect, interreflection };
+        let (caustic, indirect, interreflection) = self.index_photons(photons, options, monitor, out);
+        PhotonMaps { guides, caustic, indirect, interreflection, splats }
     }
 
-    /// Traces the photon paths aimed at casters, and builds the caustic map from their photons.
-    /// Also returns the paths' other photons and splats.
+    /// Returns the light tracer that connects the caustic photons of a pass to the camera; `None`
+    /// without light tracing.
+    fn light_tracer(&self, options: &MapBuildOptions) -> Option<LightTracer<'_>> {
+        let shares = self.density_estimate_shares.as_deref().filter(|_| options.connects_to_camera);
+        shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares)))
+    }
+
+    /// Traces the photon paths aimed at casters, and returns their photons and splats.
     ///
-    /// Reports progress to `monitor`. Adds ray counts, times and the report on these paths to
-    /// `out`.
-    fn build_caustic_map(
+    /// Reports progress to `monitor`. Adds ray counts, time and the report on these paths to `out`.
+    fn trace_aimed_photons(
         &self,
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
         out: &mut Pass,
-    ) -> (PhotonDensityEstimator<'a>, AimedPathResults) {
-        let shares = self.density_estimate_shares.as_deref().filter(|_| options.connects_to_camera);
-        let light_tracer = shares.map(|shares| LightTracer::new(self.scene, self.uses_lens(), Some(shares)));
+    ) -> AimedPhotons {
+        let light_tracer = self.light_tracer(options);
         let task = PhotonTracingTask {
             source: self.aimed_source.as_ref(),
             mask: self.request.aimed,
@@ -343,58 +367,11 @@ impl<'a> PhotonMapBuilder<'a> {
         let traced = self.trace_photons(task, monitor, out);
         out.aimed += photon_report(&traced);
         let deposits = traced.deposits;
-
-        // The limit grows with the number of paths, so that discs keep their size.
-        let ratio = f64::from(self.counts.aimed) / f64::from(self.settings.aimed_paths.max(1));
-        let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
-        let k = photon_limit(self.settings.gather_k.unwrap_or(usual_k), options.divisor);
-        let surface = self.radii.map_or(1.0, |radii| radii.caustic);
-        let limits = DensityEstimateLimits { radii: MapRadii { surface, volume: self.volume_radii.caustic }, k };
-        let photons = MapPhotons { surface: deposits.surface_photons, volume: deposits.volume };
-        let mut map = self.index_photons(photons, limits, options, monitor, out);
-        map.has_density_estimate_shares = light_tracer.is_some();
-        let after_caustic = MapPhotons { surface: deposits.after_caustic, volume: deposits.after_caustic_volume };
-        (map, AimedPathResults { after_caustic, splats: deposits.splats })
-    }
-
-    /// Builds the indirect map.
-    ///
-    /// In `hybrid`, no photon path is traced here: the map holds `after_caustic`, the photons that
-    /// the aimed paths of the caustic map stored after a caustic. Other algorithms trace paths in
-    /// all directions to fill the map.
-    fn build_indirect_map(
-        &self,
-        after_caustic: MapPhotons,
-        options: &MapBuildOptions,
-        monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
-    ) -> PhotonDensityEstimator<'a> {
-        let photons = if self.aimed_paths_fill_indirect_map() {
-            after_caustic
-        } else {
-            self.trace_unaimed_photons(options, monitor, out)
-        };
-        let k = photon_limit(self.settings.gather_k.unwrap_or(0), options.divisor);
-        let surface = self.radii.map_or(1.0, |radii| radii.indirect);
-        let limits = DensityEstimateLimits { radii: MapRadii { surface, volume: self.volume_radii.indirect }, k };
-        self.index_photons(photons, limits, options, monitor, out)
-    }
-
-    /// Builds the interreflection map of `hybrid`. Returns `None` if camera paths carry all of its
-    /// light.
-    fn build_interreflection_map(
-        &self,
-        options: &MapBuildOptions,
-        monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
-    ) -> Option<PhotonDensityEstimator<'a>> {
-        if matches!(self.technique_of_pass(options.pass), IndirectTechnique::Paths) {
-            return None;
+        AimedPhotons {
+            caustic: MapPhotons { surface: deposits.surface_photons, volume: deposits.volume },
+            after_caustic: MapPhotons { surface: deposits.after_caustic, volume: deposits.after_caustic_volume },
+            splats: deposits.splats,
         }
-        let photons = self.trace_unaimed_photons(options, monitor, out);
-        let k = photon_limit(self.settings.gather_k.unwrap_or(0), options.divisor);
-        let radii = MapRadii { surface: self.interreflection_radius, volume: self.volume_radii.interreflection };
-        Some(self.index_photons(photons, DensityEstimateLimits { radii, k }, options, monitor, out))
     }
 
     /// Traces the photon paths that start in all directions, and returns their photons. Adds ray
@@ -438,20 +415,66 @@ impl<'a> PhotonMapBuilder<'a> {
         self.trace_photons(task, monitor, out).deposits.surface_photons
     }
 
-    /// Returns the photon map of `photons` with its search structures, and with the gather radii of
-    /// pass `options.pass`. Reports progress to `monitor`, and adds the time to `out`.
+    /// Returns the caustic, indirect and interreflection map of `photons` with their search
+    /// structures. Reports progress to `monitor`, and adds the time to `out`.
     fn index_photons(
+        &self,
+        photons: UnindexedPhotons,
+        options: &MapBuildOptions,
+        monitor: &dyn ProgressMonitor,
+        out: &mut Pass,
+    ) -> (PhotonDensityEstimator<'a>, PhotonDensityEstimator<'a>, Option<PhotonDensityEstimator<'a>>) {
+        let start = Instant::now();
+        let UnindexedPhotons { caustic, indirect, interreflection } = photons;
+        let count = |photons: &MapPhotons| (photons.surface.len() + photons.volume.len()) as u64;
+        let caustic_count = count(&caustic);
+        let other_count = count(&indirect) + interreflection.as_ref().map_or(0, count);
+        monitor.begin_stage(PassStage::Indexing, caustic_count + other_count);
+        let index = |photons: MapPhotons, limits: DensityEstimateLimits| {
+            let photon_count = count(&photons);
+            let estimator = self.build_photon_estimator(photons, limits, options);
+            monitor.report_progress(photon_count);
+            estimator
+        };
+
+        // The limit grows with the number of paths, so that discs keep their size.
+        let ratio = f64::from(self.counts.aimed) / f64::from(self.settings.aimed_paths.max(1));
+        let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
+        let limits = |surface: f32, volume: VolumeKernelRadii, usual_k: u32| DensityEstimateLimits {
+            radii: MapRadii { surface, volume },
+            k: photon_limit(self.settings.gather_k.unwrap_or(usual_k), options.divisor),
+        };
+        let radius = |of_map: fn(GatherRadii) -> f32| self.radii.map_or(1.0, of_map);
+        let index_caustic = || {
+            let limits = limits(radius(|radii| radii.caustic), self.volume_radii.caustic, usual_k);
+            let mut estimator = index(caustic, limits);
+            estimator.has_density_estimate_shares = self.light_tracer(options).is_some();
+            estimator
+        };
+        let index_indirect = || index(indirect, limits(radius(|radii| radii.indirect), self.volume_radii.indirect, 0));
+        let index_interreflection = || {
+            let limits = limits(self.interreflection_radius, self.volume_radii.interreflection, 0);
+            interreflection.map(|photons| index(photons, limits))
+        };
+        // The calling thread builds the larger part, so that its time is that of the whole stage.
+        let (caustic, (indirect, interreflection)) = if caustic_count < other_count {
+            let (others, caustic) = join_in_place(|| (index_indirect(), index_interreflection()), index_caustic);
+            (caustic, others)
+        } else {
+            join_in_place(index_caustic, || rayon::join(index_indirect, index_interreflection))
+        };
+        out.seconds.indexing += start.elapsed().as_secs_f64();
+        (caustic, indirect, interreflection)
+    }
+
+    /// Returns the photon map of `photons` with its search structures, and with the gather radii of
+    /// pass `options.pass`.
+    fn build_photon_estimator(
         &self,
         photons: MapPhotons,
         DensityEstimateLimits { radii, k }: DensityEstimateLimits,
         options: &MapBuildOptions,
-        monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
     ) -> PhotonDensityEstimator<'a> {
-        let start = Instant::now();
-        let count = (photons.surface.len() + photons.volume.len()) as u64;
-        monitor.begin_stage(PassStage::Indexing, count);
-
         // Shrink the radii of the first pass to those of this pass.
         let (pass, RadiusLaw { alpha, kernel }) = (options.pass, self.radius_law());
         let area = squared_radius_ratio(alpha, pass);
@@ -472,9 +495,6 @@ impl<'a> PhotonMapBuilder<'a> {
         let volume_photons = VolumePhotons { beams, ..photons.volume };
         let volume = BeamAndPointMaps::build(volume_photons, volume_radii, self.settings.volume, band);
         let map = PhotonMap::build(photons.surface).with_min_radius(self.min_radius * area.sqrt() as f32);
-
-        monitor.report_progress(count);
-        out.seconds.indexing += start.elapsed().as_secs_f64();
         PhotonDensityEstimator { scene: self.scene, map, bandwidth, kernel, volume, has_density_estimate_shares: false }
     }
 
@@ -522,4 +542,22 @@ fn restrict_to_effects<'a>(source: PhotonSource<'a>, effects: Effects) -> Option
 
 fn photon_report(traced: &PhotonPassResult) -> PhotonReport {
     PhotonReport { emitted: traced.paths, stored: traced.deposits.len() as u64, audit: traced.audit }
+}
+
+/// Returns the results of both closures. The calling thread runs `here`, while the thread pool runs
+/// `elsewhere`.
+///
+/// Unlike `rayon::join`, a thread outside of the pool runs `here` itself. With one thread, the
+/// closures run one after the other.
+fn join_in_place<A, B: Send>(here: impl FnOnce() -> A, elsewhere: impl FnOnce() -> B + Send) -> (A, B) {
+    if rayon::current_num_threads() == 1 {
+        return (here(), elsewhere());
+    }
+    let mut found = None;
+    let own = rayon::in_place_scope(|scope| {
+        scope.spawn(|_| found = Some(elsewhere()));
+        here()
+    });
+    let Some(found) = found else { unreachable!("the scope waits for its tasks") };
+    (own, found)
 }

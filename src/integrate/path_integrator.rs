@@ -28,6 +28,7 @@ use crate::sampling::{Key, Purpose};
 use crate::scene::{Effect, Effects, Scene, for_interior};
 use crate::stats::Counters;
 use glam::Vec2;
+use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -76,7 +77,7 @@ impl Integrator for PathIntegrator<'_> {
                 // Each slice estimates the light of the whole shutter interval, so the picture
                 // needs the mean over the slices.
                 let share = 1.0 / slice.count as f32;
-                maps.splats.iter_mut().for_each(|splat| splat.radiance *= share);
+                maps.splats.par_iter_mut().for_each(|splat| splat.radiance *= share);
                 splats.append(&mut maps.splats);
             }
             maps_of_slices.push(slice_maps);
@@ -109,7 +110,7 @@ impl Integrator for PathIntegrator<'_> {
         if !splats.is_empty() {
             // Moving by whole pixels is exact for all splats that reach the window.
             let corner = Vec2::new(window.left as f32, window.top as f32);
-            splats.iter_mut().for_each(|splat| splat.film -= corner);
+            splats.par_iter_mut().for_each(|splat| splat.film -= corner);
             let (width, _) = window.size();
             if let Some(caustic) = out.groups.get_mut(LightGroup::Caustic as usize) {
                 add_splats(splats.clone(), &settings.filter, width, caustic);

@@ -128,6 +128,12 @@ struct PixelVariance {
     photon_estimate: f64,
 }
 
+/// Square roots of two variances of [`PixelVariance`], from which numbers of rays follow.
+struct PixelDeviations {
+    up_to_receiver: f64,
+    photons: f64,
+}
+
 /// Returns the number of [prefix rays](super::prefix_rays) that each pixel should get; `None` if
 /// they do not pay, or if media scatter or emit.
 ///
@@ -286,21 +292,24 @@ fn render_light_parts(
 /// the picture. This measure lies between the absolute error, which neglects dark pixels, and the
 /// relative error, which neglects bright ones.
 fn pixel_variances(light: &[PixelLightStatistics], width: usize, height: usize) -> Option<Vec<PixelVariance>> {
-    let mean: Vec<f32> =
-        light.iter().map(|l| l.after_receiver.mean + l.up_to_receiver.mean + l.photon_estimate.mean).collect();
-    let median = positive_median(mean.iter().map(|l| f64::from(*l)))?;
+    let values = |value: fn(&PixelLightStatistics) -> f64| light.par_iter().map(value).collect::<Vec<f64>>();
+    let mean = values(|l| f64::from(l.after_receiver.mean + l.up_to_receiver.mean + l.photon_estimate.mean));
+    let median = positive_median(mean.iter().copied())?;
+    let after_receiver = values(|l| l.after_receiver.variance());
+    let up_to_receiver = values(|l| l.up_to_receiver.variance());
+    let (products, photons) = (values(|l| l.products), values(|l| l.photon_estimate.variance()));
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
     // keeps detail, a larger one includes rare bright rays.
-    let box_mean = |value: &dyn Fn(usize) -> f64, i: usize, reach: usize| box_mean(value, i, reach, (width, height));
-    let smoothed = |value: &dyn Fn(usize) -> f64, i: usize| 0.5 * (box_mean(value, i, 1) + box_mean(value, i, 4));
+    let box_mean = |values: &[f64], i: usize, reach: usize| box_mean(|i| values[i], i, reach, (width, height));
+    let smoothed = |values: &[f64], i: usize| 0.5 * (box_mean(values, i, 1) + box_mean(values, i, 4));
     let variance = |i: usize| {
-        let brightness = box_mean(&|i| f64::from(mean[i]), i, 1);
+        let brightness = box_mean(&mean, i, 1);
         let scale = 1.0 / (median * (brightness + median));
-        let up_to_receiver = smoothed(&|i| light[i].up_to_receiver.variance(), i);
-        let covariance = smoothed(&|i| light[i].products, i) / f64::from(WHOLE_PICTURES - 1);
-        let photons = smoothed(&|i| light[i].photon_estimate.variance(), i);
+        let up_to_receiver = smoothed(&up_to_receiver, i);
+        let covariance = smoothed(&products, i) / f64::from(WHOLE_PICTURES - 1);
+        let photons = smoothed(&photons, i);
         PixelVariance {
-            after_receiver: box_mean(&|i| light[i].after_receiver.variance(), i, 1) * scale,
+            after_receiver: box_mean(&after_receiver, i, 1) * scale,
             up_to_receiver: (up_to_receiver + 2.0 * covariance.min(0.0)).max(0.0) * scale,
             photon_estimate: photons * scale,
         }
@@ -331,30 +340,37 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
     let (ray_scale, lookup_scale) = (1.0 / work.prefix_ray.sqrt(), 1.0 / (work.prefix_ray + work.lookup).sqrt());
     // Numbers of prefix rays and of photon lookups in a pixel. They give all pixels the same
     // derivative of variance by work: −1/scale².
-    let count = |v: &PixelVariance, scale: f64| {
+    let count = |deviations: &PixelDeviations, scale: f64| {
         // `max` ignores NaN, so a NaN variance gives no ray.
         let whole = |n: f64| n.max(0.0).floor().min(f64::from(u8::MAX));
-        let lookups = whole(v.photon_estimate.sqrt() * scale * lookup_scale - 1.0);
-        (whole(v.up_to_receiver.sqrt() * scale * ray_scale - n).max(lookups), lookups)
+        let lookups = whole(deviations.photons * scale * lookup_scale - 1.0);
+        (whole(deviations.up_to_receiver * scale * ray_scale - n).max(lookups), lookups)
     };
+    let deviations = |v: &PixelVariance| PixelDeviations {
+        up_to_receiver: v.up_to_receiver.sqrt(),
+        photons: v.photon_estimate.sqrt(),
+    };
+    let deviations: Vec<PixelDeviations> = variances.par_iter().map(deviations).collect();
     let pixels = variances.len() as f64;
+    // The sum is serial: its rounding depends on the order.
+    let mean = |values: Vec<f64>| values.iter().sum::<f64>() / pixels;
     let prefix_work = |scale: f64| {
-        let pixel_work = |v: &PixelVariance| {
-            let (rays, lookups) = count(v, scale);
+        let pixel_work = |deviations: &PixelDeviations| {
+            let (rays, lookups) = count(deviations, scale);
             work.prefix_ray * rays + work.lookup * lookups
         };
-        variances.iter().map(pixel_work).sum::<f64>() / pixels
+        mean(deviations.par_iter().map(pixel_work).collect())
     };
     let rest_work = work.camera + work.photon_work;
     let photon_variance_factor = rest_work / work.camera.max(f64::MIN_POSITIVE);
     let variance = |scale: f64| {
-        let pixel_variance = |v: &PixelVariance| {
-            let (rays, lookups) = count(v, scale);
+        let pixel_variance = |(v, deviations): (&PixelVariance, &PixelDeviations)| {
+            let (rays, lookups) = count(deviations, scale);
             photon_variance_factor * v.after_receiver / n
                 + v.up_to_receiver / (n + rays)
                 + v.photon_estimate / (1.0 + lookups)
         };
-        variances.iter().map(pixel_variance).sum::<f64>() / pixels
+        mean(variances.par_iter().zip(&deviations).map(pixel_variance).collect())
     };
 
     // At the least product of variance and work, 1/scale² is the variance over the work of a pass.
@@ -376,13 +392,13 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
         }
         scale = low;
     }
-    let whole = |v: &PixelVariance| {
-        let (rays, lookups) = count(v, scale);
+    let whole = |deviations: &PixelDeviations| {
+        let (rays, lookups) = count(deviations, scale);
         PrefixRayCount { rays: rays as u8, lookups: lookups as u8 }
     };
-    let counts: Vec<PrefixRayCount> = variances.iter().map(whole).collect();
-    let mean = counts.iter().map(|n| f64::from(n.rays)).sum::<f64>() / pixels;
-    (mean >= MIN_MEAN_COUNT).then_some(counts)
+    let counts: Vec<PrefixRayCount> = deviations.par_iter().map(whole).collect();
+    let mean_count = counts.iter().map(|n| f64::from(n.rays)).sum::<f64>() / pixels;
+    (mean_count >= MIN_MEAN_COUNT).then_some(counts)
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use crate::photon::{EmissionGuidingReport, Photon, PhotonBeamMap, PhotonMap, Pho
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{Effects, PathEvent, Scene, SpectralInterior, SurfaceVertex};
 use glam::Vec2;
+use rayon::prelude::*;
 
 /// Largest number of photon paths of a pilot that finds gather radii. The radii are then scaled to
 /// the larger number of paths of a pass.
@@ -119,13 +120,13 @@ pub(super) fn find_gather_radius(
         return None;
     }
     let size = scene.photon_domain().radius.max(f32::MIN_POSITIVE);
-    let map = PhotonMap::build(photons.clone());
+    let map = PhotonMap::build(photons.par_iter().copied().collect());
     let step = photons.len().div_ceil(PROBES);
     let distance = |p: &Photon| {
         let normal = p.data.normal().normalize();
         map.kth_photon_distance(p.position, normal, k, size).unwrap_or(size)
     };
-    let mut radii: Vec<f32> = photons.iter().step_by(step).map(distance).collect();
+    let mut radii: Vec<f32> = photons.par_iter().step_by(step).map(distance).collect();
     radii.sort_by(f32::total_cmp);
     let quantile = ((radii.len() - 1) as f64 * RADIUS_QUANTILE) as usize;
     let mut coordinates: Vec<f32> = photons.iter().step_by(step).map(|p| p.position.abs().max_element()).collect();
@@ -203,13 +204,13 @@ pub(super) fn find_volume_kernel_radii(
     };
     let (beam_dimensions, point_dimensions) = settings.volume.kernel_dimensions();
     let (beams, points) = (PhotonBeamMap::build(volume.beams, trial), VolumePhotonMap::build(volume.points, trial));
-    let beams = camera_paths.iter().map(|segments| {
+    let beams = camera_paths.par_iter().map(|segments| {
         let mut count = 0.0;
         segments.iter().for_each(|ray| beams.visit_near_ray(ray, |_, _| count += 1.0));
         count
     });
     let beams = radius(beams.collect(), beam_dimensions);
-    let points = camera_paths.iter().map(|segments| {
+    let points = camera_paths.par_iter().map(|segments| {
         let mut count = 0.0;
         for ray in segments {
             if settings.volume == VolumeEstimator::Points {
@@ -270,5 +271,5 @@ fn trace_medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<R
         }
         segments
     };
-    (0..MEDIA_RAYS).map(along_path).collect()
+    (0..MEDIA_RAYS).into_par_iter().map(along_path).collect()
 }

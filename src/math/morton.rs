@@ -4,6 +4,9 @@ use super::Bounds;
 use glam::Vec3;
 use rayon::prelude::*;
 
+/// Number of items whose bounding box one Rayon task computes.
+const CHUNK: usize = 4096;
+
 /// Indices of `items`, sorted by the Morton codes of their positions.
 ///
 /// `position` returns an item's position, which must be finite. The grid of the codes has 2²⁰ cells
@@ -11,7 +14,8 @@ use rayon::prelude::*;
 /// threads.
 #[must_use]
 pub fn morton_order<T: Sync>(items: &[T], position: impl Fn(&T) -> Vec3 + Sync) -> Vec<u32> {
-    let bounds = Bounds::from_points(items.iter().map(&position));
+    let bounds = items.par_chunks(CHUNK).map(|items| Bounds::from_points(items.iter().map(&position)));
+    let bounds = bounds.reduce(|| Bounds::EMPTY, Bounds::union);
     let scale = Vec3::splat(f32::from(u16::MAX) * 16.0) / bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
     let key = |(i, item)| (morton_code((position(item) - bounds.min) * scale), i as u32);
     let mut keyed: Vec<(u64, u32)> = items.par_iter().enumerate().map(key).collect();

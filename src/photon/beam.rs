@@ -1,5 +1,6 @@
 //! Photon beams in participating media, and the map that finds beams near a camera ray.
 
+use super::concatenation::concatenate;
 use super::packet::{BeamPiece, BeamPiecePacket, LANES, LineQuery, indices_of_set_bits};
 use crate::accel::BoxTree;
 use crate::color::Rgb;
@@ -116,6 +117,9 @@ pub struct PhotonBeamMap {
     radius: f32,
 }
 
+/// Number of beams that one Rayon task handles.
+const CHUNK: usize = 4096;
+
 /// Upper bound of the mean number of pieces into which [`PhotonBeamMap`] splits a beam.
 const MAX_PIECES: f64 = 4.0;
 
@@ -126,7 +130,9 @@ impl PhotonBeamMap {
     /// The result does not depend on the number of threads.
     #[must_use]
     pub fn build(mut beams: Vec<PhotonBeam>, radius: f32) -> Self {
-        beams.retain(PhotonBeam::is_valid);
+        if !beams.par_iter().with_min_len(CHUNK).all(PhotonBeam::is_valid) {
+            beams.retain(PhotonBeam::is_valid);
+        }
         let radius = radius.max(0.0);
         let pieces = split_beams(&beams, optimal_beam_piece_length(&beams, radius));
         let beam = |piece: &BeamPiece| &beams[piece.beam as usize];
@@ -208,13 +214,17 @@ impl BeamPiece {
 /// along a coordinate axis has g = 0 and stays whole, because its box is thin. A beam along a space
 /// diagonal has g = 1, so its pieces are at most `length` long.
 fn split_beams(beams: &[PhotonBeam], length: f64) -> Vec<BeamPiece> {
-    let pieces_of = |(index, beam): (usize, &PhotonBeam)| {
-        let (index, whole) = (index as u32, beam.length);
+    let pieces_of = |index: u32| {
+        let beam = &beams[index as usize];
+        let whole = beam.length;
         let count = (f64::from(whole) * sqrt_half_box_area(beam) / length).ceil().max(1.0) as u32;
         let at = move |k: u32| whole * (k as f32 / count as f32);
         (0..count).map(move |k| BeamPiece { beam: index, from: at(k), to: at(k + 1) })
     };
-    beams.par_iter().enumerate().flat_map_iter(pieces_of).collect()
+    let starts = (0..beams.len()).into_par_iter().step_by(CHUNK);
+    let chunk = |start: usize| (start as u32..beams.len().min(start + CHUNK) as u32).flat_map(pieces_of).collect();
+    let chunks: Vec<Vec<BeamPiece>> = starts.map(chunk).collect();
+    concatenate(&chunks.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
 /// Returns g = √(A/2), where A is the surface area of the bounding box of a unit-length segment of
@@ -234,7 +244,9 @@ fn sqrt_half_box_area(beam: &PhotonBeam) -> f64 {
 /// `radius` is the kernel radius \[length], by which boxes are expanded. The mean number of pieces
 /// per beam stays below [`MAX_PIECES`].
 fn optimal_beam_piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
-    let total: f64 = beams.iter().map(|b| f64::from(b.length) * sqrt_half_box_area(b)).sum();
+    let lengths = beams.par_iter().with_min_len(CHUNK).map(|b| f64::from(b.length) * sqrt_half_box_area(b));
+    // The sum is serial: its rounding depends on the order.
+    let total: f64 = lengths.collect::<Vec<_>>().iter().sum();
     let most = (MAX_PIECES - 1.0) * beams.len().max(1) as f64;
     (12f64.sqrt() * f64::from(radius)).max(total / most).max(f64::MIN_POSITIVE)
 }

@@ -1,10 +1,12 @@
 //! Photons stored by a photon pass.
 
+use super::concatenation::concatenate;
 use super::{Photon, PhotonBeam, PhotonKind, PhotonPass, VolumePhoton};
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
 use crate::scene::SurfaceInteraction;
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 /// Optical depth at which a photon beam along an infinite ray is cut. The beam's flux there is
 /// 2·10⁻⁹ of the flux at its start.
@@ -33,9 +35,12 @@ impl VolumePhotons {
         self.len() == 0
     }
 
-    fn extend(&mut self, other: Self) {
-        self.beams.extend(other.beams);
-        self.points.extend(other.points);
+    /// Concatenates the photons of `parts`.
+    fn concatenate(parts: &[&Self]) -> Self {
+        Self {
+            beams: concatenated_lists(parts, |part| &part.beams),
+            points: concatenated_lists(parts, |part| &part.points),
+        }
     }
 }
 
@@ -82,18 +87,19 @@ impl Deposits {
 
     /// Concatenates the deposits of consecutive chunks of photon paths.
     pub(super) fn concatenate(chunks: Vec<Self>) -> Self {
-        let mut all = Self::default();
-        all.surface_photons.reserve_exact(chunks.iter().map(|chunk| chunk.surface_photons.len()).sum());
-        all.after_caustic.reserve_exact(chunks.iter().map(|chunk| chunk.after_caustic.len()).sum());
-        all.splats.reserve_exact(chunks.iter().map(|chunk| chunk.splats.len()).sum());
-        for chunk in chunks {
-            all.splats.extend_from_slice(&chunk.splats);
-            all.surface_photons.extend_from_slice(&chunk.surface_photons);
-            all.after_caustic.extend_from_slice(&chunk.after_caustic);
-            all.volume.extend(chunk.volume);
-            all.after_caustic_volume.extend(chunk.after_caustic_volume);
-            all.rejected += chunk.rejected;
-        }
+        let volumes = |volume: fn(&Self) -> &VolumePhotons| -> VolumePhotons {
+            VolumePhotons::concatenate(&chunks.iter().map(volume).collect::<Vec<_>>())
+        };
+        let all = Self {
+            surface_photons: concatenated_lists(&chunks, |chunk| &chunk.surface_photons),
+            after_caustic: concatenated_lists(&chunks, |chunk| &chunk.after_caustic),
+            volume: volumes(|chunk| &chunk.volume),
+            after_caustic_volume: volumes(|chunk| &chunk.after_caustic_volume),
+            rejected: chunks.iter().map(|chunk| chunk.rejected).sum(),
+            splats: concatenated_lists(&chunks, |chunk| &chunk.splats),
+        };
+        // Returning memory to the system takes as long as a copy, so it is done in parallel too.
+        chunks.into_par_iter().for_each(drop);
         all
     }
 
@@ -133,6 +139,15 @@ impl Deposits {
         };
         self.rejected += u64::from(stored.is_none() && flux != Rgb::ZERO);
     }
+}
+
+/// Returns the concatenation of one list of each of the `owners`.
+fn concatenated_lists<'a, O, T: Copy + Send + Sync + 'a>(
+    owners: &'a [O],
+    list: impl Fn(&'a O) -> &'a Vec<T>,
+) -> Vec<T> {
+    let parts: Vec<&[T]> = owners.iter().map(|owner| list(owner).as_slice()).collect();
+    concatenate(&parts)
 }
 
 /// Light of one caustic photon that light tracing adds to the film.

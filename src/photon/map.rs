@@ -44,6 +44,12 @@ const ROTATION: Mat3 = Mat3::from_cols(
 /// hold photons of one position in one leaf.
 const MAX_COINCIDENT: usize = BUCKET;
 
+/// Smallest number of windows of photons that one Rayon task tests for coincident photons.
+const MIN_WINDOWS: usize = 4096;
+
+/// Number of photons from which the two halves of a node of the kd-tree are built in parallel.
+const PARALLEL_PHOTONS: usize = 4096;
+
 impl PhotonMap {
     /// Builds the kd-tree of `photons`. The result does not depend on the number of threads.
     #[must_use]
@@ -55,9 +61,9 @@ impl PhotonMap {
         merge_coincident_photons(&mut photons);
         let len = photons.len();
         let at = |p: &Photon, axis: usize| p.position[axis];
+        let builder = Tree::builder().with_parallel_construction_threshold(PARALLEL_PHOTONS);
         // Construction can fail only for mutable trees and generated indices, which are not used.
-        let tree =
-            if photons.is_empty() { None } else { Tree::new_from_source_parallel(&photons, at, |_, p| p.data).ok() };
+        let tree = if photons.is_empty() { None } else { builder.build_from_source(&photons, at, |_, p| p.data).ok() };
         Self { tree, len, min_radius: 0.0 }
     }
 
@@ -102,10 +108,13 @@ impl PhotonMap {
 ///
 /// A merged photon has the sum of the fluxes and the mean direction, weighted by flux.
 fn merge_coincident_photons(photons: &mut Vec<Photon>) {
-    let crowded = photons.chunk_by(|a, b| a.position == b.position).any(|run| run.len() > MAX_COINCIDENT);
     // Morton order makes photons at one position adjacent, unless other photons share their Morton
     // cell.
-    if !crowded {
+    let coincide = |run: &[Photon]| {
+        let position = run[0].position;
+        run[MAX_COINCIDENT].position == position && run.iter().all(|photon| photon.position == position)
+    };
+    if !photons.par_windows(MAX_COINCIDENT + 1).with_min_len(MIN_WINDOWS).any(coincide) {
         return;
     }
     let mut merged: Vec<Photon> = Vec::with_capacity(photons.len());

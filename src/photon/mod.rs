@@ -3,6 +3,7 @@
 mod audit;
 mod beam;
 mod beam_thinning;
+mod concatenation;
 mod coverage;
 mod deposits;
 mod emit;

@@ -4,6 +4,7 @@ use super::{Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers};
 use crate::color::Rgb;
 use crate::math::Bounds;
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// Surface point that a camera path reaches, with its importance for the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +58,7 @@ impl VisiblePointMap {
         let points = PhotonMap::build(stored);
         let spacing =
             |p: &Photon| points.kth_photon_distance(p.position, p.data.normal().normalize(), NEIGHBOURS, size);
-        let mut spacings: Vec<f32> = probes.iter().filter_map(spacing).collect();
+        let mut spacings: Vec<f32> = probes.par_iter().filter_map(spacing).collect();
         spacings.sort_by(f32::total_cmp);
         let typical = spacings.get(spacings.len() / 2).copied().unwrap_or(0.0);
         let first_search_radius = spacings.get(spacings.len() / 10).copied().unwrap_or(0.0);

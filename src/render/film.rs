@@ -4,7 +4,11 @@ use super::merge_error::MergeError;
 use crate::color::Rgb;
 use crate::math::BinnedSums;
 use glam::DVec3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+
+/// Smallest number of pixels of a task of a parallel loop.
+const MIN_PIXELS: usize = 2048;
 
 /// Sums over passes of the radiance of each pixel; see [`Film::mean`] for the picture.
 ///
@@ -61,15 +65,20 @@ impl Film {
     /// Returns the mean radiance \[W/(m² sr)] of each pixel over the passes, in rows from the top;
     /// 0 without passes.
     pub fn pixel_means(&self) -> impl Iterator<Item = DVec3> {
-        let n = f64::from(self.passes.max(1));
-        (0..self.sums.len()).map(move |i| DVec3::from_array(self.sums.value(i)) / n)
+        (0..self.sums.len()).map(|i| self.pixel_mean(i))
+    }
+
+    /// Returns the mean radiance \[W/(m² sr)] of pixel `i` over the passes; 0 without passes.
+    fn pixel_mean(&self, i: usize) -> DVec3 {
+        DVec3::from_array(self.sums.value(i)) / f64::from(self.passes.max(1))
     }
 
     /// Returns the mean radiance \[W/(m² sr)] of each pixel in single precision, in rows from the
     /// top.
     #[must_use]
     pub fn mean(&self) -> Vec<Rgb> {
-        self.pixel_means().map(|mean| mean.as_vec3()).collect()
+        let pixels = (0..self.sums.len()).into_par_iter().with_min_len(MIN_PIXELS);
+        pixels.map(|i| self.pixel_mean(i).as_vec3()).collect()
     }
 
     /// True if the film has sums for each pixel of its size.

@@ -1,5 +1,6 @@
 //! Error of a picture whose camera paths are clamped: the light that clamping removes.
 
+use super::pixel_sums::sums_of_values;
 use crate::color::Rgb;
 use crate::image::RelativeErrorWeights;
 use crate::math::BinnedSums;
@@ -44,15 +45,14 @@ impl ClampedLightSums {
     /// The square of each pixel combines two different passes, so its noise has mean zero.
     pub fn squared_bias(&self, error_weights: &RelativeErrorWeights, n: f64) -> (f64, f64) {
         let weights = error_weights.pixel_weights();
-        let (mut bias, mut variance) = (0.0, 0.0);
-        for (i, weight) in weights.iter().enumerate() {
+        let [bias, variance] = sums_of_values(weights.len(), |i| {
             let sum = DVec3::from_array(self.removed.value(i));
             let [squares] = self.squares.value(i);
             let square = error_weights.clamped_relative_product(i, (sum.dot(sum) - squares) / (n * (n - 1.0)));
-            let pass_variance = (weight * (squares - sum.dot(sum) / n) / (n - 1.0)).clamp(0.0, n);
-            bias += square;
-            variance += 2.0 * (pass_variance / n) * (pass_variance / n) + 4.0 * square.max(0.0) * pass_variance / n;
-        }
+            let pass_variance = (weights[i] * (squares - sum.dot(sum) / n) / (n - 1.0)).clamp(0.0, n);
+            let variance = 2.0 * (pass_variance / n) * (pass_variance / n) + 4.0 * square.max(0.0) * pass_variance / n;
+            [square, variance]
+        });
         let pixels = weights.len() as f64;
         ((bias / pixels).max(0.0), variance / (pixels * pixels))
     }

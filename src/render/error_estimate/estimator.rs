@@ -7,6 +7,7 @@ use super::estimate::ErrorEstimate;
 use super::fireflies::FireflyHistogram;
 use super::forecast::ErrorForecast;
 use super::leading_passes::LeadingPasses;
+use super::pixel_sums::{MIN_PIXELS, sum_over_pixels, sums_of_values};
 use super::pixel_variance::PixelVarianceSums;
 use super::shared_paths::SharedPathErrorSums;
 use super::squared_error::SquaredErrorParts;
@@ -16,6 +17,7 @@ use crate::math::BinnedSums;
 use crate::render::MergeError;
 use crate::render::film::{Film, total_pass_count};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 /// Smallest number of passes for which the error is estimated.
 pub const MIN_PASSES: u32 = 4;
@@ -27,6 +29,19 @@ const LEADING_PASSES: usize = 8;
 /// Number of passes from which [`LeadingPasses`] measures the effective sample count of D₀, the
 /// difference of density estimates with full and half discs: those with the lowest pass numbers.
 const LEADING_PASSES_OF_DIFFERENCES: usize = 6;
+
+/// Sums over pixels from which the noise of a picture is estimated.
+#[derive(Default)]
+struct NoiseSums {
+    /// Sum of the squared relative noise c, which is clamped to 1.
+    squares: f64,
+    /// Sum of c².
+    fourth: f64,
+    /// Sum of c² times (kurtosis − 1).
+    tails: f64,
+    /// Pixels with c > 1 before it is clamped.
+    fireflies: FireflyHistogram,
+}
 
 /// Accumulates the passes of a render, and estimates the error of their mean.
 ///
@@ -110,7 +125,7 @@ impl ErrorEstimator {
     /// Adds `pass`, whose pass number is `number`. Each number may be added only once.
     pub fn add(&mut self, number: u32, pass: &Pass) {
         self.variances.add(&pass.image);
-        self.leading.add(number, LEADING_PASSES, pass.image.iter().copied());
+        self.leading.add(number, LEADING_PASSES, pass.image.par_iter().copied());
         if !pass.nested.is_empty() {
             let estimates = self.photon_estimates.get_or_insert_with(|| NestedEstimateSums::new(pass.nested.len()));
             estimates.add(number, &pass.nested);
@@ -205,20 +220,21 @@ impl ErrorEstimator {
         }
         let n = f64::from(passes);
         let error_weights = RelativeErrorWeights::from_pixels(film.size(), &film.mean());
-        let mut fireflies = FireflyHistogram::default();
+        let pixels = self.variances.pixels();
         let fraction = 1.0 / error_weights.pixel_weights().len() as f64;
-        // Sums over pixels: squared noise, its square, and its square times (kurtosis − 1).
-        let (mut noise2, mut fourth, mut tails) = (0.0, 0.0, 0.0);
-        for (deviations, weight) in self.variances.deviations(film).zip(error_weights.pixel_weights()) {
-            let square = weight * deviations.squares.element_sum() / (n * (n - 1.0));
+        let add_pixel = |sums: &mut NoiseSums, i: usize| {
+            let deviations = self.variances.deviations(film, i);
+            let square = error_weights.pixel_weights()[i] * deviations.squares.element_sum() / (n * (n - 1.0));
             if square > 1.0 {
-                fireflies.add(square, fraction);
+                sums.fireflies.add(square, fraction);
             }
             let square = square.min(1.0);
-            noise2 += square;
-            fourth += square * square;
-            tails += square * square * (deviations.kurtosis.min(n) - 1.0);
-        }
+            sums.squares += square;
+            sums.fourth += square * square;
+            sums.tails += square * square * (deviations.kurtosis.min(n) - 1.0);
+        };
+        let sums = sum_over_pixels(pixels, add_pixel, NoiseSums::add_sums);
+        let NoiseSums { squares: noise2, fourth, tails, fireflies } = sums;
         // Relative variance of the estimated noise variance, if pixels are independent.
         let independent = if noise2 > 0.0 { tails / (n * noise2 * noise2) } else { 0.0 };
         let noise2 = noise2 * fraction;
@@ -277,7 +293,8 @@ impl ErrorEstimator {
     pub fn error_maps(&self, film: &Film) -> ErrorMaps {
         let n = f64::from(self.passes.max(1));
         let over = (n * (n - 1.0)).max(1.0);
-        let deviations = self.variances.deviations(film);
+        let pixels = (0..self.variances.pixels()).into_par_iter().with_min_len(MIN_PIXELS);
+        let deviations = pixels.map(|i| self.variances.deviations(film, i));
         let noise = deviations.map(|pixel| (pixel.squares / over).map(f64::sqrt).as_vec3()).collect();
         let Some(estimates) = &self.photon_estimates else { return ErrorMaps { noise, ..ErrorMaps::default() } };
         let factor = self.estimate(film).extrapolation / n;
@@ -288,6 +305,16 @@ impl ErrorEstimator {
         let bias = bias.collect();
         let discs = |map: usize| estimates.discs.iter().map(|d| d[map].mean()).collect();
         ErrorMaps { noise, bias, caustic: discs(0), indirect: discs(1) }
+    }
+}
+
+impl NoiseSums {
+    /// Adds the sums of other pixels.
+    fn add_sums(&mut self, other: Self) {
+        self.squares += other.squares;
+        self.fourth += other.fourth;
+        self.tails += other.tails;
+        self.fireflies.merge(&other.fireflies);
     }
 }
 
@@ -309,11 +336,13 @@ impl NestedEstimateSums {
             let [a, b] = pixels[i].differences.map(|difference| difference.as_dvec3());
             [a.dot(a), a.dot(b), b.dot(b)]
         });
-        for ([caustic, indirect], pixel) in self.discs.iter_mut().zip(pixels) {
+        let discs = self.discs.par_iter_mut().zip(pixels).with_min_len(MIN_PIXELS);
+        discs.for_each(|([caustic, indirect], pixel)| {
             caustic.add(pixel.caustic);
             indirect.add(pixel.indirect);
-        }
-        self.leading.add(number, LEADING_PASSES_OF_DIFFERENCES, pixels.iter().map(|pixel| pixel.differences[0]));
+        });
+        let differences = pixels.par_iter().map(|pixel| pixel.differences[0]);
+        self.leading.add(number, LEADING_PASSES_OF_DIFFERENCES, differences);
     }
 
     /// Adds the passes of `other`, which must have the same number of pixels.
@@ -322,9 +351,8 @@ impl NestedEstimateSums {
             sums.merge(other);
         }
         self.products.merge(&other.products);
-        for (discs, other) in self.discs.iter_mut().flatten().zip(other.discs.iter().flatten()) {
-            discs.merge(*other);
-        }
+        let discs = self.discs.par_iter_mut().zip(&other.discs).with_min_len(MIN_PIXELS);
+        discs.for_each(|(discs, others)| discs.iter_mut().zip(others).for_each(|(disc, other)| disc.merge(*other)));
         self.leading.merge(&other.leading, LEADING_PASSES_OF_DIFFERENCES);
     }
 
@@ -341,17 +369,18 @@ impl NestedEstimateSums {
     /// quarter discs. Each product combines two different passes, so its noise has mean zero.
     fn nested_difference_moments(&self, error_weights: &RelativeErrorWeights, n: f64) -> NestedDifferenceMoments {
         let pixels = error_weights.pixel_weights().len();
-        let (mut square, mut variance) = ([0.0; 3], 0.0);
-        for i in 0..pixels {
+        let sums = sums_of_values(pixels, |i| {
             let [a, b] = self.difference_sums(i);
-            let products = self.products.value(i);
-            for ((sum, all), same_pass) in square.iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]).zip(products) {
-                *sum += error_weights.clamped_relative_product(i, (all - same_pass) / (n * (n - 1.0)));
-            }
-            variance += error_weights.clamped_relative_product(i, (products[0] - a.dot(a) / n) / (n * (n - 1.0)));
-        }
-        let [d0_squared, d0_d1, d1_squared] = square.map(|sum| sum / pixels as f64);
-        let variance = n * variance / pixels as f64;
+            let same_pass = self.products.value(i);
+            let product = |all: f64, same_pass: f64| {
+                error_weights.clamped_relative_product(i, (all - same_pass) / (n * (n - 1.0)))
+            };
+            let variance = error_weights.clamped_relative_product(i, (same_pass[0] - a.dot(a) / n) / (n * (n - 1.0)));
+            let [d0_d0, d0_d1, d1_d1] = same_pass;
+            [product(a.dot(a), d0_d0), product(a.dot(b), d0_d1), product(b.dot(b), d1_d1), variance]
+        });
+        let [d0_squared, d0_d1, d1_squared, variance] = sums.map(|sum| sum / pixels as f64);
+        let variance = n * variance;
         let scatter = self.leading.squared_error_variance(error_weights.pixel_weights(), n);
         let d0_squared_variance = NestedDifferenceMoments::d0_squared_variance(d0_squared, variance, scatter, n);
         NestedDifferenceMoments { d0_squared, d0_d1, d1_squared, variance, d0_squared_variance, scatter }

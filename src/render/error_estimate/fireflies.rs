@@ -25,8 +25,13 @@ impl FireflyHistogram {
         self.fractions[octave as usize] += fraction;
     }
 
-    /// Returns the contribution of fireflies to the mean relative squared error of the picture,
-    /// after the passes made so far.
+    /// Adds the fireflies of other pixels.
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.fractions.iter_mut().zip(other.fractions).for_each(|(fraction, other)| *fraction += other);
+    }
+
+    /// Returns the contribution of fireflies to the mean relative squared error after the passes
+    /// made so far.
     pub(super) fn squared_error_of_fireflies(&self) -> f64 {
         self.fractions.iter().sum()
     }

@@ -1,6 +1,8 @@
 //! Effective sample count of the noise of a picture, measured between its leading passes.
 
+use super::pixel_sums::{MIN_PIXELS, sum_over_pixels};
 use crate::color::Rgb;
+use rayon::prelude::*;
 
 /// Grey pictures of the leading passes: those with the lowest pass numbers. They measure the
 /// effective sample count of the noise.
@@ -22,8 +24,11 @@ pub(super) struct LeadingPasses {
 /// Largest number of leading passes: the passes with the lowest numbers.
 const MAX_PASSES: usize = 8;
 
-/// Effective sample count of the noise that is assumed before measurement. The count is the number
-/// of independent values that scatter as much as the noise.
+/// Scalar products of pictures: one for each pair of leading passes.
+type Products = [[f64; MAX_PASSES]; MAX_PASSES];
+
+/// Effective sample count of the noise that is assumed before measurement: the number of
+/// independent values that scatter as much as the noise.
 const PRIOR_SAMPLES: f64 = 100.0;
 
 /// Weight of [`PRIOR_SAMPLES`] against measured scalar products of pass differences: it counts as
@@ -33,11 +38,11 @@ const PRIOR_PRODUCTS: f64 = 2.0;
 impl LeadingPasses {
     /// Adds the picture of pass `number`, if the pass is one of the `most` passes with the lowest
     /// numbers.
-    pub fn add(&mut self, number: u32, most: usize, picture: impl Iterator<Item = Rgb>) {
+    pub fn add(&mut self, number: u32, most: usize, picture: impl IndexedParallelIterator<Item = Rgb>) {
         let at = self.pictures.partition_point(|(other, _)| *other < number);
         if at < most.min(MAX_PASSES) {
             let grey = |value: Rgb| Some((value / 3.0).element_sum()).filter(|grey| grey.is_finite()).unwrap_or(0.0);
-            self.pictures.insert(at, (number, picture.map(grey).collect()));
+            self.pictures.insert(at, (number, picture.with_min_len(MIN_PIXELS).map(grey).collect()));
             self.pictures.truncate(most);
         }
     }
@@ -111,20 +116,19 @@ impl LeadingPasses {
     /// Returns the scalar products of the leading passes' deviations from their mean, divided by
     /// the number of pixels: one product for each pair of passes.
     ///
-    /// `weights` holds a factor for each pixel, for the square of its deviation. The weighted
-    /// square is clamped to `max`.
-    fn deviation_products(&self, weights: &[f64], max: f64) -> [[f64; MAX_PASSES]; MAX_PASSES] {
-        let mut products = [[0.0; MAX_PASSES]; MAX_PASSES];
+    /// `weights` holds a factor on the square of each pixel's deviation. The weighted square is
+    /// clamped to `max`.
+    fn deviation_products(&self, weights: &[f64], max: f64) -> Products {
         let share = 1.0 / self.pictures.len() as f64;
-        for (pixel, weight) in weights.iter().enumerate() {
+        let add_pixel = |products: &mut Products, pixel: usize| {
             let mut deviations = [0.0; MAX_PASSES];
             let mut mean = 0.0;
             for (value, (_, picture)) in deviations.iter_mut().zip(&self.pictures) {
                 *value = f64::from(picture[pixel]);
                 mean += share * *value;
             }
-            // `weights` are factors of sums over three channels. A grey value stands for all three.
-            let weight = 3.0 * weight;
+            // The weight is for the sum over three channels.
+            let weight = 3.0 * weights[pixel];
             for deviation in &mut deviations[..self.pictures.len()] {
                 *deviation -= mean;
                 let weighted = weight * *deviation * *deviation;
@@ -136,7 +140,12 @@ impl LeadingPasses {
                 let weighted = weight * deviation;
                 row.iter_mut().zip(deviations).for_each(|(product, other)| *product += weighted * other);
             }
-        }
+        };
+        let join = |products: &mut Products, others: Products| {
+            let pairs = products.iter_mut().flatten().zip(others.iter().flatten());
+            pairs.for_each(|(product, other)| *product += other);
+        };
+        let products = sum_over_pixels(weights.len(), add_pixel, join);
         let pixels = weights.len() as f64;
         products.map(|row| row.map(|product| product / pixels))
     }

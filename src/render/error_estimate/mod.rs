@@ -20,6 +20,7 @@ mod estimator;
 mod fireflies;
 mod forecast;
 mod leading_passes;
+mod pixel_sums;
 mod pixel_variance;
 mod schedule;
 mod shared_paths;

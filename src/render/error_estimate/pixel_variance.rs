@@ -1,9 +1,11 @@
 //! Variance of each pixel between passes, and a bound of its kurtosis.
 
+use super::pixel_sums::MIN_PIXELS;
 use crate::color::Rgb;
 use crate::math::BinnedSums;
 use crate::render::film::Film;
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Kurtosis of Gaussian noise: its fourth central moment divided by the squared variance.
 const GAUSSIAN_KURTOSIS: f64 = 3.0;
@@ -34,9 +36,8 @@ impl PixelVarianceSums {
         }
         let square = |value: Rgb| value.as_dvec3() * value.as_dvec3();
         self.squares.add(|i| square(image[i]).to_array());
-        for (peak, value) in self.peaks.iter_mut().zip(image) {
-            *peak = peak.max(value.abs().max_element());
-        }
+        let peaks = self.peaks.par_iter_mut().zip(image).with_min_len(MIN_PIXELS);
+        peaks.for_each(|(peak, value)| *peak = peak.max(value.abs().max_element()));
     }
 
     /// Adds the passes of `other`, which must have the same number of pixels.
@@ -57,27 +58,23 @@ impl PixelVarianceSums {
         self.peaks.len()
     }
 
-    /// Returns the deviations of each pixel's passes from their mean, in rows from the top; empty
-    /// without passes.
+    /// Returns the deviations of the passes of pixel `i` from their mean.
     ///
     /// `film` must hold the same passes as these sums.
-    pub fn deviations(&self, film: &Film) -> impl Iterator<Item = PixelDeviations> {
+    pub fn deviations(&self, film: &Film, i: usize) -> PixelDeviations {
         let n = f64::from(film.passes());
-        let pixels = self.peaks.iter().enumerate();
-        pixels.map(move |(i, peak)| {
-            let sum = DVec3::from_array(film.radiance_sums().value(i));
-            let squares = DVec3::from_array(self.squares.value(i));
-            let mean = sum / n;
-            // Errors of the sum of squares, of the mean and of f64 numbers.
-            let rounding = 0.5 * n * self.squares.quantum(i)
-                + sum.abs() * film.radiance_sums().quantum(i)
-                + squares * (4.0 * f64::EPSILON);
-            let deviations = squares - sum * mean;
-            let squares = DVec3::select(deviations.cmple(rounding), DVec3::ZERO, deviations);
-            let variance = squares.max_element() / n;
-            let largest = f64::from(*peak) - mean.abs().max_element();
-            let kurtosis = if variance > 0.0 { largest * largest / variance } else { 0.0 };
-            PixelDeviations { squares, kurtosis: kurtosis.max(GAUSSIAN_KURTOSIS) }
-        })
+        let sum = DVec3::from_array(film.radiance_sums().value(i));
+        let squares = DVec3::from_array(self.squares.value(i));
+        let mean = sum / n;
+        // Errors of the sum of squares, of the mean and of f64 numbers.
+        let rounding = 0.5 * n * self.squares.quantum(i)
+            + sum.abs() * film.radiance_sums().quantum(i)
+            + squares * (4.0 * f64::EPSILON);
+        let deviations = squares - sum * mean;
+        let squares = DVec3::select(deviations.cmple(rounding), DVec3::ZERO, deviations);
+        let variance = squares.max_element() / n;
+        let largest = f64::from(self.peaks[i]) - mean.abs().max_element();
+        let kurtosis = if variance > 0.0 { largest * largest / variance } else { 0.0 };
+        PixelDeviations { squares, kurtosis: kurtosis.max(GAUSSIAN_KURTOSIS) }
     }
 }

@@ -1,6 +1,8 @@
 //! Film files: renders that continue after an interruption, and renders in parts.
 
 use super::CliSandbox;
+#[cfg(target_os = "linux")]
+use caustica::render::{FilmFile, PassSet};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -116,7 +118,14 @@ fn often_killed_renders_go_on_from_the_film() {
 fn films_of_other_renders_are_refused() {
     let sandbox = CliSandbox::new();
     sandbox.put("ball.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    let mesh = format!("{}\nGroup {{ MaterialName white  TriangleMesh {{ obj_file ball.obj }} }}\n", super::BOX);
+    for seed in 1..=2 {
+        let picture = format!("-o wood{seed}.png --passes 1 --size 8x6 --seed {seed}");
+        sandbox.render("box.txt", &picture).expect(0, &[]);
+    }
+    sandbox.put("wood.png", sandbox.bytes("wood1.png"));
+    let textured = "Textures { Image wood { file wood.png } }\nMaterials {\n    Diffuse wooden { reflectance wood }";
+    let textured = super::BOX.replacen("Materials {", textured, 1);
+    let mesh = format!("{textured}\nGroup {{ MaterialName wooden  TriangleMesh {{ obj_file ball.obj }} }}\n");
     sandbox.put("mesh.txt", &mesh);
     sandbox.render("mesh.txt", &flags("a", 1, "--film a.film")).expect(0, &[]);
     let before = sandbox.bytes("a.film");
@@ -131,6 +140,9 @@ fn films_of_other_renders_are_refused() {
     sandbox.put("ball.obj", "v 0 0 0\nv 1 0 0\nv 0 1 .5\nf 1 2 3\n");
     refused("", &["file `ball.obj` has another content"]);
     sandbox.put("ball.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    sandbox.put("wood.png", sandbox.bytes("wood2.png"));
+    refused("", &["file `wood.png` has another content"]);
+    sandbox.put("wood.png", sandbox.bytes("wood1.png"));
     sandbox.render("mesh.txt", &flags("b", 2, "--film a.film --threads 1 --tone filmic -q")).expect(0, &[]);
     sandbox.put("b.film", &before[..before.len() - 9]);
     sandbox.render("mesh.txt", &flags("b", 2, "--film b.film")).expect(1, &["`b.film`", "it is cut off"]);
@@ -225,6 +237,49 @@ fn films_count_in_the_memory_limit() {
         sandbox.run(&["film", "more.film", "--memory", "20M"]).expect(2, &[refused]);
         std::fs::remove_file(sandbox.path("more.film")).unwrap();
     }
+}
+
+/// Returns the largest resident memory \[bytes] of a run of `merge` over `films`.
+#[cfg(target_os = "linux")]
+fn peak_memory_of_merge(sandbox: &CliSandbox, films: &[String]) -> u64 {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_caustica"));
+    command.current_dir(sandbox.path(".")).arg("merge").args(films).args(["-q", "-o", "sum.exr"]);
+    let mut child = command.spawn().unwrap();
+    let status = format!("/proc/{}/status", child.id());
+    let mut peak = 0;
+    let exit = loop {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let kilobytes = text.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix(" kB"));
+        peak = kilobytes.map_or(peak, |kilobytes| 1024 * kilobytes.parse::<u64>().unwrap());
+        if let Some(exit) = child.try_wait().unwrap() {
+            break exit;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    };
+    assert!(exit.success() && peak > 0);
+    peak
+}
+
+/// Merging 1,000 films takes the memory of two films: the peak grows by less than five films.
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "long: 1,000 films"]
+fn merging_many_films_takes_the_memory_of_two() {
+    let sandbox = CliSandbox::new();
+    sandbox.render("box.txt", &flags("a", 1, "--film a.film")).expect(0, &[]);
+    let FilmFile { header, mut rendered } = FilmFile::read(&sandbox.bytes("a.film")[..]).unwrap();
+    let name = |pass: u32| format!("{pass}.film");
+    for pass in 0..1000 {
+        rendered.numbers = PassSet::default();
+        rendered.numbers.insert(pass..pass + 1);
+        let mut bytes = Vec::new();
+        FilmFile::write(&header, &rendered, &mut bytes).unwrap();
+        sandbox.put(&name(pass), bytes);
+    }
+    let peaks = [2, 1000].map(|count| peak_memory_of_merge(&sandbox, &(0..count).map(name).collect::<Vec<_>>()));
+    println!("peak memory of merging 2 films: {} bytes, 1,000 films: {} bytes", peaks[0], peaks[1]);
+    // A film takes 334 bytes for each of 40 × 30 pixels.
+    assert!(peaks[1] < peaks[0] + 5 * 334 * 40 * 30, "{peaks:?}");
 }
 
 /// The films of all parts of a render add up to the bits of one render, in any order.

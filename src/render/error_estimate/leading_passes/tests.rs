@@ -7,7 +7,7 @@ fn passes_of_block_noise(block: usize, pixels: usize, passes: u32, seed: u64) ->
     for pass in 0..passes {
         let key = Key::new(seed).purpose_key(Purpose::Test).child_key(pass.into());
         let value = |i: usize| Rgb::splat(key.child_key((i / block) as u64).uniform_1d(Dimension::Film));
-        leading.add(pass, MAX_PASSES, (0..pixels).map(value));
+        leading.add(pass, MAX_PASSES, (0..pixels).into_par_iter().map(value));
     }
     leading
 }
@@ -42,7 +42,7 @@ fn fireflies_leave_products_small() {
     let mut leading = LeadingPasses::default();
     for pass in 0..8 {
         let value = |i| Rgb::splat(if pass == 3 && i == 5 { 100.0 } else { 0.0 });
-        leading.add(pass, 8, (0..50).map(value));
+        leading.add(pass, 8, (0..50).into_par_iter().map(value));
     }
     let (variance, square, _) = leading.variance_and_squared_product(&[1.0; 50], f64::INFINITY);
     assert!((variance / (3e4 / 50.0 / 8.0) - 1.0).abs() < 1e-6 && square < 1e-12 * variance * variance);
@@ -55,6 +55,6 @@ fn few_passes_give_the_prior_scatter() {
     assert_eq!([variance(0, 1), variance(1, 1), variance(2, 1)], [2.0 / PRIOR_SAMPLES; 3]);
     assert!(variance(8, 10) > 10.0 * 2.0 / PRIOR_SAMPLES);
     let mut black = LeadingPasses::default();
-    (0..8).for_each(|pass| black.add(pass, 8, std::iter::repeat_n(Rgb::ZERO, 4)));
+    (0..8).for_each(|pass| black.add(pass, 8, rayon::iter::repeat_n(Rgb::ZERO, 4)));
     assert_eq!(black.squared_error_variance(&[1.0; 4], 1.0), 0.0);
 }

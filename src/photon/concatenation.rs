@@ -1,0 +1,174 @@
+//! Concatenation of lists in parallel.
+
+use rayon::iter::plumbing::{Consumer, Producer, ProducerCallback, UnindexedConsumer, bridge};
+use rayon::prelude::*;
+use std::iter::FusedIterator;
+use std::ops::Range;
+use std::slice;
+
+/// Smallest number of items that one Rayon task copies.
+const MIN_ITEMS: usize = 4096;
+
+/// Returns the items of all `parts` in order. Copies them in parallel.
+pub(super) fn concatenate<T: Copy + Send + Sync>(parts: &[&[T]]) -> Vec<T> {
+    let starts: Vec<usize> = parts
+        .iter()
+        .scan(0, |end, part| {
+            let start = *end;
+            *end += part.len();
+            Some(start)
+        })
+        .collect();
+    let len = starts.last().map_or(0, |start| start + parts[parts.len() - 1].len());
+    Concatenation { parts, starts: &starts, range: 0..len }.with_min_len(MIN_ITEMS).copied().collect()
+}
+
+/// Parallel iterator over a range of the items of a concatenation.
+///
+/// Unlike `flatten`, it knows its length, so that its items can be collected without another copy.
+struct Concatenation<'a, T> {
+    parts: &'a [&'a [T]],
+    /// Index in the concatenation of the first item of each part.
+    starts: &'a [usize],
+    /// Indices in the concatenation of the items of this iterator.
+    range: Range<usize>,
+}
+
+/// Iterator over the items of a [`Concatenation`].
+struct Items<'a, T> {
+    /// Rest of the first part that holds items.
+    front: slice::Iter<'a, T>,
+    /// Whole parts between `front` and `back`.
+    middle: slice::Iter<'a, &'a [T]>,
+    /// Rest of the last part that holds items.
+    back: slice::Iter<'a, T>,
+}
+
+impl<'a, T> Concatenation<'a, T> {
+    /// Returns the index of the part that holds the item with index `item` in the concatenation.
+    fn part_of(&self, item: usize) -> usize {
+        self.starts.partition_point(|start| *start <= item) - 1
+    }
+}
+
+impl<'a, T: Sync> ParallelIterator for Concatenation<'a, T> {
+    type Item = &'a T;
+
+    fn drive_unindexed<C: UnindexedConsumer<Self::Item>>(self, consumer: C) -> C::Result {
+        bridge(self, consumer)
+    }
+
+    fn opt_len(&self) -> Option<usize> {
+        Some(self.range.len())
+    }
+}
+
+impl<T: Sync> IndexedParallelIterator for Concatenation<'_, T> {
+    fn len(&self) -> usize {
+        self.range.len()
+    }
+
+    fn drive<C: Consumer<Self::Item>>(self, consumer: C) -> C::Result {
+        bridge(self, consumer)
+    }
+
+    fn with_producer<B: ProducerCallback<Self::Item>>(self, callback: B) -> B::Output {
+        callback.callback(self)
+    }
+}
+
+impl<'a, T: Sync> Producer for Concatenation<'a, T> {
+    type Item = &'a T;
+    type IntoIter = Items<'a, T>;
+
+    fn into_iter(self) -> Items<'a, T> {
+        let Range { start, end } = self.range;
+        if start == end {
+            return Items { front: [].iter(), middle: [].iter(), back: [].iter() };
+        }
+        let (first, last) = (self.part_of(start), self.part_of(end - 1));
+        let (from, to) = (start - self.starts[first], end - self.starts[last]);
+        if first == last {
+            let front = self.parts[first][from..to].iter();
+            return Items { front, middle: [].iter(), back: [].iter() };
+        }
+        Items {
+            front: self.parts[first][from..].iter(),
+            middle: self.parts[first + 1..last].iter(),
+            back: self.parts[last][..to].iter(),
+        }
+    }
+
+    fn split_at(self, index: usize) -> (Self, Self) {
+        let Self { parts, starts, range } = self;
+        let middle = range.start + index;
+        (Self { parts, starts, range: range.start..middle }, Self { parts, starts, range: middle..range.end })
+    }
+}
+
+impl<'a, T> Iterator for Items<'a, T> {
+    type Item = &'a T;
+
+    #[inline]
+    fn next(&mut self) -> Option<&'a T> {
+        loop {
+            if let Some(item) = self.front.next() {
+                return Some(item);
+            }
+            match self.middle.next() {
+                Some(part) => self.front = part.iter(),
+                None => return self.back.next(),
+            }
+        }
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        let middle: usize = self.middle.as_slice().iter().map(|part| part.len()).sum();
+        let len = self.front.len() + middle + self.back.len();
+        (len, Some(len))
+    }
+}
+
+impl<T> DoubleEndedIterator for Items<'_, T> {
+    fn next_back(&mut self) -> Option<Self::Item> {
+        loop {
+            if let Some(item) = self.back.next_back() {
+                return Some(item);
+            }
+            match self.middle.next_back() {
+                Some(part) => self.back = part.iter(),
+                None => return self.front.next_back(),
+            }
+        }
+    }
+}
+
+impl<T> ExactSizeIterator for Items<'_, T> {}
+
+impl<T> FusedIterator for Items<'_, T> {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lists of any lengths, among them empty ones, give the list that a serial copy gives.
+    #[test]
+    fn parts_are_joined_in_order() {
+        let lists = |lengths: &[usize]| {
+            let mut next = 0..;
+            lengths.iter().map(|len| next.by_ref().take(*len).collect::<Vec<u32>>()).collect::<Vec<_>>()
+        };
+        let many: Vec<usize> = (0..300).map(|i| i * 7919 % 600).collect();
+        for lengths in [&[][..], &[0], &[3], &[0, 0, 5, 0, 1, 0], &[9000, 0, 1, 20_000], &many] {
+            let lists = lists(lengths);
+            let parts: Vec<&[u32]> = lists.iter().map(Vec::as_slice).collect();
+            let joined = lists.concat();
+            assert_eq!(concatenate(&parts), joined, "{lengths:?}");
+            let starts: Vec<usize> = (0..parts.len()).map(|i| lengths[..i].iter().sum()).collect();
+            let all = Concatenation { parts: &parts, starts: &starts, range: 0..joined.len() };
+            let items = Producer::into_iter(all);
+            assert_eq!(items.len(), joined.len());
+            assert!(items.rev().eq(joined.iter().rev()), "{lengths:?}");
+        }
+    }
+}
