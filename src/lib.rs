@@ -9,7 +9,8 @@
 //! | read a scene file | [`SceneFile`] |
 //! | build a scene in code | [`SceneBuilder`], [`Material`], [`Shape`], [`Camera`] |
 //! | choose an algorithm | [`Algorithm`], [`Settings`] |
-//! | render with progress | [`render()`], [`RenderResult::without_passes`], [`RenderLimits`], [`StopCriteria`], [`ProgressMonitor`] |
+//! | render with progress | [`render()`], [`RenderResult::without_passes`], [`ProgressMonitor`] |
+//! | say when a render ends | [`RenderLimits`], [`StopCriteria`] |
 //! | read the estimated error | [`RenderResult`], [`ErrorEstimator`], [`ErrorEstimate`] |
 //! | write a picture | [`Image`], [`write_image`], [`WriteOptions`] |
 //!
@@ -53,10 +54,10 @@
 //!
 //! # The path of one photon
 //!
-//! 1. `PhotonMapBuilder::build` in [`integrate`] builds the photon maps of a pass one by one, for
-//!    example by `build_caustic_map`. For the photons of a map, `trace_photons` calls
-//!    [`PhotonPass::trace_and_connect`](photon::PhotonPass::trace_and_connect). This emits photon
-//!    paths in parallel by `PhotonSource::emit_photon_path`, and follows each of them by
+//! 1. `PhotonMapBuilder::build` in [`integrate`] traces the photons of a pass, for example by
+//!    `trace_aimed_photons`, and then builds its maps. For the photons of a map, `trace_photons`
+//!    calls [`PhotonPass::trace_and_connect`](photon::PhotonPass::trace_and_connect). This emits
+//!    photon paths in parallel by `PhotonSource::emit_photon_path`, and follows each of them by
 //!    `PhotonPass::follow_photon_path`.
 //! 2. Photon path `i` has the random-number [`Key`](sampling::Key)
 //!    `pass_key.photon_path_key(i)`. Every random decision is a function of a key and the name of
@@ -74,8 +75,8 @@
 //! 6. [`Bsdf::sample`](bsdf::Bsdf::sample) chooses the next direction. Russian roulette then ends
 //!    the path by its throughput.
 //! 7. `PhotonMapBuilder::index_photons` calls [`PhotonMap::build`](photon::PhotonMap::build) for
-//!    each photon map that the algorithm reads: the caustic map, the indirect map, the interreflection map of `hybrid`, or the map
-//!    that guides gather rays.
+//!    each photon map that the algorithm reads: the caustic map, the indirect map, the
+//!    interreflection map of `hybrid`, or the map that guides gather rays.
 //!
 //! # The path of one camera ray
 //!
@@ -224,7 +225,8 @@ pub use integrate::Settings;
 /// # Example: render two passes and read the estimated error
 /// ```
 /// use caustica::{
-///     Algorithm, Camera, Image, Material, RenderResult, SceneBuilder, Settings, Shape, StopCriteria,
+///     Algorithm, Camera, Image, Material, RenderResult, SceneBuilder, Settings, Shape,
+///     StopCriteria,
 /// };
 /// use caustica::integrate::SilentMonitor;
 /// use glam::{DVec3, Vec3};
@@ -239,10 +241,13 @@ pub use integrate::Settings;
 /// let interrupted = AtomicBool::new(false);
 /// let stop = StopCriteria { passes: Some(2), ..StopCriteria::unlimited(&interrupted) };
 /// let integrator = Algorithm::Path.prepare(&scene, Settings::default());
-/// let start = RenderResult::without_passes(integrator.as_ref(), (16, 12));
-/// let rendered = caustica::render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |standing| {
-///     println!("{} passes", standing.passes);
-/// });
+/// let integrator = integrator.as_ref();
+/// let start = RenderResult::without_passes(integrator, (16, 12));
+/// let numbers = 0..u32::MAX;
+/// let rendered =
+///     caustica::render(start, numbers, integrator, &stop, &SilentMonitor, |progress| {
+///         println!("{} passes", progress.passes);
+///     });
 /// let picture = Image::from_pixels(16, 12, rendered.film.mean())?;
 /// assert_eq!(rendered.film.passes(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -251,7 +256,9 @@ pub use render::{RenderResult, StopCriteria, render};
 
 /// # Example: a preview, which ends at an estimated error of 10 % or after five minutes
 /// ```
-/// use caustica::{Algorithm, Camera, Material, RenderLimits, RenderResult, SceneBuilder, Settings, Shape};
+/// use caustica::{
+///     Algorithm, Camera, Material, RenderLimits, RenderResult, SceneBuilder, Settings, Shape,
+/// };
 /// use caustica::integrate::SilentMonitor;
 /// use caustica::render::EndReason;
 /// use glam::{DVec3, Vec3};
@@ -269,8 +276,11 @@ pub use render::{RenderResult, StopCriteria, render};
 /// let interrupted = AtomicBool::new(false);
 /// let limits = RenderLimits { preview: true, ..RenderLimits::default() };
 /// let stop = limits.stop_criteria(Algorithm::Path, integrator.as_ref(), &interrupted);
-/// let start = RenderResult::without_passes(integrator.as_ref(), (16, 12));
-/// let rendered = caustica::render(start, 0..u32::MAX, integrator.as_ref(), &stop, &SilentMonitor, |_| {});
+/// let integrator = integrator.as_ref();
+/// let start = RenderResult::without_passes(integrator, (16, 12));
+/// let numbers = 0..u32::MAX;
+/// let rendered =
+///     caustica::render(start, numbers, integrator, &stop, &SilentMonitor, |_| {});
 /// assert_eq!(rendered.ended, EndReason::Target);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
