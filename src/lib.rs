@@ -80,7 +80,8 @@
 //!
 //! # The path of one camera ray
 //!
-//! 1. `render_tiles` in [`integrate`] renders the tiles of the picture in parallel, pixel by pixel.
+//! 1. [`Integrator::render_pass`](integrate::Integrator::render_pass) calls `render_tiles` after the
+//!    photons are traced. `render_tiles` renders the tiles of the picture in parallel, pixel by pixel.
 //!    For each sample of a pixel, the reconstruction filter chooses a point, and
 //!    [`Camera::generate_ray`] makes a ray through it.
 //! 2. `camera_path::trace_camera_path` returns the radiance along this ray. It calls

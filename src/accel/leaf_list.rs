@@ -52,7 +52,7 @@ impl LeafList {
         Some(list)
     }
 
-    /// Child references of the leaves.
+    /// References to the leaves of this list, as nodes store them for their children.
     #[inline]
     pub(super) fn leaves(&self) -> &[u32] {
         &self.leaves[..self.count]

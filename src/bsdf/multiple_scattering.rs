@@ -20,7 +20,7 @@ use std::sync::OnceLock;
 pub enum MicrofacetScattering {
     /// Light that a second microfacet meets is lost, as in pbrt-v4 and Mitsuba 3.
     Single,
-    /// Light scatters at microfacets until it leaves the surface, so that no light is lost.
+    /// Light scatters at microfacets until it leaves the surface, so no light is lost to masking.
     Multiple,
 }
 

@@ -95,7 +95,7 @@ fn pass_counts_line(balance: &RayPhotonBalance) -> String {
 
 /// Returns a line with `mean`, the mean number of prefix rays per pixel; `None` if it is 0.
 ///
-/// Prefix rays are extra camera rays that end at the first diffuse surface.
+/// Prefix rays are extra camera rays that end at the first surface that stores photons.
 fn prefix_rays_line(mean: f64) -> Option<String> {
     let reason = "for highlights and caustics seen through glass";
     (mean > 0.0).then(|| format!("and {mean:.2} rays per pixel up to the first diffuse surface, {reason}"))

@@ -37,7 +37,7 @@ impl SourceText {
 
     /// Returns the text of the scene file.
     #[must_use]
-    pub fn text(&self) -> &str {
+    pub fn scene_text(&self) -> &str {
         &self.text
     }
 
@@ -180,7 +180,7 @@ impl SceneError {
 
     fn new(source: &SourceText, span: Span, message: String, label: Option<String>, help: String) -> Self {
         // Clamp the span to its first line and to the text: an importer may pass any span.
-        let text = source.text();
+        let text = source.scene_text();
         let start = text.floor_char_boundary(span.start.min(text.len()));
         let most = span.len.min(MAX_UNDERLINED_BYTES);
         let mut end = text.floor_char_boundary(start.saturating_add(most).min(text.len())).max(start);
@@ -283,7 +283,7 @@ impl Diagnostic for SceneError {
 ///
 /// Escaping keeps a terminal from executing them. `None` if there are no such characters.
 fn escape_near_span(source: &SourceText, span: Span) -> Option<(SourceText, Span)> {
-    let text = source.text();
+    let text = source.scene_text();
     let is_unsafe = |c: char| c.is_control() && !['\n', '\r', '\t'].contains(&c);
     let from = text.floor_char_boundary(span.start.saturating_sub(CONTEXT_BYTES));
     let to = text.ceil_char_boundary((span.start + span.len).saturating_add(CONTEXT_BYTES).min(text.len()));

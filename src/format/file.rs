@@ -157,6 +157,7 @@ impl SceneFile {
 
 #[cfg(test)]
 mod tests {
+    use super::super::extensions::remedy_for_foreign_scene;
     use super::IMPORTERS;
     use std::collections::HashSet;
 
@@ -167,6 +168,8 @@ mod tests {
             for extension in importer.extensions() {
                 assert!(known.insert(extension), "{extension} is read by two importers");
                 assert_eq!(**extension, extension.to_ascii_lowercase());
+                let remedy = remedy_for_foreign_scene(extension);
+                assert_eq!(remedy, None, "{extension} is read, and listed as unread or as a mesh");
             }
         }
     }

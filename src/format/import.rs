@@ -9,8 +9,18 @@ use std::path::{Path, PathBuf};
 
 /// Reader of scenes in one file format.
 ///
-/// To add a format, implement this trait. Then add the type to [`IMPORTERS`](super::IMPORTERS). A
-/// file goes to the first importer that lists its extension.
+/// To add a format, implement this trait. Then add the type to [`IMPORTERS`](super::IMPORTERS), and
+/// remove its extensions from the lists of unread formats in `extensions.rs`.
+///
+/// An importer checks what the scene language checks in its own files: values lie in their ranges
+/// (see [`description`](super::description)), and groups nest at most
+/// [`MAX_NESTING_DEPTH`](super::MAX_NESTING_DEPTH) deep. The paths of its
+/// [`EmbeddedAssets`] must not name files beside the scene, because an asset hides a file of the same
+/// path. Messages about unsupported content come from `import_notes.rs`, and sizes of binary data
+/// are checked by `framing.rs`.
+///
+/// Malformed files are tested by a function in `tests/it/robustness/input/readers.rs`, a folder of
+/// `tests/corpus/` and its line in `corpus.rs` beside the readers.
 pub trait SceneImporter: Sync {
     /// Returns the name of the scene format, for messages.
     fn name(&self) -> &'static str;

@@ -276,7 +276,7 @@ fn scatter_at_caster<I: Interior>(
 
     // Add direct light at glossy casters, unless photons carry the light that goes over this
     // caster.
-    if !surface.bsdf.is_specular() && policy.direct_light && may_add_found_light(policy, path.history) {
+    if !surface.bsdf.is_specular() && policy.direct_light && may_add_light_after(policy, path.history) {
         let direct = path.throughput * nee.estimate_direct_light(&vertex, continues, task);
         *radiance += weigh_found_light(direct, path, weights, task);
     }
@@ -436,7 +436,7 @@ fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bo
 ///
 /// False if that light forms a caustic and the policy leaves caustics to photons.
 #[inline]
-fn may_add_found_light(policy: &PathPolicy, history: PathHistory) -> bool {
+fn may_add_light_after(policy: &PathPolicy, history: PathHistory) -> bool {
     policy.adds_caustics || !history.is_caustic()
 }
 
@@ -446,7 +446,7 @@ fn may_add_found_light(policy: &PathPolicy, history: PathHistory) -> bool {
 /// are off, because next-event estimation then samples only the centers of area lights.
 #[inline]
 fn may_add_hit_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
-    (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && may_add_found_light(policy, path.history)
+    (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && may_add_light_after(policy, path.history)
 }
 
 /// Returns the MIS weight of emission at `hit` against next-event estimation at `prev`; 1 if `hit`

@@ -46,10 +46,9 @@
 //! | struct | content | lifetime |
 //! | --- | --- | --- |
 //! | `PathContext` | scene, policy, photon maps, limits | pass |
-//! | `PathTask` | the five structs below, and counts of rays | tile, or chunk of a pilot |
-//! | `PrefixLightSums` | weights and sums of light up to the first receiver | pixel |
-//! | `PathInputs` | film position, shutter slice, weights of indirect light | camera ray |
-//! | `PixelState` | light kept apart from the radiance, such as light groups | pixel |
+//! | `CameraRay` | inputs of a path: ray, sampler, film position, shutter slice, weights | camera ray |
+//! | `PathTask` | the three structs below, and counts of rays | tile, or chunk of a pilot |
+//! | `PixelLight` | light kept apart from the radiance, such as light groups | pixel |
 //! | `PilotRecords` | what pilots take from the task | task |
 //! | `ScratchBuffers` | reused memory | vertex or medium segment |
 //! | `PathState` | ray, throughput and history of one branch | until the branch ends |

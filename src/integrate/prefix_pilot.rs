@@ -43,8 +43,8 @@ const WHOLE_PICTURES: u32 = 2;
 /// ray per pixel each.
 const PREFIX_PICTURES: u32 = 4;
 
-/// Number of the prefix-ray pilot's pictures whose prefix rays read photon maps, at the pixels that
-/// [`find_lookup_candidates`] selects.
+/// Number of the [`PREFIX_PICTURES`] in which prefix rays also read photon maps. They do so only at
+/// the pixels that [`find_lookup_candidates`] selects.
 const LOOKUP_PICTURES: u32 = 2;
 
 /// Least divisor of the number of photon paths of a pass: the prefix-ray pilot traces at most a

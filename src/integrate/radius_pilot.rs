@@ -58,7 +58,7 @@ const MAX_CASTERS: u32 = 8;
 
 /// Target for the number of beams or photons within the kernel radius of a camera ray. The median
 /// over rays reaches it; rays without beams or photons do not count.
-const MEDIAN_COUNT: f64 = 64.0;
+const TARGET_MEDIAN_KERNEL_COUNT: f64 = 64.0;
 
 /// Smallest kernel radius of photon beams, divided by the width of a pixel's footprint in the
 /// medium.
@@ -199,7 +199,7 @@ pub(super) fn find_volume_kernel_radii(
         let mut counts: Vec<f64> = counts.into_iter().filter(|n| *n > 0.0).collect();
         counts.sort_by(f64::total_cmp);
         let median = counts.get(counts.len() / 2).copied().unwrap_or(1.0);
-        let ratio = libm::pow(MEDIAN_COUNT / (median * more), 1.0 / f64::from(dimensions)) as f32;
+        let ratio = libm::pow(TARGET_MEDIAN_KERNEL_COUNT / (median * more), 1.0 / f64::from(dimensions)) as f32;
         (trial * ratio).clamp(size * MIN_RADIUS, size * MAX_RADIUS)
     };
     let (beam_dimensions, point_dimensions) = settings.volume.kernel_dimensions();

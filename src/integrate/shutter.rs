@@ -70,7 +70,7 @@ pub(super) struct SlicedCameras<'a> {
 /// ray takes each slice with the same probability. If there are more slices than rays, neighbouring
 /// pixels take different slices.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RaySlices {
+pub(super) struct PixelRaySlices {
     slices: u32,
     rays: u32,
     stride: u32,
@@ -78,7 +78,7 @@ pub(super) struct RaySlices {
     offset: f64,
 }
 
-impl RaySlices {
+impl PixelRaySlices {
     /// Division of the camera rays of a pass with a single slice of the shutter interval.
     pub const WHOLE: Self = Self { slices: 1, rays: 1, stride: 1, offset: 0.0 };
 
@@ -103,13 +103,13 @@ impl RaySlices {
 impl SlicedCameras<'_> {
     /// Returns how the `rays` camera rays of the pixel in column `x`, row `y` are divided among the
     /// slices of the shutter interval.
-    pub fn divide_rays(&self, x: u32, y: u32, rays: u32) -> RaySlices {
+    pub fn divide_rays(&self, x: u32, y: u32, rays: u32) -> PixelRaySlices {
         let (key, rays) = (self.key.pixel_key(x, y), rays.max(1));
         // Multiples of the golden ratio shift the strata evenly from pass to pass.
         let shift = f64::from(self.pass.wrapping_mul(0x9e37_79b9)) / 4_294_967_296.0;
         let within = (f64::from(key.uniform_1d(Dimension::Time)) + shift).fract();
         let whole = (key.pass_key(self.pass).uniform_1d(Dimension::Time) * rays as f32).floor();
-        RaySlices {
+        PixelRaySlices {
             slices: self.cameras.len() as u32,
             rays,
             stride: spreading_stride(rays),

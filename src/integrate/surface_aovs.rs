@@ -10,7 +10,7 @@ use crate::bsdf::TransportMode;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{
-    Effect, Effects, FilmMotion, Interior, PathEvent, PathRay, Scene, SurfaceInteraction, for_interior,
+    Effect, Effects, FilmMotionMeter, Interior, PathEvent, PathRay, Scene, SurfaceInteraction, for_interior,
 };
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -129,7 +129,7 @@ struct SceneAtTime<'a> {
     time: f64,
     film: FilmSampling<'a>,
     /// Measure of motion on the film; `None` if nothing moves.
-    motion: Option<FilmMotion>,
+    motion: Option<FilmMotionMeter>,
     effects: Effects,
     /// True if rays follow specular surfaces.
     follows_specular: bool,
@@ -155,7 +155,7 @@ pub fn render_surface_aovs(
     monitor.begin_stage(PassStage::Camera, u64::from(width) * u64::from(height));
 
     // Spread the rays of a pixel over the shutter interval.
-    let motion = FilmMotion::new(scene).filter(|_| effects.has(Effect::Motion));
+    let motion = FilmMotionMeter::new(scene).filter(|_| effects.has(Effect::Motion));
     let times: Vec<f64> = (0..rays).map(|ray| (f64::from(ray) + 0.5) / f64::from(rays)).collect();
     let moved: Vec<Scene> =
         if motion.is_some() { times.iter().map(|time| scene.at_time(*time)).collect() } else { Vec::new() };

@@ -6,7 +6,7 @@ use super::nested_estimates::NestedEstimates;
 use super::pass::{PassStage, ProgressMonitor};
 use super::path_task::PathTask;
 use super::prefix_rays::{PrefixRayCount, PrefixWeights};
-use super::shutter::{RaySlices, SlicedCameras};
+use super::shutter::{PixelRaySlices, SlicedCameras};
 use crate::camera::{Camera, CropWindow, Filter, FilterSample};
 use crate::color::Rgb;
 use crate::math::{CompensatedSum, Ray, gcd};
@@ -68,7 +68,7 @@ struct PixelRays {
     /// Number of rays.
     count: u32,
     /// Division of the rays among the slices of the shutter interval.
-    slices: RaySlices,
+    slices: PixelRaySlices,
     /// Weights of the light that the rays find up to their first receiver.
     prefix_weights: PrefixWeights,
 }
@@ -256,8 +256,8 @@ impl FilmSampling<'_> {
 
     /// Returns the division of the `rays` rays of the pixel in column `x`, row `y` among the slices
     /// of the shutter interval.
-    fn divide_rays(&self, x: u32, y: u32, rays: u32) -> RaySlices {
-        self.slices.as_ref().map_or(RaySlices::WHOLE, |slices| slices.divide_rays(x, y, rays))
+    fn divide_rays(&self, x: u32, y: u32, rays: u32) -> PixelRaySlices {
+        self.slices.as_ref().map_or(PixelRaySlices::WHOLE, |slices| slices.divide_rays(x, y, rays))
     }
 
     /// Samples a film position around the pixel whose upper left corner is `corner`, by the pixel

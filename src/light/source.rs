@@ -72,7 +72,10 @@ pub(super) enum LightGeometry<'a> {
 ///
 /// Three methods have defaults. A delta light must implement `nominal_strength`. A light that
 /// cannot reach all of space should implement `may_illuminate`, so that fewer photons miss the
-/// caustic casters. A light with a texture must implement `untextured_light`.
+/// caustic casters. A light with a texture must implement `untextured_light`. Lights at one
+/// position implement [`PositionalLight`](super::point::PositionalLight) instead, which has a
+/// default for the cone of emitted directions too: it is right for every light, but a light that
+/// emits into a narrower cone is then sampled with more noise.
 pub(super) trait LightSource {
     /// Position, direction or surface from which the light comes.
     fn geometry(&self) -> LightGeometry<'_>;

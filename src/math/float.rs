@@ -33,7 +33,7 @@ pub fn quadratic_roots(a: f64, b: f64, c: f64, discriminant: f64) -> Option<(f64
 /// Sine and cosine of the angle 2π·`turns`, for `turns` in \[−1, 1], within one ulp.
 ///
 /// Whole quarter turns are subtracted exactly. Taylor polynomials evaluate the remaining angle,
-/// with an error below 2⁻³⁰ (Cody and Waite 1980, chapter 8).
+/// with an error below 2⁻²⁹ (Cody and Waite 1980, chapter 8).
 #[inline]
 #[must_use]
 pub fn sin_cos_turns(turns: f32) -> (f32, f32) {

@@ -7,14 +7,14 @@ use glam::{Vec2, Vec3};
 
 /// Cameras at both ends of the shutter interval, which measure motion on the film.
 #[derive(Clone, Copy, Debug)]
-pub struct FilmMotion {
+pub struct FilmMotionMeter {
     /// Camera at the opening of the shutter.
     opening: Camera,
     /// Camera at the closing of the shutter.
     closing: Camera,
 }
 
-impl FilmMotion {
+impl FilmMotionMeter {
     /// Makes the measure of `scene`; `None` if nothing moves.
     #[must_use]
     pub fn new(scene: &Scene) -> Option<Self> {

@@ -26,7 +26,7 @@ pub use build::SceneBuilder;
 pub use delta_light::{LegacyLight, LightStrength};
 pub use effects::{CASTERS, Effect, Effects};
 pub use error::BuildError;
-pub use film_motion::FilmMotion;
+pub use film_motion::FilmMotionMeter;
 pub use geometry::Hit;
 pub(crate) use interiors::for_interior;
 pub use interiors::{

@@ -20,7 +20,7 @@ const FILM_POINTS: u32 = 5;
 
 /// Cameras and pixel sizes with which the motion of points while the shutter is open is measured in
 /// pixels.
-struct FilmMotionMeasure {
+struct FilmMotionExtent {
     /// The camera at times 0, 1/[`STEPS`], …, 1 of the shutter interval.
     cameras: Vec<Camera>,
     /// Width and height of the film \[pixels].
@@ -29,7 +29,7 @@ struct FilmMotionMeasure {
     pixel: f64,
 }
 
-impl FilmMotionMeasure {
+impl FilmMotionExtent {
     fn new(scene: &Scene) -> Self {
         let moved = |step| match scene.animation.as_ref().and_then(|animation| animation.camera.as_ref()) {
             Some((camera, motion)) => {
@@ -107,7 +107,7 @@ fn moved_from_mid_shutter(motion: &Motion, point: DVec3) -> impl Fn(u32) -> DVec
 #[must_use]
 pub fn motion_on_film(scene: &Scene) -> f32 {
     let Some(animation) = &scene.animation else { return 0.0 };
-    let film = FilmMotionMeasure::new(scene);
+    let film = FilmMotionExtent::new(scene);
     let mut longest = 0.0f64;
 
     // Measure moving shapes by the corners of their boxes.

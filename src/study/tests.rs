@@ -63,7 +63,7 @@ fn unneeded_caustics_cost_rays_and_change_no_bit() {
     assert!(work.work_of_effect(Effect::Caustics).unwrap().rays >= 4000);
 }
 
-/// `whitted` samples point lights without noise, so shadows brighten no pixel.
+/// `whitted` samples point lights without noise. So no pixel is brighter with shadows than without.
 #[test]
 fn shadows_only_remove_light() {
     let found = run_effect_study(

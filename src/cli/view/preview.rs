@@ -4,7 +4,7 @@ use crate::color::Rgb;
 use crate::integrate::{Algorithm, ProgressMonitor, Settings};
 use crate::scene::Scene;
 
-/// Largest number of pixels of a preview.
+/// Largest number of pixels of a preview, up to the rounding of its width and height.
 const MAX_PIXELS: f64 = 20_000.0;
 
 /// Number of camera paths per pixel of a preview.

@@ -61,7 +61,7 @@ pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScen
     match read {
         Ok((file, resolved, reused)) => {
             reused.into_iter().for_each(|reused| files.add_all(reused));
-            let text = file.source.text();
+            let text = file.source.scene_text();
             let text = if text.len() as u64 <= MAX_SOURCE_BYTES { text } else { "" };
             let warnings = quick_scene_warnings(&file, &resolved.scene, &arguments.scene);
             let source = SceneSource { name, text: text.into(), problems: Vec::new(), warnings };

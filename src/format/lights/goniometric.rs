@@ -87,7 +87,7 @@ impl LightBlock for GoniometricLightDescription {
             // The intensity map of a profile is symmetric about its up direction. So `up` is the
             // light's axis.
             IntensityDistribution::Profile(path) => {
-                (read_intensity_profile(r, path)?, direction.any_orthogonal_vector(), direction)
+                (read_profile_as_map(r, path)?, direction.any_orthogonal_vector(), direction)
             }
         };
         let pattern = IntensityPattern::Map(Arc::new(map));
@@ -104,7 +104,7 @@ impl LightBlock for GoniometricLightDescription {
 }
 
 /// Returns the intensity map of the profile in the file `path`.
-fn read_intensity_profile(r: &Resolver<'_>, path: &Spanned<String>) -> Result<EquirectangularMap, SceneError> {
+fn read_profile_as_map(r: &Resolver<'_>, path: &Spanned<String>) -> Result<EquirectangularMap, SceneError> {
     let help = "write an angle from 0 to 180 degrees and an intensity per line, in ascending order";
     let refuse = |message: &str| r.file_error(path, &message, help);
     let text = std::fs::read_to_string(r.find_file("profile", path)?).map_err(|e| refuse(&e.to_string()))?;

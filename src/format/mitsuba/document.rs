@@ -111,7 +111,7 @@ impl CurrentFile {
     fn element_place(&self, node: &Node<'_, '_>) -> MitsubaPlace {
         let range = node.range();
         let (offset, line) = self.last.get();
-        let text = self.source.text().as_bytes();
+        let text = self.source.scene_text().as_bytes();
         let newlines = |bytes: &[u8]| bytes.iter().filter(|byte| **byte == b'\n').count() as u32;
         let line = if range.start >= offset {
             line + newlines(&text[offset..range.start])

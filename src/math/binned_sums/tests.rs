@@ -80,7 +80,8 @@ fn common_values_are_summed_exactly() {
     assert_eq!(sum_of(&values).value(0)[0], exact as f64 / libm::exp2(60.0));
 }
 
-/// The smallest f32 is summed exactly, and the largest number of largest squares has a finite sum.
+/// The smallest f32 is summed exactly. The sum of 2³¹ terms, each three times the
+/// square of the largest f32, is finite.
 #[test]
 fn whole_range_of_floats_is_held() {
     let tiny = f64::from(f32::from_bits(1));

@@ -15,8 +15,8 @@ const BLOCK: u32 = 16;
 /// mean difference between radiance by shared paths and radiance by unshared paths.
 #[derive(Clone, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct SharedPathErrorSums {
-    /// Indices of the pixels that each pass also renders with unshared camera paths, in rows from
-    /// the top.
+    /// Indices of the pixels that each pass renders a second time, with camera paths of its own
+    /// instead of those that all passes share. Pixels are counted in rows from the top.
     pixels: Vec<u32>,
     /// Sum over passes of radiance by shared paths minus radiance by unshared paths, for each pixel
     /// and channel.

@@ -1,6 +1,6 @@
 //! Removal of objects that bound dielectric bodies without any effect on light.
 
-use super::object::{Extent, MeshData, ObjectGeometry, SceneObject};
+use super::object::{Extent, MergedMeshes, ObjectGeometry, SceneObject};
 use crate::scene::Material;
 
 /// Removes objects that bound a [`Body`](crate::scene::Body) of refractive index 1 without
@@ -11,10 +11,10 @@ use crate::scene::Material;
 /// emits light, or if its box overlaps the box of a body other than air.
 pub(super) fn cull_index_matched(
     mut objects: Vec<SceneObject>,
-    mut mesh: MeshData,
+    mut mesh: MergedMeshes,
     materials: &[Material],
     has_ambient_medium: bool,
-) -> (Vec<SceneObject>, MeshData) {
+) -> (Vec<SceneObject>, MergedMeshes) {
     let is_air = |material: u32| materials[material as usize].bounded_body().is_some_and(|body| body.is_air());
     if has_ambient_medium || !(0..materials.len() as u32).any(is_air) {
         return (objects, mesh);

@@ -26,7 +26,7 @@ use cull_index_matched::{cull_index_matched, may_bound_body};
 use glam::{DVec2, DVec3, Vec3};
 use lights::{CollectedLights, DeltaLight, collect_lights};
 use media::place_media;
-use object::{MeshData, ObjectGeometry, SceneObject};
+use object::{MergedMeshes, ObjectGeometry, SceneObject};
 use place::{PlacedObjects, place_camera, place_objects};
 use recenter::choose_scene_origin;
 use std::sync::Arc;
@@ -44,7 +44,7 @@ pub struct SceneBuilder {
     textures: Vec<Arc<Texture>>,
     objects: Vec<SceneObject>,
     /// The triangles of all mesh objects.
-    mesh: MeshData,
+    mesh: MergedMeshes,
     delta_lights: Vec<DeltaLight>,
     camera_motion: Option<Motion>,
 }

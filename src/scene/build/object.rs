@@ -33,7 +33,7 @@ pub(super) struct SceneObject {
 #[expect(clippy::large_enum_variant, reason = "lives only while the scene is built")]
 pub(super) enum ObjectGeometry {
     Shape(Shape),
-    /// A range of triangles of the scene's [`MeshData`].
+    /// A range of triangles of the scene's [`MergedMeshes`].
     Mesh(Range<u32>),
     Plane(Plane),
 }
@@ -41,7 +41,7 @@ pub(super) enum ObjectGeometry {
 impl SceneObject {
     /// Bounding box of an object at rest; `None` for planes, moving objects, and meshes without
     /// triangles.
-    pub fn extent(&self, mesh: &MeshData) -> Option<Extent> {
+    pub fn extent(&self, mesh: &MergedMeshes) -> Option<Extent> {
         match &self.geometry {
             ObjectGeometry::Shape(shape) if self.motion.is_none() => Some(shape.bounds_f64()),
             ObjectGeometry::Mesh(range) => mesh.extent(range.clone()),
@@ -73,7 +73,7 @@ impl SceneObject {
 
 /// The vertices and triangles of all mesh objects, in world coordinates.
 #[derive(Debug, Default)]
-pub(super) struct MeshData {
+pub(super) struct MergedMeshes {
     positions: Vec<DVec3>,
     /// Unit vertex normals; zero for a mesh without normals. Shorter than `positions` if the meshes
     /// added last have none.
@@ -84,7 +84,7 @@ pub(super) struct MeshData {
     pub triangles: Vec<Triangle>,
 }
 
-impl MeshData {
+impl MergedMeshes {
     /// Adds a mesh, and returns the range of its triangles. Triangles of zero area are dropped.
     pub fn add_mesh(&mut self, positions: &[DVec3], normals: &[Vec3], triangles: &[Triangle]) -> Range<u32> {
         let (base, first) = (self.positions.len() as u32, self.triangles.len() as u32);

@@ -1,6 +1,6 @@
 //! Conversion of objects from world coordinates to scene coordinates, at mid-shutter.
 
-use super::object::{MeshData, ObjectGeometry, SceneObject};
+use super::object::{MergedMeshes, ObjectGeometry, SceneObject};
 use crate::camera::Camera;
 use crate::math::Motion;
 use crate::scene::BuildError;
@@ -48,7 +48,7 @@ pub(super) struct PlacedTextureMappings {
 /// to `origin`, at mid-shutter.
 pub(super) fn place_objects(
     mut objects: Vec<SceneObject>,
-    mesh: MeshData,
+    mesh: MergedMeshes,
     origin: DVec3,
 ) -> Result<PlacedObjects, BuildError> {
     objects.sort_by_key(SceneObject::object_sort_key);

@@ -1,6 +1,6 @@
 //! Choosing the origin of scene coordinates.
 
-use super::object::{Extent, MeshData, ObjectGeometry, SceneObject};
+use super::object::{Extent, MergedMeshes, ObjectGeometry, SceneObject};
 use crate::camera::Camera;
 use crate::scene::BuildError;
 use crate::scene::animation::{MID_SHUTTER, shape_at_time};
@@ -32,7 +32,7 @@ struct FineDetailRegion {
 /// position if the scene has no bounded objects.
 pub(super) fn choose_scene_origin(
     objects: &[SceneObject],
-    mesh: &MeshData,
+    mesh: &MergedMeshes,
     camera: &Camera,
 ) -> Result<DVec3, BuildError> {
     let (mut resting, mut moving, mut meshes) = (Vec::new(), Vec::new(), Vec::new());

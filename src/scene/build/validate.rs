@@ -1,6 +1,6 @@
 //! Checks that a scene can be rendered in single precision.
 
-use super::object::{MeshData, ObjectGeometry, SceneObject};
+use super::object::{MergedMeshes, ObjectGeometry, SceneObject};
 use super::place::PlacedGeometry;
 use crate::color;
 use crate::math::Bounds;
@@ -19,7 +19,7 @@ const MIN_EXTENT: f32 = 1.0 / 549_755_813_888.0;
 
 /// Checks that no unbounded plane emits, and that triangle indices fit 31 bits. Else the error is
 /// [`BuildError::EmissivePlane`] or [`BuildError::TooManyTriangles`].
-pub(super) fn validate_objects(objects: &[SceneObject], mesh: &MeshData) -> Result<(), BuildError> {
+pub(super) fn validate_objects(objects: &[SceneObject], mesh: &MergedMeshes) -> Result<(), BuildError> {
     let emits = |object: &SceneObject| matches!(object.geometry, ObjectGeometry::Plane(_)) && object.emits();
     if objects.iter().any(emits) {
         return Err(BuildError::EmissivePlane);
