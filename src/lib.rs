@@ -80,9 +80,9 @@
 //!
 //! # The path of one camera ray
 //!
-//! 1. [`Integrator::render_pass`](integrate::Integrator::render_pass) calls `render_tiles` after the
-//!    photons are traced. `render_tiles` renders the tiles of the picture in parallel, pixel by pixel.
-//!    For each sample of a pixel, the reconstruction filter chooses a point, and
+//! 1. After the photons are traced, [`Integrator::render_pass`](integrate::Integrator::render_pass)
+//!    calls `render_tiles`. This renders the tiles of the picture in parallel, pixel by pixel. For
+//!    each sample of a pixel, the reconstruction filter chooses a point, and
 //!    [`Camera::generate_ray`] makes a ray through it.
 //! 2. `camera_path::trace_camera_path` returns the radiance along this ray. It calls
 //!    [`PathRay::next_vertex`](scene::PathRay::next_vertex) for each vertex of the path.

@@ -46,7 +46,7 @@
 //! | struct | content | lifetime |
 //! | --- | --- | --- |
 //! | `PathContext` | scene, policy, photon maps, limits | pass |
-//! | `CameraRay` | inputs of a path: ray, sampler, film position, shutter slice, weights | camera ray |
+//! | `CameraRay` | ray, sampler, film position, shutter slice, weights | camera ray |
 //! | `PathTask` | the three structs below, and counts of rays | tile, or chunk of a pilot |
 //! | `PixelLight` | light kept apart from the radiance, such as light groups | pixel |
 //! | `PilotRecords` | what pilots take from the task | task |
