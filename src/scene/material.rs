@@ -25,11 +25,10 @@ pub struct Material {
 /// The scattering model of a material, with its parameters.
 ///
 /// For a new kind, the compiler asks for an arm in each match, but not for the right one. If the
-/// roughness decides whether the surface stores photons,
-/// [`MaterialKind::roughness_decides_photon_storage`] is true, and [`MaterialKind::bsdf`] reads the
-/// roughness by `evaluate_photon_storage_roughness`: camera and photon paths must find the same
-/// kind of BSDF at a point. `visit_bsdf_variants` visits each BSDF that a texture can make of it. A
-/// coat over a base needs [`MaterialKind::is_chosen_by_chance`].
+/// roughness decides whether the surface stores photons, `roughness_decides_photon_storage` is
+/// true, and `bsdf` reads the roughness by `evaluate_photon_storage_roughness`: camera and photon
+/// paths must find the same kind of BSDF at a point. `visit_bsdf_variants` visits each BSDF that a
+/// texture can make of it. A coat over a base needs `is_chosen_by_chance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MaterialKind {
     /// A surface that absorbs all light.
