@@ -125,7 +125,9 @@ fn films_of_other_renders_are_refused() {
     sandbox.put("wood.png", sandbox.bytes("wood1.png"));
     let textured = "Textures { Image wood { file wood.png } }\nMaterials {\n    Diffuse wooden { reflectance wood }";
     let textured = super::BOX.replacen("Materials {", textured, 1);
-    let mesh = format!("{textured}\nGroup {{ MaterialName wooden  TriangleMesh {{ obj_file ball.obj }} }}\n");
+    let objects = "MaterialName wooden  Sphere { center 0 1 0 radius .2 }\n\
+                   MaterialName white  TriangleMesh { obj_file ball.obj }";
+    let mesh = format!("{textured}\nGroup {{ {objects} }}\n");
     sandbox.put("mesh.txt", &mesh);
     sandbox.render("mesh.txt", &flags("a", 1, "--film a.film")).expect(0, &[]);
     let before = sandbox.bytes("a.film");
