@@ -3,10 +3,10 @@
 //! `CAUSTICA_BLESS=1 cargo test --test it golden` writes new ones: look at each before you commit
 //! it.
 //!
-//! Renders are designed to have the same bits on any machine, with one exception. The crate kiddo
-//! may sum over photons in another order on machines with other vector instructions, which changes
-//! the last bits. A byte then changes by one level, if the value is at the border of two levels. So
-//! a difference of 1 level is allowed in 1 of 200 bytes.
+//! Renders have the same bits on all x86-64 machines, if they are built as `.cargo/config.toml`
+//! says. On other architectures, the crate kiddo may sum over photons in another order, which
+//! changes the last bits. A byte then changes by one level, if the value is at the border of two
+//! levels. So a difference of 1 level is allowed in 1 of 200 bytes.
 
 use crate::support::project_path;
 use caustica::format::SceneFile;
