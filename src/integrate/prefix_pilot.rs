@@ -20,12 +20,14 @@
 
 use super::balance;
 use super::camera_path;
+use super::lamp_image_pilot::{ImageInPixel, find_lamp_images};
+use super::lamp_images::{LampImages, PixelLampImage};
 use super::map_builder::MapBuildOptions;
 use super::pass::{Pass, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::pilot_statistics::{box_mean, positive_median};
-use super::prefix_rays::{PrefixLightSums, PrefixRayCount, PrefixRayCounts};
+use super::prefix_rays::{AimedRayWeights, PrefixLightSums, PrefixRayCount, PrefixRayCounts};
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
 use crate::plan::Effect;
@@ -74,6 +76,16 @@ const MIN_MEAN_COUNT: f64 = 1e-3;
 /// mean variance of one camera path over all pixels. The pilot compares v·n²/V with this threshold.
 /// In passes, more estimates pay only if v·n²/V is about eight times larger.
 const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
+
+/// Largest number of images of lamps at which the rays of a pixel are aimed.
+const MAX_PIXEL_IMAGES: usize = 16;
+
+/// Largest number of prefix rays of a pixel that are aimed at images of lamps.
+const MAX_AIMED_RAYS: f64 = 64.0;
+
+/// Number of aimed rays that the pictures of the prefix-ray pilot assume in a pixel with images of
+/// lamps.
+const ASSUMED_AIMED_RAYS: u8 = 8;
 
 /// Running mean and sum of squared differences from it (Welford 1962).
 #[derive(Clone, Copy, Debug, Default)]
@@ -126,6 +138,12 @@ struct PixelVariance {
     up_to_receiver: f64,
     /// Variance of the photon estimate at the first receiver.
     photons: f64,
+    /// Squared light of the images of lamps at which rays may be aimed.
+    ///
+    /// It is about the variance that one aimed ray has.
+    aimed: f64,
+    /// Variance of the light of these images if no rays are aimed at them.
+    unaimed: f64,
 }
 
 /// Returns the number of [prefix rays](super::prefix_rays) that each pixel should get; `None` if
@@ -139,6 +157,11 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         return None;
     }
 
+    // Find images of lamps.
+    let (width, height) = scene.camera().size();
+    let found_images = find_lamp_images(renderer);
+    let lamp_images = images_of_pixels(&found_images, width as usize * height as usize);
+
     // Trace the pictures of the pilot.
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::PrefixRays);
     let mut out = Pass::default();
@@ -148,11 +171,10 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, divisor) };
         renderer.map_builder.build_with_options(&options, &SilentMonitor, &mut out)
     });
-    let (width, height) = scene.camera().size();
     let mut light = vec![PixelLightStatistics::default(); width as usize * height as usize];
     let mut whole_work = Counters::default();
     for i in 0..WHOLE_PICTURES {
-        let picture = render_light_parts(renderer, maps.as_ref(), i, |_| PathParts::Whole);
+        let picture = render_light_parts(renderer, maps.as_ref(), &lamp_images, i, |_| PathParts::Whole);
         light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
             let before = parts.x - light.after_receiver.mean;
             light.after_receiver.add(parts.x);
@@ -162,13 +184,13 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         });
         whole_work += picture.counters;
     }
-    let candidates = pixel_variances(&light, width as usize, height as usize)
+    let candidates = pixel_variances(&light, &found_images, (width as usize, height as usize))
         .map_or_else(|| vec![false; light.len()], |variances| find_lookup_candidates(&variances, renderer.samples));
     let candidate_count = candidates.iter().filter(|candidate| **candidate).count();
     let (mut ray_work, mut lookup_work) = (Counters::default(), Counters::default());
     for i in WHOLE_PICTURES..WHOLE_PICTURES + PREFIX_PICTURES {
         let looks_up = |pixel: usize| i < WHOLE_PICTURES + LOOKUP_PICTURES && candidates[pixel];
-        let picture = render_light_parts(renderer, maps.as_ref(), i, |center| {
+        let picture = render_light_parts(renderer, maps.as_ref(), &lamp_images, i, |center| {
             let pixel = center.y as usize * width as usize + center.x as usize;
             if looks_up(pixel) { PathParts::PrefixWithLookup } else { PathParts::Prefix }
         });
@@ -203,11 +225,10 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         lookup: lookup(&lookup_work) / traced_lookups,
     };
 
-    let variances = pixel_variances(&light, width as usize, height as usize)?;
+    let variances = pixel_variances(&light, &found_images, (width as usize, height as usize))?;
     let counts = efficient_ray_counts(&variances, renderer.samples, &work)?;
-    let (rays, lookups) = counts
-        .iter()
-        .fold((0, 0), |(rays, lookups), count| (rays + u64::from(count.rays), lookups + u64::from(count.lookups)));
+    let sum = |number: fn(&PrefixRayCount) -> u8| counts.iter().map(|count| u64::from(number(count))).sum::<u64>();
+    let (rays, lookups) = (sum(|count| count.rays) + sum(|count| count.aimed), sum(|count| count.lookups));
     let scaled = |n: u64, total: u64, traced: f64| (n as f64 * total as f64 / traced).round() as u64;
     let expected_work = Counters {
         camera_rays: rays,
@@ -217,7 +238,26 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         gathered_photons: scaled(lookup_work.gathered_photons * u64::from(divisor), lookups, traced_lookups),
         ..Counters::default()
     };
-    Some(PrefixRayCounts { counts: counts.into(), expected_work })
+    let lamp_images = lamp_images.in_pixels(|pixel| counts[pixel].aimed > 0);
+    Some(PrefixRayCounts { counts: counts.into(), lamp_images, expected_work })
+}
+
+/// Returns the images of lamps in each of a picture's `pixels` pixels, from `found`, which is sorted
+/// by pixels.
+///
+/// An image gets a share of the aimed rays of a pixel in proportion to its light in the pixel. Of
+/// many images, the [`MAX_PIXEL_IMAGES`] with most light remain.
+fn images_of_pixels(found: &[ImageInPixel], pixels: usize) -> LampImages {
+    let mut images = vec![Vec::new(); pixels];
+    for in_pixel in found.chunk_by(|a, b| a.pixel == b.pixel) {
+        let mut brightest: Vec<&ImageInPixel> = in_pixel.iter().collect();
+        brightest.sort_by(|a, b| b.light.total_cmp(&a.light));
+        brightest.truncate(MAX_PIXEL_IMAGES);
+        let total: f64 = brightest.iter().map(|image| image.light).sum();
+        let share = |image: &&ImageInPixel| PixelLampImage { image: image.image, share: (image.light / total) as f32 };
+        images[in_pixel[0].pixel as usize] = brightest.iter().map(share).collect();
+    }
+    LampImages::from_pixels(&images)
 }
 
 /// Parts of a camera path that the prefix-ray pilot traces.
@@ -249,10 +289,12 @@ fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool
 ///
 /// The channels of a pixel hold three parts of its light. First comes the light after the first
 /// receiver, then emission and direct light up to it, then the photon estimate. Each is averaged
-/// over RGB.
+/// over RGB. The light up to the first receiver has the weight that it will have if
+/// [`ASSUMED_AIMED_RAYS`] rays are aimed at the images of lamps in each pixel that has some.
 fn render_light_parts(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,
+    lamp_images: &LampImages,
     i: u32,
     parts: impl Fn(Vec2) -> PathParts + Sync,
 ) -> FilmImage {
@@ -261,10 +303,21 @@ fn render_light_parts(
     let pilot = renderer.with_one_sample();
     let (paths, key) = (pilot.path_context(maps, pass), pilot.prefix_ray_key(pass));
     let sampling = tiles::FilmSampling { nested: false, ..pilot.film_sampling(pass) };
+    let (width, _) = renderer.scene.camera().size();
+    let aimed = PrefixRayCount { aimed: ASSUMED_AIMED_RAYS, ..PrefixRayCount::default() };
+    let weights = AimedRayWeights::new(renderer.samples, aimed);
     for_interior!(pilot.policy.effects, <I> {
         tiles::render_tiles(&sampling, key, &SilentMonitor, |ray, sampler, task, branches| {
-            let parts = parts(task.inputs.film_position);
+            let center = task.inputs.film_position;
+            let parts = parts(center);
+            let images = lamp_images.of_pixel(center.y as usize * width as usize + center.x as usize);
+            let up_to_receiver_weight = if images.is_empty() {
+                1.0
+            } else {
+                sampling.up_to_receiver_weight(images, &weights, center - 0.5, sampler)
+            };
             task.prefix = PrefixLightSums {
+                up_to_receiver_weight,
                 ends_at_receiver: parts != PathParts::Whole,
                 lookups: u32::from(parts != PathParts::Prefix),
                 ..PrefixLightSums::default()
@@ -280,19 +333,26 @@ fn render_light_parts(
 
 /// Returns the relative variances of one ray of each pixel; `None` if the picture is black.
 ///
-/// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ its median over
-/// the picture. This measure lies between the absolute error, which neglects dark pixels, and the
-/// relative error, which neglects bright ones.
-fn pixel_variances(light: &[PixelLightStatistics], width: usize, height: usize) -> Option<Vec<PixelVariance>> {
-    let mean: Vec<f32> = light.iter().map(|l| l.after_receiver.mean + l.up_to_receiver.mean + l.photons.mean).collect();
-    let median = positive_median(mean.iter().map(|l| f64::from(*l)))?;
+/// `light` is that of the pilot's pictures, without the light of `images`. `size` is the picture's
+/// (width, height). Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ its
+/// median over the picture. This measure lies between the absolute error, which neglects dark pixels,
+/// and the relative error, which neglects bright ones.
+fn pixel_variances(
+    light: &[PixelLightStatistics],
+    images: &[ImageInPixel],
+    size: (usize, usize),
+) -> Option<Vec<PixelVariance>> {
+    let mut mean: Vec<f64> =
+        light.iter().map(|l| f64::from(l.after_receiver.mean + l.up_to_receiver.mean + l.photons.mean)).collect();
+    images.iter().for_each(|image| mean[image.pixel as usize] += image.light);
+    let median = positive_median(mean.iter().copied())?;
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
     // keeps detail, a larger one includes rare bright rays.
-    let box_mean = |value: &dyn Fn(usize) -> f64, i: usize, reach: usize| box_mean(value, i, reach, (width, height));
+    let box_mean = |value: &dyn Fn(usize) -> f64, i: usize, reach: usize| box_mean(value, i, reach, size);
     let smoothed = |value: &dyn Fn(usize) -> f64, i: usize| 0.5 * (box_mean(value, i, 1) + box_mean(value, i, 4));
+    let scale = |i: usize| 1.0 / (median * (box_mean(&|i| mean[i], i, 1) + median));
     let variance = |i: usize| {
-        let brightness = box_mean(&|i| f64::from(mean[i]), i, 1);
-        let scale = 1.0 / (median * (brightness + median));
+        let scale = scale(i);
         let up_to_receiver = smoothed(&|i| light[i].up_to_receiver.variance(), i);
         let covariance = smoothed(&|i| light[i].products, i) / f64::from(WHOLE_PICTURES - 1);
         let photons = smoothed(&|i| light[i].photons.variance(), i);
@@ -300,9 +360,17 @@ fn pixel_variances(light: &[PixelLightStatistics], width: usize, height: usize) 
             after_receiver: box_mean(&|i| light[i].after_receiver.variance(), i, 1) * scale,
             up_to_receiver: (up_to_receiver + 2.0 * covariance.min(0.0)).max(0.0) * scale,
             photons: photons * scale,
+            ..PixelVariance::default()
         }
     };
-    Some((0..light.len()).into_par_iter().map(variance).collect())
+    let mut variances: Vec<PixelVariance> = (0..light.len()).into_par_iter().map(variance).collect();
+    for in_pixel in images.chunk_by(|a, b| a.pixel == b.pixel) {
+        let pixel = in_pixel[0].pixel as usize;
+        let sum = |value: fn(&ImageInPixel) -> f64| in_pixel.iter().map(value).sum::<f64>();
+        variances[pixel].aimed = sum(|image| image.light).powi(2) * scale(pixel);
+        variances[pixel].unaimed = sum(|image| image.mean_square) * scale(pixel);
+    }
+    Some(variances)
 }
 
 /// Work of the parts of a pass, relative to tracing one photon ray.
@@ -327,19 +395,22 @@ struct PassWork {
 fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWork) -> Option<Vec<PrefixRayCount>> {
     let n = f64::from(samples);
     let (ray_scale, lookup_scale) = (1.0 / work.prefix_ray.sqrt(), 1.0 / (work.prefix_ray + work.lookup).sqrt());
-    // Numbers of prefix rays and of photon lookups in a pixel. They give all pixels the same
-    // derivative of variance by work: −1/scale².
+    // Numbers of prefix rays, of photon lookups and of aimed rays in a pixel. They give all pixels the
+    // same derivative of variance by work: −1/scale².
     let count = |v: &PixelVariance, scale: f64| {
         // `max` ignores NaN, so a NaN variance gives no ray.
         let whole = |n: f64| n.max(0.0).floor().min(f64::from(u8::MAX));
         let lookups = whole(v.photons.sqrt() * scale * lookup_scale - 1.0);
-        (whole(v.up_to_receiver.sqrt() * scale * ray_scale - n).max(lookups), lookups)
+        let rays = whole(v.up_to_receiver.sqrt() * scale * ray_scale - n).max(lookups);
+        let pays = v.unaimed / n * scale * scale > work.prefix_ray;
+        let aimed = if pays { whole(v.aimed.sqrt() * scale * ray_scale).clamp(1.0, MAX_AIMED_RAYS) } else { 0.0 };
+        (rays, lookups, aimed)
     };
     let pixels = variances.len() as f64;
     let prefix_work = |scale: f64| {
         let pixel_work = |v: &PixelVariance| {
-            let (rays, lookups) = count(v, scale);
-            work.prefix_ray * rays + work.lookup * lookups
+            let (rays, lookups, aimed) = count(v, scale);
+            work.prefix_ray * (rays + aimed) + work.lookup * lookups
         };
         variances.iter().map(pixel_work).sum::<f64>() / pixels
     };
@@ -347,8 +418,12 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
     let photon_variance_factor = rest_work / work.camera.max(f64::MIN_POSITIVE);
     let variance = |scale: f64| {
         let pixel_variance = |v: &PixelVariance| {
-            let (rays, lookups) = count(v, scale);
-            photon_variance_factor * v.after_receiver / n + v.up_to_receiver / (n + rays) + v.photons / (1.0 + lookups)
+            let (rays, lookups, aimed) = count(v, scale);
+            let images = if aimed > 0.0 { v.aimed / aimed } else { v.unaimed / n };
+            photon_variance_factor * v.after_receiver / n
+                + v.up_to_receiver / (n + rays)
+                + v.photons / (1.0 + lookups)
+                + images
         };
         variances.iter().map(pixel_variance).sum::<f64>() / pixels
     };
@@ -373,11 +448,11 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
         scale = low;
     }
     let whole = |v: &PixelVariance| {
-        let (rays, lookups) = count(v, scale);
-        PrefixRayCount { rays: rays as u8, lookups: lookups as u8 }
+        let (rays, lookups, aimed) = count(v, scale);
+        PrefixRayCount { rays: rays as u8, lookups: lookups as u8, aimed: aimed as u8 }
     };
     let counts: Vec<PrefixRayCount> = variances.iter().map(whole).collect();
-    let mean = counts.iter().map(|n| f64::from(n.rays)).sum::<f64>() / pixels;
+    let mean = counts.iter().map(|n| f64::from(n.rays) + f64::from(n.aimed)).sum::<f64>() / pixels;
     (mean >= MIN_MEAN_COUNT).then_some(counts)
 }
 

@@ -4,7 +4,8 @@ use super::light_group::{GroupedLight, LightGroup};
 use super::nested_estimates::NestedEstimates;
 use super::pass::{PassStage, ProgressMonitor};
 use super::path_task::PathTask;
-use super::prefix_rays::{PrefixLightSums, PrefixRayCount};
+use super::lamp_images::{LampImages, PixelLampImage, aimed_pdf, sample_aimed_film_point};
+use super::prefix_rays::{AimedRayWeights, PrefixLightSums, PrefixRayCount};
 use super::shutter::{RaySlices, SlicedCameras};
 use crate::camera::{Camera, CropWindow, Filter, FilterSample};
 use crate::color::Rgb;
@@ -13,7 +14,6 @@ use crate::sampling::{Dimension, Key, Sampler};
 use crate::stats::Counters;
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
-use std::iter;
 
 /// Edge length of a tile \[pixels]. Pixels of a tile share cached photons and bounding boxes.
 const TILE_SIZE: u32 = 16;
@@ -56,10 +56,14 @@ pub(super) struct PrefixRays<'a> {
     /// top.
     pub counts: &'a [PrefixRayCount],
     pub key: Key,
+    /// Images of lamps in each pixel, at which some prefix rays are aimed.
+    pub lamp_images: &'a LampImages,
+    /// Random key of the rays that are aimed.
+    pub aimed_key: Key,
 }
 
 /// Camera rays or prefix rays of one pixel: their number, shutter times, random key and weights.
-struct PixelRays {
+struct PixelRays<'a> {
     /// Random key of the rays.
     key: Key,
     /// Number of rays.
@@ -68,6 +72,20 @@ struct PixelRays {
     slices: RaySlices,
     /// Weights of the light that the rays find up to their first receiver.
     light_weights: PrefixLightSums,
+    /// Images of lamps at which prefix rays of the pixel are aimed, and the weights of light up to
+    /// the receiver that follow for each ray; `None` if no ray is aimed.
+    aimed: Option<(&'a [PixelLampImage], AimedRayWeights)>,
+    /// True if these rays are aimed; false if the pixel filter distributes them.
+    is_aimed: bool,
+}
+
+/// A camera ray of a pixel with its weights.
+struct PixelRay {
+    ray: Ray,
+    /// Weight of the ray by the pixel filter.
+    filter_weight: f32,
+    /// Weight of the light that the ray finds up to its first receiver.
+    up_to_receiver_weight: f32,
 }
 
 /// Rendered window of a picture with the counters of its camera rays.
@@ -219,24 +237,106 @@ impl FilmSampling<'_> {
 
     /// Returns the camera rays of the pixel in column `x`, row `y` of the whole picture, and its
     /// prefix rays, if it has any. `key` is the random key of the picture's camera rays.
-    fn rays_of_pixel(&self, key: Key, x: u32, y: u32) -> (PixelRays, Option<PixelRays>) {
+    fn rays_of_pixel(&self, key: Key, x: u32, y: u32) -> [Option<PixelRays<'_>>; 3] {
         let index = y as usize * self.camera.size().0 as usize + x as usize;
         let (samples, prefix) = (self.ray_count(index), self.prefix_ray_count(index));
         let slices = self.divide_rays(x, y, samples);
         let used_slices = slices.used_slice_count();
+        let aimed = self.prefix_rays.filter(|_| prefix.aimed > 0);
+        let aimed =
+            aimed.map(|rays| (rays.lamp_images.of_pixel(index), AimedRayWeights::new(samples, prefix)));
         let camera_rays = PixelRays {
             key: key.pixel_key(x, y),
             count: samples,
             slices,
             light_weights: PrefixLightSums::camera_path_weights(samples, used_slices, prefix),
+            aimed,
+            is_aimed: false,
         };
         let prefix_rays = self.prefix_rays.filter(|_| prefix.rays > 0).map(|PrefixRays { key, .. }| PixelRays {
             key: key.pixel_key(x, y),
             count: prefix.rays.into(),
             slices: self.divide_rays(x, y, prefix.rays.into()),
             light_weights: PrefixLightSums::prefix_ray_weights(samples, used_slices, prefix),
+            aimed,
+            is_aimed: false,
         });
-        (camera_rays, prefix_rays)
+        let aimed_rays = self.prefix_rays.filter(|_| prefix.aimed > 0).map(|PrefixRays { aimed_key, .. }| PixelRays {
+            key: aimed_key.pixel_key(x, y),
+            count: prefix.aimed.into(),
+            slices: self.divide_rays(x, y, prefix.aimed.into()),
+            light_weights: PrefixLightSums::aimed_ray_weights(),
+            aimed,
+            is_aimed: true,
+        });
+        [Some(camera_rays), prefix_rays, aimed_rays]
+    }
+
+    /// Makes the ray of `sampler` in slice `slice` of the shutter interval, one of the `rays` of the
+    /// pixel whose upper left corner is `corner`.
+    #[inline]
+    fn generate_pixel_ray(&self, rays: &PixelRays<'_>, slice: usize, corner: Vec2, sampler: Sampler) -> PixelRay {
+        match (&rays.aimed, self.filter) {
+            (Some((images, weights)), Some(filter)) => {
+                self.generate_weighted_ray(images, weights, filter, rays.is_aimed, slice, corner, sampler)
+            }
+            _ => {
+                let (ray, filter_weight) = self.generate_ray(slice, corner, sampler);
+                PixelRay { ray, filter_weight, up_to_receiver_weight: rays.light_weights.up_to_receiver_weight }
+            }
+        }
+    }
+
+    /// Makes a ray as [`FilmSampling::generate_pixel_ray`] does, in a pixel of which prefix rays are
+    /// aimed at `images`.
+    #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "the body of its caller, kept out of the loop over rays")]
+    fn generate_weighted_ray(
+        &self,
+        images: &[PixelLampImage],
+        weights: &AimedRayWeights,
+        filter: &Filter,
+        is_aimed: bool,
+        slice: usize,
+        corner: Vec2,
+        sampler: Sampler,
+    ) -> PixelRay {
+        let on_lens = self.lens_point(sampler);
+        let film = if is_aimed {
+            sample_aimed_film_point(images, sampler, on_lens)
+        } else {
+            self.film_position(corner, sampler).0
+        };
+        let lens = self.lens.then(|| sampler.get_2d(Dimension::Lens));
+        let camera = self.slices.as_ref().map_or(self.camera, |slices| slices.cameras[slice]);
+        let offset = film - (corner + 0.5);
+        PixelRay {
+            ray: camera.generate_ray(film, lens),
+            filter_weight: filter.sample_weight(offset),
+            up_to_receiver_weight: weights
+                .up_to_receiver_weight(filter.sample_pdf(offset), aimed_pdf(images, film, on_lens)),
+        }
+    }
+
+    /// Returns the point of the lens through which the ray of `sampler` goes \[length right and up
+    /// from its center].
+    fn lens_point(&self, sampler: Sampler) -> Vec2 {
+        if self.lens { self.camera.sample_lens(sampler.get_2d(Dimension::Lens)).as_vec2() } else { Vec2::ZERO }
+    }
+
+    /// Returns the weight of light that the ray of `sampler` finds up to its first receiver, through
+    /// the pixel whose upper left corner is `corner`, if rays of the pixel are aimed at `images`.
+    pub fn up_to_receiver_weight(
+        &self,
+        images: &[PixelLampImage],
+        weights: &AimedRayWeights,
+        corner: Vec2,
+        sampler: Sampler,
+    ) -> f32 {
+        let Some(filter) = self.filter else { return 1.0 };
+        let (film, _) = self.film_position(corner, sampler);
+        let pdf = filter.sample_pdf(film - (corner + 0.5));
+        weights.up_to_receiver_weight(pdf, aimed_pdf(images, film, self.lens_point(sampler)))
     }
 
     /// Makes the camera ray of `sampler` in slice `slice` of the shutter interval, through the
@@ -344,16 +444,18 @@ fn render_pixel<T>(
     let corner = Vec2::new(x as f32, y as f32);
     let mut sums = PixelSums::default();
     task.inputs.film_position = corner + 0.5;
-    let (camera_rays, prefix_rays) = sampling.rays_of_pixel(key, x, y);
-    let samples = camera_rays.count;
-    for rays in iter::once(camera_rays).chain(prefix_rays) {
+    let kinds_of_rays = sampling.rays_of_pixel(key, x, y);
+    let samples = kinds_of_rays[0].as_ref().map_or(1, |camera_rays| camera_rays.count);
+    for rays in kinds_of_rays.iter().flatten() {
         task.prefix = rays.light_weights;
         let is_prefix_ray = rays.light_weights.ends_at_receiver;
         for index in 0..rays.count {
             // Trace one ray.
             let sampler = Sampler::new(rays.key, index, rays.count);
             task.inputs.shutter_slice = rays.slices.slice(index);
-            let (ray, weight) = sampling.generate_ray(task.inputs.shutter_slice, corner, sampler);
+            let PixelRay { ray, filter_weight: weight, up_to_receiver_weight } =
+                sampling.generate_pixel_ray(rays, task.inputs.shutter_slice, corner, sampler);
+            task.prefix.up_to_receiver_weight = up_to_receiver_weight;
             task.counters.camera_rays += 1;
             task.pixel.photon_radiance = Rgb::ZERO;
             let mut value = trace_camera_path(&ray, sampler, task, branches);

@@ -6,7 +6,7 @@ use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, Settings};
 use caustica::scene::{Material, Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape, Sphere};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
 /// Edge of an orthographic film \[length].
@@ -88,4 +88,66 @@ fn prefix_rays_keep_light_of_mirrored_caustics() {
     assert_mean("without prefix rays", &without, landing_flux(), 5e-3 * POWER, 0.04);
     let (error, usual) = (mean_and_error(&with).1, mean_and_error(&without).1);
     assert!(error < 0.5 * usual, "{error} with, {usual} without prefix rays");
+}
+
+/// Renders `scene` with prefix rays, and compares the mean of the picture with `expected`, up to a
+/// relative tolerance of 2·10⁻³.
+///
+/// The lamp's image covers less than 1/15 of a pixel, so 400 camera rays alone would have a standard
+/// error above 20 % or meet no light. Aimed prefix rays must bring it below 2 %.
+fn check_aimed_rays(scene: &Scene, expected: f64) {
+    let means = picture_means(scene, Settings { balance: false, ..camera_ray_settings(4, 100) }, 100);
+    assert_mean("with aimed prefix rays", &means, expected, 2e-3 * expected, 0.02);
+}
+
+/// A lamp in a mirror ball keeps its light.
+///
+/// A ball of radius R reflects parallel rays evenly, so the image of a lamp of solid angle Ω has the
+/// area R²Ω/4. The distance of the lamp, 1000 R, changes this by about 10⁻³.
+#[test]
+fn aimed_rays_keep_light_of_lamps_in_mirror_balls() {
+    let (distance, lamp_radius, film) = (1000.0, 4.0, 2.2);
+    let mut b = SceneBuilder::new();
+    let mirror = b.add_material(Material::mirror(grey(1.0)));
+    let lamp = b.add_material(Material::black());
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), mirror, grey(0.0));
+    let towards_lamp = dvec3(3f64.sqrt(), 0.3, 1.0).normalize();
+    b.add_shape(Shape::Sphere(Sphere::new(towards_lamp * distance, lamp_radius)), lamp, grey(1e4));
+    let camera = Camera::orthographic(DVec3::Z * 4.0, DVec3::NEG_Z, DVec3::Y, film, SIZE, SIZE).unwrap();
+    let solid_angle = 2.0 * PI * (1.0 - (1.0 - (lamp_radius / distance).powi(2)).sqrt());
+    check_aimed_rays(&b.build(camera).unwrap(), 1e4 * 0.25 * solid_angle / (film * film));
+}
+
+/// A lamp behind a glass ball keeps its light.
+///
+/// The camera, the ball's center and the lamp lie on one line. So a ray at distance h from this line
+/// stays in a plane, in which Snell's law gives its way.
+#[test]
+fn aimed_rays_keep_light_of_lamps_behind_glass_balls() {
+    const IOR: f64 = 1.5;
+    let (distance, lamp_radius) = (200.0, 0.3);
+    let mut b = SceneBuilder::new();
+    let glass = b.add_material(Material::dielectric(IOR as f32, grey(0.0)));
+    let lamp = b.add_material(Material::black());
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, grey(0.0));
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::NEG_Z * distance, lamp_radius)), lamp, grey(1e4));
+    let eye = dvec3(0.0031, 0.0017, 4.0);
+    let camera = Camera::orthographic(eye, DVec3::NEG_Z, DVec3::Y, FILM, SIZE, SIZE).unwrap();
+    // Fraction of the light of the lamp that a ray at distance h from the axis receives.
+    let received = |h: f64| {
+        let (outside, inside) = (libm::asin(h), libm::asin(h / IOR));
+        let reflectance = fresnel_reflectance((1.0 - h * h).sqrt(), IOR);
+        let after = |reflections: i32| {
+            // Angles in the plane of the ray, from the direction towards the camera.
+            let exit = outside + f64::from(reflections + 1) * (PI - 2.0 * inside);
+            let direction = DVec2::new(libm::sin(exit + outside), libm::cos(exit + outside));
+            let to_lamp = DVec2::new(-libm::sin(exit), -distance - libm::cos(exit));
+            let hits = to_lamp.dot(direction) > 0.0 && to_lamp.perp_dot(direction).abs() < lamp_radius;
+            if hits { (1.0 - reflectance).powi(2) * reflectance.powi(reflections) } else { 0.0 }
+        };
+        (0..6).map(after).sum::<f64>()
+    };
+    let ring = |h: f64| 2.0 * PI * h * received(h);
+    let expected = 1e4 * midpoint_integral(0.0, 0.5 * FILM, 1_000_000, ring) / (FILM * FILM);
+    check_aimed_rays(&b.build(camera).unwrap(), expected);
 }

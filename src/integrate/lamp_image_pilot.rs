@@ -1,0 +1,313 @@
+//! Pilot that finds the images of small lamps which camera rays see directly or over specular
+//! surfaces.
+//!
+//! The pilot traces camera rays with their neighbours over all chains of specular vertices. Where
+//! the linear approximation says that a lamp has an image nearby, it moves the film point to that
+//! image by Newton's method, with the point on the lens fixed. So an image is found that covers a
+//! tiny part of a pixel. This is the search of Zeltner, Georgiev and Jakob 2020 ("Specular manifold
+//! sampling"), with the film point as unknown. An image counts only if a camera ray there hits the
+//! lamp.
+
+use super::lamp_images::LampImage;
+use super::pass_renderer::PassRenderer;
+use super::specular_chain::{CameraPoint, LampPassage, LampSphere, RayBundle, SpecularChain};
+use crate::camera::{Camera, Filter};
+use crate::color;
+use crate::light::{Light, LightSurface};
+use crate::plan::{Effect, Effects};
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::scene::{Interior, PathEvent, Scene, for_interior};
+use glam::{DVec2, Vec2};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+/// Number of camera rays per pixel that search images of lamps.
+const RAYS: u32 = 4;
+
+/// Largest number of lamps whose images are searched.
+const MAX_LAMPS: usize = 64;
+
+/// Least throughput, as a mean over RGB, of a chain of specular vertices that is followed.
+///
+/// Camera paths split at smooth glass down to this throughput; below, they take a chain by chance.
+const MIN_THROUGHPUT: f32 = 1e-3;
+
+/// Largest distance from a camera ray of the pilot to the image that it searches, along each axis
+/// \[pixels].
+const MAX_DISTANCE: f64 = 1.0;
+
+/// Largest area of an image at which rays are aimed \[pixels²]. Rays of the pixel find larger ones.
+const MAX_AREA: f64 = 0.5;
+
+/// Largest number of images that one camera ray of the pilot searches.
+const MAX_SEARCHES: usize = 8;
+
+/// Largest number of Newton steps of a search.
+const MAX_STEPS: u32 = 8;
+
+/// Distance from the center of the lamp at which a search ends, relative to the lamp's radius.
+const END_MISS: f64 = 0.5;
+
+/// Image of a lamp that the pilot has found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FoundLampImage {
+    pub image: LampImage,
+    /// Index of the light in the scene.
+    light: u32,
+    chain: SpecularChain,
+    /// Radiance in the image, averaged over RGB \[W/(m² sr)].
+    radiance: f32,
+}
+
+/// Light of an image in a pixel, averaged over RGB.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ImageInPixel {
+    /// Index of the pixel, by rows from the top.
+    pub pixel: u32,
+    pub image: LampImage,
+    /// Radiance that the image adds to the pixel \[W/(m² sr)].
+    pub light: f64,
+    /// Mean square of the radiance that a camera ray of the pixel finds in the image.
+    pub mean_square: f64,
+}
+
+/// A lamp near a camera ray of the pilot, whose image may be near.
+struct Candidate {
+    chain: SpecularChain,
+    lamp: LampSphere,
+    to_image: DVec2,
+    /// Predicted integral of the squared radiance over the image, on which the noise depends.
+    noise: f64,
+}
+
+/// Returns the images of lamps in each pixel, by pixels. A pixel has an image for each that the
+/// pixel filter reaches.
+pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<ImageInPixel> {
+    let scene = renderer.scene;
+    let lamps = lamp_spheres(scene);
+    if lamps.is_empty() {
+        return Vec::new();
+    }
+    let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::LampImages);
+    let effects = renderer.policy.effects;
+    let search = ImageSearch { scene, effects, lamps, key };
+    let (_, height) = scene.camera().size();
+    let found: Vec<FoundLampImage> = for_interior!(effects, <I> {
+        (0..height).into_par_iter().flat_map_iter(|y| search.images_in_row::<I>(y)).collect()
+    });
+    let images = distinct_images(found);
+    let has_lens = effects.has(Effect::Lens);
+    images_by_pixel(&images, scene.camera(), &renderer.settings.camera_paths.filter, has_lens)
+}
+
+/// Returns spheres around the brightest lamps of `scene` that are analytic shapes.
+fn lamp_spheres(scene: &Scene) -> Vec<LampSphere> {
+    let mut lamps: Vec<(f32, LampSphere)> = Vec::new();
+    for (light, area) in scene.lights().iter().map(Light::as_area_light).enumerate() {
+        let Some(area) = area else { continue };
+        let LightSurface::Shape(shape) = &area.surface else { continue };
+        let bounds = shape.bounds();
+        let sphere = LampSphere {
+            center: bounds.center().as_dvec3(),
+            radius: 0.5 * f64::from(bounds.extent().max_element()),
+            light: light as u32,
+        };
+        lamps.push((color::channel_mean(area.radiance), sphere));
+    }
+    lamps.sort_by(|a, b| b.0.total_cmp(&a.0));
+    lamps.into_iter().map(|(_, lamp)| lamp).take(MAX_LAMPS).collect()
+}
+
+/// Search for images of lamps.
+struct ImageSearch<'a> {
+    scene: &'a Scene,
+    effects: Effects,
+    lamps: Vec<LampSphere>,
+    key: Key,
+}
+
+impl ImageSearch<'_> {
+    /// Returns the images that camera rays through row `y` find. An image may be found several
+    /// times.
+    fn images_in_row<I: Interior>(&self, y: u32) -> Vec<FoundLampImage> {
+        let camera = self.scene.camera();
+        let has_lens = self.effects.has(Effect::Lens) && camera.lens().is_some();
+        let mut found = Vec::new();
+        let (mut candidates, mut stack) = (Vec::new(), Vec::new());
+        for x in 0..camera.size().0 {
+            for index in 0..RAYS {
+                let sampler = Sampler::new(self.key.pixel_key(x, y), index, RAYS);
+                let point = CameraPoint {
+                    film: Vec2::new(x as f32, y as f32) + sampler.get_2d(Dimension::Film),
+                    on_lens: has_lens.then(|| camera.sample_lens(sampler.get_2d(Dimension::Lens))),
+                };
+                self.find_candidates::<I>(point, sampler, &mut candidates, &mut stack);
+                candidates.sort_by(|a: &Candidate, b: &Candidate| b.noise.total_cmp(&a.noise));
+                candidates.truncate(MAX_SEARCHES);
+                found.extend(
+                    candidates.drain(..).filter_map(|candidate| self.search_image::<I>(point, sampler, &candidate)),
+                );
+            }
+        }
+        found
+    }
+
+    /// Adds the lamps near the camera ray through `point` to `candidates`. `stack` is empty before
+    /// and after.
+    fn find_candidates<I: Interior>(
+        &self,
+        point: CameraPoint,
+        sampler: Sampler,
+        candidates: &mut Vec<Candidate>,
+        stack: &mut Vec<RayBundle<I>>,
+    ) {
+        stack.push(RayBundle::from_camera(self.scene, self.effects, point, sampler));
+        while let Some(bundle) = stack.pop() {
+            let mut traced = bundle;
+            let event = traced.next_vertex(self.scene);
+            if bundle.has_wavelength() {
+                continue;
+            }
+            let reach = match &event {
+                PathEvent::Surface(vertex) => f64::from(vertex.distance),
+                PathEvent::Escaped { .. } => f64::INFINITY,
+                PathEvent::Scattered { .. } => 0.0,
+            };
+            for lamp in &self.lamps {
+                let Some(passage) = bundle.lamp_passage(lamp, reach) else { continue };
+                let LampPassage { to_image, to_disc, .. } = passage;
+                let area = std::f64::consts::PI / to_disc.determinant().abs();
+                if to_image.abs().max_element() <= MAX_DISTANCE && area <= MAX_AREA {
+                    let radiance = color::channel_mean(bundle.throughput) * self.lamp_radiance(lamp);
+                    let noise = area * f64::from(radiance).powi(2);
+                    candidates.push(Candidate { chain: bundle.chain, lamp: *lamp, to_image, noise });
+                }
+            }
+            if let PathEvent::Surface(vertex) = event {
+                stack.extend(traced.scatter(self.scene, &vertex, MIN_THROUGHPUT).into_iter().flatten());
+            }
+        }
+    }
+
+    /// Radiance of `lamp`, averaged over RGB and its surface \[W/(m² sr)].
+    fn lamp_radiance(&self, lamp: &LampSphere) -> f32 {
+        let area = self.scene.lights()[lamp.light as usize].as_area_light();
+        area.map_or(0.0, |area| color::channel_mean(area.radiance))
+    }
+
+    /// Moves the film point of `start` to the image of `candidate` by Newton's method. Returns the
+    /// image; `None` if the search fails, or if the lamp is hidden.
+    fn search_image<I: Interior>(
+        &self,
+        start: CameraPoint,
+        sampler: Sampler,
+        candidate: &Candidate,
+    ) -> Option<FoundLampImage> {
+        let Candidate { chain, lamp, .. } = *candidate;
+        let mut from = start.film;
+        let mut step = candidate.to_image.as_vec2();
+        for _ in 0..MAX_STEPS {
+            let point = CameraPoint { film: from + step, ..start };
+            let bundle = RayBundle::<I>::follow(self.scene, self.effects, point, sampler, chain);
+            let passage = bundle.and_then(|bundle| Some((bundle, bundle.lamp_passage(&lamp, f64::INFINITY)?)));
+            let Some((mut bundle, passage)) = passage else {
+                step *= 0.5;
+                continue;
+            };
+            if passage.miss > END_MISS {
+                from = point.film;
+                let largest = passage.to_image.abs().max_element();
+                step = (passage.to_image * (MAX_DISTANCE / largest).min(1.0)).as_vec2();
+                if !((from + step - start.film).abs().max_element() <= 3.0 * MAX_DISTANCE as f32) {
+                    return None;
+                }
+                continue;
+            }
+            let PathEvent::Surface(hit) = bundle.next_vertex(self.scene) else { return None };
+            if hit.surface.light != Some(lamp.light) {
+                return None;
+            }
+            let radiance = color::channel_mean(bundle.throughput * hit.transmittance * hit.surface.emission);
+            let lens_shift = passage.lens_shift.as_mat2();
+            let on_lens = start.on_lens.map_or(Vec2::ZERO, |on_lens| on_lens.as_vec2());
+            let image = LampImage {
+                center: point.film + passage.to_image.as_vec2() - lens_shift * on_lens,
+                lens_shift,
+                to_disc: passage.to_disc.as_mat2(),
+            };
+            let valid = image.area() <= MAX_AREA as f32 && image.half_extent().is_finite() && radiance > 0.0;
+            return valid.then_some(FoundLampImage { image, light: lamp.light, chain, radiance });
+        }
+        None
+    }
+}
+
+/// Returns `found` without repetitions: of images of one lamp over the same chain that cover each
+/// other's centers, the first stays.
+fn distinct_images(found: Vec<FoundLampImage>) -> Vec<FoundLampImage> {
+    let mut distinct: Vec<FoundLampImage> = Vec::new();
+    let mut by_cell: HashMap<(i32, i32), Vec<u32>> = HashMap::new();
+    for image in found {
+        let cell = image.image.center.floor().as_ivec2();
+        let covers = |other: &FoundLampImage| {
+            other.light == image.light
+                && other.chain == image.chain
+                && other.image.disc_point(image.image.center, Vec2::ZERO).length_squared() < 1.0
+        };
+        let mut neighbours = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (cell.x + dx, cell.y + dy)));
+        let is_known = neighbours.any(|cell| {
+            by_cell.get(&cell).is_some_and(|images| images.iter().any(|i| covers(&distinct[*i as usize])))
+        });
+        if !is_known {
+            by_cell.entry((cell.x, cell.y)).or_default().push(distinct.len() as u32);
+            distinct.push(image);
+        }
+    }
+    distinct
+}
+
+/// Returns the images of `images` in each pixel that the pixel filter reaches, sorted by pixels.
+fn images_by_pixel(images: &[FoundLampImage], camera: &Camera, filter: &Filter, has_lens: bool) -> Vec<ImageInPixel> {
+    let (width, height) = camera.size();
+    let lens_radius = if has_lens { camera.lens().map_or(0.0, |lens| lens.radius as f32) } else { 0.0 };
+    let quarters = || [0.25, 0.75].into_iter().flat_map(|y| [0.25, 0.75].map(|x| Vec2::new(x, y)));
+    let lens_points: Vec<Vec2> = if lens_radius > 0.0 {
+        quarters().map(|u| camera.sample_lens(u).as_vec2()).collect()
+    } else {
+        vec![Vec2::ZERO]
+    };
+    let mut in_pixels = Vec::new();
+    for FoundLampImage { image, radiance, .. } in images {
+        let area = f64::from(image.area());
+        let points = lens_points.iter().flat_map(|on_lens| quarters().map(|u| image.film_point(2.0 * u - 1.0, *on_lens)));
+        let points: Vec<Vec2> = points.collect();
+        let moved = Vec2::new(image.lens_shift.row(0).length(), image.lens_shift.row(1).length()) * lens_radius;
+        let reach = image.half_extent() + moved + filter.radius() + 0.5;
+        let (low, high) = (image.center - reach, image.center + reach);
+        let range = |low: f32, high: f32, end: u32| (low.max(0.0) as u32).min(end)..(high.max(0.0).ceil() as u32).min(end);
+        for y in range(low.y, high.y, height) {
+            for x in range(low.x, high.x, width) {
+                let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+                let value = |p: &Vec2| {
+                    let offset = *p - center;
+                    f64::from((filter.normalized_value(offset.x) * filter.normalized_value(offset.y)).abs())
+                };
+                let covered = area * points.iter().map(value).sum::<f64>() / points.len() as f64;
+                if covered > 0.0 {
+                    let radiance = f64::from(*radiance);
+                    in_pixels.push(ImageInPixel {
+                        pixel: y * width + x,
+                        image: *image,
+                        light: radiance * covered,
+                        mean_square: radiance * radiance * covered,
+                    });
+                }
+            }
+        }
+    }
+    in_pixels.sort_by_key(|image| image.pixel);
+    in_pixels
+}
+
+#[cfg(test)]
+mod tests;
