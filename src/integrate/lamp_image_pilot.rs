@@ -22,28 +22,37 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Number of camera rays per pixel that search images of lamps.
-const RAYS: u32 = 4;
+const RAYS: u32 = 16;
 
 /// Largest number of lamps whose images are searched.
 const MAX_LAMPS: usize = 64;
 
 /// Least throughput, as a mean over RGB, of a chain of specular vertices that is followed.
 ///
-/// Camera paths split at smooth glass down to this throughput; below, they take a chain by chance.
-const MIN_THROUGHPUT: f32 = 1e-3;
+/// The noise of an image is proportional to the squared throughput. This one keeps chains with one
+/// reflection at glass, and leaves out those with two.
+const MIN_THROUGHPUT: f32 = 0.02;
 
 /// Largest distance from a camera ray of the pilot to the image that it searches, along each axis
 /// \[pixels].
 const MAX_DISTANCE: f64 = 1.0;
 
 /// Largest area of an image at which rays are aimed \[pixels²]. Rays of the pixel find larger ones.
-const MAX_AREA: f64 = 0.5;
+const MAX_AREA: f64 = 1.0;
 
-/// Largest number of images that one camera ray of the pilot searches.
-const MAX_SEARCHES: usize = 8;
+/// Edge length of the square of pixels in which images are searched together \[pixels].
+const TILE_SIZE: u32 = 16;
+
+/// Largest number of failed or repeated searches in a tile, per pixel. It limits the work of the
+/// pilot; the candidates with most noise come first.
+const MAX_VAIN_SEARCHES_PER_PIXEL: f64 = 2.0;
 
 /// Largest number of Newton steps of a search.
 const MAX_STEPS: u32 = 8;
+
+/// Distance between a known image and a predicted one within which both count as one, relative to
+/// the distance between the predicted image and the camera ray that predicts it.
+const KNOWN_DISTANCE: f32 = 0.2;
 
 /// Distance from the center of the lamp at which a search ends, relative to the lamp's radius.
 const END_MISS: f64 = 0.5;
@@ -73,9 +82,16 @@ pub(super) struct ImageInPixel {
 
 /// A lamp near a camera ray of the pilot, whose image may be near.
 struct Candidate {
+    /// Film point and lens point of the camera ray.
+    point: CameraPoint,
+    /// Sampler of the camera ray.
+    sampler: Sampler,
     chain: SpecularChain,
     lamp: LampSphere,
+    /// Vector on the film from the camera ray to the predicted center of the image \[pixels].
     to_image: DVec2,
+    /// Predicted shift of the image by the point on the lens \[pixels].
+    lens_shift: DVec2,
     /// Predicted integral of the squared radiance over the image, on which the noise depends.
     noise: f64,
 }
@@ -91,9 +107,12 @@ pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<ImageInPixel>
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::LampImages);
     let effects = renderer.policy.effects;
     let search = ImageSearch { scene, effects, lamps, key };
-    let (_, height) = scene.camera().size();
+    let (width, height) = scene.camera().size();
+    let columns = width.div_ceil(TILE_SIZE);
+    let tiles = columns * height.div_ceil(TILE_SIZE);
     let found: Vec<FoundLampImage> = for_interior!(effects, <I> {
-        (0..height).into_par_iter().flat_map_iter(|y| search.images_in_row::<I>(y)).collect()
+        let images = |tile| search.images_in_tile::<I>(tile % columns * TILE_SIZE, tile / columns * TILE_SIZE);
+        (0..tiles).into_par_iter().flat_map_iter(images).collect()
     });
     let images = distinct_images(found);
     let has_lens = effects.has(Effect::Lens);
@@ -127,14 +146,18 @@ struct ImageSearch<'a> {
 }
 
 impl ImageSearch<'_> {
-    /// Returns the images that camera rays through row `y` find. An image may be found several
-    /// times.
-    fn images_in_row<I: Interior>(&self, y: u32) -> Vec<FoundLampImage> {
+    /// Returns the distinct images that camera rays find through the tile whose upper left pixel is in
+    /// column `left`, row `top`.
+    fn images_in_tile<I: Interior>(&self, left: u32, top: u32) -> Vec<FoundLampImage> {
         let camera = self.scene.camera();
+        let (width, height) = camera.size();
         let has_lens = self.effects.has(Effect::Lens) && camera.lens().is_some();
-        let mut found = Vec::new();
+        let (columns, rows) = (left..width.min(left + TILE_SIZE), top..height.min(top + TILE_SIZE));
+        let pixels = f64::from(columns.end - left) * f64::from(rows.end - top);
+
+        // Find lamps near camera rays.
         let (mut candidates, mut stack) = (Vec::new(), Vec::new());
-        for x in 0..camera.size().0 {
+        for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {
             for index in 0..RAYS {
                 let sampler = Sampler::new(self.key.pixel_key(x, y), index, RAYS);
                 let point = CameraPoint {
@@ -142,14 +165,24 @@ impl ImageSearch<'_> {
                     on_lens: has_lens.then(|| camera.sample_lens(sampler.get_2d(Dimension::Lens))),
                 };
                 self.find_candidates::<I>(point, sampler, &mut candidates, &mut stack);
-                candidates.sort_by(|a: &Candidate, b: &Candidate| b.noise.total_cmp(&a.noise));
-                candidates.truncate(MAX_SEARCHES);
-                found.extend(
-                    candidates.drain(..).filter_map(|candidate| self.search_image::<I>(point, sampler, &candidate)),
-                );
             }
         }
-        found
+        candidates.sort_by(|a: &Candidate, b: &Candidate| b.noise.total_cmp(&a.noise));
+
+        // Move to the images near these rays.
+        let mut images = ImageSet::default();
+        let mut vain_searches = (MAX_VAIN_SEARCHES_PER_PIXEL * pixels) as u32;
+        for candidate in candidates {
+            if vain_searches == 0 {
+                break;
+            }
+            if images.knows_prediction(&candidate) {
+                continue;
+            }
+            let is_new = self.search_image::<I>(&candidate).is_some_and(|image| images.insert(image));
+            vain_searches -= u32::from(!is_new);
+        }
+        images.images
     }
 
     /// Adds the lamps near the camera ray through `point` to `candidates`. `stack` is empty before
@@ -175,12 +208,14 @@ impl ImageSearch<'_> {
             };
             for lamp in &self.lamps {
                 let Some(passage) = bundle.lamp_passage(lamp, reach) else { continue };
-                let LampPassage { to_image, to_disc, .. } = passage;
+                let LampPassage { to_image, to_disc, lens_shift, .. } = passage;
                 let area = std::f64::consts::PI / to_disc.determinant().abs();
                 if to_image.abs().max_element() <= MAX_DISTANCE && area <= MAX_AREA {
                     let radiance = color::channel_mean(bundle.throughput) * self.lamp_radiance(lamp);
                     let noise = area * f64::from(radiance).powi(2);
-                    candidates.push(Candidate { chain: bundle.chain, lamp: *lamp, to_image, noise });
+                    let lens_shift = lens_shift * point.on_lens.unwrap_or(DVec2::ZERO);
+                    let chain = bundle.chain;
+                    candidates.push(Candidate { point, sampler, chain, lamp: *lamp, to_image, lens_shift, noise });
                 }
             }
             if let PathEvent::Surface(vertex) = event {
@@ -195,15 +230,10 @@ impl ImageSearch<'_> {
         area.map_or(0.0, |area| color::channel_mean(area.radiance))
     }
 
-    /// Moves the film point of `start` to the image of `candidate` by Newton's method. Returns the
-    /// image; `None` if the search fails, or if the lamp is hidden.
-    fn search_image<I: Interior>(
-        &self,
-        start: CameraPoint,
-        sampler: Sampler,
-        candidate: &Candidate,
-    ) -> Option<FoundLampImage> {
-        let Candidate { chain, lamp, .. } = *candidate;
+    /// Moves the film point of `candidate` to the image by Newton's method. Returns the image; `None`
+    /// if the search fails, or if the lamp is hidden.
+    fn search_image<I: Interior>(&self, candidate: &Candidate) -> Option<FoundLampImage> {
+        let Candidate { point: start, sampler, chain, lamp, .. } = *candidate;
         let mut from = start.film;
         let mut step = candidate.to_image.as_vec2();
         for _ in 0..MAX_STEPS {
@@ -242,28 +272,65 @@ impl ImageSearch<'_> {
     }
 }
 
+/// Images of lamps without repetitions.
+#[derive(Default)]
+struct ImageSet {
+    images: Vec<FoundLampImage>,
+    /// Indices in `images` of the images whose centers lie in a pixel, by column and row.
+    by_pixel: HashMap<(i32, i32), Vec<u32>>,
+}
+
+impl ImageSet {
+    /// Adds `image` unless an image of the same lamp over the same chain covers its center. Returns
+    /// true if it is added.
+    fn insert(&mut self, image: FoundLampImage) -> bool {
+        let center = image.image.center;
+        let covers =
+            |other: &FoundLampImage| other.image.disc_point(center, Vec2::ZERO).length_squared() < 1.0;
+        if self.has_image_near(center, image.light, image.chain, covers) {
+            return false;
+        }
+        let pixel = center.floor().as_ivec2();
+        self.by_pixel.entry((pixel.x, pixel.y)).or_default().push(self.images.len() as u32);
+        self.images.push(image);
+        true
+    }
+
+    /// True if the image that `candidate` predicts is probably one of these.
+    fn knows_prediction(&self, candidate: &Candidate) -> bool {
+        let center = candidate.point.film + (candidate.to_image - candidate.lens_shift).as_vec2();
+        let is_near = |other: &FoundLampImage| {
+            other.image.center.distance(center) < KNOWN_DISTANCE * candidate.to_image.as_vec2().length()
+        };
+        self.has_image_near(center, candidate.lamp.light, candidate.chain, is_near)
+    }
+
+    /// True if the center of an image of light `light` over `chain` lies within a pixel of film point
+    /// `film`, and `matches` holds for the image.
+    fn has_image_near(
+        &self,
+        film: Vec2,
+        light: u32,
+        chain: SpecularChain,
+        matches: impl Fn(&FoundLampImage) -> bool,
+    ) -> bool {
+        let pixel = film.floor().as_ivec2();
+        let mut pixels = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (pixel.x + dx, pixel.y + dy)));
+        pixels.any(|pixel| {
+            let images = self.by_pixel.get(&pixel).into_iter().flatten().map(|i| &self.images[*i as usize]);
+            images.into_iter().any(|other| other.light == light && other.chain == chain && matches(other))
+        })
+    }
+}
+
 /// Returns `found` without repetitions: of images of one lamp over the same chain that cover each
 /// other's centers, the first stays.
 fn distinct_images(found: Vec<FoundLampImage>) -> Vec<FoundLampImage> {
-    let mut distinct: Vec<FoundLampImage> = Vec::new();
-    let mut by_cell: HashMap<(i32, i32), Vec<u32>> = HashMap::new();
+    let mut distinct = ImageSet::default();
     for image in found {
-        let cell = image.image.center.floor().as_ivec2();
-        let covers = |other: &FoundLampImage| {
-            other.light == image.light
-                && other.chain == image.chain
-                && other.image.disc_point(image.image.center, Vec2::ZERO).length_squared() < 1.0
-        };
-        let mut neighbours = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (cell.x + dx, cell.y + dy)));
-        let is_known = neighbours.any(|cell| {
-            by_cell.get(&cell).is_some_and(|images| images.iter().any(|i| covers(&distinct[*i as usize])))
-        });
-        if !is_known {
-            by_cell.entry((cell.x, cell.y)).or_default().push(distinct.len() as u32);
-            distinct.push(image);
-        }
+        distinct.insert(image);
     }
-    distinct
+    distinct.images
 }
 
 /// Returns the images of `images` in each pixel that the pixel filter reaches, sorted by pixels.

@@ -11,6 +11,8 @@
 //!   `photon_maps.rs`.
 //! - *Prefix*: the part of a camera path up to its first receiver. *Prefix ray*: an extra camera
 //!   path that ends at its first receiver.
+//! - *Image of a lamp*: the part of the film at which camera rays meet the lamp, directly or over
+//!   specular surfaces.
 //! - *Pilot*: a small simulation before the first pass, whose rays and photons no pass uses.
 //! - *Slice*: a part of the shutter interval with its own copy of the scene, photons and camera
 //!   rays.

@@ -1,9 +1,9 @@
 use super::*;
-use crate::camera::FilterKind;
+use crate::camera::{FilterKind, Lens};
 use crate::color::Rgb;
 use crate::scene::{Material, NoInterior, SceneBuilder};
 use crate::shape::{Rectangle, Shape, Sphere};
-use glam::DVec3;
+use glam::{DVec3, Mat2};
 
 /// Number of rows and columns of the pictures.
 const SIZE: u32 = 40;
@@ -23,7 +23,9 @@ fn mirror_scene(mirror: Shape, lamp: Sphere, film: f64) -> Scene {
 fn images_in(scene: &Scene) -> Vec<FoundLampImage> {
     let key = Key::new(1).purpose_key(Purpose::LampImages);
     let search = ImageSearch { scene, effects: Effects::ALL, lamps: lamp_spheres(scene), key };
-    distinct_images((0..SIZE).flat_map(|y| search.images_in_row::<NoInterior>(y)).collect())
+    let corners = (0..SIZE).step_by(TILE_SIZE as usize);
+    let tiles = corners.clone().flat_map(|y| corners.clone().map(move |x| (x, y)));
+    distinct_images(tiles.flat_map(|(x, y)| search.images_in_tile::<NoInterior>(x, y)).collect())
 }
 
 /// A mirror ball of radius 1 reflects parallel rays evenly: a lamp that is far away and has the solid
@@ -79,4 +81,30 @@ fn hidden_lamps_have_no_image() {
     b.add_shape(Shape::Sphere(Sphere::new(at * 0.5, 20.0)), black, Rgb::ZERO);
     let camera = Camera::orthographic(DVec3::Z * 10.0, DVec3::NEG_Z, DVec3::Y, 2.2, SIZE, SIZE).unwrap();
     assert!(images_in(&b.build(camera).unwrap()).is_empty());
+}
+
+/// The image of a lamp out of focus moves with the lens position l by l·(1/f − 1/d)/w, if the camera
+/// focuses at distance f, the lamp is at distance d, and a pixel has the width w at distance 1.
+#[test]
+fn images_move_with_the_lens_position() {
+    let (distance, focus, radius) = (6.0, 2.0, 0.004);
+    let mut b = SceneBuilder::new();
+    let black = b.add_material(Material::black());
+    b.add_shape(Shape::Sphere(Sphere::new(DVec3::new(0.21, 0.13, -distance), radius)), black, Rgb::splat(10.0));
+    let angle = 0.2f64;
+    let pinhole = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, angle, SIZE, SIZE).unwrap();
+    let scene = b.build(pinhole.with_lens(Lens { radius: 0.01, focus, blades: 0 })).unwrap();
+    let found = images_in(&scene);
+    assert!(!found.is_empty());
+    let width = 2.0 * libm::tan(0.5 * angle) / f64::from(SIZE);
+    let expected = ((1.0 / focus - 1.0 / distance) / width) as f32;
+    let center = Vec2::new((20.0 + 0.21 / distance / width) as f32, (20.0 - 0.13 / distance / width) as f32);
+    for FoundLampImage { image, .. } in found {
+        let shift = image.lens_shift;
+        let error = shift - Mat2::from_diagonal(Vec2::new(expected, -expected));
+        assert!(error.to_cols_array().iter().all(|e| e.abs() < 0.01 * expected), "{shift}, not {expected}");
+        assert!((image.center - center).length() < 0.02, "{}, not {center}", image.center);
+        let area = std::f64::consts::PI * (radius / distance / width).powi(2);
+        assert!((f64::from(image.area()) / area - 1.0).abs() < 0.01, "{}, not {area}", image.area());
+    }
 }
