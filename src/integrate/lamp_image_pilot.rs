@@ -6,7 +6,7 @@
 //! image by Newton's method, with the point on the lens fixed. So an image is found that covers a
 //! tiny part of a pixel. This is the search of Zeltner, Georgiev and Jakob 2020 ("Specular manifold
 //! sampling"), with the film point as unknown. An image counts only if a camera ray there hits the
-//! lamp.
+//! lamp. An image that is not an ellipse is covered by several.
 
 use super::lamp_images::LampImage;
 use super::pass_renderer::PassRenderer;
@@ -43,24 +43,39 @@ const MAX_AREA: f64 = 1.0;
 /// Edge length of the square of pixels in which images are searched together \[pixels].
 const TILE_SIZE: u32 = 16;
 
-/// Largest number of failed or repeated searches in a tile, per pixel. It limits the work of the
-/// pilot; the candidates with most noise come first.
-const MAX_VAIN_SEARCHES_PER_PIXEL: f64 = 2.0;
+/// Largest number of searches in a tile, per pixel. It limits the work of the pilot; the candidates
+/// with most noise come first.
+const MAX_SEARCHES_PER_PIXEL: f64 = 3.0;
 
 /// Largest number of Newton steps of a search.
 const MAX_STEPS: u32 = 8;
 
-/// Distance between a known image and a predicted one within which both count as one, relative to
-/// the distance between the predicted image and the camera ray that predicts it.
-const KNOWN_DISTANCE: f32 = 0.2;
+/// Distance from the center of an image to a point just beyond its end, relative to the longest half
+/// axis of the ellipse. From there, the pilot searches other parts of the image.
+const END_DISTANCE: f32 = 1.1;
 
-/// Distance from the center of the lamp at which a search ends, relative to the lamp's radius.
-const END_MISS: f64 = 0.5;
+/// Largest half width and half height of the part of the film that an image covers as the point on
+/// the lens varies \[pixels]. Larger images are blurred or thin, so that no pixel gets much of their
+/// light.
+const MAX_EXTENT: f32 = 12.0;
+
+/// Distance from the center of the lamp at which Newton steps aim, relative to the lamp's radius.
+///
+/// They aim at the near side of the lamp, so that searches from several sides find several parts of
+/// an image.
+const AIMED_MISS: f64 = 0.5;
+
+/// Distance from the center of the lamp within which a search ends, relative to the lamp's radius.
+const END_MISS: f64 = 0.75;
 
 /// Image of a lamp that the pilot has found.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FoundLampImage {
-    pub image: LampImage,
+struct FoundLampImage {
+    image: LampImage,
+    /// Film point and lens point of a camera ray that hits the lamp.
+    point: CameraPoint,
+    /// Sampler of that ray.
+    sampler: Sampler,
     /// Index of the light in the scene.
     light: u32,
     chain: SpecularChain,
@@ -88,10 +103,8 @@ struct Candidate {
     sampler: Sampler,
     chain: SpecularChain,
     lamp: LampSphere,
-    /// Vector on the film from the camera ray to the predicted center of the image \[pixels].
-    to_image: DVec2,
-    /// Predicted shift of the image by the point on the lens \[pixels].
-    lens_shift: DVec2,
+    /// Vector on the film from the camera ray to the predicted image \[pixels].
+    to_image: Vec2,
     /// Predicted integral of the squared radiance over the image, on which the noise depends.
     noise: f64,
 }
@@ -114,9 +127,9 @@ pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<ImageInPixel>
         let images = |tile| search.images_in_tile::<I>(tile % columns * TILE_SIZE, tile / columns * TILE_SIZE);
         (0..tiles).into_par_iter().flat_map_iter(images).collect()
     });
-    let images = distinct_images(found);
-    let has_lens = effects.has(Effect::Lens);
-    images_by_pixel(&images, scene.camera(), &renderer.settings.camera_paths.filter, has_lens)
+    let lens_radius = search.lens_radius() as f32;
+    let images = distinct_images(found, lens_radius);
+    images_by_pixel(&images, scene.camera(), &renderer.settings.camera_paths.filter, lens_radius)
 }
 
 /// Returns spheres around the brightest lamps of `scene` that are analytic shapes.
@@ -151,7 +164,7 @@ impl ImageSearch<'_> {
     fn images_in_tile<I: Interior>(&self, left: u32, top: u32) -> Vec<FoundLampImage> {
         let camera = self.scene.camera();
         let (width, height) = camera.size();
-        let has_lens = self.effects.has(Effect::Lens) && camera.lens().is_some();
+        let has_lens = self.lens_radius() > 0.0;
         let (columns, rows) = (left..width.min(left + TILE_SIZE), top..height.min(top + TILE_SIZE));
         let pixels = f64::from(columns.end - left) * f64::from(rows.end - top);
 
@@ -169,20 +182,37 @@ impl ImageSearch<'_> {
         }
         candidates.sort_by(|a: &Candidate, b: &Candidate| b.noise.total_cmp(&a.noise));
 
-        // Move to the images near these rays.
-        let mut images = ImageSet::default();
-        let mut vain_searches = (MAX_VAIN_SEARCHES_PER_PIXEL * pixels) as u32;
+        // Move to the images near these rays, and from found images to their other parts.
+        let mut images = ImageSet::new(self.lens_radius() as f32);
+        let mut searches = (MAX_SEARCHES_PER_PIXEL * pixels) as u32;
+        let mut parts = Vec::new();
         for candidate in candidates {
-            if vain_searches == 0 {
-                break;
+            parts.push(candidate);
+            while let Some(candidate) = parts.pop() {
+                let Candidate { point, to_image, lamp, chain, .. } = candidate;
+                if images.covers(point.film + to_image, point.lens_point(), lamp.light, chain) {
+                    continue;
+                }
+                if searches == 0 {
+                    return images.images;
+                }
+                searches -= 1;
+                let Some(image) = self.search_image::<I>(&candidate) else { continue };
+                if images.insert(image) {
+                    parts.extend(image.ends().map(|film| {
+                        let point = CameraPoint { film, ..image.point };
+                        Candidate { point, sampler: image.sampler, to_image: Vec2::ZERO, ..candidate }
+                    }));
+                }
             }
-            if images.knows_prediction(&candidate) {
-                continue;
-            }
-            let is_new = self.search_image::<I>(&candidate).is_some_and(|image| images.insert(image));
-            vain_searches -= u32::from(!is_new);
         }
         images.images
+    }
+
+    /// Radius of the lens \[length]; 0 if rays do not sample it.
+    fn lens_radius(&self) -> f64 {
+        let lens = self.scene.camera().lens().filter(|_| self.effects.has(Effect::Lens));
+        lens.map_or(0.0, |lens| lens.radius)
     }
 
     /// Adds the lamps near the camera ray through `point` to `candidates`. `stack` is empty before
@@ -208,14 +238,13 @@ impl ImageSearch<'_> {
             };
             for lamp in &self.lamps {
                 let Some(passage) = bundle.lamp_passage(lamp, reach) else { continue };
-                let LampPassage { to_image, to_disc, lens_shift, .. } = passage;
-                let area = std::f64::consts::PI / to_disc.determinant().abs();
+                let area = std::f64::consts::PI / passage.to_disc.determinant().abs();
+                let to_image = to_near_side(&passage);
                 if to_image.abs().max_element() <= MAX_DISTANCE && area <= MAX_AREA {
                     let radiance = color::channel_mean(bundle.throughput) * self.lamp_radiance(lamp);
                     let noise = area * f64::from(radiance).powi(2);
-                    let lens_shift = lens_shift * point.on_lens.unwrap_or(DVec2::ZERO);
-                    let chain = bundle.chain;
-                    candidates.push(Candidate { point, sampler, chain, lamp: *lamp, to_image, lens_shift, noise });
+                    let to_image = to_image.as_vec2();
+                    candidates.push(Candidate { point, sampler, chain: bundle.chain, lamp: *lamp, to_image, noise });
                 }
             }
             if let PathEvent::Surface(vertex) = event {
@@ -235,7 +264,7 @@ impl ImageSearch<'_> {
     fn search_image<I: Interior>(&self, candidate: &Candidate) -> Option<FoundLampImage> {
         let Candidate { point: start, sampler, chain, lamp, .. } = *candidate;
         let mut from = start.film;
-        let mut step = candidate.to_image.as_vec2();
+        let mut step = candidate.to_image;
         for _ in 0..MAX_STEPS {
             let point = CameraPoint { film: from + step, ..start };
             let bundle = RayBundle::<I>::follow(self.scene, self.effects, point, sampler, chain);
@@ -246,8 +275,9 @@ impl ImageSearch<'_> {
             };
             if passage.miss > END_MISS {
                 from = point.film;
-                let largest = passage.to_image.abs().max_element();
-                step = (passage.to_image * (MAX_DISTANCE / largest).min(1.0)).as_vec2();
+                let to_image = to_near_side(&passage);
+                let largest = to_image.abs().max_element();
+                step = (to_image * (MAX_DISTANCE / largest).min(1.0)).as_vec2();
                 if !((from + step - start.film).abs().max_element() <= 3.0 * MAX_DISTANCE as f32) {
                     return None;
                 }
@@ -259,74 +289,84 @@ impl ImageSearch<'_> {
             }
             let radiance = color::channel_mean(bundle.throughput * hit.transmittance * hit.surface.emission);
             let lens_shift = passage.lens_shift.as_mat2();
-            let on_lens = start.on_lens.map_or(Vec2::ZERO, |on_lens| on_lens.as_vec2());
             let image = LampImage {
-                center: point.film + passage.to_image.as_vec2() - lens_shift * on_lens,
+                center: point.film + passage.to_image.as_vec2() - lens_shift * point.lens_point(),
                 lens_shift,
                 to_disc: passage.to_disc.as_mat2(),
             };
-            let valid = image.area() <= MAX_AREA as f32 && image.half_extent().is_finite() && radiance > 0.0;
-            return valid.then_some(FoundLampImage { image, light: lamp.light, chain, radiance });
+            let lens_radius = self.lens_radius() as f32;
+            let extent = image.half_extent_over_lens(lens_radius).max_element();
+            let valid = image.area() <= MAX_AREA as f32 && extent <= MAX_EXTENT && radiance > 0.0;
+            return valid.then_some(FoundLampImage { image, point, sampler, light: lamp.light, chain, radiance });
         }
         None
     }
 }
 
+/// Returns the vector on the film from a camera ray to the near side of a lamp that it passes
+/// \[pixels], in the linear approximation `passage`.
+fn to_near_side(passage: &LampPassage) -> DVec2 {
+    passage.to_image * (1.0 - AIMED_MISS / passage.miss).max(0.0)
+}
+
+impl FoundLampImage {
+    /// Returns the film points \[pixels] just beyond both ends of the ellipse, for the lens point at
+    /// which the image was found.
+    fn ends(&self) -> [Vec2; 2] {
+        let longest = self.image.longest_axis() * END_DISTANCE;
+        let center = self.image.film_point(Vec2::ZERO, self.point.lens_point());
+        [center - longest, center + longest]
+    }
+}
+
 /// Images of lamps without repetitions.
-#[derive(Default)]
 struct ImageSet {
     images: Vec<FoundLampImage>,
-    /// Indices in `images` of the images whose centers lie in a pixel, by column and row.
+    /// Radius of the lens \[length]; 0 if rays do not sample it.
+    lens_radius: f32,
+    /// Indices in `images` of the images that reach a pixel for some point of the lens, by column and
+    /// row.
     by_pixel: HashMap<(i32, i32), Vec<u32>>,
 }
 
 impl ImageSet {
-    /// Adds `image` unless an image of the same lamp over the same chain covers its center. Returns
-    /// true if it is added.
+    fn new(lens_radius: f32) -> Self {
+        Self { images: Vec::new(), lens_radius, by_pixel: HashMap::new() }
+    }
+
+    /// Adds `image` unless an image of the same lamp over the same chain covers the point at which it
+    /// was found. Returns true if it is added.
     fn insert(&mut self, image: FoundLampImage) -> bool {
-        let center = image.image.center;
-        let covers =
-            |other: &FoundLampImage| other.image.disc_point(center, Vec2::ZERO).length_squared() < 1.0;
-        if self.has_image_near(center, image.light, image.chain, covers) {
+        let FoundLampImage { point, light, chain, .. } = image;
+        if self.covers(point.film, point.lens_point(), light, chain) {
             return false;
         }
-        let pixel = center.floor().as_ivec2();
-        self.by_pixel.entry((pixel.x, pixel.y)).or_default().push(self.images.len() as u32);
+        let center = image.image.center;
+        let reach = image.image.half_extent_over_lens(self.lens_radius);
+        let (low, high) = ((center - reach).floor().as_ivec2(), (center + reach).floor().as_ivec2());
+        let index = self.images.len() as u32;
+        for pixel in (low.y..=high.y).flat_map(|y| (low.x..=high.x).map(move |x| (x, y))) {
+            self.by_pixel.entry(pixel).or_default().push(index);
+        }
         self.images.push(image);
         true
     }
 
-    /// True if the image that `candidate` predicts is probably one of these.
-    fn knows_prediction(&self, candidate: &Candidate) -> bool {
-        let center = candidate.point.film + (candidate.to_image - candidate.lens_shift).as_vec2();
-        let is_near = |other: &FoundLampImage| {
-            other.image.center.distance(center) < KNOWN_DISTANCE * candidate.to_image.as_vec2().length()
-        };
-        self.has_image_near(center, candidate.lamp.light, candidate.chain, is_near)
-    }
-
-    /// True if the center of an image of light `light` over `chain` lies within a pixel of film point
-    /// `film`, and `matches` holds for the image.
-    fn has_image_near(
-        &self,
-        film: Vec2,
-        light: u32,
-        chain: SpecularChain,
-        matches: impl Fn(&FoundLampImage) -> bool,
-    ) -> bool {
+    /// True if an image of light `light` over `chain` covers film point `film` \[pixels], for rays
+    /// through the point `on_lens` of the lens.
+    fn covers(&self, film: Vec2, on_lens: Vec2, light: u32, chain: SpecularChain) -> bool {
         let pixel = film.floor().as_ivec2();
-        let mut pixels = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (pixel.x + dx, pixel.y + dy)));
-        pixels.any(|pixel| {
-            let images = self.by_pixel.get(&pixel).into_iter().flatten().map(|i| &self.images[*i as usize]);
-            images.into_iter().any(|other| other.light == light && other.chain == chain && matches(other))
+        let images = self.by_pixel.get(&(pixel.x, pixel.y)).into_iter().flatten().map(|i| &self.images[*i as usize]);
+        images.into_iter().any(|image| {
+            image.light == light && image.chain == chain && image.image.disc_point(film, on_lens).length_squared() < 1.0
         })
     }
 }
 
-/// Returns `found` without repetitions: of images of one lamp over the same chain that cover each
-/// other's centers, the first stays.
-fn distinct_images(found: Vec<FoundLampImage>) -> Vec<FoundLampImage> {
-    let mut distinct = ImageSet::default();
+/// Returns `found` without repetitions: an image is left out if one before it, of the same lamp over
+/// the same chain, covers the point at which it was found.
+fn distinct_images(found: Vec<FoundLampImage>, lens_radius: f32) -> Vec<FoundLampImage> {
+    let mut distinct = ImageSet::new(lens_radius);
     for image in found {
         distinct.insert(image);
     }
@@ -334,24 +374,26 @@ fn distinct_images(found: Vec<FoundLampImage>) -> Vec<FoundLampImage> {
 }
 
 /// Returns the images of `images` in each pixel that the pixel filter reaches, sorted by pixels.
-fn images_by_pixel(images: &[FoundLampImage], camera: &Camera, filter: &Filter, has_lens: bool) -> Vec<ImageInPixel> {
+///
+/// `lens_radius` is the radius of the lens \[length]; 0 if rays do not sample it.
+fn images_by_pixel(images: &[FoundLampImage], camera: &Camera, filter: &Filter, lens_radius: f32) -> Vec<ImageInPixel> {
     let (width, height) = camera.size();
-    let lens_radius = if has_lens { camera.lens().map_or(0.0, |lens| lens.radius as f32) } else { 0.0 };
-    let quarters = || [0.25, 0.75].into_iter().flat_map(|y| [0.25, 0.75].map(|x| Vec2::new(x, y)));
+    let grid = |steps: [f32; 4]| steps.into_iter().flat_map(move |y| steps.map(|x| Vec2::new(x, y)));
+    let disc_points = || grid([-0.75, -0.25, 0.25, 0.75]).filter(|p| p.length_squared() < 1.0);
     let lens_points: Vec<Vec2> = if lens_radius > 0.0 {
-        quarters().map(|u| camera.sample_lens(u).as_vec2()).collect()
+        grid([0.125, 0.375, 0.625, 0.875]).map(|u| camera.sample_lens(u).as_vec2()).collect()
     } else {
         vec![Vec2::ZERO]
     };
     let mut in_pixels = Vec::new();
     for FoundLampImage { image, radiance, .. } in images {
         let area = f64::from(image.area());
-        let points = lens_points.iter().flat_map(|on_lens| quarters().map(|u| image.film_point(2.0 * u - 1.0, *on_lens)));
+        let points = lens_points.iter().flat_map(|on_lens| disc_points().map(|p| image.film_point(p, *on_lens)));
         let points: Vec<Vec2> = points.collect();
-        let moved = Vec2::new(image.lens_shift.row(0).length(), image.lens_shift.row(1).length()) * lens_radius;
-        let reach = image.half_extent() + moved + filter.radius() + 0.5;
+        let reach = image.half_extent_over_lens(lens_radius) + filter.radius() + 0.5;
         let (low, high) = (image.center - reach, image.center + reach);
-        let range = |low: f32, high: f32, end: u32| (low.max(0.0) as u32).min(end)..(high.max(0.0).ceil() as u32).min(end);
+        let range =
+            |low: f32, high: f32, end: u32| (low.max(0.0) as u32).min(end)..(high.max(0.0).ceil() as u32).min(end);
         for y in range(low.y, high.y, height) {
             for x in range(low.x, high.x, width) {
                 let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);

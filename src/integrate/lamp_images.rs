@@ -38,10 +38,22 @@ impl LampImage {
         std::f32::consts::PI / self.to_disc.determinant().abs()
     }
 
-    /// Half the width and half the height of the image's bounding box \[pixels].
-    pub fn half_extent(&self) -> Vec2 {
+    /// Half the width and half the height of the part of the film \[pixels] that the image covers as
+    /// the point on the lens varies. `lens_radius` is the radius of the lens \[length].
+    pub fn half_extent_over_lens(&self, lens_radius: f32) -> Vec2 {
         let from_disc = self.to_disc.inverse();
-        Vec2::new(from_disc.row(0).length(), from_disc.row(1).length())
+        let rows = |matrix: Mat2| Vec2::new(matrix.row(0).length(), matrix.row(1).length());
+        rows(from_disc) + rows(self.lens_shift) * lens_radius
+    }
+
+    /// Returns the longest half axis of the ellipse \[pixels].
+    pub fn longest_axis(&self) -> Vec2 {
+        // The half axes are images of perpendicular vectors whose images are perpendicular.
+        let from_disc = self.to_disc.inverse();
+        let (a, b) = (from_disc.x_axis, from_disc.y_axis);
+        let angle = 0.5 * libm::atan2f(2.0 * a.dot(b), a.length_squared() - b.length_squared());
+        let (sin, cos) = libm::sincosf(angle);
+        from_disc * Vec2::new(cos, sin)
     }
 
     /// Returns the film point `film` \[pixels] in coordinates in which the image is the unit disc,

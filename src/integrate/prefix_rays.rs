@@ -136,7 +136,8 @@ pub(super) struct PrefixRayCounts {
 impl PrefixRayCounts {
     /// Returns the number of prefix rays per pixel, as a mean over the picture.
     pub fn mean_rays_per_pixel(&self) -> f64 {
-        self.counts.iter().map(|n| f64::from(n.rays) + f64::from(n.aimed)).sum::<f64>() / self.counts.len().max(1) as f64
+        self.counts.iter().map(|n| f64::from(n.rays) + f64::from(n.aimed)).sum::<f64>()
+            / self.counts.len().max(1) as f64
     }
 }
 

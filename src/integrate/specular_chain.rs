@@ -35,10 +35,7 @@ pub(super) struct SpecularChain {
 
 impl SpecularChain {
     fn with_vertex(self, is_transmitted: bool) -> Self {
-        Self {
-            length: self.length + 1,
-            transmitted: self.transmitted | u32::from(is_transmitted) << self.length,
-        }
+        Self { length: self.length + 1, transmitted: self.transmitted | u32::from(is_transmitted) << self.length }
     }
 
     fn is_transmitted_at(self, vertex: u32) -> bool {
@@ -54,6 +51,13 @@ pub(super) struct CameraPoint {
     /// Point on the lens \[length right and up from its center]; `None` for the lens center, if rays
     /// do not sample the lens.
     pub on_lens: Option<DVec2>,
+}
+
+impl CameraPoint {
+    /// Point on the lens \[length right and up from its center].
+    pub fn lens_point(&self) -> Vec2 {
+        self.on_lens.map_or(Vec2::ZERO, |on_lens| on_lens.as_vec2())
+    }
 }
 
 /// A camera ray and its neighbours on the film and on the lens, traced over the same vertices.

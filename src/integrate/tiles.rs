@@ -1,10 +1,10 @@
 //! Rendering of all pixels of a pass, in parallel by tiles.
 
+use super::lamp_images::{LampImages, PixelLampImage, aimed_pdf, sample_aimed_film_point};
 use super::light_group::{GroupedLight, LightGroup};
 use super::nested_estimates::NestedEstimates;
 use super::pass::{PassStage, ProgressMonitor};
 use super::path_task::PathTask;
-use super::lamp_images::{LampImages, PixelLampImage, aimed_pdf, sample_aimed_film_point};
 use super::prefix_rays::{AimedRayWeights, PrefixLightSums, PrefixRayCount};
 use super::shutter::{RaySlices, SlicedCameras};
 use crate::camera::{Camera, CropWindow, Filter, FilterSample};
@@ -243,8 +243,7 @@ impl FilmSampling<'_> {
         let slices = self.divide_rays(x, y, samples);
         let used_slices = slices.used_slice_count();
         let aimed = self.prefix_rays.filter(|_| prefix.aimed > 0);
-        let aimed =
-            aimed.map(|rays| (rays.lamp_images.of_pixel(index), AimedRayWeights::new(samples, prefix)));
+        let aimed = aimed.map(|rays| (rays.lamp_images.of_pixel(index), AimedRayWeights::new(samples, prefix)));
         let camera_rays = PixelRays {
             key: key.pixel_key(x, y),
             count: samples,

@@ -25,7 +25,8 @@ fn aimed_points_follow_their_pdf() {
     let images = two_images();
     let key = Key::new(3).purpose_key(Purpose::Test);
     let count = 1 << 16;
-    for (target, on_lens) in [(0, Vec2::ZERO), (1, Vec2::ZERO), (0, Vec2::new(0.1, -0.05)), (1, Vec2::new(0.1, -0.05))] {
+    for (target, on_lens) in [(0, Vec2::ZERO), (1, Vec2::ZERO), (0, Vec2::new(0.1, -0.05)), (1, Vec2::new(0.1, -0.05))]
+    {
         let image = images[target].image;
         let bump = |film: Vec2| (1.0 - image.disc_point(film, on_lens).length_squared()).max(0.0);
         let sum: f64 = (0..count)
@@ -66,4 +67,19 @@ fn pixels_keep_their_images() {
     assert!((0..4).all(|pixel| all.of_pixel(pixel) == pixels[pixel]));
     let some = all.in_pixels(|pixel| pixel != 1);
     assert!(some.of_pixel(1).is_empty() && some.of_pixel(2) == pixels[2]);
+}
+
+/// The longest half axis ends on the rim of the image, and all of the rim is within its length.
+#[test]
+fn longest_axes_reach_the_rim() {
+    for PixelLampImage { image, .. } in two_images() {
+        let axis = image.longest_axis();
+        let length = |i: usize| {
+            let (sin, cos) = libm::sincosf(TAU * i as f32 / 720.0);
+            (image.to_disc.inverse() * Vec2::new(cos, sin)).length()
+        };
+        let longest = (0..720).map(length).fold(0.0, f32::max);
+        assert!((axis.length() / longest - 1.0).abs() < 1e-3, "{axis}, not {longest} long");
+        assert!(((image.to_disc * axis).length() - 1.0).abs() < 1e-4);
+    }
 }

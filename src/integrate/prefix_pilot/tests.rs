@@ -5,7 +5,8 @@ const WORK: PassWork = PassWork { camera: 40.0, photons: 10.0, prefix_ray: 2.0, 
 
 /// Variances of `n` ordinary pixels and one with a highlight or a caustic.
 fn one_special_pixel(n: usize, special: PixelVariance) -> Vec<PixelVariance> {
-    let ordinary = PixelVariance { after_receiver: 0.1, up_to_receiver: 0.001, photons: 0.001, ..PixelVariance::default() };
+    let ordinary =
+        PixelVariance { after_receiver: 0.1, up_to_receiver: 0.001, photons: 0.001, ..PixelVariance::default() };
     let mut variances = vec![ordinary; n];
     variances.push(PixelVariance { after_receiver: 0.1, ..special });
     variances
@@ -23,7 +24,8 @@ fn only_pixels_with_noisy_prefixes_get_prefix_rays() {
     let counts = efficient_ray_counts(&one_special_pixel(200, caustic), SAMPLES, &WORK).unwrap();
     assert!(counts[200].rays > 8 && counts[200].lookups == counts[200].rays, "{:?}", counts[200]);
 
-    let ordinary = PixelVariance { up_to_receiver: 0.001, photons: 0.001, after_receiver: 0.1, ..PixelVariance::default() };
+    let ordinary =
+        PixelVariance { up_to_receiver: 0.001, photons: 0.001, after_receiver: 0.1, ..PixelVariance::default() };
     assert_eq!(efficient_ray_counts(&[ordinary; 200], SAMPLES, &WORK), None);
 }
 
@@ -60,7 +62,12 @@ fn prefix_rays_take_limited_work() {
 
 #[test]
 fn undefined_variances_give_no_prefix_rays() {
-    let broken = PixelVariance { after_receiver: 0.1, up_to_receiver: f64::NAN, photons: f64::INFINITY, ..PixelVariance::default() };
+    let broken = PixelVariance {
+        after_receiver: 0.1,
+        up_to_receiver: f64::NAN,
+        photons: f64::INFINITY,
+        ..PixelVariance::default()
+    };
     assert_eq!(efficient_ray_counts(&[broken; 4], SAMPLES, &WORK), None);
     assert_eq!(efficient_ray_counts(&[PixelVariance::default(); 4], SAMPLES, &WORK), None);
 }
