@@ -290,8 +290,8 @@ impl Camera {
         }
     }
 
-    /// Generates the world-space ray through image point `p` \[pixels from the top left] that starts
-    /// at the point `on_lens` of the lens \[length right and up from its center].
+    /// Generates the world-space ray through image point `p` \[pixels from the top left] that
+    /// starts at the point `on_lens` of the lens \[length right and up from its center].
     ///
     /// The ray has a unit direction. Cameras without a lens ignore `on_lens`.
     #[inline]

@@ -50,13 +50,13 @@ const MAX_SEARCHES_PER_PIXEL: f64 = 3.0;
 /// Largest number of Newton steps of a search.
 const MAX_STEPS: u32 = 8;
 
-/// Distance from the center of an image to a point just beyond its end, relative to the longest half
-/// axis of the ellipse. From there, the pilot searches other parts of the image.
+/// Distance from the center of an image to a point just beyond its end, relative to the longest
+/// half axis of the ellipse. From there, the pilot searches other parts of the image.
 const END_DISTANCE: f32 = 1.1;
 
 /// Largest half width and half height of the part of the film that an image covers as the point on
-/// the lens varies \[pixels]. Larger images are blurred or thin, so that no pixel gets much of their
-/// light.
+/// the lens varies \[pixels]. Larger images are blurred or thin, so that no pixel gets much of
+/// their light.
 const MAX_EXTENT: f32 = 12.0;
 
 /// Distance from the center of the lamp at which Newton steps aim, relative to the lamp's radius.
@@ -159,8 +159,8 @@ struct ImageSearch<'a> {
 }
 
 impl ImageSearch<'_> {
-    /// Returns the distinct images that camera rays find through the tile whose upper left pixel is in
-    /// column `left`, row `top`.
+    /// Returns the distinct images that camera rays find through the tile whose upper left pixel is
+    /// in column `left`, row `top`.
     fn images_in_tile<I: Interior>(&self, left: u32, top: u32) -> Vec<FoundLampImage> {
         let camera = self.scene.camera();
         let (width, height) = camera.size();
@@ -259,8 +259,8 @@ impl ImageSearch<'_> {
         area.map_or(0.0, |area| color::channel_mean(area.radiance))
     }
 
-    /// Moves the film point of `candidate` to the image by Newton's method. Returns the image; `None`
-    /// if the search fails, or if the lamp is hidden.
+    /// Moves the film point of `candidate` to the image by Newton's method. Returns the image;
+    /// `None` if the search fails, or if the lamp is hidden.
     fn search_image<I: Interior>(&self, candidate: &Candidate) -> Option<FoundLampImage> {
         let Candidate { point: start, sampler, chain, lamp, .. } = *candidate;
         let mut from = start.film;
@@ -310,8 +310,8 @@ fn to_near_side(passage: &LampPassage) -> DVec2 {
 }
 
 impl FoundLampImage {
-    /// Returns the film points \[pixels] just beyond both ends of the ellipse, for the lens point at
-    /// which the image was found.
+    /// Returns the film points \[pixels] just beyond both ends of the ellipse, for the lens point
+    /// at which the image was found.
     fn ends(&self) -> [Vec2; 2] {
         let longest = self.image.longest_axis() * END_DISTANCE;
         let center = self.image.film_point(Vec2::ZERO, self.point.lens_point());
@@ -324,8 +324,8 @@ struct ImageSet {
     images: Vec<FoundLampImage>,
     /// Radius of the lens \[length]; 0 if rays do not sample it.
     lens_radius: f32,
-    /// Indices in `images` of the images that reach a pixel for some point of the lens, by column and
-    /// row.
+    /// Indices in `images` of the images that reach a pixel for some point of the lens, by column
+    /// and row.
     by_pixel: HashMap<(i32, i32), Vec<u32>>,
 }
 
@@ -334,8 +334,8 @@ impl ImageSet {
         Self { images: Vec::new(), lens_radius, by_pixel: HashMap::new() }
     }
 
-    /// Adds `image` unless an image of the same lamp over the same chain covers the point at which it
-    /// was found. Returns true if it is added.
+    /// Adds `image` unless an image of the same lamp over the same chain covers the point at which
+    /// it was found. Returns true if it is added.
     fn insert(&mut self, image: FoundLampImage) -> bool {
         let FoundLampImage { point, light, chain, .. } = image;
         if self.covers(point.film, point.lens_point(), light, chain) {
@@ -363,8 +363,8 @@ impl ImageSet {
     }
 }
 
-/// Returns `found` without repetitions: an image is left out if one before it, of the same lamp over
-/// the same chain, covers the point at which it was found.
+/// Returns `found` without repetitions: an image is left out if one before it, of the same lamp
+/// over the same chain, covers the point at which it was found.
 fn distinct_images(found: Vec<FoundLampImage>, lens_radius: f32) -> Vec<FoundLampImage> {
     let mut distinct = ImageSet::new(lens_radius);
     for image in found {

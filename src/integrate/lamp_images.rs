@@ -38,8 +38,8 @@ impl LampImage {
         std::f32::consts::PI / self.to_disc.determinant().abs()
     }
 
-    /// Half the width and half the height of the part of the film \[pixels] that the image covers as
-    /// the point on the lens varies. `lens_radius` is the radius of the lens \[length].
+    /// Half the width and half the height of the part of the film \[pixels] that the image covers
+    /// as the point on the lens varies. `lens_radius` is the radius of the lens \[length].
     pub fn half_extent_over_lens(&self, lens_radius: f32) -> Vec2 {
         let from_disc = self.to_disc.inverse();
         let rows = |matrix: Mat2| Vec2::new(matrix.row(0).length(), matrix.row(1).length());
@@ -126,7 +126,8 @@ pub(super) fn sample_aimed_film_point(images: &[PixelLampImage], sampler: Sample
 pub(super) struct LampImages {
     /// Images of all pixels, by rows from the top.
     images: Arc<[PixelLampImage]>,
-    /// Index in `images` of each pixel's first image, by rows from the top; last, the number of all.
+    /// Index in `images` of each pixel's first image, by rows from the top; last, the number of
+    /// all.
     starts: Arc<[u32]>,
 }
 

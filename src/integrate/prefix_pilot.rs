@@ -242,8 +242,8 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
     Some(PrefixRayCounts { counts: counts.into(), lamp_images, expected_work })
 }
 
-/// Returns the images of lamps in each of a picture's `pixels` pixels, from `found`, which is sorted
-/// by pixels.
+/// Returns the images of lamps in each of a picture's `pixels` pixels, from `found`, which is
+/// sorted by pixels.
 ///
 /// An image gets a share of the aimed rays of a pixel in proportion to its light in the pixel. Of
 /// many images, the [`MAX_PIXEL_IMAGES`] with most light remain.
@@ -334,9 +334,9 @@ fn render_light_parts(
 /// Returns the relative variances of one ray of each pixel; `None` if the picture is black.
 ///
 /// `light` is that of the pilot's pictures, without the light of `images`. `size` is the picture's
-/// (width, height). Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ its
-/// median over the picture. This measure lies between the absolute error, which neglects dark pixels,
-/// and the relative error, which neglects bright ones.
+/// (width, height). Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃
+/// its median over the picture. This measure lies between the absolute error, which neglects dark
+/// pixels, and the relative error, which neglects bright ones.
 fn pixel_variances(
     light: &[PixelLightStatistics],
     images: &[ImageInPixel],
@@ -395,8 +395,8 @@ struct PassWork {
 fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWork) -> Option<Vec<PrefixRayCount>> {
     let n = f64::from(samples);
     let (ray_scale, lookup_scale) = (1.0 / work.prefix_ray.sqrt(), 1.0 / (work.prefix_ray + work.lookup).sqrt());
-    // Numbers of prefix rays, of photon lookups and of aimed rays in a pixel. They give all pixels the
-    // same derivative of variance by work: −1/scale².
+    // Numbers of prefix rays, of photon lookups and of aimed rays in a pixel. They give all pixels
+    // the same derivative of variance by work: −1/scale².
     let count = |v: &PixelVariance, scale: f64| {
         // `max` ignores NaN, so a NaN variance gives no ray.
         let whole = |n: f64| n.max(0.0).floor().min(f64::from(u8::MAX));

@@ -90,8 +90,8 @@ impl PrefixLightSums {
     }
 }
 
-/// Numbers of rays of a pixel that find images of lamps, from which the weights of their light follow
-/// by the balance heuristic.
+/// Numbers of rays of a pixel that find images of lamps, from which the weights of their light
+/// follow by the balance heuristic.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AimedRayWeights {
     /// Number of camera paths.
@@ -112,8 +112,8 @@ impl AimedRayWeights {
 
     /// Returns the weight of light that a ray finds up to its first receiver.
     ///
-    /// The pdfs \[1/pixel²] of the film point of the ray are those by which the pixel filter and aiming
-    /// sample it.
+    /// The pdfs \[1/pixel²] of the film point of the ray are those by which the pixel filter and
+    /// aiming sample it.
     pub fn up_to_receiver_weight(&self, filter_pdf: f32, aimed_pdf: f32) -> f32 {
         let filtered = self.filtered_rays * filter_pdf;
         let total = filtered + self.aimed_rays * aimed_pdf;
@@ -145,8 +145,8 @@ impl PrefixRayCounts {
 mod tests {
     use super::*;
 
-    /// Rays of all kinds together count light at a film point once: their densities times the weight,
-    /// divided by the number of camera paths, add up to the pdf of the filter.
+    /// Rays of all kinds together count light at a film point once: their densities times the
+    /// weight, divided by the number of camera paths, add up to the pdf of the filter.
     #[test]
     fn aimed_rays_share_light_with_other_rays() {
         let prefix = PrefixRayCount { rays: 3, lookups: 0, aimed: 5 };

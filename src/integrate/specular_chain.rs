@@ -48,8 +48,8 @@ impl SpecularChain {
 pub(super) struct CameraPoint {
     /// Film point \[pixels from the top left].
     pub film: Vec2,
-    /// Point on the lens \[length right and up from its center]; `None` for the lens center, if rays
-    /// do not sample the lens.
+    /// Point on the lens \[length right and up from its center]; `None` for the lens center, if
+    /// rays do not sample the lens.
     pub on_lens: Option<DVec2>,
 }
 
@@ -131,8 +131,8 @@ impl<I: Interior> RayBundle<I> {
     }
 
     /// Returns the bundles that continue from `vertex`, the next vertex of the camera ray: the
-    /// reflected and the transmitted one. A bundle is `None` if its throughput, as a mean over RGB, is
-    /// below `min_throughput`, or if a neighbour takes another way.
+    /// reflected and the transmitted one. A bundle is `None` if its throughput, as a mean over RGB,
+    /// is below `min_throughput`, or if a neighbour takes another way.
     pub fn scatter(self, scene: &Scene, vertex: &SurfaceVertex<'_>, min_throughput: f32) -> [Option<Self>; 2] {
         if self.chain.length >= MAX_VERTICES || !is_specular(&vertex.surface) {
             return [None; 2];
@@ -185,8 +185,8 @@ impl<I: Interior> RayBundle<I> {
         self.rays[0].interior.wavelength().is_some()
     }
 
-    /// Returns how the rays after their last vertex pass `lamp`; `None` if the lamp lies behind them or
-    /// farther than `reach` \[length], or if the neighbours do not differ.
+    /// Returns how the rays after their last vertex pass `lamp`; `None` if the lamp lies behind
+    /// them or farther than `reach` \[length], or if the neighbours do not differ.
     pub fn lamp_passage(&self, lamp: &LampSphere, reach: f64) -> Option<LampPassage> {
         let Ray { origin, direction, .. } = self.rays[0].ray;
         let distance = (lamp.center - origin.as_dvec3()).dot(direction.as_dvec3());
@@ -194,8 +194,8 @@ impl<I: Interior> RayBundle<I> {
             return None;
         }
         let frame = Frame::from_normal(direction);
-        // Points in the plane through the center of the lamp, perpendicular to the camera ray, relative
-        // to the radius of the lamp.
+        // Points in the plane through the center of the lamp, perpendicular to the camera ray,
+        // relative to the radius of the lamp.
         let in_plane = |ray: &Ray| {
             let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
             let along = direction.as_dvec3();

@@ -271,8 +271,8 @@ impl FilmSampling<'_> {
         [Some(camera_rays), prefix_rays, aimed_rays]
     }
 
-    /// Makes the ray of `sampler` in slice `slice` of the shutter interval, one of the `rays` of the
-    /// pixel whose upper left corner is `corner`.
+    /// Makes the ray of `sampler` in slice `slice` of the shutter interval, one of the `rays` of
+    /// the pixel whose upper left corner is `corner`.
     #[inline]
     fn generate_pixel_ray(&self, rays: &PixelRays<'_>, slice: usize, corner: Vec2, sampler: Sampler) -> PixelRay {
         match (&rays.aimed, self.filter) {
@@ -286,8 +286,8 @@ impl FilmSampling<'_> {
         }
     }
 
-    /// Makes a ray as [`FilmSampling::generate_pixel_ray`] does, in a pixel of which prefix rays are
-    /// aimed at `images`.
+    /// Makes a ray as [`FilmSampling::generate_pixel_ray`] does, in a pixel of which prefix rays
+    /// are aimed at `images`.
     #[inline(never)]
     #[expect(clippy::too_many_arguments, reason = "the body of its caller, kept out of the loop over rays")]
     fn generate_weighted_ray(
@@ -323,8 +323,9 @@ impl FilmSampling<'_> {
         if self.lens { self.camera.sample_lens(sampler.get_2d(Dimension::Lens)).as_vec2() } else { Vec2::ZERO }
     }
 
-    /// Returns the weight of light that the ray of `sampler` finds up to its first receiver, through
-    /// the pixel whose upper left corner is `corner`, if rays of the pixel are aimed at `images`.
+    /// Returns the weight of light that the ray of `sampler` finds up to its first receiver,
+    /// through the pixel whose upper left corner is `corner`, if rays of the pixel are aimed at
+    /// `images`.
     pub fn up_to_receiver_weight(
         &self,
         images: &[PixelLampImage],

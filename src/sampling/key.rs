@@ -24,7 +24,7 @@
 //! | pass of photon paths | `Key::shutter_slice_key` | 2³² + slice | above all words of paths |
 //! | path | `Key::photon_vertex_key` | bounce | one per vertex of a photon path |
 //! | vertex of a photon path | `Key::camera_connection_key` | 1 | the only child of its parent |
-//! | pass of `Camera`, `PrefixRays` or `AimedPrefixRays` | `Key::pixel_key` | y · 2³² + x | one per pixel |
+//! | pass of `Camera`, `[Aimed]PrefixRays` | `Key::pixel_key` | y · 2³² + x | one per pixel |
 //! | purpose `Shutter`, `SurfaceAovs` or `LampImages` | `Key::pixel_key` | y · 2³² + x | one per pixel |
 //! | pixel of `Shutter` | `Key::pass_key` | pass | one per pass |
 //! | pixel | `Sampler::next_vertex_sampler` | 2 · bounce + transmitted | two branches per split |

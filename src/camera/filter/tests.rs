@@ -96,8 +96,9 @@ fn normalized_values_have_integral_one() {
     }
 }
 
-/// The pdf of offsets has integral 1, and its integral over a quarter plane is the fraction of samples
-/// there. The pdf is a histogram, whose integral the midpoint rule finds to about a step of the axis.
+/// The pdf of offsets has integral 1, and its integral over a quarter plane is the fraction of
+/// samples there. The pdf is a histogram, whose integral the midpoint rule finds to about a step of
+/// the axis.
 #[test]
 fn filter_offsets_follow_their_pdf() {
     let n = 20_000;

@@ -31,8 +31,9 @@ fn images_in(scene: &Scene) -> Vec<FoundLampImage> {
     )
 }
 
-/// A mirror ball of radius 1 reflects parallel rays evenly: a lamp that is far away and has the solid
-/// angle Ω has an image of area Ω/4. A lamp 60° from the viewing axis appears at sin 30° from it.
+/// A mirror ball of radius 1 reflects parallel rays evenly: a lamp that is far away and has the
+/// solid angle Ω has an image of area Ω/4. A lamp 60° from the viewing axis appears at sin 30° from
+/// it.
 #[test]
 fn mirror_balls_have_images_of_known_size() {
     let film = 2.2;
@@ -86,8 +87,9 @@ fn hidden_lamps_have_no_image() {
     assert!(images_in(&b.build(camera).unwrap()).is_empty());
 }
 
-/// The image of a lamp out of focus moves with the lens position l by l·(1/f − 1/d)/w, if the camera
-/// focuses at distance f, the lamp is at distance d, and a pixel has the width w at distance 1.
+/// The image of a lamp out of focus moves with the lens position l by l·(1/f − 1/d)/w, if the
+/// camera focuses at distance f, the lamp is at distance d, and a pixel has the width w at distance
+/// 1.
 #[test]
 fn images_move_with_the_lens_position() {
     let (distance, focus, radius) = (6.0, 2.0, 0.004);

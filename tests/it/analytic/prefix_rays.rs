@@ -93,8 +93,8 @@ fn prefix_rays_keep_light_of_mirrored_caustics() {
 /// Renders `scene` with prefix rays, and compares the mean of the picture with `expected`, up to a
 /// relative tolerance of 2·10⁻³.
 ///
-/// The lamp's image covers less than 1/15 of a pixel, so 400 camera rays alone would have a standard
-/// error above 20 % or meet no light. Aimed prefix rays must bring it below 2 %.
+/// The lamp's image covers less than 1/15 of a pixel, so 400 camera rays alone would have a
+/// standard error above 20 % or meet no light. Aimed prefix rays must bring it below 2 %.
 fn check_aimed_rays(scene: &Scene, expected: f64) {
     let means = picture_means(scene, Settings { balance: false, ..camera_ray_settings(4, 100) }, 100);
     assert_mean("with aimed prefix rays", &means, expected, 2e-3 * expected, 0.02);
@@ -102,8 +102,8 @@ fn check_aimed_rays(scene: &Scene, expected: f64) {
 
 /// A lamp in a mirror ball keeps its light.
 ///
-/// A ball of radius R reflects parallel rays evenly, so the image of a lamp of solid angle Ω has the
-/// area R²Ω/4. The distance of the lamp, 1000 R, changes this by about 10⁻³.
+/// A ball of radius R reflects parallel rays evenly, so the image of a lamp of solid angle Ω has
+/// the area R²Ω/4. The distance of the lamp, 1000 R, changes this by about 10⁻³.
 #[test]
 fn aimed_rays_keep_light_of_lamps_in_mirror_balls() {
     let (distance, lamp_radius, film) = (1000.0, 4.0, 2.2);
@@ -120,8 +120,8 @@ fn aimed_rays_keep_light_of_lamps_in_mirror_balls() {
 
 /// A lamp behind a glass ball keeps its light.
 ///
-/// The camera, the ball's center and the lamp lie on one line. So a ray at distance h from this line
-/// stays in a plane, in which Snell's law gives its way.
+/// The camera, the ball's center and the lamp lie on one line. So a ray at distance h from this
+/// line stays in a plane, in which Snell's law gives its way.
 #[test]
 fn aimed_rays_keep_light_of_lamps_behind_glass_balls() {
     const IOR: f64 = 1.5;
