@@ -91,8 +91,8 @@ pub enum FilmFileError {
 }
 
 impl FilmHeader {
-    /// Returns one line for each difference because of which the passes of two renders cannot be
-    /// added; empty if they can.
+    /// Returns the differences that forbid to add the passes of the two renders, one line each;
+    /// empty if the passes can be added.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<String> {
         let mut lines = Vec::new();
