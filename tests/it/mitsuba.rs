@@ -204,6 +204,7 @@ fn compare_mean(folder: &Path, reference: &Reference) {
 }
 
 #[test]
+#[ignore = "long: renders every reference scene"]
 fn means_agree_with_pictures_of_mitsuba() {
     let Some(folder) = world_data_folder("mitsuba/mitsuba-data/tests/scenes") else { return };
     REFERENCES.iter().for_each(|reference| compare_mean(&folder, reference));

@@ -45,6 +45,7 @@ fn integrators_agree_on_smooth_plastic() {
 }
 
 #[test]
+#[ignore = "long: t-tests of two materials with every integrator"]
 fn integrators_agree_on_rough_plastic() {
     for (name, roughness) in [("polished plastic", 0.15), ("matt plastic", 0.4)] {
         let plastic =
