@@ -75,7 +75,7 @@ impl LiveProgram {
     fn request(&self, method: &str, path: &str) -> BufReader<TcpStream> {
         let (host, root) = self.address.strip_prefix("http://").unwrap().split_once('/').unwrap();
         let mut stream = TcpStream::connect(host).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        stream.set_read_timeout(Some(Duration::from_secs(300))).unwrap();
         write!(
             stream,
             "{method} /{root}{path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\nContent-Length: 0\r\n\r\n"
@@ -186,7 +186,7 @@ fn wrong_addresses_and_references_are_refused() {
         let scene = project_path("scenes/ring.txt");
         let words: Vec<&str> = words.split_whitespace().collect();
         let output =
-            program.arg(words[0]).arg(scene).args(&words[1..]).timeout(Duration::from_secs(60)).output().unwrap();
+            program.arg(words[0]).arg(scene).args(&words[1..]).timeout(Duration::from_secs(300)).output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(code) && said.contains(part), "{said}");
     };

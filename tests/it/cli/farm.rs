@@ -94,7 +94,7 @@ impl FakeSlurm {
 /// Runs `caustica farm slurm` on the box of a sandbox, with the programs of `path`.
 fn farm(sandbox: &CliSandbox, path: &str, words: &str) -> ProgramRun {
     let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
-    command.current_dir(sandbox.path(".")).env("PATH", path).timeout(Duration::from_secs(60));
+    command.current_dir(sandbox.path(".")).env("PATH", path).timeout(Duration::from_secs(300));
     command.args(["farm", "slurm", "box.txt", "--photons", "1k", "--poll", "0"]).args(words.split_whitespace());
     let output = command.output().unwrap();
     ProgramRun {
@@ -292,7 +292,7 @@ impl Cluster {
     fn wait_for(&self, line: &str) {
         let start = Instant::now();
         while !self.output("squeue", "--noheader --array --states=all --format=%i|%T").lines().any(|own| own == line) {
-            assert!(start.elapsed() < Duration::from_secs(60), "`{line}` did not come");
+            assert!(start.elapsed() < Duration::from_secs(300), "`{line}` did not come");
             std::thread::sleep(Duration::from_millis(50));
         }
     }

@@ -96,7 +96,7 @@ impl CliSandbox {
     /// Runs the program in the folder. Kills it after a minute, which no run should take.
     fn run(&self, arguments: &[&str]) -> ProgramRun {
         let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
-        command.current_dir(self.folder.path()).args(arguments).timeout(Duration::from_secs(60));
+        command.current_dir(self.folder.path()).args(arguments).timeout(Duration::from_secs(300));
         let output = command.output().unwrap();
         ProgramRun {
             code: output.status.code(),
