@@ -93,7 +93,8 @@ impl CliSandbox {
         names
     }
 
-    /// Runs the program in the folder. Kills it after a minute, which no run should take.
+    /// Runs the program in the folder. Kills it after five minutes, which no run takes even on a
+    /// loaded machine.
     fn run(&self, arguments: &[&str]) -> ProgramRun {
         let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
         command.current_dir(self.folder.path()).args(arguments).timeout(Duration::from_secs(300));
