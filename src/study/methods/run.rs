@@ -91,9 +91,9 @@ struct SeedRun<'a> {
 /// Final pictures of a rendering method, made at its last checkpoint; see [`MethodResult`].
 struct FinalPictures {
     passes: u32,
-    picture: Image,
+    first_seed_picture: Image,
     error: Vec<f32>,
-    difference: Image,
+    mean_difference: Image,
 }
 
 impl<'a> MethodStudy<'a> {
@@ -291,7 +291,7 @@ impl MethodRun<'_> {
         }
         let measured = separate_noise_and_bias(references, &pictures);
         let error = |seed: &SeedRun<'_>| Some(seed.estimator.as_ref()?.estimate(&seed.film).error);
-        let estimated: Vec<f64> =
+        let squared_error_estimates: Vec<f64> =
             self.seeds.iter().filter_map(error).filter(|e| e.is_finite()).map(|e| e * e).collect();
         let seeds = pictures.len() as f64;
         let checkpoint = ConvergenceCheckpoint {
@@ -300,11 +300,11 @@ impl MethodRun<'_> {
             wall: self.time.wall / seeds,
             rays: self.rays as f64 / seeds,
             photon_paths: self.photons as f64 / seeds,
-            squares: measured.squares,
-            noises: measured.noises,
+            squared_errors: measured.squared_errors,
+            squared_noises: measured.squared_noises,
             noise2: measured.noise2,
             bias2: measured.bias2,
-            estimated,
+            squared_error_estimates,
             rmse: measured.rmse,
             flip: flip_metric(references.mean(), &image(pictures[0].clone())?, &FlipMetricOptions::default())?.mean,
         };
@@ -315,10 +315,10 @@ impl MethodRun<'_> {
                 .iter()
                 .enumerate()
                 .map(|(i, t)| (mean_pixel_over_pictures(&pictures, i) - t.as_dvec3()).as_vec3());
-            let difference = image(differences.collect())?;
+            let mean_difference = image(differences.collect())?;
             let error = pixel_errors(references, &pictures);
-            let picture = image(pictures.into_iter().next().unwrap_or_default())?;
-            self.last = Some(FinalPictures { passes, picture, error, difference });
+            let first_seed_picture = image(pictures.into_iter().next().unwrap_or_default())?;
+            self.last = Some(FinalPictures { passes, first_seed_picture, error, mean_difference });
             self.seeds.clear();
         }
         self.checkpoints.push(checkpoint.clone());
@@ -326,7 +326,7 @@ impl MethodRun<'_> {
     }
 
     fn into_result(self, subject: &StudiedScene) -> Option<MethodResult> {
-        let FinalPictures { passes, picture, error, difference } = self.last?;
+        let FinalPictures { passes, first_seed_picture, error, mean_difference } = self.last?;
         Some(MethodResult {
             command: subject.render_command_line(&self.variant, passes),
             label: self.variant.label,
@@ -335,9 +335,9 @@ impl MethodRun<'_> {
             alpha: self.alpha,
             radii: self.radii.map(|r| [r.indirect, r.caustic]),
             checkpoints: self.checkpoints,
-            picture,
+            first_seed_picture,
             error,
-            difference,
+            mean_difference,
         })
     }
 }

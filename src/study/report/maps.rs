@@ -76,7 +76,7 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, Pictu
             error_color_ramp(0.0)
         }
     };
-    let picture = &method.picture;
+    let picture = &method.first_seed_picture;
     Image::from_pixels(picture.width(), picture.height(), method.error.iter().map(colour).collect())
 }
 
@@ -93,7 +93,7 @@ pub(super) fn relative_differences(difference: &Image, scale: &RelativeErrorWeig
 ///
 /// `relative` holds a difference for each pixel of `method`'s picture.
 pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64) -> Result<Image, PictureSizeError> {
-    let picture = &method.picture;
+    let picture = &method.first_seed_picture;
     Image::from_pixels(
         picture.width(),
         picture.height(),
@@ -129,7 +129,7 @@ impl PixelWindow {
 /// The squared errors of each method are divided by their mean over the picture.
 pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> Vec<PixelWindow> {
     let Some(first) = methods.first() else { return Vec::new() };
-    let (width, height) = (first.picture.width(), first.picture.height());
+    let (width, height) = (first.first_seed_picture.width(), first.first_seed_picture.height());
     let (w, h) = (width as usize, height as usize);
     let mut sum = vec![0.0; w * h];
     for method in methods {

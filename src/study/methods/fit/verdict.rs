@@ -106,7 +106,7 @@ pub fn judge_convergence(
 ) -> ConvergenceVerdict {
     let (Some(fit), Some(last)) = (fit, method.checkpoints.last()) else { return ConvergenceVerdict::TooFew };
     let least = reference_error.unwrap_or(0.0);
-    let nothing = mean_confidence_interval(&last.squares).is_some_and(|[low, _]| low <= 0.0)
+    let nothing = mean_confidence_interval(&last.squared_errors).is_some_and(|[low, _]| low <= 0.0)
         || last.mean_squared_error() <= least * least;
     let (Some(slopes), false) = (fit.error, nothing) else { return ConvergenceVerdict::TooSmall { reference_error } };
     let SlopeEstimate { value: slope, interval } = slopes.by_passes;
