@@ -252,8 +252,8 @@ impl ErrorEstimator {
         let tail_factor = if fourth > 0.0 { 0.5 * tails / fourth } else { 1.0 };
         let parts = SquaredErrorParts {
             noise: noise2,
-            noise_scatter: scatter,
-            noise_uncertainty: independent.max(tail_factor * scatter / (n - 1.0)),
+            realised_noise_relative_variance: scatter,
+            noise_estimate_relative_variance: independent.max(tail_factor * scatter / (n - 1.0)),
             blur: blur.square,
             blur_variance: blur.variance,
             shared_paths: shared2,

@@ -206,12 +206,13 @@ impl ErrorForecast {
         let parts = &self.estimate.parts;
         let (n, made) = (f64::from(sums.passes), f64::from(sums_so_far.passes));
         let distance = 1.0 - n.min(made) / n.max(made);
-        let deviation = (parts.noise_uncertainty + MODEL_DEVIATION * MODEL_DEVIATION * distance * distance).sqrt();
+        let deviation =
+            (parts.noise_estimate_relative_variance + MODEL_DEVIATION * MODEL_DEVIATION * distance * distance).sqrt();
         let noise = self.squared_noise(sums) * libm::exp(draw.noise * deviation);
         let blur = self.imagined_blur(draw, blur, sums, sums_so_far);
         SquaredErrorParts {
             noise,
-            noise_uncertainty: parts.noise_uncertainty * made / n,
+            noise_estimate_relative_variance: parts.noise_estimate_relative_variance * made / n,
             blur: blur.square,
             blur_variance: blur.variance,
             shared_paths_variance: parts.shared_paths_variance * made / n,

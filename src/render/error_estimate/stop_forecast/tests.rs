@@ -68,7 +68,7 @@ fn noise_alone_needs_four_times_the_passes() {
 #[test]
 fn forecast_uses_the_upper_end_of_the_interval() {
     let mut forecast = forecast_with(NestedDifferenceMoments::default(), None);
-    forecast.estimate.parts.noise_scatter = 0.04;
+    forecast.estimate.parts.realised_noise_relative_variance = 0.04;
     let center = range(forecast.stop_forecast(0.05, CENTER)).median;
     let upper = range(forecast.stop_forecast(0.05, Confidence::new(0.8).unwrap())).median;
     let expected = 1.0 + 1.2816 * 0.2;
