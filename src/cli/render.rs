@@ -183,7 +183,7 @@ fn render_scene(
         seed: arguments.method.seed,
         threads: rayon::current_num_threads(),
         triangles: scene.triangle_count(),
-        shapes: scene.shape_count(),
+        analytic_shapes: scene.analytic_shape_count(),
         lights: scene.lights().len(),
         radii: None,
         emission_guiding: EmissionGuidingReports::default(),

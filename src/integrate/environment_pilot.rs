@@ -48,7 +48,8 @@ const MAX_UNOCCLUDED: f64 = 0.25;
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EnvironmentGuidingReport {
     /// Number of shadow rays that the pilot traced.
-    pub rays: u64,
+    #[serde(rename = "rays")]
+    pub shadow_rays: u64,
     /// Fraction in \[0, 1] of unguided shadow rays that reach the environment.
     pub unoccluded: f64,
     /// Second moment of unguided shadow rays' contributions to the picture, divided by that of
@@ -91,7 +92,7 @@ pub(super) fn guide_environment_light(
     let mut guide = None;
     for round in 1..=ROUNDS {
         let rays = trace_round(scene, light, &points, guide.as_ref(), effects, key.training_round_key(round));
-        report.rays += rays.len() as u64;
+        report.shadow_rays += rays.len() as u64;
         if round == 1 {
             let unoccluded = rays.iter().filter(|ray| ray.contribution > 0.0).count();
             report.unoccluded = unoccluded as f64 / rays.len().max(1) as f64;

@@ -72,7 +72,8 @@ pub struct ForecastReport {
     /// `target` can be reached.
     pub floor: Option<f64>,
     /// Probability that the number of passes lies between the first and last value of `passes`.
-    pub probability: f64,
+    #[serde(rename = "probability")]
+    pub range_probability: f64,
     /// Predicted error curve: pairs of a number of passes and a relative error.
     pub curve: Vec<(u32, f64)>,
 }
@@ -247,7 +248,7 @@ impl ForecastReport {
             ends_render: stop.target.is_some(),
             passes,
             floor,
-            probability: RANGE_PROBABILITY,
+            range_probability: RANGE_PROBABILITY,
             curve: numbers.into_iter().map(|n| (n, forecast.error_after_passes(n))).collect(),
         }
     }

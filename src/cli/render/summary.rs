@@ -12,7 +12,7 @@ use crate::study::text::percent_text;
 /// Prints the name of the scene, its numbers of triangles, shapes and lights, and a note if it has
 /// no objects or lights.
 pub(super) fn print_scene_summary(name: &str, scene: &Scene, progress: &ProgressDisplay) {
-    let (triangles, shapes, lights) = (scene.triangle_count(), scene.shape_count(), scene.lights().len());
+    let (triangles, shapes, lights) = (scene.triangle_count(), scene.analytic_shape_count(), scene.lights().len());
     progress.print_line(&format!(
         "{name}: {}, {}, {}",
         count_with_noun(triangles, "triangle", "triangles"),

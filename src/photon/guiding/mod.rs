@@ -50,7 +50,7 @@ pub struct EmissionGuidingPilot<'a> {
 impl EmissionGuidingPilot<'_> {
     /// Default of [`EmissionGuidingPilot::paths`].
     ///
-    /// If 1 % of the paths reach a visible point, the pilot has 1300 useful samples.
+    /// If 1 % of the paths reach a visible point, the pilot has 1300 contributing samples.
     pub const PATHS: u32 = 1 << 17;
 }
 
@@ -63,7 +63,8 @@ pub struct EmissionGuidingReport {
     pub rays: u64,
     /// Fraction of the unguided paths of the pilot that contribute to the picture: those with a
     /// photon near a visible point.
-    pub useful: f64,
+    #[serde(rename = "useful")]
+    pub contributing_fraction: f64,
     /// Number of unguided photon paths that give the picture as little variance as one guided path;
     /// 1 without guiding.
     ///
@@ -92,8 +93,8 @@ impl PhotonSource<'_> {
             report.paths += found.samples.len() as u64;
             report.rays += found.rays;
             if round == 0 {
-                let useful = found.samples.iter().filter(|s| s.squared_contribution > 0.0).count();
-                report.useful = useful as f64 / found.samples.len().max(1) as f64;
+                let contributing = found.samples.iter().filter(|s| s.squared_contribution > 0.0).count();
+                report.contributing_fraction = contributing as f64 / found.samples.len().max(1) as f64;
                 unguided_moment = found.second_moment;
             } else if found.second_moment > 0.0 && unguided_moment > 0.0 {
                 report.gain = unguided_moment / found.second_moment;
