@@ -180,18 +180,18 @@ impl PhotonDensityEstimator<'_> {
         task: &mut PathTask,
     ) -> Rgb {
         if self.has_density_estimate_shares && vertex.history == PathHistory::default() {
-            self.radiance_with_shares::<I, true>(vertex, lookup_scale, scratch, task)
+            self.radiance_weighted_by_share::<I, true>(vertex, lookup_scale, scratch, task)
         } else {
-            self.radiance_with_shares::<I, false>(vertex, lookup_scale, scratch, task)
+            self.radiance_weighted_by_share::<I, false>(vertex, lookup_scale, scratch, task)
         }
     }
 
     /// Estimates the radiance that `vertex` reflects towards the previous vertex \[W/(m² sr)].
     ///
-    /// If `SHARED` is true, only the share of each photon's flux counts that light tracing leaves
+    /// If `HAS_SHARES` is true, only the share of each photon's flux counts that light tracing leaves
     /// to density estimates.
     #[inline]
-    fn radiance_with_shares<I: Interior, const SHARED: bool>(
+    fn radiance_weighted_by_share<I: Interior, const HAS_SHARES: bool>(
         &self,
         vertex: &PathVertex<'_, I>,
         lookup_scale: f32,
@@ -208,7 +208,7 @@ impl PhotonDensityEstimator<'_> {
         let brdf = |photon: &PhotonData| {
             let mut brdf =
                 surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, TransportMode::Radiance);
-            if SHARED {
+            if HAS_SHARES {
                 brdf *= photon.density_estimate_share();
             }
             if I::HAS_MEDIA_OR_WAVELENGTH {

@@ -28,7 +28,7 @@ const MIN_PATHS: u32 = 1 << 14;
 
 /// Number of stored photons at which a pilot measures the distance to the k-th nearest photon, to
 /// find the gather radius.
-const PROBES: usize = 512;
+const RADIUS_SAMPLES: usize = 512;
 
 /// Quantile that becomes the gather radius, among the distances from photons to their k-th nearest
 /// photon.
@@ -121,7 +121,7 @@ pub(super) fn find_gather_radius(
     }
     let size = scene.photon_domain().radius.max(f32::MIN_POSITIVE);
     let map = PhotonMap::build(photons.par_iter().copied().collect());
-    let step = photons.len().div_ceil(PROBES);
+    let step = photons.len().div_ceil(RADIUS_SAMPLES);
     let distance = |p: &Photon| {
         let normal = p.data.normal().normalize();
         map.kth_photon_distance(p.position, normal, k, size).unwrap_or(size)
