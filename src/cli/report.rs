@@ -171,7 +171,7 @@ impl RenderReport {
         let (width, height) = rendered.film.size();
         let wall = rendered.wall.as_secs_f64();
         let rate = |n: u64, seconds: f64| if seconds > 0.0 { n as f64 / seconds } else { 0.0 };
-        let emitted = rendered.unaimed.emitted + rendered.aimed.emitted;
+        let emitted = rendered.unaimed.emitted_paths + rendered.aimed.emitted_paths;
         Self {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION"),

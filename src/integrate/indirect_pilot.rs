@@ -15,7 +15,7 @@ use super::balance;
 use super::film_points::{FilmPoint, map_paths_through_film_points};
 use super::indirect_division::{IndirectDivision, IndirectErrors, IndirectTechnique};
 use super::map_builder::MapBuildOptions;
-use super::pass::{Pass, SilentMonitor};
+use super::pass::{PassResult, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::path_task::{LightByPart, PathTask};
 use super::photon_maps::PhotonMaps;
@@ -196,7 +196,7 @@ struct TrialWork {
 /// their photons.
 struct PilotTrial<'a> {
     maps: PhotonMaps<'a>,
-    report: Pass,
+    report: PassResult,
 }
 
 impl<'a> PilotTrial<'a> {
@@ -205,7 +205,7 @@ impl<'a> PilotTrial<'a> {
     fn new(pilot: &PassRenderer<'a>, trial: u32, divisor: u32) -> Self {
         let key = pilot_key(pilot).pilot_trial_key(trial);
         let options = MapBuildOptions::for_pilot(key, divisor);
-        let mut report = Pass::default();
+        let mut report = PassResult::default();
         let maps = pilot.map_builder.build(&options, &SilentMonitor, &mut report);
         Self { maps, report }
     }
@@ -233,13 +233,13 @@ impl<'a> PilotTrial<'a> {
         let (_, alone) = self.trace_paths(pilot, &some_points, IndirectTechnique::Paths);
         let (_, prefixes) = self.trace_paths(pilot, &some_points, IndirectTechnique::Photons);
         let scale = points.len() as f64 / some_points.len().max(1) as f64;
-        let Pass { aimed, unaimed, counters, .. } = &self.report;
-        let rays_per_path = counters.photon_rays as f64 / (unaimed.emitted + aimed.emitted).max(1) as f64;
+        let PassResult { aimed, unaimed, counters, .. } = &self.report;
+        let rays_per_path = counters.photon_rays as f64 / (unaimed.emitted_paths + aimed.emitted_paths).max(1) as f64;
         TrialWork {
-            paths: balance::camera_path_work(both),
-            prefixes: scale * balance::camera_path_work(&prefixes),
-            photon_work: rays_per_path * unaimed.emitted as f64 + balance::photon_storage_work(unaimed.stored),
-            gathering: LOOKUP_PHOTON_WORK
+            path_work: balance::camera_path_work(both),
+            prefix_work: scale * balance::camera_path_work(&prefixes),
+            photon_work: rays_per_path * unaimed.emitted_paths as f64 + balance::photon_storage_work(unaimed.stored),
+            gathering_work: LOOKUP_PHOTON_WORK
                 * (both.gathered_photons as f64 - scale * alone.gathered_photons as f64).max(0.0),
         }
     }

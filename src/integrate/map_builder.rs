@@ -8,7 +8,7 @@ pub(super) use options::{MapBuildOptions, PhotonPathCounts};
 use options::photon_limit;
 
 use super::indirect_division::{IndirectDivision, IndirectTechnique};
-use super::pass::{Pass, PassStage, PhotonReport, ProgressMonitor};
+use super::pass::{PassResult, PassStage, PhotonReport, ProgressMonitor};
 use super::photon_maps::{PhotonDensityEstimator, PhotonMaps};
 use super::policy::{PathPolicy, PhotonMapRequest};
 use super::radius_law::{RadiusLaw, kernel_radius_ratio, squared_radius_ratio};
@@ -16,8 +16,8 @@ use super::radius_pilot::{EmissionGuidingReports, GatherRadii, VolumeKernelRadii
 use super::settings::{IndirectPhotons, Settings};
 use super::volume_estimate::{BeamAndPointMaps, VolumeEstimator};
 use crate::photon::{
-    AFTER_CAUSTIC_THINNING, Bandwidth, DensityEstimateShares, LightTracer, Photon, PhotonMap, PhotonPass,
-    PhotonPassResult, PhotonSource, Splat, StoreMask, VolumePhotons, thin_beams,
+    AFTER_CAUSTIC_THINNING, Bandwidth, DensityEstimateShares, LightTracer, Photon, PhotonMap, PhotonSource,
+    PhotonTracer, Splat, StoreMask, TracedPhotons, VolumePhotons, thin_beams,
 };
 use crate::sampling::{Dimension, Key, Purpose};
 use crate::scene::{Effect, Effects, Scene};
@@ -322,7 +322,12 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// Traces the photons that `options` describe, and builds their maps. Adds ray counts, reports
     /// and times to `out`.
-    pub fn build(&self, options: &MapBuildOptions, monitor: &dyn ProgressMonitor, out: &mut Pass) -> PhotonMaps<'a> {
+    pub fn build(
+        &self,
+        options: &MapBuildOptions,
+        monitor: &dyn ProgressMonitor,
+        out: &mut PassResult,
+    ) -> PhotonMaps<'a> {
         // Paths are traced in this order: aimed, unaimed, guides.
         let AimedPhotons { caustic, after_caustic, splats } = self.trace_aimed_photons(options, monitor, out);
         let indirect = if self.aimed_paths_fill_indirect_map() {
@@ -354,7 +359,7 @@ impl<'a> PhotonMapBuilder<'a> {
         &self,
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
+        out: &mut PassResult,
     ) -> AimedPhotons {
         let light_tracer = self.light_tracer(options);
         let task = PhotonTracingTask {
@@ -380,8 +385,8 @@ impl<'a> PhotonMapBuilder<'a> {
         &self,
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
-    ) -> MapPhotons {
+        out: &mut PassResult,
+    ) -> UnindexedMapPhotons {
         let task = PhotonTracingTask {
             source: self.unaimed_source.as_ref(),
             mask: self.request.unaimed,
@@ -400,7 +405,7 @@ impl<'a> PhotonMapBuilder<'a> {
         &self,
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
+        out: &mut PassResult,
     ) -> Vec<Photon> {
         if !self.request.guides {
             return Vec::new();
@@ -422,7 +427,7 @@ impl<'a> PhotonMapBuilder<'a> {
         photons: UnindexedPhotons,
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
+        out: &mut PassResult,
     ) -> (PhotonDensityEstimator<'a>, PhotonDensityEstimator<'a>, Option<PhotonDensityEstimator<'a>>) {
         let start = Instant::now();
         let UnindexedPhotons { caustic, indirect, interreflection } = photons;
@@ -498,10 +503,9 @@ impl<'a> PhotonMapBuilder<'a> {
         PhotonDensityEstimator { scene: self.scene, map, bandwidth, kernel, volume, has_density_estimate_shares: false }
     }
 
-    /// Returns the inputs of a photon pass from `source` that stores the kinds of photons of
-    /// `mask`.
-    fn photon_pass<'b>(&'b self, source: &'b PhotonSource<'a>, mask: StoreMask) -> PhotonPass<'b> {
-        PhotonPass { scene: self.scene, source, mask, max_bounces: self.settings.camera_paths.max_bounces }
+    /// Returns a tracer of photon paths from `source` that stores the kinds of photons of `mask`.
+    fn photon_tracer<'b>(&'b self, source: &'b PhotonSource<'a>, mask: StoreMask) -> PhotonTracer<'b> {
+        PhotonTracer { scene: self.scene, source, mask, max_bounces: self.settings.camera_paths.max_bounces }
     }
 
     /// Emits and follows the photon paths of `task`; none if the task has no source.
@@ -511,14 +515,14 @@ impl<'a> PhotonMapBuilder<'a> {
         &self,
         task: PhotonTracingTask<'_>,
         monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
-    ) -> PhotonPassResult {
+        out: &mut PassResult,
+    ) -> TracedPhotons {
         let PhotonTracingTask { source, mask, paths, key, light_tracer } = task;
-        let Some(source) = source else { return PhotonPassResult::default() };
+        let Some(source) = source else { return TracedPhotons::default() };
         let start = Instant::now();
         monitor.begin_stage(PassStage::Photons, u64::from(paths));
-        let photon_pass = self.photon_pass(source, self.with_beams_if_read(mask));
-        let traced = photon_pass.trace_and_connect(key, paths, light_tracer, &|n| {
+        let photon_tracer = self.photon_tracer(source, self.with_beams_if_read(mask));
+        let traced = photon_tracer.trace_and_connect(key, paths, light_tracer, &|n| {
             monitor.report_progress(n);
             if monitor.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
@@ -540,8 +544,8 @@ fn restrict_to_effects<'a>(source: PhotonSource<'a>, effects: Effects) -> Option
     if effects.has(Effect::Environment) { Some(source) } else { source.without_environment_light() }
 }
 
-fn photon_report(traced: &PhotonPassResult) -> PhotonReport {
-    PhotonReport { emitted: traced.paths, stored: traced.deposits.len() as u64, audit: traced.audit }
+fn photon_report(traced: &TracedPhotons) -> PhotonReport {
+    PhotonReport { emitted_paths: traced.paths, stored: traced.deposits.len() as u64, audit: traced.audit }
 }
 
 /// Returns the results of both closures. The calling thread runs `here`, while the thread pool runs

@@ -4,7 +4,7 @@ use super::settings::Settings;
 use super::volume_estimate::VolumeEstimator;
 use crate::bsdf::TransportMode;
 use crate::math::Ray;
-use crate::photon::{EmissionGuidingReport, Photon, PhotonBeamMap, PhotonMap, PhotonPass, VolumePhotonMap};
+use crate::photon::{EmissionGuidingReport, Photon, PhotonBeamMap, PhotonMap, PhotonTracer, VolumePhotonMap};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{Effects, PathEvent, Scene, SpectralInterior, SurfaceVertex};
 use glam::Vec2;
@@ -105,16 +105,16 @@ pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
 /// The radius suits a pass of `paths` photon paths, and is at least `min_radius`. The pilot traces
 /// at most `max_pilot_paths` paths.
 pub(super) fn find_gather_radius(
-    pass: &PhotonPass<'_>,
+    tracer: &PhotonTracer<'_>,
     (paths, max_pilot_paths): (u32, u32),
     k: u32,
     seed: u64,
     min_radius: f32,
 ) -> Option<f32> {
-    let scene = pass.scene;
+    let scene = tracer.scene;
     let key = Key::new(seed).purpose_key(Purpose::Pilot);
     let pilot = pilot_path_count(paths, max_pilot_paths);
-    let traced = pass.trace(key, pilot, &|_| {});
+    let traced = tracer.trace(key, pilot, &|_| {});
     let photons = &traced.deposits.surface_photons;
     if photons.is_empty() {
         return None;
@@ -176,15 +176,15 @@ impl Default for VolumeKernelRadii {
 /// sharpness and saves time: the bounding boxes of dense beams are far larger than a smaller
 /// radius.
 pub(super) fn find_volume_kernel_radii(
-    pass: &PhotonPass<'_>,
+    tracer: &PhotonTracer<'_>,
     effects: Effects,
     paths: u32,
     settings: &Settings,
 ) -> Option<VolumeKernelRadii> {
-    let scene = pass.scene;
+    let scene = tracer.scene;
     let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
     let pilot = pilot_path_count(paths, MAX_PATHS);
-    let traced = pass.trace(key, pilot, &|_| {});
+    let traced = tracer.trace(key, pilot, &|_| {});
     let mut volume = traced.deposits.volume;
     volume.beams.extend(traced.deposits.after_caustic_volume.beams);
     volume.points.extend(traced.deposits.after_caustic_volume.points);

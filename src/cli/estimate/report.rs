@@ -101,7 +101,7 @@ impl CostEstimateReport {
         let pilot = estimator.map(|estimator| estimator.estimate(&rendered.film)).unwrap_or_default();
         let forecast = estimator.and_then(|estimator| estimator.forecast(&pilot));
         let forecast = forecast.ok_or(PilotTooShortError { passes })?;
-        let pass_photons = (rendered.unaimed.emitted + rendered.aimed.emitted) as f64 / f64::from(passes);
+        let pass_photons = (rendered.unaimed.emitted_paths + rendered.aimed.emitted_paths) as f64 / f64::from(passes);
         let mut words = method_flags(method, "--effects", arguments.effects.effects);
         if method.seed != 0 {
             words.extend(["--seed".to_owned(), method.seed.to_string()]);

@@ -9,7 +9,7 @@ pub(super) use distribution::EmissionGuidingDistribution;
 
 use super::deposits::{Deposit, DepositPlace};
 use super::trace::PhotonTracingTotals;
-use super::{PhotonPass, PhotonSearchBuffers, PhotonSource, StoreMask, VisiblePointMap};
+use super::{PhotonSearchBuffers, PhotonSource, PhotonTracer, StoreMask, VisiblePointMap};
 use crate::color;
 use crate::sampling::{DiscreteDistribution, Key, Purpose};
 use crate::scene::{Interior, for_interior};
@@ -133,7 +133,7 @@ impl PhotonSource<'_> {
         range: std::ops::Range<u32>,
         paths: u32,
     ) -> PilotRoundSamples {
-        let pass = PhotonPass { scene: self.scene, source: self, mask: pilot.mask, max_bounces: pilot.max_bounces };
+        let tracer = PhotonTracer { scene: self.scene, source: self, mask: pilot.mask, max_bounces: pilot.max_bounces };
         let mut scratch = PhotonSearchBuffers::default();
         let mut tally = PhotonTracingTotals::default();
         let mut found = PilotRoundSamples::default();
@@ -141,7 +141,7 @@ impl PhotonSource<'_> {
             let point = self.primary_emission_sample(key, index, paths);
             let mut squared_contribution = 0.0;
             if let Some((ray, flux)) = self.start_photon_path::<I>(&point) {
-                pass.follow_photon_path(
+                tracer.follow_photon_path(
                     ray,
                     flux,
                     key.photon_path_key(index),

@@ -88,8 +88,8 @@ fn source_guided_to_visible<'a>(
     PhotonSource::emitting_in_all_directions(scene).unwrap().with_guided_emission(&pilot)
 }
 
-fn photon_pass_of_source<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonPass<'a> {
-    PhotonPass { scene, source, mask: MASK, max_bounces: BOUNCES }
+fn photon_tracer_of_source<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonTracer<'a> {
+    PhotonTracer { scene, source, mask: MASK, max_bounces: BOUNCES }
 }
 
 fn pass_key(pass: u64) -> Key {
@@ -133,7 +133,7 @@ fn fluxes_by_region(scene: &Scene, source: &PhotonSource<'_>) -> [PassStatistics
     let edge = to_scene_frame(scene, DVec3::new(6.0, 0.0, 6.0));
     let mut means = [PassStatistics::default(); 4];
     for i in 0..32 {
-        let traced = photon_pass_of_source(scene, source).trace(pass_key(i), 8192, &|_| {});
+        let traced = photon_tracer_of_source(scene, source).trace(pass_key(i), 8192, &|_| {});
         let mut flux = [0.0; 3];
         for Photon { position: p, data: f } in &traced.deposits.surface_photons {
             let region = if (p.y - floor).abs() > 1e-3 { 2 } else { usize::from(p.x < edge.x || p.z < edge.z) };
@@ -183,11 +183,11 @@ fn aiming_and_guiding_together_are_unbiased() {
     let plain = PhotonSource::aimed_at_casters(&scene).unwrap();
     let (guided, report) = PhotonSource::aimed_at_casters(&scene).unwrap().with_guided_emission(&pilot);
     let flux = |source: &PhotonSource<'_>| {
-        let pass = PhotonPass { scene: &scene, source, mask: StoreMask::CAUSTIC, max_bounces: 20 };
+        let tracer = PhotonTracer { scene: &scene, source, mask: StoreMask::CAUSTIC, max_bounces: 20 };
         let corner = to_scene_frame(&scene, DVec3::new(6.0, 0.5, 6.0));
         let (mut seen, mut emitted) = (PassStatistics::default(), PassStatistics::default());
         for i in 0..32 {
-            let traced = pass.trace(pass_key(i), 4096, &|_| {});
+            let traced = tracer.trace(pass_key(i), 4096, &|_| {});
             let there =
                 traced.deposits.surface_photons.iter().filter(|p| p.position.x > corner.x && p.position.z > corner.z);
             seen.add(there.map(|p| f64::from(color::channel_mean(p.data.flux()))).sum());
@@ -219,7 +219,7 @@ fn guiding_reduces_visible_variance() {
         let mut means = vec![PassStatistics::default(); 1600];
         for i in 0..24 {
             let map = PhotonMap::build(
-                photon_pass_of_source(&scene, source).trace(pass_key(i), 16384, &|_| {}).deposits.surface_photons,
+                photon_tracer_of_source(&scene, source).trace(pass_key(i), 16384, &|_| {}).deposits.surface_photons,
             );
             let mut scratch = PhotonSearchBuffers::default();
             for (p, mean) in floor_corner_points(&scene).zip(&mut means) {

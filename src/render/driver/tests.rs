@@ -1,7 +1,7 @@
 use super::*;
 use crate::camera::Camera;
 use crate::color::Rgb;
-use crate::integrate::{Algorithm, Pass, PassStage, Settings, SilentMonitor};
+use crate::integrate::{Algorithm, PassResult, PassStage, Settings, SilentMonitor};
 use crate::plan::Plan;
 use crate::scene::{DeltaLightKind, Effects, LightStrength, Material, Scene, SceneBuilder};
 use crate::shape::{Plane, Shape, Sphere};
@@ -12,8 +12,8 @@ use std::sync::atomic::{AtomicU32, AtomicU64};
 struct PassNumberIntegrator;
 
 impl Integrator for PassNumberIntegrator {
-    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> Pass {
-        Pass { image: vec![Rgb::splat(pass as f32); 2], ..Pass::default() }
+    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> PassResult {
+        PassResult { image: vec![Rgb::splat(pass as f32); 2], ..PassResult::default() }
     }
 
     fn expected_work(&self, _: Effects) -> Counters {

@@ -12,7 +12,7 @@ use super::pixel_variance::PixelVarianceSums;
 use super::shared_paths::SharedPathErrorSums;
 use super::squared_error::SquaredErrorParts;
 use crate::image::RelativeErrorWeights;
-use crate::integrate::{MeanGatherDisc, NestedEstimates, Pass, RadiusLaw};
+use crate::integrate::{MeanGatherDisc, NestedDifferences, PassResult, RadiusLaw};
 use crate::math::BinnedSums;
 use crate::render::MergeError;
 use crate::render::film::{Film, total_pass_count};
@@ -123,7 +123,7 @@ impl ErrorEstimator {
     }
 
     /// Adds `pass`, whose pass number is `number`. Each number may be added only once.
-    pub fn add(&mut self, number: u32, pass: &Pass) {
+    pub fn add(&mut self, number: u32, pass: &PassResult) {
         self.variances.add(&pass.image);
         self.leading.add(number, LEADING_PASSES, pass.image.par_iter().copied());
         if !pass.nested.is_empty() {

@@ -3,7 +3,7 @@
 use super::{ErrorEstimator, MIN_PASSES};
 use crate::color::Rgb;
 use crate::image::RelativeErrorWeights;
-use crate::integrate::{NestedEstimates, Pass, RadiusLaw};
+use crate::integrate::{NestedDifferences, PassResult, RadiusLaw};
 use crate::photon::Kernel;
 use crate::render::Film;
 use crate::sampling::{Dimension, Key, Purpose};
@@ -33,7 +33,7 @@ fn render_noisy_passes(passes: u32, seed: u64, sigma: f32, bias: f32) -> (ErrorE
             ..NestedEstimates::default()
         };
         let image = (0..PIXELS).map(|p| Rgb::splat(1.0 + bias) + part(p, 0)).collect();
-        let pass = Pass { image, nested: (0..PIXELS).map(pixel).collect(), ..Pass::default() };
+        let pass = PassResult { image, nested: (0..PIXELS).map(pixel).collect(), ..PassResult::default() };
         estimator.add(i, &pass);
         film.add(&pass.image);
     }
@@ -96,7 +96,7 @@ fn shared_paths_are_bias() {
         let image = vec![Rgb::splat(1.2); PIXELS];
         let unshared_path_pixels =
             (0..16).map(|p| (p as u32 * 100, Rgb::splat(1.0 + 0.1 * uniform_noise(i, 3, p, 0)))).collect();
-        let pass = Pass { image, unshared_path_pixels, ..Pass::default() };
+        let pass = PassResult { image, unshared_path_pixels, ..PassResult::default() };
         estimator.add(i, &pass);
         film.add(&pass.image);
     }
@@ -139,7 +139,7 @@ fn edges_are_not_extrapolated_as_smooth() {
             ..NestedEstimates::default()
         };
         let image = row.iter().map(|v| splat(v[0])).collect();
-        let pass = Pass { image, nested: row.iter().map(pixel).collect(), ..Pass::default() };
+        let pass = PassResult { image, nested: row.iter().map(pixel).collect(), ..PassResult::default() };
         estimator.add(i, &pass);
         film.add(&pass.image);
     }

@@ -73,7 +73,7 @@ struct MethodRun<'a> {
     seeds: Vec<SeedRun<'a>>,
     time: CpuWallTime,
     rays: u64,
-    photons: u64,
+    photon_paths: u64,
     checkpoints: Vec<ConvergenceCheckpoint>,
     /// Pictures of the last checkpoint; `None` while the method runs.
     last: Option<FinalPictures>,
@@ -141,7 +141,7 @@ impl<'a> MethodStudy<'a> {
                 seeds: std::iter::once(Some(first)).chain(none).map(film).collect(),
                 time: CpuWallTime::default(),
                 rays: 0,
-                photons: 0,
+                photon_paths: 0,
                 checkpoints: Vec::new(),
                 last: None,
             }
@@ -269,7 +269,7 @@ impl MethodRun<'_> {
         film.add(&pass.image);
         self.time += time;
         self.rays += pass.counters.total_rays();
-        self.photons += pass.unaimed.emitted + pass.aimed.emitted;
+        self.photon_paths += pass.unaimed.emitted_paths + pass.aimed.emitted_paths;
     }
 
     /// Measures the pictures of all seeds after `passes` passes. Adds a checkpoint and returns it.
@@ -299,7 +299,7 @@ impl MethodRun<'_> {
             seconds: self.time.processor / seeds,
             wall: self.time.wall / seeds,
             rays: self.rays as f64 / seeds,
-            photon_paths: self.photons as f64 / seeds,
+            photon_paths: self.photon_paths as f64 / seeds,
             squared_errors: measured.squared_errors,
             squared_noises: measured.squared_noises,
             noise2: measured.noise2,

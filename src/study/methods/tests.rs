@@ -9,7 +9,9 @@ use super::{
 };
 use crate::color::Rgb;
 use crate::image::{self, Image, WriteOptions};
-use crate::integrate::{Algorithm, CameraPathSettings, Integrator, Pass, ProgressMonitor, Settings, SilentMonitor};
+use crate::integrate::{
+    Algorithm, CameraPathSettings, Integrator, PassResult, ProgressMonitor, Settings, SilentMonitor,
+};
 use crate::plan::{EffectOverrides, Plan};
 use crate::scene::{Effect, Effects};
 use crate::stats::{Counters, cpu_seconds};
@@ -125,7 +127,7 @@ struct SyntheticIntegrator<'w> {
 }
 
 impl Integrator for SyntheticIntegrator<'_> {
-    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> Pass {
+    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> PassResult {
         let SyntheticMethod { bias, sigma, cost, interrupts } = self.fake;
         let processor = cost * (1.0 + 0.5 * self.seed as f64);
         // Other programs use the processor for a fifth of the time.
@@ -135,9 +137,9 @@ impl Integrator for SyntheticIntegrator<'_> {
         self.world.interrupted.fetch_or(interrupts && pass == 2 && self.seed == 0, Ordering::Relaxed);
         let name = (f64::to_bits(cost) >> 40) + 1000 * u64::from(pass) + self.seed;
         let counters = Counters { camera_rays: 10 + self.seed, shadow_rays: 5, ..Counters::default() };
-        let mut pass = Pass { image: noisy_picture(bias, sigma, name), counters, ..Pass::default() };
-        pass.unaimed.emitted = 100;
-        pass.aimed.emitted = 50;
+        let mut pass = PassResult { image: noisy_picture(bias, sigma, name), counters, ..PassResult::default() };
+        pass.unaimed.emitted_paths = 100;
+        pass.aimed.emitted_paths = 50;
         pass
     }
 

@@ -10,7 +10,7 @@ use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::format::description::{GroupItem, ObjectDescription, ObjectGroup, ShapeDescription};
 use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, VolumeEstimator};
-use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
 use glam::DVec3;
@@ -238,11 +238,15 @@ fn rotated_scenes_have_same_flux_and_radiance() {
 /// counts.
 fn stored_fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
     let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
-    let pass =
-        PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: if near.is_finite() { 0 } else { 50 } };
+    let tracer = PhotonTracer {
+        scene,
+        source: &source,
+        mask: StoreMask::ALL,
+        max_bounces: if near.is_finite() { 0 } else { 50 },
+    };
     let one = |index: u32| {
         let key = Key::new(7).purpose_key(Purpose::Test).child_key(index.into());
-        let traced = pass.trace(key, 4096, &|_| {});
+        let traced = tracer.trace(key, 4096, &|_| {});
         let inside = traced
             .deposits
             .surface_photons
