@@ -65,7 +65,7 @@ pub trait Integrator: Send + Sync {
     }
 
     /// True if passes return the data from which the error of the picture is estimated. With
-    /// photons, these are [`NestedEstimates`](super::NestedEstimates).
+    /// photons, these are [`NestedDifferences`](super::NestedDifferences).
     fn estimates_error(&self) -> bool {
         false
     }

@@ -73,7 +73,7 @@ mod integrator;
 mod light_group;
 mod map_builder;
 mod nee;
-mod nested_estimates;
+mod nested_differences;
 mod pass;
 mod pass_renderer;
 mod path;

@@ -1,6 +1,6 @@
 //! Result of a pass, and progress reports about it.
 
-use super::nested_estimates::NestedEstimates;
+use super::nested_differences::NestedDifferences;
 use crate::color::Rgb;
 use crate::photon::EnergyAudit;
 use crate::stats::Counters;
@@ -94,7 +94,7 @@ pub struct PassResult {
     pub aimed: PhotonReport,
     /// Differences between photon estimates with nested discs, for each pixel; empty unless the
     /// error is estimated.
-    pub nested: Vec<NestedEstimates>,
+    pub nested: Vec<NestedDifferences>,
     /// Radiance of each pixel by light group, which adds up to `image`, in the order of
     /// [`LightGroup::ALL`](super::LightGroup::ALL) \[W/(m² sr)].
     ///

@@ -2,7 +2,7 @@
 
 use super::gather_guide::GatherGuide;
 use super::light_group::GroupedLight;
-use super::nested_estimates::NestedEstimateSum;
+use super::nested_differences::PixelNestedDifferenceSum;
 use super::scatter_point_guide::{GuidedDistances, InScatteringSample};
 use crate::color::Rgb;
 use crate::medium::TransmittanceCurve;
@@ -30,8 +30,8 @@ pub(super) struct PixelLight {
     pub photon_radiance: Rgb,
     /// Light of the current camera ray, divided into direct, indirect and caustic light.
     pub groups: GroupedLight,
-    /// Sums of nested photon estimates over the rays of the pixel.
-    pub nested: NestedEstimateSum,
+    /// Sums of nested differences over the rays of the pixel.
+    pub nested: PixelNestedDifferenceSum,
 }
 
 /// Records that pilots take from the task. A render writes only `light`, and does not read it.
@@ -98,7 +98,7 @@ impl PathTask {
     /// repeated with smaller nested discs, to measure their bias. If `groups_light`, it divides
     /// light by [`LightGroup`](super::light_group::LightGroup).
     pub fn new(nests_estimates: bool, groups_light: bool) -> Self {
-        let nested = NestedEstimateSum::new(nests_estimates);
+        let nested = PixelNestedDifferenceSum::new(nests_estimates);
         let groups = GroupedLight::new(groups_light);
         Self { pixel: PixelLight { nested, groups, ..PixelLight::default() }, ..Self::default() }
     }

@@ -3,7 +3,7 @@
 //! The [module](super) lists the maps, the photon paths that fill them, and their names in reports.
 
 use super::light_group::LightGroup;
-use super::nested_estimates::GatherDiscSum;
+use super::nested_differences::GatherDiscSum;
 use super::path_task::PathTask;
 use super::vertex::{MediumPathSegment, PathHistory, PathVertex};
 use super::volume_estimate::{BeamAndPointMaps, wavelength_kernel_weight};
@@ -72,7 +72,7 @@ impl PhotonMaps<'_> {
         let caustic = self.caustic.radiance(
             vertex,
             lookup_scale,
-            |t| (&mut t.scratch.searches.caustic, &mut t.pixel.nested.caustic),
+            |t| (&mut t.scratch.searches.caustic, &mut t.pixel.nested.caustic_discs),
             task,
         );
         let indirect = match lookup {
@@ -80,7 +80,7 @@ impl PhotonMaps<'_> {
             PhotonMapChoice::CausticAndIndirect => self.indirect.radiance(
                 vertex,
                 lookup_scale,
-                |t| (&mut t.scratch.searches.indirect, &mut t.pixel.nested.indirect),
+                |t| (&mut t.scratch.searches.indirect, &mut t.pixel.nested.indirect_discs),
                 task,
             ),
         };
@@ -106,7 +106,7 @@ impl PhotonMaps<'_> {
         let radiance = map.radiance(
             vertex,
             lookup_scale,
-            |t| (&mut t.scratch.searches.interreflection, &mut t.pixel.nested.indirect),
+            |t| (&mut t.scratch.searches.interreflection, &mut t.pixel.nested.indirect_discs),
             task,
         );
         task.records.light.shared_by_photons += vertex.throughput * radiance * lookup_scale;

@@ -29,10 +29,10 @@ fn noisy_pass(number: u32, decades: f64) -> PassResult {
         let key = key.child_key(pixel.into()).child_key(which);
         Rgb::from_array([0, 1, 2].map(|channel| value(key.child_key(channel))))
     };
-    let nested = |pixel| NestedEstimates {
+    let nested = |pixel| NestedDifferences {
         differences: [color(pixel, 1) - color(pixel, 2), color(pixel, 3) - color(pixel, 4)],
-        caustic: Some(MeanGatherDisc { radius: 1.0, mean_count: 2.0 }),
-        indirect: None,
+        caustic_disc: Some(MeanGatherDisc { radius: 1.0, mean_count: 2.0 }),
+        indirect_disc: None,
     };
     PassResult {
         image: (0..PIXELS).map(|pixel| color(pixel, 0)).collect(),

@@ -55,7 +55,7 @@ pub struct ErrorEstimator {
     /// Number of added passes.
     passes: u32,
     variances: PixelVarianceSums,
-    photon_estimates: Option<NestedEstimateSums>,
+    nested_differences: Option<NestedDifferenceSums>,
     shared_paths: SharedPathErrorSums,
     /// Light that clamping removed; `None` if no pass was clamped.
     clamped_light: Option<ClampedLightSums>,
@@ -68,7 +68,7 @@ pub struct ErrorEstimator {
 /// D₀ is the difference between estimates with full and half discs, D₁ between half and quarter
 /// discs.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-struct NestedEstimateSums {
+struct NestedDifferenceSums {
     /// Sums over passes of D₀ and of D₁, for each pixel and channel.
     differences: [BinnedSums<3>; 2],
     /// Sums over passes and channels of D₀², D₀·D₁ and D₁², for each pixel.
@@ -98,10 +98,10 @@ pub struct ErrorMaps {
     /// picture is too bright. The estimate is noisy.
     pub bias: Vec<Vec3>,
     /// Mean radius and photon count of each pixel's density estimates from the caustic map.
-    pub caustic: Vec<MeanGatherDisc>,
+    pub caustic_discs: Vec<MeanGatherDisc>,
     /// Mean radius and photon count of each pixel's density estimates from the indirect map, and
     /// from the interreflection map of `hybrid`.
-    pub indirect: Vec<MeanGatherDisc>,
+    pub indirect_discs: Vec<MeanGatherDisc>,
 }
 
 impl ErrorEstimator {
@@ -115,7 +115,7 @@ impl ErrorEstimator {
             radius_law,
             passes: 0,
             variances: PixelVarianceSums::default(),
-            photon_estimates: None,
+            nested_differences: None,
             shared_paths: SharedPathErrorSums::default(),
             clamped_light: None,
             leading: LeadingPasses::default(),
@@ -127,8 +127,8 @@ impl ErrorEstimator {
         self.variances.add(&pass.image);
         self.leading.add(number, LEADING_PASSES, pass.image.par_iter().copied());
         if !pass.nested.is_empty() {
-            let estimates = self.photon_estimates.get_or_insert_with(|| NestedEstimateSums::new(pass.nested.len()));
-            estimates.add(number, &pass.nested);
+            let sums = self.nested_differences.get_or_insert_with(|| NestedDifferenceSums::new(pass.nested.len()));
+            sums.add(number, &pass.nested);
         }
         self.shared_paths.add(pass);
         if !pass.clamped.is_empty() {
@@ -154,7 +154,7 @@ impl ErrorEstimator {
             if !self.has_same_pixels(other) {
                 return Err(MergeError::Estimator);
             }
-            if let (Some(own), Some(other)) = (&mut self.photon_estimates, &other.photon_estimates) {
+            if let (Some(own), Some(other)) = (&mut self.nested_differences, &other.nested_differences) {
                 own.merge(other);
             }
             if let (Some(own), Some(other)) = (&mut self.clamped_light, &other.clamped_light) {
@@ -173,12 +173,12 @@ impl ErrorEstimator {
     /// False for some estimators that were read from damaged files.
     pub(in crate::render) fn is_consistent(&self, passes: u32, pixels: usize) -> bool {
         let fits = |count: usize| count == pixels;
-        let photon_estimates = self.photon_estimates.as_ref();
+        let nested_differences = self.nested_differences.as_ref();
         self.passes == passes
             && (passes == 0 || self.variances.has_pixels(pixels) && self.leading.has_pixels(pixels, LEADING_PASSES))
             && self.shared_paths.is_consistent(pixels)
             && self.clamped_light.as_ref().is_none_or(|sums| sums.pixels() == Some(pixels))
-            && photon_estimates.is_none_or(|sums| {
+            && nested_differences.is_none_or(|sums| {
                 sums.differences.iter().all(|sums| fits(sums.len()))
                     && fits(sums.products.len())
                     && fits(sums.discs.len())
@@ -188,8 +188,7 @@ impl ErrorEstimator {
 
     /// True if both estimators hold sums of the same kinds for the same number of pixels.
     fn has_same_pixels(&self, other: &Self) -> bool {
-        let photon_pixels =
-            |estimator: &Self| estimator.photon_estimates.as_ref().map(|estimates| estimates.discs.len());
+        let photon_pixels = |estimator: &Self| estimator.nested_differences.as_ref().map(|sums| sums.discs.len());
         self.variances.pixels() == other.variances.pixels()
             && photon_pixels(self) == photon_pixels(other)
             && self.shared_paths.pixels() == other.shared_paths.pixels()
@@ -239,7 +238,7 @@ impl ErrorEstimator {
         let independent = if noise2 > 0.0 { tails / (n * noise2 * noise2) } else { 0.0 };
         let noise2 = noise2 * fraction;
         let differences =
-            self.photon_estimates.as_ref().map(|estimates| estimates.nested_difference_moments(&error_weights, n));
+            self.nested_differences.as_ref().map(|sums| sums.nested_difference_moments(&error_weights, n));
         let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&error_weights, film.size().0, n);
         let clamping = self.clamped_light.as_ref().map(|sums| sums.squared_bias(&error_weights, n));
@@ -294,17 +293,17 @@ impl ErrorEstimator {
         let n = f64::from(self.passes.max(1));
         let over = (n * (n - 1.0)).max(1.0);
         let pixels = (0..self.variances.pixels()).into_par_iter().with_min_len(MIN_PIXELS);
-        let deviations = pixels.map(|i| self.variances.deviations(film, i));
-        let noise = deviations.map(|pixel| (pixel.squares / over).map(f64::sqrt).as_vec3()).collect();
-        let Some(estimates) = &self.photon_estimates else { return ErrorMaps { noise, ..ErrorMaps::default() } };
+        let spreads = pixels.map(|i| self.variances.spread(film, i));
+        let noise = spreads.map(|pixel| (pixel.squared_deviations / over).map(f64::sqrt).as_vec3()).collect();
+        let Some(sums) = &self.nested_differences else { return ErrorMaps { noise, ..ErrorMaps::default() } };
         let factor = self.estimate(film).extrapolation / n;
         let bias = (0..estimates.discs.len()).map(|i| {
             let [d0, d1] = estimates.difference_sums(i);
             ((d0 + d1) * factor).as_vec3()
         });
         let bias = bias.collect();
-        let discs = |map: usize| estimates.discs.iter().map(|d| d[map].mean()).collect();
-        ErrorMaps { noise, bias, caustic: discs(0), indirect: discs(1) }
+        let discs = |map: usize| sums.discs.iter().map(|d| d[map].mean()).collect();
+        ErrorMaps { noise, bias, caustic_discs: discs(0), indirect_discs: discs(1) }
     }
 }
 
@@ -318,7 +317,7 @@ impl NoiseSums {
     }
 }
 
-impl NestedEstimateSums {
+impl NestedDifferenceSums {
     fn new(pixels: usize) -> Self {
         Self {
             differences: [BinnedSums::new(pixels), BinnedSums::new(pixels)],
@@ -328,7 +327,7 @@ impl NestedEstimateSums {
         }
     }
 
-    fn add(&mut self, number: u32, pixels: &[NestedEstimates]) {
+    fn add(&mut self, number: u32, pixels: &[NestedDifferences]) {
         for (step, sums) in self.differences.iter_mut().enumerate() {
             sums.add(|i| pixels[i].differences[step].as_dvec3().to_array());
         }
@@ -338,8 +337,8 @@ impl NestedEstimateSums {
         });
         let discs = self.discs.par_iter_mut().zip(pixels).with_min_len(MIN_PIXELS);
         discs.for_each(|([caustic, indirect], pixel)| {
-            caustic.add(pixel.caustic);
-            indirect.add(pixel.indirect);
+            caustic.add(pixel.caustic_disc);
+            indirect.add(pixel.indirect_disc);
         });
         let differences = pixels.par_iter().map(|pixel| pixel.differences[0]);
         self.leading.add(number, LEADING_PASSES_OF_DIFFERENCES, differences);

@@ -28,9 +28,9 @@ fn render_noisy_passes(passes: u32, seed: u64, sigma: f32, bias: f32) -> (ErrorE
     let (mut estimator, mut film) = (ErrorEstimator::new(Some(LAW)), Film::new(WIDTH, WIDTH));
     for i in 0..passes {
         let part = |pixel: usize, which: u64| Rgb::splat(sigma * uniform_noise(i, seed, pixel, which));
-        let pixel = |p: usize| NestedEstimates {
+        let pixel = |p: usize| NestedDifferences {
             differences: [Rgb::splat(0.5 * bias) + part(p, 1), Rgb::splat(0.25 * bias) + part(p, 2)],
-            ..NestedEstimates::default()
+            ..NestedDifferences::default()
         };
         let image = (0..PIXELS).map(|p| Rgb::splat(1.0 + bias) + part(p, 0)).collect();
         let pass = PassResult { image, nested: (0..PIXELS).map(pixel).collect(), ..PassResult::default() };
@@ -134,9 +134,9 @@ fn edges_are_not_extrapolated_as_smooth() {
     let (mut estimator, mut film) = (ErrorEstimator::new(Some(LAW)), Film::new(WIDTH, WIDTH));
     for i in 0..8 {
         let splat = |v: f64| Rgb::splat(v as f32);
-        let pixel = |v: &[f64; 4]| NestedEstimates {
+        let pixel = |v: &[f64; 4]| NestedDifferences {
             differences: [splat(v[0] - v[1]), splat(v[1] - v[2])],
-            ..NestedEstimates::default()
+            ..NestedDifferences::default()
         };
         let image = row.iter().map(|v| splat(v[0])).collect();
         let pass = PassResult { image, nested: row.iter().map(pixel).collect(), ..PassResult::default() };
