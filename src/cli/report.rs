@@ -25,7 +25,8 @@ pub(super) struct RenderReport {
     pub seed: u64,
     pub threads: usize,
     pub passes: u32,
-    pub ended: EndReason,
+    #[serde(rename = "ended")]
+    pub end_reason: EndReason,
     pub limits: LimitsReport,
     pub triangles: usize,
     #[serde(rename = "shapes")]
@@ -182,7 +183,7 @@ impl RenderReport {
             seed: setup.seed,
             threads: setup.threads,
             passes: rendered.film.passes(),
-            ended: rendered.ended,
+            end_reason: rendered.end_reason,
             limits: LimitsReport::new(limits, stop),
             triangles: setup.triangles,
             analytic_shapes: setup.analytic_shapes,

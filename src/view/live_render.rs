@@ -76,7 +76,7 @@ impl<'a> LiveRender<'a> {
         self.publish(|state, _| {
             let status = &mut state.status;
             status.phase = Phase::Passes;
-            status.ended = None;
+            status.end_reason = None;
             status.size = size;
             status.plan = Some(Arc::new(plan));
             status.pass_limit = stop.passes;
@@ -100,7 +100,7 @@ impl<'a> LiveRender<'a> {
             self.forecast = Some(Arc::new(ForecastReport::new(estimate, forecast, stop)));
         }
         let start = Instant::now();
-        if progress.ended.is_some() || !self.picture_pace.is_due(start) {
+        if progress.end_reason.is_some() || !self.picture_pace.is_due(start) {
             return;
         }
         self.publish_result(progress.rendered);
@@ -132,7 +132,7 @@ impl<'a> LiveRender<'a> {
         self.publish_maps(rendered);
         self.publish(|state, _| {
             state.status.phase = phase;
-            state.status.ended = Some(rendered.ended);
+            state.status.end_reason = Some(rendered.end_reason);
         });
     }
 

@@ -167,7 +167,8 @@ pub struct LiveStatus {
     /// Phase that the render has reached.
     pub phase: Phase,
     /// Reason why the render ended; `None` while it goes on.
-    pub ended: Option<EndReason>,
+    #[serde(rename = "ended")]
+    pub end_reason: Option<EndReason>,
     /// Width and height of the full picture \[pixels]; 0 before the scene is read.
     pub size: (u32, u32),
     /// Movement of the camera that the user has chosen on the page, relative to the camera of the
@@ -211,7 +212,8 @@ pub struct LiveStatus {
     /// Number that rises whenever the text or the errors of the scene file change.
     pub source_revision: u32,
     /// Number of errors in the scene file. The page fetches the texts of the errors separately.
-    pub problems: usize,
+    #[serde(rename = "problems")]
+    pub problem_count: usize,
 }
 
 impl CurvePoint {

@@ -91,7 +91,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
         setup: 0.4,
         alpha,
         radii: algorithm.traces_photons().then_some([0.08, 0.02]),
-        error: pairs().map(|(a, b)| (*a - *b).length() / (b.length() + 0.2)).collect(),
+        pixel_errors: pairs().map(|(a, b)| (*a - *b).length() / (b.length() + 0.2)).collect(),
         mean_difference: Image::from_pixels(WIDTH, HEIGHT, pairs().map(|(a, b)| *a - *b).collect()).unwrap(),
         first_seed_picture: shown,
         checkpoints,
@@ -199,7 +199,7 @@ fn minimal_study_makes_a_page() {
     let last = &mut found.methods[1];
     last.checkpoints.truncate(1);
     last.checkpoints[0] = ConvergenceCheckpoint { passes: 1, ..ConvergenceCheckpoint::default() };
-    last.error.fill(0.0);
+    last.pixel_errors.fill(0.0);
     let page = words(&methods_html_page(&found).unwrap());
     assert!(unbalanced(&page).is_none() && page.contains("too few checkpoints") && !page.contains("NaN"));
     found.methods.clear();

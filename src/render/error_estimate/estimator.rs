@@ -222,15 +222,15 @@ impl ErrorEstimator {
         let pixels = self.variances.pixels();
         let fraction = 1.0 / error_weights.pixel_weights().len() as f64;
         let add_pixel = |sums: &mut NoiseSums, i: usize| {
-            let deviations = self.variances.deviations(film, i);
-            let square = error_weights.pixel_weights()[i] * deviations.squares.element_sum() / (n * (n - 1.0));
+            let spread = self.variances.spread(film, i);
+            let square = error_weights.pixel_weights()[i] * spread.squared_deviations.element_sum() / (n * (n - 1.0));
             if square > 1.0 {
                 sums.fireflies.add(square, fraction);
             }
             let square = square.min(1.0);
             sums.squares += square;
             sums.fourth += square * square;
-            sums.tails += square * square * (deviations.kurtosis.min(n) - 1.0);
+            sums.tails += square * square * (spread.kurtosis.min(n) - 1.0);
         };
         let sums = sum_over_pixels(pixels, add_pixel, NoiseSums::add_sums);
         let NoiseSums { squares: noise2, fourth, tails, fireflies } = sums;
@@ -245,14 +245,14 @@ impl ErrorEstimator {
         let (clamping2, clamping_variance) = clamping.unwrap_or_default();
         // The squared error of this one picture scatters about its expectation. The estimate
         // scatters too.
-        let scatter = self.leading.squared_error_variance(error_weights.pixel_weights(), n);
+        let relative_variance = self.leading.squared_error_relative_variance(error_weights.pixel_weights(), n);
         // With outliers, a variance estimate scatters by (kurtosis − 1) / 2 times that of Gaussian
         // noise.
         let tail_factor = if fourth > 0.0 { 0.5 * tails / fourth } else { 1.0 };
         let parts = SquaredErrorParts {
             noise: noise2,
-            realised_noise_relative_variance: scatter,
-            noise_estimate_relative_variance: independent.max(tail_factor * scatter / (n - 1.0)),
+            realised_noise_relative_variance: relative_variance,
+            noise_estimate_relative_variance: independent.max(tail_factor * relative_variance / (n - 1.0)),
             blur: blur.square,
             blur_variance: blur.variance,
             shared_paths: shared2,
@@ -297,8 +297,8 @@ impl ErrorEstimator {
         let noise = spreads.map(|pixel| (pixel.squared_deviations / over).map(f64::sqrt).as_vec3()).collect();
         let Some(sums) = &self.nested_differences else { return ErrorMaps { noise, ..ErrorMaps::default() } };
         let factor = self.estimate(film).extrapolation / n;
-        let bias = (0..estimates.discs.len()).map(|i| {
-            let [d0, d1] = estimates.difference_sums(i);
+        let bias = (0..sums.discs.len()).map(|i| {
+            let [d0, d1] = sums.difference_sums(i);
             ((d0 + d1) * factor).as_vec3()
         });
         let bias = bias.collect();
@@ -380,9 +380,18 @@ impl NestedDifferenceSums {
         });
         let [d0_squared, d0_d1, d1_squared, variance] = sums.map(|sum| sum / pixels as f64);
         let variance = n * variance;
-        let scatter = self.leading.squared_error_variance(error_weights.pixel_weights(), n);
-        let d0_squared_variance = NestedDifferenceMoments::d0_squared_variance(d0_squared, variance, scatter, n);
-        NestedDifferenceMoments { d0_squared, d0_d1, d1_squared, variance, d0_squared_variance, scatter }
+        let squared_noise_relative_variance =
+            self.leading.squared_error_relative_variance(error_weights.pixel_weights(), n);
+        let d0_squared_variance =
+            NestedDifferenceMoments::d0_squared_variance(d0_squared, variance, squared_noise_relative_variance, n);
+        NestedDifferenceMoments {
+            d0_squared,
+            d0_d1,
+            d1_squared,
+            variance,
+            d0_squared_variance,
+            squared_noise_relative_variance,
+        }
     }
 }
 

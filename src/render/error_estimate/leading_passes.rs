@@ -68,7 +68,7 @@ impl LeadingPasses {
     /// measurement. The formula holds for Gaussian noise. `weights` holds a factor for each pixel,
     /// for the square of its deviation from the mean of the leading passes. The weighted square is
     /// clamped to `max`.
-    pub fn squared_error_variance(&self, weights: &[f64], max: f64) -> f64 {
+    pub fn squared_error_relative_variance(&self, weights: &[f64], max: f64) -> f64 {
         let n = self.pictures.len();
         if n < 2 {
             return 2.0 / PRIOR_SAMPLES;

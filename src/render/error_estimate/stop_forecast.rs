@@ -243,7 +243,12 @@ impl ErrorForecast {
         let decay = (sums.blur / n) / (sums_so_far.blur / f64::from(sums_so_far.passes));
         let growth = (sums.inverse_area / n) / (sums_so_far.inverse_area / f64::from(sums_so_far.passes));
         let (expected, variance) = (blur.d0_squared * decay * decay, measured.variance * growth);
-        let d0_squared_variance = NestedDifferenceMoments::d0_squared_variance(expected, variance, measured.scatter, n);
+        let d0_squared_variance = NestedDifferenceMoments::d0_squared_variance(
+            expected,
+            variance,
+            measured.squared_noise_relative_variance,
+            n,
+        );
         let d0_squared = expected + draw.later_blur * d0_squared_variance.sqrt();
         let squared = squared_difference_ratio(BLUR_EXPONENTS[blur.exponent_index]);
         let smooth_to_edge = (squared - 0.25) / (squared_difference_ratio(BLUR_EXPONENTS[0]) - 0.25);
@@ -257,7 +262,7 @@ impl ErrorForecast {
             d1_squared: squared * d0_squared,
             variance,
             d0_squared_variance,
-            scatter: measured.scatter,
+            squared_noise_relative_variance: measured.squared_noise_relative_variance,
         })
     }
 

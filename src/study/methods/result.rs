@@ -25,7 +25,8 @@ pub struct ConvergenceCheckpoint {
     /// negative.
     #[serde(rename = "squares")]
     pub squared_errors: Vec<f64>,
-    /// Relative squared noise: variance between the seeds' pictures, relative as in `squared_errors`.
+    /// Relative squared noise: variance between the seeds' pictures, relative as in
+    /// `squared_errors`.
     pub noise2: f64,
     /// Estimates of the relative squared noise, one from each seed; their mean is `noise2`.
     ///
@@ -33,7 +34,8 @@ pub struct ConvergenceCheckpoint {
     /// seed's picture and the mean over seeds. The list is empty with one seed.
     #[serde(rename = "noises")]
     pub squared_noises: Vec<f64>,
-    /// Relative squared bias: mean of `squared_errors` minus `noise2`. The estimate may be negative.
+    /// Relative squared bias: mean of `squared_errors` minus `noise2`. The estimate may be
+    /// negative.
     pub bias2: f64,
     /// Square of the relative error that the renderer itself estimates, for each seed with a finite
     /// estimate.
@@ -87,7 +89,7 @@ pub struct MethodResult {
     pub first_seed_picture: Image,
     /// Relative error of each pixel at the last checkpoint, as a root mean square over seeds; in
     /// rows from the top.
-    pub error: Vec<f32>,
+    pub pixel_errors: Vec<f32>,
     /// Mean over seeds of the pictures at the last checkpoint, minus the reference \[W/(m² sr)].
     pub mean_difference: Image,
 }
@@ -103,6 +105,11 @@ pub struct Reference {
     /// Mean of the two reference pictures, or the single reference picture.
     pub picture: Image,
 }
+
+/// Smallest [`MethodStudyResult::thread_time_share`] at which measured times are reliable.
+///
+/// A smaller share means that other programs ran, or that threads waited.
+pub const MIN_THREAD_TIME_SHARE: f64 = 0.9;
 
 /// Measured convergence of all rendering methods that a study compares.
 #[derive(Clone, Debug)]
@@ -122,7 +129,7 @@ pub struct MethodStudyResult {
     /// Share of the threads' time that the program got: processor time divided by the product of
     /// wall time and threads. It is the minimum over methods.
     ///
-    /// Below 0.9, other programs disturbed the measurement. It is 1 if processor time is unknown.
+    /// It is 1 if processor time is unknown.
     pub thread_time_share: f64,
     /// Reference picture that errors are measured against.
     pub reference: Reference,

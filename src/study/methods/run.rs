@@ -92,7 +92,7 @@ struct SeedRun<'a> {
 struct FinalPictures {
     passes: u32,
     first_seed_picture: Image,
-    error: Vec<f32>,
+    pixel_errors: Vec<f32>,
     mean_difference: Image,
 }
 
@@ -316,9 +316,9 @@ impl MethodRun<'_> {
                 .enumerate()
                 .map(|(i, t)| (mean_pixel_over_pictures(&pictures, i) - t.as_dvec3()).as_vec3());
             let mean_difference = image(differences.collect())?;
-            let error = pixel_errors(references, &pictures);
+            let pixel_errors = pixel_errors(references, &pictures);
             let first_seed_picture = image(pictures.into_iter().next().unwrap_or_default())?;
-            self.last = Some(FinalPictures { passes, first_seed_picture, error, mean_difference });
+            self.last = Some(FinalPictures { passes, first_seed_picture, pixel_errors, mean_difference });
             self.seeds.clear();
         }
         self.checkpoints.push(checkpoint.clone());
@@ -326,7 +326,7 @@ impl MethodRun<'_> {
     }
 
     fn into_result(self, subject: &StudiedScene) -> Option<MethodResult> {
-        let FinalPictures { passes, first_seed_picture, error, mean_difference } = self.last?;
+        let FinalPictures { passes, first_seed_picture, pixel_errors, mean_difference } = self.last?;
         Some(MethodResult {
             command: subject.render_command_line(&self.variant, passes),
             label: self.variant.label,
@@ -336,7 +336,7 @@ impl MethodRun<'_> {
             radii: self.radii.map(|r| [r.indirect, r.caustic]),
             checkpoints: self.checkpoints,
             first_seed_picture,
-            error,
+            pixel_errors,
             mean_difference,
         })
     }

@@ -280,7 +280,7 @@ fn measured_errors_match_synthetic_methods() {
             assert_near(checkpoint.mean_squared_error(), 0.5 * v, v / CHANNELS.sqrt());
             assert_near(checkpoint.bias2, 0.5 * bias * bias, v / CHANNELS.sqrt());
         }
-        let error = method.error.iter().map(|e| f64::from(e * e)).sum::<f64>() / f64::from(SIZE.0 * SIZE.1);
+        let error = method.pixel_errors.iter().map(|e| f64::from(e * e)).sum::<f64>() / f64::from(SIZE.0 * SIZE.1);
         assert!((error - method.checkpoints.last().unwrap().mean_squared_error()).abs() < 1e-6, "{error}");
         // `mean` is taken over all channels. Each channel has the standard deviation σ/√(16 passes
         // · 2 seeds).

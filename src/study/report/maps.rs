@@ -77,7 +77,7 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, Pictu
         }
     };
     let picture = &method.first_seed_picture;
-    Image::from_pixels(picture.width(), picture.height(), method.error.iter().map(colour).collect())
+    Image::from_pixels(picture.width(), picture.height(), method.pixel_errors.iter().map(colour).collect())
 }
 
 /// Returns the relative difference of each pixel from the reference: the mean of `difference` over
@@ -134,9 +134,9 @@ pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> V
     let mut sum = vec![0.0; w * h];
     for method in methods {
         let square = |e: &f32| Some(f64::from(*e)).filter(|e| e.is_finite()).map_or(0.0, |e| e * e);
-        let mean = method.error.iter().map(square).sum::<f64>() / (w * h) as f64;
+        let mean = method.pixel_errors.iter().map(square).sum::<f64>() / (w * h) as f64;
         if mean > 0.0 {
-            sum.iter_mut().zip(&method.error).for_each(|(sum, e)| *sum += square(e) / mean);
+            sum.iter_mut().zip(&method.pixel_errors).for_each(|(sum, e)| *sum += square(e) / mean);
         }
     }
     // Summed-area table (Crow 1984): each entry is the sum over all pixels left and above.

@@ -119,7 +119,8 @@ fn unknown_blur_widens_the_range() {
     let deviation = 2e-4;
     let noisy =
         NestedDifferenceMoments { d0_squared_variance: deviation * deviation, variance: 0.01, ..Default::default() };
-    let unknown = forecast_with(NestedDifferenceMoments { scatter: 0.02, ..noisy }, Some(2.0 / 3.0));
+    let unknown =
+        forecast_with(NestedDifferenceMoments { squared_noise_relative_variance: 0.02, ..noisy }, Some(2.0 / 3.0));
     let ends = [&known, &unknown].map(|forecast| range(forecast.stop_forecast(0.04, CENTER)));
     assert!(ends[1].median >= ends[0].median);
     let width = |range: &PassRange| f64::from(range.high.unwrap_or(u32::MAX)) / f64::from(range.low);

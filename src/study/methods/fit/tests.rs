@@ -64,7 +64,7 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
         radii: Some([0.1, 0.1]),
         checkpoints: checkpoints.collect(),
         first_seed_picture: Image::new(1, 1).unwrap(),
-        error: vec![0.0],
+        pixel_errors: vec![0.0],
         mean_difference: Image::new(1, 1).unwrap(),
     }
 }
@@ -137,8 +137,11 @@ fn verdicts_name_the_cause_of_bias() {
     let passes = powers_of_two(9);
     let is =
         |algorithm, bias, alpha, passes: &[u32]| fitted_verdict(&synthetic_method(algorithm, bias, alpha, passes, 5));
-    assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), ConvergenceVerdict::Expected { ahead: None, .. }));
-    assert!(matches!(is(Algorithm::Sppm, 3.0, ALPHA, &passes), ConvergenceVerdict::Expected { ahead: None, .. }));
+    assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), ConvergenceVerdict::Expected { coming_floor: None, .. }));
+    assert!(matches!(
+        is(Algorithm::Sppm, 3.0, ALPHA, &passes),
+        ConvergenceVerdict::Expected { coming_floor: None, .. }
+    ));
     // The bias of `synthetic_method` is then 0.1 · 3.
     let plateau = is(Algorithm::Pm, 3.0, 1.0, &passes);
     assert!(
@@ -158,7 +161,10 @@ fn verdicts_name_the_cause_of_bias() {
     // The bias is a tenth of the noise at the last checkpoint.
     assert!(matches!(is(Algorithm::Pm, 0.001, 1.0, &passes), ConvergenceVerdict::Hidden { most, .. } if most < 0.005));
     // The bias is as large as the noise at the last checkpoint.
-    assert!(matches!(is(Algorithm::Pm, 1.0 / 16.0, 1.0, &passes), ConvergenceVerdict::Expected { ahead: Some(_), .. }));
+    assert!(matches!(
+        is(Algorithm::Pm, 1.0 / 16.0, 1.0, &passes),
+        ConvergenceVerdict::Expected { coming_floor: Some(_), .. }
+    ));
     assert!(matches!(is(Algorithm::Path, 0.0, ALPHA, &passes), ConvergenceVerdict::Slower { .. }));
     assert!(matches!(
         is(Algorithm::Ppm, 0.0, 1.0, &passes),
@@ -182,7 +188,7 @@ fn errors_below_the_reference_error_are_not_judged() {
     assert!(matches!(fitted_verdict(&below), ConvergenceVerdict::TooSmall { reference_error: None }));
     let mut alone = method;
     alone.checkpoints.iter_mut().for_each(|c| (c.squared_errors.truncate(1), c.squared_noises.clear()).1);
-    assert!(matches!(fitted_verdict(&alone), ConvergenceVerdict::Wide { .. }));
+    assert!(matches!(fitted_verdict(&alone), ConvergenceVerdict::NoInterval { .. }));
 }
 
 /// Makes results of a synthetic method without noise: after n passes and n/4 seconds, its error is
@@ -246,7 +252,7 @@ fn only_noise_falls_above_a_plateau() {
         (c.squared_noises, c.noise2, c.bias2) = (vec![noise2; SEEDS], noise2, 0.01);
     }
     let fit = fit_convergence(&method);
-    let verdict = ConvergenceVerdict::Expected { slope: -0.3, ahead: Some(0.1) };
+    let verdict = ConvergenceVerdict::Expected { slope: -0.3, coming_floor: Some(0.1) };
     let TimeToError::Predicted { effort, .. } = time_to_error(&method, fit.as_ref(), &verdict, 0.12) else { panic!() };
     assert!((effort.passes / (256.0 * 0.01 / 0.0044) - 1.0).abs() < 1e-6, "{effort:?}");
     assert_eq!(time_to_error(&method, fit.as_ref(), &verdict, 0.1), TimeToError::Never { floor: 0.1 });

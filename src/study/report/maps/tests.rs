@@ -40,7 +40,7 @@ fn method_with_pixel_errors(width: u32, height: u32, error: Vec<f32>) -> MethodR
         radii: None,
         checkpoints: Vec::new(),
         first_seed_picture: image.clone(),
-        error,
+        pixel_errors: error,
         mean_difference: image,
     }
 }

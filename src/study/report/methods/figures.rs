@@ -255,7 +255,8 @@ pub(super) fn method_articles_html(
     let weights = RelativeErrorWeights::from_image(&found.reference.picture);
     let differences: Vec<Vec<f64>> =
         found.methods.iter().map(|m| relative_differences(&m.mean_difference, &weights)).collect();
-    let most_error = color_scale_maximum(found.methods.iter().flat_map(|m| m.error.iter().map(|e| f64::from(*e))));
+    let most_error =
+        color_scale_maximum(found.methods.iter().flat_map(|m| m.pixel_errors.iter().map(|e| f64::from(*e))));
     let most_difference = color_scale_maximum(differences.iter().flatten().map(|d| d.abs()));
     let mut all = "<p>All methods share the scales of their maps. Error by decades; dark is small:</p>\n".to_owned();
     if let Some(most) = most_error {
