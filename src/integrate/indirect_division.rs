@@ -116,12 +116,14 @@ impl IndirectTechnique<'_> {
     /// Returns the weights of camera paths and of photon estimates for the indirect light at a film
     /// position \[pixels from the top left].
     #[inline]
-    pub fn technique_weights(&self, film: Vec2) -> IndirectWeights {
+    pub fn technique_weights(&self, film_position: Vec2) -> IndirectWeights {
         match self {
             Self::Paths => IndirectWeights::default(),
             Self::Photons => IndirectWeights { photon_weight: 1.0, continued: 0, samples: 1 },
             Self::Comparison => IndirectWeights::COMPARISON,
-            Self::Weighted { division, number, area } => division.technique_weights(film, *number, *area),
+            Self::Weighted { division, pass_count, area } => {
+                division.technique_weights(film_position, *pass_count, *area)
+            }
         }
     }
 }
@@ -194,17 +196,17 @@ impl IndirectErrors {
 
 impl IndirectDivision {
     #[inline]
-    fn technique_weights(&self, film: Vec2, number: f32, area: f32) -> IndirectWeights {
-        self.interpolated_errors(film).least_error_weights(self, number, area)
+    fn technique_weights(&self, film_position: Vec2, pass_count: f32, area: f32) -> IndirectWeights {
+        self.interpolated_errors(film_position).least_error_weights(self, pass_count, area)
     }
 
     /// Returns the errors of both techniques at a film position \[pixels from the top left],
     /// interpolated between cells of the film grid.
     #[inline]
-    fn interpolated_errors(&self, film: Vec2) -> IndirectErrors {
+    fn interpolated_errors(&self, film_position: Vec2) -> IndirectErrors {
         let rows = self.cells.len() as u32 / self.columns;
         let last = Vec2::new((self.columns - 1) as f32, (rows - 1) as f32);
-        let place = (film / self.cell_size - 0.5).clamp(Vec2::ZERO, last);
+        let place = (film_position / self.cell_size - 0.5).clamp(Vec2::ZERO, last);
         let (corner, part) = (place.floor(), place - place.floor());
         let cell = |x: f32, y: f32| &self.cells[(y.min(last.y) * self.columns as f32 + x.min(last.x)) as usize];
         let corners = [

@@ -110,7 +110,7 @@ impl Integrator for PathIntegrator<'_> {
         if !splats.is_empty() {
             // Moving by whole pixels is exact for all splats that reach the window.
             let corner = Vec2::new(window.left as f32, window.top as f32);
-            splats.par_iter_mut().for_each(|splat| splat.film -= corner);
+            splats.par_iter_mut().for_each(|splat| splat.film_position -= corner);
             let (width, _) = window.size();
             if let Some(caustic) = out.groups.get_mut(LightGroup::Caustic as usize) {
                 add_splats(splats.clone(), &settings.filter, width, caustic);

@@ -122,9 +122,9 @@ impl Deposits {
                 photon
                     .map(|photon| photons.push(share.map_or(photon, |steps| photon.with_density_estimate_share(steps))))
             }
-            DepositPlace::Film(film) => {
+            DepositPlace::Film(film_position) => {
                 let is_valid = flux.is_finite() && flux != Rgb::ZERO;
-                is_valid.then(|| self.splats.push(Splat { film, radiance: flux }))
+                is_valid.then(|| self.splats.push(Splat { film_position, radiance: flux }))
             }
             DepositPlace::Beam { ray, medium } => {
                 let length = beam_length(tracer, ray, medium);
@@ -154,7 +154,7 @@ fn concatenated_lists<'a, O, T: Copy + Send + Sync + 'a>(
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
     /// Film position that receives the light \[pixels from the top left].
-    pub film: Vec2,
+    pub film_position: Vec2,
     /// Radiance integrated over the film area in square pixels \[W/(m² sr)·pixel²].
     pub radiance: Rgb,
 }

@@ -167,7 +167,7 @@ fn relative_variances<const N: usize>(
     for (i, light) in lights.iter().enumerate() {
         for j in 0..draws {
             let sample = light.sample_li(p, test_key(j).uniform_2d(Dimension::LightPosition));
-            let f = sample.map_or(0.0, |s| f64::from(s.irradiance.x * s.wi.dot(n).max(0.0)));
+            let f = sample.map_or(0.0, |s| f64::from(s.weight.x * s.wi.dot(n).max(0.0)));
             if f > 0.0 {
                 mean += f / draws as f64;
                 for (square, choice) in squares.iter_mut().zip(choices) {

@@ -108,7 +108,7 @@ impl PhotonSource<'_> {
     /// Traces the photon paths of the pilot's round number `round` (0 or 1), and returns them with
     /// their contributions to the picture.
     fn trace_pilot_round(&self, pilot: &EmissionGuidingPilot<'_>, round: u32) -> PilotRoundSamples {
-        let key = Key::new(pilot.seed).purpose_key(Purpose::GuidingTraining).training_round_key(round);
+        let key = Key::new(pilot.seed).purpose_key(Purpose::EmissionGuiding).training_round_key(round);
         let paths = pilot.paths / ROUNDS;
         let chunks: Vec<PilotRoundSamples> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()

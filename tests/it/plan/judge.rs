@@ -145,7 +145,7 @@ fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     let key = Key::new(2).purpose_key(Purpose::Test);
     let reaches = |light: &Resolved, p| {
         let looks = (0..LIGHT_POINTS).map(|i| sobol_2d(i, key, Dimension::LightPosition));
-        looks.filter_map(|u| light.sample_li(p, u)).any(|s| s.irradiance != Rgb::ZERO)
+        looks.filter_map(|u| light.sample_li(p, u)).any(|s| s.weight != Rgb::ZERO)
     };
     points.into_iter().all(|p| !scene.lights().iter().any(|light| reaches(light, p)))
 }
