@@ -170,7 +170,7 @@ impl<'a> GltfMaterials<'a> {
             return name.clone();
         }
         let name = self.unique_name("clear");
-        let kind = MaterialKindDescription::Thin(ThinDescription { index: 1.0, transmittance: DVec3::ONE.into() });
+        let kind = MaterialKindDescription::Thin(ThinDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
         self.push_material(name.clone(), kind, None, None);
         self.clear = Some(name.clone());
         name
@@ -368,7 +368,7 @@ impl GltfMaterialConverter<'_, '_> {
                 TexturedValue::Plain(color) => color.max(DVec3::splat(MIN_TRANSMITTANCE)).into(),
                 texture @ TexturedValue::Texture(_) => texture,
             };
-            return Ok(MaterialKindDescription::Thin(ThinDescription { index, transmittance }));
+            return Ok(MaterialKindDescription::Thin(ThinDescription { eta: index, transmittance }));
         };
         if base_texture.is_some() || *base != DVec3::ONE {
             self.add_note("the base color of bodies of glass is ignored: their color is that of their attenuation");

@@ -296,10 +296,10 @@ fn random_material_parts() -> impl Strategy<Value = MaterialParts> {
             MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, multiple_scattering })
         }),
         (index(), random_textured_value(random_fractions()))
-            .prop_map(|(index, transmittance)| MaterialKindDescription::Thin(ThinDescription { index, transmittance })),
+            .prop_map(|(eta, transmittance)| MaterialKindDescription::Thin(ThinDescription { eta, transmittance })),
         (random_textured_value(random_fractions()), 1.0..=4.0, random_textured_value(0.0..=1.0), any::<bool>())
-            .prop_map(|(reflectance, index, roughness, nonlinear)| MaterialKindDescription::CoatedDiffuse(
-                CoatedDiffuseDescription { reflectance, index, roughness, nonlinear }
+            .prop_map(|(reflectance, eta, roughness, nonlinear)| MaterialKindDescription::CoatedDiffuse(
+                CoatedDiffuseDescription { reflectance, eta, roughness, nonlinear }
             )),
     ];
     (kind, option::of(random_emission()), option::of(random_normal_perturbation()))
