@@ -2,7 +2,7 @@
 
 use super::context::{FileContext, ReadResult};
 use super::document::IGNORED_MATERIAL_EXTENSIONS;
-use super::pictures::{GltfTextureUse, GltfTextureValues, Pictures, TextureReference};
+use super::pictures::{GltfPictures, GltfTextureUse, GltfTextureValues, TextureReference};
 use crate::format::description::{
     ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription, EmissionDescription,
     GroupItem, MaterialDescription, MaterialKindDescription, MetalDescription, MirrorDescription, MixDescription,
@@ -54,7 +54,7 @@ pub(super) struct GltfImportedMaterial {
 /// Materials of the imported scene so far, with their textures.
 pub(super) struct GltfMaterials<'a> {
     /// Textures of the materials, and embedded pictures.
-    pub pictures: Pictures<'a>,
+    pub pictures: GltfPictures<'a>,
     /// Materials of the imported scene. The materials of a mix are listed before it.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
     names: HashSet<String>,
@@ -88,7 +88,7 @@ struct GltfMaterialConverter<'m, 'a> {
 
 impl<'a> GltfMaterials<'a> {
     /// Returns an empty table of materials, whose textures are collected in `pictures`.
-    pub fn new(pictures: Pictures<'a>) -> Self {
+    pub fn new(pictures: GltfPictures<'a>) -> Self {
         let (names, used) = (HashSet::new(), HashMap::new());
         Self { pictures, descriptions: Vec::new(), names, clear: None, used }
     }
