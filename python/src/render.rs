@@ -127,7 +127,7 @@ impl RenderOptions {
                     ("full", IndirectPhotons::Full),
                 ],
             )?,
-            volume: choice(
+            volume_estimator: choice(
                 "volume",
                 &self.volume,
                 &[

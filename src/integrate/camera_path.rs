@@ -417,7 +417,7 @@ fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, task: &mut Path
     let weight = color::channel_mean(vertex.throughput * brdf);
     task.records.visible_points.push(VisiblePoint {
         position: surface.point.p,
-        error: surface.point.error,
+        position_error: surface.point.position_error,
         normal,
         weight,
     });

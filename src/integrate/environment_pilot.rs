@@ -125,12 +125,12 @@ fn trace_round(
     let count = u32::try_from(points.len()).unwrap_or(u32::MAX).saturating_mul(RAYS_PER_POINT);
     let ray = |index: u32| {
         let point = (index / RAYS_PER_POINT) as usize;
-        let VisiblePoint { position: p, error, normal, weight } = points[point];
+        let VisiblePoint { position: p, position_error, normal, weight } = points[point];
         let u = Sampler::new(key, index, count).get_2d(Dimension::LightPosition);
         let (u, u_pdf) = guide.map_or((u, 1.0), |guide| guide.guided_sample(p, u));
         let contribution = light.sample(u).map_or(0.0, |(wi, pdf)| {
             let cosine = wi.dot(normal);
-            let origin = offset_ray_origin(p, error, normal, wi);
+            let origin = offset_ray_origin(p, position_error, normal, wi);
             if cosine <= 0.0 {
                 return 0.0;
             }

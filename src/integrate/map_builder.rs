@@ -52,7 +52,7 @@ struct PhotonTracingTask<'a> {
 }
 
 /// Photons of one map, before its search structure is built.
-struct MapPhotons {
+struct UnindexedMapPhotons {
     surface: Vec<Photon>,
     volume: VolumePhotons,
 }
@@ -77,20 +77,20 @@ struct DensityEstimateLimits {
 /// Results of the photon paths aimed at casters.
 struct AimedPhotons {
     /// Photons of the caustic map.
-    caustic: MapPhotons,
+    caustic: UnindexedMapPhotons,
     /// Photons that a receiver has scattered after a caustic, for the indirect map of `hybrid`.
     /// Empty for other algorithms.
-    after_caustic: MapPhotons,
+    after_caustic: UnindexedMapPhotons,
     splats: Vec<Splat>,
 }
 
 /// Photons of a pass before their search structures are built, by map.
-struct UnindexedPhotons {
-    caustic: MapPhotons,
-    indirect: MapPhotons,
+struct UnindexedPassPhotons {
+    caustic: UnindexedMapPhotons,
+    indirect: UnindexedMapPhotons,
     /// Photons of the interreflection map of `hybrid`; `None` if camera paths carry all of its
     /// light.
-    interreflection: Option<MapPhotons>,
+    interreflection: Option<UnindexedMapPhotons>,
 }
 
 /// Radii of the density-estimation kernels in media, for each photon map.
@@ -301,7 +301,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Returns `mask`, with `beams` true if the estimator for media reads photon beams, and false
     /// if it reads photon points.
     fn with_beams_if_read(&self, mask: StoreMask) -> StoreMask {
-        StoreMask { beams: self.settings.volume == VolumeEstimator::Beams, ..mask }
+        StoreMask { beams: self.settings.volume_estimator == VolumeEstimator::Beams, ..mask }
     }
 
     /// Returns the law by which gather radii shrink from pass to pass.
@@ -340,7 +340,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let interreflection = has_interreflection.then(|| self.trace_unaimed_photons(options, monitor, out));
         let guides = PhotonMap::build(self.trace_guide_photons(options, monitor, out));
 
-        let photons = UnindexedPhotons { caustic, indirect, interreflection };
+        let photons = UnindexedPassPhotons { caustic, indirect, interreflection };
         let (caustic, indirect, interreflection) = self.index_photons(photons, options, monitor, out);
         PhotonMaps { guides, caustic, indirect, interreflection, splats }
     }
@@ -373,8 +373,11 @@ impl<'a> PhotonMapBuilder<'a> {
         out.aimed += photon_report(&traced);
         let deposits = traced.deposits;
         AimedPhotons {
-            caustic: MapPhotons { surface: deposits.surface_photons, volume: deposits.volume },
-            after_caustic: MapPhotons { surface: deposits.after_caustic, volume: deposits.after_caustic_volume },
+            caustic: UnindexedMapPhotons { surface: deposits.surface_photons, volume: deposits.volume },
+            after_caustic: UnindexedMapPhotons {
+                surface: deposits.after_caustic,
+                volume: deposits.after_caustic_volume,
+            },
             splats: deposits.splats,
         }
     }
@@ -396,7 +399,7 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let traced = self.trace_photons(task, monitor, out);
         out.unaimed += photon_report(&traced);
-        MapPhotons { surface: traced.deposits.surface_photons, volume: traced.deposits.volume }
+        UnindexedMapPhotons { surface: traced.deposits.surface_photons, volume: traced.deposits.volume }
     }
 
     /// Traces the photons that guide final-gathering rays, and returns them; empty if the policy
@@ -424,18 +427,18 @@ impl<'a> PhotonMapBuilder<'a> {
     /// structures. Reports progress to `monitor`, and adds the time to `out`.
     fn index_photons(
         &self,
-        photons: UnindexedPhotons,
+        photons: UnindexedPassPhotons,
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
         out: &mut PassResult,
     ) -> (PhotonDensityEstimator<'a>, PhotonDensityEstimator<'a>, Option<PhotonDensityEstimator<'a>>) {
         let start = Instant::now();
-        let UnindexedPhotons { caustic, indirect, interreflection } = photons;
-        let count = |photons: &MapPhotons| (photons.surface.len() + photons.volume.len()) as u64;
+        let UnindexedPassPhotons { caustic, indirect, interreflection } = photons;
+        let count = |photons: &UnindexedMapPhotons| (photons.surface.len() + photons.volume.len()) as u64;
         let caustic_count = count(&caustic);
         let other_count = count(&indirect) + interreflection.as_ref().map_or(0, count);
         monitor.begin_stage(PassStage::Indexing, caustic_count + other_count);
-        let index = |photons: MapPhotons, limits: DensityEstimateLimits| {
+        let index = |photons: UnindexedMapPhotons, limits: DensityEstimateLimits| {
             let photon_count = count(&photons);
             let estimator = self.build_photon_estimator(photons, limits, options);
             monitor.report_progress(photon_count);
@@ -476,14 +479,14 @@ impl<'a> PhotonMapBuilder<'a> {
     /// pass `options.pass`.
     fn build_photon_estimator(
         &self,
-        photons: MapPhotons,
+        photons: UnindexedMapPhotons,
         DensityEstimateLimits { radii, k }: DensityEstimateLimits,
         options: &MapBuildOptions,
     ) -> PhotonDensityEstimator<'a> {
         // Shrink the radii of the first pass to those of this pass.
         let (pass, RadiusLaw { alpha, kernel }) = (options.pass, self.radius_law());
         let area = squared_radius_ratio(alpha, pass);
-        let (beam_dimensions, point_dimensions) = self.settings.volume.kernel_dimensions();
+        let (beam_dimensions, point_dimensions) = self.settings.volume_estimator.kernel_dimensions();
         let volume_radii = (
             radii.volume.beams * kernel_radius_ratio(beam_dimensions, alpha, pass),
             radii.volume.points * kernel_radius_ratio(point_dimensions, alpha, pass),
@@ -496,9 +499,9 @@ impl<'a> PhotonMapBuilder<'a> {
         // Build the search structures. One random number thins the beams of all maps, because
         // their beams belong to different paths.
         let first = options.photon_path_key(Purpose::BeamThinning).uniform_1d(Dimension::Roulette);
-        let beams = thin_beams(photons.volume.beams, radii.volume.kept_beams, first);
+        let beams = thin_beams(photons.volume.beams, radii.volume.kept_beam_fraction, first);
         let volume_photons = VolumePhotons { beams, ..photons.volume };
-        let volume = BeamAndPointMaps::build(volume_photons, volume_radii, self.settings.volume, band);
+        let volume = BeamAndPointMaps::build(volume_photons, volume_radii, self.settings.volume_estimator, band);
         let map = PhotonMap::build(photons.surface).with_min_radius(self.min_radius * area.sqrt() as f32);
         PhotonDensityEstimator { scene: self.scene, map, bandwidth, kernel, volume, has_density_estimate_shares: false }
     }

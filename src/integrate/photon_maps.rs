@@ -212,7 +212,7 @@ impl PhotonDensityEstimator<'_> {
                 brdf *= photon.density_estimate_share();
             }
             if I::HAS_MEDIA_OR_WAVELENGTH {
-                brdf * wavelength_kernel_weight(wavelength, photon.wavelength(), self.volume.band)
+                brdf * wavelength_kernel_weight(wavelength, photon.wavelength_code(), self.volume.band)
             } else {
                 brdf
             }

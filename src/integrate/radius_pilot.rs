@@ -158,12 +158,12 @@ pub(super) struct VolumeKernelRadii {
     pub beams: f32,
     pub points: f32,
     /// Fraction of the photon beams that a pass keeps, in \[0, 1]. Kept beams get more flux.
-    pub kept_beams: f32,
+    pub kept_beam_fraction: f32,
 }
 
 impl Default for VolumeKernelRadii {
     fn default() -> Self {
-        Self { beams: 1.0, points: 1.0, kept_beams: 1.0 }
+        Self { beams: 1.0, points: 1.0, kept_beam_fraction: 1.0 }
     }
 }
 
@@ -202,7 +202,7 @@ pub(super) fn find_volume_kernel_radii(
         let ratio = libm::pow(TARGET_MEDIAN_KERNEL_COUNT / (median * more), 1.0 / f64::from(dimensions)) as f32;
         (trial * ratio).clamp(size * MIN_RADIUS, size * MAX_RADIUS)
     };
-    let (beam_dimensions, point_dimensions) = settings.volume.kernel_dimensions();
+    let (beam_dimensions, point_dimensions) = settings.volume_estimator.kernel_dimensions();
     let (beams, points) = (PhotonBeamMap::build(volume.beams, trial), VolumePhotonMap::build(volume.points, trial));
     let beams = camera_paths.par_iter().map(|segments| {
         let mut count = 0.0;
@@ -213,7 +213,7 @@ pub(super) fn find_volume_kernel_radii(
     let points = camera_paths.par_iter().map(|segments| {
         let mut count = 0.0;
         for ray in segments {
-            if settings.volume == VolumeEstimator::Points {
+            if settings.volume_estimator == VolumeEstimator::Points {
                 points.visit_near_point(ray.at(0.5 * ray.t_max.min(2.0 * size)), |_, _, _| count += 1.0);
             } else {
                 points.visit_near_ray(ray, |_, _, _, _, _| count += 1.0);
@@ -223,8 +223,8 @@ pub(super) fn find_volume_kernel_radii(
     });
     let points = radius(points.collect(), point_dimensions);
     let widest = (median_footprint(scene, &camera_paths) * BEAM_PIXEL_PART).min(size * MAX_RADIUS);
-    let kept_beams = if beams < widest { beams / widest } else { 1.0 };
-    Some(VolumeKernelRadii { beams: beams.max(widest), points, kept_beams })
+    let kept_beam_fraction = if beams < widest { beams / widest } else { 1.0 };
+    Some(VolumeKernelRadii { beams: beams.max(widest), points, kept_beam_fraction })
 }
 
 /// Returns the width of a pixel's footprint in the medium \[length], at the median distance of all

@@ -214,7 +214,7 @@ impl BeamAndPointMaps {
             *count += 1;
             let transmittance = medium::transmittance(extinction, crossing.t + crossing.s);
             let phase = medium.phase.evaluate(-crossing.cos);
-            let radiance = beam.flux * transmittance * wavelength_kernel_weight(own, beam.wavelength, self.band);
+            let radiance = beam.flux * transmittance * wavelength_kernel_weight(own, beam.wavelength_code, self.band);
             let towards = || ray_towards_beam(ray, beam, &crossing);
             sums.add(radiance, phase * crossing.weight, crossing.x2, rng, towards);
         });
@@ -241,7 +241,8 @@ impl BeamAndPointMaps {
             *count += 1;
             let transmittance = curve.transmittance_at(t);
             let phase = medium.phase.evaluate(-cos);
-            let radiance = photon.flux() * transmittance * wavelength_kernel_weight(own, photon.wavelength, self.band);
+            let radiance =
+                photon.flux() * transmittance * wavelength_kernel_weight(own, photon.wavelength_code, self.band);
             let towards = || {
                 let center = ray.at(t);
                 let offset = photon.position - center;
@@ -274,7 +275,7 @@ impl BeamAndPointMaps {
             }
             *count += 1;
             let phase = medium.phase.evaluate(-photon.direction().dot(ray.direction));
-            let radiance = photon.flux() * wavelength_kernel_weight(own, photon.wavelength, self.band);
+            let radiance = photon.flux() * wavelength_kernel_weight(own, photon.wavelength_code, self.band);
             sums.add(radiance, phase * weight, x2, rng, || ray_along(p, photon.position - p, ray.direction));
         });
         // The weight is σs·T over the pdf of the distance. Photons already carry scattered light,

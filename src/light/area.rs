@@ -130,7 +130,7 @@ impl LightSurface {
     /// the outer side by more than the rounding error of positions.
     pub(super) fn representative_point(&self) -> Vec3 {
         let point = self.sample(Vec2::splat(0.5)).point;
-        offset_ray_origin(point.p, point.error, point.ng, point.ng)
+        offset_ray_origin(point.p, point.position_error, point.ng, point.ng)
     }
 
     /// Center of the bounding box, for an analytic shape; an arbitrary point of the surface, for

@@ -118,7 +118,7 @@ impl Deposits {
         let stored = match deposit.place {
             DepositPlace::Surface(surface, share) => {
                 let photon = Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal());
-                let photon = photon.map(|photon| photon.with_wavelength(code));
+                let photon = photon.map(|photon| photon.with_wavelength_code(code));
                 photon
                     .map(|photon| photons.push(share.map_or(photon, |steps| photon.with_density_estimate_share(steps))))
             }

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Result of a photon pass: stored photons, splats, energy audit and counts.
+/// Result of tracing photon paths: stored photons, splats, energy audit and counts.
 #[derive(Debug, Default)]
 pub struct TracedPhotons {
     /// Photons and splats that the paths left.
@@ -39,7 +39,7 @@ pub(super) struct PhotonTracingTotals {
     pub rays: u64,
 }
 
-/// Inputs of a photon pass, which traces photon paths and stores photons.
+/// Tracer of photon paths: their scene, source and limits, and the kinds of photons that it stores.
 #[derive(Debug)]
 pub struct PhotonTracer<'a> {
     /// Scene in which photons are traced.

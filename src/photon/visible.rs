@@ -12,7 +12,7 @@ pub struct VisiblePoint {
     /// World-space position of the point on the surface.
     pub position: Vec3,
     /// Upper bound of the rounding error of `position` along each axis \[length].
-    pub error: Vec3,
+    pub position_error: Vec3,
     /// Unit geometric normal on the side that the camera path sees.
     pub normal: Vec3,
     /// Importance of the point: camera path throughput times BRDF, which is the pixel's radiance

@@ -143,13 +143,13 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let radii = |source, mask, paths| {
             if let Some(radius) = settings.radius {
-                return VolumeKernelRadii { beams: radius, points: radius, kept_beams: 1.0 };
+                return VolumeKernelRadii { beams: radius, points: radius, kept_beam_fraction: 1.0 };
             }
             let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
             found(source, self.with_beams_if_read(mask), paths).unwrap_or(VolumeKernelRadii {
                 beams: default,
                 points: default,
-                kept_beams: 1.0,
+                kept_beam_fraction: 1.0,
             })
         };
         let (source, mask, paths) = self.indirect_map_inputs();

@@ -69,7 +69,7 @@ fn floor_corner_point_map(scene: &Scene) -> VisiblePointMap {
     VisiblePointMap::new(
         floor_corner_points(scene).map(|position| VisiblePoint {
             position,
-            error: Vec3::ZERO,
+            position_error: Vec3::ZERO,
             normal: Vec3::Y,
             weight: 1.0,
         }),
@@ -268,7 +268,7 @@ fn pilot_without_useful_photons_leaves_source_unguided() {
     for (name, scene) in scenes_by_lamp_kind() {
         let below = floor_corner_points(&scene).map(|position| VisiblePoint {
             position,
-            error: Vec3::ZERO,
+            position_error: Vec3::ZERO,
             normal: Vec3::NEG_Y,
             weight: 1.0,
         });

@@ -162,7 +162,7 @@ fn no_integrator_depends_on_length_unit() {
     let (eye, base) = (low_cost_settings().camera_paths, low_cost_settings());
     let estimated = CameraPathSettings { estimate_error: true, adaptive: true, samples: Some(2), ..eye };
     let importance = Settings { final_gathering: FinalGathering::Importance, ..base.clone() };
-    let volume = |volume| Settings { volume, ..base.clone() };
+    let volume = |volume| Settings { volume_estimator: volume, ..base.clone() };
     let cases = [
         ("cabinet", Algorithm::Sppm, base.clone()),
         ("garden-pool", Algorithm::Ppm, Settings { camera_paths: estimated.clone(), ..base.clone() }),
