@@ -284,7 +284,7 @@ impl<'a> PhotonMapBuilder<'a> {
         match self.division.as_deref() {
             Some(division) if pass < division.passes => IndirectTechnique::Weighted {
                 division,
-                number: pass as f32 + 1.0,
+                pass_count: pass as f32 + 1.0,
                 area: self.relative_disc_area(pass) as f32,
             },
             _ => IndirectTechnique::Paths,

@@ -109,8 +109,8 @@ impl PhotonMaps<'_> {
             |t| (&mut t.scratch.searches.interreflection, &mut t.pixel.nested.indirect_discs),
             task,
         );
-        task.records.light.shared_by_photons += vertex.throughput * radiance * lookup_scale;
-        task.records.light.shared_nested_difference +=
+        task.records.light.divided_light_of_photons += vertex.throughput * radiance * lookup_scale;
+        task.records.light.divided_nested_difference +=
             vertex.throughput * task.pixel.nested.last_difference * lookup_scale;
         task.pixel.groups.add(LightGroup::Indirect, vertex.throughput * radiance * lookup_scale);
         radiance * lookup_scale
@@ -152,8 +152,8 @@ impl PhotonMaps<'_> {
         let Some(map) = &self.interreflection else { return Rgb::ZERO };
         task.pixel.nested.last_difference = Rgb::ZERO;
         let radiance = map.volume.radiance(map.scene, vertex, lookup_scale, rng, task);
-        task.records.light.shared_by_photons += vertex.throughput * radiance * lookup_scale;
-        task.records.light.shared_nested_difference +=
+        task.records.light.divided_light_of_photons += vertex.throughput * radiance * lookup_scale;
+        task.records.light.divided_nested_difference +=
             vertex.throughput * task.pixel.nested.last_difference * lookup_scale;
         task.pixel.groups.add(LightGroup::Indirect, vertex.throughput * radiance * lookup_scale);
         radiance * lookup_scale
@@ -188,8 +188,8 @@ impl PhotonDensityEstimator<'_> {
 
     /// Estimates the radiance that `vertex` reflects towards the previous vertex \[W/(m² sr)].
     ///
-    /// If `HAS_SHARES` is true, only the share of each photon's flux counts that light tracing leaves
-    /// to density estimates.
+    /// If `HAS_SHARES` is true, only the share of each photon's flux counts that light tracing
+    /// leaves to density estimates.
     #[inline]
     fn radiance_weighted_by_share<I: Interior, const HAS_SHARES: bool>(
         &self,

@@ -48,7 +48,8 @@ pub struct ScatterPointGuidingReport {
     #[serde(rename = "rays")]
     pub shadow_rays: u64,
     /// Variance times work of camera paths without the guide, divided by that with the guide.
-    pub gain: f64,
+    #[serde(rename = "gain")]
+    pub efficiency_gain: f64,
     /// True if the render guides the points of media from which shadow rays start.
     pub used: bool,
 }
@@ -76,10 +77,10 @@ pub(super) fn guide_scatter_points(
 
     let Some(learned) = learn_guide(renderer, key, lights) else { return (ScatterPointSampling::Unguided, None) };
     let shadow_rays = learned.shadow_rays;
-    let (sampling, gain) = choose_point_count(renderer, key, learned);
-    let used = gain > MIN_GAIN;
+    let (sampling, efficiency_gain) = choose_point_count(renderer, key, learned);
+    let used = efficiency_gain > MIN_GAIN;
     let sampling = if used { sampling } else { ScatterPointSampling::Unguided };
-    (sampling, Some(ScatterPointGuidingReport { shadow_rays, gain, used }))
+    (sampling, Some(ScatterPointGuidingReport { shadow_rays, efficiency_gain, used }))
 }
 
 /// Guide that the scatter-point pilot learned, with the mean radiance and the number of the shadow

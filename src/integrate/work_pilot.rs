@@ -90,12 +90,12 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
         let work = rays / paths
             + balance::photon_storage_work(report.stored) / emitted.max(1.0)
             + gathered / (gathered_paths * f64::from(PILOT_DIVISOR));
-        NoiseSource { variance: noise * emitted, cost, count: f64::from(count) }
+        NoiseSource { variance: noise * emitted, work, count: f64::from(count) }
     };
     let tracing = balance::camera_path_work(&reference.counters) / points * pixel_count;
     let camera = NoiseSource {
         variance: noise(&other_camera),
-        cost: if renderer.policy.reads_photons_each_sample() { tracing + gathered } else { tracing },
+        work: if renderer.policy.reads_photons_each_sample() { tracing + gathered } else { tracing },
         count: f64::from(renderer.samples),
     };
     let unaimed_noise = other_unaimed.map_or(0.0, |other| noise(&other));

@@ -72,7 +72,7 @@ impl<'a> PhotonMapBuilder<'a> {
             let paths = pilot_path_count(paths, max_paths);
             let pilot = EmissionGuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
             let (guided, report) = unguided.clone().with_guided_emission(&pilot);
-            *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
+            *source = Some(if report.variance_gain > MIN_GUIDING_GAIN { guided } else { unguided });
             Some(report)
         };
         self.emission_guiding_reports.aimed =

@@ -70,7 +70,8 @@ pub struct EmissionGuidingReport {
     ///
     /// The estimate is the second moment of unguided pilot paths, divided by that of guided pilot
     /// paths.
-    pub gain: f64,
+    #[serde(rename = "gain")]
+    pub variance_gain: f64,
 }
 
 impl PhotonSource<'_> {
@@ -85,7 +86,7 @@ impl PhotonSource<'_> {
     #[must_use]
     pub fn with_guided_emission(mut self, pilot: &EmissionGuidingPilot<'_>) -> (Self, EmissionGuidingReport) {
         let unguided = self.light_distribution.clone();
-        let mut report = EmissionGuidingReport { gain: 1.0, ..EmissionGuidingReport::default() };
+        let mut report = EmissionGuidingReport { variance_gain: 1.0, ..EmissionGuidingReport::default() };
         let mut samples = Vec::new();
         let mut unguided_moment = 0.0;
         for round in 0..ROUNDS {
@@ -97,7 +98,7 @@ impl PhotonSource<'_> {
                 report.contributing_fraction = contributing as f64 / found.samples.len().max(1) as f64;
                 unguided_moment = found.second_moment;
             } else if found.second_moment > 0.0 && unguided_moment > 0.0 {
-                report.gain = unguided_moment / found.second_moment;
+                report.variance_gain = unguided_moment / found.second_moment;
             }
             samples.extend(found.samples);
             self.fit_guiding(&samples, &unguided);

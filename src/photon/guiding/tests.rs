@@ -152,7 +152,10 @@ fn guiding_is_unbiased() {
     for (name, scene) in scenes_by_lamp_kind() {
         let plain = PhotonSource::emitting_in_all_directions(&scene).unwrap();
         let (guided, report) = source_guided_to_visible(&scene, &floor_corner_point_map(&scene));
-        assert!(report.contributing_fraction > 0.0 && report.gain > 1.0, "{name} has something to learn: {report:?}");
+        assert!(
+            report.contributing_fraction > 0.0 && report.variance_gain > 1.0,
+            "{name} has something to learn: {report:?}"
+        );
         let (before, after) = (fluxes_by_region(&scene, &plain), fluxes_by_region(&scene, &guided));
         for (region, (a, b)) in before.iter().zip(&after).enumerate() {
             assert!(a.mean() > 0.0);
@@ -203,7 +206,7 @@ fn aiming_and_guiding_together_are_unbiased() {
         after.0.mean()
     );
     assert!(before.1.agrees_within_five_sigma(&after.1), "emitted {} became {}", before.1.mean(), after.1.mean());
-    assert!(report.gain > 1.2, "{report:?}");
+    assert!(report.variance_gain > 1.2, "{report:?}");
 }
 
 /// Guiding reduces the variance on the visible corner at least 7.5 times.
@@ -274,7 +277,7 @@ fn pilot_without_useful_photons_leaves_source_unguided() {
         });
         for visible in [VisiblePointMap::new(below, 0.1), VisiblePointMap::new([], 0.1)] {
             let (guided, report) = source_guided_to_visible(&scene, &visible);
-            assert_eq!((report.contributing_fraction, report.gain), (0.0, 1.0), "{name}");
+            assert_eq!((report.contributing_fraction, report.variance_gain), (0.0, 1.0), "{name}");
             let plain = PhotonSource::emitting_in_all_directions(&scene).unwrap();
             for i in 0..1000 {
                 let bits = |s: &PhotonSource<'_>| {
