@@ -282,7 +282,7 @@ pub use render::{RenderResult, StopCriteria, render};
 /// let numbers = 0..u32::MAX;
 /// let rendered =
 ///     caustica::render(start, numbers, integrator, &stop, &SilentMonitor, |_| {});
-/// assert_eq!(rendered.ended, EndReason::Target);
+/// assert_eq!(rendered.end_reason, EndReason::Target);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub use render::RenderLimits;
