@@ -57,7 +57,7 @@ pub(super) struct NestedDifferenceMoments {
     /// Variance that the noise of the passes causes in the estimate `d0_squared`.
     pub d0_squared_variance: f64,
     /// Relative variance of the squared noise of D₀: 2 / effective sample count. The count is the
-    /// number of independent values that scatter as much as the noise.
+    /// number of independent values that vary as much as the noise.
     pub squared_noise_relative_variance: f64,
 }
 

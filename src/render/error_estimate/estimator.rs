@@ -76,7 +76,7 @@ struct NestedDifferenceSums {
     /// Sums over passes of gather radius and photon count of each pixel: first for the caustic map,
     /// then for the indirect map and the interreflection map of `hybrid` together.
     discs: Vec<[GatherDiscTotals; 2]>,
-    /// D₀ of each pixel in the passes with the lowest numbers, which measure how D₀ scatters.
+    /// D₀ of each pixel in the passes with the lowest numbers, which measure how D₀ varies.
     leading: LeadingPasses,
 }
 
@@ -243,11 +243,11 @@ impl ErrorEstimator {
         let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&error_weights, film.size().0, n);
         let clamping = self.clamped_light.as_ref().map(|sums| sums.squared_bias(&error_weights, n));
         let (clamping2, clamping_variance) = clamping.unwrap_or_default();
-        // The squared error of this one picture scatters about its expectation. The estimate
-        // scatters too.
+        // The squared error of this one picture varies about its expectation. The estimate
+        // varies too.
         let relative_variance = self.leading.squared_error_relative_variance(error_weights.pixel_weights(), n);
-        // With outliers, a variance estimate scatters by (kurtosis − 1) / 2 times that of Gaussian
-        // noise.
+        // With outliers, the variance of a variance estimate is (kurtosis − 1) / 2 times that of
+        // Gaussian noise.
         let tail_factor = if fourth > 0.0 { 0.5 * tails / fourth } else { 1.0 };
         let parts = SquaredErrorParts {
             noise: noise2,

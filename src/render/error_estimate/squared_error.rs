@@ -8,7 +8,7 @@ pub(super) struct SquaredErrorParts {
     /// Squared relative noise of the picture: the variance of the mean of the passes.
     pub noise: f64,
     /// Relative variance of the squared noise of one picture about its expectation: 2 / effective
-    /// sample count. The count is the number of independent values that scatter as much as the
+    /// sample count. The count is the number of independent values that vary as much as the
     /// noise.
     pub realised_noise_relative_variance: f64,
     /// Relative variance of the estimate `noise` about the expected squared noise of the picture.

@@ -20,7 +20,7 @@ pub struct SlopeEstimate {
     /// Slope of the least-squares line through the checkpoints.
     pub value: f64,
     /// 95 % confidence interval of `value`; `None` if there are too few seeds, or if their errors
-    /// scatter too much.
+    /// vary too much.
     pub interval: Option<[f64; 2]>,
 }
 

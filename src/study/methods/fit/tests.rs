@@ -279,7 +279,7 @@ fn predictions_end_at_a_thousand_times_the_measured_time() {
 
 /// If the interval of a slope is too wide, there is no verdict.
 ///
-/// The squared errors of the seeds scatter by factors from 1/18 to 18 before the last checkpoint,
+/// The squared errors of the seeds vary by factors from 1/18 to 18 before the last checkpoint,
 /// so many slopes agree with them.
 #[test]
 fn wide_intervals_give_no_verdict() {

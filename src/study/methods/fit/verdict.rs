@@ -24,13 +24,13 @@ const UNDECIDED_WIDTH: f64 = 0.25;
 pub enum ConvergenceVerdict {
     /// The method has too few checkpoints for a fit.
     TooFew,
-    /// The error is too small to be measured: the reference or the scatter between seeds hides it.
+    /// The error is too small to be measured: the reference or the variance between seeds hides it.
     TooSmall {
         /// Relative error of the reference; `None` if the reference is taken as exact.
         reference_error: Option<f64>,
     },
     /// The slope of the error has no confidence interval: there are too few seeds, or their errors
-    /// scatter too much.
+    /// vary too much.
     NoInterval {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
