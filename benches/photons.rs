@@ -4,7 +4,7 @@
 mod boxed;
 
 use caustica::photon::{
-    Bandwidth, Kernel, Photon, PhotonData, PhotonMap, PhotonPass, PhotonSearchBuffers, PhotonSource, StoreMask,
+    Bandwidth, Kernel, Photon, PhotonData, PhotonMap, PhotonSearchBuffers, PhotonSource, PhotonTracer, StoreMask,
 };
 use caustica::sampling::{Dimension, Key, Purpose, sobol_2d};
 use divan::counter::ItemsCount;
@@ -27,7 +27,7 @@ fn trace_global(bencher: Bencher, threads: usize) {
     trace(
         bencher,
         threads,
-        &PhotonPass { scene: &scene, source: &source, mask: StoreMask::INDIRECT, max_bounces: 100 },
+        &PhotonTracer { scene: &scene, source: &source, mask: StoreMask::INDIRECT, max_bounces: 100 },
     );
 }
 
@@ -36,14 +36,18 @@ fn trace_global(bencher: Bencher, threads: usize) {
 fn trace_caustic(bencher: Bencher, threads: usize) {
     let scene = boxed::scene();
     let source = PhotonSource::aimed_at_casters(&scene).unwrap();
-    trace(bencher, threads, &PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 100 });
+    trace(
+        bencher,
+        threads,
+        &PhotonTracer { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 100 },
+    );
 }
 
-fn trace(bencher: Bencher, threads: usize, pass: &PhotonPass<'_>) {
+fn trace(bencher: Bencher, threads: usize, tracer: &PhotonTracer<'_>) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     bencher
         .counter(ItemsCount::new(PATHS))
-        .bench_local(|| pool.install(|| pass.trace(Key::new(1), PATHS, &|_| {}).deposits.surface_photons.len()));
+        .bench_local(|| pool.install(|| tracer.trace(Key::new(1), PATHS, &|_| {}).deposits.surface_photons.len()));
 }
 
 /// Returns photons on the walls of a unit box.

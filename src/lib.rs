@@ -56,9 +56,9 @@
 //!
 //! 1. `PhotonMapBuilder::build` in [`integrate`] traces the photons of a pass, for example by
 //!    `trace_aimed_photons`, and then builds its maps. For the photons of a map, `trace_photons`
-//!    calls [`PhotonPass::trace_and_connect`](photon::PhotonPass::trace_and_connect). This emits
-//!    photon paths in parallel by `PhotonSource::emit_photon_path`, and follows each of them by
-//!    `PhotonPass::follow_photon_path`.
+//!    calls [`PhotonTracer::trace_and_connect`](photon::PhotonTracer::trace_and_connect). This
+//!    emits photon paths in parallel by `PhotonSource::emit_photon_path`, and follows each of them
+//!    by `PhotonTracer::follow_photon_path`.
 //! 2. Photon path `i` has the random-number [`Key`](sampling::Key)
 //!    `pass_key.photon_path_key(i)`. Every random decision is a function of a key and the name of
 //!    the decision.
@@ -282,7 +282,7 @@ pub use render::{RenderResult, StopCriteria, render};
 /// let numbers = 0..u32::MAX;
 /// let rendered =
 ///     caustica::render(start, numbers, integrator, &stop, &SilentMonitor, |_| {});
-/// assert_eq!(rendered.ended, EndReason::Target);
+/// assert_eq!(rendered.end_reason, EndReason::Target);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub use render::RenderLimits;

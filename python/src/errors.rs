@@ -25,7 +25,7 @@ impl Failure {
     pub fn into_exception(self, py: Python<'_>) -> PyErr {
         match self {
             Self::Scene(error) => scene_exception(py, &error),
-            Self::Read(SceneReadError::Language(error)) => scene_exception(py, &error),
+            Self::Read(SceneReadError::Content(error)) => scene_exception(py, &error),
             Self::Read(SceneReadError::Unreadable { path, source }) => io_exception(&path, &source),
             Self::Read(error @ SceneReadError::Memory { .. }) => {
                 PyMemoryError::new_err(format!("{error}: put large parts into meshes, or allow more `memory`"))

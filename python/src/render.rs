@@ -127,7 +127,7 @@ impl RenderOptions {
                     ("full", IndirectPhotons::Full),
                 ],
             )?,
-            volume: choice(
+            volume_estimator: choice(
                 "volume",
                 &self.volume,
                 &[
@@ -311,10 +311,10 @@ fn render_passes(
     let layers = RenderedLayers { error, groups, clamped, aovs, ..RenderedLayers::default() };
     let whole = size;
     let size = camera_paths.window(whole).size();
-    let pictures = check_layered_picture_memory(size, layers, free()).map_err(Failure::Memory)?;
+    let picture_bytes = check_layered_picture_memory(size, layers, free()).map_err(Failure::Memory)?;
     let scene = scene.resolved_for_size(whole)?;
     let integrator = algorithm.prepare(&scene, settings);
-    check_photon_memory(integrator.expected_photons(), pictures, free()).map_err(Failure::Memory)?;
+    check_photon_memory(integrator.expected_photons(), picture_bytes, free()).map_err(Failure::Memory)?;
     let stop = limits.stop_criteria(algorithm, integrator.as_ref(), &flags.stopped);
     let interval_confidence = |default| stop.target.map_or(default, ErrorTarget::interval_confidence);
     // `render` estimates the error with the default confidence if it has no target.

@@ -113,7 +113,7 @@ impl NativeResult {
 
     /// Why the render ended: passes, time, target, floor or interrupted.
     fn ended(&self) -> &'static str {
-        end_reason_name(self.rendered.ended)
+        end_reason_name(self.rendered.end_reason)
     }
 
     /// Light that clamping removed, as a fraction of the light without clamping; `None` without
@@ -199,8 +199,8 @@ impl NativeForecast {
 }
 
 /// Returns the name of the reason why a render ended.
-pub fn end_reason_name(ended: EndReason) -> &'static str {
-    match ended {
+pub fn end_reason_name(end_reason: EndReason) -> &'static str {
+    match end_reason {
         EndReason::Passes => "passes",
         EndReason::Time => "time",
         EndReason::Target => "target",

@@ -112,7 +112,7 @@ impl NativeScene {
     /// Numbers of triangles, of other shapes and of lights.
     fn counts(&self) -> (usize, usize, usize) {
         let scene = self.resolved();
-        (scene.triangle_count(), scene.shape_count(), scene.lights().len())
+        (scene.triangle_count(), scene.analytic_shape_count(), scene.lights().len())
     }
 
     /// The scene in the scene language.

@@ -9,7 +9,7 @@ use glam::Vec3A;
 /// Number of child slots of a wide node: a node of the final tree.
 pub(super) const ARITY: usize = 8;
 
-/// Bit of a primitive's key: set for primitives other than triangles.
+/// Bit of a primitive's code: set for primitives other than triangles.
 ///
 /// The other bits are the index of the triangle or of the other primitive.
 pub(super) const OTHER_BIT: u32 = 1 << 31;
@@ -17,9 +17,9 @@ pub(super) const OTHER_BIT: u32 = 1 << 31;
 /// Depth from which nodes are split at the median instead of by the surface area heuristic.
 ///
 /// Median splits bound the depth of the tree by [`MAX_DEPTH`].
-const HEURISTIC_DEPTH: u32 = 40;
+const HALVING_DEPTH: u32 = 40;
 /// Largest depth of the binary tree: median splits of 2³¹ primitives take 31 more levels.
-pub(super) const MAX_DEPTH: u32 = HEURISTIC_DEPTH + 31;
+pub(super) const MAX_DEPTH: u32 = HALVING_DEPTH + 31;
 
 /// Largest number of bins, along each axis, for the centroids of primitives.
 const MAX_BINS: usize = 32;
@@ -33,13 +33,13 @@ const PACKET_COST: f32 = 0.7;
 /// Cost of intersecting one primitive other than a triangle, relative to visiting a node.
 const OTHER_COST: f32 = 1.0;
 
-/// Primitive during the build: its padded box, and its key.
+/// Primitive during the build: its padded box, and its code.
 ///
-/// The key is a triangle's index, or another primitive's index with the bit [`OTHER_BIT`] set.
+/// The code is a triangle's index, or another primitive's index with the bit [`OTHER_BIT`] set.
 #[derive(Clone, Copy)]
 pub(super) struct BvhPrimitive {
     pub bounds: SimdBox,
-    pub key: u32,
+    pub primitive_code: u32,
 }
 
 /// Axis-aligned box in SIMD registers.
@@ -91,12 +91,12 @@ pub(super) struct BinaryNode {
     /// traversal cost. If `share[n]` is 0, n − 1 slots cost as little.
     pub share: [u8; ARITY + 1],
     /// True if all primitives of this node become one leaf.
-    pub leaf: bool,
+    pub is_leaf: bool,
 }
 
 impl BinaryNode {
     /// Placeholder of a node that is not built yet.
-    pub const VACANT: Self = Self { bounds: SimdBox::EMPTY, size: 0, left: 0, share: [0; ARITY + 1], leaf: true };
+    pub const VACANT: Self = Self { bounds: SimdBox::EMPTY, size: 0, left: 0, share: [0; ARITY + 1], is_leaf: true };
 }
 
 /// Number of triangles and number of other primitives in a subtree or bin.
@@ -113,9 +113,9 @@ impl PrimitiveCounts {
         self.others += other.others;
     }
 
-    /// Counts of a single primitive with the key `key`.
-    fn from_primitive_key(key: u32) -> Self {
-        let others = u32::from(key & OTHER_BIT != 0);
+    /// Counts of a single primitive with the code `primitive_code`.
+    fn from_primitive_code(primitive_code: u32) -> Self {
+        let others = u32::from(primitive_code & OTHER_BIT != 0);
         Self { triangles: 1 - others, others }
     }
 
@@ -150,9 +150,9 @@ pub(super) fn build_tree(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode
 fn build_node(primitives: &mut [BvhPrimitive], tree: &mut [BinaryNode], depth: u32) -> SubtreeSummary {
     let size = primitives.len();
     let Some((root, rest)) = tree.split_first_mut().filter(|_| size > 1) else {
-        let BvhPrimitive { bounds, key } = primitives[0];
+        let BvhPrimitive { bounds, primitive_code } = primitives[0];
         tree[0] = BinaryNode { bounds, size: 1, ..BinaryNode::VACANT };
-        let count = PrimitiveCounts::from_primitive_key(key);
+        let count = PrimitiveCounts::from_primitive_code(primitive_code);
         return SubtreeSummary { bounds, count, cost: [bounds.half_area() * count.intersection_cost(); ARITY + 1] };
     };
     let left = split_primitives(primitives, depth);
@@ -190,8 +190,8 @@ fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSumma
     }
     let (node, leaf) = (area + cost[ARITY], area * count.intersection_cost());
     let fits = count.others == 0 && count.triangles <= LANES as u32;
-    root.leaf = fits && leaf <= node;
-    cost[1] = if root.leaf { leaf } else { node };
+    root.is_leaf = fits && leaf <= node;
+    cost[1] = if root.is_leaf { leaf } else { node };
     for slots in 2..=ARITY {
         // The comparison is strict: of equal costs, the one that fills more slots wins. So a wide
         // node gets two or more children even if all areas are 0 or infinite.
@@ -206,14 +206,14 @@ fn finish_inner_node(root: &mut BinaryNode, a: &SubtreeSummary, b: &SubtreeSumma
 
 /// Reorders the primitives into two non-empty parts and returns the size of the first.
 ///
-/// It splits by the surface area heuristic or, from [`HEURISTIC_DEPTH`] on, at the median.
+/// It splits by the surface area heuristic or, from [`HALVING_DEPTH`] on, at the median.
 fn split_primitives(primitives: &mut [BvhPrimitive], depth: u32) -> usize {
     let size = primitives.len();
     let centers = primitives.iter().fold(SimdBox::EMPTY, |s, f| {
         s.union(SimdBox { min: f.bounds.doubled_center(), max: f.bounds.doubled_center() })
     });
     let extent = centers.max - centers.min;
-    if depth < HEURISTIC_DEPTH
+    if depth < HALVING_DEPTH
         && size > 2
         && let Some((axis, edge)) = best_split_plane(primitives, centers)
     {
@@ -222,7 +222,9 @@ fn split_primitives(primitives: &mut [BvhPrimitive], depth: u32) -> usize {
     }
     let axis = extent.max_position();
     let by_center = |a: &BvhPrimitive, b: &BvhPrimitive| {
-        a.bounds.doubled_center()[axis].total_cmp(&b.bounds.doubled_center()[axis]).then(a.key.cmp(&b.key))
+        a.bounds.doubled_center()[axis]
+            .total_cmp(&b.bounds.doubled_center()[axis])
+            .then(a.primitive_code.cmp(&b.primitive_code))
     };
     primitives.select_nth_unstable_by(size / 2, by_center);
     size / 2
@@ -263,7 +265,7 @@ fn best_split_plane(primitives: &[BvhPrimitive], centers: SimdBox) -> Option<(us
     let binning = CentroidBinning::new(centers, primitives.len());
     let mut bins = [[(SimdBox::EMPTY, PrimitiveCounts::default()); MAX_BINS]; 3];
     for f in primitives {
-        let (at, count) = (binning.bin_indices(f), PrimitiveCounts::from_primitive_key(f.key));
+        let (at, count) = (binning.bin_indices(f), PrimitiveCounts::from_primitive_code(f.primitive_code));
         for axis in 0..3 {
             let bin = &mut bins[axis][at[axis].min(MAX_BINS - 1)];
             bin.0 = bin.0.union(f.bounds);
@@ -326,14 +328,14 @@ mod tests {
     #[test]
     fn bvh_depth_is_bounded() {
         let series = (0..126u32).map(|i| (f32::from_bits((i + 64) << 23), i));
-        let primitive = |(x, key): (f32, u32)| {
+        let primitive = |(x, primitive_code): (f32, u32)| {
             let bounds = SimdBox { min: Vec3A::splat(x * 0.9), max: Vec3A::splat(x) };
-            BvhPrimitive { bounds, key }
+            BvhPrimitive { bounds, primitive_code }
         };
         let mut primitives: Vec<BvhPrimitive> = series.map(primitive).collect();
         let mut tree = vec![BinaryNode::VACANT; 2 * primitives.len() - 1];
         build_tree(&mut primitives, &mut tree);
         let depth = tree_depth(&tree);
-        assert!(depth > HEURISTIC_DEPTH && depth <= HEURISTIC_DEPTH + 7, "{depth}");
+        assert!(depth > HALVING_DEPTH && depth <= HALVING_DEPTH + 7, "{depth}");
     }
 }

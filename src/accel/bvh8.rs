@@ -88,16 +88,16 @@ impl Bvh8 {
             let branch = &source.tree[at];
             node.boxes.set_box(slot, branch.bounds.min.into(), branch.bounds.max.into());
             let members = &source.primitives[start..start + branch.size as usize];
-            node.children[slot] = if !branch.leaf {
+            node.children[slot] = if !branch.is_leaf {
                 let child = self.nodes.len() as u32;
                 self.append_wide_node(source, at, start);
                 child
-            } else if members[0].key & OTHER_BIT != 0 {
-                members[0].key
+            } else if members[0].primitive_code & OTHER_BIT != 0 {
+                members[0].primitive_code
             } else {
-                let mut keys = [0; LANES];
-                keys.iter_mut().zip(members).for_each(|(key, member)| *key = member.key);
-                self.packets.push(TrianglePacket::new(source.triangles, &keys[..members.len()]));
+                let mut codes = [0; LANES];
+                codes.iter_mut().zip(members).for_each(|(code, member)| *code = member.primitive_code);
+                self.packets.push(TrianglePacket::new(source.triangles, &codes[..members.len()]));
                 PACKET_BIT | (self.packets.len() - 1) as u32
             };
         }
@@ -225,11 +225,11 @@ fn has_area(corners: &[Vec3; 3]) -> bool {
     (b - a).cross(c - a) != DVec3::ZERO
 }
 
-/// Build primitive for a box and its key; the box is padded by [`PADDING`] of its longest edge.
-fn padded_primitive((bounds, key): (Bounds, u32)) -> BvhPrimitive {
+/// Build primitive for a box and its code; the box is padded by [`PADDING`] of its longest edge.
+fn padded_primitive((bounds, primitive_code): (Bounds, u32)) -> BvhPrimitive {
     let margin = Vec3::splat(bounds.extent().max_element() * PADDING);
     let (min, max) = (bounds.min - margin, bounds.max + margin);
     let down = Vec3A::from(min.to_array().map(f32::next_down));
     let up = Vec3A::from(max.to_array().map(f32::next_up));
-    BvhPrimitive { bounds: SimdBox { min: down, max: up }, key }
+    BvhPrimitive { bounds: SimdBox { min: down, max: up }, primitive_code }
 }

@@ -176,9 +176,9 @@ impl Hierarchy {
             return;
         }
         let precalc = RayPrecalc::new(ray);
-        let mut report = |key: u32, hit: LeafHit| {
+        let mut report = |primitive_code: u32, hit: LeafHit| {
             let mut only = NearestHit::before_any_hit(&precalc);
-            only.keep_nearer_hit(key, hit);
+            only.keep_nearer_hit(primitive_code, hit);
             if let Some(hit) = only.to_primitive_hit(ray, &precalc) {
                 visit(hit);
             }
@@ -239,20 +239,20 @@ impl Hierarchy {
     }
 }
 
-/// Nearest hit that a traversal has found so far, and the key of its primitive.
+/// Nearest hit that a traversal has found so far, and the code of its primitive.
 ///
-/// Among hits of equal t, the one with the lowest key is kept; [`OTHER_BIT`] describes keys. The
+/// Among hits of equal t, the one with the lowest code is kept; [`OTHER_BIT`] describes codes. The
 /// ray parameter t refers to the scaled direction of [`RayPrecalc`].
 struct NearestHit {
-    key: u32,
+    primitive_code: u32,
     hit: LeafHit,
 }
 
 impl NearestHit {
-    /// Start of a traversal: t is `t_max` and the key is 0, so no hit at `t_max` replaces it.
+    /// Start of a traversal: t is `t_max` and the code is 0, so no hit at `t_max` replaces it.
     #[inline]
     fn before_any_hit(precalc: &RayPrecalc) -> Self {
-        Self { key: 0, hit: LeafHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } }
+        Self { primitive_code: 0, hit: LeafHit { t: precalc.t_max, weights: [0.0; 2], total: 1.0 } }
     }
 
     /// Tests the primitives of the leaf with child reference `leaf`, and keeps the nearest hit.
@@ -270,8 +270,8 @@ impl NearestHit {
         if leaf & OTHER_BIT == 0 {
             bvh.packet_of_leaf(leaf).for_each_hit(precalc, |triangle, hit| self.keep_nearer_hit(triangle, hit));
         } else {
-            // `t_max` is exclusive, but this primitive wins ties against a higher key.
-            let t_max = if leaf < self.key { self.hit.t.next_up() } else { self.hit.t };
+            // `t_max` is exclusive, but this primitive wins ties against a higher code.
+            let t_max = if leaf < self.primitive_code { self.hit.t.next_up() } else { self.hit.t };
             let shrunk = Ray { t_max: t_max * precalc.direction_scale, ..*ray };
             if let Some(hit) = other(leaf ^ OTHER_BIT, &shrunk) {
                 self.keep_nearer_hit(leaf, LeafHit::of_other_primitive(hit, precalc));
@@ -280,12 +280,12 @@ impl NearestHit {
     }
 
     /// Replaces the kept hit by `hit` if t > 0 and `hit` is nearer, or equally near with a lower
-    /// key.
+    /// code.
     #[inline]
-    fn keep_nearer_hit(&mut self, key: u32, hit: LeafHit) {
+    fn keep_nearer_hit(&mut self, primitive_code: u32, hit: LeafHit) {
         let (t, least) = (hit.t, self.hit.t);
-        if t > 0.0 && (t < least || t == least && key < self.key) {
-            *self = Self { key, hit };
+        if t > 0.0 && (t < least || t == least && primitive_code < self.primitive_code) {
+            *self = Self { primitive_code, hit };
         }
     }
 
@@ -298,8 +298,9 @@ impl NearestHit {
         if !(self.hit.t < precalc.t_max && 0.0 < t && t < ray.t_max) {
             return None;
         }
-        let index = self.key & !OTHER_BIT;
-        let primitive = if self.key == index { PrimitiveIndex::Triangle(index) } else { PrimitiveIndex::Other(index) };
+        let index = self.primitive_code & !OTHER_BIT;
+        let primitive =
+            if self.primitive_code == index { PrimitiveIndex::Triangle(index) } else { PrimitiveIndex::Other(index) };
         let (u, v) = self.hit.barycentric();
         Some(PrimitiveHit { t, primitive, u, v })
     }

@@ -129,7 +129,7 @@ impl TrianglePacket {
         }
         // The sum of the edge functions is multiplied by the ray's depth, so that one division
         // gives t.
-        let volume = (u + v + w) * precalc.depth;
+        let volume = (u + v + w) * precalc.direction_z;
         let t = (u * a.z + v * b.z + w * c.z) / volume;
         (volume != 0.0).then_some(LeafHit { t: t as f32, weights: [v, w], total: u + v + w })
     }

@@ -25,7 +25,7 @@ pub(super) struct RayPrecalc {
     /// `axes[2]`.
     pub shear: [f32; 2],
     /// Component of the scaled direction along `axes[2]`.
-    pub depth: f64,
+    pub direction_z: f64,
     /// Exclusive upper bound of the ray parameter, for the scaled direction.
     pub t_max: f32,
     /// Factor from the caller's direction to the scaled direction: a power of two.
@@ -66,7 +66,7 @@ impl RayPrecalc {
             near: [usize::from(r[0] < 0.0), usize::from(r[1] < 0.0), usize::from(r[2] < 0.0)],
             axes: [x, y, z],
             shear: [d[x] * r[z], d[y] * r[z]],
-            depth: f64::from(d[z]),
+            direction_z: f64::from(d[z]),
             t_max: ray.t_max * inverse_direction_scale,
             direction_scale,
             inverse_direction_scale,
@@ -86,7 +86,7 @@ mod tests {
             assert!(p.reciprocal[2] < 0.0 && p.reciprocal[2].is_finite());
             assert_eq!((p.near, p.axes[2]), ([0, 1, 1], 2));
             assert_eq!(p.direction_scale * p.inverse_direction_scale, 1.0);
-            assert!(length < 1e-38 || (1.0..4.0).contains(&-p.depth), "{length} {}", p.depth);
+            assert!(length < 1e-38 || (1.0..4.0).contains(&-p.direction_z), "{length} {}", p.direction_z);
         }
     }
 }

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraConnection {
     /// Film position \[pixels from the top left]; may lie outside the film.
-    pub film: Vec2,
+    pub film_position: Vec2,
     /// Origin of the camera ray through the scene point.
     pub origin: Vec3,
     /// Unit direction from the scene point to `origin`.
@@ -92,7 +92,7 @@ impl Camera {
     /// is behind its camera.
     #[must_use]
     pub fn film_displacement(&self, p: Vec3, later: &Self, q: Vec3) -> Option<Vec2> {
-        let mut by = later.connect_to_point(q, None)?.film - self.connect_to_point(p, None)?.film;
+        let mut by = later.connect_to_point(q, None)?.film_position - self.connect_to_point(p, None)?.film_position;
         if self.projection == CameraProjection::Panorama {
             let turn = self.width as f32;
             by.x -= turn * (by.x / turn).round();
@@ -133,15 +133,15 @@ impl Camera {
         p: DVec3,
         importance: f64,
     ) -> Option<CameraConnection> {
-        let film = DVec2::new(0.5 * f64::from(self.width) + offset.x, 0.5 * f64::from(self.height) - offset.y);
+        let film_position = DVec2::new(0.5 * f64::from(self.width) + offset.x, 0.5 * f64::from(self.height) - offset.y);
         let direction = (origin - p).try_normalize()?;
         let connection = CameraConnection {
-            film: film.as_vec2(),
+            film_position: film_position.as_vec2(),
             origin: origin.as_vec3(),
             direction: direction.as_vec3(),
             importance: importance as f32,
         };
-        (connection.film.is_finite() && connection.importance.is_finite()).then_some(connection)
+        (connection.film_position.is_finite() && connection.importance.is_finite()).then_some(connection)
     }
 }
 

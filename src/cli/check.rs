@@ -38,7 +38,7 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, CommandFailure> {
 pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
     let mut lines = import_warnings(file);
     lines.extend(file.unused_item_warnings());
-    if scene.triangle_count() + scene.shape_count() > 0 {
+    if scene.triangle_count() + scene.analytic_shape_count() > 0 {
         lines.extend(scene_warnings(scene, arguments));
     }
     lines.iter().map(|line| replace_control_characters(line)).collect()

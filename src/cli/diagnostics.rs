@@ -16,7 +16,7 @@ pub(super) fn all_lights_are_black(scene: &Scene) -> bool {
 /// Returns a note if the passes emitted photons but stored none.
 pub(super) fn no_photon_stored_note(rendered: &RenderResult) -> Option<String> {
     let (unaimed, aimed) = (&rendered.unaimed, &rendered.aimed);
-    let emitted = unaimed.emitted + aimed.emitted;
+    let emitted = unaimed.emitted_paths + aimed.emitted_paths;
     if emitted == 0 || unaimed.stored + aimed.stored > 0 {
         return None;
     }

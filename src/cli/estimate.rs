@@ -77,10 +77,10 @@ fn estimate_method(
     let mut settings = settings_from_arguments(method, arguments.effects.effects);
     settings.camera_paths.estimate_error = true;
     let memory = arguments.scene.memory_limit();
-    let pictures = check_error_estimate_memory(1, scene.camera().size(), memory.available_bytes())
+    let picture_bytes = check_error_estimate_memory(1, scene.camera().size(), memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
     let integrator = method.integrator.prepare(scene, settings);
-    check_photon_memory(integrator.expected_photons(), pictures, memory.available_bytes())
+    check_photon_memory(integrator.expected_photons(), picture_bytes, memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
     print_plan(integrator.as_ref(), progress);
     progress.remove_progress_bar();

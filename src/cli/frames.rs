@@ -99,7 +99,7 @@ impl Turntable {
             return Err(MovingCameraError);
         }
         let pivot = match description.aim {
-            DirectionOrTarget::LookAt(point) => point,
+            DirectionOrTarget::Target(point) => point,
             DirectionOrTarget::Direction(_) => pivot(scene),
         };
         let axis = description.up.normalize_or_zero();

@@ -53,9 +53,9 @@ impl LiveOutput {
         Ok(Some(Self { page, server }))
     }
 
-    /// Begins a render on the page. `start` is the time at which loading of its scene began.
-    pub fn begin_render(&self, start: Instant) -> LiveRender<'_> {
-        LiveRender::begin(&self.page, start)
+    /// Begins a render on the page. `load_start` is the time at which loading of its scene began.
+    pub fn begin_render(&self, load_start: Instant) -> LiveRender<'_> {
+        LiveRender::begin(&self.page, load_start)
     }
 
     /// Ends the server of the page, after browsers have had time to fetch the last picture.

@@ -114,11 +114,11 @@ fn indirect_photons_line(integrator: &dyn Integrator) -> Option<String> {
 /// not guide them.
 fn environment_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     let report = integrator.environment_guiding_report().filter(|report| report.used)?;
-    let percent = percent_text(report.unoccluded);
+    let percent = percent_text(report.unoccluded_fraction);
     Some(format!(
         "shadow rays to the environment are guided: {percent} of unguided ones reach it, guided ones have {:.1} times \
          less variance",
-        report.gain
+        report.variance_gain
     ))
 }
 
@@ -128,7 +128,7 @@ fn scatter_point_guiding_line(integrator: &dyn Integrator) -> Option<String> {
     let report = integrator.scatter_point_guiding_report().filter(|report| report.used)?;
     Some(format!(
         "shadow rays from fog start in its lit parts: camera paths have {:.1} times less variance for the same work",
-        report.gain
+        report.efficiency_gain
     ))
 }
 

@@ -183,7 +183,7 @@ fn render_scene(
         seed: arguments.method.seed,
         threads: rayon::current_num_threads(),
         triangles: scene.triangle_count(),
-        shapes: scene.shape_count(),
+        analytic_shapes: scene.analytic_shape_count(),
         lights: scene.lights().len(),
         radii: None,
         emission_guiding: EmissionGuidingReports::default(),
@@ -203,12 +203,12 @@ fn render_scene(
     let (memory, whole) = (arguments.scene.memory_limit(), scene.camera().size());
     let size = window_size(arguments.crop, whole)?;
     let layers = rendered_layers(arguments, estimates_error);
-    let pictures = check_layered_picture_memory(size, layers, memory.available_bytes());
-    let pictures = pictures.map_err(CommandFailure::usage_error)?;
+    let picture_bytes = check_layered_picture_memory(size, layers, memory.available_bytes());
+    let picture_bytes = picture_bytes.map_err(CommandFailure::usage_error)?;
     #[cfg(feature = "view")]
     live.iter().for_each(|live| live.set_phase(Phase::Pilots));
     let integrator = algorithm.prepare(scene, settings);
-    check_photon_memory(integrator.expected_photons(), pictures, memory.available_bytes())
+    check_photon_memory(integrator.expected_photons(), picture_bytes, memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
     plan::print_plan(integrator.as_ref(), progress);
     setup.radii = integrator.gather_radii();
@@ -246,7 +246,7 @@ fn render_scene(
     #[cfg(feature = "view")]
     let mut tev = arguments.tev.as_ref().map(|address| TevOutput::start(address, &setup.scene));
     let rendered = render_passes(before, numbers, &stop, integrator.as_ref(), start, progress, |standing| {
-        if standing.ended.is_none() {
+        if standing.end_reason.is_none() {
             updates.iter_mut().for_each(|updates| updates.update(&standing.rendered.film));
             film.iter_mut().for_each(|film| film.save_if_due(standing.rendered));
         }

@@ -25,10 +25,12 @@ pub(super) struct RenderReport {
     pub seed: u64,
     pub threads: usize,
     pub passes: u32,
-    pub ended: EndReason,
+    #[serde(rename = "ended")]
+    pub end_reason: EndReason,
     pub limits: LimitsReport,
     pub triangles: usize,
-    pub shapes: usize,
+    #[serde(rename = "shapes")]
+    pub analytic_shapes: usize,
     pub lights: usize,
     pub radii: Option<GatherRadiiReport>,
     pub emission_guiding: EmissionGuidingReports,
@@ -152,7 +154,7 @@ pub(super) struct RenderSetup {
     pub seed: u64,
     pub threads: usize,
     pub triangles: usize,
-    pub shapes: usize,
+    pub analytic_shapes: usize,
     pub lights: usize,
     pub radii: Option<GatherRadii>,
     pub emission_guiding: EmissionGuidingReports,
@@ -170,7 +172,7 @@ impl RenderReport {
         let (width, height) = rendered.film.size();
         let wall = rendered.wall.as_secs_f64();
         let rate = |n: u64, seconds: f64| if seconds > 0.0 { n as f64 / seconds } else { 0.0 };
-        let emitted = rendered.unaimed.emitted + rendered.aimed.emitted;
+        let emitted = rendered.unaimed.emitted_paths + rendered.aimed.emitted_paths;
         Self {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION"),
@@ -181,10 +183,10 @@ impl RenderReport {
             seed: setup.seed,
             threads: setup.threads,
             passes: rendered.film.passes(),
-            ended: rendered.ended,
+            end_reason: rendered.end_reason,
             limits: LimitsReport::new(limits, stop),
             triangles: setup.triangles,
-            shapes: setup.shapes,
+            analytic_shapes: setup.analytic_shapes,
             lights: setup.lights,
             radii: setup.radii.map(|r| GatherRadiiReport { indirect: r.indirect, caustic: r.caustic }),
             emission_guiding: setup.emission_guiding,

@@ -117,7 +117,7 @@ pub(super) fn settings_from_arguments(arguments: &MethodArguments, effects: Effe
         radius: arguments.radius,
         alpha: arguments.alpha.unwrap_or(ALPHA),
         kernel: arguments.kernel,
-        volume: arguments.volume,
+        volume_estimator: arguments.volume,
         allows_prefix_rays: !arguments.no_prefix_rays,
         allows_environment_guiding: !arguments.no_environment_guiding,
         allows_scatter_point_guiding: !arguments.no_scatter_point_guiding,

@@ -13,7 +13,7 @@ pub enum DirectionOrTarget {
     /// Direction of any length above 0.
     Direction(DVec3),
     /// Point that the camera or light looks at.
-    LookAt(DVec3),
+    Target(DVec3),
 }
 
 impl DirectionOrTarget {
@@ -22,7 +22,7 @@ impl DirectionOrTarget {
     pub(super) fn direction_from(self, from: DVec3) -> DVec3 {
         match self {
             Self::Direction(direction) => direction,
-            Self::LookAt(point) => point - from,
+            Self::Target(point) => point - from,
         }
     }
 }
@@ -43,13 +43,13 @@ pub(super) fn parse_direction_or_target(
     }
     let direction = value - center;
     field.ensure_valid(is_normalizable(direction), &format!("must lie at some distance from `{center_name}`"))?;
-    Ok((DirectionOrTarget::LookAt(value), direction))
+    Ok((DirectionOrTarget::Target(value), direction))
 }
 
 /// Writes the field `direction` or `lookAt`.
 pub(super) fn write_direction_or_target(out: &mut SceneWriter<'_, '_>, aim: DirectionOrTarget) -> fmt::Result {
     match aim {
         DirectionOrTarget::Direction(direction) => out.write_vec3("direction", direction),
-        DirectionOrTarget::LookAt(point) => out.write_vec3("lookAt", point),
+        DirectionOrTarget::Target(point) => out.write_vec3("lookAt", point),
     }
 }

@@ -56,7 +56,7 @@ pub enum ProjectionDescription {
         size: f64,
     },
     /// Equirectangular projection of all directions.
-    Environment,
+    Panorama,
 }
 
 /// A thin lens of a camera.
@@ -98,7 +98,7 @@ pub enum FocusDescription {
 pub(super) static CAMERAS: &[BlockParser<ParseProjection>] = &[
     BlockParser { block: &PERSPECTIVE, parse: parse_perspective_projection },
     BlockParser { block: &ORTHOGRAPHIC, parse: parse_orthographic_projection },
-    BlockParser { block: &ENVIRONMENT, parse: parse_environment_projection },
+    BlockParser { block: &PANORAMA, parse: parse_panorama_projection },
 ];
 
 /// Function that converts the parsed fields of a camera block to the camera's projection.
@@ -171,7 +171,7 @@ static ORTHOGRAPHIC: BlockSchema = block_schema("OrthographicCamera", "parallel 
         .make_required()])
     .with_shared_fields(&[VIEW_FIELDS, PICTURE_SIZE_FIELDS]);
 
-static ENVIRONMENT: BlockSchema = block_schema(
+static PANORAMA: BlockSchema = block_schema(
     "EnvironmentCamera",
     "all directions by longitude and latitude, with the direction of view in the middle",
 )
@@ -223,7 +223,7 @@ pub(super) fn parse_camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Resu
     let width: u32 = f.value("width")?;
     let projection = (entry.parse)(&f, &CameraPose { center, direction, aim })?;
     let height = match projection {
-        ProjectionDescription::Environment => f.optional_value("height").unwrap_or(width.div_ceil(2)),
+        ProjectionDescription::Panorama => f.optional_value("height").unwrap_or(width.div_ceil(2)),
         ProjectionDescription::Perspective { .. } | ProjectionDescription::Orthographic { .. } => f.value("height")?,
     };
     Ok(CameraDescription { center, aim, up, projection, width, height, motion: Vec::new() })
@@ -237,8 +237,8 @@ fn parse_orthographic_projection(f: &BlockFields<'_>, _: &CameraPose) -> Result<
     Ok(ProjectionDescription::Orthographic { size: f.value("size")? })
 }
 
-fn parse_environment_projection(_: &BlockFields<'_>, _: &CameraPose) -> Result<ProjectionDescription, SceneError> {
-    Ok(ProjectionDescription::Environment)
+fn parse_panorama_projection(_: &BlockFields<'_>, _: &CameraPose) -> Result<ProjectionDescription, SceneError> {
+    Ok(ProjectionDescription::Panorama)
 }
 
 /// Parses the lens of a camera that looks along `view`; `None` for a pinhole.
@@ -268,7 +268,7 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraPose) -> Result<Option<LensDescr
         }
     } else {
         match view.aim {
-            DirectionOrTarget::LookAt(point) => FocusDescription::Point(point),
+            DirectionOrTarget::Target(point) => FocusDescription::Point(point),
             DirectionOrTarget::Direction(_) => FocusDescription::Distance(f.value("focusDistance")?),
         }
     };
@@ -289,7 +289,7 @@ pub(super) fn write_camera(out: &mut SceneWriter<'_, '_>, camera: &CameraDescrip
     out.begin_schema_block(match camera.projection {
         ProjectionDescription::Perspective { .. } => &PERSPECTIVE,
         ProjectionDescription::Orthographic { .. } => &ORTHOGRAPHIC,
-        ProjectionDescription::Environment => &ENVIRONMENT,
+        ProjectionDescription::Panorama => &PANORAMA,
     })?;
     out.write_vec3("center", camera.center)?;
     write_direction_or_target(out, camera.aim)?;
@@ -300,7 +300,7 @@ pub(super) fn write_camera(out: &mut SceneWriter<'_, '_>, camera: &CameraDescrip
             lens.map_or(Ok(()), |lens| write_lens(out, &lens))?;
         }
         ProjectionDescription::Orthographic { size } => out.write_number("size", size)?,
-        ProjectionDescription::Environment => {}
+        ProjectionDescription::Panorama => {}
     }
     out.write_field("width", camera.width)?;
     out.write_field("height", camera.height)?;
@@ -354,7 +354,7 @@ pub(super) fn resolve_camera(
         ProjectionDescription::Orthographic { size } => {
             Camera::orthographic(center, direction, up, size, width, height)
         }
-        ProjectionDescription::Environment => Camera::panorama(center, direction, up, width, height),
+        ProjectionDescription::Panorama => Camera::panorama(center, direction, up, width, height),
     };
     camera.map_err(|e| refuse((e.to_string(), "give another `up`")))
 }

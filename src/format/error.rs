@@ -116,7 +116,7 @@ struct SceneErrorData {
     span: Span,
     /// Copy of the text and span, with control characters near the span escaped; `None` if there
     /// are no such characters.
-    escaped: Option<(SourceText, Span)>,
+    escaped_source: Option<(SourceText, Span)>,
     message: String,
     label: Option<String>,
     help: String,
@@ -189,12 +189,12 @@ impl SceneError {
         }
         let (line, column) = source.line_and_column(start);
         let span = Span { start, len: end - start };
-        let (source, escaped) = (source.clone(), escape_near_span(source, span));
+        let (source, escaped_source) = (source.clone(), escape_near_span(source, span));
         let (line, column, is_out_of_memory, further_errors) = (line + 1, column + 1, false, Vec::new());
         Self(Box::new(SceneErrorData {
             source,
             span,
-            escaped,
+            escaped_source,
             message,
             label,
             help,
@@ -262,12 +262,12 @@ impl Diagnostic for SceneError {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        Some(self.0.escaped.as_ref().map_or(&self.0.source, |(source, _)| source))
+        Some(self.0.escaped_source.as_ref().map_or(&self.0.source, |(source, _)| source))
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let label = self.0.label.clone()?;
-        let span = self.0.escaped.as_ref().map_or(self.0.span, |(_, span)| *span);
+        let span = self.0.escaped_source.as_ref().map_or(self.0.span, |(_, span)| *span);
         let span = SourceSpan::from((span.start, span.len));
         Some(Box::new(std::iter::once(LabeledSpan::new_primary_with_span(Some(label), span))))
     }

@@ -69,7 +69,7 @@ impl SceneFile {
     /// let text = "PerspectiveCamera { center 0 0 5  direction 0 0 -1  angle 30 }
     ///     Group { Sphere { center 0 0 0  radius 1 } }";
     /// let file = caustica::SceneFile::from_text("ball", text, "scenes".as_ref())?;
-    /// assert_eq!(file.resolve()?.shape_count(), 1);
+    /// assert_eq!(file.resolve()?.analytic_shape_count(), 1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn from_text(name: &str, text: &str, folder: &Path) -> Result<Self, SceneError> {

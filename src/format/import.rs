@@ -108,7 +108,7 @@ pub enum SceneReadError {
     /// The content of the file has errors.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Language(#[from] SceneError),
+    Content(#[from] SceneError),
 }
 
 /// Result of reading a part of a scene.

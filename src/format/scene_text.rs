@@ -13,7 +13,7 @@ use std::path::Path;
 /// Estimated memory of the built scene per byte of its scene text \[bytes].
 ///
 /// A sphere whose text has 40 letters takes about a kilobyte, mostly in the BVH.
-const MEMORY_PER_TEXT_BYTE: u64 = 32;
+const SCENE_BYTES_PER_TEXT_BYTE: u64 = 32;
 
 /// Importer of texts in the scene language. It also reads files of unknown extensions.
 pub(super) struct SceneTextImporter;
@@ -43,7 +43,7 @@ impl SceneImporter for SceneTextImporter {
             let message = format!("`.{extension}` is no scene format that is read");
             return Err(SceneError::error_without_position(&name, message, help).into());
         }
-        let needed = MEMORY_PER_TEXT_BYTE * length;
+        let needed = SCENE_BYTES_PER_TEXT_BYTE * length;
         if let Some(free) = options.memory.available_bytes().filter(|free| needed > *free) {
             return Err(SceneReadError::Memory { path: path.to_owned(), needed, free });
         }

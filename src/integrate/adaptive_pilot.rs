@@ -7,7 +7,7 @@
 
 use super::camera_path;
 use super::map_builder::MapBuildOptions;
-use super::pass::{Pass, SilentMonitor};
+use super::pass::{PassResult, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::pilot_statistics::{box_mean, positive_median};
 use super::tiles;
@@ -37,7 +37,7 @@ const MAX_RELATIVE_COUNT: f64 = 8.0;
 pub(super) fn find_relative_ray_counts(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let options = MapBuildOptions::for_pilot(key, PILOT_DIVISOR);
-    let maps = renderer.map_builder.build(&options, &SilentMonitor, &mut Pass::default());
+    let maps = renderer.map_builder.build(&options, &SilentMonitor, &mut PassResult::default());
     // Moving objects stay at one time, because the pilot does not slice the shutter interval.
     let pilot = renderer.with_one_sample();
     let pictures: Vec<Vec<f64>> = (0..PILOT_PICTURES)

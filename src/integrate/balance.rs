@@ -52,14 +52,14 @@ pub(super) struct NoiseSource {
     /// or one photon path.
     pub variance: f64,
     /// Work of one sample. The unit is the work of tracing one photon ray.
-    pub cost: f64,
+    pub work: f64,
     /// Number of samples before balancing.
     pub count: f64,
 }
 
 impl NoiseSource {
     fn has_noise(&self) -> bool {
-        self.variance > 0.0 && self.cost > 0.0 && self.count > 0.0 && self.variance.is_finite()
+        self.variance > 0.0 && self.work > 0.0 && self.count > 0.0 && self.variance.is_finite()
     }
 }
 
@@ -72,18 +72,18 @@ impl NoiseSource {
 pub(super) fn balance_sample_counts(sources: &[NoiseSource; 3]) -> [f64; 3] {
     let work = |numbers: &[f64; 3]| -> f64 {
         let active = sources.iter().zip(numbers).filter(|(p, _)| p.has_noise());
-        active.map(|(p, n)| p.cost * n).sum()
+        active.map(|(p, n)| p.work * n).sum()
     };
     let numbers = |scale: f64| {
         sources.map(|p| {
-            let best = scale * (p.variance / p.cost).sqrt();
+            let best = scale * (p.variance / p.work).sqrt();
             if p.has_noise() { best.clamp(p.count / MAX_CHANGE, p.count * MAX_CHANGE) } else { p.count }
         })
     };
     let given = work(&sources.map(|p| p.count));
     let (mut low, mut high) = (0.0, 0.0f64);
     for p in sources.iter().filter(|p| p.has_noise()) {
-        high = high.max(MAX_CHANGE * p.count / (p.variance / p.cost).sqrt());
+        high = high.max(MAX_CHANGE * p.count / (p.variance / p.work).sqrt());
     }
     // The work grows with the scale; sixty bisections exhaust double precision.
     for _ in 0..60 {

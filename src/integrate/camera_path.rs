@@ -88,7 +88,7 @@ pub(super) struct PathState<I> {
     pending_weight: f32,
     /// True after the path's first receiver, if this path carries a part of the receiver's indirect
     /// light and a photon estimate carries the rest.
-    carries_shared_light: bool,
+    carries_divided_light: bool,
     /// Previous vertex, if next-event estimation there could have sampled the light that the path
     /// hits now. `None` at the camera, after a specular bounce, and beyond a boundary that blocks
     /// shadow rays.
@@ -237,8 +237,8 @@ fn shade_receiver<I: Interior>(
     // Add the photon estimate.
     let reflected = direct + photon_radiance(paths, weights, &vertex, ends_gather_ray, task);
     *radiance += path.throughput * reflected;
-    if path.carries_shared_light {
-        task.records.light.shared_by_paths += path.throughput * reflected;
+    if path.carries_divided_light {
+        task.records.light.divided_light_of_paths += path.throughput * reflected;
     }
 
     // Continue in a sampled direction.
@@ -247,7 +247,7 @@ fn shade_receiver<I: Interior>(
         return false;
     }
     if shares_indirect {
-        path.start_sharing(weights.indirect, vertex.sampler);
+        path.start_dividing(weights.indirect, vertex.sampler);
     }
     true
 }
@@ -396,8 +396,8 @@ fn is_path_continued(weights: IndirectWeights, sampler: Sampler) -> bool {
 #[inline]
 fn weigh_found_light<I>(light: Rgb, path: &PathState<I>, weights: &PathWeights, task: &mut PathTask) -> Rgb {
     if path.history.receivers > 0 {
-        if path.history.receivers > 1 && path.carries_shared_light {
-            task.records.light.shared_by_paths += light;
+        if path.history.receivers > 1 && path.carries_divided_light {
+            task.records.light.divided_light_of_paths += light;
         }
         task.pixel.groups.add(LightGroup::of_found_light(path.history), light);
         return light;
@@ -417,7 +417,7 @@ fn record_visible_point<I: Interior>(vertex: &PathVertex<'_, I>, task: &mut Path
     let weight = color::channel_mean(vertex.throughput * brdf);
     task.records.visible_points.push(VisiblePoint {
         position: surface.point.p,
-        error: surface.point.error,
+        position_error: surface.point.position_error,
         normal,
         weight,
     });
@@ -509,10 +509,10 @@ impl<I: Interior> PathState<I> {
     ///
     /// `sampler` is the sampler of the path's vertex at the receiver.
     #[inline]
-    fn start_sharing(&mut self, weights: IndirectWeights, sampler: Sampler) {
+    fn start_dividing(&mut self, weights: IndirectWeights, sampler: Sampler) {
         let (_, samples) = sampler.sample_index_and_count();
         self.pending_weight = weights.path_weight(samples);
-        self.carries_shared_light = true;
+        self.carries_divided_light = true;
     }
 
     /// Returns the state of a new path that starts with `camera_ray`.
@@ -527,7 +527,7 @@ impl<I: Interior> PathState<I> {
             bounce: 0,
             history,
             pending_weight: 1.0,
-            carries_shared_light: false,
+            carries_divided_light: false,
             prev: None,
             sampler,
         }

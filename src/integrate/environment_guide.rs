@@ -66,8 +66,8 @@ impl EnvironmentGuide {
         // Compute the pdf from the direction, as MIS weights do. Rounding may move the direction to
         // another bin than `u`.
         let pdf = self.pdf_li(light, p, wi);
-        let irradiance = light.radiance(wi) / pdf;
-        (pdf > 0.0).then_some(DirectLightSample { wi, target: ShadowTarget::Infinity, irradiance, pdf: Some(pdf) })
+        let weight = light.radiance(wi) / pdf;
+        (pdf > 0.0).then_some(DirectLightSample { wi, target: ShadowTarget::Infinity, weight, pdf: Some(pdf) })
     }
 
     /// Returns the pdf \[1/sr] with which [`EnvironmentGuide::sample_li`] samples unit direction

@@ -42,18 +42,21 @@ const MIN_GAIN: f64 = 1.5;
 ///
 /// Above it, the pilot ends after the first round without a guide: camera paths that sample the
 /// BSDF find such a widely visible sky well.
-const MAX_UNOCCLUDED: f64 = 0.25;
+const MAX_UNOCCLUDED_FRACTION: f64 = 0.25;
 
 /// Work and estimated benefit of the pilot that guides shadow rays to the environment light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct EnvironmentGuidingReport {
     /// Number of shadow rays that the pilot traced.
-    pub rays: u64,
+    #[serde(rename = "rays")]
+    pub shadow_rays: u64,
     /// Fraction in \[0, 1] of unguided shadow rays that reach the environment.
-    pub unoccluded: f64,
+    #[serde(rename = "unoccluded")]
+    pub unoccluded_fraction: f64,
     /// Second moment of unguided shadow rays' contributions to the picture, divided by that of
     /// guided ones; 1 if no ray contributes.
-    pub gain: f64,
+    #[serde(rename = "gain")]
+    pub variance_gain: f64,
     /// True if the render guides shadow rays.
     pub used: bool,
 }
@@ -87,27 +90,27 @@ pub(super) fn guide_environment_light(
     let points =
         record_receiver_points(scene, effects, key.training_round_key(0), paths, PathContinuation::Always, MAX_BOUNCES);
     let mut fit = EnvironmentGuideFit::new(&points.iter().map(|point| point.position).collect::<Vec<_>>());
-    let mut report = EnvironmentGuidingReport { gain: 1.0, ..EnvironmentGuidingReport::default() };
+    let mut report = EnvironmentGuidingReport { variance_gain: 1.0, ..EnvironmentGuidingReport::default() };
     let mut guide = None;
     for round in 1..=ROUNDS {
         let rays = trace_round(scene, light, &points, guide.as_ref(), effects, key.training_round_key(round));
-        report.rays += rays.len() as u64;
+        report.shadow_rays += rays.len() as u64;
         if round == 1 {
             let unoccluded = rays.iter().filter(|ray| ray.contribution > 0.0).count();
-            report.unoccluded = unoccluded as f64 / rays.len().max(1) as f64;
-            if report.unoccluded > MAX_UNOCCLUDED {
+            report.unoccluded_fraction = unoccluded as f64 / rays.len().max(1) as f64;
+            if report.unoccluded_fraction > MAX_UNOCCLUDED_FRACTION {
                 return (None, report);
             }
         }
         if round == ROUNDS {
-            report.gain = guiding_gain(&rays);
+            report.variance_gain = guiding_variance_gain(&rays);
         }
         for ray in &rays {
             fit.add(points[ray.point].position, ray.u, ray.contribution * ray.contribution);
         }
         guide = fit.fitted_guide();
     }
-    report.used = guide.is_some() && report.gain > MIN_GAIN;
+    report.used = guide.is_some() && report.variance_gain > MIN_GAIN;
     (guide.filter(|_| report.used), report)
 }
 
@@ -124,12 +127,12 @@ fn trace_round(
     let count = u32::try_from(points.len()).unwrap_or(u32::MAX).saturating_mul(RAYS_PER_POINT);
     let ray = |index: u32| {
         let point = (index / RAYS_PER_POINT) as usize;
-        let VisiblePoint { position: p, error, normal, weight } = points[point];
+        let VisiblePoint { position: p, position_error, normal, weight } = points[point];
         let u = Sampler::new(key, index, count).get_2d(Dimension::LightPosition);
         let (u, u_pdf) = guide.map_or((u, 1.0), |guide| guide.guided_sample(p, u));
         let contribution = light.sample(u).map_or(0.0, |(wi, pdf)| {
             let cosine = wi.dot(normal);
-            let origin = offset_ray_origin(p, error, normal, wi);
+            let origin = offset_ray_origin(p, position_error, normal, wi);
             if cosine <= 0.0 {
                 return 0.0;
             }
@@ -163,7 +166,7 @@ fn transmittance_to_environment(scene: &Scene, ray: &Ray, effects: Effects, key:
 
 /// Returns the second moment of unguided contributions to the picture, divided by that of guided
 /// ones. Both are estimated from guided `rays`. The result is 1 if no ray contributes.
-fn guiding_gain(rays: &[PilotRay]) -> f64 {
+fn guiding_variance_gain(rays: &[PilotRay]) -> f64 {
     let (mut unguided, mut guided) = (0.0, 0.0);
     for ray in rays {
         let (square, pdf) = (ray.contribution * ray.contribution, f64::from(ray.pdf));

@@ -50,15 +50,15 @@ pub(super) fn trace_paths_through_film_points(
 /// Traces a camera path through each of `points`, and calls `result` with its radiance \[W/(m² sr)]
 /// and the task that traced it.
 ///
-/// Returns the values that `result` returned, and the ray counts of all paths. If `nested` is true,
-/// each photon estimate is also made with smaller nested discs.
+/// Returns the values that `result` returned, and the ray counts of all paths. If `nests_estimates`
+/// is true, each photon estimate is also made with smaller nested discs.
 pub(super) fn map_paths_through_film_points<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
-    nested: bool,
+    nests_estimates: bool,
     result: impl Fn(Rgb, &mut PathTask) -> T + Sync,
 ) -> (Vec<T>, Counters) {
-    let (results, tasks) = trace_paths_by_chunks(paths, points, nested, &result);
+    let (results, tasks) = trace_paths_by_chunks(paths, points, nests_estimates, &result);
     let mut counters = Counters::default();
     tasks.iter().for_each(|task| counters += task.counters);
     (results, counters)
@@ -70,13 +70,13 @@ pub(super) fn map_paths_through_film_points<T: Send>(
 fn trace_paths_by_chunks<T: Send>(
     paths: &PathContext<'_>,
     points: &[FilmPoint],
-    nested: bool,
+    nests_estimates: bool,
     result: &(impl Fn(Rgb, &mut PathTask) -> T + Sync),
 ) -> (Vec<T>, Vec<PathTask>) {
     let has_lens = paths.policy.effects.has(Effect::Lens);
     for_interior!(paths.policy.effects, <I> {
         let chunks = points.par_chunks(CHUNK).map(|chunk| {
-            let mut task = PathTask::new(nested, false);
+            let mut task = PathTask::new(nests_estimates, false);
             let mut stack = Vec::<PathState<I>>::new();
             let values = chunk.iter().map(|(film, sampler)| {
                 task.counters.camera_rays += 1;

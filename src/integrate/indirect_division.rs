@@ -20,16 +20,16 @@
 //! | [`technique`] | technique of the pass | pass or pilot | start of a camera path |
 //! | [`indirect`] | weights of both techniques | start of a camera path | first receiver |
 //! | [`pending_weight`] | weight of the camera path | first receiver | next vertex |
-//! | [`carries_shared_light`] | if both techniques share light | first receiver | later vertices |
-//! | [`shared_by_paths`] and others | light by technique | all vertices | end of a path |
+//! | [`carries_divided_light`] | if both techniques find light | first receiver | later vertices |
+//! | [`divided_light_of_paths`] and others | light by technique | all vertices | end of a path |
 //!
 //! Only `indirect_pilot.rs` reads the last one.
 //!
 //! [`technique`]: super::camera_path::PathContext
 //! [`indirect`]: super::camera_path
 //! [`pending_weight`]: super::camera_path::PathState
-//! [`carries_shared_light`]: super::camera_path::PathState
-//! [`shared_by_paths`]: super::path_task::LightByPart::shared_by_paths
+//! [`carries_divided_light`]: super::camera_path::PathState
+//! [`divided_light_of_paths`]: super::path_task::LightByPart::divided_light_of_paths
 
 use glam::Vec2;
 
@@ -96,8 +96,8 @@ pub(super) enum IndirectTechnique<'a> {
     /// Camera paths and photon estimates, with weights that sum to 1.
     Weighted {
         division: &'a IndirectDivision,
-        /// Number of the pass, counted from 1.
-        number: f32,
+        /// Number of passes up to this one, which counts too.
+        pass_count: f32,
         /// Area of gather discs in the pass, divided by that in the first pass.
         area: f32,
     },
@@ -109,19 +109,21 @@ impl IndirectTechnique<'_> {
         match self {
             Self::Paths => 0.0,
             Self::Photons | Self::Comparison => 1.0,
-            Self::Weighted { division, number, area } => division.mean_photon_weight(*number, *area),
+            Self::Weighted { division, pass_count, area } => division.mean_photon_weight(*pass_count, *area),
         }
     }
 
     /// Returns the weights of camera paths and of photon estimates for the indirect light at a film
     /// position \[pixels from the top left].
     #[inline]
-    pub fn technique_weights(&self, film: Vec2) -> IndirectWeights {
+    pub fn technique_weights(&self, film_position: Vec2) -> IndirectWeights {
         match self {
             Self::Paths => IndirectWeights::default(),
             Self::Photons => IndirectWeights { photon_weight: 1.0, continued: 0, samples: 1 },
             Self::Comparison => IndirectWeights::COMPARISON,
-            Self::Weighted { division, number, area } => division.technique_weights(film, *number, *area),
+            Self::Weighted { division, pass_count, area } => {
+                division.technique_weights(film_position, *pass_count, *area)
+            }
         }
     }
 }
@@ -159,12 +161,12 @@ impl IndirectErrors {
     /// Returns the weights of camera paths and of photon estimates, and the number of continued
     /// camera paths, for which the error of indirect light is least at the price of a path.
     ///
-    /// `number` is the number of the pass, counted from 1. `area` is the area of its gather discs,
+    /// `pass_count` is the number of passes up to this one. `area` is the area of its gather discs,
     /// divided by that in the first pass.
     #[inline]
-    fn least_error_weights(&self, division: &IndirectDivision, number: f32, area: f32) -> IndirectWeights {
+    fn least_error_weights(&self, division: &IndirectDivision, pass_count: f32, area: f32) -> IndirectWeights {
         let samples = division.samples;
-        let photons = self.photon_error(division.unaimed_paths, number, area);
+        let photons = self.photon_error(division.unaimed_paths, pass_count, area);
         let paths = self.path_variance;
         if photons <= 0.0 || paths <= 0.0 {
             // The pilot found no light by one of the techniques.
@@ -180,31 +182,31 @@ impl IndirectErrors {
         IndirectWeights { photon_weight: weight, continued: continued as u32, samples }
     }
 
-    /// Returns the relative mean squared error of the photon estimate in pass `number`, counted
-    /// from 1.
+    /// Returns the relative mean squared error of the photon estimate in the last of
+    /// `pass_count` passes.
     ///
     /// `photon_paths` is the number of unaimed photon paths of the pass. `area` is the area of its
-    /// gather discs, divided by that in the first pass. The squared bias counts `number` times,
+    /// gather discs, divided by that in the first pass. The squared bias counts `pass_count` times,
     /// because all passes share it.
     #[inline]
-    fn photon_error(&self, photon_paths: u32, number: f32, area: f32) -> f32 {
-        self.photon_variance / (photon_paths as f32 * area) + number * self.squared_bias * area * area
+    fn photon_error(&self, photon_paths: u32, pass_count: f32, area: f32) -> f32 {
+        self.photon_variance / (photon_paths as f32 * area) + pass_count * self.squared_bias * area * area
     }
 }
 
 impl IndirectDivision {
     #[inline]
-    fn technique_weights(&self, film: Vec2, number: f32, area: f32) -> IndirectWeights {
-        self.interpolated_errors(film).least_error_weights(self, number, area)
+    fn technique_weights(&self, film_position: Vec2, pass_count: f32, area: f32) -> IndirectWeights {
+        self.interpolated_errors(film_position).least_error_weights(self, pass_count, area)
     }
 
     /// Returns the errors of both techniques at a film position \[pixels from the top left],
     /// interpolated between cells of the film grid.
     #[inline]
-    fn interpolated_errors(&self, film: Vec2) -> IndirectErrors {
+    fn interpolated_errors(&self, film_position: Vec2) -> IndirectErrors {
         let rows = self.cells.len() as u32 / self.columns;
         let last = Vec2::new((self.columns - 1) as f32, (rows - 1) as f32);
-        let place = (film / self.cell_size - 0.5).clamp(Vec2::ZERO, last);
+        let place = (film_position / self.cell_size - 0.5).clamp(Vec2::ZERO, last);
         let (corner, part) = (place.floor(), place - place.floor());
         let cell = |x: f32, y: f32| &self.cells[(y.min(last.y) * self.columns as f32 + x.min(last.x)) as usize];
         let corners = [
@@ -221,26 +223,26 @@ impl IndirectDivision {
         }
     }
 
-    /// Returns the weight of photon estimates in pass `number`, counted from 1, as a mean over all
-    /// cells of the film grid. `area` is the area of gather discs in this pass, divided by that in
-    /// the first pass.
-    fn mean_photon_weight(&self, number: f32, area: f32) -> f64 {
+    /// Returns the weight of photon estimates in the last of `pass_count` passes, as a mean over
+    /// all cells of the film grid. `area` is the area of gather discs in this pass, divided by that
+    /// in the first pass.
+    fn mean_photon_weight(&self, pass_count: f32, area: f32) -> f64 {
         let weights =
-            self.cells.iter().map(|cell| f64::from(cell.least_error_weights(self, number, area).photon_weight));
+            self.cells.iter().map(|cell| f64::from(cell.least_error_weights(self, pass_count, area).photon_weight));
         weights.sum::<f64>() / self.cells.len().max(1) as f64
     }
 
     /// Returns two means over all cells of the film grid: the relative squared error of indirect
     /// light in a pass, and the number of continued camera paths per pixel.
     ///
-    /// `number` is the number of the pass, counted from 1. `area` is the area of its gather discs,
+    /// `pass_count` is the number of passes up to this one. `area` is the area of its gather discs,
     /// divided by that in the first pass.
-    pub fn mean_error_and_paths(&self, number: f32, area: f32) -> (f64, f64) {
+    pub fn mean_error_and_paths(&self, pass_count: f32, area: f32) -> (f64, f64) {
         let mut sums = (0.0, 0.0);
         for cell in &self.cells {
-            let weights = cell.least_error_weights(self, number, area);
+            let weights = cell.least_error_weights(self, pass_count, area);
             let error = if weights.photon_weight > 0.0 {
-                weights.photon_weight * cell.photon_error(self.unaimed_paths, number, area)
+                weights.photon_weight * cell.photon_error(self.unaimed_paths, pass_count, area)
             } else {
                 cell.path_variance / self.samples as f32
             };

@@ -15,7 +15,7 @@ use super::balance;
 use super::film_points::{FilmPoint, map_paths_through_film_points};
 use super::indirect_division::{IndirectDivision, IndirectErrors, IndirectTechnique};
 use super::map_builder::MapBuildOptions;
-use super::pass::{Pass, SilentMonitor};
+use super::pass::{PassResult, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::path_task::{LightByPart, PathTask};
 use super::photon_maps::PhotonMaps;
@@ -40,16 +40,15 @@ const MIN_DIVISOR: u32 = 8;
 /// Largest number of photon paths in each of the indirect-light pilot's two trials.
 const MAX_PATHS: u32 = 1 << 17;
 
-/// Number of the pass, counted from 1, for which the indirect-light pilot minimizes error times
-/// work.
-const TYPICAL_PASS: u32 = 4;
+/// Number of passes, for the last of which the indirect-light pilot minimizes error times work.
+const TYPICAL_PASS_COUNT: u32 = 4;
 
 /// Largest number of passes in which photon estimates carry a part of the indirect light.
 const MAX_PASSES: u32 = 1 << 16;
 
 /// Largest error times work of a division of indirect light, divided by that of camera paths alone,
 /// at which passes use photon estimates.
-const MAX_COST: f64 = 0.8;
+const MAX_RELATIVE_COST: f64 = 0.8;
 
 /// Candidate numbers of photon paths per pass, divided by the number in the settings. The
 /// indirect-light pilot chooses the best one.
@@ -103,13 +102,13 @@ struct PassCost {
     /// Relative variance of the direct light that one camera path finds at its first receiver.
     direct_variance: f64,
     /// Work of one camera path up to its first receiver.
-    prefix: f64,
+    prefix_work: f64,
     /// Work of one camera path after its first receiver.
-    continuation: f64,
+    continuation_work: f64,
     /// Work per pixel of tracing, storing and gathering the photons.
     photon_work: f64,
     /// Work of one photon estimate apart from its photons.
-    lookup: f64,
+    lookup_work: f64,
 }
 
 /// Runs the indirect-light pilot. Returns the division of indirect light with the least error times
@@ -149,10 +148,10 @@ pub(super) fn divide_indirect_light(renderer: &PassRenderer<'_>) -> Option<Indir
     let pixels = f64::from(width) * f64::from(height);
     let cost = PassCost {
         direct_variance,
-        prefix: work.prefixes / paths,
-        continuation: ((work.paths - work.prefixes) / paths).max(1.0),
-        photon_work: f64::from(divisor) * (work.photon_work / pixels + work.gathering / paths),
-        lookup: balance::LOOKUP_WORK,
+        prefix_work: work.prefix_work / paths,
+        continuation_work: ((work.path_work - work.prefix_work) / paths).max(1.0),
+        photon_work: f64::from(divisor) * (work.photon_work / pixels + work.gathering_work / paths),
+        lookup_work: balance::LOOKUP_WORK,
     };
     let division = IndirectDivision {
         columns: grid.0,
@@ -183,20 +182,20 @@ fn film_grid((width, height): (u32, u32)) -> (f32, (u32, u32)) {
 /// photon ray.
 struct TrialWork {
     /// Work of all camera paths of the trial.
-    paths: f64,
+    path_work: f64,
     /// Work of all camera paths of the trial up to their first receiver.
-    prefixes: f64,
+    prefix_work: f64,
     /// Work of tracing and storing the photons of the interreflection map.
     photon_work: f64,
     /// Work of gathering the photons of the interreflection map.
-    gathering: f64,
+    gathering_work: f64,
 }
 
 /// One of the indirect-light pilot's two independent trials: its photon maps, and the report on
 /// their photons.
 struct PilotTrial<'a> {
     maps: PhotonMaps<'a>,
-    report: Pass,
+    report: PassResult,
 }
 
 impl<'a> PilotTrial<'a> {
@@ -205,7 +204,7 @@ impl<'a> PilotTrial<'a> {
     fn new(pilot: &PassRenderer<'a>, trial: u32, divisor: u32) -> Self {
         let key = pilot_key(pilot).pilot_trial_key(trial);
         let options = MapBuildOptions::for_pilot(key, divisor);
-        let mut report = Pass::default();
+        let mut report = PassResult::default();
         let maps = pilot.map_builder.build(&options, &SilentMonitor, &mut report);
         Self { maps, report }
     }
@@ -233,13 +232,13 @@ impl<'a> PilotTrial<'a> {
         let (_, alone) = self.trace_paths(pilot, &some_points, IndirectTechnique::Paths);
         let (_, prefixes) = self.trace_paths(pilot, &some_points, IndirectTechnique::Photons);
         let scale = points.len() as f64 / some_points.len().max(1) as f64;
-        let Pass { aimed, unaimed, counters, .. } = &self.report;
-        let rays_per_path = counters.photon_rays as f64 / (unaimed.emitted + aimed.emitted).max(1) as f64;
+        let PassResult { aimed, unaimed, counters, .. } = &self.report;
+        let rays_per_path = counters.photon_rays as f64 / (unaimed.emitted_paths + aimed.emitted_paths).max(1) as f64;
         TrialWork {
-            paths: balance::camera_path_work(both),
-            prefixes: scale * balance::camera_path_work(&prefixes),
-            photon_work: rays_per_path * unaimed.emitted as f64 + balance::photon_storage_work(unaimed.stored),
-            gathering: LOOKUP_PHOTON_WORK
+            path_work: balance::camera_path_work(both),
+            prefix_work: scale * balance::camera_path_work(&prefixes),
+            photon_work: rays_per_path * unaimed.emitted_paths as f64 + balance::photon_storage_work(unaimed.stored),
+            gathering_work: LOOKUP_PHOTON_WORK
                 * (both.gathered_photons as f64 - scale * alone.gathered_photons as f64).max(0.0),
         }
     }
@@ -252,13 +251,13 @@ impl LightParts {
         let LightByPart {
             up_to_receiver,
             photon_estimates,
-            shared_by_paths,
-            shared_by_photons,
-            shared_nested_difference,
+            divided_light_of_paths,
+            divided_light_of_photons,
+            divided_nested_difference,
         } = std::mem::take(&mut task.records.light);
-        let parts = [radiance, up_to_receiver, photon_estimates, shared_by_paths, shared_by_photons];
+        let parts = [radiance, up_to_receiver, photon_estimates, divided_light_of_paths, divided_light_of_photons];
         let [total, up_to_receiver, all_photons, paths, photons] = parts.map(|v| f64::from(color::channel_mean(v)));
-        let step = f64::from(color::channel_mean(shared_nested_difference));
+        let step = f64::from(color::channel_mean(divided_nested_difference));
         Self {
             direct: total - up_to_receiver - all_photons - paths,
             emission_and_caustics: up_to_receiver + all_photons - photons,
@@ -355,10 +354,10 @@ fn least_cost_division(
     let n = f64::from(division.samples);
     let cells = division.cells.len().max(1) as f64;
     let path_variance = division.cells.iter().map(|c| f64::from(c.path_variance)).sum::<f64>() / cells;
-    let alone = (cost.direct_variance + path_variance) * (cost.prefix + cost.continuation);
-    let error_and_work = |division: &IndirectDivision, part: f64, number: u32| {
-        let (error, paths) = division.mean_error_and_paths(number as f32, area(number - 1) as f32);
-        let work = n * cost.prefix + paths * cost.continuation + part * cost.photon_work + cost.lookup;
+    let alone = (cost.direct_variance + path_variance) * (cost.prefix_work + cost.continuation_work);
+    let error_and_work = |division: &IndirectDivision, part: f64, pass_count: u32| {
+        let (error, paths) = division.mean_error_and_paths(pass_count as f32, area(pass_count - 1) as f32);
+        let work = n * cost.prefix_work + paths * cost.continuation_work + part * cost.photon_work + cost.lookup_work;
         (cost.direct_variance / n + error, work)
     };
     let priced = |part: f64| {
@@ -366,20 +365,20 @@ fn least_cost_division(
         let mut division =
             IndirectDivision { unaimed_paths, path_price: (path_variance / (n * n)) as f32, ..division.clone() };
         for _ in 0..SEARCH_STEPS {
-            let (error, work) = error_and_work(&division, part, TYPICAL_PASS);
-            division.path_price = (error / work * cost.continuation) as f32;
+            let (error, work) = error_and_work(&division, part, TYPICAL_PASS_COUNT);
+            division.path_price = (error / work * cost.continuation_work) as f32;
         }
         (division, part)
     };
-    let product = |(division, part): &(IndirectDivision, f64), number: u32| {
-        let (error, work) = error_and_work(division, *part, number);
+    let product = |(division, part): &(IndirectDivision, f64), pass_count: u32| {
+        let (error, work) = error_and_work(division, *part, pass_count);
         error * work
     };
     let best = parts
         .iter()
         .map(|part| priced(*part))
-        .min_by(|a, b| product(a, TYPICAL_PASS).total_cmp(&product(b, TYPICAL_PASS)))?;
-    let pays = |number: u32| product(&best, number) < MAX_COST * alone;
+        .min_by(|a, b| product(a, TYPICAL_PASS_COUNT).total_cmp(&product(b, TYPICAL_PASS_COUNT)))?;
+    let pays = |pass_count: u32| product(&best, pass_count) < MAX_RELATIVE_COST * alone;
     if !pays(1) {
         return None;
     }

@@ -2,7 +2,7 @@
 
 use super::balance::RayPhotonBalance;
 use super::environment_pilot::EnvironmentGuidingReport;
-use super::pass::{ExpectedPhotons, Pass, ProgressMonitor};
+use super::pass::{ExpectedPhotons, PassResult, ProgressMonitor};
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{EmissionGuidingReports, GatherRadii};
 use super::scatter_point_pilot::ScatterPointGuidingReport;
@@ -17,7 +17,7 @@ use crate::stats::Counters;
 /// `i`, so any pass can be computed alone.
 pub trait Integrator: Send + Sync {
     /// Renders the pass with number `pass`, counted from 0.
-    fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> Pass;
+    fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> PassResult;
 
     /// Returns the plan: the decision for each effect of light whether it is simulated, and why.
     fn plan(&self) -> &Plan;
@@ -65,7 +65,7 @@ pub trait Integrator: Send + Sync {
     }
 
     /// True if passes return the data from which the error of the picture is estimated. With
-    /// photons, these are [`NestedEstimates`](super::NestedEstimates).
+    /// photons, these are [`NestedDifferences`](super::NestedDifferences).
     fn estimates_error(&self) -> bool {
         false
     }

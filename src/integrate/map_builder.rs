@@ -8,7 +8,7 @@ pub(super) use options::{MapBuildOptions, PhotonPathCounts};
 use options::photon_limit;
 
 use super::indirect_division::{IndirectDivision, IndirectTechnique};
-use super::pass::{Pass, PassStage, PhotonReport, ProgressMonitor};
+use super::pass::{PassResult, PassStage, PhotonReport, ProgressMonitor};
 use super::photon_maps::{PhotonDensityEstimator, PhotonMaps};
 use super::policy::{PathPolicy, PhotonMapRequest};
 use super::radius_law::{RadiusLaw, kernel_radius_ratio, squared_radius_ratio};
@@ -16,8 +16,8 @@ use super::radius_pilot::{EmissionGuidingReports, GatherRadii, VolumeKernelRadii
 use super::settings::{IndirectPhotons, Settings};
 use super::volume_estimate::{BeamAndPointMaps, VolumeEstimator};
 use crate::photon::{
-    AFTER_CAUSTIC_THINNING, Bandwidth, DensityEstimateShares, LightTracer, Photon, PhotonMap, PhotonPass,
-    PhotonPassResult, PhotonSource, Splat, StoreMask, VolumePhotons, thin_beams,
+    AFTER_CAUSTIC_THINNING, Bandwidth, DensityEstimateShares, LightTracer, Photon, PhotonMap, PhotonSource,
+    PhotonTracer, Splat, StoreMask, TracedPhotons, VolumePhotons, thin_beams,
 };
 use crate::sampling::{Dimension, Key, Purpose};
 use crate::scene::{Effect, Effects, Scene};
@@ -52,7 +52,7 @@ struct PhotonTracingTask<'a> {
 }
 
 /// Photons of one map, before its search structure is built.
-struct MapPhotons {
+struct UnindexedMapPhotons {
     surface: Vec<Photon>,
     volume: VolumePhotons,
 }
@@ -77,20 +77,20 @@ struct DensityEstimateLimits {
 /// Results of the photon paths aimed at casters.
 struct AimedPhotons {
     /// Photons of the caustic map.
-    caustic: MapPhotons,
+    caustic: UnindexedMapPhotons,
     /// Photons that a receiver has scattered after a caustic, for the indirect map of `hybrid`.
     /// Empty for other algorithms.
-    after_caustic: MapPhotons,
+    after_caustic: UnindexedMapPhotons,
     splats: Vec<Splat>,
 }
 
 /// Photons of a pass before their search structures are built, by map.
-struct UnindexedPhotons {
-    caustic: MapPhotons,
-    indirect: MapPhotons,
+struct UnindexedPassPhotons {
+    caustic: UnindexedMapPhotons,
+    indirect: UnindexedMapPhotons,
     /// Photons of the interreflection map of `hybrid`; `None` if camera paths carry all of its
     /// light.
-    interreflection: Option<MapPhotons>,
+    interreflection: Option<UnindexedMapPhotons>,
 }
 
 /// Radii of the density-estimation kernels in media, for each photon map.
@@ -284,7 +284,7 @@ impl<'a> PhotonMapBuilder<'a> {
         match self.division.as_deref() {
             Some(division) if pass < division.passes => IndirectTechnique::Weighted {
                 division,
-                number: pass as f32 + 1.0,
+                pass_count: pass as f32 + 1.0,
                 area: self.relative_disc_area(pass) as f32,
             },
             _ => IndirectTechnique::Paths,
@@ -301,7 +301,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Returns `mask`, with `beams` true if the estimator for media reads photon beams, and false
     /// if it reads photon points.
     fn with_beams_if_read(&self, mask: StoreMask) -> StoreMask {
-        StoreMask { beams: self.settings.volume == VolumeEstimator::Beams, ..mask }
+        StoreMask { beams: self.settings.volume_estimator == VolumeEstimator::Beams, ..mask }
     }
 
     /// Returns the law by which gather radii shrink from pass to pass.
@@ -322,7 +322,12 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// Traces the photons that `options` describe, and builds their maps. Adds ray counts, reports
     /// and times to `out`.
-    pub fn build(&self, options: &MapBuildOptions, monitor: &dyn ProgressMonitor, out: &mut Pass) -> PhotonMaps<'a> {
+    pub fn build(
+        &self,
+        options: &MapBuildOptions,
+        monitor: &dyn ProgressMonitor,
+        out: &mut PassResult,
+    ) -> PhotonMaps<'a> {
         // Paths are traced in this order: aimed, unaimed, guides.
         let AimedPhotons { caustic, after_caustic, splats } = self.trace_aimed_photons(options, monitor, out);
         let indirect = if self.aimed_paths_fill_indirect_map() {
@@ -335,7 +340,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let interreflection = has_interreflection.then(|| self.trace_unaimed_photons(options, monitor, out));
         let guides = PhotonMap::build(self.trace_guide_photons(options, monitor, out));
 
-        let photons = UnindexedPhotons { caustic, indirect, interreflection };
+        let photons = UnindexedPassPhotons { caustic, indirect, interreflection };
         let (caustic, indirect, interreflection) = self.index_photons(photons, options, monitor, out);
         PhotonMaps { guides, caustic, indirect, interreflection, splats }
     }
@@ -354,7 +359,7 @@ impl<'a> PhotonMapBuilder<'a> {
         &self,
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
+        out: &mut PassResult,
     ) -> AimedPhotons {
         let light_tracer = self.light_tracer(options);
         let task = PhotonTracingTask {
@@ -368,8 +373,11 @@ impl<'a> PhotonMapBuilder<'a> {
         out.aimed += photon_report(&traced);
         let deposits = traced.deposits;
         AimedPhotons {
-            caustic: MapPhotons { surface: deposits.surface_photons, volume: deposits.volume },
-            after_caustic: MapPhotons { surface: deposits.after_caustic, volume: deposits.after_caustic_volume },
+            caustic: UnindexedMapPhotons { surface: deposits.surface_photons, volume: deposits.volume },
+            after_caustic: UnindexedMapPhotons {
+                surface: deposits.after_caustic,
+                volume: deposits.after_caustic_volume,
+            },
             splats: deposits.splats,
         }
     }
@@ -380,8 +388,8 @@ impl<'a> PhotonMapBuilder<'a> {
         &self,
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
-    ) -> MapPhotons {
+        out: &mut PassResult,
+    ) -> UnindexedMapPhotons {
         let task = PhotonTracingTask {
             source: self.unaimed_source.as_ref(),
             mask: self.request.unaimed,
@@ -391,7 +399,7 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let traced = self.trace_photons(task, monitor, out);
         out.unaimed += photon_report(&traced);
-        MapPhotons { surface: traced.deposits.surface_photons, volume: traced.deposits.volume }
+        UnindexedMapPhotons { surface: traced.deposits.surface_photons, volume: traced.deposits.volume }
     }
 
     /// Traces the photons that guide final-gathering rays, and returns them; empty if the policy
@@ -400,7 +408,7 @@ impl<'a> PhotonMapBuilder<'a> {
         &self,
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
+        out: &mut PassResult,
     ) -> Vec<Photon> {
         if !self.request.guides {
             return Vec::new();
@@ -419,18 +427,18 @@ impl<'a> PhotonMapBuilder<'a> {
     /// structures. Reports progress to `monitor`, and adds the time to `out`.
     fn index_photons(
         &self,
-        photons: UnindexedPhotons,
+        photons: UnindexedPassPhotons,
         options: &MapBuildOptions,
         monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
+        out: &mut PassResult,
     ) -> (PhotonDensityEstimator<'a>, PhotonDensityEstimator<'a>, Option<PhotonDensityEstimator<'a>>) {
         let start = Instant::now();
-        let UnindexedPhotons { caustic, indirect, interreflection } = photons;
-        let count = |photons: &MapPhotons| (photons.surface.len() + photons.volume.len()) as u64;
+        let UnindexedPassPhotons { caustic, indirect, interreflection } = photons;
+        let count = |photons: &UnindexedMapPhotons| (photons.surface.len() + photons.volume.len()) as u64;
         let caustic_count = count(&caustic);
         let other_count = count(&indirect) + interreflection.as_ref().map_or(0, count);
         monitor.begin_stage(PassStage::Indexing, caustic_count + other_count);
-        let index = |photons: MapPhotons, limits: DensityEstimateLimits| {
+        let index = |photons: UnindexedMapPhotons, limits: DensityEstimateLimits| {
             let photon_count = count(&photons);
             let estimator = self.build_photon_estimator(photons, limits, options);
             monitor.report_progress(photon_count);
@@ -471,14 +479,14 @@ impl<'a> PhotonMapBuilder<'a> {
     /// pass `options.pass`.
     fn build_photon_estimator(
         &self,
-        photons: MapPhotons,
+        photons: UnindexedMapPhotons,
         DensityEstimateLimits { radii, k }: DensityEstimateLimits,
         options: &MapBuildOptions,
     ) -> PhotonDensityEstimator<'a> {
         // Shrink the radii of the first pass to those of this pass.
         let (pass, RadiusLaw { alpha, kernel }) = (options.pass, self.radius_law());
         let area = squared_radius_ratio(alpha, pass);
-        let (beam_dimensions, point_dimensions) = self.settings.volume.kernel_dimensions();
+        let (beam_dimensions, point_dimensions) = self.settings.volume_estimator.kernel_dimensions();
         let volume_radii = (
             radii.volume.beams * kernel_radius_ratio(beam_dimensions, alpha, pass),
             radii.volume.points * kernel_radius_ratio(point_dimensions, alpha, pass),
@@ -491,17 +499,16 @@ impl<'a> PhotonMapBuilder<'a> {
         // Build the search structures. One random number thins the beams of all maps, because
         // their beams belong to different paths.
         let first = options.photon_path_key(Purpose::BeamThinning).uniform_1d(Dimension::Roulette);
-        let beams = thin_beams(photons.volume.beams, radii.volume.kept_beams, first);
+        let beams = thin_beams(photons.volume.beams, radii.volume.kept_beam_fraction, first);
         let volume_photons = VolumePhotons { beams, ..photons.volume };
-        let volume = BeamAndPointMaps::build(volume_photons, volume_radii, self.settings.volume, band);
+        let volume = BeamAndPointMaps::build(volume_photons, volume_radii, self.settings.volume_estimator, band);
         let map = PhotonMap::build(photons.surface).with_min_radius(self.min_radius * area.sqrt() as f32);
         PhotonDensityEstimator { scene: self.scene, map, bandwidth, kernel, volume, has_density_estimate_shares: false }
     }
 
-    /// Returns the inputs of a photon pass from `source` that stores the kinds of photons of
-    /// `mask`.
-    fn photon_pass<'b>(&'b self, source: &'b PhotonSource<'a>, mask: StoreMask) -> PhotonPass<'b> {
-        PhotonPass { scene: self.scene, source, mask, max_bounces: self.settings.camera_paths.max_bounces }
+    /// Returns a tracer of photon paths from `source` that stores the kinds of photons of `mask`.
+    fn photon_tracer<'b>(&'b self, source: &'b PhotonSource<'a>, mask: StoreMask) -> PhotonTracer<'b> {
+        PhotonTracer { scene: self.scene, source, mask, max_bounces: self.settings.camera_paths.max_bounces }
     }
 
     /// Emits and follows the photon paths of `task`; none if the task has no source.
@@ -511,14 +518,14 @@ impl<'a> PhotonMapBuilder<'a> {
         &self,
         task: PhotonTracingTask<'_>,
         monitor: &dyn ProgressMonitor,
-        out: &mut Pass,
-    ) -> PhotonPassResult {
+        out: &mut PassResult,
+    ) -> TracedPhotons {
         let PhotonTracingTask { source, mask, paths, key, light_tracer } = task;
-        let Some(source) = source else { return PhotonPassResult::default() };
+        let Some(source) = source else { return TracedPhotons::default() };
         let start = Instant::now();
         monitor.begin_stage(PassStage::Photons, u64::from(paths));
-        let photon_pass = self.photon_pass(source, self.with_beams_if_read(mask));
-        let traced = photon_pass.trace_and_connect(key, paths, light_tracer, &|n| {
+        let photon_tracer = self.photon_tracer(source, self.with_beams_if_read(mask));
+        let traced = photon_tracer.trace_and_connect(key, paths, light_tracer, &|n| {
             monitor.report_progress(n);
             if monitor.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
@@ -540,8 +547,8 @@ fn restrict_to_effects<'a>(source: PhotonSource<'a>, effects: Effects) -> Option
     if effects.has(Effect::Environment) { Some(source) } else { source.without_environment_light() }
 }
 
-fn photon_report(traced: &PhotonPassResult) -> PhotonReport {
-    PhotonReport { emitted: traced.paths, stored: traced.deposits.len() as u64, audit: traced.audit }
+fn photon_report(traced: &TracedPhotons) -> PhotonReport {
+    PhotonReport { emitted_paths: traced.paths, stored: traced.deposits.len() as u64, audit: traced.audit }
 }
 
 /// Returns the results of both closures. The calling thread runs `here`, while the thread pool runs

@@ -71,7 +71,7 @@ pub(super) struct NextEventEstimator<'a> {
     /// True if the scene has surfaces that shadow rays pass through (null interfaces).
     has_null_interfaces: bool,
     /// True if shadow rays go to the centers of lights instead of random points.
-    centers: bool,
+    aims_at_centers: bool,
     /// Sampler that chooses lights; `None` if every vertex sends shadow rays to all lights.
     light_sampler: Option<LightBvhSampler>,
     /// Shadow rays of a vertex. The first scheme is for vertices up to the path's first receiver,
@@ -86,14 +86,18 @@ impl<'a> NextEventEstimator<'a> {
     pub fn new(scene: &'a Scene, policy: &PathPolicy, mut guides: ShadowRayGuides) -> Self {
         let PathPolicy { effects, light_sampling, directions, .. } = *policy;
         // A light that is sampled only at its center needs its mean radiance there.
-        let centers = light_sampling == LightSampling::Centers || !effects.has(Effect::SoftShadows);
-        let all = if centers || !effects.has(Effect::Textures) { scene.mean_emission_lights() } else { scene.lights() };
+        let aims_at_centers = light_sampling == LightSampling::Centers || !effects.has(Effect::SoftShadows);
+        let all = if aims_at_centers || !effects.has(Effect::Textures) {
+            scene.mean_emission_lights()
+        } else {
+            scene.lights()
+        };
         let skipped = scene.environment_light_index().filter(|_| !effects.has(Effect::Environment));
         // The environment is the last of the lights, so a shorter slice leaves it out.
         debug_assert!(skipped.is_none_or(|index| index + 1 == all.len()));
         let lights = &all[..skipped.unwrap_or(all.len())];
         let sampled = |n: u32| {
-            let surfaces = if centers { 1 } else { lights.iter().filter(|l| !l.is_delta()).count() as u32 };
+            let surfaces = if aims_at_centers { 1 } else { lights.iter().filter(|l| !l.is_delta()).count() as u32 };
             if lights.len() > n as usize {
                 ShadowRayScheme::Chosen(n)
             } else {
@@ -112,8 +116,18 @@ impl<'a> NextEventEstimator<'a> {
             None
         };
         let has_null_interfaces = scene.bodies().any(|body| body.is_null_interface);
-        guides.environment = guides.environment.filter(|_| !centers && effects.has(Effect::Shadows));
-        Self { scene, lights, effects, directions, has_null_interfaces, centers, light_sampler, schemes, guides }
+        guides.environment = guides.environment.filter(|_| !aims_at_centers && effects.has(Effect::Shadows));
+        Self {
+            scene,
+            lights,
+            effects,
+            directions,
+            has_null_interfaces,
+            aims_at_centers,
+            light_sampler,
+            schemes,
+            guides,
+        }
     }
 
     /// Returns the number of lights if each vertex and medium segment up to a path's first receiver
@@ -129,7 +143,7 @@ impl<'a> NextEventEstimator<'a> {
     /// has none, if shadow rays go to the centers of lights, or if the effect of shadows is off.
     pub fn guidable_environment_light(&self) -> Option<&EnvironmentLight> {
         let environment = self.lights.iter().find_map(Light::as_environment_light)?;
-        (!self.centers && self.effects.has(Effect::Shadows)).then_some(environment)
+        (!self.aims_at_centers && self.effects.has(Effect::Shadows)).then_some(environment)
     }
 
     /// Samples the direct light at `p` from the light with index `light`, by the uniform sample `u`
@@ -175,11 +189,11 @@ impl<'a> NextEventEstimator<'a> {
         };
         let mut sum = Rgb::ZERO;
         for (i, light) in self.lights.iter().enumerate() {
-            let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
+            let rays = if !light.is_delta() && !self.aims_at_centers { rays } else { 1 };
             let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i);
             for ray in 0..rays {
                 // Stratify the rays over the light.
-                let u = if self.centers {
+                let u = if self.aims_at_centers {
                     CENTER
                 } else {
                     sampler.subsample_sampler(ray, rays).get_2d(Dimension::LightPosition)
@@ -209,7 +223,7 @@ impl<'a> NextEventEstimator<'a> {
                 continue;
             };
             let sampler = vertex.shadow_sampler.nth_shadow_ray_sampler(i as usize);
-            let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
+            let u = if self.aims_at_centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
             sum += self.shadow_ray_contribution(light, vertex, u, probability * rays as f32, continues, task);
         }
         sum
@@ -250,11 +264,11 @@ impl<'a> NextEventEstimator<'a> {
         let Some(sample) = self.sample_li(light, surface.point.p, u) else {
             return Rgb::ZERO;
         };
-        let mut reflected = surface.bsdf_cosine(sample.wi) * sample.irradiance / rays;
+        let mut reflected = surface.bsdf_cosine(sample.wi) * sample.weight / rays;
         if reflected == Rgb::ZERO {
             return Rgb::ZERO;
         }
-        if let (true, Some(pdf), false) = (continues, sample.pdf, self.centers) {
+        if let (true, Some(pdf), false) = (continues, sample.pdf, self.aims_at_centers) {
             let light_pdf = rays * pdf;
             reflected *= light_pdf / (light_pdf + scatter::pdf(self.directions, vertex, sample.wi, task));
         }

@@ -1,6 +1,6 @@
 //! Result of a pass, and progress reports about it.
 
-use super::nested_estimates::NestedEstimates;
+use super::nested_differences::NestedDifferences;
 use crate::color::Rgb;
 use crate::photon::EnergyAudit;
 use crate::stats::Counters;
@@ -56,7 +56,8 @@ pub struct StageTimes {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, serde::Deserialize)]
 pub struct PhotonReport {
     /// Number of photon paths that lights emitted.
-    pub emitted: u64,
+    #[serde(rename = "emitted")]
+    pub emitted_paths: u64,
     /// Number of stored photons.
     pub stored: u64,
     /// Flux \[W] that the paths emitted, and the parts of it that were absorbed, escaped or were
@@ -78,7 +79,7 @@ pub struct ExpectedPhotons {
 
 /// Result of one pass.
 #[derive(Clone, Debug, Default)]
-pub struct Pass {
+pub struct PassResult {
     /// Mean radiance of each pixel of the rendered window, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
     /// Counts of rays and photons.
@@ -93,7 +94,7 @@ pub struct Pass {
     pub aimed: PhotonReport,
     /// Differences between photon estimates with nested discs, for each pixel; empty unless the
     /// error is estimated.
-    pub nested: Vec<NestedEstimates>,
+    pub nested: Vec<NestedDifferences>,
     /// Radiance of each pixel by light group, which adds up to `image`, in the order of
     /// [`LightGroup::ALL`](super::LightGroup::ALL) \[W/(m² sr)].
     ///
@@ -121,7 +122,7 @@ impl AddAssign for StageTimes {
 
 impl AddAssign for PhotonReport {
     fn add_assign(&mut self, o: Self) {
-        self.emitted += o.emitted;
+        self.emitted_paths += o.emitted_paths;
         self.stored += o.stored;
         self.audit += o.audit;
     }

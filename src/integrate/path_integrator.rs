@@ -10,7 +10,7 @@ use super::integrator::Integrator;
 use super::light_group::LightGroup;
 use super::map_builder::MapBuildOptions;
 use super::nee::ShadowRayGuides;
-use super::pass::{ExpectedPhotons, Pass, ProgressMonitor, SilentMonitor};
+use super::pass::{ExpectedPhotons, PassResult, ProgressMonitor, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::policy::{PathPolicy, PolicyFn};
 use super::prefix_pilot::find_prefix_ray_counts;
@@ -52,8 +52,8 @@ pub(super) struct PathIntegrator<'a> {
 }
 
 impl Integrator for PathIntegrator<'_> {
-    fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> Pass {
-        let mut out = Pass::default();
+    fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> PassResult {
+        let mut out = PassResult::default();
 
         // Move the scene to the time of each slice of the shutter interval.
         let renderer = &self.renderer;
@@ -110,7 +110,7 @@ impl Integrator for PathIntegrator<'_> {
         if !splats.is_empty() {
             // Moving by whole pixels is exact for all splats that reach the window.
             let corner = Vec2::new(window.left as f32, window.top as f32);
-            splats.par_iter_mut().for_each(|splat| splat.film -= corner);
+            splats.par_iter_mut().for_each(|splat| splat.film_position -= corner);
             let (width, _) = window.size();
             if let Some(caustic) = out.groups.get_mut(LightGroup::Caustic as usize) {
                 add_splats(splats.clone(), &settings.filter, width, caustic);

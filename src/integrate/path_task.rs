@@ -2,7 +2,7 @@
 
 use super::gather_guide::GatherGuide;
 use super::light_group::GroupedLight;
-use super::nested_estimates::NestedEstimateSum;
+use super::nested_differences::PixelNestedDifferenceSum;
 use super::scatter_point_guide::{GuidedDistances, InScatteringSample};
 use crate::color::Rgb;
 use crate::medium::TransmittanceCurve;
@@ -30,8 +30,8 @@ pub(super) struct PixelLight {
     pub photon_radiance: Rgb,
     /// Light of the current camera ray, divided into direct, indirect and caustic light.
     pub groups: GroupedLight,
-    /// Sums of nested photon estimates over the rays of the pixel.
-    pub nested: NestedEstimateSum,
+    /// Sums of nested differences over the rays of the pixel.
+    pub nested: PixelNestedDifferenceSum,
 }
 
 /// Records that pilots take from the task. A render writes only `light`, and does not read it.
@@ -48,7 +48,7 @@ pub(super) struct PilotRecords {
 /// Light of camera paths by the part of the path, or the technique, that found it. Values are
 /// contributions to the pixel \[W/(m² sr)].
 ///
-/// *Shared* light is the indirect light at the first receiver that
+/// *Divided* light is the indirect light at the first receiver that
 /// [both techniques](super::indirect_division) find.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LightByPart {
@@ -57,13 +57,13 @@ pub(super) struct LightByPart {
     pub up_to_receiver: Rgb,
     /// Photon estimates from all maps.
     pub photon_estimates: Rgb,
-    /// Shared light found by camera paths that continue at their first receiver.
-    pub shared_by_paths: Rgb,
-    /// Shared light found by photon estimates. It is also a part of `photon_estimates`.
-    pub shared_by_photons: Rgb,
-    /// `shared_by_photons` with the full gather disc minus the estimate with half its area; 0
-    /// without nested estimates.
-    pub shared_nested_difference: Rgb,
+    /// Divided light found by camera paths that continue at their first receiver.
+    pub divided_light_of_paths: Rgb,
+    /// Divided light found by photon estimates. It is also a part of `photon_estimates`.
+    pub divided_light_of_photons: Rgb,
+    /// `divided_light_of_photons` with the full gather disc minus the estimate with half its area;
+    /// 0 without nested estimates.
+    pub divided_nested_difference: Rgb,
 }
 
 /// Buffers that vertices reuse, to save allocations. Their contents have a meaning only within one
@@ -98,7 +98,7 @@ impl PathTask {
     /// repeated with smaller nested discs, to measure their bias. If `groups_light`, it divides
     /// light by [`LightGroup`](super::light_group::LightGroup).
     pub fn new(nests_estimates: bool, groups_light: bool) -> Self {
-        let nested = NestedEstimateSum::new(nests_estimates);
+        let nested = PixelNestedDifferenceSum::new(nests_estimates);
         let groups = GroupedLight::new(groups_light);
         Self { pixel: PixelLight { nested, groups, ..PixelLight::default() }, ..Self::default() }
     }

@@ -3,7 +3,7 @@
 //! The [module](super) lists the maps, the photon paths that fill them, and their names in reports.
 
 use super::light_group::LightGroup;
-use super::nested_estimates::GatherDiscSum;
+use super::nested_differences::GatherDiscSum;
 use super::path_task::PathTask;
 use super::vertex::{MediumPathSegment, PathHistory, PathVertex};
 use super::volume_estimate::{BeamAndPointMaps, wavelength_kernel_weight};
@@ -72,7 +72,7 @@ impl PhotonMaps<'_> {
         let caustic = self.caustic.radiance(
             vertex,
             lookup_scale,
-            |t| (&mut t.scratch.searches.caustic, &mut t.pixel.nested.caustic),
+            |t| (&mut t.scratch.searches.caustic, &mut t.pixel.nested.caustic_discs),
             task,
         );
         let indirect = match lookup {
@@ -80,7 +80,7 @@ impl PhotonMaps<'_> {
             PhotonMapChoice::CausticAndIndirect => self.indirect.radiance(
                 vertex,
                 lookup_scale,
-                |t| (&mut t.scratch.searches.indirect, &mut t.pixel.nested.indirect),
+                |t| (&mut t.scratch.searches.indirect, &mut t.pixel.nested.indirect_discs),
                 task,
             ),
         };
@@ -106,11 +106,11 @@ impl PhotonMaps<'_> {
         let radiance = map.radiance(
             vertex,
             lookup_scale,
-            |t| (&mut t.scratch.searches.interreflection, &mut t.pixel.nested.indirect),
+            |t| (&mut t.scratch.searches.interreflection, &mut t.pixel.nested.indirect_discs),
             task,
         );
-        task.records.light.shared_by_photons += vertex.throughput * radiance * lookup_scale;
-        task.records.light.shared_nested_difference +=
+        task.records.light.divided_light_of_photons += vertex.throughput * radiance * lookup_scale;
+        task.records.light.divided_nested_difference +=
             vertex.throughput * task.pixel.nested.last_difference * lookup_scale;
         task.pixel.groups.add(LightGroup::Indirect, vertex.throughput * radiance * lookup_scale);
         radiance * lookup_scale
@@ -152,8 +152,8 @@ impl PhotonMaps<'_> {
         let Some(map) = &self.interreflection else { return Rgb::ZERO };
         task.pixel.nested.last_difference = Rgb::ZERO;
         let radiance = map.volume.radiance(map.scene, vertex, lookup_scale, rng, task);
-        task.records.light.shared_by_photons += vertex.throughput * radiance * lookup_scale;
-        task.records.light.shared_nested_difference +=
+        task.records.light.divided_light_of_photons += vertex.throughput * radiance * lookup_scale;
+        task.records.light.divided_nested_difference +=
             vertex.throughput * task.pixel.nested.last_difference * lookup_scale;
         task.pixel.groups.add(LightGroup::Indirect, vertex.throughput * radiance * lookup_scale);
         radiance * lookup_scale
@@ -180,18 +180,18 @@ impl PhotonDensityEstimator<'_> {
         task: &mut PathTask,
     ) -> Rgb {
         if self.has_density_estimate_shares && vertex.history == PathHistory::default() {
-            self.radiance_with_shares::<I, true>(vertex, lookup_scale, scratch, task)
+            self.radiance_weighted_by_share::<I, true>(vertex, lookup_scale, scratch, task)
         } else {
-            self.radiance_with_shares::<I, false>(vertex, lookup_scale, scratch, task)
+            self.radiance_weighted_by_share::<I, false>(vertex, lookup_scale, scratch, task)
         }
     }
 
     /// Estimates the radiance that `vertex` reflects towards the previous vertex \[W/(m² sr)].
     ///
-    /// If `SHARED` is true, only the share of each photon's flux counts that light tracing leaves
-    /// to density estimates.
+    /// If `HAS_SHARES` is true, only the share of each photon's flux counts that light tracing
+    /// leaves to density estimates.
     #[inline]
-    fn radiance_with_shares<I: Interior, const SHARED: bool>(
+    fn radiance_weighted_by_share<I: Interior, const HAS_SHARES: bool>(
         &self,
         vertex: &PathVertex<'_, I>,
         lookup_scale: f32,
@@ -208,11 +208,11 @@ impl PhotonDensityEstimator<'_> {
         let brdf = |photon: &PhotonData| {
             let mut brdf =
                 surface.bsdf.evaluate(surface.wo, photon.incident_direction(), ns, ns, TransportMode::Radiance);
-            if SHARED {
+            if HAS_SHARES {
                 brdf *= photon.density_estimate_share();
             }
             if I::HAS_MEDIA_OR_WAVELENGTH {
-                brdf * wavelength_kernel_weight(wavelength, photon.wavelength(), self.volume.band)
+                brdf * wavelength_kernel_weight(wavelength, photon.wavelength_code(), self.volume.band)
             } else {
                 brdf
             }

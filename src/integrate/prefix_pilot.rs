@@ -22,7 +22,7 @@ use super::balance;
 use super::camera_path;
 use super::camera_ray::CameraRay;
 use super::map_builder::MapBuildOptions;
-use super::pass::{Pass, SilentMonitor};
+use super::pass::{PassResult, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::pilot_statistics::{box_mean, positive_median};
@@ -147,7 +147,7 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
 
     // Trace the pictures of the pilot.
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::PrefixRays);
-    let mut out = Pass::default();
+    let mut out = PassResult::default();
     let counts = renderer.map_builder.counts;
     let divisor = counts.unaimed.max(counts.aimed).div_ceil(MAX_PATHS).max(MIN_DIVISOR);
     let maps = renderer.map_builder.traces_photons().then(|| {

@@ -4,7 +4,7 @@ use super::settings::Settings;
 use super::volume_estimate::VolumeEstimator;
 use crate::bsdf::TransportMode;
 use crate::math::Ray;
-use crate::photon::{EmissionGuidingReport, Photon, PhotonBeamMap, PhotonMap, PhotonPass, VolumePhotonMap};
+use crate::photon::{EmissionGuidingReport, Photon, PhotonBeamMap, PhotonMap, PhotonTracer, VolumePhotonMap};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{Effects, PathEvent, Scene, SpectralInterior, SurfaceVertex};
 use glam::Vec2;
@@ -28,7 +28,7 @@ const MIN_PATHS: u32 = 1 << 14;
 
 /// Number of stored photons at which a pilot measures the distance to the k-th nearest photon, to
 /// find the gather radius.
-const PROBES: usize = 512;
+const RADIUS_SAMPLES: usize = 512;
 
 /// Quantile that becomes the gather radius, among the distances from photons to their k-th nearest
 /// photon.
@@ -105,23 +105,23 @@ pub(super) fn pilot_path_count(paths: u32, most: u32) -> u32 {
 /// The radius suits a pass of `paths` photon paths, and is at least `min_radius`. The pilot traces
 /// at most `max_pilot_paths` paths.
 pub(super) fn find_gather_radius(
-    pass: &PhotonPass<'_>,
+    tracer: &PhotonTracer<'_>,
     (paths, max_pilot_paths): (u32, u32),
     k: u32,
     seed: u64,
     min_radius: f32,
 ) -> Option<f32> {
-    let scene = pass.scene;
+    let scene = tracer.scene;
     let key = Key::new(seed).purpose_key(Purpose::Pilot);
     let pilot = pilot_path_count(paths, max_pilot_paths);
-    let traced = pass.trace(key, pilot, &|_| {});
+    let traced = tracer.trace(key, pilot, &|_| {});
     let photons = &traced.deposits.surface_photons;
     if photons.is_empty() {
         return None;
     }
     let size = scene.photon_domain().radius.max(f32::MIN_POSITIVE);
     let map = PhotonMap::build(photons.par_iter().copied().collect());
-    let step = photons.len().div_ceil(PROBES);
+    let step = photons.len().div_ceil(RADIUS_SAMPLES);
     let distance = |p: &Photon| {
         let normal = p.data.normal().normalize();
         map.kth_photon_distance(p.position, normal, k, size).unwrap_or(size)
@@ -158,12 +158,12 @@ pub(super) struct VolumeKernelRadii {
     pub beams: f32,
     pub points: f32,
     /// Fraction of the photon beams that a pass keeps, in \[0, 1]. Kept beams get more flux.
-    pub kept_beams: f32,
+    pub kept_beam_fraction: f32,
 }
 
 impl Default for VolumeKernelRadii {
     fn default() -> Self {
-        Self { beams: 1.0, points: 1.0, kept_beams: 1.0 }
+        Self { beams: 1.0, points: 1.0, kept_beam_fraction: 1.0 }
     }
 }
 
@@ -176,15 +176,15 @@ impl Default for VolumeKernelRadii {
 /// sharpness and saves time: the bounding boxes of dense beams are far larger than a smaller
 /// radius.
 pub(super) fn find_volume_kernel_radii(
-    pass: &PhotonPass<'_>,
+    tracer: &PhotonTracer<'_>,
     effects: Effects,
     paths: u32,
     settings: &Settings,
 ) -> Option<VolumeKernelRadii> {
-    let scene = pass.scene;
+    let scene = tracer.scene;
     let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
     let pilot = pilot_path_count(paths, MAX_PATHS);
-    let traced = pass.trace(key, pilot, &|_| {});
+    let traced = tracer.trace(key, pilot, &|_| {});
     let mut volume = traced.deposits.volume;
     volume.beams.extend(traced.deposits.after_caustic_volume.beams);
     volume.points.extend(traced.deposits.after_caustic_volume.points);
@@ -202,7 +202,7 @@ pub(super) fn find_volume_kernel_radii(
         let ratio = libm::pow(TARGET_MEDIAN_KERNEL_COUNT / (median * more), 1.0 / f64::from(dimensions)) as f32;
         (trial * ratio).clamp(size * MIN_RADIUS, size * MAX_RADIUS)
     };
-    let (beam_dimensions, point_dimensions) = settings.volume.kernel_dimensions();
+    let (beam_dimensions, point_dimensions) = settings.volume_estimator.kernel_dimensions();
     let (beams, points) = (PhotonBeamMap::build(volume.beams, trial), VolumePhotonMap::build(volume.points, trial));
     let beams = camera_paths.par_iter().map(|segments| {
         let mut count = 0.0;
@@ -213,7 +213,7 @@ pub(super) fn find_volume_kernel_radii(
     let points = camera_paths.par_iter().map(|segments| {
         let mut count = 0.0;
         for ray in segments {
-            if settings.volume == VolumeEstimator::Points {
+            if settings.volume_estimator == VolumeEstimator::Points {
                 points.visit_near_point(ray.at(0.5 * ray.t_max.min(2.0 * size)), |_, _, _| count += 1.0);
             } else {
                 points.visit_near_ray(ray, |_, _, _, _, _| count += 1.0);
@@ -223,8 +223,8 @@ pub(super) fn find_volume_kernel_radii(
     });
     let points = radius(points.collect(), point_dimensions);
     let widest = (median_footprint(scene, &camera_paths) * BEAM_PIXEL_PART).min(size * MAX_RADIUS);
-    let kept_beams = if beams < widest { beams / widest } else { 1.0 };
-    Some(VolumeKernelRadii { beams: beams.max(widest), points, kept_beams })
+    let kept_beam_fraction = if beams < widest { beams / widest } else { 1.0 };
+    Some(VolumeKernelRadii { beams: beams.max(widest), points, kept_beam_fraction })
 }
 
 /// Returns the width of a pixel's footprint in the medium \[length], at the median distance of all

@@ -3,7 +3,7 @@
 //! It has no shadows, no distance falloff and no ambient term.
 
 use super::integrator::Integrator;
-use super::pass::{Pass, ProgressMonitor, StageTimes};
+use super::pass::{PassResult, ProgressMonitor, StageTimes};
 use super::settings::CameraPathSettings;
 use super::tiles::{self, FilmImage, FilmSampling};
 use crate::camera::{CropWindow, Filter};
@@ -31,7 +31,7 @@ pub(super) struct RaycastIntegrator<'a> {
 }
 
 impl Integrator for RaycastIntegrator<'_> {
-    fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> Pass {
+    fn render_pass(&self, pass: u32, monitor: &dyn ProgressMonitor) -> PassResult {
         let start = Instant::now();
         let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
         let samples = self.samples;
@@ -40,7 +40,7 @@ impl Integrator for RaycastIntegrator<'_> {
         let FilmImage { image, counters, .. } =
             tiles::render_tiles(&sampling, key, monitor, |camera_ray, _, (): &mut ()| self.radiance(&camera_ray.ray));
         let seconds = StageTimes { camera: start.elapsed().as_secs_f64(), ..StageTimes::default() };
-        Pass { image, counters, seconds, ..Pass::default() }
+        PassResult { image, counters, seconds, ..PassResult::default() }
     }
 
     fn expected_work(&self, _: Effects) -> Counters {

@@ -45,9 +45,11 @@ const MIN_GAIN: f64 = 1.3;
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct ScatterPointGuidingReport {
     /// Number of shadow rays that the pilot traced to learn the lit parts of media.
-    pub rays: u64,
+    #[serde(rename = "rays")]
+    pub shadow_rays: u64,
     /// Variance times work of camera paths without the guide, divided by that with the guide.
-    pub gain: f64,
+    #[serde(rename = "gain")]
+    pub efficiency_gain: f64,
     /// True if the render guides the points of media from which shadow rays start.
     pub used: bool,
 }
@@ -74,11 +76,11 @@ pub(super) fn guide_scatter_points(
     let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::ScatterPointGuiding);
 
     let Some(learned) = learn_guide(renderer, key, lights) else { return (ScatterPointSampling::Unguided, None) };
-    let rays = learned.rays;
-    let (sampling, gain) = choose_point_count(renderer, key, learned);
-    let used = gain > MIN_GAIN;
+    let shadow_rays = learned.shadow_rays;
+    let (sampling, efficiency_gain) = choose_point_count(renderer, key, learned);
+    let used = efficiency_gain > MIN_GAIN;
     let sampling = if used { sampling } else { ScatterPointSampling::Unguided };
-    (sampling, Some(ScatterPointGuidingReport { rays, gain, used }))
+    (sampling, Some(ScatterPointGuidingReport { shadow_rays, efficiency_gain, used }))
 }
 
 /// Guide that the scatter-point pilot learned, with the mean radiance and the number of the shadow
@@ -87,7 +89,7 @@ struct LearnedGuide {
     guide: Arc<ScatterPointGuide>,
     /// Mean radiance that media scatter to a camera path, straight from lights \[W/(m² sr)].
     mean_radiance: f64,
-    rays: u64,
+    shadow_rays: u64,
 }
 
 /// Learns a guide for `lights` lights from camera paths that send shadow rays from many points of
@@ -109,7 +111,7 @@ fn learn_guide(renderer: &PassRenderer<'_>, key: Key, lights: usize) -> Option<L
     }
     let mut fit = ScatterPointFit::new(samples().map(|sample| sample.p), lights)?;
     samples().for_each(|sample| fit.add(sample));
-    Some(LearnedGuide { guide: Arc::new(fit.fitted_guide()), mean_radiance, rays: samples().count() as u64 })
+    Some(LearnedGuide { guide: Arc::new(fit.fitted_guide()), mean_radiance, shadow_rays: samples().count() as u64 })
 }
 
 /// Returns the guided sampling whose number of points has little noise for its work. Also returns

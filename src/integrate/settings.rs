@@ -113,7 +113,7 @@ pub struct Settings {
     /// [`Algorithm::Hybrid`](super::Algorithm::Hybrid).
     pub indirect_photons: IndirectPhotons,
     /// Density estimator for photons in media.
-    pub volume: VolumeEstimator,
+    pub volume_estimator: VolumeEstimator,
     /// Surface at which [`Algorithm::Pm`](super::Algorithm::Pm) reads the indirect map.
     pub final_gathering: FinalGathering,
 }
@@ -175,7 +175,7 @@ impl Default for Settings {
             allows_scatter_point_guiding: true,
             light_tracing: LightTracing::default(),
             indirect_photons: IndirectPhotons::default(),
-            volume: VolumeEstimator::default(),
+            volume_estimator: VolumeEstimator::default(),
             final_gathering: FinalGathering::default(),
         }
     }

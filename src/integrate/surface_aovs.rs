@@ -91,7 +91,7 @@ struct RayAovs {
     normal: Vec3,
     /// Surface at the end of the branch with the largest weight; `None` if no branch ends at a
     /// surface.
-    seen: Option<BranchEndSurface>,
+    heaviest: Option<BranchEndSurface>,
     /// Motion on the film of what the ray sees first \[pixels to the right and down].
     motion: Vec2,
 }
@@ -293,20 +293,20 @@ impl<I: Interior> RayBranch<I> {
 }
 
 impl RayAovs {
-    /// Adds the albedo and the normal of `surface`, at which `branch` ends. Also sets `seen` to it
-    /// if no earlier branch has a larger weight.
+    /// Adds the albedo and the normal of `surface`, at which `branch` ends. Also sets `heaviest` to
+    /// it if no earlier branch has a larger weight.
     fn add_surface<I: Interior>(&mut self, scene: &Scene, branch: &RayBranch<I>, surface: &SurfaceInteraction<'_>) {
         let albedo = directional_albedo(surface, branch.sampler).max(surface.emission);
         self.albedo += branch.weight * clip_to_albedo(albedo);
         let weight = color::channel_mean(branch.weight);
         let is_back = surface.wo.dot(surface.point.ng) < 0.0;
         self.normal += weight * if is_back { -surface.point.ns } else { surface.point.ns };
-        if self.seen.is_none_or(|seen| weight > seen.weight)
+        if self.heaviest.is_none_or(|heaviest| weight > heaviest.weight)
             && let Some(hit) = scene.intersect(&branch.path_ray.ray)
         {
             let (object, material) = scene.object_and_material_index(&hit);
             let position = scene.origin() + surface.point.p.as_dvec3();
-            self.seen = Some(BranchEndSurface { weight, depth: branch.depth, position, object, material });
+            self.heaviest = Some(BranchEndSurface { weight, depth: branch.depth, position, object, material });
         }
     }
 }
@@ -337,19 +337,19 @@ impl PixelAovs {
             albedo += ray.albedo.as_dvec3();
             normal += ray.normal.as_dvec3();
             motion += ray.motion.as_dvec2();
-            if let Some(seen) = ray.seen {
-                depth += f64::from(seen.depth);
-                position += seen.position;
-                objects.push(seen.object);
-                materials.push(seen.material);
+            if let Some(heaviest) = ray.heaviest {
+                depth += f64::from(heaviest.depth);
+                position += heaviest.position;
+                objects.push(heaviest.object);
+                materials.push(heaviest.material);
             }
         }
-        let (all, seen) = (f64::max(count, 1.0), f64::max(objects.len() as f64, 1.0));
+        let (all, hits) = (f64::max(count, 1.0), f64::max(objects.len() as f64, 1.0));
         Self {
             albedo: clip_to_albedo((albedo / all).as_vec3()),
             normal: (normal / all).as_vec3(),
-            depth: (depth / seen) as f32,
-            position: (position / seen).as_vec3(),
+            depth: (depth / hits) as f32,
+            position: (position / hits).as_vec3(),
             object: most_frequent_index(&mut objects).map_or(0, |index| index + 1),
             material: most_frequent_index(&mut materials).map_or(0, |index| index + 1),
             motion: (motion / all).as_vec2(),

@@ -2,7 +2,7 @@
 
 use super::camera_ray::CameraRay;
 use super::light_group::LightGroup;
-use super::nested_estimates::NestedEstimates;
+use super::nested_differences::NestedDifferences;
 use super::pass::{PassStage, ProgressMonitor};
 use super::path_task::PathTask;
 use super::prefix_rays::{PrefixRayCount, PrefixWeights};
@@ -78,7 +78,7 @@ pub(super) struct FilmImage {
     /// Radiance of each pixel of the window, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
     /// Nested photon estimates of each pixel; empty unless [`FilmSampling::nested`] is true.
-    pub nested: Vec<NestedEstimates>,
+    pub nested: Vec<NestedDifferences>,
     /// Radiance of each pixel by light group, which adds up to `image`, in the order of
     /// [`LightGroup::ALL`] \[W/(m² sr)]; empty unless [`FilmSampling::groups_light`] is true.
     pub groups: Vec<Vec<Rgb>>,
@@ -125,7 +125,7 @@ struct Tile<'a> {
     /// Parts of the picture's rows that lie in the tile, from the top.
     image: Vec<&'a mut [Rgb]>,
     /// Rows of nested estimates in the tile; empty unless [`FilmSampling::nested`] is true.
-    nested: Vec<&'a mut [NestedEstimates]>,
+    nested: Vec<&'a mut [NestedDifferences]>,
     /// Rows of each light group in the tile; empty unless [`FilmSampling::groups_light`] is true.
     groups: Vec<Vec<&'a mut [Rgb]>>,
     /// Rows of the radiance that clamping removes, in the tile; empty unless light is clamped.
@@ -136,7 +136,7 @@ impl<'a> Tile<'a> {
     /// Splits a picture of `width` columns into tiles, by rows from the top.
     fn split_image_into_tiles(
         image: &'a mut [Rgb],
-        nested: &'a mut [NestedEstimates],
+        nested: &'a mut [NestedDifferences],
         groups: &'a mut [Vec<Rgb>],
         clamped: &'a mut [Rgb],
         width: u32,
@@ -300,7 +300,7 @@ pub(super) fn render_tiles<Stack: Default>(
 
     // Cut the picture into tiles.
     let mut image = vec![Rgb::ZERO; pixels];
-    let mut nested = vec![NestedEstimates::default(); if sampling.nested { pixels } else { 0 }];
+    let mut nested = vec![NestedDifferences::default(); if sampling.nested { pixels } else { 0 }];
     let mut groups = vec![vec![Rgb::ZERO; pixels]; if sampling.groups_light { LightGroup::ALL.len() } else { 0 }];
     let mut clamped = vec![Rgb::ZERO; if sampling.clamp.is_some() { pixels } else { 0 }];
     let mut tiles = Tile::split_image_into_tiles(&mut image, &mut nested, &mut groups, &mut clamped, width);
@@ -356,7 +356,7 @@ struct RenderedPixel {
     /// Radiance \[W/(m² sr)].
     radiance: Rgb,
     /// Differences of nested photon estimates; 0 unless [`FilmSampling::nested`] is true.
-    nested: NestedEstimates,
+    nested: NestedDifferences,
     /// Radiance by light group \[W/(m² sr)]; 0 unless [`FilmSampling::groups_light`] is true.
     groups: [Rgb; LightGroup::ALL.len()],
     /// Radiance that clamping removed \[W/(m² sr)].

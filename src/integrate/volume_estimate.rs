@@ -57,7 +57,7 @@ struct NestedKernelSums {
     /// Number of dimensions in which the kernel spreads: 1 to 3.
     dimensions: u32,
     /// True if the kernels of smaller radii are summed too, to estimate the bias.
-    nested: bool,
+    nests_estimates: bool,
     chosen: Option<ChosenPhoton>,
 }
 
@@ -73,10 +73,10 @@ struct ChosenPhoton {
 }
 
 impl NestedKernelSums {
-    /// Makes empty sums for a kernel in `dimensions` dimensions. If `nested` is true, the kernels
-    /// of smaller radii are summed too.
-    fn new(dimensions: u32, nested: bool) -> Self {
-        Self { sums: [Rgb::ZERO; LEVELS], dimensions, nested, chosen: None }
+    /// Makes empty sums for a kernel in `dimensions` dimensions. If `nests_estimates` is true, the
+    /// kernels of smaller radii are summed too.
+    fn new(dimensions: u32, nests_estimates: bool) -> Self {
+        Self { sums: [Rgb::ZERO; LEVELS], dimensions, nests_estimates, chosen: None }
     }
 
     /// Adds one photon of the given `radiance`. `weight` is the kernel value of the full radius at
@@ -91,7 +91,7 @@ impl NestedKernelSums {
         if rng.random::<f32>() * self.sums[0].element_sum() < radiance.element_sum() {
             self.chosen = Some(ChosenPhoton { radiance, x2, towards: towards() });
         }
-        if self.nested {
+        if self.nests_estimates {
             let factors = kernel_ratios(self.dimensions, x2);
             self.sums[1..].iter_mut().zip(&factors[1..]).for_each(|(sum, factor)| *sum += radiance * *factor);
         }
@@ -169,24 +169,26 @@ impl BeamAndPointMaps {
             return Rgb::ZERO;
         }
         task.counters.gathers += 1;
-        let nested = task.pixel.nested.is_wanted;
+        let nests_estimates = task.pixel.nested.is_wanted;
         let (count, curve) = (&mut task.counters.gathered_photons, &mut task.scratch.transmittance);
         let MediumSegment { ray, medium, .. } = path_segment.segment;
         let mut levels = [Rgb::ZERO; LEVELS];
         let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
         if medium.is_homogeneous() {
-            add(self.estimate_by_beams(scene, path_segment, rng, count, nested));
+            add(self.estimate_by_beams(scene, path_segment, rng, count, nests_estimates));
         }
         if !self.points.is_empty() {
             add(match self.estimator {
-                VolumeEstimator::Points => self.estimate_at_sampled_point(scene, path_segment, rng, count, nested),
+                VolumeEstimator::Points => {
+                    self.estimate_at_sampled_point(scene, path_segment, rng, count, nests_estimates)
+                }
                 VolumeEstimator::Beams | VolumeEstimator::BeamRadiance => {
                     curve.sample(medium, ray, ray.t_max, rng);
-                    self.estimate_along_ray(scene, path_segment, (curve, rng), count, nested)
+                    self.estimate_along_ray(scene, path_segment, (curve, rng), count, nests_estimates)
                 }
             });
         }
-        if nested {
+        if nests_estimates {
             task.pixel.nested.add(path_segment.throughput * lookup_scale, levels);
         }
         levels[0]
@@ -200,11 +202,11 @@ impl BeamAndPointMaps {
         path_segment: &MediumPathSegment<'_, I>,
         rng: &mut impl Rng,
         count: &mut u64,
-        nested: bool,
+        nests_estimates: bool,
     ) -> [Rgb; LEVELS] {
         let MediumSegment { ray, medium, index, interior, .. } = path_segment.segment;
         let (own, extinction) = (interior.wavelength(), medium.extinction());
-        let mut sums = NestedKernelSums::new(1, nested);
+        let mut sums = NestedKernelSums::new(1, nests_estimates);
         self.beams.visit_near_ray(ray, |beam, crossing| {
             if beam.medium != *index {
                 return;
@@ -212,7 +214,7 @@ impl BeamAndPointMaps {
             *count += 1;
             let transmittance = medium::transmittance(extinction, crossing.t + crossing.s);
             let phase = medium.phase.evaluate(-crossing.cos);
-            let radiance = beam.flux * transmittance * wavelength_kernel_weight(own, beam.wavelength, self.band);
+            let radiance = beam.flux * transmittance * wavelength_kernel_weight(own, beam.wavelength_code, self.band);
             let towards = || ray_towards_beam(ray, beam, &crossing);
             sums.add(radiance, phase * crossing.weight, crossing.x2, rng, towards);
         });
@@ -227,11 +229,11 @@ impl BeamAndPointMaps {
         path_segment: &MediumPathSegment<'_, I>,
         (curve, rng): (&TransmittanceCurve, &mut impl Rng),
         count: &mut u64,
-        nested: bool,
+        nests_estimates: bool,
     ) -> [Rgb; LEVELS] {
         let MediumSegment { ray, medium, index, interior, .. } = path_segment.segment;
         let own = interior.wavelength();
-        let mut sums = NestedKernelSums::new(2, nested);
+        let mut sums = NestedKernelSums::new(2, nests_estimates);
         self.points.visit_near_ray(ray, |photon, t, cos, weight, x2| {
             if photon.medium != *index {
                 return;
@@ -239,7 +241,8 @@ impl BeamAndPointMaps {
             *count += 1;
             let transmittance = curve.transmittance_at(t);
             let phase = medium.phase.evaluate(-cos);
-            let radiance = photon.flux() * transmittance * wavelength_kernel_weight(own, photon.wavelength, self.band);
+            let radiance =
+                photon.flux() * transmittance * wavelength_kernel_weight(own, photon.wavelength_code, self.band);
             let towards = || {
                 let center = ray.at(t);
                 let offset = photon.position - center;
@@ -258,21 +261,21 @@ impl BeamAndPointMaps {
         path_segment: &MediumPathSegment<'_, I>,
         rng: &mut impl Rng,
         count: &mut u64,
-        nested: bool,
+        nests_estimates: bool,
     ) -> [Rgb; LEVELS] {
         let MediumSegment { ray, medium, index, interior, .. } = path_segment.segment;
         let own = interior.wavelength();
         let distance_sample = medium.distance_sample(ray, ray.t_max, path_segment.throughput, rng);
         let Some(t) = distance_sample.scattering_distance else { return [Rgb::ZERO; LEVELS] };
         let p = ray.at(t);
-        let mut sums = NestedKernelSums::new(3, nested);
+        let mut sums = NestedKernelSums::new(3, nests_estimates);
         self.points.visit_near_point(p, |photon, weight, x2| {
             if photon.medium != *index {
                 return;
             }
             *count += 1;
             let phase = medium.phase.evaluate(-photon.direction().dot(ray.direction));
-            let radiance = photon.flux() * wavelength_kernel_weight(own, photon.wavelength, self.band);
+            let radiance = photon.flux() * wavelength_kernel_weight(own, photon.wavelength_code, self.band);
             sums.add(radiance, phase * weight, x2, rng, || ray_along(p, photon.position - p, ray.direction));
         });
         // The weight is σs·T over the pdf of the distance. Photons already carry scattered light,

@@ -4,7 +4,7 @@
 use super::balance::{self, NoiseSource, RayPhotonBalance};
 use super::film_points::{FilmPoint, POINTS, film_points_in_pixels, map_paths_through_film_points};
 use super::map_builder::MapBuildOptions;
-use super::pass::{Pass, PhotonReport, SilentMonitor};
+use super::pass::{PassResult, PhotonReport, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use crate::color::{self, Rgb};
@@ -34,7 +34,7 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let counts = renderer.map_builder.counts;
     let build = |trial| {
-        let mut out = Pass::default();
+        let mut out = PassResult::default();
         let options = MapBuildOptions {
             has_photon_limit: false,
             ..MapBuildOptions::for_pilot(key.pilot_trial_key(trial), PILOT_DIVISOR)
@@ -83,24 +83,24 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let gathered = gathering(&reference.counters);
     let gathered_unaimed =
         if other_maps.interreflection.is_some() { gathered - gathering(&gathered_aimed) } else { 0.0 };
-    let paths = (made.unaimed.emitted + made.aimed.emitted) as f64;
+    let paths = (made.unaimed.emitted_paths + made.aimed.emitted_paths) as f64;
     let rays = made.counters.photon_rays as f64;
     let photons = |noise: f64, report: &PhotonReport, count: u32, gathered: f64, gathered_paths: f64| {
-        let emitted = report.emitted as f64;
-        let cost = rays / paths
+        let emitted = report.emitted_paths as f64;
+        let work = rays / paths
             + balance::photon_storage_work(report.stored) / emitted.max(1.0)
             + gathered / (gathered_paths * f64::from(PILOT_DIVISOR));
-        NoiseSource { variance: noise * emitted, cost, count: f64::from(count) }
+        NoiseSource { variance: noise * emitted, work, count: f64::from(count) }
     };
     let tracing = balance::camera_path_work(&reference.counters) / points * pixel_count;
     let camera = NoiseSource {
         variance: noise(&other_camera),
-        cost: if renderer.policy.reads_photons_each_sample() { tracing + gathered } else { tracing },
+        work: if renderer.policy.reads_photons_each_sample() { tracing + gathered } else { tracing },
         count: f64::from(renderer.samples),
     };
     let unaimed_noise = other_unaimed.map_or(0.0, |other| noise(&other));
     let (unaimed, aimed) = if other_maps.interreflection.is_some() {
-        let (aimed_paths, unaimed_paths) = (made.aimed.emitted as f64, made.unaimed.emitted as f64);
+        let (aimed_paths, unaimed_paths) = (made.aimed.emitted_paths as f64, made.unaimed.emitted_paths as f64);
         (
             photons(unaimed_noise, &made.unaimed, counts.unaimed, gathered_unaimed, unaimed_paths),
             photons(noise(&other_aimed), &made.aimed, counts.aimed, gathered - gathered_unaimed, aimed_paths),
@@ -117,15 +117,15 @@ pub(super) fn find_ray_photon_balance(renderer: &PassRenderer<'_>) -> Option<Ray
     let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
     Some(RayPhotonBalance {
         samples: samples.round().max(1.0) as u32,
-        unaimed_paths: paths(unaimed, made.unaimed.emitted),
-        aimed_paths: paths(aimed, made.aimed.emitted),
+        unaimed_paths: paths(unaimed, made.unaimed.emitted_paths),
+        aimed_paths: paths(aimed, made.aimed.emitted_paths),
     })
 }
 
 /// Estimates the ray and photon counts of a pass by tracing few camera rays and few photons.
 pub(super) fn measure_pass_work(renderer: &PassRenderer<'_>) -> Counters {
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
-    let mut out = Pass::default();
+    let mut out = PassResult::default();
     let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, PILOT_DIVISOR) };
     let maps = renderer.map_builder.build(&options, &SilentMonitor, &mut out);
     let counters = estimate_at_points(renderer, Some(&maps), &film_points_in_pixels(renderer.scene, key, 0)).counters;

@@ -130,7 +130,7 @@ impl LightSurface {
     /// the outer side by more than the rounding error of positions.
     pub(super) fn representative_point(&self) -> Vec3 {
         let point = self.sample(Vec2::splat(0.5)).point;
-        offset_ray_origin(point.p, point.error, point.ng, point.ng)
+        offset_ray_origin(point.p, point.position_error, point.ng, point.ng)
     }
 
     /// Center of the bounding box, for an analytic shape; an arbitrary point of the surface, for
@@ -259,9 +259,9 @@ impl LightSource for AreaLight {
             LightSurface::Shape(shape) => shape.relative_hit_error(),
             LightSurface::Triangles { .. } => TRIANGLE_HIT_ERROR,
         };
-        let error = point.error + (point.p - p).abs() * relative_error;
-        let target = ShadowTarget::Point(offset_ray_origin(point.p, error, point.ng, -wi));
-        Some(DirectLightSample { wi, target, irradiance: self.radiance_at(&point, coord) / pdf, pdf: Some(pdf) })
+        let position_error = point.position_error + (point.p - p).abs() * relative_error;
+        let target = ShadowTarget::Point(offset_ray_origin(point.p, position_error, point.ng, -wi));
+        Some(DirectLightSample { wi, target, weight: self.radiance_at(&point, coord) / pdf, pdf: Some(pdf) })
     }
 
     #[inline]
@@ -285,8 +285,8 @@ impl LightSource for AreaLight {
         if w.dot(point.ng) <= 0.0 || radiance == Rgb::ZERO {
             return None;
         }
-        let ray = Ray::new(offset_ray_origin(point.p, point.error, point.ng, w), w);
-        Some(EmissionSample { ray, flux: radiance * (PI / pdf) })
+        let ray = Ray::new(offset_ray_origin(point.p, point.position_error, point.ng, w), w);
+        Some(EmissionSample { ray, weight: radiance * (PI / pdf) })
     }
 
     fn sample_le_towards(
@@ -302,8 +302,8 @@ impl LightSource for AreaLight {
         if cos <= 0.0 || radiance == Rgb::ZERO {
             return None;
         }
-        let ray = Ray::new(offset_ray_origin(point.p, point.error, point.ng, w), w);
-        Some(EmissionSample { ray, flux: radiance * (cos / (pdf * pdf_direction)) })
+        let ray = Ray::new(offset_ray_origin(point.p, point.position_error, point.ng, w), w);
+        Some(EmissionSample { ray, weight: radiance * (cos / (pdf * pdf_direction)) })
     }
 
     fn power(&self, _domain: BoundingSphere) -> Rgb {

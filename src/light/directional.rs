@@ -27,7 +27,7 @@ impl LightSource for DirectionalLight {
     #[inline]
     fn sample_li(&self, _p: Vec3, _u: Vec2) -> Option<DirectLightSample> {
         let (wi, target) = (-self.direction, ShadowTarget::Infinity);
-        Some(DirectLightSample { wi, target, irradiance: self.irradiance, pdf: None })
+        Some(DirectLightSample { wi, target, weight: self.irradiance, pdf: None })
     }
 
     #[inline]
@@ -37,7 +37,7 @@ impl LightSource for DirectionalLight {
 
     fn sample_le(&self, domain: BoundingSphere, position: Vec2, _direction: Vec2) -> Option<EmissionSample> {
         let (ray, area) = sample_ray_across_sphere(domain, self.direction, position)?;
-        Some(EmissionSample { ray, flux: self.irradiance * area })
+        Some(EmissionSample { ray, weight: self.irradiance * area })
     }
 
     fn sample_le_towards(
@@ -49,7 +49,7 @@ impl LightSource for DirectionalLight {
     ) -> Option<EmissionSample> {
         let upstream = domain.radius - self.direction.dot(domain.center);
         let (start, pdf) = aim.sample_parallel_ray_start(self.direction, upstream, position)?;
-        Some(EmissionSample { ray: Ray::new(start, self.direction), flux: self.irradiance / pdf })
+        Some(EmissionSample { ray: Ray::new(start, self.direction), weight: self.irradiance / pdf })
     }
 
     fn power(&self, domain: BoundingSphere) -> Rgb {

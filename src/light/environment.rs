@@ -95,12 +95,7 @@ impl LightSource for EnvironmentLight {
     #[inline]
     fn sample_li(&self, _p: Vec3, u: Vec2) -> Option<DirectLightSample> {
         let (wi, pdf) = self.sample(u)?;
-        Some(DirectLightSample {
-            wi,
-            target: ShadowTarget::Infinity,
-            irradiance: self.radiance(wi) / pdf,
-            pdf: Some(pdf),
-        })
+        Some(DirectLightSample { wi, target: ShadowTarget::Infinity, weight: self.radiance(wi) / pdf, pdf: Some(pdf) })
     }
 
     #[inline]
@@ -111,7 +106,7 @@ impl LightSource for EnvironmentLight {
     fn sample_le(&self, domain: BoundingSphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         let (from, pdf) = self.sample(direction)?;
         let (ray, area) = sample_ray_across_sphere(domain, -from, position)?;
-        Some(EmissionSample { ray, flux: self.radiance(from) * (area / pdf) })
+        Some(EmissionSample { ray, weight: self.radiance(from) * (area / pdf) })
     }
 
     fn sample_le_towards(
@@ -124,7 +119,7 @@ impl LightSource for EnvironmentLight {
         let (from, pdf) = self.sample(direction)?;
         let upstream = domain.radius + from.dot(domain.center);
         let (start, pdf_start) = aim.sample_parallel_ray_start(-from, upstream, position)?;
-        Some(EmissionSample { ray: Ray::new(start, -from), flux: self.radiance(from) / (pdf * pdf_start) })
+        Some(EmissionSample { ray: Ray::new(start, -from), weight: self.radiance(from) / (pdf * pdf_start) })
     }
 
     /// Flux \[W] through a disc with the radius r of `domain`, integrated over all directions: π r²

@@ -91,7 +91,7 @@ impl PositionalLight for GoniometricLight {
         let [x, y, z] = self.axes;
         let w = (x * d.x + y * d.y + z * d.z).normalize();
         let pdf = self.pdf(w);
-        (pdf > 0.0).then(|| EmissionSample { ray: Ray::new(self.position, w), flux: self.intensity(w) / pdf })
+        (pdf > 0.0).then(|| EmissionSample { ray: Ray::new(self.position, w), weight: self.intensity(w) / pdf })
     }
 
     fn flux(&self) -> Rgb {

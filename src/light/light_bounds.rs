@@ -16,9 +16,9 @@ pub(super) struct LightBounds {
     /// Cone that contains the outer normals of all emitting surfaces. For a light at a point, it
     /// contains the emission axes instead: each emitted direction lies within `spread` of one of
     /// them.
-    normals: DirectionCone,
+    normal_cone: DirectionCone,
     /// Largest angle \[radians] between an emitted direction and the nearest direction in
-    /// `normals`, at most π/2.
+    /// `normal_cone`, at most π/2.
     spread: f64,
     /// Total flux of the lights \[W], averaged over the color channels.
     flux: f64,
@@ -68,11 +68,11 @@ pub(super) fn angle_between(a: DVec3, b: DVec3) -> f64 {
 impl LightBounds {
     /// Creates the bounds of one light with the given flux \[W].
     ///
-    /// `normals` contains all surface normals of the light. For a light at a point, it contains the
-    /// axes from which emitted directions are measured. `spread` is the largest angle \[radians]
-    /// between an emitted direction and the nearest direction in `normals`.
-    pub fn new(space: Bounds, normals: DirectionCone, spread: f64, flux: Rgb) -> Self {
-        Self { space, normals, spread, flux: f64::from(color::channel_mean(flux)) }
+    /// `normal_cone` contains all surface normals of the light. For a light at a point, it contains
+    /// the axes from which emitted directions are measured. `spread` is the largest angle
+    /// \[radians] between an emitted direction and the nearest direction in `normal_cone`.
+    pub fn new(space: Bounds, normal_cone: DirectionCone, spread: f64, flux: Rgb) -> Self {
+        Self { space, normal_cone, spread, flux: f64::from(color::channel_mean(flux)) }
     }
 
     /// Returns the bounds, with their box expanded by `margin` \[length] and by the rounding errors
@@ -86,7 +86,7 @@ impl LightBounds {
     pub fn union(self, other: Self) -> Self {
         Self {
             space: self.space.union(other.space),
-            normals: self.normals.union(other.normals),
+            normal_cone: self.normal_cone.union(other.normal_cone),
             spread: self.spread.max(other.spread),
             flux: self.flux + other.flux,
         }
@@ -98,7 +98,7 @@ impl LightBounds {
     /// Directions inside the cone of normals have weight 1. A direction outside, within `spread` of
     /// the cone, has the cosine of its angle to the cone as weight.
     fn solid_angle(&self) -> f64 {
-        let o = self.normals.angle;
+        let o = self.normal_cone.angle;
         let w = (o + self.spread).min(PI);
         let (sin, cos) = libm::sincos(o);
         let falloff = 2.0 * w * sin - libm::cos(o - 2.0 * w) - 2.0 * o * sin + cos;
@@ -131,7 +131,7 @@ pub(super) struct LightImportance {
     /// Axis of the cone that contains all surface normals; see [`LightBounds::new`].
     axis: Vec3,
     /// Cosine and sine of the half angle of the cone that contains all surface normals.
-    normals: CosSin,
+    normal_half_angle: CosSin,
     cos_spread: f64,
     /// Approximate radiant intensity along the surface normals \[W/sr].
     intensity: f64,
@@ -162,12 +162,12 @@ impl From<LightBounds> for LightImportance {
         // The radius includes the rounding errors of the sphere. It must be positive, because it
         // limits a divisor from below.
         let radius = (f64::from(sphere.radius) * (1.0 + 1e-6)).max(f64::from(f32::MIN_POSITIVE));
-        let (sin, cos) = libm::sincos(bounds.normals.angle);
+        let (sin, cos) = libm::sincos(bounds.normal_cone.angle);
         Self {
             center: sphere.center,
             radius_squared: radius * radius,
-            axis: bounds.normals.axis.as_vec3(),
-            normals: CosSin(cos, sin),
+            axis: bounds.normal_cone.axis.as_vec3(),
+            normal_half_angle: CosSin(cos, sin),
             cos_spread: libm::cos(bounds.spread),
             intensity: bounds.flux / bounds.solid_angle(),
         }
@@ -189,7 +189,8 @@ impl LightImportance {
             (to / d2.sqrt(), CosSin((1.0 - self.radius_squared / d2).sqrt(), (self.radius_squared / d2).sqrt()))
         };
         let angle = |cos: f64| CosSin::from_cos(cos.clamp(-1.0, 1.0));
-        let emitted = angle(w.dot(self.axis.as_dvec3())).subtract_clamped(self.normals).subtract_clamped(subtended).0;
+        let emitted =
+            angle(w.dot(self.axis.as_dvec3())).subtract_clamped(self.normal_half_angle).subtract_clamped(subtended).0;
         // The comparison is `<`, not `<=`: with zero spread, a direction inside the cone has the
         // cosine 1 = `cos_spread`.
         if emitted < self.cos_spread {

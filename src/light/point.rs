@@ -44,8 +44,8 @@ pub(super) trait PositionalLight {
     /// Returns a cone of axes and the largest angle \[radians] between an emitted direction and the
     /// nearest axis in this cone.
     ///
-    /// They are the arguments `normals` and `spread` of [`LightBounds::new`]. The default stands
-    /// for all directions, so it is correct for every light.
+    /// They are the arguments `normal_cone` and `spread` of [`LightBounds::new`]. The default
+    /// stands for all directions, so it is correct for every light.
     fn emission_cone(&self) -> (DirectionCone, f64) {
         (DirectionCone::ALL, FRAC_PI_2)
     }
@@ -69,7 +69,7 @@ impl PositionalLight for PointLight {
     }
 
     fn sample_emission(&self, u: Vec2) -> Option<EmissionSample> {
-        Some(EmissionSample { ray: Ray::new(self.position, warp::square_to_uniform_sphere(u)), flux: self.flux() })
+        Some(EmissionSample { ray: Ray::new(self.position, warp::square_to_uniform_sphere(u)), weight: self.flux() })
     }
 
     fn flux(&self) -> Rgb {
@@ -92,7 +92,7 @@ impl<L: PositionalLight> LightSource for L {
         let (d2, wi, _) = crate::math::direction_and_distance(p, self.position())?;
         let irradiance = self.intensity(-wi) / d2;
         let target = ShadowTarget::Point(self.position());
-        (irradiance != Rgb::ZERO).then_some(DirectLightSample { wi, target, irradiance, pdf: None })
+        (irradiance != Rgb::ZERO).then_some(DirectLightSample { wi, target, weight: irradiance, pdf: None })
     }
 
     #[inline]
@@ -113,7 +113,7 @@ impl<L: PositionalLight> LightSource for L {
     ) -> Option<EmissionSample> {
         let (w, pdf) = aim.sample_direction(self.position(), None, direction)?;
         let intensity = self.intensity(w);
-        (intensity != Rgb::ZERO).then(|| EmissionSample { ray: Ray::new(self.position(), w), flux: intensity / pdf })
+        (intensity != Rgb::ZERO).then(|| EmissionSample { ray: Ray::new(self.position(), w), weight: intensity / pdf })
     }
 
     fn power(&self, _domain: BoundingSphere) -> Rgb {

@@ -171,7 +171,7 @@ impl PositionalLight for ProjectorLight {
         let (local, value, pdf) = self.picture.sample(u)?;
         let [right, up, forward] = self.axes;
         let w = (right * local.x + up * local.y + forward * local.z).normalize();
-        Some(EmissionSample { ray: Ray::new(self.position, w), flux: value * self.scale / pdf })
+        Some(EmissionSample { ray: Ray::new(self.position, w), weight: value * self.scale / pdf })
     }
 
     fn flux(&self) -> Rgb {

@@ -26,7 +26,7 @@ pub struct DirectLightSample {
     pub target: ShadowTarget,
     /// Arriving radiance divided by `pdf`, without the cosine at the lit surface \[W/m²]. For a
     /// delta light, it is the irradiance on a surface that faces the light.
-    pub irradiance: Rgb,
+    pub weight: Rgb,
     /// Pdf of `wi` \[1/sr], equal to [`Light::pdf_li`]; `None` for delta lights.
     pub pdf: Option<f32>,
 }
@@ -40,7 +40,7 @@ pub struct EmissionSample {
     /// the ray.
     ///
     /// The expected value is the flux of all rays that can be sampled.
-    pub flux: Rgb,
+    pub weight: Rgb,
 }
 
 /// Arguments of [`Light::sample_le`] on which the rays of a light depend.

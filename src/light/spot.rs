@@ -78,7 +78,7 @@ impl PositionalLight for SpotLight {
         // small against the beam's width.
         let intensity = self.intensity_at_one_minus_cos(u.x * self.outer_one_minus_cos);
         let flux = intensity * (TAU * self.outer_one_minus_cos);
-        Some(EmissionSample { ray: Ray::new(self.position, w), flux })
+        Some(EmissionSample { ray: Ray::new(self.position, w), weight: flux })
     }
 
     fn flux(&self) -> Rgb {

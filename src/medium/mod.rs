@@ -232,7 +232,7 @@ impl Medium {
     ///
     /// Coefficients and density values stay the same, even if the map scales.
     #[must_use]
-    pub fn transformed(&self, map: DAffine3) -> Option<Self> {
+    pub fn with_transformed_grid(&self, map: DAffine3) -> Option<Self> {
         let Some(grid) = &self.density else { return Some(self.clone()) };
         Some(Self { density: Some(Arc::new(grid.transformed(map)?)), ..self.clone() })
     }

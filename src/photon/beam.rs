@@ -26,7 +26,7 @@ pub struct PhotonBeam {
     pub medium: u32,
     /// Wavelength of the photon as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code);
     /// 0 if it carries all wavelengths.
-    pub wavelength: u8,
+    pub wavelength_code: u8,
 }
 
 impl PhotonBeam {
@@ -35,8 +35,8 @@ impl PhotonBeam {
     /// They are invalid if start, end or flux is not finite, if the flux is zero or negative, or if
     /// `length` or `direction` is zero.
     #[must_use]
-    pub fn new(start: Vec3, direction: Vec3, length: f32, flux: Rgb, medium: u32, wavelength: u8) -> Option<Self> {
-        let beam = Self { start, direction, length, flux, medium, wavelength };
+    pub fn new(start: Vec3, direction: Vec3, length: f32, flux: Rgb, medium: u32, wavelength_code: u8) -> Option<Self> {
+        let beam = Self { start, direction, length, flux, medium, wavelength_code };
         beam.is_valid().then_some(beam)
     }
 

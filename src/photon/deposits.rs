@@ -1,7 +1,7 @@
 //! Photons stored by a photon pass.
 
 use super::concatenation::concatenate;
-use super::{Photon, PhotonBeam, PhotonKind, PhotonPass, VolumePhoton};
+use super::{Photon, PhotonBeam, PhotonKind, PhotonTracer, VolumePhoton};
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
 use crate::scene::SurfaceInteraction;
@@ -103,11 +103,11 @@ impl Deposits {
         all
     }
 
-    /// Stores one deposit of a photon path of `pass` in the list for its place and kind. An invalid
-    /// deposit increments `rejected` instead.
+    /// Stores one deposit of a photon path of `tracer` in the list for its place and kind. An
+    /// invalid deposit increments `rejected` instead.
     #[inline]
-    pub(super) fn store_deposit(&mut self, pass: &PhotonPass<'_>, deposit: &Deposit<'_>) {
-        let is_separate = pass.mask.separates_after_caustic && deposit.kind == PhotonKind::AfterCaustic;
+    pub(super) fn store_deposit(&mut self, tracer: &PhotonTracer<'_>, deposit: &Deposit<'_>) {
+        let is_separate = tracer.mask.separates_after_caustic && deposit.kind == PhotonKind::AfterCaustic;
         let (photons, volume) = if is_separate {
             (&mut self.after_caustic, &mut self.after_caustic_volume)
         } else {
@@ -118,16 +118,16 @@ impl Deposits {
         let stored = match deposit.place {
             DepositPlace::Surface(surface, share) => {
                 let photon = Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal());
-                let photon = photon.map(|photon| photon.with_wavelength(code));
+                let photon = photon.map(|photon| photon.with_wavelength_code(code));
                 photon
                     .map(|photon| photons.push(share.map_or(photon, |steps| photon.with_density_estimate_share(steps))))
             }
-            DepositPlace::Film(film) => {
+            DepositPlace::Film(film_position) => {
                 let is_valid = flux.is_finite() && flux != Rgb::ZERO;
-                is_valid.then(|| self.splats.push(Splat { film, radiance: flux }))
+                is_valid.then(|| self.splats.push(Splat { film_position, radiance: flux }))
             }
             DepositPlace::Beam { ray, medium } => {
-                let length = beam_length(pass, ray, medium);
+                let length = beam_length(tracer, ray, medium);
                 let beam = PhotonBeam::new(ray.origin, ray.direction, length, flux, medium, code);
                 // A beam of zero length contributes nothing, so it is not an error.
                 beam.map(|beam| volume.beams.push(beam)).or((length == 0.0).then_some(()))
@@ -154,7 +154,7 @@ fn concatenated_lists<'a, O, T: Copy + Send + Sync + 'a>(
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splat {
     /// Film position that receives the light \[pixels from the top left].
-    pub film: Vec2,
+    pub film_position: Vec2,
     /// Radiance integrated over the film area in square pixels \[W/(m² sr)·pixel²].
     pub radiance: Rgb,
 }
@@ -203,12 +203,12 @@ pub(super) enum DepositPlace<'a> {
 ///
 /// The beam of a finite ray ends at the ray's end. The beam of an infinite ray ends at
 /// [`MAX_OPTICAL_DEPTH`], or outside the scene's bounding sphere if that is nearer.
-fn beam_length(pass: &PhotonPass<'_>, ray: &Ray, medium: u32) -> f32 {
+fn beam_length(tracer: &PhotonTracer<'_>, ray: &Ray, medium: u32) -> f32 {
     if ray.t_max.is_finite() {
         return ray.t_max;
     }
-    let domain = pass.scene.photon_domain();
+    let domain = tracer.scene.photon_domain();
     let far = 2.0 * ((domain.center - ray.origin).length() + domain.radius);
-    let extinction = pass.scene.media()[medium as usize].extinction().min_element();
+    let extinction = tracer.scene.media()[medium as usize].extinction().min_element();
     if extinction > 0.0 { (MAX_OPTICAL_DEPTH / extinction).min(far) } else { far }
 }

@@ -219,7 +219,7 @@ impl<'a> PhotonSource<'a> {
             // An emitting surface: the ray already starts off the surface, beyond rounding errors.
             (false, false) => emission.ray,
         };
-        Some((self.scene.start_light_path(point.light, ray, self.effects), emission.flux))
+        Some((self.scene.start_light_path(point.light, ray, self.effects), emission.weight))
     }
 }
 
@@ -245,12 +245,12 @@ fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
 /// Estimates the power \[W] that the light with index `light` emits towards the spheres of `aim`,
 /// averaged over RGB.
 fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
-    let key = Key::new(0).purpose_key(Purpose::LightWeights).light_power_pilot_key(light);
+    let key = Key::new(0).purpose_key(Purpose::AimedLightPower).light_power_pilot_key(light);
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));
         let emission = scene.lights()[light].sample_le_towards(aim, scene.photon_domain(), position, direction);
-        emission.map_or(0.0, |e| f64::from(color::channel_mean(e.flux)))
+        emission.map_or(0.0, |e| f64::from(color::channel_mean(e.weight)))
     };
     (0..POWER_SAMPLES).map(flux).sum::<f64>() / f64::from(POWER_SAMPLES)
 }

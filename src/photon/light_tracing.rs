@@ -49,7 +49,7 @@ impl DensityEstimateShares {
         let index = |x: u32, y: u32| y as usize * width as usize + x as usize;
         let mut sums = vec![(0.0, 0.0); width as usize * height as usize];
         for splat in splats {
-            if let Some((x, y)) = pixel_at_film_position(splat.film, width, height) {
+            if let Some((x, y)) = pixel_at_film_position(splat.film_position, width, height) {
                 let value = f64::from(color::channel_mean(splat.radiance));
                 let sum = &mut sums[index(x, y)];
                 *sum = (sum.0 + value, sum.1 + value * value);
@@ -77,21 +77,22 @@ impl DensityEstimateShares {
         Self { width, height, steps: vec![steps.min(SHARE_STEPS); width as usize * height as usize] }
     }
 
-    /// Share of caustic flux that density estimates use at film position `film` \[pixels from the
-    /// top left], in steps of 1/[`SHARE_STEPS`]. Outside the film, the share is 1.
+    /// Share of caustic flux that density estimates use at `film_position` \[pixels
+    /// from the top left], in steps of 1/[`SHARE_STEPS`]. Outside the film, the share is 1.
     #[inline]
-    fn share_steps_at_film_position(&self, film: Vec2) -> u8 {
-        pixel_at_film_position(film, self.width, self.height)
+    fn share_steps_at_film_position(&self, film_position: Vec2) -> u8 {
+        pixel_at_film_position(film_position, self.width, self.height)
             .map_or(SHARE_STEPS, |(x, y)| self.steps[y as usize * self.width as usize + x as usize])
     }
 }
 
-/// Column and row of the pixel that contains the film position `film` \[pixels from the top left];
-/// `None` outside the film.
+/// Column and row of the pixel that contains `film_position` \[pixels from the
+/// top left]; `None` outside the film.
 #[inline]
-fn pixel_at_film_position(film: Vec2, width: u32, height: u32) -> Option<(u32, u32)> {
-    let inside = film.cmpge(Vec2::ZERO).all() && film.x < width as f32 && film.y < height as f32;
-    inside.then_some((film.x as u32, film.y as u32))
+fn pixel_at_film_position(film_position: Vec2, width: u32, height: u32) -> Option<(u32, u32)> {
+    let inside =
+        film_position.cmpge(Vec2::ZERO).all() && film_position.x < width as f32 && film_position.y < height as f32;
+    inside.then_some((film_position.x as u32, film_position.y as u32))
 }
 
 /// Connects caustic photons to the camera of a scene, and splats their light on the film.
@@ -100,7 +101,7 @@ pub struct LightTracer<'a> {
     scene: &'a Scene,
     camera: &'a Camera,
     /// True if camera rays start at random points of the lens; false if at its center.
-    lens: bool,
+    samples_lens: bool,
     /// True if some bodies are null interfaces, which do not block connections.
     has_null_interfaces: bool,
     /// Fraction of a photon's flux that density estimates use, for each pixel; splats get the
@@ -112,13 +113,13 @@ pub struct LightTracer<'a> {
 impl<'a> LightTracer<'a> {
     /// Creates a light tracer for the camera of `scene`.
     ///
-    /// `lens` is true if camera rays start at random points of the lens, false if at its center.
-    /// `shares` divides the flux of photons between density estimates and splats. If `shares` is
-    /// `None`, density estimates and splats each get the whole flux.
+    /// `samples_lens` is true if camera rays start at random points of the lens, false if at its
+    /// center. `shares` divides the flux of photons between density estimates and splats. If
+    /// `shares` is `None`, density estimates and splats each get the whole flux.
     #[must_use]
-    pub fn new(scene: &'a Scene, lens: bool, shares: Option<&'a DensityEstimateShares>) -> Self {
+    pub fn new(scene: &'a Scene, samples_lens: bool, shares: Option<&'a DensityEstimateShares>) -> Self {
         let has_null_interfaces = scene.bodies().any(|body| body.is_null_interface);
-        Self { scene, camera: scene.camera(), lens, has_null_interfaces, shares }
+        Self { scene, camera: scene.camera(), samples_lens, has_null_interfaces, shares }
     }
 
     /// Connects a caustic photon at `surface` to the camera, and passes the splat to `deposit`.
@@ -142,7 +143,8 @@ impl<'a> LightTracer<'a> {
         let p = surface.point.p;
         // The share belongs to a position on the surface, so it must not depend on the lens sample.
         let Some(central) = self.camera.connect_to_point(p, None) else { return SHARE_STEPS };
-        let share = self.shares.map_or(SHARE_STEPS, |shares| shares.share_steps_at_film_position(central.film));
+        let share =
+            self.shares.map_or(SHARE_STEPS, |shares| shares.share_steps_at_film_position(central.film_position));
         let splat_share = match self.shares {
             None => 1.0,
             Some(_) => 1.0 - f32::from(share) / f32::from(SHARE_STEPS),
@@ -152,7 +154,7 @@ impl<'a> LightTracer<'a> {
         if splat_share == 0.0 || !surface.bsdf.stores_photons() {
             return share;
         }
-        let connection = if self.lens && self.camera.lens().is_some() {
+        let connection = if self.samples_lens && self.camera.lens().is_some() {
             self.camera.connect_to_point(p, Some(key.uniform_2d(Dimension::Lens)))
         } else {
             Some(central)
@@ -162,7 +164,7 @@ impl<'a> LightTracer<'a> {
             if radiance != Rgb::ZERO {
                 *rays += 1;
                 let radiance = radiance * self.transmittance(surface, &connection, path_ray, key);
-                let place = DepositPlace::Film(connection.film);
+                let place = DepositPlace::Film(connection.film_position);
                 deposit(Deposit { kind: PhotonKind::Caustic, place, flux: radiance, wavelength: None });
             }
         }
@@ -214,7 +216,7 @@ impl<'a> LightTracer<'a> {
 /// `width` is the number of pixels per row. The sums do not depend on the number of threads: each
 /// row adds its splats in a fixed order.
 pub fn add_splats(mut splats: Vec<Splat>, filter: &Filter, width: u32, image: &mut [Rgb]) {
-    let row_of = |splat: &Splat| splat.film.y.floor() as i32;
+    let row_of = |splat: &Splat| splat.film_position.y.floor() as i32;
     splats.par_sort_by_key(row_of);
     let radius = filter.radius();
     let reach = radius.ceil() as i32;
@@ -226,7 +228,7 @@ pub fn add_splats(mut splats: Vec<Splat>, filter: &Filter, width: u32, image: &m
         sums.fill(DVec3::ZERO);
         for splat in &splats[first..end] {
             // Pixel centers have the fractional part ½.
-            let position = splat.film - 0.5;
+            let position = splat.film_position - 0.5;
             let weight = filter.normalized_value(y as f32 - position.y);
             if weight == 0.0 {
                 continue;

@@ -34,6 +34,6 @@ pub use map::PhotonMap;
 pub use points::{VolumePhoton, VolumePhotonMap};
 pub use record::{Photon, PhotonData};
 pub use store_mask::{AFTER_CAUSTIC_THINNING, PhotonKind, StoreMask};
-pub use trace::{PhotonPass, PhotonPassResult};
+pub use trace::{PhotonTracer, TracedPhotons};
 pub use visible::{VisiblePoint, VisiblePointMap};
 pub use volume_coverage::KernelProbes;

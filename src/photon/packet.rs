@@ -104,10 +104,10 @@ impl PointPacket {
     /// Returns a bit mask of the points closer to `center` than a radius r, and d²/r² for each
     /// lane, where d is the distance from `center`.
     ///
-    /// Bit i of the mask stands for point i of the packet. `per_radius` is 1/r \[1/length].
+    /// Bit i of the mask stands for point i of the packet. `inverse_radius` is 1/r \[1/length].
     #[inline]
-    pub fn points_within_radius(&self, center: Vec3, per_radius: f32) -> (u32, f32x8) {
-        let scale = f32x8::splat(per_radius);
+    pub fn points_within_radius(&self, center: Vec3, inverse_radius: f32) -> (u32, f32x8) {
+        let scale = f32x8::splat(inverse_radius);
         let [x, y, z] = subtract(self.0, broadcast_to_lanes(center));
         let to = [x * scale, y * scale, z * scale];
         let x2 = dot(to, to);

@@ -24,7 +24,7 @@ pub struct VolumePhoton {
     direction: [u16; 2],
     /// Wavelength of the photon as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code);
     /// 0 if it carries all wavelengths.
-    pub wavelength: u8,
+    pub wavelength_code: u8,
 }
 
 impl VolumePhoton {
@@ -34,9 +34,9 @@ impl VolumePhoton {
     /// position is not finite, if the flux is zero or not finite, or if a channel is negative.
     #[inline]
     #[must_use]
-    pub fn new(position: Vec3, flux: Rgb, direction: Vec3, medium: u32, wavelength: u8) -> Option<Self> {
+    pub fn new(position: Vec3, flux: Rgb, direction: Vec3, medium: u32, wavelength_code: u8) -> Option<Self> {
         let flux = PackedFlux::new(flux).filter(|_| position.is_finite())?;
-        Some(Self { position, medium, flux, direction: encode_octahedral(direction), wavelength })
+        Some(Self { position, medium, flux, direction: encode_octahedral(direction), wavelength_code })
     }
 
     /// Flux of the photon \[W], all of which scatters at the point.
@@ -138,11 +138,11 @@ impl VolumePhotonMap {
     /// with phase function p (Jensen and Christensen 1998, section 3.2).
     #[inline]
     pub fn visit_near_point(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32, f32)) {
-        let per_radius = 1.0 / self.radius;
-        let scale = (15.0 / 8.0 * FRAC_1_PI) as f32 * per_radius * per_radius * per_radius;
+        let inverse_radius = 1.0 / self.radius;
+        let scale = (15.0 / 8.0 * FRAC_1_PI) as f32 * inverse_radius * inverse_radius * inverse_radius;
         let here = Ray { origin: p, direction: Vec3::Z, t_max: 0.0 };
         self.boxes.visit_boxes_along_ray(&here, &mut |run| {
-            let (mask, x2) = self.packets[run as usize].points_within_radius(p, per_radius);
+            let (mask, x2) = self.packets[run as usize].points_within_radius(p, inverse_radius);
             for slot in indices_of_set_bits(mask) {
                 let x2 = x2.as_array()[slot];
                 visitor(&self.photons[run as usize * LANES + slot], scale * (1.0 - x2), x2);

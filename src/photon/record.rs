@@ -56,7 +56,7 @@ pub struct PhotonData {
     normal: [i8; 3],
     /// Wavelength of the photon as [`Wavelength::byte_code`](crate::color::Wavelength::byte_code);
     /// 0 if it carries all wavelengths.
-    wavelength: u8,
+    wavelength_code: u8,
     /// Signed distance of the photon's tangent plane from the origin: normal · position \[length].
     plane_offset: f32,
 }
@@ -84,19 +84,19 @@ impl Photon {
             flux,
             incident: encode_octahedral(incident),
             normal: [normal.x, normal.y, normal.z].map(|c| (c * NORMAL_SCALE).round() as i8),
-            wavelength: 0,
+            wavelength_code: 0,
             plane_offset: 0.0,
         };
         data.plane_offset = data.normal().dot(position);
         Some(Self { position, data })
     }
 
-    /// Returns the photon with `wavelength`, a
+    /// Returns the photon with `wavelength_code`, a
     /// [`Wavelength::byte_code`](crate::color::Wavelength::byte_code); 0 means all wavelengths.
     #[inline]
     #[must_use]
-    pub fn with_wavelength(self, wavelength: u8) -> Self {
-        Self { data: PhotonData { wavelength, ..self.data }, ..self }
+    pub fn with_wavelength_code(self, wavelength_code: u8) -> Self {
+        Self { data: PhotonData { wavelength_code, ..self.data }, ..self }
     }
 
     /// Returns the photon with [`PhotonData::density_estimate_share`] set to
@@ -165,8 +165,8 @@ impl PhotonData {
     /// 0 if it carries all wavelengths.
     #[inline]
     #[must_use]
-    pub fn wavelength(&self) -> u8 {
-        self.wavelength
+    pub fn wavelength_code(&self) -> u8 {
+        self.wavelength_code
     }
 
     /// Unit direction towards the previous path vertex, precise to 10⁻⁴ rad.

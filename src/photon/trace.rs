@@ -15,10 +15,10 @@ use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Result of a photon pass: stored photons, splats, energy audit and counts.
+/// Result of tracing photon paths: stored photons, splats, energy audit and counts.
 #[derive(Debug, Default)]
-pub struct PhotonPassResult {
-    /// Photons and splats that the pass stored.
+pub struct TracedPhotons {
+    /// Photons and splats that the paths left.
     pub deposits: Deposits,
     /// Flux \[W] that the paths emitted, and that they lost by absorption, escape, stopping and
     /// Russian roulette.
@@ -39,9 +39,9 @@ pub(super) struct PhotonTracingTotals {
     pub rays: u64,
 }
 
-/// Inputs of a photon pass, which traces photon paths and stores photons.
+/// Tracer of photon paths: their scene, source and limits, and the kinds of photons that it stores.
 #[derive(Debug)]
-pub struct PhotonPass<'a> {
+pub struct PhotonTracer<'a> {
     /// Scene in which photons are traced.
     pub scene: &'a Scene,
     /// Source that samples the light and emitted ray of each photon path.
@@ -56,14 +56,14 @@ pub struct PhotonPass<'a> {
 /// scheduling, and small enough to balance the load.
 const CHUNK: u32 = 4096;
 
-impl PhotonPass<'_> {
+impl PhotonTracer<'_> {
     /// Traces `paths` photon paths with random numbers from `pass_key`; returns their photons,
     /// energy audit and counts.
     ///
     /// After each chunk of paths, calls `done` with the number of paths in the chunk, from any
     /// thread. The result does not depend on the number of threads: chunks have a fixed size and
     /// are joined in order.
-    pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> PhotonPassResult {
+    pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> TracedPhotons {
         let done = |paths| {
             done(paths);
             ControlFlow::Continue(())
@@ -71,8 +71,8 @@ impl PhotonPass<'_> {
         self.trace_and_connect(pass_key, paths, None, &done)
     }
 
-    /// Traces photon paths as [`PhotonPass::trace`] does, and connects their caustic photons to the
-    /// camera if there is a `light_tracer`. The connections add splats to the result.
+    /// Traces photon paths as [`PhotonTracer::trace`] does, and connects their caustic photons to
+    /// the camera if there is a `light_tracer`. The connections add splats to the result.
     ///
     /// If `done` returns [`ControlFlow::Break`], all chunks of paths that have not begun are
     /// skipped.
@@ -82,7 +82,7 @@ impl PhotonPass<'_> {
         paths: u32,
         light_tracer: Option<&LightTracer<'_>>,
         done: &(dyn Fn(u64) -> ControlFlow<()> + Sync),
-    ) -> PhotonPassResult {
+    ) -> TracedPhotons {
         let is_cancelled = AtomicBool::new(false);
         let chunks: Vec<(Deposits, PhotonTracingTotals)> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
@@ -114,7 +114,7 @@ impl PhotonPass<'_> {
             tally.rays += chunk.rays;
         }
         let PhotonTracingTotals { audit, rays } = tally;
-        PhotonPassResult { deposits: Deposits::concatenate(chunks), audit, rays, paths: u64::from(paths) }
+        TracedPhotons { deposits: Deposits::concatenate(chunks), audit, rays, paths: u64::from(paths) }
     }
 
     /// Follows one photon path until it is absorbed, escapes or is stopped. Adds its flux and its

@@ -12,7 +12,7 @@ pub struct VisiblePoint {
     /// World-space position of the point on the surface.
     pub position: Vec3,
     /// Upper bound of the rounding error of `position` along each axis \[length].
-    pub error: Vec3,
+    pub position_error: Vec3,
     /// Unit geometric normal on the side that the camera path sees.
     pub normal: Vec3,
     /// Importance of the point: camera path throughput times BRDF, which is the pixel's radiance
@@ -40,7 +40,7 @@ const NEIGHBOURS: u32 = 16;
 
 /// Largest number of visible points at which the distance to the 16th neighbour is measured. These
 /// distances determine the search radii.
-const PROBES: usize = 256;
+const MAX_RADIUS_SAMPLES: usize = 256;
 
 impl VisiblePointMap {
     /// Builds the map of visible `points`.
@@ -54,11 +54,12 @@ impl VisiblePointMap {
         let point = |p: VisiblePoint| Photon::new(p.position, Rgb::splat(p.weight * p.weight), p.normal, p.normal);
         let stored: Vec<Photon> = points.into_iter().filter_map(point).collect();
         let size = Bounds::from_points(stored.iter().map(|p| p.position)).extent().length();
-        let probes: Vec<Photon> = stored.iter().step_by(stored.len().div_ceil(PROBES).max(1)).copied().collect();
+        let radius_samples: Vec<Photon> =
+            stored.iter().step_by(stored.len().div_ceil(MAX_RADIUS_SAMPLES).max(1)).copied().collect();
         let points = PhotonMap::build(stored);
         let spacing =
             |p: &Photon| points.kth_photon_distance(p.position, p.data.normal().normalize(), NEIGHBOURS, size);
-        let mut spacings: Vec<f32> = probes.par_iter().filter_map(spacing).collect();
+        let mut spacings: Vec<f32> = radius_samples.par_iter().filter_map(spacing).collect();
         spacings.sort_by(f32::total_cmp);
         let typical = spacings.get(spacings.len() / 2).copied().unwrap_or(0.0);
         let first_search_radius = spacings.get(spacings.len() / 10).copied().unwrap_or(0.0);

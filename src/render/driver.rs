@@ -84,7 +84,7 @@ pub struct RenderResult {
     /// Film of the radiance that clamping removed; `None` without clamping.
     pub clamped: Option<Film>,
     /// Reason why the render ended. It has no meaning while the render goes on.
-    pub ended: EndReason,
+    pub end_reason: EndReason,
     /// Counts of rays and density estimates of all passes.
     pub counters: Counters,
     /// Wall time of all passes \[s], by stage.
@@ -106,7 +106,7 @@ pub struct PassProgress<'a> {
     /// Film, error estimator, counts and times of the passes so far.
     pub rendered: &'a RenderResult,
     /// Reason why the render ends after this pass; `None` if another pass follows.
-    pub ended: Option<EndReason>,
+    pub end_reason: Option<EndReason>,
     /// Estimated error, and a forecast of the error after more passes; `None` if the error was not
     /// estimated after this pass.
     pub error: Option<(ErrorEstimate, ErrorForecast)>,
@@ -145,21 +145,21 @@ pub fn render(
     (1..=rendered.film.passes()).for_each(|passes| _ = schedule.is_due(passes));
     if rendered.film.passes() > 0 {
         let error = rendered.estimate_error(stop.target);
-        if let Some(ended) = stop.end_reason(rendered.film.passes(), error.as_ref(), Duration::ZERO) {
-            rendered.ended = ended;
+        if let Some(end_reason) = stop.end_reason(rendered.film.passes(), error.as_ref(), Duration::ZERO) {
+            rendered.end_reason = end_reason;
             return rendered;
         }
     }
 
     loop {
         let Some(number) = rendered.numbers.first_missing(numbers.clone()) else {
-            rendered.ended = EndReason::Passes;
+            rendered.end_reason = EndReason::Passes;
             return rendered;
         };
         // Render one pass.
         let pass = integrator.render_pass(number, monitor);
         if monitor.is_cancelled() {
-            rendered.ended = EndReason::Interrupted;
+            rendered.end_reason = EndReason::Interrupted;
             return rendered;
         }
 
@@ -181,12 +181,12 @@ pub fn render(
         // End if a criterion holds.
         let error = if schedule.is_due(passes) { rendered.estimate_error(stop.target) } else { None };
         let no_pass_is_left = || rendered.numbers.first_missing(numbers.clone()).is_none().then_some(EndReason::Passes);
-        let ended = stop.end_reason(passes, error.as_ref(), start.elapsed()).or_else(no_pass_is_left);
-        after_pass(&PassProgress { passes, rendered: &rendered, ended, error });
+        let end_reason = stop.end_reason(passes, error.as_ref(), start.elapsed()).or_else(no_pass_is_left);
+        after_pass(&PassProgress { passes, rendered: &rendered, end_reason, error });
         let is_interrupted = stop.interrupted.load(Ordering::Relaxed);
-        let ended = is_interrupted.then_some(EndReason::Interrupted).or(ended);
-        if let Some(ended) = ended {
-            rendered.ended = ended;
+        let end_reason = is_interrupted.then_some(EndReason::Interrupted).or(end_reason);
+        if let Some(end_reason) = end_reason {
+            rendered.end_reason = end_reason;
             return rendered;
         }
     }
@@ -204,7 +204,7 @@ impl RenderResult {
             groups: (0..groups).map(|_| Film::new(size.0, size.1)).collect(),
             clamped: integrator.clamps_light().then(|| Film::new(size.0, size.1)),
             estimator: integrator.estimates_error().then(|| ErrorEstimator::new(integrator.radius_law())),
-            ended: EndReason::Passes,
+            end_reason: EndReason::Passes,
             counters: Counters::default(),
             seconds: StageTimes::default(),
             unaimed: PhotonReport::default(),

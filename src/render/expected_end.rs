@@ -7,7 +7,7 @@ use super::error_estimate::{ErrorForecast, StopForecast};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExpectedEnd {
     /// Criterion of [`StopCriteria`] that is expected to end the render.
-    pub ended: EndReason,
+    pub reason: EndReason,
     /// Expected number of passes at the end.
     pub passes: u32,
     /// Expected relative error of the picture at the end, see
@@ -28,8 +28,8 @@ impl StopCriteria<'_> {
         let by_error = self.expected_end_by_error(forecast);
         // If two criteria hold after equally many passes, the first one counts, as in `render`.
         let ends = [by_passes, by_error, by_time];
-        let (ended, passes) = ends.into_iter().flatten().min_by_key(|(_, passes)| *passes)?;
-        Some(ExpectedEnd { ended, passes, error: forecast.error_after_passes(passes) })
+        let (reason, passes) = ends.into_iter().flatten().min_by_key(|(_, passes)| *passes)?;
+        Some(ExpectedEnd { reason, passes, error: forecast.error_after_passes(passes) })
     }
 
     fn expected_end_by_error(&self, forecast: &ErrorForecast) -> Option<(EndReason, u32)> {

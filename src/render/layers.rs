@@ -21,13 +21,13 @@ pub fn picture_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     layers.extend(rendered.clamped.iter().map(|film| rgb_layer("clamped", &film.mean())));
     let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES);
     let Some(estimator) = estimator else { return layers };
-    let ErrorMaps { noise, bias, caustic, indirect } = estimator.error_maps(&rendered.film);
+    let ErrorMaps { noise, bias, caustic_discs, indirect_discs } = estimator.error_maps(&rendered.film);
     layers.push(rgb_layer("noise", &noise));
     if !bias.is_empty() {
         layers.push(rgb_layer("bias", &bias));
         let channels = |value: fn(&MeanGatherDisc) -> f32| {
             let map = |discs: &[MeanGatherDisc]| discs.iter().map(value).collect::<Vec<f32>>();
-            vec![("caustic".to_owned(), map(&caustic)), ("global".to_owned(), map(&indirect))]
+            vec![("caustic".to_owned(), map(&caustic_discs)), ("global".to_owned(), map(&indirect_discs))]
         };
         layers.push(ExrLayer { name: "radius".to_owned(), channels: channels(|d| d.radius) });
         layers.push(ExrLayer { name: "photons".to_owned(), channels: channels(|d| d.mean_count) });

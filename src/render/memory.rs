@@ -241,13 +241,17 @@ fn check_pixel_memory(
 
 /// Checks that the photons of a pass fit into memory and that 32-bit indices can address them.
 ///
-/// `free` is the free memory \[bytes]; `None` if unknown. `pictures` bytes of it are reserved for
-/// pictures.
+/// `free` is the free memory \[bytes]; `None` if unknown. `picture_bytes` of it are reserved
+/// for pictures.
 ///
 /// # Errors
 /// [`MemoryError`] if there are too many photons.
-pub fn check_photon_memory(expected: ExpectedPhotons, pictures: u64, free: Option<u64>) -> Result<(), MemoryError> {
-    let free = free.map(|free| free.saturating_sub(pictures));
+pub fn check_photon_memory(
+    expected: ExpectedPhotons,
+    picture_bytes: u64,
+    free: Option<u64>,
+) -> Result<(), MemoryError> {
+    let free = free.map(|free| free.saturating_sub(picture_bytes));
     let ExpectedPhotons { paths, stored_photons: stored, largest_map } = expected;
     if largest_map > u64::from(u32::MAX) {
         return Err(MemoryError::Indices { paths, stored: largest_map });

@@ -1,7 +1,7 @@
 //! Integrator of synthetic passes, for tests of the render loop.
 
 use crate::color::Rgb;
-use crate::integrate::{Integrator, NestedEstimates, Pass, ProgressMonitor, RadiusLaw};
+use crate::integrate::{Integrator, NestedDifferences, PassResult, ProgressMonitor, RadiusLaw};
 use crate::photon::Kernel;
 use crate::plan::Plan;
 use crate::sampling::{Dimension, Key, Purpose};
@@ -23,7 +23,7 @@ pub(super) struct NoisyIntegrator {
 }
 
 impl Integrator for NoisyIntegrator {
-    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> Pass {
+    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> PassResult {
         let key = Key::new(7).purpose_key(Purpose::Test).child_key(u64::from(pass));
         let noise = |pixel: u32| {
             let uniform = key.child_key(u64::from(pixel)).uniform_1d(Dimension::Film);
@@ -31,11 +31,11 @@ impl Integrator for NoisyIntegrator {
         };
         let pixels = SIZE.0 * SIZE.1;
         let differences = [0.5, 0.25].map(|part| Rgb::splat(part * self.bias));
-        let nested = NestedEstimates { differences, ..NestedEstimates::default() };
-        Pass {
+        let nested = NestedDifferences { differences, ..NestedDifferences::default() };
+        PassResult {
             image: (0..pixels).map(|pixel| Rgb::splat(1.0 + self.bias) + noise(pixel)).collect(),
             nested: vec![nested; pixels as usize],
-            ..Pass::default()
+            ..PassResult::default()
         }
     }
 

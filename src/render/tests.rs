@@ -3,7 +3,7 @@
 use super::error_estimate::{ErrorEstimate, ErrorEstimator};
 use super::{Film, MergeError};
 use crate::color::Rgb;
-use crate::integrate::{MeanGatherDisc, NestedEstimates, Pass, RadiusLaw};
+use crate::integrate::{MeanGatherDisc, NestedDifferences, PassResult, RadiusLaw};
 use crate::photon::Kernel;
 use crate::sampling::{Dimension, Key, Purpose};
 
@@ -19,7 +19,7 @@ fn uniform_random_number(key: Key) -> f64 {
 
 /// Returns pass `number` with radiance from `10^-decades` to `10^decades`, nested differences and
 /// pixels by unshared paths.
-fn noisy_pass(number: u32, decades: f64) -> Pass {
+fn noisy_pass(number: u32, decades: f64) -> PassResult {
     let key = Key::new(8).purpose_key(Purpose::Test).child_key(number.into());
     let value = |key: Key| {
         let size = libm::pow(10.0, decades * (2.0 * uniform_random_number(key.child_key(0)) - 1.0));
@@ -29,16 +29,16 @@ fn noisy_pass(number: u32, decades: f64) -> Pass {
         let key = key.child_key(pixel.into()).child_key(which);
         Rgb::from_array([0, 1, 2].map(|channel| value(key.child_key(channel))))
     };
-    let nested = |pixel| NestedEstimates {
+    let nested = |pixel| NestedDifferences {
         differences: [color(pixel, 1) - color(pixel, 2), color(pixel, 3) - color(pixel, 4)],
-        caustic: Some(MeanGatherDisc { radius: 1.0, mean_count: 2.0 }),
-        indirect: None,
+        caustic_disc: Some(MeanGatherDisc { radius: 1.0, mean_count: 2.0 }),
+        indirect_disc: None,
     };
-    Pass {
+    PassResult {
         image: (0..PIXELS).map(|pixel| color(pixel, 0)).collect(),
         nested: (0..PIXELS).map(nested).collect(),
         unshared_path_pixels: [3, 7, 20].map(|pixel| (pixel, color(pixel, 5))).to_vec(),
-        ..Pass::default()
+        ..PassResult::default()
     }
 }
 
@@ -46,14 +46,14 @@ fn empty_render() -> Render {
     (Film::new(SIZE.0, SIZE.1), ErrorEstimator::new(Some(LAW)))
 }
 
-fn add_pass((film, estimator): &mut Render, number: u32, pass: &Pass) {
+fn add_pass((film, estimator): &mut Render, number: u32, pass: &PassResult) {
     estimator.add(number, pass);
     film.add(&pass.image);
 }
 
 /// Deals `passes` at random to up to nine renders, each in random order, and merges the renders in
 /// random order.
-fn render_in_parts(passes: &[Pass], seed: u64) -> Render {
+fn render_in_parts(passes: &[PassResult], seed: u64) -> Render {
     let key = Key::new(seed).purpose_key(Purpose::Test);
     let mut parts: Vec<Render> = (0..=seed % 9).map(|_| empty_render()).collect();
     let mut order: Vec<u32> = (0..passes.len() as u32).collect();
@@ -84,7 +84,7 @@ fn result_bits_and_error((film, estimator): &Render) -> (Vec<u64>, Vec<u32>, Err
 #[test]
 fn partitions_and_orders_change_no_bit() {
     for (decades, count) in [(0.5, 40), (6.0, 23), (30.0, 40), (1.0, 5)] {
-        let passes: Vec<Pass> = (0..count).map(|number| noisy_pass(number, decades)).collect();
+        let passes: Vec<PassResult> = (0..count).map(|number| noisy_pass(number, decades)).collect();
         let mut whole = empty_render();
         (0..count).zip(&passes).for_each(|(number, pass)| add_pass(&mut whole, number, pass));
         let expected = result_bits_and_error(&whole);
@@ -102,7 +102,7 @@ fn partitions_and_orders_change_no_bit() {
 /// Infinite radiance of both signs is NaN. The other pixels stay finite.
 #[test]
 fn infinities_and_nan_survive_merging() {
-    let mut passes: Vec<Pass> = (0..9).map(|number| noisy_pass(number, 1.0)).collect();
+    let mut passes: Vec<PassResult> = (0..9).map(|number| noisy_pass(number, 1.0)).collect();
     passes[2].image[4].x = f32::INFINITY;
     passes[7].image[4].x = f32::NEG_INFINITY;
     passes[3].image[9].y = f32::NAN;
@@ -138,6 +138,6 @@ fn films_that_do_not_fit_are_refused() {
     assert_eq!(estimator.merge(&ErrorEstimator::new(None)), Err(MergeError::Estimator));
     estimator.add(0, &noisy_pass(0, 1.0));
     let mut other = ErrorEstimator::new(Some(LAW));
-    other.add(1, &Pass { nested: Vec::new(), ..noisy_pass(1, 1.0) });
+    other.add(1, &PassResult { nested: Vec::new(), ..noisy_pass(1, 1.0) });
     assert_eq!(estimator.merge(&other), Err(MergeError::Estimator));
 }

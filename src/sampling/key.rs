@@ -36,8 +36,8 @@
 //! | any sampler | `Sampler::sample_key` | sample | one per sample of the pixel |
 //! | purpose `RayPhotonBalance` | `Key::pilot_trial_key` | trial | independent trials |
 //! | `Camera` of a trial | `Key::film_point_key` | set · 2³² + point | one per point of a pilot |
-//! | purpose `LightWeights` | `Key::light_power_pilot_key` | light | one per light |
-//! | purpose `GuidingTraining` | `Key::training_round_key` | round | one per training round |
+//! | purpose `AimedLightPower` | `Key::light_power_pilot_key` | light | one per light |
+//! | purpose `EmissionGuiding` | `Key::training_round_key` | round | one per training round |
 //! | purpose `EnvironmentGuiding` | `Key::training_round_key` | round | one per training round |
 
 use glam::Vec2;
@@ -57,13 +57,13 @@ pub enum Purpose {
     /// Pilot simulation that finds gather radii before the first pass.
     Pilot,
     /// Pilot simulation that finds the probability with which each light emits caustic photons.
-    LightWeights,
+    AimedLightPower,
     /// Statistical tests.
     Test,
     /// Pilot simulation that finds points visible to the camera.
     VisiblePoints,
     /// Pilot simulation that trains the guiding of photon emission.
-    GuidingTraining,
+    EmissionGuiding,
     /// Photon paths whose photons guide the directions of gather rays.
     GatherRayGuides,
     /// Pilot simulation that divides the work between camera rays and photons.

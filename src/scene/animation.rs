@@ -103,7 +103,7 @@ pub(super) fn texture_mapping_at_time(kind: TextureMappingKind, motion: &Motion,
 /// that the medium fills.
 pub(super) fn medium_at_time(medium: &Medium, motion: &Motion, time: f64) -> Option<Medium> {
     let opening = motion_transform_at_time(motion, 0.0)?;
-    medium.transformed(motion.at_time(time) * *opening.inverse())
+    medium.with_transformed_grid(motion.at_time(time) * *opening.inverse())
 }
 
 /// Strength of a moving delta light in physical units.

@@ -140,7 +140,7 @@ impl Geometry {
     ) -> Self {
         let shapes = ShapeList::new(shapes, first_moving);
         let boxes: Vec<Bounds> = shapes.resting().iter().map(Shape::bounds).collect();
-        let (hierarchy, static_bounds) = match earlier.filter(|earlier| earlier.is_over(&mesh, &boxes)) {
+        let (hierarchy, static_bounds) = match earlier.filter(|earlier| earlier.hierarchy_matches(&mesh, &boxes)) {
             Some(earlier) => (earlier.hierarchy.clone(), earlier.static_bounds),
             None => build_static_hierarchy(&mesh, &boxes),
         };
@@ -165,7 +165,7 @@ impl Geometry {
 
     /// True if [`Geometry::hierarchy`] is over the triangles of `mesh` and over `boxes`, in their
     /// order and with the same bits.
-    fn is_over(&self, mesh: &Mesh, boxes: &[Bounds]) -> bool {
+    fn hierarchy_matches(&self, mesh: &Mesh, boxes: &[Bounds]) -> bool {
         let bits = |point: Vec3| point.to_array().map(f32::to_bits);
         let corners = |mesh: &Mesh, i: usize| mesh.corners(i).map(bits);
         let box_bits = |bounds: &Bounds| [bounds.min, bounds.max].map(bits);

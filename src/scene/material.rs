@@ -13,7 +13,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     kind: MaterialKind,
-    normals: NormalPerturbation,
+    normal_perturbation: NormalPerturbation,
     /// The BSDF with textures replaced by their means. Untextured materials use it at each hit.
     mean_bsdf: Bsdf,
     /// True if a texture determines a parameter of the BSDF.
@@ -88,7 +88,7 @@ pub enum MaterialKind {
         reflectance: MaterialParameter<Rgb>,
         /// Refractive index of the coat relative to the surroundings, from 1 to
         /// [`MAX_COAT_INDEX`](crate::bsdf::MAX_COAT_INDEX).
-        index: f32,
+        eta: f32,
         /// Roughness α of the coat in \[0, 1]; 0 is smooth.
         roughness: MaterialParameter<f32>,
         /// True to include interreflection between coat and base, which makes colours deeper.
@@ -139,11 +139,11 @@ impl MaterialKind {
                 Bsdf::ThinDielectric(ThinDielectric { eta, transmittance: parameters.evaluate_color(&transmittance) })
             }
             Self::Dielectric { body, roughness, scattering } => {
-                Bsdf::dielectric(body.index, parameters.evaluate_scalar(&roughness), scattering)
+                Bsdf::dielectric(body.eta, parameters.evaluate_scalar(&roughness), scattering)
             }
-            Self::CoatedDiffuse { reflectance, index, roughness, nonlinear } => Bsdf::coated_diffuse(
+            Self::CoatedDiffuse { reflectance, eta, roughness, nonlinear } => Bsdf::coated_diffuse(
                 parameters.evaluate_color(&reflectance),
-                index,
+                eta,
                 parameters.evaluate_photon_storage_roughness(&roughness),
                 nonlinear,
             ),
@@ -164,12 +164,12 @@ impl MaterialKind {
                     shininess: *shininess,
                 };
             }
-            Self::CoatedDiffuse { reflectance, index, roughness, .. } => {
+            Self::CoatedDiffuse { reflectance, eta, roughness, .. } => {
                 // A Phong lobe of this exponent is about as wide as a GGX lobe of roughness α.
                 let alpha = parameters.evaluate_scalar(roughness).max(MIN_HIGHLIGHT_ALPHA);
                 return PhongAppearance {
                     diffuse: parameters.evaluate_color(reflectance),
-                    specular: Rgb::splat(dielectric_reflectance(1.0, *index).0),
+                    specular: Rgb::splat(dielectric_reflectance(1.0, *eta).0),
                     shininess: 2.0 / (alpha * alpha) - 2.0,
                 };
             }
@@ -244,7 +244,7 @@ impl Material {
     pub fn new(kind: MaterialKind) -> Self {
         let (mean_bsdf, textured) = (kind.bsdf(&MeanParameterEvaluator), kind.is_textured());
         let may_store_photons = mean_bsdf.stores_photons() || kind.roughness_decides_photon_storage();
-        Self { kind, normals: NormalPerturbation::None, mean_bsdf, textured, may_store_photons }
+        Self { kind, normal_perturbation: NormalPerturbation::None, mean_bsdf, textured, may_store_photons }
     }
 
     /// Returns this material with `may_store_photons` set for a mix: to true if one of its
@@ -258,10 +258,10 @@ impl Material {
         Self { may_store_photons: parts.into_iter().any(stores), ..self }
     }
 
-    /// This material with shading normals perturbed by `normals`.
+    /// This material with shading normals perturbed by `normal_perturbation`.
     #[must_use]
-    pub fn with_normal_perturbation(self, normals: NormalPerturbation) -> Self {
-        Self { normals, ..self }
+    pub fn with_normal_perturbation(self, normal_perturbation: NormalPerturbation) -> Self {
+        Self { normal_perturbation, ..self }
     }
 
     /// A diffuse (Lambertian) material.
@@ -287,11 +287,11 @@ impl Material {
         Self::new(MaterialKind::Mirror { reflectance: reflectance.into() })
     }
 
-    /// A material that is the smooth boundary of a dielectric body with refractive `index` and
-    /// `absorption` \[1/length].
+    /// A material that is the smooth boundary of a dielectric body with refractive index `eta`
+    /// and `absorption` \[1/length].
     #[must_use]
-    pub fn dielectric(index: f32, absorption: Rgb) -> Self {
-        Self::smooth_boundary(Body { absorption, ..Body::new(index) })
+    pub fn dielectric(eta: f32, absorption: Rgb) -> Self {
+        Self::smooth_boundary(Body { absorption, ..Body::new(eta) })
     }
 
     /// A material that is the smooth boundary of `body`.
@@ -343,7 +343,7 @@ impl Material {
             | MaterialKind::CoatedDiffuse { .. }
             | MaterialKind::Mix { .. } => return self,
         };
-        Self::new(kind).with_normal_perturbation(self.normals)
+        Self::new(kind).with_normal_perturbation(self.normal_perturbation)
     }
 
     /// A thin sheet of refractive index `eta`. `transmittance` in (0, 1] is its internal
@@ -355,19 +355,19 @@ impl Material {
 
     /// A diffuse base of `reflectance` in \[0, 1] under a dielectric coat, such as plastic.
     ///
-    /// `index` is the refractive index of the coat relative to the surroundings, from 1 to
+    /// `eta` is the refractive index of the coat relative to the surroundings, from 1 to
     /// [`MAX_COAT_INDEX`](crate::bsdf::MAX_COAT_INDEX), and `roughness` its GGX α in \[0, 1].
     /// Interreflection between coat and base makes colours deeper if `nonlinear` is true, as it
     /// does in nature; see [`CoatedDiffuse`](crate::bsdf::CoatedDiffuse).
     #[must_use]
     pub fn coated_diffuse(
         reflectance: impl Into<MaterialParameter<Rgb>>,
-        index: f32,
+        eta: f32,
         roughness: impl Into<MaterialParameter<f32>>,
         nonlinear: bool,
     ) -> Self {
         let (reflectance, roughness) = (reflectance.into(), roughness.into());
-        Self::new(MaterialKind::CoatedDiffuse { reflectance, index, roughness, nonlinear })
+        Self::new(MaterialKind::CoatedDiffuse { reflectance, eta, roughness, nonlinear })
     }
 
     /// A material that absorbs all light.
@@ -385,7 +385,7 @@ impl Material {
     /// The perturbation of shading normals.
     #[must_use]
     pub fn normal_perturbation(&self) -> NormalPerturbation {
-        self.normals
+        self.normal_perturbation
     }
 
     /// The dielectric body that this material bounds; `None` if it bounds none.
@@ -402,7 +402,7 @@ impl Material {
         match self.kind {
             MaterialKind::Dielectric { roughness, scattering, .. } => {
                 let kind = MaterialKind::Dielectric { body, roughness, scattering };
-                Self::new(kind).with_normal_perturbation(self.normals)
+                Self::new(kind).with_normal_perturbation(self.normal_perturbation)
             }
             MaterialKind::Black
             | MaterialKind::Diffuse { .. }
@@ -457,7 +457,7 @@ impl Material {
     /// evaluate textures.
     #[inline]
     pub(super) fn needs_textures(&self) -> bool {
-        self.textured || self.normals != NormalPerturbation::None
+        self.textured || self.normal_perturbation != NormalPerturbation::None
     }
 
     /// Mean roughness α of a dielectric body's boundary; 0 for other materials.
@@ -499,13 +499,13 @@ impl Material {
         match self.kind {
             MaterialKind::CoatedDiffuse {
                 reflectance,
-                index,
+                eta,
                 roughness: MaterialParameter::Texture { texture, .. },
                 nonlinear,
             } => {
                 let (min, max) = textures[texture as usize].value_range();
                 for alpha in [min, max] {
-                    visit(Bsdf::coated_diffuse(reflectance.mean(), index, alpha, nonlinear));
+                    visit(Bsdf::coated_diffuse(reflectance.mean(), eta, alpha, nonlinear));
                 }
             }
             MaterialKind::Conductor { eta, k, roughness: MaterialParameter::Texture { texture, .. }, scattering } => {

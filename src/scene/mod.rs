@@ -91,7 +91,7 @@ impl std::fmt::Debug for Scene {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Scene")
             .field("triangles", &self.triangle_count())
-            .field("shapes", &self.shape_count())
+            .field("shapes", &self.analytic_shape_count())
             .field("lights", &self.lights)
             .field("materials", &self.materials)
             .finish_non_exhaustive()
@@ -237,7 +237,7 @@ impl Scene {
 
     /// Number of analytic shapes, planes included.
     #[must_use]
-    pub fn shape_count(&self) -> usize {
+    pub fn analytic_shape_count(&self) -> usize {
         let analytic = |shape: &&Shape| !matches!(shape, Shape::Instance(_));
         self.geometry.shapes.iter().filter(analytic).count() + self.geometry.planes.len()
     }

@@ -53,7 +53,7 @@ impl FilmMotionExtent {
     /// Film points outside the picture are clamped to its edge.
     fn length_on_film(&self, position: &impl Fn(u32) -> DVec3) -> f64 {
         let film = |(step, camera): (u32, &Camera)| {
-            let at = camera.connect_to_point(position(step).as_vec3(), None)?.film;
+            let at = camera.connect_to_point(position(step).as_vec3(), None)?.film_position;
             Some(at.clamp(Vec2::ZERO, self.size))
         };
         let places: Vec<Option<Vec2>> = (0..).zip(&self.cameras).map(film).collect();

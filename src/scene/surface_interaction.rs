@@ -79,7 +79,7 @@ impl SurfaceInteraction<'_> {
     #[inline]
     #[must_use]
     pub fn spawn_ray(&self, direction: Vec3) -> Ray {
-        Ray::new(offset_ray_origin(self.point.p, self.point.error, self.point.ng, direction), direction)
+        Ray::new(offset_ray_origin(self.point.p, self.point.position_error, self.point.ng, direction), direction)
     }
 
     /// The ray segment from the surface to the point `target`, which lies in unit `direction`.
@@ -89,7 +89,10 @@ impl SurfaceInteraction<'_> {
     #[inline]
     #[must_use]
     pub fn spawn_ray_to(&self, target: Vec3, direction: Vec3) -> Ray {
-        Ray::between_points(offset_ray_origin(self.point.p, self.point.error, self.point.ng, direction), target)
+        Ray::between_points(
+            offset_ray_origin(self.point.p, self.point.position_error, self.point.ng, direction),
+            target,
+        )
     }
 
     /// BSDF times cosine, f(wo, wi)·|wi · ns| \[1/sr], for radiance along a camera path.

@@ -101,11 +101,11 @@ impl Instance {
         // world space, and of the next ray's origin in object space. Only errors along the normal
         // count, since a shift within the triangle's plane does no harm.
         let n = own.ng.as_dvec3();
-        let rounded = n.abs().dot((own.error + own.p.abs() * f32::EPSILON).as_dvec3())
+        let rounded = n.abs().dot((own.position_error + own.p.abs() * f32::EPSILON).as_dvec3())
             / self.to_world.transform_normal(n).length();
         let reach = f64::from(p.abs().max_element()) + self.to_world.forward().translation.abs().max_element();
-        let error = position_error_bound(p, reach) + Vec3::splat(rounded as f32);
-        SurfacePoint { p, error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv: b }
+        let position_error = position_error_bound(p, reach) + Vec3::splat(rounded as f32);
+        SurfacePoint { p, position_error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv: b }
     }
 }
 

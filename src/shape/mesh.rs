@@ -70,7 +70,7 @@ impl Mesh {
         let size = size as f32;
         SurfacePoint {
             p,
-            error: p.abs() * f32::EPSILON + Vec3::splat(size * (4.0 * f32::EPSILON)),
+            position_error: p.abs() * f32::EPSILON + Vec3::splat(size * (4.0 * f32::EPSILON)),
             ng,
             ns,
             uv: b.as_vec2(),

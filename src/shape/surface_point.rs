@@ -11,7 +11,7 @@ pub struct SurfacePoint {
     /// Bound on the error of `p` along each axis \[length].
     ///
     /// It includes the error of the intersection test of a next ray from `p` with this surface.
-    pub error: Vec3,
+    pub position_error: Vec3,
     /// Geometric unit normal, on the outer side of the shape.
     pub ng: Vec3,
     /// Shading unit normal, in the hemisphere around `ng`.
@@ -33,7 +33,7 @@ impl SurfacePoint {
     pub(super) fn from_f64(p: DVec3, normal: DVec3, scale: f64) -> Self {
         let ng = normal.as_vec3();
         let rounded = p.as_vec3();
-        Self { p: rounded, error: position_error_bound(rounded, scale), ng, ns: ng, uv: Vec2::ZERO }
+        Self { p: rounded, position_error: position_error_bound(rounded, scale), ng, ns: ng, uv: Vec2::ZERO }
     }
 }
 

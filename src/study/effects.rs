@@ -79,7 +79,7 @@ impl PictureCost {
 pub struct EffectCost {
     /// Time that the effect adds to a pass, mean over passes \[s].
     pub seconds: f64,
-    /// Standard error of `seconds` \[s], from the scatter between passes; `None` with one pass.
+    /// Standard error of `seconds` \[s], from the variance between passes; `None` with one pass.
     pub seconds_error: Option<f64>,
     /// Time of all passes of the picture with all effects, divided by that of the picture without
     /// this effect.

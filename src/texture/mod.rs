@@ -4,13 +4,13 @@
 
 mod checker;
 mod eval_context;
+mod mip_map;
 pub(crate) mod noise;
-mod picture;
 mod solid;
 
 pub use checker::Checkerboard;
 pub use eval_context::{TextureEvalContext, UvTransform};
-pub use picture::{Picture, PictureError, WrapMode};
+pub use mip_map::{MipMap, MipMapError, WrapMode};
 pub use solid::{SolidPattern, SolidTexture};
 
 use crate::color::{self, Rgb};
@@ -22,7 +22,7 @@ use crate::color::{self, Rgb};
 #[derive(Clone, Debug)]
 pub enum Texture {
     /// A picture, which covers the unit square of its texture coordinates.
-    Picture(Picture, UvTransform),
+    Image(MipMap, UvTransform),
     /// A checkerboard of unit squares in its texture coordinates.
     Checkerboard(Checkerboard, UvTransform),
     /// A solid texture: a pattern in object space.
@@ -37,8 +37,8 @@ impl Texture {
     #[must_use]
     pub fn evaluate_color(&self, context: &TextureEvalContext) -> Rgb {
         match self {
-            Self::Picture(picture, coordinates) => {
-                coordinates.filter_anisotropic(context, |uv, size| picture.box_mean(uv, size))
+            Self::Image(mip_map, coordinates) => {
+                coordinates.filter_anisotropic(context, |uv, size| mip_map.box_mean(uv, size))
             }
             Self::Checkerboard(checker, coordinates) => {
                 coordinates.filter_anisotropic(context, |uv, size| checker.box_mean(uv, size))
@@ -61,7 +61,7 @@ impl Texture {
     #[must_use]
     pub fn mean(&self) -> Rgb {
         match self {
-            Self::Picture(picture, _) => picture.mean(),
+            Self::Image(mip_map, _) => mip_map.mean(),
             Self::Checkerboard(checker, _) => checker.mean(),
             Self::Solid(solid) => solid.mean(),
         }
@@ -71,7 +71,7 @@ impl Texture {
     #[must_use]
     pub fn value_range(&self) -> (f32, f32) {
         match self {
-            Self::Picture(picture, _) => picture.value_range(),
+            Self::Image(mip_map, _) => mip_map.value_range(),
             Self::Checkerboard(checker, _) => color_channel_range(checker.colors),
             Self::Solid(solid) => color_channel_range(solid.colors),
         }
@@ -90,7 +90,7 @@ impl Texture {
     #[must_use]
     pub fn finest_bump_step(&self) -> f64 {
         match self {
-            Self::Picture(picture, coordinates) => 0.5 * picture.texel_size() / coordinates.max_scale(),
+            Self::Image(mip_map, coordinates) => 0.5 * mip_map.texel_size() / coordinates.max_scale(),
             Self::Checkerboard(_, coordinates) => checker::BUMP_STEP / coordinates.max_scale(),
             Self::Solid(solid) => solid.finest_bump_step(),
         }

@@ -242,17 +242,17 @@ impl LiveFrame {
     #[must_use]
     pub fn from_error_maps(sequence: u32, rendered: &RenderResult) -> Option<Self> {
         let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES)?;
-        let ErrorMaps { noise, bias, caustic, indirect } = estimator.error_maps(&rendered.film);
+        let ErrorMaps { noise, bias, caustic_discs, indirect_discs } = estimator.error_maps(&rendered.film);
         let mut layers = vec![Layer::from_colors(LayerKind::Noise, &noise)];
         if !bias.is_empty() {
             let numbers = |kind, discs: &[MeanGatherDisc], value: fn(&MeanGatherDisc) -> f32| {
                 Layer::from_numbers(kind, discs.iter().map(value).collect())
             };
             layers.push(Layer::from_colors(LayerKind::Bias, &bias));
-            layers.push(numbers(LayerKind::CausticRadius, &caustic, |disc| disc.radius));
-            layers.push(numbers(LayerKind::IndirectRadius, &indirect, |disc| disc.radius));
-            layers.push(numbers(LayerKind::CausticPhotons, &caustic, |disc| disc.mean_count));
-            layers.push(numbers(LayerKind::IndirectPhotons, &indirect, |disc| disc.mean_count));
+            layers.push(numbers(LayerKind::CausticRadius, &caustic_discs, |disc| disc.radius));
+            layers.push(numbers(LayerKind::IndirectRadius, &indirect_discs, |disc| disc.radius));
+            layers.push(numbers(LayerKind::CausticPhotons, &caustic_discs, |disc| disc.mean_count));
+            layers.push(numbers(LayerKind::IndirectPhotons, &indirect_discs, |disc| disc.mean_count));
         }
         let (size, passes) = (rendered.film.size(), rendered.film.passes());
         Some(Self { sequence, size, passes, is_preview: false, layers })

@@ -93,7 +93,7 @@ impl LivePage {
             size: old.size,
             picture: old.picture.clone(),
             source_revision: old.source_revision,
-            problems: old.problems,
+            problem_count: old.problem_count,
             ..LiveStatus::default()
         };
         newest.maps = None;
@@ -121,7 +121,7 @@ impl LivePage {
         newest.status.picture = newest.picture.as_deref().map(FrameReport::new);
         newest.status.maps = newest.maps.as_deref().map(FrameReport::new);
         newest.status.surfaces = newest.surfaces.as_deref().map(FrameReport::new);
-        newest.status.problems = newest.source.problems.len();
+        newest.status.problem_count = newest.source.problems.len();
         self.sender.send_replace(Arc::new(PublishedState { state: newest.clone(), json: OnceLock::new() }));
     }
 

@@ -22,7 +22,7 @@ pub struct LiveRender<'a> {
     /// Number of the render on its page, see [`LivePage::begin_render`].
     number: u32,
     /// Time at which loading of the scene began.
-    start: Instant,
+    load_start: Instant,
     picture_pace: Pace,
     map_pace: Pace,
     curve: Arc<Vec<CurvePoint>>,
@@ -30,11 +30,19 @@ pub struct LiveRender<'a> {
 }
 
 impl<'a> LiveRender<'a> {
-    /// Begins a new render on `page`. `start` is the time at which loading of its scene began.
+    /// Begins a new render on `page`. `load_start` is the time at which loading of its scene began.
     #[must_use]
-    pub fn begin(page: &'a LivePage, start: Instant) -> Self {
+    pub fn begin(page: &'a LivePage, load_start: Instant) -> Self {
         let (picture_pace, map_pace) = (Pace::default(), Pace::default());
-        Self { page, number: page.begin_render(), start, picture_pace, map_pace, curve: Arc::default(), forecast: None }
+        Self {
+            page,
+            number: page.begin_render(),
+            load_start,
+            picture_pace,
+            map_pace,
+            curve: Arc::default(),
+            forecast: None,
+        }
     }
 
     /// Returns the number that the page gave to this render, counted from 1.
@@ -55,7 +63,7 @@ impl<'a> LiveRender<'a> {
 
     /// Publishes a preview of `size` (width, height) pixels as the newest picture.
     pub fn show_preview(&self, size: (u32, u32), pixels: &[Vec3]) {
-        let seconds = self.start.elapsed().as_secs_f64();
+        let seconds = self.load_start.elapsed().as_secs_f64();
         self.publish(|state, sequence| {
             let frame = LiveFrame { is_preview: true, ..LiveFrame::from_picture(sequence, size, 0, pixels) };
             state.picture = Some(Arc::new(frame));
@@ -68,7 +76,7 @@ impl<'a> LiveRender<'a> {
         self.publish(|state, _| {
             let status = &mut state.status;
             status.phase = Phase::Passes;
-            status.ended = None;
+            status.end_reason = None;
             status.size = size;
             status.plan = Some(Arc::new(plan));
             status.pass_limit = stop.passes;
@@ -92,7 +100,7 @@ impl<'a> LiveRender<'a> {
             self.forecast = Some(Arc::new(ForecastReport::new(estimate, forecast, stop)));
         }
         let start = Instant::now();
-        if progress.ended.is_some() || !self.picture_pace.is_due(start) {
+        if progress.end_reason.is_some() || !self.picture_pace.is_due(start) {
             return;
         }
         self.publish_result(progress.rendered);
@@ -124,13 +132,13 @@ impl<'a> LiveRender<'a> {
         self.publish_maps(rendered);
         self.publish(|state, _| {
             state.status.phase = phase;
-            state.status.ended = Some(rendered.ended);
+            state.status.end_reason = Some(rendered.end_reason);
         });
     }
 
     /// Publishes the picture, the counts and the error curve of `rendered`.
     fn publish_result(&self, rendered: &RenderResult) {
-        let seconds = self.start.elapsed().as_secs_f64();
+        let seconds = self.load_start.elapsed().as_secs_f64();
         let frame = LiveFrame::from_render(0, rendered);
         self.publish(|state, sequence| {
             state.picture = Some(Arc::new(LiveFrame { sequence, ..frame }));

@@ -72,7 +72,8 @@ pub struct ForecastReport {
     /// `target` can be reached.
     pub floor: Option<f64>,
     /// Probability that the number of passes lies between the first and last value of `passes`.
-    pub probability: f64,
+    #[serde(rename = "probability")]
+    pub range_probability: f64,
     /// Predicted error curve: pairs of a number of passes and a relative error.
     pub curve: Vec<(u32, f64)>,
 }
@@ -166,7 +167,8 @@ pub struct LiveStatus {
     /// Phase that the render has reached.
     pub phase: Phase,
     /// Reason why the render ended; `None` while it goes on.
-    pub ended: Option<EndReason>,
+    #[serde(rename = "ended")]
+    pub end_reason: Option<EndReason>,
     /// Width and height of the full picture \[pixels]; 0 before the scene is read.
     pub size: (u32, u32),
     /// Movement of the camera that the user has chosen on the page, relative to the camera of the
@@ -210,7 +212,8 @@ pub struct LiveStatus {
     /// Number that rises whenever the text or the errors of the scene file change.
     pub source_revision: u32,
     /// Number of errors in the scene file. The page fetches the texts of the errors separately.
-    pub problems: usize,
+    #[serde(rename = "problems")]
+    pub problem_count: usize,
 }
 
 impl CurvePoint {
@@ -247,7 +250,7 @@ impl ForecastReport {
             ends_render: stop.target.is_some(),
             passes,
             floor,
-            probability: RANGE_PROBABILITY,
+            range_probability: RANGE_PROBABILITY,
             curve: numbers.into_iter().map(|n| (n, forecast.error_after_passes(n))).collect(),
         }
     }

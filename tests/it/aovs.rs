@@ -5,7 +5,7 @@ use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::integrate::{
-    Algorithm, AovSurface, CameraPathSettings, LightGroup, Pass, SURFACE_AOV_RAYS, Settings, SilentMonitor,
+    Algorithm, AovSurface, CameraPathSettings, LightGroup, PassResult, SURFACE_AOV_RAYS, Settings, SilentMonitor,
     SurfaceAovs, render_surface_aovs,
 };
 use caustica::scene::{Effects, Scene};
@@ -30,7 +30,7 @@ fn grouped(filter: FilterKind) -> Settings {
 }
 
 /// Fails unless the light groups of each pixel add up to the picture to rounding.
-fn assert_groups_add_up(what: &str, pass: &Pass) {
+fn assert_groups_add_up(what: &str, pass: &PassResult) {
     assert_eq!(pass.groups.len(), LightGroup::ALL.len(), "{what}");
     for (i, pixel) in pass.image.iter().enumerate() {
         let parts: [DVec3; 3] = std::array::from_fn(|group| pass.groups[group][i].as_dvec3());

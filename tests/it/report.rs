@@ -49,8 +49,8 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
         let variance = noise * noise * (0..n).map(|i| 1.0 / shrinks(i)).sum::<f64>() / f64::from(n * n);
         let drift = bias * (0..n).map(shrinks).sum::<f64>() / f64::from(n);
         let own = |seed| 0.9 + 0.2 * random(key.child_key(seed).child_key(u64::from(i)));
-        let noises: Vec<f64> = (0..SEEDS).map(|seed| variance * own(seed)).collect();
-        let squares: Vec<f64> = noises.iter().map(|n| n + drift * drift).collect();
+        let squared_noises: Vec<f64> = (0..SEEDS).map(|seed| variance * own(seed)).collect();
+        let squared_errors: Vec<f64> = squared_noises.iter().map(|n| n + drift * drift).collect();
         let seconds = pass * f64::from(n);
         ConvergenceCheckpoint {
             passes: n,
@@ -58,13 +58,13 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
             wall: 0.5 * seconds,
             rays: 3e6 * f64::from(n),
             photon_paths: if algorithm.traces_photons() { 5e5 * f64::from(n) } else { 0.0 },
-            noise2: noises.iter().sum::<f64>() / SEEDS as f64,
+            noise2: squared_noises.iter().sum::<f64>() / SEEDS as f64,
             bias2: drift * drift,
-            estimated: squares.iter().map(|s| 1.1 * s).collect(),
-            rmse: 0.3 * squares[0].sqrt(),
-            flip: squares[0].sqrt().min(1.0) * 0.5,
-            noises,
-            squares,
+            squared_error_estimates: squared_errors.iter().map(|s| 1.1 * s).collect(),
+            rmse: 0.3 * squared_errors[0].sqrt(),
+            flip: squared_errors[0].sqrt().min(1.0) * 0.5,
+            squared_noises,
+            squared_errors,
         }
     };
     let checkpoints: Vec<ConvergenceCheckpoint> = (0..count).map(checkpoint).collect();
@@ -91,9 +91,9 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
         setup: 0.4,
         alpha,
         radii: algorithm.traces_photons().then_some([0.08, 0.02]),
-        error: pairs().map(|(a, b)| (*a - *b).length() / (b.length() + 0.2)).collect(),
-        difference: Image::from_pixels(WIDTH, HEIGHT, pairs().map(|(a, b)| *a - *b).collect()).unwrap(),
-        picture: shown,
+        pixel_errors: pairs().map(|(a, b)| (*a - *b).length() / (b.length() + 0.2)).collect(),
+        mean_difference: Image::from_pixels(WIDTH, HEIGHT, pairs().map(|(a, b)| *a - *b).collect()).unwrap(),
+        first_seed_picture: shown,
         checkpoints,
     }
 }
@@ -199,7 +199,7 @@ fn minimal_study_makes_a_page() {
     let last = &mut found.methods[1];
     last.checkpoints.truncate(1);
     last.checkpoints[0] = ConvergenceCheckpoint { passes: 1, ..ConvergenceCheckpoint::default() };
-    last.error.fill(0.0);
+    last.pixel_errors.fill(0.0);
     let page = words(&methods_html_page(&found).unwrap());
     assert!(unbalanced(&page).is_none() && page.contains("too few checkpoints") && !page.contains("NaN"));
     found.methods.clear();

@@ -2,7 +2,7 @@
 
 use crate::support::scene_from_text_in;
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, CameraPathSettings, Pass, PhotonReport, Settings, SilentMonitor};
+use caustica::integrate::{Algorithm, CameraPathSettings, PassResult, PhotonReport, Settings, SilentMonitor};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
@@ -59,7 +59,7 @@ fn settings() -> Settings {
 /// All results of a pass except its times: pixel bits, counters, and reports of both photon maps.
 type Result = (Vec<[u32; 3]>, Counters, PhotonReport, PhotonReport);
 
-fn result(pass: Pass) -> Result {
+fn result(pass: PassResult) -> Result {
     let bits = |p: &Rgb| p.to_array().map(f32::to_bits);
     (pass.image.iter().map(bits).collect(), pass.counters, pass.unaimed, pass.aimed)
 }
@@ -87,7 +87,7 @@ fn any_thread_count_gives_same_bits() {
         assert!(image.iter().flatten().filter(|bits| **bits != 0).count() > image.len());
         assert!(counters.continuation_rays > 0 && counters.shadow_rays > 0 && counters.gathered_photons > 0);
         assert!(global.stored > 1000 && caustic.stored > 1000 && counters.rejected_samples == 0);
-        assert_eq!((global.emitted, caustic.emitted), (PHOTONS.into(), PHOTONS.into()));
+        assert_eq!((global.emitted_paths, caustic.emitted_paths), (PHOTONS.into(), PHOTONS.into()));
     }
     assert!(passes[0] != passes[1] && passes[1] != passes[2], "passes are independent");
     for threads in [2, 3, 8] {

@@ -3,7 +3,7 @@
 use crate::support::{scene_from_file, scene_from_text};
 use caustica::camera::CropWindow;
 use caustica::integrate::{
-    Algorithm, AovSurface, CameraPathSettings, Pass, Settings, SilentMonitor, render_surface_aovs,
+    Algorithm, AovSurface, CameraPathSettings, PassResult, Settings, SilentMonitor, render_surface_aovs,
 };
 use caustica::render::{RenderResult, StopCriteria, render};
 use caustica::scene::{Effects, Scene};
@@ -37,7 +37,7 @@ fn check_windows(scenes: &[&str], window: CropWindow) {
     for name in scenes {
         let scene = scene_from_file(&format!("scenes/{name}.txt"), (48, 36));
         for algorithm in Algorithm::ALL {
-            let pass = |crop: Option<CropWindow>| -> Pass {
+            let pass = |crop: Option<CropWindow>| -> PassResult {
                 let settings = CameraPathSettings {
                     crop,
                     groups_light: true,

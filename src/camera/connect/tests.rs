@@ -25,7 +25,7 @@ fn connections_invert_camera_rays() {
         ] {
             let ray = camera.generate_ray(film, Some(lens));
             let found = camera.connect_to_point(ray.at(t), Some(lens)).unwrap();
-            assert!((found.film - film).length() < 2e-4, "{found:?}");
+            assert!((found.film_position - film).length() < 2e-4, "{found:?}");
             assert!((found.direction + ray.direction).length() < 1e-5, "{found:?}");
             assert!((found.origin - ray.origin).length() < 1e-5, "{found:?}");
         }
@@ -43,7 +43,7 @@ fn camera_importance_is_the_film_jacobian() {
             let p = ray.at(3.0);
             let (s, t) = ray.direction.any_orthonormal_pair();
             let step = 0.01;
-            let at = |v: Vec3| camera.connect_to_point(p + v, lens).unwrap().film;
+            let at = |v: Vec3| camera.connect_to_point(p + v, lens).unwrap().film_position;
             let along = |v: Vec3| (at(v * step) - at(v * -step)) / (2.0 * step);
             let area = along(s).perp_dot(along(t)).abs();
             let importance = camera.connect_to_point(p, lens).unwrap().importance;

@@ -53,7 +53,8 @@ pub(super) struct CostEstimateReport {
 /// Expected reason, passes, time and error with which a render ends.
 #[derive(Debug, Serialize)]
 struct ExpectedEndReport {
-    ended: EndReason,
+    #[serde(rename = "ended")]
+    end_reason: EndReason,
     passes: u32,
     /// Expected time of the render, including preparation \[s].
     seconds: f64,
@@ -101,7 +102,7 @@ impl CostEstimateReport {
         let pilot = estimator.map(|estimator| estimator.estimate(&rendered.film)).unwrap_or_default();
         let forecast = estimator.and_then(|estimator| estimator.forecast(&pilot));
         let forecast = forecast.ok_or(PilotTooShortError { passes })?;
-        let pass_photons = (rendered.unaimed.emitted + rendered.aimed.emitted) as f64 / f64::from(passes);
+        let pass_photons = (rendered.unaimed.emitted_paths + rendered.aimed.emitted_paths) as f64 / f64::from(passes);
         let mut words = method_flags(method, "--effects", arguments.effects.effects);
         if method.seed != 0 {
             words.extend(["--seed".to_owned(), method.seed.to_string()]);
@@ -116,8 +117,13 @@ impl CostEstimateReport {
             CostEstimate { flags, ..estimate }
         };
         let expected_end = |stop: &StopCriteria<'_>| {
-            let ExpectedEnd { ended, passes, error } = stop.expected_end(&forecast, pass_seconds)?;
-            Some(ExpectedEndReport { ended, passes, seconds: setup + f64::from(passes) * pass_seconds, error })
+            let ExpectedEnd { reason, passes, error } = stop.expected_end(&forecast, pass_seconds)?;
+            Some(ExpectedEndReport {
+                end_reason: reason,
+                passes,
+                seconds: setup + f64::from(passes) * pass_seconds,
+                error,
+            })
         };
         let (width, height) = rendered.film.size();
         Ok(Self {
@@ -202,7 +208,7 @@ impl ExpectedEndReport {
     fn text(&self, target: f64) -> String {
         let passes = count_with_noun(self.passes as usize, "pass", "passes");
         let (time, target, error) = (duration_text(self.seconds), percent_text(target), percent_text(self.error));
-        match self.ended {
+        match self.end_reason {
             EndReason::Target => format!("at an error of {target}, after about {passes} and {time}"),
             EndReason::Time => format!("by time, after about {passes} and {time}, at an error of about {error}"),
             EndReason::Floor => {

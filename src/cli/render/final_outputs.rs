@@ -60,7 +60,11 @@ impl RenderOutputs<'_> {
             let json = serde_json::to_vec_pretty(&report).map_err(CommandFailure::output_error)?;
             failures.ok_or_collect_error(image::replace_file(path, &json));
         }
-        failures.into_result(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
+        failures.into_result(if rendered.end_reason == EndReason::Interrupted {
+            Exit::Interrupted
+        } else {
+            Exit::Success
+        })
     }
 
     /// Writes the files of `-o` and `--aov`. Collects errors in `failures`.

@@ -12,7 +12,7 @@ use crate::study::text::percent_text;
 /// Prints the name of the scene, its numbers of triangles, shapes and lights, and a note if it has
 /// no objects or lights.
 pub(super) fn print_scene_summary(name: &str, scene: &Scene, progress: &ProgressDisplay) {
-    let (triangles, shapes, lights) = (scene.triangle_count(), scene.shape_count(), scene.lights().len());
+    let (triangles, shapes, lights) = (scene.triangle_count(), scene.analytic_shape_count(), scene.lights().len());
     progress.print_line(&format!(
         "{name}: {}, {}, {}",
         count_with_noun(triangles, "triangle", "triangles"),
@@ -38,7 +38,7 @@ pub(super) fn print_render_summary(
     rendered: &RenderResult,
 ) {
     let n = rendered.film.passes();
-    let why = match rendered.ended {
+    let why = match rendered.end_reason {
         EndReason::Passes => String::new(),
         EndReason::Time => format!("; time was up: --passes {n} repeats this picture bit for bit"),
         EndReason::Target => format!("; the error is low enough: --passes {n} repeats this picture bit for bit"),
@@ -64,21 +64,21 @@ pub(super) fn print_render_summary(
         ));
     }
     if limits.are_default() {
-        default_end_line(stop, rendered.ended).iter().for_each(|line| progress.print_line(line));
+        default_end_line(stop, rendered.end_reason).iter().for_each(|line| progress.print_line(line));
     }
-    if rendered.ended == EndReason::Floor {
+    if rendered.end_reason == EndReason::Floor {
         print_message(&format!("warning: {}", forecast_text::BIAS_REMEDY));
     }
 }
 
 /// Returns a line that says which default limit ended a render: error, time or bias. Returns `None`
 /// if the number of passes or the user ended it, or if `stop` lacks a target or a time limit.
-fn default_end_line(stop: &StopCriteria<'_>, ended: EndReason) -> Option<String> {
+fn default_end_line(stop: &StopCriteria<'_>, end_reason: EndReason) -> Option<String> {
     let (target, time) = (stop.target?, stop.time?);
     let error = percent_text(target.error);
     let confidence = percent_text(target.confidence.probability());
     let time = forecast_text::duration_text(time.as_secs_f64());
-    match ended {
+    match end_reason {
         EndReason::Target => Some(format!(
             "ended by error: at most {error} with {confidence} confidence. --target-error sets another error"
         )),

@@ -52,11 +52,11 @@ fn run_effect_study(
     let algorithm = arguments.method.integrator;
     // Check the memory for the full picture, and at most one further picture for each effect.
     let memory = arguments.scene.memory_limit();
-    let pictures = check_picture_memory(Effect::ALL.len() + 1, scene.camera().size(), memory.available_bytes())
+    let picture_bytes = check_picture_memory(Effect::ALL.len() + 1, scene.camera().size(), memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
     let study =
         EffectStudy::prepare(&scene, algorithm, &settings_from_arguments(&arguments.method, arguments.simulate));
-    check_photon_memory(study.max_expected_photon_counts(), pictures, memory.available_bytes())
+    check_photon_memory(study.max_expected_photon_counts(), picture_bytes, memory.available_bytes())
         .map_err(CommandFailure::usage_error)?;
     progress.print_line(&plan::simulated_effects_line(study.plan()));
     plan::omitted_effect_warnings(study.plan()).for_each(|line| print_message(&line));

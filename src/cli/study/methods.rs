@@ -20,19 +20,14 @@ use crate::render::check_photon_memory;
 use crate::scene::Scene;
 use crate::stats::format_bytes;
 use crate::study::methods::{
-    MethodStudy, MethodStudyEvent, MethodStudyResult, MethodVariant, ReferencePictures, StudiedScene, StudyLimits,
-    applicable_methods, shell_quoted,
+    MIN_THREAD_TIME_SHARE, MethodStudy, MethodStudyEvent, MethodStudyResult, MethodVariant, ReferencePictures,
+    StudiedScene, StudyLimits, applicable_methods, shell_quoted,
 };
 use crate::study::report::methods as report;
 use miette::IntoDiagnostic;
 
 /// Default processor time of a reference, as a multiple of `--budget`.
 const REFERENCE_BUDGET_FACTOR: f64 = 4.0;
-
-/// Ratio of processor time to (wall time × threads), below which a warning is printed.
-///
-/// A smaller ratio means that other programs ran, or that threads waited.
-const MIN_THREAD_SHARE: f64 = 0.9;
 
 /// File extensions of reports, and the functions that make the text of a report.
 const REPORT_WRITERS: [(&str, ReportWriter<MethodStudyResult>); 4] = [
@@ -152,7 +147,7 @@ fn run_method_study(
     });
     progress.remove_progress_bar();
     let found = found.into_diagnostic().map_err(|e| CommandFailure::new(Exit::Input, e))?;
-    if found.thread_time_share < MIN_THREAD_SHARE {
+    if found.thread_time_share < MIN_THREAD_TIME_SHARE {
         print_message(&format!(
             "warning: threads had only {:.0} % of their time: other programs ran, or the passes are too small for the threads",
             100.0 * found.thread_time_share

@@ -67,7 +67,7 @@ mod tests {
     fn rates_are_exponents_of_time() {
         let at = |seconds, square| ConvergenceCheckpoint {
             seconds,
-            squares: vec![square; 2],
+            squared_errors: vec![square; 2],
             ..ConvergenceCheckpoint::default()
         };
         // In four times the time, the squared error falls to a quarter. The error falls to a half,

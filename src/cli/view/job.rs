@@ -199,13 +199,13 @@ impl<'a> Job<'a> {
         if self.is_cancelled() {
             return;
         }
-        let pictures = match check_layered_picture_memory(size, layers, free()) {
-            Ok(pictures) => pictures,
+        let picture_bytes = match check_layered_picture_memory(size, layers, free()) {
+            Ok(picture_bytes) => picture_bytes,
             Err(error) => return self.publish_memory_error(error),
         };
         self.live.set_phase(Phase::Pilots);
         let integrator = pool.install(|| algorithm.prepare(scene, settings));
-        if let Err(error) = check_photon_memory(integrator.expected_photons(), pictures, free()) {
+        if let Err(error) = check_photon_memory(integrator.expected_photons(), picture_bytes, free()) {
             return self.publish_memory_error(error);
         }
         self.render_passes(scene, &camera_paths, integrator.as_ref(), algorithm);
@@ -259,7 +259,7 @@ impl<'a> Job<'a> {
             }
             // Drop resume requests from before the pause, so that they do not end it.
             while self.resumed.try_recv().is_ok() {}
-            let is_stopped = rendered.ended == EndReason::Interrupted;
+            let is_stopped = rendered.end_reason == EndReason::Interrupted;
             self.live.publish_end(&rendered, if is_stopped { Phase::Stopped } else { Phase::Ended });
             loop {
                 match self.resumed.recv_timeout(SURFACE_INTERVAL) {

@@ -42,14 +42,14 @@ pub(super) struct ReadScene {
 /// Reads and builds the scene that the command line names.
 ///
 /// The new scene shares with `previous` what has not changed: everything but the camera if
-/// [`reused_scene`] finds that only the camera differs, else meshes and hierarchies.
+/// [`scene_with_new_camera`] finds that only the camera differs, else meshes and hierarchies.
 pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScene>) -> ReadScene {
     let path = &arguments.scene.scene;
     let name = path.display().to_string();
     let monitor = WatchingMonitor::new(path);
     let read = read_sized_scene_file(&arguments.scene, &monitor).and_then(|file| {
         if let Some((resolved, previous)) =
-            previous.and_then(|previous| Some((reused_scene(&file, previous)?, previous)))
+            previous.and_then(|previous| Some((scene_with_new_camera(&file, previous)?, previous)))
         {
             return Ok((file, resolved, Some(&previous.files)));
         }
@@ -81,7 +81,7 @@ pub(super) fn read_scene(arguments: &ViewArguments, previous: Option<&LoadedScen
 ///
 /// It does not if more than the camera differs, if a file that the scene names has changed, if the
 /// camera moves while the shutter is open, or if `file` embeds meshes, pictures or grids.
-fn reused_scene(file: &SceneFile, previous: &LoadedScene) -> Option<ResolvedScene> {
+fn scene_with_new_camera(file: &SceneFile, previous: &LoadedScene) -> Option<ResolvedScene> {
     let mut old = previous.description.clone();
     old.camera.clone_from(&file.description.camera);
     let rests = file.description.camera.motion.is_empty();
@@ -99,11 +99,11 @@ fn text_of_file(path: &Path) -> String {
     if is_short { fs::read_to_string(path).unwrap_or_default() } else { String::new() }
 }
 
-/// Returns one [`SceneProblem`] for each error that `report` holds. Errors of other kinds than
-/// those of the scene language have no position in the file.
+/// Returns one [`SceneProblem`] for each error that `report` holds. Only errors in the content of a
+/// scene file have a position in the file.
 fn problems_of_report(report: &Report) -> Vec<SceneProblem> {
     let error = match report.downcast_ref::<SceneReadError>() {
-        Some(SceneReadError::Language(error)) => Some(error),
+        Some(SceneReadError::Content(error)) => Some(error),
         Some(SceneReadError::Unreadable { .. } | SceneReadError::Memory { .. }) => None,
         None => report.downcast_ref::<SceneError>(),
     };

@@ -76,14 +76,15 @@ impl MeshReadMonitor for WatchingMonitor {
 #[derive(Debug, Default)]
 pub(super) struct FileWatch {
     files: WatchedFiles,
-    /// State of the files at the last look; `None` if it equals `files`.
-    changed: Option<WatchedFiles>,
+    /// New stamps at the last look, which are reported if the next look finds them again; `None` if
+    /// the last look found `files`.
+    unsettled: Option<WatchedFiles>,
 }
 
 impl FileWatch {
     /// Watches `files` from now on. A difference from their stamps counts as a change.
     pub fn set_files(&mut self, files: WatchedFiles) {
-        (self.files, self.changed) = (files, None);
+        (self.files, self.unsettled) = (files, None);
     }
 
     /// Takes the stamps of all files. Returns true once after each change, when two calls in a row
@@ -91,14 +92,14 @@ impl FileWatch {
     pub fn has_settled_change(&mut self) -> bool {
         let now = self.files.with_present_stamps();
         if now == self.files {
-            self.changed = None;
+            self.unsettled = None;
             return false;
         }
-        let is_settled = self.changed.as_ref() == Some(&now);
+        let is_settled = self.unsettled.as_ref() == Some(&now);
         if is_settled {
             self.set_files(now);
         } else {
-            self.changed = Some(now);
+            self.unsettled = Some(now);
         }
         is_settled
     }

@@ -6,8 +6,8 @@ use gltf::buffer::{Source, View};
 use std::cell::{OnceCell, RefCell};
 use std::rc::Rc;
 
-/// Buffers of a glTF file. Each buffer is read when it is first needed.
-pub(super) struct Buffers<'a> {
+/// GltfBuffers of a glTF file. Each buffer is read when it is first needed.
+pub(super) struct GltfBuffers<'a> {
     context: &'a FileContext<'a>,
     blob: RefCell<Option<Vec<u8>>>,
     buffers: Vec<OnceCell<Rc<[u8]>>>,
@@ -37,7 +37,7 @@ impl AccessorValues {
     }
 }
 
-impl<'a> Buffers<'a> {
+impl<'a> GltfBuffers<'a> {
     /// Returns the buffers of a file with `count` buffers; reads none yet.
     ///
     /// `blob` is the binary chunk of a `.glb` file; `None` for a `.gltf` file.

@@ -1,6 +1,6 @@
 //! Converts primitives of a glTF file to triangle meshes.
 
-use super::accessors::Buffers;
+use super::accessors::GltfBuffers;
 use super::context::{FileContext, ReadResult};
 use crate::format::import_notes::ImportNotes;
 use crate::format::mesh::{TriangleMesh, unit_normal};
@@ -18,7 +18,7 @@ const MEMORY_PER_CORNER: u64 = 200;
 /// `texcoord_set` is the index of the texture coordinates that the material uses (`TEXCOORD_0`, …);
 /// `None` if it uses none.
 pub(super) fn read_primitive(
-    buffers: &Buffers<'_>,
+    buffers: &GltfBuffers<'_>,
     context: &FileContext<'_>,
     primitive: &Primitive<'_>,
     (place, texcoord_set): (&str, Option<u32>),
@@ -98,7 +98,7 @@ fn triangles_of_mode(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
 
 /// Returns the mean of all vertex colors, with alpha; `None` if the primitive has no vertex colors.
 pub(super) fn mean_vertex_color(
-    buffers: &Buffers<'_>,
+    buffers: &GltfBuffers<'_>,
     context: &FileContext<'_>,
     primitive: &Primitive<'_>,
     place: &str,

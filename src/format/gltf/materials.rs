@@ -2,7 +2,7 @@
 
 use super::context::{FileContext, ReadResult};
 use super::document::IGNORED_MATERIAL_EXTENSIONS;
-use super::pictures::{GltfTextureUse, GltfTextureValues, Pictures, TextureReference};
+use super::pictures::{GltfPictures, GltfTextureUse, GltfTextureValues, TextureReference};
 use crate::format::description::{
     ConductorDescription, DielectricAbsorption, DielectricDescription, DiffuseDescription, EmissionDescription,
     GroupItem, MaterialDescription, MaterialKindDescription, MetalDescription, MirrorDescription, MixDescription,
@@ -54,7 +54,7 @@ pub(super) struct GltfImportedMaterial {
 /// Materials of the imported scene so far, with their textures.
 pub(super) struct GltfMaterials<'a> {
     /// Textures of the materials, and embedded pictures.
-    pub pictures: Pictures<'a>,
+    pub pictures: GltfPictures<'a>,
     /// Materials of the imported scene. The materials of a mix are listed before it.
     pub descriptions: Vec<Spanned<MaterialDescription>>,
     names: HashSet<String>,
@@ -88,7 +88,7 @@ struct GltfMaterialConverter<'m, 'a> {
 
 impl<'a> GltfMaterials<'a> {
     /// Returns an empty table of materials, whose textures are collected in `pictures`.
-    pub fn new(pictures: Pictures<'a>) -> Self {
+    pub fn new(pictures: GltfPictures<'a>) -> Self {
         let (names, used) = (HashSet::new(), HashMap::new());
         Self { pictures, descriptions: Vec::new(), names, clear: None, used }
     }
@@ -170,7 +170,7 @@ impl<'a> GltfMaterials<'a> {
             return name.clone();
         }
         let name = self.unique_name("clear");
-        let kind = MaterialKindDescription::Thin(ThinDescription { index: 1.0, transmittance: DVec3::ONE.into() });
+        let kind = MaterialKindDescription::Thin(ThinDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
         self.push_material(name.clone(), kind, None, None);
         self.clear = Some(name.clone());
         name
@@ -368,7 +368,7 @@ impl GltfMaterialConverter<'_, '_> {
                 TexturedValue::Plain(color) => color.max(DVec3::splat(MIN_TRANSMITTANCE)).into(),
                 texture @ TexturedValue::Texture(_) => texture,
             };
-            return Ok(MaterialKindDescription::Thin(ThinDescription { index, transmittance }));
+            return Ok(MaterialKindDescription::Thin(ThinDescription { eta: index, transmittance }));
         };
         if base_texture.is_some() || *base != DVec3::ONE {
             self.add_note("the base color of bodies of glass is ignored: their color is that of their attenuation");

@@ -16,12 +16,12 @@ use super::framing::framing_camera;
 use super::import::{ImportOptions, ImportedScene, SceneImporter, SceneReadError};
 use super::import_notes::ImportNotes;
 use super::mesh::MeshReadMonitor;
-use accessors::Buffers;
+use accessors::GltfBuffers;
 use context::FileContext;
 use document::{GltfFile, parse_document};
 use glam::DVec3;
 use materials::GltfMaterials;
-use pictures::Pictures;
+use pictures::GltfPictures;
 use scene::read_scene;
 use std::path::Path;
 
@@ -62,8 +62,8 @@ pub fn decode(path: &Path, bytes: &[u8], options: &ImportOptions) -> Result<Impo
 fn import_bytes(context: &FileContext<'_>, bytes: &[u8]) -> Result<ImportedScene, SceneReadError> {
     let mut notes = ImportNotes::default();
     let GltfFile { document, blob } = parse_document(context, bytes, &mut notes)?;
-    let buffers = Buffers::new(context, document.buffers().len(), blob);
-    let mut materials = GltfMaterials::new(Pictures::new(context, &buffers));
+    let buffers = GltfBuffers::new(context, document.buffers().len(), blob);
+    let mut materials = GltfMaterials::new(GltfPictures::new(context, &buffers));
     let content = read_scene(context, &buffers, &document, &mut materials, &mut notes)?;
     let mut lights = content.lights;
     if lights.is_empty() && !content.has_emitters {
@@ -76,7 +76,7 @@ fn import_bytes(context: &FileContext<'_>, bytes: &[u8]) -> Result<ImportedScene
         framing_camera(content.bounds)
     });
     materials.remove_unused(&content.root);
-    let GltfMaterials { pictures: Pictures { textures, pictures, .. }, descriptions, .. } = materials;
+    let GltfMaterials { pictures: GltfPictures { textures, pictures, .. }, descriptions, .. } = materials;
     let description = SceneDescription {
         camera: Spanned::new(camera, Span::default()),
         background: DVec3::ZERO,

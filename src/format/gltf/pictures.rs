@@ -1,6 +1,6 @@
 //! Converts textures of a glTF file: decodes pictures and takes their colors or one channel.
 
-use super::accessors::Buffers;
+use super::accessors::GltfBuffers;
 use super::context::{FileContext, ReadResult};
 use crate::color::Rgb;
 use crate::format::description::{
@@ -62,9 +62,9 @@ impl GltfTextureValues {
 }
 
 /// Textures and embedded pictures of the imported scene so far.
-pub(super) struct Pictures<'a> {
+pub(super) struct GltfPictures<'a> {
     context: &'a FileContext<'a>,
-    buffers: &'a Buffers<'a>,
+    buffers: &'a GltfBuffers<'a>,
     /// Decoded pictures by image index; `None` for an image in an unsupported format.
     decoded: HashMap<usize, Option<Rc<RgbaLevels>>>,
     /// Converted images, as paths of embedded pictures or as constants, by image index and use.
@@ -77,9 +77,9 @@ pub(super) struct Pictures<'a> {
     pub pictures: BTreeMap<String, Arc<Image>>,
 }
 
-impl<'a> Pictures<'a> {
+impl<'a> GltfPictures<'a> {
     /// Returns an empty table of textures and pictures; decodes nothing yet.
-    pub fn new(context: &'a FileContext<'a>, buffers: &'a Buffers<'a>) -> Self {
+    pub fn new(context: &'a FileContext<'a>, buffers: &'a GltfBuffers<'a>) -> Self {
         Self {
             context,
             buffers,

@@ -1,6 +1,6 @@
 //! Converts the nodes of a glTF scene to objects, cameras and lights in world space.
 
-use super::accessors::Buffers;
+use super::accessors::GltfBuffers;
 use super::context::{FileContext, ReadResult};
 use super::geometry::{mean_vertex_color, read_primitive};
 use super::materials::GltfMaterials;
@@ -57,7 +57,7 @@ struct ImportedPrimitive {
 /// State of the traversal of a scene's nodes.
 struct NodeWalker<'w, 'a> {
     context: &'a FileContext<'a>,
-    buffers: &'a Buffers<'a>,
+    buffers: &'a GltfBuffers<'a>,
     document: &'w gltf::Document,
     materials: &'w mut GltfMaterials<'a>,
     notes: &'w mut ImportNotes,
@@ -72,7 +72,7 @@ struct NodeWalker<'w, 'a> {
 /// If the file has no scene, converts all its nodes.
 pub(super) fn read_scene<'a>(
     context: &'a FileContext<'a>,
-    buffers: &'a Buffers<'a>,
+    buffers: &'a GltfBuffers<'a>,
     document: &gltf::Document,
     materials: &mut GltfMaterials<'a>,
     notes: &mut ImportNotes,

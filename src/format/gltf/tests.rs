@@ -162,7 +162,7 @@ fn transmission_makes_bodies_and_panes() {
     };
     assert_eq!(*refraction, RefractiveIndexDescription::Abbe { index: 1.5, abbe: 40.0 });
     let pane = import_json(&triangle_scene(glass(json!({ "thicknessFactor": 0 })), json!({})));
-    assert!(matches!(material_kind(&pane, "g"), MaterialKindDescription::Thin(ThinDescription { index: 1.5, .. })));
+    assert!(matches!(material_kind(&pane, "g"), MaterialKindDescription::Thin(ThinDescription { eta: 1.5, .. })));
 }
 
 #[test]

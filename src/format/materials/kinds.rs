@@ -547,7 +547,7 @@ impl MaterialBlock for ConductorDescription {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ThinDescription {
     /// Index of refraction relative to the surroundings.
-    pub index: f64,
+    pub eta: f64,
     /// Transmittance of the pane's interior at normal incidence, inside (0, 1].
     pub transmittance: TexturedValue<DVec3>,
 }
@@ -566,17 +566,17 @@ impl MaterialBlock for ThinDescription {
     const BODY: BoundedBody = BoundedBody::None;
 
     fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
-        Ok(Self { index: f.value("indexOfRefraction")?, transmittance: f.value("transmittance")? })
+        Ok(Self { eta: f.value("indexOfRefraction")?, transmittance: f.value("transmittance")? })
     }
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
-        out.write_number("indexOfRefraction", self.index)?;
+        out.write_number("indexOfRefraction", self.eta)?;
         out.write_color_or_texture("transmittance", &self.transmittance)
     }
 
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let transmittance = r.resolve_reflectance_parameter(&self.transmittance, requirements)?;
-        Ok(Material::thin_dielectric(self.index as f32, transmittance))
+        Ok(Material::thin_dielectric(self.eta as f32, transmittance))
     }
 
     fn texture_names(&self) -> Vec<&Spanned<String>> {
@@ -594,7 +594,7 @@ pub struct CoatedDiffuseDescription {
     /// Reflectance of the base, inside [0, 1].
     pub reflectance: TexturedValue<DVec3>,
     /// Index of refraction of the coat relative to the surroundings, inside [1, 4].
-    pub index: f64,
+    pub eta: f64,
     /// GGX α of the coat, inside [0, 1]; 0 is smooth.
     pub roughness: TexturedValue<f64>,
     /// True to account for color shifts by interreflection between coat and base, like `nonlinear`
@@ -629,7 +629,7 @@ impl MaterialBlock for CoatedDiffuseDescription {
     fn parse<'a>(_: &Parser<'a>, f: &BlockFields<'a>) -> Result<Self, SceneError> {
         Ok(Self {
             reflectance: f.value("reflectance")?,
-            index: f.value("indexOfRefraction")?,
+            eta: f.value("indexOfRefraction")?,
             roughness: f.value("roughness")?,
             nonlinear: f.field_word_or_default("nonlinear")? == "yes",
         })
@@ -637,7 +637,7 @@ impl MaterialBlock for CoatedDiffuseDescription {
 
     fn write_fields(&self, out: &mut SceneWriter<'_, '_>) -> fmt::Result {
         out.write_color_or_texture("reflectance", &self.reflectance)?;
-        out.write_number("indexOfRefraction", self.index)?;
+        out.write_number("indexOfRefraction", self.eta)?;
         out.write_number_or_texture("roughness", &self.roughness)?;
         out.write_field("nonlinear", if self.nonlinear { "yes" } else { "no" })
     }
@@ -645,7 +645,7 @@ impl MaterialBlock for CoatedDiffuseDescription {
     fn resolve(&self, r: &mut Resolver<'_>, requirements: &mut TextureRequirements) -> Result<Material, SceneError> {
         let reflectance = r.resolve_reflectance_parameter(&self.reflectance, requirements)?;
         let roughness = r.resolve_fraction_parameter(&self.roughness, requirements)?;
-        Ok(Material::coated_diffuse(reflectance, self.index as f32, roughness, self.nonlinear))
+        Ok(Material::coated_diffuse(reflectance, self.eta as f32, roughness, self.nonlinear))
     }
 
     fn texture_names(&self) -> Vec<&Spanned<String>> {

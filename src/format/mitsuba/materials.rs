@@ -218,7 +218,7 @@ impl MitsubaMaterials {
             return name.clone();
         }
         let name = self.unique_name("clear");
-        let kind = MaterialKindDescription::Thin(ThinDescription { index: 1.0, transmittance: DVec3::ONE.into() });
+        let kind = MaterialKindDescription::Thin(ThinDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
         self.push_material(name.clone(), kind, None, None);
         self.clear = Some(name.clone());
         name
@@ -270,7 +270,7 @@ impl MitsubaMaterialConverter<'_, '_> {
                 self.note_tints(bsdf)?;
                 let index = refractive_index(context, bsdf)?;
                 let transmittance = DVec3::ONE.into();
-                MaterialKindDescription::Thin(ThinDescription { index, transmittance }).into()
+                MaterialKindDescription::Thin(ThinDescription { eta: index, transmittance }).into()
             }
             "conductor" | "roughconductor" => {
                 let roughness = if bsdf.plugin == "conductor" { 0.0.into() } else { self.roughness(bsdf)? };
@@ -394,7 +394,7 @@ impl MitsubaMaterialConverter<'_, '_> {
         }
         let kind = MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription {
             reflectance: base.into_color(),
-            index: index.clamp(1.0, f64::from(MAX_COAT_INDEX)),
+            eta: index.clamp(1.0, f64::from(MAX_COAT_INDEX)),
             roughness: alpha.into(),
             nonlinear: bsdf.boolean("nonlinear", false),
         });

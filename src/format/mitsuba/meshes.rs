@@ -28,7 +28,7 @@ const INNER_DISTANCE: f64 = 1e-4;
 
 /// Embedded meshes of the imported scene so far. A mesh is read once per set of reading flags.
 #[derive(Default)]
-pub(super) struct Meshes {
+pub(super) struct MitsubaMeshes {
     /// Embedded meshes by path.
     pub embedded: BTreeMap<String, Arc<TriangleMesh>>,
     known: HashMap<(PathBuf, usize, [bool; 2]), String>,
@@ -37,7 +37,7 @@ pub(super) struct Meshes {
     sphere: Option<String>,
 }
 
-impl Meshes {
+impl MitsubaMeshes {
     /// Reads the mesh file of a shape and embeds the mesh, unless this was done before.
     ///
     /// Returns the path of the embedded mesh, and the convention for its texture coordinates.

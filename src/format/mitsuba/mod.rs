@@ -36,7 +36,7 @@ use glam::DVec3;
 use lights::read_light;
 use sensor::read_camera;
 use settings::suggested_flags;
-use shapes::Shapes;
+use shapes::MitsubaShapes;
 use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
@@ -80,7 +80,7 @@ pub fn decode(path: &Path, bytes: &[u8], options: &ImportOptions) -> Result<Impo
 fn import_bytes(files: &MitsubaSceneFiles<'_>, bytes: Vec<u8>) -> ReadResult<ImportedScene> {
     let tree = read_tree(files, bytes)?;
     let context = ImportContext { files, tree: &tree, notes: RefCell::default() };
-    let (mut shapes, mut textures) = (Shapes::default(), MitsubaTextures::default());
+    let (mut shapes, mut textures) = (MitsubaShapes::default(), MitsubaTextures::default());
     for (_, shape) in context.children(&tree.root, ObjectClass::Shape)? {
         shapes.add_shape(&context, &mut textures, &shape)?;
     }

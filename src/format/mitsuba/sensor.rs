@@ -62,7 +62,7 @@ pub(super) fn read_camera(
             let size = 2.0 * axes[0].length() * film.size[1] / film.size[0] * (film.crop[1] / film.size[1]);
             ProjectionDescription::Orthographic { size }
         }
-        "spherical" => ProjectionDescription::Environment,
+        "spherical" => ProjectionDescription::Panorama,
         _ => return Ok(None),
     };
     Ok(Some(CameraDescription {

@@ -5,7 +5,7 @@ use super::context::ImportContext;
 use super::files::ReadResult;
 use super::materials::{MaterialBoundary, MitsubaMaterials, ShapeMaterialInputs};
 use super::media::MitsubaMedia;
-use super::meshes::{Meshes, TexcoordConvention};
+use super::meshes::{MitsubaMeshes, TexcoordConvention};
 use super::textures::{MitsubaTextureUse, MitsubaTextureValues, MitsubaTextures};
 use super::tree::{MitsubaObject, ObjectClass};
 use crate::format::description::{
@@ -25,11 +25,11 @@ const MAX_DEPTH: u32 = 8;
 
 /// Objects of the imported scene so far, with the meshes, materials and media that they use.
 #[derive(Default)]
-pub(super) struct Shapes {
+pub(super) struct MitsubaShapes {
     /// Objects of the imported scene with their materials, in the order of the Mitsuba file.
     pub root: ObjectGroup,
     /// Embedded meshes of the objects.
-    pub meshes: Meshes,
+    pub meshes: MitsubaMeshes,
     /// Materials of the objects in the imported scene.
     pub materials: MitsubaMaterials,
     /// Media inside the objects in the imported scene.
@@ -70,7 +70,7 @@ struct MitsubaShapeEmission {
     texture: Option<(Spanned<String>, f64)>,
 }
 
-impl Shapes {
+impl MitsubaShapes {
     /// Converts and adds a shape at the top level of the file.
     ///
     /// A shape group adds nothing by itself: only its instances do.

@@ -224,7 +224,7 @@ fn smooth_and_rough_materials_have_their_parameters() {
     assert_eq!((refraction, roughness), (RefractiveIndexDescription::Index(2.419), TexturedValue::Plain(0.0)));
     let pane = sphere_material("<bsdf type=\"thindielectric\"/>").kind;
     assert!(
-        matches!(pane, MaterialKindDescription::Thin(ThinDescription { index, .. }) if (index - 1.5046 / 1.000_277).abs() < 1e-12)
+        matches!(pane, MaterialKindDescription::Thin(ThinDescription { eta, .. }) if (eta - 1.5046 / 1.000_277).abs() < 1e-12)
     );
     let gold = sphere_material(
         r#"<bsdf type="roughconductor"><string name="material" value="Au"/><float name="alpha" value="0.3"/>

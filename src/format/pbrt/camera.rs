@@ -155,7 +155,7 @@ pub(super) fn read_camera(
             if film.crop != film.whole {
                 notes.add_unsupported("crop windows of spherical cameras show all directions", place.position_text());
             }
-            ProjectionDescription::Environment
+            ProjectionDescription::Panorama
         }
         _ => {
             let message = format!("no camera `{name}` is supported");

@@ -3,7 +3,7 @@
 use super::camera::{FilmSize, film_size, read_camera};
 use super::content::PbrtSceneContent;
 use super::files::{PbrtPlace, PbrtSceneFiles, ReadResult};
-use super::lights::{Lights, PbrtShapeEmission};
+use super::lights::{PbrtLights, PbrtShapeEmission};
 use super::materials::PbrtMaterials;
 use super::media::PbrtMedia;
 use super::parameters::{Parameters, parse_number};
@@ -73,7 +73,7 @@ pub(super) struct Interpreter<'a> {
     saved: Vec<GraphicsState>,
     coordinates: HashMap<String, MovingTransform>,
     content: PbrtSceneContent,
-    lights: Lights,
+    lights: PbrtLights,
     media: PbrtMedia,
     film: Option<FilmSize>,
     settings: SuggestedFlags,
@@ -111,7 +111,7 @@ impl<'a> Interpreter<'a> {
             saved: Vec::new(),
             coordinates: HashMap::from([("world".to_owned(), MovingTransform::IDENTITY)]),
             content,
-            lights: Lights::default(),
+            lights: PbrtLights::default(),
             media: PbrtMedia::default(),
             film: None,
             settings: SuggestedFlags::default(),

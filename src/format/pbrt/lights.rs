@@ -22,7 +22,7 @@ const LEFT_EDGE_ROTATION: f64 = 180.0;
 
 /// Lights of the imported scene so far. All infinite lights are merged into one.
 #[derive(Default)]
-pub(super) struct Lights {
+pub(super) struct PbrtLights {
     /// True if a shape emits light.
     pub has_emitters: bool,
     descriptions: Vec<Spanned<LightDescription>>,
@@ -32,7 +32,7 @@ pub(super) struct Lights {
     map: Option<Image>,
 }
 
-impl Lights {
+impl PbrtLights {
     /// Converts and adds a light.
     ///
     /// `kind` is the light's type in pbrt. `to_world` maps the light's own space to world space.
@@ -80,7 +80,7 @@ impl Lights {
                 }
                 LightDescription::Spot(SpotLightDescription {
                     position: from,
-                    aim: DirectionOrTarget::LookAt(to),
+                    aim: DirectionOrTarget::Target(to),
                     angle: 2.0 * cone,
                     penumbra: rim.clamp(0.0, cone),
                     strength: strength(color_of("I")?),

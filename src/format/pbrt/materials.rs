@@ -201,7 +201,7 @@ impl PbrtMaterialConverter<'_> {
     /// Returns the name of a mix of the material `name`, with the weight `opacity`, and a fully
     /// transparent one.
     fn mix_with_clear(&mut self, name: &str, opacity: TexturedValue<f64>) -> ReadResult<String> {
-        let clear = MaterialKindDescription::Thin(ThinDescription { index: 1.0, transmittance: DVec3::ONE.into() });
+        let clear = MaterialKindDescription::Thin(ThinDescription { eta: 1.0, transmittance: DVec3::ONE.into() });
         let clear = self.push_material(clear, None)?;
         let part = |name: &str| Spanned::new(name.to_owned(), Span::default());
         self.push_material(
@@ -266,7 +266,7 @@ impl PbrtMaterialConverter<'_> {
                 let roughness = roughness.alpha;
                 MaterialKindDescription::CoatedDiffuse(CoatedDiffuseDescription {
                     reflectance,
-                    index,
+                    eta: index,
                     roughness,
                     nonlinear: true,
                 })
@@ -306,7 +306,7 @@ impl PbrtMaterialConverter<'_> {
                 })
             }
             "thindielectric" => MaterialKindDescription::Thin(ThinDescription {
-                index: self.refractive_index(p, &["eta"])?,
+                eta: self.refractive_index(p, &["eta"])?,
                 transmittance: DVec3::ONE.into(),
             }),
             "conductor" | "metal" => {
@@ -338,7 +338,7 @@ impl PbrtMaterialConverter<'_> {
                 if self.medium.is_none() {
                     // A boundary without a medium changes nothing.
                     return Ok(MaterialKindDescription::Thin(ThinDescription {
-                        index: 1.0,
+                        eta: 1.0,
                         transmittance: DVec3::ONE.into(),
                     }));
                 }

@@ -7,7 +7,7 @@ use crate::format::description::{
     DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, Span, Spanned, TransformStep,
     TransformedBoxDescription,
 };
-use crate::format::grid::DensityGrid;
+use crate::format::grid::GridFile;
 use crate::format::import_notes::ImportNotes;
 use glam::{DAffine3, DMat4, DVec3};
 use std::collections::BTreeMap;
@@ -27,14 +27,14 @@ struct MediumValues {
 }
 
 /// Density grids by path.
-type DensityGrids = BTreeMap<String, Arc<DensityGrid>>;
+type GridFiles = BTreeMap<String, Arc<GridFile>>;
 
 /// Media of the imported scene so far, with their density grids.
 #[derive(Default)]
 pub(super) struct PbrtMedia {
     /// Media of the imported scene. Boxes of grids are in pbrt's world space.
     descriptions: Vec<Spanned<MediumDescription>>,
-    grids: DensityGrids,
+    grids: GridFiles,
 }
 
 impl PbrtMedia {
@@ -45,7 +45,7 @@ impl PbrtMedia {
 
     /// Returns the media, with the boxes of their grids transformed by `map`, and the grids by
     /// path.
-    pub fn into_descriptions(mut self, map: DAffine3) -> (Vec<Spanned<MediumDescription>>, DensityGrids) {
+    pub fn into_descriptions(mut self, map: DAffine3) -> (Vec<Spanned<MediumDescription>>, GridFiles) {
         for medium in &mut self.descriptions {
             if let DensityDescription::Grid { extent, .. } = &mut medium.value.density {
                 // A matrix applies after all earlier steps.
@@ -197,7 +197,7 @@ impl PbrtMedia {
         files.count_memory(MEMORY_PER_CELL * values.len() as u64)?;
         let extent = TransformedBoxDescription { min, max, steps: vec![TransformStep::Matrix(DMat4::from(to_world))] };
         let path = format!("grid{}", self.grids.len());
-        self.grids.insert(path.clone(), Arc::new(DensityGrid { size, values }));
+        self.grids.insert(path.clone(), Arc::new(GridFile { size, values }));
         Ok(DensityDescription::Grid { path: Spanned::new(path, Span::default()), scale: 1.0, extent })
     }
 }

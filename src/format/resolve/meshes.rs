@@ -222,7 +222,8 @@ fn add_mesh_file_material(
     r.materials[index as usize].textures = requirements;
     let emission = match description.emission {
         Some(EmissionDescription::Radiance(radiance)) => rgb(radiance),
-        _ => Rgb::ZERO,
+        // MTL files name no textures of emission.
+        Some(EmissionDescription::Texture { .. }) | None => Rgb::ZERO,
     };
     Ok(AddedMeshFileMaterial { name: description.name.unwrap_or_default().into(), index, emission })
 }

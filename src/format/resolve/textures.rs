@@ -8,7 +8,7 @@ use crate::format::textured_value::TexturedValue;
 use crate::image::{self, Image, PixelMeaning};
 use crate::scene::MaterialParameter;
 use crate::stats::format_bytes;
-use crate::texture::{Picture, Texture, UvTransform, WrapMode};
+use crate::texture::{MipMap, Texture, UvTransform, WrapMode};
 use glam::{DVec2, DVec3};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -61,9 +61,9 @@ impl<'a> Resolver<'a> {
         to_picture: UvTransform,
     ) -> Result<AddedTexture, SceneError> {
         let image = self.read_picture(path, content)?;
-        let picture = Picture::new(&image, wrap)
+        let mip_map = MipMap::new(&image, wrap)
             .map_err(|e| self.file_error(path, &e, "a texture's values must be finite and not negative"))?;
-        Ok(self.add_texture(Texture::Picture(picture, to_picture), content == PixelMeaning::Radiance))
+        Ok(self.add_texture(Texture::Image(mip_map, to_picture), content == PixelMeaning::Radiance))
     }
 
     /// Returns the embedded picture with this path, or else reads the picture file.

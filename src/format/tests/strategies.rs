@@ -23,7 +23,7 @@ fn random_camera() -> impl Strategy<Value = CameraDescription> {
     views.prop_filter_map("no view", |((center, view, up), aimed, mut projection, width, height, motion)| {
         let lookat =
             aimed.then_some(center + view).filter(|p| (*p - center).normalize().cross(up.normalize()).length() > 1e-6);
-        let aim = lookat.map_or(DirectionOrTarget::Direction(view), DirectionOrTarget::LookAt);
+        let aim = lookat.map_or(DirectionOrTarget::Direction(view), DirectionOrTarget::Target);
         let parallel = view.normalize().cross(up.normalize()).length() < 1e-6;
         if let ProjectionDescription::Perspective { lens: Some(lens), .. } = &mut projection
             && let FocusDescription::Point(point) = &mut lens.focus
@@ -40,7 +40,7 @@ fn random_camera() -> impl Strategy<Value = CameraDescription> {
 fn aim_direction(aim: DirectionOrTarget, center: DVec3) -> DVec3 {
     match aim {
         DirectionOrTarget::Direction(direction) => direction,
-        DirectionOrTarget::LookAt(point) => point - center,
+        DirectionOrTarget::Target(point) => point - center,
     }
 }
 
@@ -59,7 +59,7 @@ fn random_projection() -> impl Strategy<Value = ProjectionDescription> {
     prop_oneof![
         (1e-9..179.999, option::of(lens)).prop_map(|(angle, lens)| ProjectionDescription::Perspective { angle, lens }),
         (1e-12..1e12).prop_map(|size| ProjectionDescription::Orthographic { size }),
-        Just(ProjectionDescription::Environment),
+        Just(ProjectionDescription::Panorama),
     ]
 }
 
@@ -296,10 +296,10 @@ fn random_material_parts() -> impl Strategy<Value = MaterialParts> {
             MaterialKindDescription::Conductor(ConductorDescription { metal, roughness, multiple_scattering })
         }),
         (index(), random_textured_value(random_fractions()))
-            .prop_map(|(index, transmittance)| MaterialKindDescription::Thin(ThinDescription { index, transmittance })),
+            .prop_map(|(eta, transmittance)| MaterialKindDescription::Thin(ThinDescription { eta, transmittance })),
         (random_textured_value(random_fractions()), 1.0..=4.0, random_textured_value(0.0..=1.0), any::<bool>())
-            .prop_map(|(reflectance, index, roughness, nonlinear)| MaterialKindDescription::CoatedDiffuse(
-                CoatedDiffuseDescription { reflectance, index, roughness, nonlinear }
+            .prop_map(|(reflectance, eta, roughness, nonlinear)| MaterialKindDescription::CoatedDiffuse(
+                CoatedDiffuseDescription { reflectance, eta, roughness, nonlinear }
             )),
     ];
     (kind, option::of(random_emission()), option::of(random_normal_perturbation()))

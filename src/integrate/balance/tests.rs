@@ -1,12 +1,12 @@
 use super::*;
 
-fn noise_source(variance: f64, cost: f64, count: f64) -> NoiseSource {
-    NoiseSource { variance, cost, count }
+fn noise_source(variance: f64, work: f64, count: f64) -> NoiseSource {
+    NoiseSource { variance, work, count }
 }
 
 fn variance_and_work(sources: &[NoiseSource; 3], numbers: &[f64; 3]) -> (f64, f64) {
     let noise = sources.iter().zip(numbers).filter(|(p, _)| p.variance > 0.0).map(|(p, n)| p.variance / n).sum();
-    (noise, sources.iter().zip(numbers).filter(|(p, _)| p.variance > 0.0).map(|(p, n)| p.cost * n).sum())
+    (noise, sources.iter().zip(numbers).filter(|(p, _)| p.variance > 0.0).map(|(p, n)| p.work * n).sum())
 }
 
 /// The optimum for two sources of equal cost is n ∝ σ.
@@ -30,9 +30,9 @@ fn balance_has_the_least_noise() {
         assert!(noise <= before && (work / given - 1.0).abs() < 1e-9);
         for (i, j) in [(0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2)] {
             let mut other = best;
-            let moved = 1e-3 * sources[i].cost * best[i];
-            other[i] -= moved / sources[i].cost;
-            other[j] += moved / sources[j].cost;
+            let moved = 1e-3 * sources[i].work * best[i];
+            other[i] -= moved / sources[i].work;
+            other[j] += moved / sources[j].work;
             let within = |k: usize| (sources[k].count / MAX_CHANGE..=sources[k].count * MAX_CHANGE).contains(&other[k]);
             assert!(!within(i) || !within(j) || variance_and_work(&sources, &other).0 >= noise, "{i} to {j}");
         }

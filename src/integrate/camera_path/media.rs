@@ -86,8 +86,8 @@ fn cross_medium<I: Interior>(
     }
     scattered += photon_radiance(paths, weights.indirect, &path_segment, rng, task);
     *radiance += throughput * scattered;
-    if path.carries_shared_light {
-        task.records.light.shared_by_paths += throughput * scattered;
+    if path.carries_divided_light {
+        task.records.light.divided_light_of_paths += throughput * scattered;
     }
 
     // Scatter, or continue to the end of the segment.
@@ -141,7 +141,7 @@ pub(super) fn scatter_in_medium<I: Interior>(
 ) -> bool {
     let mut next = *path;
     if shares_indirect_light(weights, path.history) {
-        next.start_sharing(weights, path.sampler);
+        next.start_dividing(weights, path.sampler);
     }
     let (direction, pdf) = phase.sample(next.path_ray.ray.direction, path.sampler.get_2d(Dimension::Phase));
     next.path_ray.scatter_towards(direction);

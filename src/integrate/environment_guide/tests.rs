@@ -55,7 +55,7 @@ fn guided_directions_follow_their_pdf() {
         let (mean, error) = mean_and_error(&|u| {
             guide.sample_li(&sky, p, u).map_or(0.0, |sample| {
                 assert_eq!(sample.pdf.map(f64::from), Some(pdf(sample.wi)));
-                f64::from(sample.irradiance.x * (1.0 + sample.wi.z))
+                f64::from(sample.weight.x * (1.0 + sample.wi.z))
             })
         });
         let tolerance = 5.0 * error.hypot(integral_error);

@@ -25,8 +25,8 @@ fn weights_of_both_techniques_sum_to_one() {
         for photon_variance in [0.01, 1.0, 50.0] {
             for squared_bias in [0.0, 0.001, 0.3] {
                 let cell = indirect_errors(path_variance, photon_variance, squared_bias);
-                for number in [1.0, 30.0, 1000.0] {
-                    let weights = division_of_cells(vec![cell], 1).technique_weights(Vec2::ZERO, number, 0.5);
+                for pass_count in [1.0, 30.0, 1000.0] {
+                    let weights = division_of_cells(vec![cell], 1).technique_weights(Vec2::ZERO, pass_count, 0.5);
                     let paths = weights.path_weight(SAMPLES) * weights.continued as f32 / SAMPLES as f32;
                     assert!((weights.photon_weight + paths - 1.0).abs() < 1e-6, "{cell:?} {weights:?}");
                     assert!((0.0..=1.0).contains(&weights.photon_weight) && weights.continued <= SAMPLES);
@@ -53,8 +53,8 @@ fn paths_of_pilots_stand_for_all_samples() {
 fn camera_paths_take_over_in_the_long_run() {
     let division = division_of_cells(vec![indirect_errors(0.4, 1.0, 0.001)], 1);
     // The law of gather radii: the area of a disc falls as N^(-1/3).
-    let weights = |number: f32| division.technique_weights(Vec2::ZERO, number, 1.0 / libm::cbrtf(number));
-    let photons = [1.0, 64.0, 4096.0, 262_144.0, 1e9].map(|number| weights(number).photon_weight);
+    let weights = |pass_count: f32| division.technique_weights(Vec2::ZERO, pass_count, 1.0 / libm::cbrtf(pass_count));
+    let photons = [1.0, 64.0, 4096.0, 262_144.0, 1e9].map(|pass_count| weights(pass_count).photon_weight);
     assert!(photons.windows(2).all(|pair| pair[1] <= pair[0]), "{photons:?}");
     assert!(photons[0] > 0.9 && photons[4] < 0.05, "{photons:?}");
     assert_eq!((weights(1.0).continued, weights(1e9).continued), (0, SAMPLES));

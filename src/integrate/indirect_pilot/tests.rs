@@ -2,7 +2,7 @@ use super::*;
 use std::f64::consts::TAU;
 
 const COST: PassCost =
-    PassCost { direct_variance: 0.01, prefix: 4.0, continuation: 16.0, photon_work: 20.0, lookup: 20.0 };
+    PassCost { direct_variance: 0.01, prefix_work: 4.0, continuation_work: 16.0, photon_work: 20.0, lookup_work: 20.0 };
 
 fn division(path_variance: f32, photon_variance: f32, squared_bias: f32) -> IndirectDivision {
     let cell = IndirectErrors { path_variance, photon_variance: photon_variance * 1e5, squared_bias };

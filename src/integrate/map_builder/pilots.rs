@@ -72,7 +72,7 @@ impl<'a> PhotonMapBuilder<'a> {
             let paths = pilot_path_count(paths, max_paths);
             let pilot = EmissionGuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
             let (guided, report) = unguided.clone().with_guided_emission(&pilot);
-            *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
+            *source = Some(if report.variance_gain > MIN_GUIDING_GAIN { guided } else { unguided });
             Some(report)
         };
         self.emission_guiding_reports.aimed =
@@ -102,7 +102,7 @@ impl<'a> PhotonMapBuilder<'a> {
             let found = || {
                 let source = source.as_ref()?;
                 find_gather_radius(
-                    &self.photon_pass(source, mask),
+                    &self.photon_tracer(source, mask),
                     paths,
                     k,
                     settings.camera_paths.seed,
@@ -139,17 +139,17 @@ impl<'a> PhotonMapBuilder<'a> {
         let settings = &self.settings;
         let found = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let source = source.as_ref()?;
-            find_volume_kernel_radii(&self.photon_pass(source, mask), self.policy.effects, paths, settings)
+            find_volume_kernel_radii(&self.photon_tracer(source, mask), self.policy.effects, paths, settings)
         };
         let radii = |source, mask, paths| {
             if let Some(radius) = settings.radius {
-                return VolumeKernelRadii { beams: radius, points: radius, kept_beams: 1.0 };
+                return VolumeKernelRadii { beams: radius, points: radius, kept_beam_fraction: 1.0 };
             }
             let default = self.scene.photon_domain().radius * DEFAULT_RADIUS;
             found(source, self.with_beams_if_read(mask), paths).unwrap_or(VolumeKernelRadii {
                 beams: default,
                 points: default,
-                kept_beams: 1.0,
+                kept_beam_fraction: 1.0,
             })
         };
         let (source, mask, paths) = self.indirect_map_inputs();
@@ -175,11 +175,11 @@ impl<'a> PhotonMapBuilder<'a> {
             LightTracing::Full => DensityEstimateShares::with_uniform_share(0, size),
             LightTracing::Weighted => {
                 let paths = self.counts.aimed.min(MAX_SHARE_PILOT_PATHS);
-                let photon_pass = self.photon_pass(source, StoreMask::CAUSTIC);
+                let photon_tracer = self.photon_tracer(source, StoreMask::CAUSTIC);
                 let key = Key::new(self.settings.camera_paths.seed).purpose_key(Purpose::DensityEstimateShares);
                 let light_tracer = LightTracer::new(self.scene, self.uses_lens(), None);
                 let traced =
-                    photon_pass.trace_and_connect(key, paths, Some(&light_tracer), &|_| ControlFlow::Continue(()));
+                    photon_tracer.trace_and_connect(key, paths, Some(&light_tracer), &|_| ControlFlow::Continue(()));
                 let ratio = f64::from(self.counts.aimed) / f64::from(paths.max(1));
                 DensityEstimateShares::from_splats(&traced.deposits.splats, size, ratio)
             }
@@ -195,7 +195,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let expected = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let Some(source) = source.as_ref().filter(|_| paths > 0) else { return ExpectedPhotons::default() };
             let probe = paths.min(PROBE_PATHS);
-            let traced = self.photon_pass(source, mask).trace(key, probe, &|_| {});
+            let traced = self.photon_tracer(source, mask).trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
             let volume_photon_size = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
             let one = scale(traced.deposits.surface_photons.len() + volume_photon_size(&traced.deposits.volume));

@@ -58,7 +58,7 @@ impl NextEventEstimator<'_> {
         match (self.shadow_ray_scheme(path_segment.history), &self.light_sampler) {
             (ShadowRayScheme::All(rays), _) => {
                 for (i, light) in self.lights.iter().enumerate() {
-                    let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
+                    let rays = if !light.is_delta() && !self.aims_at_centers { rays } else { 1 };
                     let sampler = path_segment.shadow_sampler.nth_shadow_ray_sampler(i);
                     if segment.medium.is_homogeneous() && path_segment.history.receivers == 0 {
                         let guided = self.estimate_at_guided_points(i, rays, path_segment, sampler, continues, task);
@@ -202,16 +202,16 @@ impl NextEventEstimator<'_> {
         task: &mut PathTask,
     ) -> Rgb {
         let segment = path_segment.segment;
-        let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
+        let u = if self.aims_at_centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
         let Some(sample) = self.sample_li(light, point.p, u) else { return Rgb::ZERO };
         // Light arrives along −`wi` and leaves along the reversed ray direction: the two signs
         // cancel.
         let phase = segment.medium.phase.evaluate(segment.ray.direction.dot(sample.wi));
-        let mut scattered = point.weight * sample.irradiance * (phase / rays);
+        let mut scattered = point.weight * sample.weight * (phase / rays);
         if scattered == Rgb::ZERO {
             return Rgb::ZERO;
         }
-        if let (true, Some(pdf), false) = (continues, sample.pdf, self.centers) {
+        if let (true, Some(pdf), false) = (continues, sample.pdf, self.aims_at_centers) {
             let light_pdf = rays * pdf;
             scattered *= light_pdf / (light_pdf + phase);
         }

@@ -102,7 +102,7 @@ fn direct_samples_follow_pdf_li() {
             // · 25 d/cos².
             let cos = -sample.wi.dot(point.ng);
             assert!((density / pdf - 1.0).abs() < 1e-5 / (cos * cos), "{light:?} {p}: {density} {pdf}");
-            assert!((sample.irradiance.x * pdf - 1.0).abs() < 1e-5);
+            assert!((sample.weight.x * pdf - 1.0).abs() < 1e-5);
             (cos > least_cos).then_some(sample.wi)
         };
         let density = |wi: Vec3| {

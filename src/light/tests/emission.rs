@@ -63,7 +63,7 @@ fn mean_emitted_flux_equals_power() {
     for light in lights_of_all_kinds() {
         let emitted = estimate_mean_and_variance(200_000, |k| {
             let (a, b) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
-            light.sample_le(DOMAIN, a, b).map_or(0.0, |e| f64::from(e.flux.x))
+            light.sample_le(DOMAIN, a, b).map_or(0.0, |e| f64::from(e.weight.x))
         });
         assert_within_five_sigma(emitted, f64::from(light.power(DOMAIN).x));
     }
@@ -84,7 +84,7 @@ fn aimed_emission_is_unbiased() {
             let moments = |emit: &dyn Fn(Vec2, Vec2) -> Option<EmissionSample>| {
                 estimate_mean_and_variance(300_000, |k| {
                     let (a, b) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
-                    emit(a, b).filter(|e| ray_hits_sphere(ball, e)).map_or(0.0, |e| f64::from(e.flux.x))
+                    emit(a, b).filter(|e| ray_hits_sphere(ball, e)).map_or(0.0, |e| f64::from(e.weight.x))
                 })
             };
             let (plain, aimed) = (
@@ -104,7 +104,7 @@ fn a_light_inside_an_aim_sphere_emits_in_all_directions() {
     let light = Light::Point(PointLight { position: Vec3::new(0.2, 0.0, 0.0), intensity: Rgb::ONE });
     let flux = estimate_mean_and_variance(1000, |k| {
         let u = k.uniform_2d(Dimension::LightDirection);
-        light.sample_le_towards(&aim, DOMAIN, u, u).map_or(0.0, |e| f64::from(e.flux.x))
+        light.sample_le_towards(&aim, DOMAIN, u, u).map_or(0.0, |e| f64::from(e.weight.x))
     });
     assert_within_five_sigma(flux, 4.0 * std::f64::consts::PI);
 }
@@ -122,7 +122,7 @@ fn merged_aim_spheres_lose_no_flux() {
     let count = |emit: &dyn Fn(Vec2) -> Option<EmissionSample>| {
         estimate_mean_and_variance(100_000, |k| {
             let e = emit(k.uniform_2d(Dimension::LightDirection));
-            e.map_or(0.0, |e| f64::from(e.flux.x) * balls.iter().filter(|b| ray_hits_sphere(b, &e)).count() as f64)
+            e.map_or(0.0, |e| f64::from(e.weight.x) * balls.iter().filter(|b| ray_hits_sphere(b, &e)).count() as f64)
         })
     };
     let zero = Vec2::ZERO;

@@ -90,7 +90,7 @@ fn half_textured_light_emits_half_the_flux() {
                     } else {
                         light.sample_le(domain, position, direction)
                     };
-                    emission.map_or(0.0, |e| f64::from(e.flux.x))
+                    emission.map_or(0.0, |e| f64::from(e.weight.x))
                 })
             });
             assert!(!means_differ_significantly(a, b) && b.0 > 0.0, "aimed: {aimed}: {a:?} {b:?}");

@@ -121,7 +121,7 @@ fn constant_environment_irradiance_is_pi_times_radiance() {
         let (u, v) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
         let e = light.sample_le(domain, u, v).unwrap();
         assert!((e.ray.origin - domain.center).dot(e.ray.direction) < -0.99 * domain.radius, "it starts outside");
-        if (ball - e.ray.origin).cross(e.ray.direction).length() < a as f32 { f64::from(e.flux.x) } else { 0.0 }
+        if (ball - e.ray.origin).cross(e.ray.direction).length() < a as f32 { f64::from(e.weight.x) } else { 0.0 }
     });
     let truth = PI * a * a * 4.0 * PI * 2.0;
     assert_within_five_sigma(flux, truth);
@@ -131,7 +131,7 @@ fn constant_environment_irradiance_is_pi_times_radiance() {
     for i in 0..100 {
         let (u, v) =
             (test_key(i).uniform_2d(Dimension::LightPosition), test_key(i).uniform_2d(Dimension::LightDirection));
-        let aimed = f64::from(light.sample_le_towards(&aim, domain, u, v).unwrap().flux.x);
+        let aimed = f64::from(light.sample_le_towards(&aim, domain, u, v).unwrap().weight.x);
         assert!((aimed / truth - 1.0).abs() < 1e-4, "{aimed} {truth}");
     }
 }

@@ -2,6 +2,7 @@
 
 use super::chi_square::{chi_square_p_value, sidak_significance_level};
 use super::direct::{mesh_light_surface, three_triangle_mesh};
+use super::intensity_maps::{test_goniometric_light, test_projector_light};
 use super::*;
 use crate::color;
 use crate::sampling::DiscreteDistribution;
@@ -14,6 +15,7 @@ fn random_vector(k: Key) -> Vec3 {
 /// `n` random lights of all kinds that have a position, in a box. Their strengths vary by a factor
 /// of 1000.
 fn random_finite_lights(n: u64) -> Vec<Light> {
+    let (projector, goniometric) = (test_projector_light(), test_goniometric_light());
     let light = |i: u64| {
         let k = test_key(i).child_key(77);
         let place = random_vector(k) * Vec3::new(10.0, 3.0, 10.0);
@@ -21,29 +23,50 @@ fn random_finite_lights(n: u64) -> Vec<Light> {
         let strength = libm::powf(10.0, 3.0 * k.uniform_1d(Dimension::Light) - 2.0);
         let center = place.as_dvec3();
         let (s, t) = axis.as_dvec3().any_orthonormal_pair();
-        match i % 6 {
-            0 => Light::Point(PointLight { position: place, intensity: Rgb::splat(strength) }),
-            1 => {
-                // Half of the spotlights have no falloff: both cones are equal.
-                let outer = if i % 12 == 1 { 0.4 } else { 0.1 };
-                Light::Spot(SpotLight {
-                    position: place,
-                    axis,
-                    inner_one_minus_cos: 0.1,
-                    outer_one_minus_cos: outer,
-                    peak: Rgb::splat(strength),
-                })
-            }
-            2 => area_light(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
-            3 => area_light(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),
-            4 => Light::Area(AreaLight::with_uniform_radiance(
-                mesh_light_surface(three_triangle_mesh(place)),
-                Rgb::splat(strength),
-            )),
-            _ => area_light(Shape::Disc(Disc::circular_disc(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
-        }
+        let spot = |outer_one_minus_cos: f32| {
+            let peak = Rgb::splat(strength);
+            Light::Spot(SpotLight { position: place, axis, inner_one_minus_cos: 0.1, outer_one_minus_cos, peak })
+        };
+        let kinds: [&dyn Fn() -> Light; 9] = [
+            &|| Light::Point(PointLight { position: place, intensity: Rgb::splat(strength) }),
+            &|| spot(0.4),
+            // A spotlight without falloff: both cones are equal.
+            &|| spot(0.1),
+            &|| {
+                let mut light = projector.clone();
+                (light.position, light.scale) = (place, Rgb::splat(strength));
+                Light::Projector(light)
+            },
+            &|| {
+                let mut light = goniometric.clone();
+                (light.position, light.scale) = (place, Rgb::splat(strength));
+                Light::Goniometric(light)
+            },
+            &|| area_light(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
+            &|| area_light(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),
+            &|| {
+                let surface = mesh_light_surface(three_triangle_mesh(place));
+                Light::Area(AreaLight::with_uniform_radiance(surface, Rgb::splat(strength)))
+            },
+            &|| area_light(Shape::Disc(Disc::circular_disc(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
+        ];
+        kinds[i as usize % kinds.len()]()
     };
     (0..n).map(light).collect()
+}
+
+#[test]
+fn random_lights_have_all_kinds_with_a_position() {
+    let kind = |light: &Light| match light {
+        Light::Point(_) => Some(0),
+        Light::Spot(_) => Some(1),
+        Light::Projector(_) => Some(2),
+        Light::Goniometric(_) => Some(3),
+        Light::Area(_) => Some(4),
+        Light::Directional(_) | Light::Environment(_) => None,
+    };
+    let kinds: std::collections::BTreeSet<i32> = random_finite_lights(50).iter().filter_map(kind).collect();
+    assert_eq!(kinds, (0..5).collect());
 }
 
 fn with_infinite_lights(mut lights: Vec<Light>) -> Vec<Light> {
@@ -167,7 +190,7 @@ fn relative_variances<const N: usize>(
     for (i, light) in lights.iter().enumerate() {
         for j in 0..draws {
             let sample = light.sample_li(p, test_key(j).uniform_2d(Dimension::LightPosition));
-            let f = sample.map_or(0.0, |s| f64::from(s.irradiance.x * s.wi.dot(n).max(0.0)));
+            let f = sample.map_or(0.0, |s| f64::from(s.weight.x * s.wi.dot(n).max(0.0)));
             if f > 0.0 {
                 mean += f / draws as f64;
                 for (square, choice) in squares.iter_mut().zip(choices) {

@@ -35,7 +35,7 @@ fn estimate_mean_and_variance(n: u64, f: impl Fn(Key) -> f64) -> (f64, f64) {
 fn estimate_irradiance(light: &Light, p: Vec3, n: Vec3) -> (f64, f64) {
     estimate_mean_and_variance(100_000, |k| {
         let sample = light.sample_li(p, k.uniform_2d(Dimension::LightPosition));
-        sample.map_or(0.0, |s| f64::from(s.irradiance.x * s.wi.dot(n).max(0.0)))
+        sample.map_or(0.0, |s| f64::from(s.weight.x * s.wi.dot(n).max(0.0)))
     })
 }
 

@@ -3,7 +3,7 @@
 use super::*;
 use crate::camera::Camera;
 use crate::color::{DispersionFormula, Wavelength};
-use crate::photon::{PhotonPass, StoreMask};
+use crate::photon::{PhotonTracer, StoreMask};
 use crate::scene::{Body, DeltaLightKind, LightStrength, Material, PathEvent, SceneBuilder, SpectralInterior};
 use crate::shape::{Plane, Shape, Sphere};
 use glam::DVec3;
@@ -34,8 +34,8 @@ fn directional_light_reaches_unbounded_planes() {
     // The domain extends at least to the farther plane.
     assert!(scene.photon_domain().radius >= 3.0);
     let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
-    let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
-    let photons = pass.trace(Key::new(1), 4096, &|_| {}).deposits.surface_photons;
+    let tracer = PhotonTracer { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
+    let photons = tracer.trace(Key::new(1), 4096, &|_| {}).deposits.surface_photons;
     let on = |axis: usize, at: f32| photons.iter().any(|p| (p.position[axis] - at).abs() < 1e-3);
     assert!(on(1, -1.0) && on(2, -3.0));
 }
@@ -45,8 +45,8 @@ fn distant_planes_shadow_parallel_light() {
     for (height, shaded) in [(1.0, true), (100.0, true), (1e6, true), (-1.0, false)] {
         let scene = sun_over_ball_scene(height);
         let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
-        let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
-        let photons = pass.trace(Key::new(1), 4096, &|_| {}).deposits.surface_photons;
+        let tracer = PhotonTracer { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
+        let photons = tracer.trace(Key::new(1), 4096, &|_| {}).deposits.surface_photons;
         let on_ball = photons.iter().filter(|p| p.position.length() < 0.6).count();
         assert_eq!(on_ball == 0, shaded, "{on_ball} of {} under a plane at {height}", photons.len());
         assert!(!photons.is_empty());

@@ -9,7 +9,7 @@ pub(super) use distribution::EmissionGuidingDistribution;
 
 use super::deposits::{Deposit, DepositPlace};
 use super::trace::PhotonTracingTotals;
-use super::{PhotonPass, PhotonSearchBuffers, PhotonSource, StoreMask, VisiblePointMap};
+use super::{PhotonSearchBuffers, PhotonSource, PhotonTracer, StoreMask, VisiblePointMap};
 use crate::color;
 use crate::sampling::{DiscreteDistribution, Key, Purpose};
 use crate::scene::{Interior, for_interior};
@@ -50,7 +50,7 @@ pub struct EmissionGuidingPilot<'a> {
 impl EmissionGuidingPilot<'_> {
     /// Default of [`EmissionGuidingPilot::paths`].
     ///
-    /// If 1 % of the paths reach a visible point, the pilot has 1300 useful samples.
+    /// If 1 % of the paths reach a visible point, the pilot has 1300 contributing samples.
     pub const PATHS: u32 = 1 << 17;
 }
 
@@ -63,13 +63,15 @@ pub struct EmissionGuidingReport {
     pub rays: u64,
     /// Fraction of the unguided paths of the pilot that contribute to the picture: those with a
     /// photon near a visible point.
-    pub useful: f64,
+    #[serde(rename = "useful")]
+    pub contributing_fraction: f64,
     /// Number of unguided photon paths that give the picture as little variance as one guided path;
     /// 1 without guiding.
     ///
     /// The estimate is the second moment of unguided pilot paths, divided by that of guided pilot
     /// paths.
-    pub gain: f64,
+    #[serde(rename = "gain")]
+    pub variance_gain: f64,
 }
 
 impl PhotonSource<'_> {
@@ -84,7 +86,7 @@ impl PhotonSource<'_> {
     #[must_use]
     pub fn with_guided_emission(mut self, pilot: &EmissionGuidingPilot<'_>) -> (Self, EmissionGuidingReport) {
         let unguided = self.light_distribution.clone();
-        let mut report = EmissionGuidingReport { gain: 1.0, ..EmissionGuidingReport::default() };
+        let mut report = EmissionGuidingReport { variance_gain: 1.0, ..EmissionGuidingReport::default() };
         let mut samples = Vec::new();
         let mut unguided_moment = 0.0;
         for round in 0..ROUNDS {
@@ -92,11 +94,11 @@ impl PhotonSource<'_> {
             report.paths += found.samples.len() as u64;
             report.rays += found.rays;
             if round == 0 {
-                let useful = found.samples.iter().filter(|s| s.squared_contribution > 0.0).count();
-                report.useful = useful as f64 / found.samples.len().max(1) as f64;
+                let contributing = found.samples.iter().filter(|s| s.squared_contribution > 0.0).count();
+                report.contributing_fraction = contributing as f64 / found.samples.len().max(1) as f64;
                 unguided_moment = found.second_moment;
             } else if found.second_moment > 0.0 && unguided_moment > 0.0 {
-                report.gain = unguided_moment / found.second_moment;
+                report.variance_gain = unguided_moment / found.second_moment;
             }
             samples.extend(found.samples);
             self.fit_guiding(&samples, &unguided);
@@ -107,7 +109,7 @@ impl PhotonSource<'_> {
     /// Traces the photon paths of the pilot's round number `round` (0 or 1), and returns them with
     /// their contributions to the picture.
     fn trace_pilot_round(&self, pilot: &EmissionGuidingPilot<'_>, round: u32) -> PilotRoundSamples {
-        let key = Key::new(pilot.seed).purpose_key(Purpose::GuidingTraining).training_round_key(round);
+        let key = Key::new(pilot.seed).purpose_key(Purpose::EmissionGuiding).training_round_key(round);
         let paths = pilot.paths / ROUNDS;
         let chunks: Vec<PilotRoundSamples> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
@@ -132,7 +134,7 @@ impl PhotonSource<'_> {
         range: std::ops::Range<u32>,
         paths: u32,
     ) -> PilotRoundSamples {
-        let pass = PhotonPass { scene: self.scene, source: self, mask: pilot.mask, max_bounces: pilot.max_bounces };
+        let tracer = PhotonTracer { scene: self.scene, source: self, mask: pilot.mask, max_bounces: pilot.max_bounces };
         let mut scratch = PhotonSearchBuffers::default();
         let mut tally = PhotonTracingTotals::default();
         let mut found = PilotRoundSamples::default();
@@ -140,7 +142,7 @@ impl PhotonSource<'_> {
             let point = self.primary_emission_sample(key, index, paths);
             let mut squared_contribution = 0.0;
             if let Some((ray, flux)) = self.start_photon_path::<I>(&point) {
-                pass.follow_photon_path(
+                tracer.follow_photon_path(
                     ray,
                     flux,
                     key.photon_path_key(index),

@@ -69,7 +69,7 @@ fn floor_corner_point_map(scene: &Scene) -> VisiblePointMap {
     VisiblePointMap::new(
         floor_corner_points(scene).map(|position| VisiblePoint {
             position,
-            error: Vec3::ZERO,
+            position_error: Vec3::ZERO,
             normal: Vec3::Y,
             weight: 1.0,
         }),
@@ -88,8 +88,8 @@ fn source_guided_to_visible<'a>(
     PhotonSource::emitting_in_all_directions(scene).unwrap().with_guided_emission(&pilot)
 }
 
-fn photon_pass_of_source<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonPass<'a> {
-    PhotonPass { scene, source, mask: MASK, max_bounces: BOUNCES }
+fn photon_tracer_of_source<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonTracer<'a> {
+    PhotonTracer { scene, source, mask: MASK, max_bounces: BOUNCES }
 }
 
 fn pass_key(pass: u64) -> Key {
@@ -133,7 +133,7 @@ fn fluxes_by_region(scene: &Scene, source: &PhotonSource<'_>) -> [PassStatistics
     let edge = to_scene_frame(scene, DVec3::new(6.0, 0.0, 6.0));
     let mut means = [PassStatistics::default(); 4];
     for i in 0..32 {
-        let traced = photon_pass_of_source(scene, source).trace(pass_key(i), 8192, &|_| {});
+        let traced = photon_tracer_of_source(scene, source).trace(pass_key(i), 8192, &|_| {});
         let mut flux = [0.0; 3];
         for Photon { position: p, data: f } in &traced.deposits.surface_photons {
             let region = if (p.y - floor).abs() > 1e-3 { 2 } else { usize::from(p.x < edge.x || p.z < edge.z) };
@@ -152,7 +152,10 @@ fn guiding_is_unbiased() {
     for (name, scene) in scenes_by_lamp_kind() {
         let plain = PhotonSource::emitting_in_all_directions(&scene).unwrap();
         let (guided, report) = source_guided_to_visible(&scene, &floor_corner_point_map(&scene));
-        assert!(report.useful > 0.0 && report.gain > 1.0, "{name} has something to learn: {report:?}");
+        assert!(
+            report.contributing_fraction > 0.0 && report.variance_gain > 1.0,
+            "{name} has something to learn: {report:?}"
+        );
         let (before, after) = (fluxes_by_region(&scene, &plain), fluxes_by_region(&scene, &guided));
         for (region, (a, b)) in before.iter().zip(&after).enumerate() {
             assert!(a.mean() > 0.0);
@@ -183,11 +186,11 @@ fn aiming_and_guiding_together_are_unbiased() {
     let plain = PhotonSource::aimed_at_casters(&scene).unwrap();
     let (guided, report) = PhotonSource::aimed_at_casters(&scene).unwrap().with_guided_emission(&pilot);
     let flux = |source: &PhotonSource<'_>| {
-        let pass = PhotonPass { scene: &scene, source, mask: StoreMask::CAUSTIC, max_bounces: 20 };
+        let tracer = PhotonTracer { scene: &scene, source, mask: StoreMask::CAUSTIC, max_bounces: 20 };
         let corner = to_scene_frame(&scene, DVec3::new(6.0, 0.5, 6.0));
         let (mut seen, mut emitted) = (PassStatistics::default(), PassStatistics::default());
         for i in 0..32 {
-            let traced = pass.trace(pass_key(i), 4096, &|_| {});
+            let traced = tracer.trace(pass_key(i), 4096, &|_| {});
             let there =
                 traced.deposits.surface_photons.iter().filter(|p| p.position.x > corner.x && p.position.z > corner.z);
             seen.add(there.map(|p| f64::from(color::channel_mean(p.data.flux()))).sum());
@@ -203,7 +206,7 @@ fn aiming_and_guiding_together_are_unbiased() {
         after.0.mean()
     );
     assert!(before.1.agrees_within_five_sigma(&after.1), "emitted {} became {}", before.1.mean(), after.1.mean());
-    assert!(report.gain > 1.2, "{report:?}");
+    assert!(report.variance_gain > 1.2, "{report:?}");
 }
 
 /// Guiding reduces the variance on the visible corner at least 7.5 times.
@@ -219,7 +222,7 @@ fn guiding_reduces_visible_variance() {
         let mut means = vec![PassStatistics::default(); 1600];
         for i in 0..24 {
             let map = PhotonMap::build(
-                photon_pass_of_source(&scene, source).trace(pass_key(i), 16384, &|_| {}).deposits.surface_photons,
+                photon_tracer_of_source(&scene, source).trace(pass_key(i), 16384, &|_| {}).deposits.surface_photons,
             );
             let mut scratch = PhotonSearchBuffers::default();
             for (p, mean) in floor_corner_points(&scene).zip(&mut means) {
@@ -268,13 +271,13 @@ fn pilot_without_useful_photons_leaves_source_unguided() {
     for (name, scene) in scenes_by_lamp_kind() {
         let below = floor_corner_points(&scene).map(|position| VisiblePoint {
             position,
-            error: Vec3::ZERO,
+            position_error: Vec3::ZERO,
             normal: Vec3::NEG_Y,
             weight: 1.0,
         });
         for visible in [VisiblePointMap::new(below, 0.1), VisiblePointMap::new([], 0.1)] {
             let (guided, report) = source_guided_to_visible(&scene, &visible);
-            assert_eq!((report.useful, report.gain), (0.0, 1.0), "{name}");
+            assert_eq!((report.contributing_fraction, report.variance_gain), (0.0, 1.0), "{name}");
             let plain = PhotonSource::emitting_in_all_directions(&scene).unwrap();
             for i in 0..1000 {
                 let bits = |s: &PhotonSource<'_>| {

@@ -12,7 +12,7 @@ fn splat_image(splats: &[Splat], filter: &Filter) -> Vec<DVec3> {
 }
 
 fn splat_at(x: f32, y: f32) -> Splat {
-    Splat { film: Vec2::new(x, y), radiance: Rgb::new(1.0, 2.0, 3.0) }
+    Splat { film_position: Vec2::new(x, y), radiance: Rgb::new(1.0, 2.0, 3.0) }
 }
 
 /// A splat adds all its light to the image: the filter weights of its pixels sum to 1.

@@ -28,7 +28,7 @@ fn volume_photon_packing_is_precise() {
     let flux = Rgb::new(3.0, 1.0, 0.5);
     let p = VolumePhoton::new(Vec3::ONE, flux, -Vec3::Y, 7, 3).unwrap();
     assert!((p.flux() - flux).abs().max_element() < 4.5 * 1.6e-5 && (p.direction() + Vec3::Y).length() < 1e-4);
-    assert_eq!((p.position, p.medium, p.wavelength), (Vec3::ONE, 7, 3));
+    assert_eq!((p.position, p.medium, p.wavelength_code), (Vec3::ONE, 7, 3));
     for flux in [Rgb::ZERO, Rgb::NAN, Rgb::INFINITY, Rgb::new(-1.0, 2.0, 0.0)] {
         assert!(VolumePhoton::new(Vec3::ONE, flux, Vec3::Z, 0, 0).is_none());
     }

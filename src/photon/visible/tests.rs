@@ -8,7 +8,7 @@ fn visible_floor_map(radius: f32) -> VisiblePointMap {
     let key = Key::new(4).purpose_key(Purpose::Test);
     let point = |i| {
         let u = sobol_2d(i, key, Dimension::Film);
-        VisiblePoint { position: Vec3::new(u.x, 0.0, u.y), error: Vec3::ZERO, normal: Vec3::Y, weight: 3.0 }
+        VisiblePoint { position: Vec3::new(u.x, 0.0, u.y), position_error: Vec3::ZERO, normal: Vec3::Y, weight: 3.0 }
     };
     VisiblePointMap::new((0..4096).map(point), radius)
 }
@@ -40,8 +40,8 @@ fn radius_grows_to_cover_sparse_points() {
 
 #[test]
 fn invalid_points_have_no_importance() {
-    let lost = VisiblePoint { position: Vec3::NAN, error: Vec3::ZERO, normal: Vec3::Y, weight: 1.0 };
-    let dark = VisiblePoint { position: Vec3::ZERO, error: Vec3::ZERO, normal: Vec3::Y, weight: 0.0 };
+    let lost = VisiblePoint { position: Vec3::NAN, position_error: Vec3::ZERO, normal: Vec3::Y, weight: 1.0 };
+    let dark = VisiblePoint { position: Vec3::ZERO, position_error: Vec3::ZERO, normal: Vec3::Y, weight: 0.0 };
     let visible = VisiblePointMap::new([lost, dark], 1.0);
     assert_eq!(visible.photon_importance(Vec3::ZERO, Vec3::Y, &mut PhotonSearchBuffers::default()), 0.0);
 }

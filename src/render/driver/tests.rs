@@ -1,7 +1,7 @@
 use super::*;
 use crate::camera::Camera;
 use crate::color::Rgb;
-use crate::integrate::{Algorithm, Pass, PassStage, Settings, SilentMonitor};
+use crate::integrate::{Algorithm, PassResult, PassStage, Settings, SilentMonitor};
 use crate::plan::Plan;
 use crate::scene::{DeltaLightKind, Effects, LightStrength, Material, Scene, SceneBuilder};
 use crate::shape::{Plane, Shape, Sphere};
@@ -12,8 +12,8 @@ use std::sync::atomic::{AtomicU32, AtomicU64};
 struct PassNumberIntegrator;
 
 impl Integrator for PassNumberIntegrator {
-    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> Pass {
-        Pass { image: vec![Rgb::splat(pass as f32); 2], ..Pass::default() }
+    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> PassResult {
+        PassResult { image: vec![Rgb::splat(pass as f32); 2], ..PassResult::default() }
     }
 
     fn expected_work(&self, _: Effects) -> Counters {
@@ -40,7 +40,7 @@ fn the_image_is_the_mean_of_the_passes() {
         &SilentMonitor,
         |_| {},
     );
-    assert_eq!((rendered.ended, rendered.film.passes()), (EndReason::Passes, 4));
+    assert_eq!((rendered.end_reason, rendered.film.passes()), (EndReason::Passes, 4));
     assert_eq!(rendered.film.mean(), vec![Rgb::splat(1.5); 2]);
 }
 
@@ -115,7 +115,7 @@ fn a_cancelled_pass_stops_early_and_is_dropped() {
                 |_| {},
             )
         });
-        assert_eq!((rendered.ended, rendered.film.passes()), (EndReason::Interrupted, 1), "{stage:?}");
+        assert_eq!((rendered.end_reason, rendered.film.passes()), (EndReason::Interrupted, 1), "{stage:?}");
         assert!(rendered.film == first.film, "{stage:?}");
         // Each thread may finish one chunk or tile.
         assert!(monitor.units.into_inner() < all / 2, "{stage:?}");
@@ -135,7 +135,7 @@ fn time_and_interrupts_end_after_a_whole_pass() {
             &SilentMonitor,
             |_| {}
         )
-        .ended,
+        .end_reason,
         EndReason::Time
     );
     let mut passes = 0;
@@ -150,5 +150,5 @@ fn time_and_interrupts_end_after_a_whole_pass() {
             interrupted.store(passes == 3, Ordering::Relaxed);
         },
     );
-    assert_eq!((rendered.ended, passes, rendered.film.passes()), (EndReason::Interrupted, 3, 3));
+    assert_eq!((rendered.end_reason, passes, rendered.film.passes()), (EndReason::Interrupted, 3, 3));
 }

@@ -23,7 +23,7 @@ pub(super) const EDGE_CORRELATION: f64 = 0.7275;
 /// D₀ is the difference of density estimates with full and half discs, D₁ with half and quarter
 /// discs. The pairs belong to a straight edge of light, and to bands of light as wide as a half and
 /// a fifth of the disc's diameter.
-const ROUGH: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
+const NON_SMOOTH_BIAS_RATIOS: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
 /// Upper limit of [`BlurEstimate::ratio`], the blur with half discs divided by the blur with full
 /// discs: its value at a straight edge of light.
@@ -57,21 +57,26 @@ pub(super) struct NestedDifferenceMoments {
     /// Variance that the noise of the passes causes in the estimate `d0_squared`.
     pub d0_squared_variance: f64,
     /// Relative variance of the squared noise of D₀: 2 / effective sample count. The count is the
-    /// number of independent values that scatter as much as the noise.
-    pub scatter: f64,
+    /// number of independent values that vary as much as the noise.
+    pub squared_noise_relative_variance: f64,
 }
 
 impl NestedDifferenceMoments {
     /// Returns the variance of an estimate of ‖D₀‖² from `passes` passes, where D₀ is the
     /// difference of density estimates with full and half discs.
     ///
-    /// `d0_squared` is ‖D₀‖² and `variance` the variance of D₀ in one pass. `scatter` is the
-    /// relative variance of the squared noise of D₀. The first term of the result is the noise of
-    /// products of two passes. The second term is the noise of products of noise and the expected
-    /// D₀.
-    pub fn d0_squared_variance(d0_squared: f64, variance: f64, scatter: f64, passes: f64) -> f64 {
-        variance * variance * scatter / (passes * (passes - 1.0))
-            + 2.0 * d0_squared.max(0.0) * variance * scatter / passes
+    /// `d0_squared` is ‖D₀‖² and `variance` the variance of D₀ in one pass.
+    /// `squared_noise_relative_variance` is the relative variance of the squared noise of D₀. The
+    /// first term of the result is the noise of products of two passes. The second term is the
+    /// noise of products of noise and the expected D₀.
+    pub fn d0_squared_variance(
+        d0_squared: f64,
+        variance: f64,
+        squared_noise_relative_variance: f64,
+        passes: f64,
+    ) -> f64 {
+        variance * variance * squared_noise_relative_variance / (passes * (passes - 1.0))
+            + 2.0 * d0_squared.max(0.0) * variance * squared_noise_relative_variance / passes
     }
 
     /// Returns the weight in \[0, 1] of the measured ratios ‖D₁‖² / ‖D₀‖² and D₀·D₁ / ‖D₀‖². The
@@ -87,7 +92,7 @@ impl NestedDifferenceMoments {
     /// Returns the measured ratio D₀·D₁ / ‖D₀‖², limited to the values that light can cause.
     /// `d0_squared` must be positive.
     pub fn correlation(&self) -> f64 {
-        let limit = (self.d1_squared / self.d0_squared).clamp(0.0, ROUGH[2].0).sqrt();
+        let limit = (self.d1_squared / self.d0_squared).clamp(0.0, NON_SMOOTH_BIAS_RATIOS[2].0).sqrt();
         (self.d0_d1 / self.d0_squared).clamp(MIN_CORRELATION, EDGE_CORRELATION).clamp(-limit, limit)
     }
 }
@@ -126,7 +131,8 @@ impl BlurEstimate {
             };
         }
         let trust = differences.measurement_weight();
-        let squared = 0.25 + trust * ((differences.d1_squared / d0_squared).clamp(0.0, ROUGH[2].0) - 0.25);
+        let squared =
+            0.25 + trust * ((differences.d1_squared / d0_squared).clamp(0.0, NON_SMOOTH_BIAS_RATIOS[2].0) - 0.25);
         let correlation = 0.5 + trust * (differences.correlation() - 0.5);
         let whole = squared_bias_ratio(correlation, squared);
         let measured = 1.0 + 2.0 * correlation + squared;
@@ -146,12 +152,15 @@ impl BlurEstimate {
 /// estimates with full and half discs.
 ///
 /// `correlation` is D₀·D₁ / ‖D₀‖² = qc and `squared` is ‖D₁‖² / ‖D₀‖² = q² in the model of
-/// [`BlurEstimate::from_differences`]. [`ROUGH`] limits the result.
+/// [`BlurEstimate::from_differences`]. [`NON_SMOOTH_BIAS_RATIOS`] limits the result.
 fn squared_bias_ratio(correlation: f64, squared: f64) -> f64 {
-    let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared.min(ROUGH[0].0)));
-    let rough = ROUGH.windows(2).find(|pair| squared <= pair[1].0).map_or(ROUGH[2].1, |pair| {
-        let [(q, s), (next_q, next_s)] = [pair[0], pair[1]];
-        s + (next_s - s) * ((squared - q) / (next_q - q)).max(0.0)
-    });
+    let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared.min(NON_SMOOTH_BIAS_RATIOS[0].0)));
+    let rough = NON_SMOOTH_BIAS_RATIOS.windows(2).find(|pair| squared <= pair[1].0).map_or(
+        NON_SMOOTH_BIAS_RATIOS[2].1,
+        |pair| {
+            let [(q, s), (next_q, next_s)] = [pair[0], pair[1]];
+            s + (next_s - s) * ((squared - q) / (next_q - q)).max(0.0)
+        },
+    );
     law.min(rough)
 }

@@ -12,7 +12,7 @@ use super::pixel_variance::PixelVarianceSums;
 use super::shared_paths::SharedPathErrorSums;
 use super::squared_error::SquaredErrorParts;
 use crate::image::RelativeErrorWeights;
-use crate::integrate::{MeanGatherDisc, NestedEstimates, Pass, RadiusLaw};
+use crate::integrate::{MeanGatherDisc, NestedDifferences, PassResult, RadiusLaw};
 use crate::math::BinnedSums;
 use crate::render::MergeError;
 use crate::render::film::{Film, total_pass_count};
@@ -55,7 +55,7 @@ pub struct ErrorEstimator {
     /// Number of added passes.
     passes: u32,
     variances: PixelVarianceSums,
-    photon_estimates: Option<NestedEstimateSums>,
+    nested_differences: Option<NestedDifferenceSums>,
     shared_paths: SharedPathErrorSums,
     /// Light that clamping removed; `None` if no pass was clamped.
     clamped_light: Option<ClampedLightSums>,
@@ -68,7 +68,7 @@ pub struct ErrorEstimator {
 /// D₀ is the difference between estimates with full and half discs, D₁ between half and quarter
 /// discs.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-struct NestedEstimateSums {
+struct NestedDifferenceSums {
     /// Sums over passes of D₀ and of D₁, for each pixel and channel.
     differences: [BinnedSums<3>; 2],
     /// Sums over passes and channels of D₀², D₀·D₁ and D₁², for each pixel.
@@ -76,7 +76,7 @@ struct NestedEstimateSums {
     /// Sums over passes of gather radius and photon count of each pixel: first for the caustic map,
     /// then for the indirect map and the interreflection map of `hybrid` together.
     discs: Vec<[GatherDiscTotals; 2]>,
-    /// D₀ of each pixel in the passes with the lowest numbers, which measure how D₀ scatters.
+    /// D₀ of each pixel in the passes with the lowest numbers, which measure how D₀ varies.
     leading: LeadingPasses,
 }
 
@@ -98,10 +98,10 @@ pub struct ErrorMaps {
     /// picture is too bright. The estimate is noisy.
     pub bias: Vec<Vec3>,
     /// Mean radius and photon count of each pixel's density estimates from the caustic map.
-    pub caustic: Vec<MeanGatherDisc>,
+    pub caustic_discs: Vec<MeanGatherDisc>,
     /// Mean radius and photon count of each pixel's density estimates from the indirect map, and
     /// from the interreflection map of `hybrid`.
-    pub indirect: Vec<MeanGatherDisc>,
+    pub indirect_discs: Vec<MeanGatherDisc>,
 }
 
 impl ErrorEstimator {
@@ -115,7 +115,7 @@ impl ErrorEstimator {
             radius_law,
             passes: 0,
             variances: PixelVarianceSums::default(),
-            photon_estimates: None,
+            nested_differences: None,
             shared_paths: SharedPathErrorSums::default(),
             clamped_light: None,
             leading: LeadingPasses::default(),
@@ -123,12 +123,12 @@ impl ErrorEstimator {
     }
 
     /// Adds `pass`, whose pass number is `number`. Each number may be added only once.
-    pub fn add(&mut self, number: u32, pass: &Pass) {
+    pub fn add(&mut self, number: u32, pass: &PassResult) {
         self.variances.add(&pass.image);
         self.leading.add(number, LEADING_PASSES, pass.image.par_iter().copied());
         if !pass.nested.is_empty() {
-            let estimates = self.photon_estimates.get_or_insert_with(|| NestedEstimateSums::new(pass.nested.len()));
-            estimates.add(number, &pass.nested);
+            let sums = self.nested_differences.get_or_insert_with(|| NestedDifferenceSums::new(pass.nested.len()));
+            sums.add(number, &pass.nested);
         }
         self.shared_paths.add(pass);
         if !pass.clamped.is_empty() {
@@ -154,7 +154,7 @@ impl ErrorEstimator {
             if !self.has_same_pixels(other) {
                 return Err(MergeError::Estimator);
             }
-            if let (Some(own), Some(other)) = (&mut self.photon_estimates, &other.photon_estimates) {
+            if let (Some(own), Some(other)) = (&mut self.nested_differences, &other.nested_differences) {
                 own.merge(other);
             }
             if let (Some(own), Some(other)) = (&mut self.clamped_light, &other.clamped_light) {
@@ -173,12 +173,12 @@ impl ErrorEstimator {
     /// False for some estimators that were read from damaged files.
     pub(in crate::render) fn is_consistent(&self, passes: u32, pixels: usize) -> bool {
         let fits = |count: usize| count == pixels;
-        let photon_estimates = self.photon_estimates.as_ref();
+        let nested_differences = self.nested_differences.as_ref();
         self.passes == passes
             && (passes == 0 || self.variances.has_pixels(pixels) && self.leading.has_pixels(pixels, LEADING_PASSES))
             && self.shared_paths.is_consistent(pixels)
             && self.clamped_light.as_ref().is_none_or(|sums| sums.pixels() == Some(pixels))
-            && photon_estimates.is_none_or(|sums| {
+            && nested_differences.is_none_or(|sums| {
                 sums.differences.iter().all(|sums| fits(sums.len()))
                     && fits(sums.products.len())
                     && fits(sums.discs.len())
@@ -188,8 +188,7 @@ impl ErrorEstimator {
 
     /// True if both estimators hold sums of the same kinds for the same number of pixels.
     fn has_same_pixels(&self, other: &Self) -> bool {
-        let photon_pixels =
-            |estimator: &Self| estimator.photon_estimates.as_ref().map(|estimates| estimates.discs.len());
+        let photon_pixels = |estimator: &Self| estimator.nested_differences.as_ref().map(|sums| sums.discs.len());
         self.variances.pixels() == other.variances.pixels()
             && photon_pixels(self) == photon_pixels(other)
             && self.shared_paths.pixels() == other.shared_paths.pixels()
@@ -223,15 +222,15 @@ impl ErrorEstimator {
         let pixels = self.variances.pixels();
         let fraction = 1.0 / error_weights.pixel_weights().len() as f64;
         let add_pixel = |sums: &mut NoiseSums, i: usize| {
-            let deviations = self.variances.deviations(film, i);
-            let square = error_weights.pixel_weights()[i] * deviations.squares.element_sum() / (n * (n - 1.0));
+            let spread = self.variances.spread(film, i);
+            let square = error_weights.pixel_weights()[i] * spread.squared_deviations.element_sum() / (n * (n - 1.0));
             if square > 1.0 {
                 sums.fireflies.add(square, fraction);
             }
             let square = square.min(1.0);
             sums.squares += square;
             sums.fourth += square * square;
-            sums.tails += square * square * (deviations.kurtosis.min(n) - 1.0);
+            sums.tails += square * square * (spread.kurtosis.min(n) - 1.0);
         };
         let sums = sum_over_pixels(pixels, add_pixel, NoiseSums::add_sums);
         let NoiseSums { squares: noise2, fourth, tails, fireflies } = sums;
@@ -239,21 +238,21 @@ impl ErrorEstimator {
         let independent = if noise2 > 0.0 { tails / (n * noise2 * noise2) } else { 0.0 };
         let noise2 = noise2 * fraction;
         let differences =
-            self.photon_estimates.as_ref().map(|estimates| estimates.nested_difference_moments(&error_weights, n));
+            self.nested_differences.as_ref().map(|sums| sums.nested_difference_moments(&error_weights, n));
         let blur = differences.as_ref().map(BlurEstimate::from_differences).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.shared_path_squared_error(&error_weights, film.size().0, n);
         let clamping = self.clamped_light.as_ref().map(|sums| sums.squared_bias(&error_weights, n));
         let (clamping2, clamping_variance) = clamping.unwrap_or_default();
-        // The squared error of this one picture scatters about its expectation. The estimate
-        // scatters too.
-        let scatter = self.leading.squared_error_variance(error_weights.pixel_weights(), n);
-        // With outliers, a variance estimate scatters by (kurtosis − 1) / 2 times that of Gaussian
-        // noise.
+        // The squared error of this one picture varies about its expectation. The estimate
+        // varies too.
+        let relative_variance = self.leading.squared_error_relative_variance(error_weights.pixel_weights(), n);
+        // With outliers, the variance of a variance estimate is (kurtosis − 1) / 2 times that of
+        // Gaussian noise.
         let tail_factor = if fourth > 0.0 { 0.5 * tails / fourth } else { 1.0 };
         let parts = SquaredErrorParts {
             noise: noise2,
-            noise_scatter: scatter,
-            noise_uncertainty: independent.max(tail_factor * scatter / (n - 1.0)),
+            realised_noise_relative_variance: relative_variance,
+            noise_estimate_relative_variance: independent.max(tail_factor * relative_variance / (n - 1.0)),
             blur: blur.square,
             blur_variance: blur.variance,
             shared_paths: shared2,
@@ -294,17 +293,17 @@ impl ErrorEstimator {
         let n = f64::from(self.passes.max(1));
         let over = (n * (n - 1.0)).max(1.0);
         let pixels = (0..self.variances.pixels()).into_par_iter().with_min_len(MIN_PIXELS);
-        let deviations = pixels.map(|i| self.variances.deviations(film, i));
-        let noise = deviations.map(|pixel| (pixel.squares / over).map(f64::sqrt).as_vec3()).collect();
-        let Some(estimates) = &self.photon_estimates else { return ErrorMaps { noise, ..ErrorMaps::default() } };
+        let spreads = pixels.map(|i| self.variances.spread(film, i));
+        let noise = spreads.map(|pixel| (pixel.squared_deviations / over).map(f64::sqrt).as_vec3()).collect();
+        let Some(sums) = &self.nested_differences else { return ErrorMaps { noise, ..ErrorMaps::default() } };
         let factor = self.estimate(film).extrapolation / n;
-        let bias = (0..estimates.discs.len()).map(|i| {
-            let [d0, d1] = estimates.difference_sums(i);
+        let bias = (0..sums.discs.len()).map(|i| {
+            let [d0, d1] = sums.difference_sums(i);
             ((d0 + d1) * factor).as_vec3()
         });
         let bias = bias.collect();
-        let discs = |map: usize| estimates.discs.iter().map(|d| d[map].mean()).collect();
-        ErrorMaps { noise, bias, caustic: discs(0), indirect: discs(1) }
+        let discs = |map: usize| sums.discs.iter().map(|d| d[map].mean()).collect();
+        ErrorMaps { noise, bias, caustic_discs: discs(0), indirect_discs: discs(1) }
     }
 }
 
@@ -318,7 +317,7 @@ impl NoiseSums {
     }
 }
 
-impl NestedEstimateSums {
+impl NestedDifferenceSums {
     fn new(pixels: usize) -> Self {
         Self {
             differences: [BinnedSums::new(pixels), BinnedSums::new(pixels)],
@@ -328,7 +327,7 @@ impl NestedEstimateSums {
         }
     }
 
-    fn add(&mut self, number: u32, pixels: &[NestedEstimates]) {
+    fn add(&mut self, number: u32, pixels: &[NestedDifferences]) {
         for (step, sums) in self.differences.iter_mut().enumerate() {
             sums.add(|i| pixels[i].differences[step].as_dvec3().to_array());
         }
@@ -338,8 +337,8 @@ impl NestedEstimateSums {
         });
         let discs = self.discs.par_iter_mut().zip(pixels).with_min_len(MIN_PIXELS);
         discs.for_each(|([caustic, indirect], pixel)| {
-            caustic.add(pixel.caustic);
-            indirect.add(pixel.indirect);
+            caustic.add(pixel.caustic_disc);
+            indirect.add(pixel.indirect_disc);
         });
         let differences = pixels.par_iter().map(|pixel| pixel.differences[0]);
         self.leading.add(number, LEADING_PASSES_OF_DIFFERENCES, differences);
@@ -381,9 +380,18 @@ impl NestedEstimateSums {
         });
         let [d0_squared, d0_d1, d1_squared, variance] = sums.map(|sum| sum / pixels as f64);
         let variance = n * variance;
-        let scatter = self.leading.squared_error_variance(error_weights.pixel_weights(), n);
-        let d0_squared_variance = NestedDifferenceMoments::d0_squared_variance(d0_squared, variance, scatter, n);
-        NestedDifferenceMoments { d0_squared, d0_d1, d1_squared, variance, d0_squared_variance, scatter }
+        let squared_noise_relative_variance =
+            self.leading.squared_error_relative_variance(error_weights.pixel_weights(), n);
+        let d0_squared_variance =
+            NestedDifferenceMoments::d0_squared_variance(d0_squared, variance, squared_noise_relative_variance, n);
+        NestedDifferenceMoments {
+            d0_squared,
+            d0_d1,
+            d1_squared,
+            variance,
+            d0_squared_variance,
+            squared_noise_relative_variance,
+        }
     }
 }
 

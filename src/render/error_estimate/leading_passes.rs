@@ -11,7 +11,7 @@ use rayon::prelude::*;
 /// variance of the noise. Let Σ be the covariance matrix of the pixels. The scalar product of two
 /// differences without a common pass has mean zero and variance tr Σ². The effective sample count
 /// is (tr Σ)² / tr Σ² (Satterthwaite 1946). It is the number of independent values whose mean
-/// square scatters as much as that of the noise.
+/// square varies as much as that of the noise.
 ///
 /// The set of leading passes is a function of the set of passes, in whatever order they come.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -28,7 +28,7 @@ const MAX_PASSES: usize = 8;
 type Products = [[f64; MAX_PASSES]; MAX_PASSES];
 
 /// Effective sample count of the noise that is assumed before measurement: the number of
-/// independent values that scatter as much as the noise.
+/// independent values that vary as much as the noise.
 const PRIOR_SAMPLES: f64 = 100.0;
 
 /// Weight of [`PRIOR_SAMPLES`] against measured scalar products of pass differences: it counts as
@@ -62,13 +62,13 @@ impl LeadingPasses {
     }
 
     /// Returns the relative variance of the squared error of a picture: 2 / effective sample count.
-    /// The count is the number of independent values that scatter as much as the noise.
+    /// The count is the number of independent values that vary as much as the noise.
     ///
     /// Few passes measure the count badly, so [`PRIOR_SAMPLES`] has a weight against the
     /// measurement. The formula holds for Gaussian noise. `weights` holds a factor for each pixel,
     /// for the square of its deviation from the mean of the leading passes. The weighted square is
     /// clamped to `max`.
-    pub fn squared_error_variance(&self, weights: &[f64], max: f64) -> f64 {
+    pub fn squared_error_relative_variance(&self, weights: &[f64], max: f64) -> f64 {
         let n = self.pictures.len();
         if n < 2 {
             return 2.0 / PRIOR_SAMPLES;

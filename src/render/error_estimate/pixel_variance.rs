@@ -19,10 +19,11 @@ pub(super) struct PixelVarianceSums {
     peaks: Vec<f32>,
 }
 
-/// Squared deviations of a pixel's passes from their mean, and a bound of their kurtosis.
-pub(super) struct PixelDeviations {
+/// Spread of a pixel's passes: their squared deviations from their mean, and a bound of their
+/// kurtosis.
+pub(super) struct PixelSpread {
     /// Σ (x − mean)² over the values x of the passes, by channel; 0 if it is below rounding errors.
-    pub squares: DVec3,
+    pub squared_deviations: DVec3,
     /// Upper bound of the kurtosis: the largest squared deviation divided by the variance, at least
     /// [`GAUSSIAN_KURTOSIS`]. A pixel with one outlier in n passes has about n.
     pub kurtosis: f64,
@@ -58,10 +59,10 @@ impl PixelVarianceSums {
         self.peaks.len()
     }
 
-    /// Returns the deviations of the passes of pixel `i` from their mean.
+    /// Returns the spread of the passes of pixel `i` about their mean.
     ///
     /// `film` must hold the same passes as these sums.
-    pub fn deviations(&self, film: &Film, i: usize) -> PixelDeviations {
+    pub fn spread(&self, film: &Film, i: usize) -> PixelSpread {
         let n = f64::from(film.passes());
         let sum = DVec3::from_array(film.radiance_sums().value(i));
         let squares = DVec3::from_array(self.squares.value(i));
@@ -70,11 +71,11 @@ impl PixelVarianceSums {
         let rounding = 0.5 * n * self.squares.quantum(i)
             + sum.abs() * film.radiance_sums().quantum(i)
             + squares * (4.0 * f64::EPSILON);
-        let deviations = squares - sum * mean;
-        let squares = DVec3::select(deviations.cmple(rounding), DVec3::ZERO, deviations);
-        let variance = squares.max_element() / n;
+        let squared_deviations = squares - sum * mean;
+        let squared_deviations = DVec3::select(squared_deviations.cmple(rounding), DVec3::ZERO, squared_deviations);
+        let variance = squared_deviations.max_element() / n;
         let largest = f64::from(self.peaks[i]) - mean.abs().max_element();
         let kurtosis = if variance > 0.0 { largest * largest / variance } else { 0.0 };
-        PixelDeviations { squares, kurtosis: kurtosis.max(GAUSSIAN_KURTOSIS) }
+        PixelSpread { squared_deviations, kurtosis: kurtosis.max(GAUSSIAN_KURTOSIS) }
     }
 }

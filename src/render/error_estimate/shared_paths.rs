@@ -1,7 +1,7 @@
 //! Error of camera paths that all passes share, as in algorithm `ppm`.
 
 use crate::image::RelativeErrorWeights;
-use crate::integrate::Pass;
+use crate::integrate::PassResult;
 use crate::math::BinnedSums;
 use glam::DVec3;
 
@@ -27,7 +27,7 @@ pub(super) struct SharedPathErrorSums {
 }
 
 impl SharedPathErrorSums {
-    pub(super) fn add(&mut self, pass: &Pass) {
+    pub(super) fn add(&mut self, pass: &PassResult) {
         if self.pixels.is_empty() {
             self.pixels = pass.unshared_path_pixels.iter().map(|(i, _)| *i).collect();
             self.sums = BinnedSums::new(self.pixels.len());

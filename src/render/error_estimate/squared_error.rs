@@ -8,11 +8,11 @@ pub(super) struct SquaredErrorParts {
     /// Squared relative noise of the picture: the variance of the mean of the passes.
     pub noise: f64,
     /// Relative variance of the squared noise of one picture about its expectation: 2 / effective
-    /// sample count. The count is the number of independent values that scatter as much as the
+    /// sample count. The count is the number of independent values that vary as much as the
     /// noise.
-    pub noise_scatter: f64,
+    pub realised_noise_relative_variance: f64,
     /// Relative variance of the estimate `noise` about the expected squared noise of the picture.
-    pub noise_uncertainty: f64,
+    pub noise_estimate_relative_variance: f64,
     /// Squared relative blur of the picture: the squared bias of photon density estimates.
     pub blur: f64,
     /// Variance of the estimate `blur`.
@@ -37,8 +37,8 @@ impl SquaredErrorParts {
     /// picture.
     fn variance(&self) -> f64 {
         let bias = self.blur + self.shared_paths + self.clamping;
-        let realised = self.noise * (self.noise + 2.0 * bias) * self.noise_scatter;
-        let estimated = self.noise * self.noise * self.noise_uncertainty;
+        let realised = self.noise * (self.noise + 2.0 * bias) * self.realised_noise_relative_variance;
+        let estimated = self.noise * self.noise * self.noise_estimate_relative_variance;
         realised + estimated + self.blur_variance + self.shared_paths_variance + self.clamping_variance
     }
 

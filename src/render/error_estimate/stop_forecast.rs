@@ -206,12 +206,13 @@ impl ErrorForecast {
         let parts = &self.estimate.parts;
         let (n, made) = (f64::from(sums.passes), f64::from(sums_so_far.passes));
         let distance = 1.0 - n.min(made) / n.max(made);
-        let deviation = (parts.noise_uncertainty + MODEL_DEVIATION * MODEL_DEVIATION * distance * distance).sqrt();
+        let deviation =
+            (parts.noise_estimate_relative_variance + MODEL_DEVIATION * MODEL_DEVIATION * distance * distance).sqrt();
         let noise = self.squared_noise(sums) * libm::exp(draw.noise * deviation);
         let blur = self.imagined_blur(draw, blur, sums, sums_so_far);
         SquaredErrorParts {
             noise,
-            noise_uncertainty: parts.noise_uncertainty * made / n,
+            noise_estimate_relative_variance: parts.noise_estimate_relative_variance * made / n,
             blur: blur.square,
             blur_variance: blur.variance,
             shared_paths_variance: parts.shared_paths_variance * made / n,
@@ -242,7 +243,12 @@ impl ErrorForecast {
         let decay = (sums.blur / n) / (sums_so_far.blur / f64::from(sums_so_far.passes));
         let growth = (sums.inverse_area / n) / (sums_so_far.inverse_area / f64::from(sums_so_far.passes));
         let (expected, variance) = (blur.d0_squared * decay * decay, measured.variance * growth);
-        let d0_squared_variance = NestedDifferenceMoments::d0_squared_variance(expected, variance, measured.scatter, n);
+        let d0_squared_variance = NestedDifferenceMoments::d0_squared_variance(
+            expected,
+            variance,
+            measured.squared_noise_relative_variance,
+            n,
+        );
         let d0_squared = expected + draw.later_blur * d0_squared_variance.sqrt();
         let squared = squared_difference_ratio(BLUR_EXPONENTS[blur.exponent_index]);
         let smooth_to_edge = (squared - 0.25) / (squared_difference_ratio(BLUR_EXPONENTS[0]) - 0.25);
@@ -256,7 +262,7 @@ impl ErrorForecast {
             d1_squared: squared * d0_squared,
             variance,
             d0_squared_variance,
-            scatter: measured.scatter,
+            squared_noise_relative_variance: measured.squared_noise_relative_variance,
         })
     }
 

@@ -3,7 +3,7 @@
 use super::{ErrorEstimator, MIN_PASSES};
 use crate::color::Rgb;
 use crate::image::RelativeErrorWeights;
-use crate::integrate::{NestedEstimates, Pass, RadiusLaw};
+use crate::integrate::{NestedDifferences, PassResult, RadiusLaw};
 use crate::photon::Kernel;
 use crate::render::Film;
 use crate::sampling::{Dimension, Key, Purpose};
@@ -28,12 +28,12 @@ fn render_noisy_passes(passes: u32, seed: u64, sigma: f32, bias: f32) -> (ErrorE
     let (mut estimator, mut film) = (ErrorEstimator::new(Some(LAW)), Film::new(WIDTH, WIDTH));
     for i in 0..passes {
         let part = |pixel: usize, which: u64| Rgb::splat(sigma * uniform_noise(i, seed, pixel, which));
-        let pixel = |p: usize| NestedEstimates {
+        let pixel = |p: usize| NestedDifferences {
             differences: [Rgb::splat(0.5 * bias) + part(p, 1), Rgb::splat(0.25 * bias) + part(p, 2)],
-            ..NestedEstimates::default()
+            ..NestedDifferences::default()
         };
         let image = (0..PIXELS).map(|p| Rgb::splat(1.0 + bias) + part(p, 0)).collect();
-        let pass = Pass { image, nested: (0..PIXELS).map(pixel).collect(), ..Pass::default() };
+        let pass = PassResult { image, nested: (0..PIXELS).map(pixel).collect(), ..PassResult::default() };
         estimator.add(i, &pass);
         film.add(&pass.image);
     }
@@ -96,7 +96,7 @@ fn shared_paths_are_bias() {
         let image = vec![Rgb::splat(1.2); PIXELS];
         let unshared_path_pixels =
             (0..16).map(|p| (p as u32 * 100, Rgb::splat(1.0 + 0.1 * uniform_noise(i, 3, p, 0)))).collect();
-        let pass = Pass { image, unshared_path_pixels, ..Pass::default() };
+        let pass = PassResult { image, unshared_path_pixels, ..PassResult::default() };
         estimator.add(i, &pass);
         film.add(&pass.image);
     }
@@ -134,12 +134,12 @@ fn edges_are_not_extrapolated_as_smooth() {
     let (mut estimator, mut film) = (ErrorEstimator::new(Some(LAW)), Film::new(WIDTH, WIDTH));
     for i in 0..8 {
         let splat = |v: f64| Rgb::splat(v as f32);
-        let pixel = |v: &[f64; 4]| NestedEstimates {
+        let pixel = |v: &[f64; 4]| NestedDifferences {
             differences: [splat(v[0] - v[1]), splat(v[1] - v[2])],
-            ..NestedEstimates::default()
+            ..NestedDifferences::default()
         };
         let image = row.iter().map(|v| splat(v[0])).collect();
-        let pass = Pass { image, nested: row.iter().map(pixel).collect(), ..Pass::default() };
+        let pass = PassResult { image, nested: row.iter().map(pixel).collect(), ..PassResult::default() };
         estimator.add(i, &pass);
         film.add(&pass.image);
     }

@@ -18,7 +18,7 @@ fn ends(limits: RenderLimits, integrator: &NoisyIntegrator, pass_seconds: f64) -
     let estimate = estimator.estimate(&pilot.film);
     let forecast = estimator.forecast(&estimate).unwrap();
     let made = render(start(), 0..u32::MAX, integrator, &stop, &SilentMonitor, |_| {});
-    (stop.expected_end(&forecast, pass_seconds).unwrap(), (made.ended, made.film.passes()))
+    (stop.expected_end(&forecast, pass_seconds).unwrap(), (made.end_reason, made.film.passes()))
 }
 
 /// The number of passes is right to a twentieth, the interval at which `render` estimates errors.
@@ -26,8 +26,9 @@ fn ends(limits: RenderLimits, integrator: &NoisyIntegrator, pass_seconds: f64) -
 fn expected_end_agrees_with_render() {
     let biased = NoisyIntegrator { sigma: 0.24, bias: 0.2, ..NOISY };
     for (integrator, preview) in [(&NOISY, false), (&NOISY, true), (&biased, false)] {
-        let (expected, (ended, passes)) = ends(RenderLimits { preview, ..RenderLimits::default() }, integrator, 1e-3);
-        assert_eq!(expected.ended, ended);
+        let (expected, (end_reason, passes)) =
+            ends(RenderLimits { preview, ..RenderLimits::default() }, integrator, 1e-3);
+        assert_eq!(expected.reason, end_reason);
         assert!(expected.passes.abs_diff(passes) <= 1 + passes / 20, "{} {passes}", expected.passes);
     }
 }
@@ -38,6 +39,6 @@ fn expected_end_agrees_with_render() {
 #[test]
 fn slow_passes_end_by_time() {
     let (expected, _) = ends(RenderLimits::default(), &NOISY, 60.0);
-    assert_eq!((expected.ended, expected.passes), (EndReason::Time, 5));
+    assert_eq!((expected.reason, expected.passes), (EndReason::Time, 5));
     assert!((expected.error / (0.3 / 10f64.sqrt()) - 1.0).abs() < 0.05, "{}", expected.error);
 }

@@ -14,7 +14,7 @@ fn rendered(integrator: &NoisyIntegrator, stop: &StopCriteria<'_>) -> RenderResu
 fn end(limits: RenderLimits, algorithm: Algorithm, integrator: &NoisyIntegrator) -> (EndReason, u32) {
     let interrupted = AtomicBool::new(false);
     let made = rendered(integrator, &limits.stop_criteria(algorithm, integrator, &interrupted));
-    (made.ended, made.film.passes())
+    (made.end_reason, made.film.passes())
 }
 
 fn limits() -> RenderLimits {
@@ -29,7 +29,7 @@ fn default_render_ends_at_default_error() {
     let made = rendered(&NOISY, &stop);
     let confidence = stop.target.unwrap().interval_confidence();
     let estimate = made.estimator.as_ref().unwrap().estimate_with_confidence(&made.film, confidence);
-    assert_eq!(made.ended, EndReason::Target);
+    assert_eq!(made.end_reason, EndReason::Target);
     assert!(estimate.high <= DEFAULT_ERROR && estimate.high > 0.95 * DEFAULT_ERROR, "{estimate:?}");
 }
 
@@ -38,7 +38,7 @@ fn default_render_ends_when_time_is_up() {
     let interrupted = AtomicBool::new(false);
     let stop = limits().stop_criteria(Algorithm::Hybrid, &NOISY, &interrupted);
     let made = rendered(&NOISY, &StopCriteria { time: Some(Duration::from_nanos(1)), ..stop });
-    assert_eq!((made.ended, made.film.passes()), (EndReason::Time, 1));
+    assert_eq!((made.end_reason, made.film.passes()), (EndReason::Time, 1));
     let short = RenderLimits { time: Some(Duration::ZERO), ..limits() };
     assert_eq!(end(short, Algorithm::Hybrid, &NOISY), (EndReason::Time, 1));
 }
@@ -46,8 +46,8 @@ fn default_render_ends_when_time_is_up() {
 #[test]
 fn preview_ends_at_preview_error() {
     let preview = RenderLimits { preview: true, ..limits() };
-    let (ended, passes) = end(preview, Algorithm::Hybrid, &NOISY);
-    assert_eq!(ended, EndReason::Target);
+    let (end_reason, passes) = end(preview, Algorithm::Hybrid, &NOISY);
+    assert_eq!(end_reason, EndReason::Target);
     assert!((5..8).contains(&passes), "{passes}");
     let short = RenderLimits { passes: Some(2), ..preview };
     assert_eq!(end(short, Algorithm::Hybrid, &NOISY), (EndReason::Passes, 2));
@@ -86,8 +86,8 @@ fn render_without_error_estimates_makes_default_passes() {
 #[test]
 fn default_render_ends_when_only_bias_is_left() {
     let biased = NoisyIntegrator { sigma: 0.24, bias: 0.2, ..NOISY };
-    let (ended, passes) = end(limits(), Algorithm::Pm, &biased);
-    assert_eq!(ended, EndReason::Floor);
+    let (end_reason, passes) = end(limits(), Algorithm::Pm, &biased);
+    assert_eq!(end_reason, EndReason::Floor);
     assert!((22..25).contains(&passes), "{passes}");
     let given = RenderLimits { target_error: Some(0.03), passes: Some(40), ..limits() };
     assert_eq!(end(given, Algorithm::Pm, &biased), (EndReason::Passes, 40));

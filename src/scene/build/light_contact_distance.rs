@@ -37,7 +37,7 @@ pub(super) fn light_contact_distance(scene: &Scene, domain: BoundingSphere, ligh
             let ray = Ray { origin: position + axis * from, direction: axis, t_max: reach - from };
             let Some(hit) = scene.intersect(&ray) else { break };
             let point = scene.geometry.surface_point(&ray, &hit);
-            let surface_error = point.error.length();
+            let surface_error = point.position_error.length();
             if (point.p - position).dot(point.ng).abs() <= own + surface_error {
                 error = error.max(own + surface_error);
             }

@@ -1,6 +1,6 @@
 //! Building a resolved scene from objects in world coordinates.
 
-mod cull_index_matched;
+mod cull_air_boundaries;
 mod derived;
 mod light_contact_distance;
 mod lights;
@@ -22,7 +22,7 @@ use crate::math::Motion;
 use crate::medium::Medium;
 use crate::shape::{Plane, Shape, TextureMappingKind, Triangle};
 use crate::texture::Texture;
-use cull_index_matched::{cull_index_matched, may_bound_body};
+use cull_air_boundaries::{cull_air_boundaries, may_bound_body};
 use glam::{DVec2, DVec3, Vec3};
 use lights::{CollectedLights, DeltaLight, collect_lights};
 use media::place_media;
@@ -218,7 +218,7 @@ impl SceneBuilder {
     pub fn build_after(self, earlier: Option<&Scene>, camera: Camera) -> Result<Scene, BuildError> {
         validate_objects(&self.objects, &self.mesh)?;
         let (objects, mesh) =
-            cull_index_matched(self.objects, self.mesh, &self.materials, self.ambient_medium.is_some());
+            cull_air_boundaries(self.objects, self.mesh, &self.materials, self.ambient_medium.is_some());
         let origin = choose_scene_origin(&objects, &mesh, &camera)?;
         let PlacedObjects { objects, geometry, mappings, mut animation } = place_objects(objects, mesh, origin)?;
         validate_coordinate_range(&geometry, &animation)?;

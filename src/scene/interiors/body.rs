@@ -7,7 +7,7 @@ use crate::color::Rgb;
 pub struct Body {
     /// Absolute refractive index; 1 is air. For a glass with dispersion, it is the index at 587.56
     /// nm (the d line).
-    pub index: f32,
+    pub eta: f32,
     /// Absorption coefficient \[1/length].
     pub absorption: Rgb,
     /// Priority where bodies overlap. The body of highest priority wins; among equals, the body
@@ -26,10 +26,10 @@ pub struct Body {
 }
 
 impl Body {
-    /// A dielectric body of absolute refractive `index` that neither absorbs nor scatters.
+    /// A dielectric body of absolute refractive index `eta` that neither absorbs nor scatters.
     #[must_use]
-    pub fn new(index: f32) -> Self {
-        Self { index, absorption: Rgb::ZERO, priority: 0, glass: None, medium: None, is_null_interface: false }
+    pub fn new(eta: f32) -> Self {
+        Self { eta, absorption: Rgb::ZERO, priority: 0, glass: None, medium: None, is_null_interface: false }
     }
 
     /// A region filled with `medium`, bounded by a null interface.
@@ -46,7 +46,7 @@ impl Body {
     /// True if the dielectric body has refractive index 1, no absorption, no medium and no null
     /// interface: light cannot distinguish it from air.
     pub(in crate::scene) fn is_air(&self) -> bool {
-        let Self { index, absorption, glass, medium, is_null_interface, priority: _ } = *self;
-        index == 1.0 && absorption == Rgb::ZERO && glass.is_none() && medium.is_none() && !is_null_interface
+        let Self { eta, absorption, glass, medium, is_null_interface, priority: _ } = *self;
+        eta == 1.0 && absorption == Rgb::ZERO && glass.is_none() && medium.is_none() && !is_null_interface
     }
 }

@@ -211,8 +211,8 @@ impl Interior for InteriorStack {
         let Some(body) = surface.material.bounded_body() else { return BoundaryEvent::Surface };
         let (event, body, interface) = resolve_interface(self, scene, surface, *body);
         if event != BoundaryEvent::NullInterface {
-            let index = interface.relative_ior(&body, |body| body.index);
-            surface.bsdf = Bsdf::dielectric(index, surface.roughness, surface.material.boundary_scattering());
+            let eta = interface.relative_eta(&body, |body| body.eta);
+            surface.bsdf = Bsdf::dielectric(eta, surface.roughness, surface.material.boundary_scattering());
         }
         event
     }

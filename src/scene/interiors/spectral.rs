@@ -104,14 +104,14 @@ impl Interior for SpectralInterior {
             // `take`: a second wavelength of this path needs a new random number.
             let u = self.wavelength_sample.take().unwrap_or_else(|| key.uniform_1d(Dimension::Wavelength));
             self.wavelength = Some(Wavelength::sample(u));
-            self.sampled_at = Some(Dielectric { eta: interface.relative_ior(&body, |body| body.index) });
+            self.sampled_at = Some(Dielectric { eta: interface.relative_eta(&body, |body| body.eta) });
         }
-        let index = |body: &Body| match (body.glass, self.wavelength) {
+        let eta = |body: &Body| match (body.glass, self.wavelength) {
             (Some(glass), Some(wavelength)) => scene.glasses[glass as usize].refractive_index(wavelength.nanometres()),
-            _ => body.index,
+            _ => body.eta,
         };
         let scattering = surface.material.boundary_scattering();
-        surface.bsdf = Bsdf::dielectric(interface.relative_ior(&body, index), surface.roughness, scattering);
+        surface.bsdf = Bsdf::dielectric(interface.relative_eta(&body, eta), surface.roughness, scattering);
         event
     }
 

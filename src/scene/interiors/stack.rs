@@ -36,10 +36,10 @@ impl BodyInterface {
 
     /// Refractive index of `body` relative to the outer side.
     ///
-    /// `index` returns the absolute refractive index of a dielectric body.
+    /// `eta` returns the absolute refractive index of a dielectric body.
     #[inline]
-    pub fn relative_ior(&self, body: &Body, index: impl Fn(&Body) -> f32) -> f32 {
-        index(body) / self.outside.as_ref().map_or(1.0, index)
+    pub fn relative_eta(&self, body: &Body, eta: impl Fn(&Body) -> f32) -> f32 {
+        eta(body) / self.outside.as_ref().map_or(1.0, eta)
     }
 }
 

@@ -30,19 +30,19 @@ pub enum NormalPerturbation {
     NormalMap(u32),
 }
 
-/// Returns the unit shading normal at `point`, perturbed by `normals`. It lies in the hemisphere of
-/// the geometric normal.
+/// Returns the unit shading normal at `point`, perturbed by `perturbation`. It lies in the
+/// hemisphere of the geometric normal.
 ///
 /// `width` is the diameter of the texture filter footprint \[length].
 pub(in crate::scene) fn perturbed_normal(
-    normals: NormalPerturbation,
+    perturbation: NormalPerturbation,
     textures: &[Arc<Texture>],
     point: &SurfacePoint,
     footprint: &TextureFootprint<'_>,
     width: f64,
 ) -> Vec3 {
     let n = point.ns.as_dvec3();
-    let perturbed = match normals {
+    let perturbed = match perturbation {
         NormalPerturbation::None => return point.ns,
         NormalPerturbation::BumpMap { texture, height } => {
             let texture = &*textures[texture as usize];

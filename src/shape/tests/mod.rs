@@ -99,12 +99,15 @@ fn offset_origins_prevent_self_intersection() {
                 let s = sphere.sample(key.uniform_2d(Dimension::LightPosition)).point;
                 let d = crate::math::warp::square_to_cosine_hemisphere(key.uniform_2d(Dimension::LightDirection));
                 let d = crate::math::Frame::from_normal(s.ng).to_world(d);
-                let out = Ray::new(offset_ray_origin(s.p, s.error, s.ng, d), d);
+                let out = Ray::new(offset_ray_origin(s.p, s.position_error, s.ng, d), d);
                 assert!(sphere.intersect(&out).is_none(), "{scale} {center} {i}");
-                let inside = Ray::new(offset_ray_origin(s.p, s.error, s.ng, -d), -d);
+                let inside = Ray::new(offset_ray_origin(s.p, s.position_error, s.ng, -d), -d);
                 let ShapeHit { t, .. } = sphere.intersect(&inside).expect("an inner ray meets the far side");
                 let chord = 2.0 * scale as f32 * d.dot(s.ng);
-                assert!((t - chord).abs() < 1e-3 * chord + 4.0 * s.error.max_element() / d.dot(s.ng), "{t} {chord}");
+                assert!(
+                    (t - chord).abs() < 1e-3 * chord + 4.0 * s.position_error.max_element() / d.dot(s.ng),
+                    "{t} {chord}"
+                );
             }
         }
     }

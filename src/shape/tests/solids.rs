@@ -189,7 +189,7 @@ fn hits_agree_with_bisection() {
                 let p = map.inverse().transform_point3(point.p.as_dvec3());
                 let rows = map.inverse().matrix3.transpose();
                 let widest = rows.x_axis.length().max(rows.y_axis.length()).max(rows.z_axis.length());
-                let off = widest * f64::from(point.error.max_element()) * 2.0;
+                let off = widest * f64::from(point.position_error.max_element()) * 2.0;
                 assert!(
                     solid.implicit_value(p).abs() <= off,
                     "{solid:?} {m} {i}: {p} is off by {} of {off}",
@@ -245,9 +245,9 @@ fn offset_origins_prevent_self_intersection_of_solids() {
                 let s = shape.surface_point(&ray, t, uv);
                 let d = warp::square_to_cosine_hemisphere(random_key(i).uniform_2d(Dimension::LightPosition));
                 let d = crate::math::Frame::from_normal(s.ng).to_world(d);
-                let out = Ray::new(offset_ray_origin(s.p, s.error, s.ng, d), d);
+                let out = Ray::new(offset_ray_origin(s.p, s.position_error, s.ng, d), d);
                 assert!(shape.intersect(&out).is_none(), "{solid:?} {scale} {i} {out:?}");
-                let back = Ray::new(offset_ray_origin(s.p, s.error, s.ng, -d), -d);
+                let back = Ray::new(offset_ray_origin(s.p, s.position_error, s.ng, -d), -d);
                 let ShapeHit { t, uv } = shape.intersect(&back).expect("an inward ray hits the far side");
                 let far = shape.surface_point(&back, t, uv);
                 assert!(far.ng.dot(back.direction) > 0.0, "{solid:?} {scale} {i} {back:?}");

@@ -14,6 +14,6 @@ mod variant;
 pub use clock::CpuWallTime;
 pub use command::{StudiedScene, shell_quoted};
 pub use references::{ReferenceError, ReferencePictures, reference_algorithm};
-pub use result::{ConvergenceCheckpoint, MethodResult, MethodStudyResult, Reference};
+pub use result::{ConvergenceCheckpoint, MIN_THREAD_TIME_SHARE, MethodResult, MethodStudyResult, Reference};
 pub use run::{MethodStudy, MethodStudyEvent, StudyLimits};
 pub use variant::{MethodVariant, MethodVariantError, applicable_methods};

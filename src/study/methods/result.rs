@@ -23,19 +23,24 @@ pub struct ConvergenceCheckpoint {
     ///
     /// The noise of the references cancels in the estimate, so a small error may be estimated as
     /// negative.
-    pub squares: Vec<f64>,
-    /// Relative squared noise: variance between the seeds' pictures, relative as in `squares`.
+    #[serde(rename = "squares")]
+    pub squared_errors: Vec<f64>,
+    /// Relative squared noise: variance between the seeds' pictures, relative as in
+    /// `squared_errors`.
     pub noise2: f64,
     /// Estimates of the relative squared noise, one from each seed; their mean is `noise2`.
     ///
     /// With S seeds, the value is S/(S − 1) times the relative squared difference between the
     /// seed's picture and the mean over seeds. The list is empty with one seed.
-    pub noises: Vec<f64>,
-    /// Relative squared bias: mean of `squares` minus `noise2`. The estimate may be negative.
+    #[serde(rename = "noises")]
+    pub squared_noises: Vec<f64>,
+    /// Relative squared bias: mean of `squared_errors` minus `noise2`. The estimate may be
+    /// negative.
     pub bias2: f64,
     /// Square of the relative error that the renderer itself estimates, for each seed with a finite
     /// estimate.
-    pub estimated: Vec<f64>,
+    #[serde(rename = "estimated")]
+    pub squared_error_estimates: Vec<f64>,
     /// Root mean square error over pixels, channels and seeds \[W/(m² sr)], without the noise of
     /// the references; 0 if noise makes the estimated square negative.
     pub rmse: f64,
@@ -47,15 +52,15 @@ impl ConvergenceCheckpoint {
     /// Returns the relative squared error, as a mean over seeds.
     #[must_use]
     pub fn mean_squared_error(&self) -> f64 {
-        self.squares.iter().sum::<f64>() / self.squares.len().max(1) as f64
+        self.squared_errors.iter().sum::<f64>() / self.squared_errors.len().max(1) as f64
     }
 
     /// Returns the square of the relative error that the renderer itself estimates, as a mean over
     /// the seeds with an estimate; `None` if no seed has one.
     #[must_use]
     pub fn mean_square_of_estimated_error(&self) -> Option<f64> {
-        let n = self.estimated.len() as f64;
-        (n > 0.0).then(|| self.estimated.iter().sum::<f64>() / n)
+        let n = self.squared_error_estimates.len() as f64;
+        (n > 0.0).then(|| self.squared_error_estimates.iter().sum::<f64>() / n)
     }
 }
 
@@ -81,12 +86,12 @@ pub struct MethodResult {
     /// Checkpoints after 1, 2, 4, 8 … passes and after the last pass.
     pub checkpoints: Vec<ConvergenceCheckpoint>,
     /// Picture of the first seed at the last checkpoint.
-    pub picture: Image,
+    pub first_seed_picture: Image,
     /// Relative error of each pixel at the last checkpoint, as a root mean square over seeds; in
     /// rows from the top.
-    pub error: Vec<f32>,
+    pub pixel_errors: Vec<f32>,
     /// Mean over seeds of the pictures at the last checkpoint, minus the reference \[W/(m² sr)].
-    pub difference: Image,
+    pub mean_difference: Image,
 }
 
 /// Reference that the errors of a study are measured against: a picture with its origin and error.
@@ -100,6 +105,11 @@ pub struct Reference {
     /// Mean of the two reference pictures, or the single reference picture.
     pub picture: Image,
 }
+
+/// Smallest [`MethodStudyResult::thread_time_share`] at which measured times are reliable.
+///
+/// A smaller share means that other programs ran, or that threads waited.
+pub const MIN_THREAD_TIME_SHARE: f64 = 0.9;
 
 /// Measured convergence of all rendering methods that a study compares.
 #[derive(Clone, Debug)]
@@ -119,7 +129,7 @@ pub struct MethodStudyResult {
     /// Share of the threads' time that the program got: processor time divided by the product of
     /// wall time and threads. It is the minimum over methods.
     ///
-    /// Below 0.9, other programs disturbed the measurement. It is 1 if processor time is unknown.
+    /// It is 1 if processor time is unknown.
     pub thread_time_share: f64,
     /// Reference picture that errors are measured against.
     pub reference: Reference,

@@ -73,7 +73,7 @@ struct MethodRun<'a> {
     seeds: Vec<SeedRun<'a>>,
     time: CpuWallTime,
     rays: u64,
-    photons: u64,
+    photon_paths: u64,
     checkpoints: Vec<ConvergenceCheckpoint>,
     /// Pictures of the last checkpoint; `None` while the method runs.
     last: Option<FinalPictures>,
@@ -91,9 +91,9 @@ struct SeedRun<'a> {
 /// Final pictures of a rendering method, made at its last checkpoint; see [`MethodResult`].
 struct FinalPictures {
     passes: u32,
-    picture: Image,
-    error: Vec<f32>,
-    difference: Image,
+    first_seed_picture: Image,
+    pixel_errors: Vec<f32>,
+    mean_difference: Image,
 }
 
 impl<'a> MethodStudy<'a> {
@@ -141,7 +141,7 @@ impl<'a> MethodStudy<'a> {
                 seeds: std::iter::once(Some(first)).chain(none).map(film).collect(),
                 time: CpuWallTime::default(),
                 rays: 0,
-                photons: 0,
+                photon_paths: 0,
                 checkpoints: Vec::new(),
                 last: None,
             }
@@ -269,7 +269,7 @@ impl MethodRun<'_> {
         film.add(&pass.image);
         self.time += time;
         self.rays += pass.counters.total_rays();
-        self.photons += pass.unaimed.emitted + pass.aimed.emitted;
+        self.photon_paths += pass.unaimed.emitted_paths + pass.aimed.emitted_paths;
     }
 
     /// Measures the pictures of all seeds after `passes` passes. Adds a checkpoint and returns it.
@@ -291,7 +291,7 @@ impl MethodRun<'_> {
         }
         let measured = separate_noise_and_bias(references, &pictures);
         let error = |seed: &SeedRun<'_>| Some(seed.estimator.as_ref()?.estimate(&seed.film).error);
-        let estimated: Vec<f64> =
+        let squared_error_estimates: Vec<f64> =
             self.seeds.iter().filter_map(error).filter(|e| e.is_finite()).map(|e| e * e).collect();
         let seeds = pictures.len() as f64;
         let checkpoint = ConvergenceCheckpoint {
@@ -299,12 +299,12 @@ impl MethodRun<'_> {
             seconds: self.time.processor / seeds,
             wall: self.time.wall / seeds,
             rays: self.rays as f64 / seeds,
-            photon_paths: self.photons as f64 / seeds,
-            squares: measured.squares,
-            noises: measured.noises,
+            photon_paths: self.photon_paths as f64 / seeds,
+            squared_errors: measured.squared_errors,
+            squared_noises: measured.squared_noises,
             noise2: measured.noise2,
             bias2: measured.bias2,
-            estimated,
+            squared_error_estimates,
             rmse: measured.rmse,
             flip: flip_metric(references.mean(), &image(pictures[0].clone())?, &FlipMetricOptions::default())?.mean,
         };
@@ -315,10 +315,10 @@ impl MethodRun<'_> {
                 .iter()
                 .enumerate()
                 .map(|(i, t)| (mean_pixel_over_pictures(&pictures, i) - t.as_dvec3()).as_vec3());
-            let difference = image(differences.collect())?;
-            let error = pixel_errors(references, &pictures);
-            let picture = image(pictures.into_iter().next().unwrap_or_default())?;
-            self.last = Some(FinalPictures { passes, picture, error, difference });
+            let mean_difference = image(differences.collect())?;
+            let pixel_errors = pixel_errors(references, &pictures);
+            let first_seed_picture = image(pictures.into_iter().next().unwrap_or_default())?;
+            self.last = Some(FinalPictures { passes, first_seed_picture, pixel_errors, mean_difference });
             self.seeds.clear();
         }
         self.checkpoints.push(checkpoint.clone());
@@ -326,7 +326,7 @@ impl MethodRun<'_> {
     }
 
     fn into_result(self, subject: &StudiedScene) -> Option<MethodResult> {
-        let FinalPictures { passes, picture, error, difference } = self.last?;
+        let FinalPictures { passes, first_seed_picture, pixel_errors, mean_difference } = self.last?;
         Some(MethodResult {
             command: subject.render_command_line(&self.variant, passes),
             label: self.variant.label,
@@ -335,9 +335,9 @@ impl MethodRun<'_> {
             alpha: self.alpha,
             radii: self.radii.map(|r| [r.indirect, r.caustic]),
             checkpoints: self.checkpoints,
-            picture,
-            error,
-            difference,
+            first_seed_picture,
+            pixel_errors,
+            mean_difference,
         })
     }
 }

@@ -9,8 +9,8 @@ use glam::DVec3;
 /// [`ConvergenceCheckpoint`](super::ConvergenceCheckpoint) describes the fields.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NoiseAndBias {
-    pub squares: Vec<f64>,
-    pub noises: Vec<f64>,
+    pub squared_errors: Vec<f64>,
+    pub squared_noises: Vec<f64>,
     pub noise2: f64,
     pub bias2: f64,
     pub rmse: f64,
@@ -22,7 +22,7 @@ pub(super) struct NoiseAndBias {
 /// squared bias plus the variance of I: the noise of the references cancels.
 pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: &[Vec<Rgb>]) -> NoiseAndBias {
     let seeds = pictures.len() as f64;
-    let (mut squares, mut noises) = (vec![0.0; pictures.len()], vec![0.0; pictures.len()]);
+    let (mut squared_errors, mut squared_noises) = (vec![0.0; pictures.len()], vec![0.0; pictures.len()]);
     let mut plain = 0.0;
     let scale = references.relative_error_weights();
     let count = scale.pixel_weights().len();
@@ -31,7 +31,7 @@ pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: 
     let whole = seeds / (seeds - 1.0);
     for i in 0..count {
         let mean = mean_pixel_over_pictures(pictures, i);
-        for ((square, noise), picture) in squares.iter_mut().zip(&mut noises).zip(pictures) {
+        for ((square, noise), picture) in squared_errors.iter_mut().zip(&mut squared_noises).zip(pictures) {
             let pixel = picture[i].as_dvec3();
             let error = references.unbiased_squared_error(i, pixel);
             *square += scale.clamped_relative_product(i, error);
@@ -40,11 +40,11 @@ pub(super) fn separate_noise_and_bias(references: &ReferencePictures, pictures: 
         }
     }
     let pixels = count as f64;
-    squares.iter_mut().chain(&mut noises).for_each(|sum| *sum /= pixels);
-    let noise2 = noises.iter().sum::<f64>() / seeds;
-    let bias2 = squares.iter().sum::<f64>() / seeds - noise2;
+    squared_errors.iter_mut().chain(&mut squared_noises).for_each(|sum| *sum /= pixels);
+    let noise2 = squared_noises.iter().sum::<f64>() / seeds;
+    let bias2 = squared_errors.iter().sum::<f64>() / seeds - noise2;
     let rmse = (plain / (3.0 * pixels * seeds)).max(0.0).sqrt();
-    NoiseAndBias { squares, noises, noise2, bias2, rmse }
+    NoiseAndBias { squared_errors, squared_noises, noise2, bias2, rmse }
 }
 
 /// Returns the mean of pixel `i` over `pictures`.

@@ -9,7 +9,9 @@ use super::{
 };
 use crate::color::Rgb;
 use crate::image::{self, Image, WriteOptions};
-use crate::integrate::{Algorithm, CameraPathSettings, Integrator, Pass, ProgressMonitor, Settings, SilentMonitor};
+use crate::integrate::{
+    Algorithm, CameraPathSettings, Integrator, PassResult, ProgressMonitor, Settings, SilentMonitor,
+};
 use crate::plan::{EffectOverrides, Plan};
 use crate::scene::{Effect, Effects};
 use crate::stats::{Counters, cpu_seconds};
@@ -64,14 +66,14 @@ fn noise_and_bias_are_separated() {
     let found = separate_noise_and_bias(&references_with_noise(reference), &pictures);
     let (bias2, noise2, reference2) = (bias * bias, sigma * sigma, reference * reference);
     let of_mean = |v: f64| 0.5 * v / CHANNELS.sqrt();
-    for square in &found.squares {
+    for square in &found.squared_errors {
         assert_near(*square, 0.5 * (bias2 + noise2), of_mean(bias2 + noise2 + reference2));
     }
     // A variance that is estimated from n channels, with three degrees of freedom each, has the
     // relative standard deviation √(2/(3n)).
     assert_near(found.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / (3.0 * CHANNELS)).sqrt());
     assert_near(found.bias2, 0.5 * bias2, of_mean(bias2 + 0.25 * noise2 + reference2));
-    let mean: f64 = found.squares.iter().sum::<f64>() / 4.0;
+    let mean: f64 = found.squared_errors.iter().sum::<f64>() / 4.0;
     assert!((mean - found.noise2 - found.bias2).abs() < 1e-12, "the parts make the whole");
     assert_near(found.rmse * found.rmse, bias2 + noise2, 2.0 * of_mean(bias2 + noise2 + reference2));
 }
@@ -125,7 +127,7 @@ struct SyntheticIntegrator<'w> {
 }
 
 impl Integrator for SyntheticIntegrator<'_> {
-    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> Pass {
+    fn render_pass(&self, pass: u32, _: &dyn ProgressMonitor) -> PassResult {
         let SyntheticMethod { bias, sigma, cost, interrupts } = self.fake;
         let processor = cost * (1.0 + 0.5 * self.seed as f64);
         // Other programs use the processor for a fifth of the time.
@@ -135,9 +137,9 @@ impl Integrator for SyntheticIntegrator<'_> {
         self.world.interrupted.fetch_or(interrupts && pass == 2 && self.seed == 0, Ordering::Relaxed);
         let name = (f64::to_bits(cost) >> 40) + 1000 * u64::from(pass) + self.seed;
         let counters = Counters { camera_rays: 10 + self.seed, shadow_rays: 5, ..Counters::default() };
-        let mut pass = Pass { image: noisy_picture(bias, sigma, name), counters, ..Pass::default() };
-        pass.unaimed.emitted = 100;
-        pass.aimed.emitted = 50;
+        let mut pass = PassResult { image: noisy_picture(bias, sigma, name), counters, ..PassResult::default() };
+        pass.unaimed.emitted_paths = 100;
+        pass.aimed.emitted_paths = 50;
         pass
     }
 
@@ -278,17 +280,17 @@ fn measured_errors_match_synthetic_methods() {
             assert_near(checkpoint.mean_squared_error(), 0.5 * v, v / CHANNELS.sqrt());
             assert_near(checkpoint.bias2, 0.5 * bias * bias, v / CHANNELS.sqrt());
         }
-        let error = method.error.iter().map(|e| f64::from(e * e)).sum::<f64>() / f64::from(SIZE.0 * SIZE.1);
+        let error = method.pixel_errors.iter().map(|e| f64::from(e * e)).sum::<f64>() / f64::from(SIZE.0 * SIZE.1);
         assert!((error - method.checkpoints.last().unwrap().mean_squared_error()).abs() < 1e-6, "{error}");
         // `mean` is taken over all channels. Each channel has the standard deviation σ/√(16 passes
         // · 2 seeds).
-        let mean = method.difference.pixels().iter().map(|d| d.as_dvec3().element_sum()).sum::<f64>() / CHANNELS;
+        let mean = method.mean_difference.pixels().iter().map(|d| d.as_dvec3().element_sum()).sum::<f64>() / CHANNELS;
         assert_near(mean, bias, sigma / (32.0 * CHANNELS).sqrt());
     }
     let world = SyntheticStudyState::default();
     let one = SyntheticIntegrator { fake: SLOW_METHOD, seed: 0, world: &world };
     let sum = (0..16).map(|i| one.render_pass(i, &SilentMonitor).image[7].as_dvec3()).sum::<glam::DVec3>();
-    assert_eq!(found.methods[0].picture.pixels()[7], (sum / 16.0).as_vec3());
+    assert_eq!(found.methods[0].first_seed_picture.pixels()[7], (sum / 16.0).as_vec3());
 }
 
 #[test]

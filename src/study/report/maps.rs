@@ -76,8 +76,8 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, Pictu
             error_color_ramp(0.0)
         }
     };
-    let picture = &method.picture;
-    Image::from_pixels(picture.width(), picture.height(), method.error.iter().map(colour).collect())
+    let picture = &method.first_seed_picture;
+    Image::from_pixels(picture.width(), picture.height(), method.pixel_errors.iter().map(colour).collect())
 }
 
 /// Returns the relative difference of each pixel from the reference: the mean of `difference` over
@@ -93,7 +93,7 @@ pub(super) fn relative_differences(difference: &Image, scale: &RelativeErrorWeig
 ///
 /// `relative` holds a difference for each pixel of `method`'s picture.
 pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64) -> Result<Image, PictureSizeError> {
-    let picture = &method.picture;
+    let picture = &method.first_seed_picture;
     Image::from_pixels(
         picture.width(),
         picture.height(),
@@ -129,14 +129,14 @@ impl PixelWindow {
 /// The squared errors of each method are divided by their mean over the picture.
 pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> Vec<PixelWindow> {
     let Some(first) = methods.first() else { return Vec::new() };
-    let (width, height) = (first.picture.width(), first.picture.height());
+    let (width, height) = (first.first_seed_picture.width(), first.first_seed_picture.height());
     let (w, h) = (width as usize, height as usize);
     let mut sum = vec![0.0; w * h];
     for method in methods {
         let square = |e: &f32| Some(f64::from(*e)).filter(|e| e.is_finite()).map_or(0.0, |e| e * e);
-        let mean = method.error.iter().map(square).sum::<f64>() / (w * h) as f64;
+        let mean = method.pixel_errors.iter().map(square).sum::<f64>() / (w * h) as f64;
         if mean > 0.0 {
-            sum.iter_mut().zip(&method.error).for_each(|(sum, e)| *sum += square(e) / mean);
+            sum.iter_mut().zip(&method.pixel_errors).for_each(|(sum, e)| *sum += square(e) / mean);
         }
     }
     // Summed-area table (Crow 1984): each entry is the sum over all pixels left and above.

@@ -47,7 +47,7 @@ pub(super) struct SlopeGuideLine {
     pub(super) slope: f64,
     pub(super) through: (f64, f64),
     /// True to put the label below the guide line, because the measured line is above it.
-    pub(super) below: bool,
+    pub(super) label_below: bool,
 }
 
 /// Log-log plot of relative error over seconds.
@@ -258,7 +258,7 @@ fn draw_slope_guide(svg: &mut String, guide: &SlopeGuideLine, x: &LogAxis, y: &L
     let [(x1, y1), (x2, y2)] = [from, to].map(|at| (x.position_on_axis(at), y.position_on_axis(height(at))));
     let _ = writeln!(svg, "<line class=\"guide\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>");
     // The label stands at 35 % of the guide, on the side away from the measured line.
-    let (dx, dy, anchor) = if guide.below { (-5.0, 13.0, "end") } else { (5.0, -4.0, "start") };
+    let (dx, dy, anchor) = if guide.label_below { (-5.0, 13.0, "end") } else { (5.0, -4.0, "start") };
     let (tx, ty) = (x1 + 0.35 * (x2 - x1) + dx, y1 + 0.35 * (y2 - y1) + dy);
     let _ = writeln!(
         svg,

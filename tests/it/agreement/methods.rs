@@ -84,7 +84,7 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
         allows_scatter_point_guiding: true,
         light_tracing: LightTracing::Weighted,
         indirect_photons: IndirectPhotons::Weighted,
-        volume: match method {
+        volume_estimator: match method {
             Method::SppmBeamRadiance => VolumeEstimator::BeamRadiance,
             Method::SppmPoints => VolumeEstimator::Points,
             _ => VolumeEstimator::Beams,

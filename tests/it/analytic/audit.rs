@@ -1,7 +1,7 @@
 //! Energy audit: no flux is lost or created, and Russian roulette changes no mean.
 
 use crate::support::*;
-use caustica::photon::{PhotonPassResult, StoreMask};
+use caustica::photon::{StoreMask, TracedPhotons};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Shape, Sphere};
 use glam::{DVec3, Vec3};
@@ -41,7 +41,7 @@ fn flux_is_conserved_up_to_rounding() {
     for (mask, bounces) in
         [(StoreMask::ALL, 1000), (StoreMask::INDIRECT, 3), (StoreMask::CAUSTIC, 1000), (StoreMask::ALL, 0)]
     {
-        for PhotonPassResult { audit, rays, paths, .. } in trace_photon_passes(&scene, mask, bounces, 4, 1 << 14) {
+        for TracedPhotons { audit, rays, paths, .. } in trace_photon_passes(&scene, mask, bounces, 4, 1 << 14) {
             let mean = audit.emitted.iter().sum::<f64>() / 3.0;
             let bound = 12.0 * mean * rays as f64 / paths as f64 / 16_777_216.0;
             for c in 0..3 {

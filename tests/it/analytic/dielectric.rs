@@ -72,8 +72,7 @@ fn photons_pass_slab_by_its_transmittance() {
         let passes = trace_photon_passes(&scene, StoreMask::CAUSTIC, 1000, PASSES, 1 << 15);
         let (through, back) = per_channel(angle);
         let share = |part: fn(&caustica::photon::EnergyAudit) -> [f64; 3]| {
-            let of =
-                |t: &caustica::photon::PhotonPassResult| DVec3::from(part(&t.audit)) / DVec3::from(t.audit.emitted);
+            let of = |t: &caustica::photon::TracedPhotons| DVec3::from(part(&t.audit)) / DVec3::from(t.audit.emitted);
             passes.iter().map(of).collect::<Vec<DVec3>>()
         };
         assert_mean_rgb(&format!("through a slab at {degrees}°"), &share(|a| a.stopped), through, 4e-3);

@@ -32,7 +32,7 @@ fn prism_deviation(angle: f64, n: f64) -> f64 {
 }
 
 fn middle_wavelength(photon: &Photon) -> Option<f64> {
-    Wavelength::from_byte_code(photon.data.wavelength()).map(|w| f64::from(w.nanometres()))
+    Wavelength::from_byte_code(photon.data.wavelength_code()).map(|w| f64::from(w.nanometres()))
 }
 
 /// Photons of narrow bands around the spectral lines F, d and C land far behind a prism, each at
@@ -104,7 +104,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
                     .deposits
                     .surface_photons
                     .iter()
-                    .filter(|p| codes.contains(&p.data.wavelength()) && photon_position(&scene, p).x > 0.0)
+                    .filter(|p| codes.contains(&p.data.wavelength_code()) && photon_position(&scene, p).x > 0.0)
                     .map(|p| {
                         let own = prism_deviation(angle, bk7(middle_wavelength(p).unwrap()))
                             - prism_deviation(angle, bk7(nm));
@@ -158,7 +158,7 @@ fn dispersed_beam_sums_to_white() {
             let source = PhotonSource::emitting_in_all_directions(&scene).unwrap().with_effects(effects);
             let passes = trace_passes_from_source(&scene, &source, StoreMask::CAUSTIC, 10_000, PASSES, 1 << 15);
             let with_wavelength =
-                passes[0].deposits.surface_photons.iter().filter(|p| p.data.wavelength() != 0).count();
+                passes[0].deposits.surface_photons.iter().filter(|p| p.data.wavelength_code() != 0).count();
             assert_eq!(
                 with_wavelength > passes[0].deposits.surface_photons.len() / 2,
                 dispersion,

@@ -4,7 +4,7 @@
 //! 2(θi − θt). θi is the angle of incidence, and θt that of refraction.
 
 use crate::support::*;
-use caustica::photon::{PhotonMap, PhotonPassResult, PhotonSource, StoreMask};
+use caustica::photon::{PhotonMap, PhotonSource, StoreMask, TracedPhotons};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape, Sphere};
 use glam::DVec3;
@@ -49,7 +49,7 @@ fn beam_average(z: f64, weight: impl Fn(f64) -> f64) -> f64 {
 /// Traces passes with two bounces, so that photons pass through the ball without inner reflections.
 ///
 /// Photons that the outer side of the ball reflects land at more than .7 from the axis.
-fn trace_focus_passes(scene: &Scene, aimed: bool) -> Vec<PhotonPassResult> {
+fn trace_focus_passes(scene: &Scene, aimed: bool) -> Vec<TracedPhotons> {
     let source =
         if aimed { PhotonSource::aimed_at_casters(scene) } else { PhotonSource::emitting_in_all_directions(scene) };
     trace_passes_from_source(scene, &source.unwrap(), StoreMask::CAUSTIC, 2, PASSES, 1 << 16)

@@ -239,7 +239,7 @@ fn scattering_ball_loses_no_light() {
                 mean_radiance_of_passes(
                     &scene,
                     algorithm,
-                    Settings { radius: Some(radius as f32), volume, ..base },
+                    Settings { radius: Some(radius as f32), volume_estimator: volume, ..base },
                     PASSES,
                 )
             };
@@ -344,7 +344,8 @@ fn photon_beam_estimate_matches_formula() {
         // `Pm` is left out, because it uses the same photons as the first pass of `Sppm`.
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
             let base = settings_with(64, single_scattering_effects());
-            let settings = Settings { radius: Some(radius as f32), volume, aimed_paths: 60_000, ..base };
+            let settings =
+                Settings { radius: Some(radius as f32), volume_estimator: volume, aimed_paths: 60_000, ..base };
             // Radii of `Sppm` shrink from pass to pass. So each value comes from the first pass of
             // another seed.
             let samples: Vec<DVec3> = (0..PASSES)
@@ -420,7 +421,7 @@ fn white_medium_vanishes_in_furnace() {
                 let look = |radius: f64| {
                     let base = settings_with(8, EffectOverrides::PLANNED);
                     let (radius, indirect_photons) = (Some(radius as f32), IndirectPhotons::Off);
-                    let settings = Settings { radius, volume: *volume, indirect_photons, ..base };
+                    let settings = Settings { radius, volume_estimator: *volume, indirect_photons, ..base };
                     mean_radiance_of_passes(&scene, algorithm, settings, PASSES)
                 };
                 let what = format!("{what}, {} by {volume:?}", algorithm.name());
@@ -452,7 +453,7 @@ fn milky_ball_keeps_its_rim_in_a_furnace() {
     let mut settings = settings_with(16, EffectOverrides::PLANNED);
     settings.camera_paths.max_bounces = 10_000;
     for volume in ESTIMATES {
-        let settings = Settings { radius: Some(0.2), volume, ..settings.clone() };
+        let settings = Settings { radius: Some(0.2), volume_estimator: volume, ..settings.clone() };
         let samples = mean_radiance_of_passes(&scene, Algorithm::Sppm, settings, PASSES);
         // The tolerance of .015 is needed because the density of photons falls towards the rim. The
         // corrected half of a kernel is too bright there.
@@ -540,7 +541,7 @@ fn thick_fog_matches_chandrasekhar_half_space() {
             let samples = mean_radiance_of_passes(
                 &within,
                 algorithm,
-                Settings { volume, ..settings_with(4, EffectOverrides::PLANNED) },
+                Settings { volume_estimator: volume, ..settings_with(4, EffectOverrides::PLANNED) },
                 1,
             );
             assert_eq!(samples[0], DVec3::ZERO, "{algorithm:?} by {volume:?}: no light comes so far");
@@ -606,7 +607,8 @@ fn constant_grid_equals_homogeneous_medium() {
     let even = ball("", 1.0);
     let varied = ball(&format!("grid \"{}\"  min -1.1 -1.1 -1.1  max 1.1 1.1 1.1", grid.display()), 0.5);
     for algorithm in [Algorithm::Path, Algorithm::Sppm] {
-        let settings = Settings { volume: VolumeEstimator::Points, ..settings_with(64, EffectOverrides::PLANNED) };
+        let settings =
+            Settings { volume_estimator: VolumeEstimator::Points, ..settings_with(64, EffectOverrides::PLANNED) };
         let (a, b) = (
             mean_radiance_of_passes(&even, algorithm, settings.clone(), PASSES),
             mean_radiance_of_passes(&varied, algorithm, settings, PASSES),

@@ -1,7 +1,7 @@
 //! Collimated light in a half-cylindrical mirror of radius 1, whose caustic is a nephroid.
 
 use crate::support::*;
-use caustica::photon::{Kernel, Photon, PhotonMap, PhotonPassResult, StoreMask};
+use caustica::photon::{Kernel, Photon, PhotonMap, StoreMask, TracedPhotons};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape};
 use glam::{DVec2, DVec3, Vec3};
@@ -41,7 +41,7 @@ fn cup_scene(screen: Rectangle, direction: DVec3) -> Scene {
 }
 
 /// Traces passes and returns their photons after one reflection.
-fn reflected_ray(scene: &Scene) -> Vec<PhotonPassResult> {
+fn reflected_ray(scene: &Scene) -> Vec<TracedPhotons> {
     trace_photon_passes(scene, StoreMask::CAUSTIC, 1, PASSES, 1 << 17)
 }
 

@@ -1,7 +1,7 @@
 //! Form factors, infinite plates between mirrors, and image sources.
 
 use crate::support::*;
-use caustica::photon::{Kernel, PhotonKind, PhotonMap, PhotonPassResult, StoreMask};
+use caustica::photon::{Kernel, PhotonKind, PhotonMap, StoreMask, TracedPhotons};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::Plane;
 use glam::{DVec3, Vec3};
@@ -70,7 +70,7 @@ fn infinite_plates_have_geometric_series_of_flux() {
     let passes = trace_photon_passes(&scene, StoreMask::ALL, 10_000, PASSES, 1 << 15);
     let floor = LIGHT * PI / (DVec3::ONE - FLOOR * CEILING);
     for (name, low, expected) in [("floor", true, floor), ("ceiling", false, floor * FLOOR)] {
-        let on = |t: &PhotonPassResult| flux_where(&scene, &t.deposits.surface_photons, |p| (p.y < 0.35) == low) / 4.0;
+        let on = |t: &TracedPhotons| flux_where(&scene, &t.deposits.surface_photons, |p| (p.y < 0.35) == low) / 4.0;
         assert_mean_rgb(
             &format!("irradiance of the {name}"),
             &passes.iter().map(on).collect::<Vec<_>>(),

@@ -3,7 +3,7 @@
 use super::sketch::{Light, LightKind, Material, MediumSketch, Object, Sketch};
 use caustica::color::Rgb;
 use caustica::light::Light as Resolved;
-use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::plan::{EffectReason, Plan};
 use caustica::sampling::{Dimension, Key, Purpose, sobol_2d};
 use caustica::scene::{Effect, Scene};
@@ -135,8 +135,8 @@ fn casts(material: &Material) -> bool {
 /// objects.
 fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     if let Some(source) = PhotonSource::emitting_in_all_directions(scene) {
-        let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
-        if !pass.trace(Key::new(1), PHOTONS, &|_| {}).deposits.surface_photons.is_empty() {
+        let tracer = PhotonTracer { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
+        if !tracer.trace(Key::new(1), PHOTONS, &|_| {}).deposits.surface_photons.is_empty() {
             return false;
         }
     }
@@ -145,7 +145,7 @@ fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     let key = Key::new(2).purpose_key(Purpose::Test);
     let reaches = |light: &Resolved, p| {
         let looks = (0..LIGHT_POINTS).map(|i| sobol_2d(i, key, Dimension::LightPosition));
-        looks.filter_map(|u| light.sample_li(p, u)).any(|s| s.irradiance != Rgb::ZERO)
+        looks.filter_map(|u| light.sample_li(p, u)).any(|s| s.weight != Rgb::ZERO)
     };
     points.into_iter().all(|p| !scene.lights().iter().any(|light| reaches(light, p)))
 }

@@ -89,7 +89,7 @@ fn assert_finite(what: &str, rendered: &RenderResult) {
     let estimator = rendered.estimator.as_ref().unwrap();
     let maps = estimator.error_maps(&rendered.film);
     assert!(maps.noise.iter().chain(&maps.bias).all(|v| v.is_finite()), "{what}: a map of errors is not finite");
-    let discs = || maps.caustic.iter().chain(&maps.indirect);
+    let discs = || maps.caustic_discs.iter().chain(&maps.indirect_discs);
     assert!(discs().all(|d| d.radius.is_finite() && d.mean_count.is_finite()), "{what}: a disc is not finite");
     let estimate = estimator.estimate(&rendered.film);
     let all = [

@@ -10,7 +10,7 @@ use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::format::description::{GroupItem, ObjectDescription, ObjectGroup, ShapeDescription};
 use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, VolumeEstimator};
-use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
 use glam::DVec3;
@@ -162,7 +162,7 @@ fn no_integrator_depends_on_length_unit() {
     let (eye, base) = (low_cost_settings().camera_paths, low_cost_settings());
     let estimated = CameraPathSettings { estimate_error: true, adaptive: true, samples: Some(2), ..eye };
     let importance = Settings { final_gathering: FinalGathering::Importance, ..base.clone() };
-    let volume = |volume| Settings { volume, ..base.clone() };
+    let volume = |volume| Settings { volume_estimator: volume, ..base.clone() };
     let cases = [
         ("cabinet", Algorithm::Sppm, base.clone()),
         ("garden-pool", Algorithm::Ppm, Settings { camera_paths: estimated.clone(), ..base.clone() }),
@@ -238,11 +238,15 @@ fn rotated_scenes_have_same_flux_and_radiance() {
 /// counts.
 fn stored_fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
     let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
-    let pass =
-        PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: if near.is_finite() { 0 } else { 50 } };
+    let tracer = PhotonTracer {
+        scene,
+        source: &source,
+        mask: StoreMask::ALL,
+        max_bounces: if near.is_finite() { 0 } else { 50 },
+    };
     let one = |index: u32| {
         let key = Key::new(7).purpose_key(Purpose::Test).child_key(index.into());
-        let traced = pass.trace(key, 4096, &|_| {});
+        let traced = tracer.trace(key, 4096, &|_| {});
         let inside = traced
             .deposits
             .surface_photons

@@ -5,7 +5,7 @@ use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor};
 use caustica::photon::{
-    Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonPassResult, PhotonSearchBuffers, PhotonSource, StoreMask,
+    Bandwidth, Kernel, Photon, PhotonMap, PhotonSearchBuffers, PhotonSource, PhotonTracer, StoreMask, TracedPhotons,
 };
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{Scene, SceneBuilder};
@@ -70,7 +70,7 @@ pub fn trace_photon_passes(
     max_bounces: u32,
     passes: u32,
     paths: u32,
-) -> Vec<PhotonPassResult> {
+) -> Vec<TracedPhotons> {
     let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
     trace_passes_from_source(scene, &source, mask, max_bounces, passes, paths)
 }
@@ -83,9 +83,9 @@ pub fn trace_passes_from_source(
     max_bounces: u32,
     passes: u32,
     paths: u32,
-) -> Vec<PhotonPassResult> {
-    let pass = PhotonPass { scene, source, mask, max_bounces };
-    pass_keys(passes).map(|key| pass.trace(key, paths, &|_| {})).collect()
+) -> Vec<TracedPhotons> {
+    let tracer = PhotonTracer { scene, source, mask, max_bounces };
+    pass_keys(passes).map(|key| tracer.trace(key, paths, &|_| {})).collect()
 }
 
 /// Returns a photon's position in the coordinates of the scene description.

@@ -323,7 +323,7 @@ fn lights_need_exactly_one_strength() {
         d.lights[0].value,
         LightDescription::Spot(SpotLightDescription {
             position: DVec3::ZERO,
-            aim: DirectionOrTarget::LookAt(DVec3::Z),
+            aim: DirectionOrTarget::Target(DVec3::Z),
             angle: 60.0,
             penumbra: 9.0,
             strength: PointLightStrength::Intensity(DVec3::new(1.0, 2.0, 3.0)),

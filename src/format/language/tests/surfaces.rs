@@ -106,13 +106,10 @@ fn conductors_are_named_or_given_by_their_index() {
 #[test]
 fn thin_panes_read_their_fields() {
     let kinds = parse_material_kinds("Thin { } Thin { transmittance .5 1 .25 indexOfRefraction 1.3 }");
-    assert_eq!(
-        kinds[0],
-        MaterialKindDescription::Thin(ThinDescription { index: 1.5, transmittance: DVec3::ONE.into() })
-    );
+    assert_eq!(kinds[0], MaterialKindDescription::Thin(ThinDescription { eta: 1.5, transmittance: DVec3::ONE.into() }));
     assert_eq!(
         kinds[1],
-        MaterialKindDescription::Thin(ThinDescription { index: 1.3, transmittance: DVec3::new(0.5, 1.0, 0.25).into() })
+        MaterialKindDescription::Thin(ThinDescription { eta: 1.3, transmittance: DVec3::new(0.5, 1.0, 0.25).into() })
     );
     assert_material_error("Thin { transmittance ‹1 0 1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
     assert_material_error("Thin { transmittance ‹1 1 1.1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");

@@ -193,7 +193,7 @@ fn unrenderable_objects_are_reported_with_position() {
 #[test]
 fn profiles_revolve_and_curves_are_invisible() {
     let curve = "BezierCurve { controls [ 2 -1 7 ] [ 2 1 7 ] }";
-    assert_eq!(resolve_scene_text(&format!("Group {{ {curve} }}")).shape_count(), 0);
+    assert_eq!(resolve_scene_text(&format!("Group {{ {curve} }}")).analytic_shape_count(), 0);
     let turned = format!("Transform {{ Translate 1 0 0 ZRotate 90 RevSurface {{ profile {curve} }} }}");
     let scene = resolve_scene_text(&format!("Group {{ {turned} }}"));
     let (surface, p) = visible_surface(&scene, dvec3(1.0, 0.0, 5.0), Vec3::NEG_Z).unwrap();

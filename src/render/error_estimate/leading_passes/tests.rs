@@ -49,12 +49,13 @@ fn fireflies_leave_products_small() {
 }
 
 #[test]
-fn few_passes_give_the_prior_scatter() {
-    let variance =
-        |passes, block| passes_of_block_noise(block, 10, passes, 9).squared_error_variance(&[1.0; 10], f64::INFINITY);
+fn few_passes_give_the_prior_variance() {
+    let variance = |passes, block| {
+        passes_of_block_noise(block, 10, passes, 9).squared_error_relative_variance(&[1.0; 10], f64::INFINITY)
+    };
     assert_eq!([variance(0, 1), variance(1, 1), variance(2, 1)], [2.0 / PRIOR_SAMPLES; 3]);
     assert!(variance(8, 10) > 10.0 * 2.0 / PRIOR_SAMPLES);
     let mut black = LeadingPasses::default();
     (0..8).for_each(|pass| black.add(pass, 8, rayon::iter::repeat_n(Rgb::ZERO, 4)));
-    assert_eq!(black.squared_error_variance(&[1.0; 4], 1.0), 0.0);
+    assert_eq!(black.squared_error_relative_variance(&[1.0; 4], 1.0), 0.0);
 }

@@ -68,7 +68,7 @@ fn noise_alone_needs_four_times_the_passes() {
 #[test]
 fn forecast_uses_the_upper_end_of_the_interval() {
     let mut forecast = forecast_with(NestedDifferenceMoments::default(), None);
-    forecast.estimate.parts.noise_scatter = 0.04;
+    forecast.estimate.parts.realised_noise_relative_variance = 0.04;
     let center = range(forecast.stop_forecast(0.05, CENTER)).median;
     let upper = range(forecast.stop_forecast(0.05, Confidence::new(0.8).unwrap())).median;
     let expected = 1.0 + 1.2816 * 0.2;
@@ -119,7 +119,8 @@ fn unknown_blur_widens_the_range() {
     let deviation = 2e-4;
     let noisy =
         NestedDifferenceMoments { d0_squared_variance: deviation * deviation, variance: 0.01, ..Default::default() };
-    let unknown = forecast_with(NestedDifferenceMoments { scatter: 0.02, ..noisy }, Some(2.0 / 3.0));
+    let unknown =
+        forecast_with(NestedDifferenceMoments { squared_noise_relative_variance: 0.02, ..noisy }, Some(2.0 / 3.0));
     let ends = [&known, &unknown].map(|forecast| range(forecast.stop_forecast(0.04, CENTER)));
     assert!(ends[1].median >= ends[0].median);
     let width = |range: &PassRange| f64::from(range.high.unwrap_or(u32::MAX)) / f64::from(range.low);

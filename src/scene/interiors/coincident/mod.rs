@@ -139,7 +139,7 @@ pub(in crate::scene) fn coincident_faces_at(scene: &Scene, surface: &SurfaceInte
 #[inline(never)]
 fn find_coincident_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
     let (point, wo) = (&surface.point, surface.wo);
-    let [near, far] = [wo, -wo].map(|w| offset_ray_origin(point.p, point.error, point.ng, w));
+    let [near, far] = [wo, -wo].map(|w| offset_ray_origin(point.p, point.position_error, point.ng, w));
     let length = (far - near).length();
     let mut faces = CoincidentFaces::NONE;
     if length.is_nan() || length <= 0.0 {

@@ -3,7 +3,7 @@
 use super::*;
 
 fn water_ice_glass_materials() -> Vec<Material> {
-    let body = |index, priority| Material::smooth_boundary(Body { priority, ..Body::new(index) });
+    let body = |eta, priority| Material::smooth_boundary(Body { priority, ..Body::new(eta) });
     // Three materials: water, ice and glass.
     vec![body(1.33, 0), body(1.31, 1), body(1.5, 2)]
 }
@@ -35,7 +35,7 @@ fn the_highest_priority_wins_in_any_entry_order() {
         BodyInterface { is_hidden: false, outside: Some(body_of_material(0)) },
         "glass to the water that began inside it"
     );
-    assert_eq!(out.relative_ior(&body_of_material(2), |b| b.index), 1.5 / 1.33);
+    assert_eq!(out.relative_eta(&body_of_material(2), |b| b.eta), 1.5 / 1.33);
 }
 
 /// Compares the interface that a path meets when it enters a dielectric body with the one that it
@@ -69,7 +69,7 @@ fn equal_priorities_nest_and_equal_materials_merge() {
     assert_eq!(interior_stack_of_materials(&[2, 0]).top_body(&m).unwrap().0, 0, "the last one entered counts");
     let glass = Body { priority: 0, ..body_of_material(2) };
     let crossing = interior_stack_of_materials(&[2]).interface_at_boundary(2, &glass, true, &m);
-    assert_eq!(crossing.relative_ior(&glass, |b| b.index), 1.0, "glass in the same glass is no boundary");
+    assert_eq!(crossing.relative_eta(&glass, |b| b.eta), 1.0, "glass in the same glass is no boundary");
 }
 
 #[test]

@@ -287,7 +287,7 @@ fn leaving_rays_do_not_hit_their_surface_again() {
             }
             let d = Frame::from_normal(s.ng).to_world(d);
             for d in [d, -d] {
-                let origin = offset_ray_origin(s.p, s.error, s.ng, d);
+                let origin = offset_ray_origin(s.p, s.position_error, s.ng, d);
                 assert!((origin - s.p).length() < 1e-6 * (size + s.p.length()), "{name}");
                 if let Some(ShapeHit { t, .. }) = shape.intersect(&Ray::new(origin, d)) {
                     assert!(t > 2e-5 * size, "{name} {i}: {t} of {size}");

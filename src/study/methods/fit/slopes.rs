@@ -20,7 +20,7 @@ pub struct SlopeEstimate {
     /// Slope of the least-squares line through the checkpoints.
     pub value: f64,
     /// 95 % confidence interval of `value`; `None` if there are too few seeds, or if their errors
-    /// scatter too much.
+    /// vary too much.
     pub interval: Option<[f64; 2]>,
 }
 
@@ -57,19 +57,20 @@ pub fn fit_convergence(method: &MethodResult) -> Option<ConvergenceFit> {
     if tail.len() < MIN_CHECKPOINTS {
         return None;
     }
-    let seeds = tail.iter().map(|c| c.squares.len()).min().unwrap_or(0);
-    let has_noises = tail.iter().all(|c| c.noises.len() >= seeds);
+    let seeds = tail.iter().map(|c| c.squared_errors.len()).min().unwrap_or(0);
+    let has_noises = tail.iter().all(|c| c.squared_noises.len() >= seeds);
     let mean = |values: &[f64], weights: &[f64]| values.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>();
     // Noise and bias have confidence intervals only if the noise of each seed is known, so that
     // seeds can be resampled.
     let apart = if has_noises { seeds } else { 0 };
     let error = fit_convergence_slopes(tail, seeds, |c, weights| {
-        weights.map_or_else(|| c.mean_squared_error(), |w| mean(&c.squares, w))
+        weights.map_or_else(|| c.mean_squared_error(), |w| mean(&c.squared_errors, w))
     });
-    let noise = fit_convergence_slopes(tail, apart, |c, weights| weights.map_or(c.noise2, |w| mean(&c.noises, w)));
+    let noise =
+        fit_convergence_slopes(tail, apart, |c, weights| weights.map_or(c.noise2, |w| mean(&c.squared_noises, w)));
     // The mean squared error is exactly bias² + noise², so the rest is bias.
     let bias = fit_convergence_slopes(tail, apart, |c, weights| {
-        weights.map_or(c.bias2, |w| mean(&c.squares, w) - mean(&c.noises, w))
+        weights.map_or(c.bias2, |w| mean(&c.squared_errors, w) - mean(&c.squared_noises, w))
     });
     Some(ConvergenceFit { passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
 }
@@ -185,8 +186,8 @@ pub fn mean_confidence_interval(values: &[f64]) -> Option<[f64; 2]> {
 /// Returns the 95 % confidence interval of the squared relative bias; `None` if the noise of each
 /// seed is not known.
 pub(super) fn squared_bias_interval(checkpoint: &ConvergenceCheckpoint) -> Option<[f64; 2]> {
-    let ConvergenceCheckpoint { squares, noises, .. } = checkpoint;
-    (squares.len() == noises.len())
-        .then(|| squares.iter().zip(noises).map(|(s, n)| s - n).collect::<Vec<_>>())
+    let ConvergenceCheckpoint { squared_errors, squared_noises, .. } = checkpoint;
+    (squared_errors.len() == squared_noises.len())
+        .then(|| squared_errors.iter().zip(squared_noises).map(|(s, n)| s - n).collect::<Vec<_>>())
         .and_then(|parts| mean_confidence_interval(&parts))
 }

@@ -37,18 +37,19 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
         };
         let means: Vec<f64> =
             (0..PIXELS).map(|p| sums.iter().map(|s| error(s[p])).sum::<f64>() / SEEDS as f64).collect();
-        let squares: Vec<f64> = sums.iter().map(|s| mean_of(s, &|_, x| error(x) * error(x))).collect();
+        let squared_errors: Vec<f64> = sums.iter().map(|s| mean_of(s, &|_, x| error(x) * error(x))).collect();
         let apart = |i: usize, x: f64| (error(x) - means[i]) * (error(x) - means[i]);
-        let noises: Vec<f64> = sums.iter().map(|s| mean_of(s, &apart) * SEEDS as f64 / (SEEDS - 1) as f64).collect();
-        let noise2 = noises.iter().sum::<f64>() / SEEDS as f64;
-        let bias2 = squares.iter().sum::<f64>() / SEEDS as f64 - noise2;
+        let squared_noises: Vec<f64> =
+            sums.iter().map(|s| mean_of(s, &apart) * SEEDS as f64 / (SEEDS - 1) as f64).collect();
+        let noise2 = squared_noises.iter().sum::<f64>() / SEEDS as f64;
+        let bias2 = squared_errors.iter().sum::<f64>() / SEEDS as f64 - noise2;
         let seconds = 0.25 * f64::from(n);
         ConvergenceCheckpoint {
             passes: n,
             seconds,
             photon_paths: 1000.0 * f64::from(n),
-            squares,
-            noises,
+            squared_errors,
+            squared_noises,
             noise2,
             bias2,
             ..ConvergenceCheckpoint::default()
@@ -62,9 +63,9 @@ fn synthetic_method(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32],
         alpha,
         radii: Some([0.1, 0.1]),
         checkpoints: checkpoints.collect(),
-        picture: Image::new(1, 1).unwrap(),
-        error: vec![0.0],
-        difference: Image::new(1, 1).unwrap(),
+        first_seed_picture: Image::new(1, 1).unwrap(),
+        pixel_errors: vec![0.0],
+        mean_difference: Image::new(1, 1).unwrap(),
     }
 }
 
@@ -136,8 +137,11 @@ fn verdicts_name_the_cause_of_bias() {
     let passes = powers_of_two(9);
     let is =
         |algorithm, bias, alpha, passes: &[u32]| fitted_verdict(&synthetic_method(algorithm, bias, alpha, passes, 5));
-    assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), ConvergenceVerdict::Expected { ahead: None, .. }));
-    assert!(matches!(is(Algorithm::Sppm, 3.0, ALPHA, &passes), ConvergenceVerdict::Expected { ahead: None, .. }));
+    assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), ConvergenceVerdict::Expected { coming_floor: None, .. }));
+    assert!(matches!(
+        is(Algorithm::Sppm, 3.0, ALPHA, &passes),
+        ConvergenceVerdict::Expected { coming_floor: None, .. }
+    ));
     // The bias of `synthetic_method` is then 0.1 · 3.
     let plateau = is(Algorithm::Pm, 3.0, 1.0, &passes);
     assert!(
@@ -157,7 +161,10 @@ fn verdicts_name_the_cause_of_bias() {
     // The bias is a tenth of the noise at the last checkpoint.
     assert!(matches!(is(Algorithm::Pm, 0.001, 1.0, &passes), ConvergenceVerdict::Hidden { most, .. } if most < 0.005));
     // The bias is as large as the noise at the last checkpoint.
-    assert!(matches!(is(Algorithm::Pm, 1.0 / 16.0, 1.0, &passes), ConvergenceVerdict::Expected { ahead: Some(_), .. }));
+    assert!(matches!(
+        is(Algorithm::Pm, 1.0 / 16.0, 1.0, &passes),
+        ConvergenceVerdict::Expected { coming_floor: Some(_), .. }
+    ));
     assert!(matches!(is(Algorithm::Path, 0.0, ALPHA, &passes), ConvergenceVerdict::Slower { .. }));
     assert!(matches!(
         is(Algorithm::Ppm, 0.0, 1.0, &passes),
@@ -177,11 +184,11 @@ fn errors_below_the_reference_error_are_not_judged() {
     ));
     assert!(matches!(judge_convergence(&method, fit.as_ref(), Some(0.005)), ConvergenceVerdict::Expected { .. }));
     let mut below = method.clone();
-    below.checkpoints.last_mut().unwrap().squares = vec![-1e-9; SEEDS];
+    below.checkpoints.last_mut().unwrap().squared_errors = vec![-1e-9; SEEDS];
     assert!(matches!(fitted_verdict(&below), ConvergenceVerdict::TooSmall { reference_error: None }));
     let mut alone = method;
-    alone.checkpoints.iter_mut().for_each(|c| (c.squares.truncate(1), c.noises.clear()).1);
-    assert!(matches!(fitted_verdict(&alone), ConvergenceVerdict::Wide { .. }));
+    alone.checkpoints.iter_mut().for_each(|c| (c.squared_errors.truncate(1), c.squared_noises.clear()).1);
+    assert!(matches!(fitted_verdict(&alone), ConvergenceVerdict::NoInterval { .. }));
 }
 
 /// Makes results of a synthetic method without noise: after n passes and n/4 seconds, its error is
@@ -189,8 +196,8 @@ fn errors_below_the_reference_error_are_not_judged() {
 fn method_without_noise() -> MethodResult {
     let mut method = synthetic_method(Algorithm::Path, 0.0, 1.0, &powers_of_two(9), 7);
     for c in &mut method.checkpoints {
-        c.squares = vec![0.01 / f64::from(c.passes); SEEDS];
-        (c.noises, c.noise2, c.bias2) = (c.squares.clone(), c.mean_squared_error(), 0.0);
+        c.squared_errors = vec![0.01 / f64::from(c.passes); SEEDS];
+        (c.squared_noises, c.noise2, c.bias2) = (c.squared_errors.clone(), c.mean_squared_error(), 0.0);
     }
     method
 }
@@ -241,11 +248,11 @@ fn only_noise_falls_above_a_plateau() {
     let mut method = method_without_noise();
     for c in &mut method.checkpoints {
         let noise2 = 0.01 * 256.0 / f64::from(c.passes);
-        c.squares = vec![0.01 + noise2; SEEDS];
-        (c.noises, c.noise2, c.bias2) = (vec![noise2; SEEDS], noise2, 0.01);
+        c.squared_errors = vec![0.01 + noise2; SEEDS];
+        (c.squared_noises, c.noise2, c.bias2) = (vec![noise2; SEEDS], noise2, 0.01);
     }
     let fit = fit_convergence(&method);
-    let verdict = ConvergenceVerdict::Expected { slope: -0.3, ahead: Some(0.1) };
+    let verdict = ConvergenceVerdict::Expected { slope: -0.3, coming_floor: Some(0.1) };
     let TimeToError::Predicted { effort, .. } = time_to_error(&method, fit.as_ref(), &verdict, 0.12) else { panic!() };
     assert!((effort.passes / (256.0 * 0.01 / 0.0044) - 1.0).abs() < 1e-6, "{effort:?}");
     assert_eq!(time_to_error(&method, fit.as_ref(), &verdict, 0.1), TimeToError::Never { floor: 0.1 });
@@ -272,7 +279,7 @@ fn predictions_end_at_a_thousand_times_the_measured_time() {
 
 /// If the interval of a slope is too wide, there is no verdict.
 ///
-/// The squared errors of the seeds scatter by factors from 1/18 to 18 before the last checkpoint,
+/// The squared errors of the seeds vary by factors from 1/18 to 18 before the last checkpoint,
 /// so many slopes agree with them.
 #[test]
 fn wide_intervals_give_no_verdict() {
@@ -281,8 +288,8 @@ fn wide_intervals_give_no_verdict() {
         let square = 0.01 / f64::from(c.passes);
         let spread = if i == 8 { 0.3 } else { 1.2 };
         let factor = |seed: usize| libm::exp2(spread * (((seed * 5 + i * 3) % 8) as f64 - 3.5));
-        c.squares = (0..SEEDS).map(|seed| square * factor(seed)).collect();
-        (c.noises, c.noise2) = (c.squares.clone(), c.mean_squared_error());
+        c.squared_errors = (0..SEEDS).map(|seed| square * factor(seed)).collect();
+        (c.squared_noises, c.noise2) = (c.squared_errors.clone(), c.mean_squared_error());
     }
     let verdict = fitted_verdict(&method);
     let ConvergenceVerdict::Undecided { slope, interval: [low, high] } = verdict else { panic!("{verdict:?}") };
@@ -297,7 +304,7 @@ fn wide_intervals_give_no_verdict() {
 #[test]
 fn pareto_front_and_recommendation_have_least_error() {
     let mut early = method_without_noise();
-    early.checkpoints.iter_mut().for_each(|c| (c.seconds *= 2.0, c.squares.fill(0.001)).1);
+    early.checkpoints.iter_mut().for_each(|c| (c.seconds *= 2.0, c.squared_errors.fill(0.001)).1);
     let picture = Image::from_pixels(1, 1, vec![Vec3::ONE]).unwrap();
     let mut found = MethodStudyResult {
         scene: "a.txt".into(),

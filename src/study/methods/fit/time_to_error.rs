@@ -119,8 +119,14 @@ fn extrapolate_time_to_error(
 ) -> TimeToError {
     let floor = match verdict {
         ConvergenceVerdict::Plateau { floor, .. } => Some(*floor),
-        ConvergenceVerdict::Expected { ahead, .. } => *ahead,
-        _ => None,
+        ConvergenceVerdict::Expected { coming_floor, .. } => *coming_floor,
+        ConvergenceVerdict::TooFew
+        | ConvergenceVerdict::TooSmall { .. }
+        | ConvergenceVerdict::NoInterval { .. }
+        | ConvergenceVerdict::Undecided { .. }
+        | ConvergenceVerdict::Hidden { .. }
+        | ConvergenceVerdict::Slower { .. }
+        | ConvergenceVerdict::Faster { .. } => None,
     };
     if let Some(floor) = floor.filter(|floor| *floor >= error) {
         return TimeToError::Never { floor };

@@ -24,14 +24,14 @@ const UNDECIDED_WIDTH: f64 = 0.25;
 pub enum ConvergenceVerdict {
     /// The method has too few checkpoints for a fit.
     TooFew,
-    /// The error is too small to be measured: the reference or the scatter between seeds hides it.
+    /// The error is too small to be measured: the reference or the variance between seeds hides it.
     TooSmall {
         /// Relative error of the reference; `None` if the reference is taken as exact.
         reference_error: Option<f64>,
     },
     /// The slope of the error has no confidence interval: there are too few seeds, or their errors
-    /// scatter too much.
-    Wide {
+    /// vary too much.
+    NoInterval {
         /// Slope of the method's error over passes, in a log-log plot.
         slope: f64,
     },
@@ -63,7 +63,7 @@ pub enum ConvergenceVerdict {
         slope: f64,
         /// Relative bias at which the error will stop falling; `None` if the bias falls with the
         /// error, or is not significant.
-        ahead: Option<f64>,
+        coming_floor: Option<f64>,
     },
     /// The error falls more slowly than theory predicts.
     Slower {
@@ -106,14 +106,14 @@ pub fn judge_convergence(
 ) -> ConvergenceVerdict {
     let (Some(fit), Some(last)) = (fit, method.checkpoints.last()) else { return ConvergenceVerdict::TooFew };
     let least = reference_error.unwrap_or(0.0);
-    let nothing = mean_confidence_interval(&last.squares).is_some_and(|[low, _]| low <= 0.0)
+    let nothing = mean_confidence_interval(&last.squared_errors).is_some_and(|[low, _]| low <= 0.0)
         || last.mean_squared_error() <= least * least;
     let (Some(slopes), false) = (fit.error, nothing) else { return ConvergenceVerdict::TooSmall { reference_error } };
     let SlopeEstimate { value: slope, interval } = slopes.by_passes;
-    let Some([low, high]) = interval else { return ConvergenceVerdict::Wide { slope } };
+    let Some([low, high]) = interval else { return ConvergenceVerdict::NoInterval { slope } };
     let law = |quantity| predicted_convergence_slopes(method.algorithm, quantity, &fit.passes, method.alpha);
     let (Some(noise), Some(total)) = (law(ErrorComponent::Noise), law(ErrorComponent::Error)) else {
-        return ConvergenceVerdict::Wide { slope };
+        return ConvergenceVerdict::NoInterval { slope };
     };
     let bias = law(ErrorComponent::Bias);
     // `falling` is the flattest slope that theory predicts for the noise, and for the bias if it
@@ -138,7 +138,7 @@ pub fn judge_convergence(
         }
         _ => {
             let stays = bias.is_some_and(|b| b.flattest >= 0.0) && seen.is_some_and(|[low, _]| low > 0.0);
-            ConvergenceVerdict::Expected { slope, ahead: stays.then(|| last.bias2.max(0.0).sqrt()) }
+            ConvergenceVerdict::Expected { slope, coming_floor: stays.then(|| last.bias2.max(0.0).sqrt()) }
         }
     }
 }
@@ -160,7 +160,7 @@ impl fmt::Display for ConvergenceVerdict {
                 write!(f, "below the error of the references, {}", error_percent_text(*error))
             }
             Self::TooSmall { reference_error: None } => write!(f, "too small to measure with these seeds"),
-            Self::Wide { slope } => write!(f, "slope {}; too few seeds for an interval", slope_text(*slope)),
+            Self::NoInterval { slope } => write!(f, "slope {}; too few seeds for an interval", slope_text(*slope)),
             Self::Undecided { slope, interval } => {
                 let [low, high] = interval.map(slope_text);
                 write!(f, "cannot tell: slope {}, between {low} and {high}; more seeds tell more", slope_text(*slope))
@@ -170,8 +170,8 @@ impl fmt::Display for ConvergenceVerdict {
                 let (most, slope) = (error_percent_text(*most), slope_text(*slope));
                 write!(f, "{as_theory}; bias is hidden by noise, below {most} (slope {slope})")
             }
-            Self::Expected { slope, ahead: None } => write!(f, "{as_theory} (slope {})", slope_text(*slope)),
-            Self::Expected { slope, ahead: Some(floor) } => {
+            Self::Expected { slope, coming_floor: None } => write!(f, "{as_theory} (slope {})", slope_text(*slope)),
+            Self::Expected { slope, coming_floor: Some(floor) } => {
                 write!(
                     f,
                     "{as_theory}, towards a bias of {} (slope {})",

@@ -39,9 +39,9 @@ fn method_with_pixel_errors(width: u32, height: u32, error: Vec<f32>) -> MethodR
         alpha: 1.0,
         radii: None,
         checkpoints: Vec::new(),
-        picture: image.clone(),
-        error,
-        difference: image,
+        first_seed_picture: image.clone(),
+        pixel_errors: error,
+        mean_difference: image,
     }
 }
 

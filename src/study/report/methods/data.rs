@@ -47,7 +47,7 @@ pub fn csv_report(found: &MethodStudyResult) -> String {
         for c in &method.checkpoints {
             let number = |v: f64| v.to_string();
             let [low, high] =
-                mean_confidence_interval(&c.squares).map_or_else(Default::default, |ends| ends.map(number));
+                mean_confidence_interval(&c.squared_errors).map_or_else(Default::default, |ends| ends.map(number));
             table += &csv_row(&[
                 method.label.clone(),
                 method.algorithm.name().to_owned(),
@@ -65,7 +65,7 @@ pub fn csv_report(found: &MethodStudyResult) -> String {
                 c.mean_square_of_estimated_error().map_or(String::new(), number),
                 number(c.rmse),
                 number(c.flip),
-                c.squares.iter().map(f64::to_string).collect::<Vec<_>>().join(";"),
+                c.squared_errors.iter().map(f64::to_string).collect::<Vec<_>>().join(";"),
                 method.command.clone(),
             ]);
         }

@@ -50,7 +50,7 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
         method
             .checkpoints
             .iter()
-            .map(|c| mean_confidence_interval(&c.squares).map(|ends| ends.map(|e| e.max(0.0).sqrt())))
+            .map(|c| mean_confidence_interval(&c.squared_errors).map(|ends| ends.map(|e| e.max(0.0).sqrt())))
             .collect()
     };
     let one = |(style, method): (usize, &MethodResult)| PlotSeries {
@@ -69,7 +69,7 @@ pub(super) fn error_plot_html(found: &MethodStudyResult) -> String {
         label: label.into(),
         slope,
         through: (first, 1.6 * most),
-        below: false,
+        label_below: false,
     };
     let ends: Vec<String> = found
         .methods
@@ -119,7 +119,7 @@ fn method_plot_svg(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> 
             label: format!("{name} {}", slope_text(law.flattest)),
             slope: law.flattest,
             through,
-            below: true,
+            label_below: true,
         })
     };
     let noise = guide(ErrorComponent::Noise, "noise", last.noise2);
@@ -165,7 +165,7 @@ pub(super) fn picture_switcher_html(found: &MethodStudyResult) -> Result<String,
                 square_root_percent_text(c.mean_squared_error())
             )
         });
-        add(&method.label, &method.picture, &format!("{}{summary}", method.label), &method.command)?;
+        add(&method.label, &method.first_seed_picture, &format!("{}{summary}", method.label), &method.command)?;
     }
     Ok(
         flip + "</div>\n<p>Arrow keys turn to the next; <code>#show=</code> and a label after the page&#39;s address open it at one.</p>\n</div>\n"
@@ -204,7 +204,7 @@ pub(super) fn error_crops_html(found: &MethodStudyResult) -> Result<String, Stud
         };
         add("reference", &reference, &found.command)?;
         for method in &found.methods {
-            add(&method.label, &window.crop_image(&method.picture)?, &method.command)?;
+            add(&method.label, &window.crop_image(&method.first_seed_picture)?, &method.command)?;
         }
         crops += "</div>\n";
     }
@@ -254,8 +254,9 @@ pub(super) fn method_articles_html(
 ) -> Result<String, StudyError> {
     let weights = RelativeErrorWeights::from_image(&found.reference.picture);
     let differences: Vec<Vec<f64>> =
-        found.methods.iter().map(|m| relative_differences(&m.difference, &weights)).collect();
-    let most_error = color_scale_maximum(found.methods.iter().flat_map(|m| m.error.iter().map(|e| f64::from(*e))));
+        found.methods.iter().map(|m| relative_differences(&m.mean_difference, &weights)).collect();
+    let most_error =
+        color_scale_maximum(found.methods.iter().flat_map(|m| m.pixel_errors.iter().map(|e| f64::from(*e))));
     let most_difference = color_scale_maximum(differences.iter().flatten().map(|d| d.abs()));
     let mut all = "<p>All methods share the scales of their maps. Error by decades; dark is small:</p>\n".to_owned();
     if let Some(most) = most_error {

@@ -1,10 +1,7 @@
 //! Warnings in reports of a study of methods.
 
-use crate::study::methods::MethodStudyResult;
+use crate::study::methods::{MIN_THREAD_TIME_SHARE, MethodStudyResult};
 use crate::study::report::text::error_percent_text;
-
-/// Smallest ratio of processor time to (wall time × threads) at which measured times are reliable.
-const MIN_THREAD_TIME_SHARE: f64 = 0.9;
 
 /// Smallest ratio of a method's error to the reference's error at which the measured error of the
 /// method is reliable.

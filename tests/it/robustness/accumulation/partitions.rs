@@ -2,7 +2,7 @@
 
 use crate::support::{project_path, test_key};
 use caustica::format::SceneFile;
-use caustica::integrate::{Algorithm, Integrator, Pass, Settings, SilentMonitor};
+use caustica::integrate::{Algorithm, Integrator, PassResult, Settings, SilentMonitor};
 use caustica::render::Film;
 use caustica::render::error_estimate::ErrorEstimator;
 use caustica::sampling::Dimension;
@@ -21,7 +21,7 @@ impl Part {
         Self { film: Film::new(SIZE.0, SIZE.1), estimator: ErrorEstimator::new(integrator.radius_law()) }
     }
 
-    fn add(&mut self, number: u32, pass: &Pass) {
+    fn add(&mut self, number: u32, pass: &PassResult) {
         self.estimator.add(number, pass);
         self.film.add(&pass.image);
     }
@@ -38,7 +38,7 @@ impl Part {
 }
 
 /// Deals `passes` at random to up to six parts, and merges the parts in random order.
-fn render_in_parts(integrator: &dyn Integrator, passes: &[Pass], seed: u64) -> Part {
+fn render_in_parts(integrator: &dyn Integrator, passes: &[PassResult], seed: u64) -> Part {
     let key = test_key(seed);
     let random = |i: u64, which: u64| f64::from(key.child_key(which).child_key(i).uniform_1d(Dimension::Film));
     let mut parts: Vec<Part> = (0..=seed % 6).map(|_| Part::new(integrator)).collect();
@@ -79,7 +79,7 @@ fn merged_parts_equal_one_render() {
         settings.camera_paths.samples = Some(1);
         settings.camera_paths.estimate_error = true;
         let integrator = algorithm.prepare(&scene, settings);
-        let passes: Vec<Pass> = (0..PASSES).map(|pass| integrator.render_pass(pass, &SilentMonitor)).collect();
+        let passes: Vec<PassResult> = (0..PASSES).map(|pass| integrator.render_pass(pass, &SilentMonitor)).collect();
         let mut whole = Part::new(&*integrator);
         (0..PASSES).zip(&passes).for_each(|(number, pass)| whole.add(number, pass));
         let expected = whole.results();

@@ -1,6 +1,7 @@
 //! Replays the kept fuzz inputs through the functions of the fuzz targets.
 
 use super::{project_path, readers};
+use caustica::format::IMPORTERS;
 use std::fs;
 
 /// Function of a fuzz target, which reads bytes and panics if it finds an error.
@@ -32,5 +33,20 @@ fn fuzz_corpus_gives_results_or_typed_errors() {
             println!("{}", path.display());
             replay(&fs::read(path).unwrap());
         });
+    }
+}
+
+/// Each importer of [`IMPORTERS`] has a corpus, and each corpus has a fuzz target. A corpus is
+/// found by the first word of the importer's name.
+#[test]
+fn each_importer_has_a_corpus_and_a_fuzz_target() {
+    for importer in IMPORTERS {
+        let name = importer.name().split(' ').next().unwrap().to_lowercase();
+        assert!(KINDS.iter().any(|(kind, _)| *kind == name), "add a corpus `{name}` for {}", importer.name());
+    }
+    let manifest = fs::read_to_string(project_path("fuzz/Cargo.toml")).unwrap();
+    for (kind, _) in KINDS {
+        let is_target = manifest.contains(&format!("name = \"{kind}\"\npath = \"fuzz_targets/{kind}.rs\""));
+        assert!(is_target && project_path("fuzz/fuzz_targets").join(format!("{kind}.rs")).is_file(), "{kind}");
     }
 }

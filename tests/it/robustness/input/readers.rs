@@ -13,7 +13,7 @@ use caustica::integrate::{Algorithm, CameraPathSettings, Settings, SilentMonitor
 use caustica::light::EnvironmentLight;
 use caustica::scene::Scene;
 use caustica::stats::MemoryLimit;
-use caustica::texture::{Picture, WrapMode};
+use caustica::texture::{MipMap, WrapMode};
 use glam::Vec3;
 use std::path::Path;
 
@@ -168,7 +168,7 @@ pub fn picture(bytes: &[u8]) {
                 // Textures and lights are built only from small images: large ones take long and
                 // reveal no more errors.
                 if image.pixels().len() <= 1 << 16 {
-                    let _ = Picture::new(&image, WrapMode::Repeat);
+                    let _ = MipMap::new(&image, WrapMode::Repeat);
                     let _ = EnvironmentLight::new(image, 0.3, Vec3::ONE);
                 }
             }

@@ -5,7 +5,7 @@ use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::medium::{Medium, PhaseFunction};
-use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{Body, DeltaLightKind, LightStrength, Material, SceneBuilder};
 use caustica::shape::{Rectangle, Shape};
@@ -132,8 +132,8 @@ fn photons_obey_beer_over_million_boundaries() {
         b.add_delta_light(spot, LightStrength::Power(Rgb::ONE));
         let scene = b.build(camera_along_x()).unwrap();
         let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
-        let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: TURNS - 1 };
-        let audit = pass.trace(Key::new(3).purpose_key(Purpose::Test), 2, &|_| {}).audit;
+        let tracer = PhotonTracer { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: TURNS - 1 };
+        let audit = tracer.trace(Key::new(3).purpose_key(Purpose::Test), 2, &|_| {}).audit;
         let left = audit.stopped[1] / audit.emitted[1];
         let booked = (audit.absorbed[1] + audit.stopped[1] + audit.roulette[1]) / audit.emitted[1];
         // The audit adds five thousand differences in single precision.

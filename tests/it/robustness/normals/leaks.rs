@@ -3,7 +3,7 @@
 use crate::support::{render_passes, scene_from_text, test_key};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::math::{Ray, warp};
-use caustica::photon::{Photon, PhotonPass, PhotonSource, StoreMask};
+use caustica::photon::{Photon, PhotonSource, PhotonTracer, StoreMask};
 use caustica::sampling::Dimension;
 use caustica::scene::{Effects, RayCone, Scene};
 
@@ -68,8 +68,8 @@ fn coarse_ball_is_dark_inside() {
             let lit = render_passes(&ball("0 0 3"), Algorithm::Path, settings(), 1);
             assert!(lit.iter().all(|p| p.max_element() > 0.0), "{kind} is lit from outside");
             let source = PhotonSource::emitting_in_all_directions(&inside).unwrap();
-            let pass = PhotonPass { scene: &inside, source: &source, mask: StoreMask::ALL, max_bounces: 20 };
-            let traced = pass.trace(test_key(70), 1 << 14, &|_| {});
+            let tracer = PhotonTracer { scene: &inside, source: &source, mask: StoreMask::ALL, max_bounces: 20 };
+            let traced = tracer.trace(test_key(70), 1 << 14, &|_| {});
             // A photon stores the side of the surface on which it landed. The normal of that side
             // points away from the ball's center.
             let outwards = |p: &Photon| p.data.normal().dot(p.position + inside.origin().as_vec3()) > 0.0;

@@ -8,7 +8,7 @@ use caustica::bsdf::{
     Bsdf, Conductor, Dielectric, MicrofacetScattering, Phong, ThinDielectric, TransportMode, photon_deposit_factor,
 };
 use caustica::math::{Frame, warp};
-use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::sampling::{Dimension, Key};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -203,13 +203,13 @@ fn coarse_ball_flux_matches_its_faces() {
         Group {{ MaterialName white TriangleMesh {{ obj_file coarse-ball.obj }} }}"
     ));
     let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
-    let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
+    let tracer = PhotonTracer { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     // An icosahedron of circumradius 1 has the area 20·(√3/4)·a² with a = 1/sin(72°).
     let edge = 1.0 / libm::sin(0.4 * std::f64::consts::PI);
     let expected = std::f64::consts::PI * L * 5.0 * 3f64.sqrt() * edge * edge;
     let s2 = libm::pow(libm::sin(37.4f64.to_radians()), 2.0);
     let traced: Vec<_> =
-        (0..16u64).into_par_iter().map(|i| pass.trace(test_key(64).child_key(i), 1 << 15, &|_| {})).collect();
+        (0..16u64).into_par_iter().map(|i| tracer.trace(test_key(64).child_key(i), 1 << 15, &|_| {})).collect();
     let samples: Vec<f64> = traced
         .iter()
         .map(|t| {

@@ -4,7 +4,7 @@ use super::{HUE, WITH_PHOTONS, assert_finite, flat_camera, rendered, settings};
 use crate::support::{mean_and_error, render_one_pass};
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
-use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::parametric::SplineBasis;
@@ -57,12 +57,12 @@ fn flux() -> f64 {
 fn photons_converge_at_focus() {
     let scene = parabola(PIXELS);
     let source = PhotonSource::aimed_at_casters(&scene).unwrap();
-    let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
+    let tracer = PhotonTracer { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
     let key = |i| Key::new(3).purpose_key(Purpose::Test).child_key(i);
     let begun = Instant::now();
     let samples: Vec<f64> = (0..8)
         .map(|i| {
-            let traced = pass.trace(key(i), 1 << 17, &|_| {});
+            let traced = tracer.trace(key(i), 1 << 17, &|_| {});
             let focus = (DVec3::Y - scene.origin()).as_vec3();
             let off = traced.deposits.surface_photons.iter().map(|p| (p.position - focus).length()).fold(0.0, f32::max);
             assert!(off < 1e-5, "{off}");

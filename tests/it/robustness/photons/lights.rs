@@ -5,7 +5,7 @@ use crate::support::{mean_and_error, render_one_pass, render_passes};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings};
-use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Shape, Sphere};
@@ -55,7 +55,7 @@ fn zero_power_lights_change_nothing() {
             let out = rendered(&scene, *algorithm, settings(), 4);
             assert_finite(algorithm.name(), &out);
             assert!(out.film.pixel_means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
-            assert_eq!(out.unaimed.emitted + out.aimed.emitted, 0);
+            assert_eq!(out.unaimed.emitted_paths + out.aimed.emitted_paths, 0);
         }
     });
 }
@@ -93,8 +93,8 @@ fn point_light_in_floor_lights_ceiling() {
     all.par_iter().for_each(|(at, turn)| {
         let scene = point_in_the_floor(*turn, *at);
         let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
-        let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
-        let traced = pass.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 16, &|_| {});
+        let tracer = PhotonTracer { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
+        let traced = tracer.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 16, &|_| {});
         let flux: f64 = traced.deposits.surface_photons.iter().map(|p| f64::from(p.data.flux().y)).sum();
         assert!((6.0 * flux - 1.0).abs() < 0.044, "{at} {turn}: {flux}");
         let out = rendered(&scene, Algorithm::Whitted, settings(0, 16), 1);
@@ -181,7 +181,7 @@ fn blocked_lights_emit_no_photons() {
         assert_finite(algorithm.name(), &out);
         assert!(out.film.pixel_means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
         assert_eq!(out.unaimed.stored + out.aimed.stored, 0);
-        for report in [out.unaimed, out.aimed].iter().filter(|r| r.emitted > 0) {
+        for report in [out.unaimed, out.aimed].iter().filter(|r| r.emitted_paths > 0) {
             let [emitted, absorbed] = [report.audit.emitted[1], report.audit.absorbed[1]];
             assert!(emitted > 0.0 && (absorbed / emitted - 1.0).abs() < 1e-6, "{:?}", report.audit);
         }

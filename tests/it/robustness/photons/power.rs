@@ -6,7 +6,7 @@ use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings, SilentMonitor};
 use caustica::medium::{Medium, PhaseFunction};
-use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::render::RenderResult;
 use caustica::render::error_estimate::{ErrorEstimate, ErrorMaps};
 use caustica::scene::{Body, BuildError, DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
@@ -164,9 +164,9 @@ fn photons_beyond_float_range_are_reported() {
     assert_eq!(scene(&[1e38, 2e38]).err(), Some(BuildError::TooBright(1)));
     let scene = scene(&[1e38, 1e38]).unwrap();
     let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
-    let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
+    let tracer = PhotonTracer { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     let rejected = |paths| {
-        let traced = pass.trace(test_key(9), paths, &|_| {});
+        let traced = tracer.trace(test_key(9), paths, &|_| {});
         (traced.deposits.len(), traced.deposits.rejected)
     };
     assert_eq!((rejected(1), rejected(16)), ((0, 1), (16, 0)));

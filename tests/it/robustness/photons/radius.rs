@@ -54,7 +54,7 @@ fn discs_after_million_passes_hold_photons() {
         assert_eq!((pass.counters.rejected_samples, pass.counters.rejected_photons), (0, 0));
         let expected = f64::from(radius) * squared_radius_ratio(ALPHA, MILLION).sqrt();
         for pixel in &pass.nested {
-            let found = f64::from(pixel.caustic.unwrap().radius);
+            let found = f64::from(pixel.caustic_disc.unwrap().radius);
             if law {
                 // The tolerance covers the rounding of the radius, of its root, and of the mean of
                 // a thousand equal radii in single precision.

@@ -41,7 +41,7 @@ fn spotlights_of_any_width_emit_their_power() {
             assert!((power / expected - 1.0).abs() < 1e-6, "{outer}: stated power {}", power / expected);
             let strong = spot(inner, outer, LightStrength::Power(Rgb::ONE));
             let sample = strong.sample_li(Vec3::Z * 2.0, Vec2::ZERO).unwrap();
-            let seen = f64::from(sample.irradiance.x) * 4.0 * expected;
+            let seen = f64::from(sample.weight.x) * 4.0 * expected;
             assert!((seen - 1.0).abs() < 1e-6, "{outer} on the axis: {seen}");
 
             // The cone is divided into 4096 equal parts. The integrand is a cubic with a second
@@ -49,7 +49,7 @@ fn spotlights_of_any_width_emit_their_power() {
             let n = 4096;
             let place = |i: i32| Vec2::new((i as f32 + 0.5) / n as f32, (0.618_034 * i as f32).fract());
             let emitted = (0..n).filter_map(|i| light.sample_le(NOWHERE, Vec2::ZERO, place(i)));
-            let emitted = emitted.map(|e| f64::from(e.flux.x)).sum::<f64>() / f64::from(n);
+            let emitted = emitted.map(|e| f64::from(e.weight.x)).sum::<f64>() / f64::from(n);
             assert!((emitted / expected - 1.0).abs() < 2e-6, "{outer} emitted: {}", emitted / expected);
 
             // Rings around the axis on a sphere of radius 1. One of them lies across a sharp edge.
@@ -60,7 +60,7 @@ fn spotlights_of_any_width_emit_their_power() {
                 let (sin, cos) = libm::sincos(0.5 * (near + far));
                 let p = DVec3::new(sin, 0.0, cos).as_vec3();
                 let sample = light.sample_li(p, Vec2::ZERO);
-                sample.map_or(0.0, |s| f64::from(s.irradiance.x)) * TAU * (one_minus_cos(far) - one_minus_cos(near))
+                sample.map_or(0.0, |s| f64::from(s.weight.x)) * TAU * (one_minus_cos(far) - one_minus_cos(near))
             };
             let arriving: f64 = (0..rings).map(arriving).sum();
             let ring = 2.4 / f64::from(rings);

@@ -2,7 +2,7 @@
 
 use crate::support::{assert_mean, render_passes, scene_from_text, test_key};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
-use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 
 use caustica::scene::Scene;
 
@@ -67,8 +67,8 @@ fn index_matched_bodies_change_no_bit() {
 fn index_matched_bodies_change_no_photon() {
     let trace = |scene: &Scene| {
         let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
-        let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: 30 };
-        let traced = pass.trace(test_key(1), 1 << 13, &|_| {});
+        let tracer = PhotonTracer { scene, source: &source, mask: StoreMask::ALL, max_bounces: 30 };
+        let traced = tracer.trace(test_key(1), 1 << 13, &|_| {});
         (traced.deposits.surface_photons, traced.audit, traced.rays)
     };
     let expected = trace(&room(""));

@@ -6,7 +6,7 @@ use crate::support::{assert_mean, render_passes, scene_from_text, test_key};
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::light::EnvironmentLight;
-use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::scene::{Body, DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Plane, Rectangle, Shape};
 use glam::{DVec3, Vec3};
@@ -136,9 +136,9 @@ fn lit_layers_scene(faces: Faces, contact: Contact, liquid_first: bool, angle: f
 /// Returns the fraction of the flux that reaches the floor, in independent passes.
 fn transmitted_fractions(scene: &Scene) -> Vec<f64> {
     let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
-    let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 1000 };
+    let tracer = PhotonTracer { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 1000 };
     let part = |i| {
-        let traced = pass.trace(test_key(40).child_key(i), 1 << 11, &|_| {});
+        let traced = tracer.trace(test_key(40).child_key(i), 1 << 11, &|_| {});
         traced.audit.stopped[0] / traced.audit.emitted[0]
     };
     (0..16).map(part).collect()

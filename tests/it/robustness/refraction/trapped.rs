@@ -6,7 +6,7 @@ use caustica::bsdf::TransportMode;
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::math::{Ray, warp};
-use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::sampling::Dimension;
 use caustica::scene::{
     DeltaLightKind, Effects, InteriorStack, LightStrength, Material, PathEvent, Scene, SceneBuilder,
@@ -161,8 +161,8 @@ fn trapped_photons_keep_flux_and_terminate() {
         b.add_delta_light(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
         let scene = built(b);
         let source = PhotonSource::emitting_in_all_directions(&scene).unwrap();
-        let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: BOUNCES };
-        let traced = pass.trace(test_key(3), 1024, &|_| {});
+        let tracer = PhotonTracer { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: BOUNCES };
+        let traced = tracer.trace(test_key(3), 1024, &|_| {});
         assert_eq!(traced.audit.stopped, traced.audit.emitted);
         assert_eq!(
             (traced.audit.escaped, traced.audit.absorbed, traced.audit.roulette),

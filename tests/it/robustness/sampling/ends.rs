@@ -138,7 +138,7 @@ fn lights_are_valid_at_extreme_samples() {
         for (p, u) in points.into_iter().flat_map(|p| corners().map(move |u| (p, u))) {
             let Some(s) = light.sample_li(p, u) else { continue };
             assert_unit_vector(s.wi, &|| format!("{light:?} from {p}, {u}"));
-            assert!(s.irradiance.is_finite() && s.irradiance.min_element() >= 0.0, "{light:?} from {p}, {u}: {s:?}");
+            assert!(s.weight.is_finite() && s.weight.min_element() >= 0.0, "{light:?} from {p}, {u}: {s:?}");
             assert!(s.pdf.is_none_or(|pdf| pdf > 0.0 && !pdf.is_nan()), "{light:?} from {p}, {u}: {s:?}");
         }
         let all_sides = [
@@ -161,7 +161,7 @@ fn lights_are_valid_at_extreme_samples() {
                     let what = || format!("{light:?} at {position}, {direction}: {e:?}");
                     assert_unit_vector(e.ray.direction, &what);
                     assert!(
-                        e.flux.is_finite() && e.flux.min_element() >= 0.0 && e.ray.origin.is_finite(),
+                        e.weight.is_finite() && e.weight.min_element() >= 0.0 && e.ray.origin.is_finite(),
                         "{}",
                         what()
                     );

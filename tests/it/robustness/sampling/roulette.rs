@@ -5,7 +5,7 @@
 
 use crate::support::{assert_mean, render_passes, scene_from_text, test_key};
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
-use caustica::photon::{Deposits, PhotonPass, PhotonPassResult, PhotonSource, StoreMask};
+use caustica::photon::{Deposits, PhotonSource, PhotonTracer, StoreMask, TracedPhotons};
 use caustica::scene::Scene;
 use rayon::prelude::*;
 
@@ -29,17 +29,17 @@ fn room(albedo: &str, radiance: f64) -> Scene {
 const PATHS: u32 = 1 << 12;
 const BOUNCES: u32 = 60;
 
-fn trace(scene: &Scene, index: u64) -> PhotonPassResult {
+fn trace(scene: &Scene, index: u64) -> TracedPhotons {
     let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
-    let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: BOUNCES };
-    pass.trace(test_key(90).child_key(index), PATHS, &|_| {})
+    let tracer = PhotonTracer { scene, source: &source, mask: StoreMask::ALL, max_bounces: BOUNCES };
+    tracer.trace(test_key(90).child_key(index), PATHS, &|_| {})
 }
 
 /// Between white walls, no photon ends before the bounce limit, and none gains or loses a bit of
 /// flux.
 #[test]
 fn white_surfaces_terminate_no_photon() {
-    let PhotonPassResult { deposits: Deposits { surface_photons: photons, .. }, audit, rays, .. } =
+    let TracedPhotons { deposits: Deposits { surface_photons: photons, .. }, audit, rays, .. } =
         trace(&room("1 1 1", 0.0), 0);
     assert_eq!((audit.stopped, audit.roulette, audit.absorbed), (audit.emitted, [0.0; 3], [0.0; 3]));
     assert_eq!(photons.len() as u64, u64::from(PATHS) * u64::from(BOUNCES + 1));
@@ -51,7 +51,7 @@ fn white_surfaces_terminate_no_photon() {
 #[test]
 fn black_surfaces_terminate_every_photon() {
     for albedo in ["0 0 0", "1e-45 1e-45 1e-45", "0 0 1e-40"] {
-        let PhotonPassResult { deposits: Deposits { surface_photons: photons, .. }, audit, rays, .. } =
+        let TracedPhotons { deposits: Deposits { surface_photons: photons, .. }, audit, rays, .. } =
             trace(&room(albedo, 0.0), 0);
         assert_eq!((photons.len() as u32, rays), (PATHS, u64::from(PATHS)), "{albedo}");
         assert_eq!((audit.absorbed, audit.stopped), (audit.emitted, [0.0; 3]), "{albedo}");
@@ -70,7 +70,7 @@ fn zero_channel_stays_zero() {
     let scene = room("0 0 1", 0.0);
     let kept: Vec<f64> = (0..16)
         .map(|i| {
-            let PhotonPassResult { deposits: Deposits { surface_photons: photons, .. }, audit, .. } = trace(&scene, i);
+            let TracedPhotons { deposits: Deposits { surface_photons: photons, .. }, audit, .. } = trace(&scene, i);
             assert_eq!(audit.stopped[..2], [0.0; 2]);
             let on = photons[..].iter().filter(|p| p.data.flux().x == 0.0);
             let twice = 2.0 * 3.0 / f64::from(PATHS);

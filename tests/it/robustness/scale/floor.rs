@@ -5,7 +5,7 @@ use super::{PASSES, SIZE, low_cost_settings, pictures};
 use caustica::color::Rgb;
 use caustica::format::{SourceText, parse, resolve};
 use caustica::integrate::{Algorithm, Settings};
-use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::photon::{PhotonSource, PhotonTracer, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
 use std::path::Path;
@@ -97,8 +97,8 @@ fn huge_floor_does_not_blur_caustics() {
 /// The pass has 2¹⁷ photon paths, emitted in all directions.
 fn flux(scene: &Scene, mask: StoreMask, counts: impl Fn(glam::DVec3) -> bool) -> f64 {
     let source = PhotonSource::emitting_in_all_directions(scene).unwrap();
-    let pass = PhotonPass { scene, source: &source, mask, max_bounces: 20 };
-    let photons = pass.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 17, &|_| {}).deposits.surface_photons;
+    let tracer = PhotonTracer { scene, source: &source, mask, max_bounces: 20 };
+    let photons = tracer.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 17, &|_| {}).deposits.surface_photons;
     let landed = photons.iter().filter(|p| counts(p.position.as_dvec3() + scene.origin()));
     landed.map(|p| f64::from(p.data.flux().y)).sum()
 }

@@ -99,7 +99,7 @@ impl Similarity {
     fn aim(&self, aim: &mut DirectionOrTarget) {
         match aim {
             DirectionOrTarget::Direction(direction) => self.vector(direction),
-            DirectionOrTarget::LookAt(point) => self.point(point),
+            DirectionOrTarget::Target(point) => self.point(point),
         }
     }
 
@@ -136,7 +136,7 @@ impl Similarity {
         match projection {
             ProjectionDescription::Perspective { angle: _, lens } => lens.iter_mut().for_each(|lens| self.lens(lens)),
             ProjectionDescription::Orthographic { size } => self.length(size),
-            ProjectionDescription::Environment => {}
+            ProjectionDescription::Panorama => {}
         }
         self.motion(motion);
     }

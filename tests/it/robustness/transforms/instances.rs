@@ -111,13 +111,13 @@ fn instance_hits_match_double_double_transforms() {
                 // within its stated error along each axis.
                 let corner = exact.point((DVec3::X * n.x).into());
                 let height = normal.dot((DoubleDoubleVec::from(s.p.as_dvec3()) - corner).value()).abs();
-                (s.ng.as_dvec3() - normal).length() < 2e-7 && height <= normal.abs().dot(s.error.as_dvec3())
+                (s.ng.as_dvec3() - normal).length() < 2e-7 && height <= normal.abs().dot(s.position_error.as_dvec3())
             };
             let right = if sure { is_it(&normals[end]) } else { FACES.iter().any(is_it) };
             assert!(right, "{name} {ray:?}: {s:?}, of {:?}", normals[end]);
             let out = warp::square_to_uniform_sphere(Vec2::new(rng.random(), rng.random()));
             let out = if out.dot(s.ng) < 0.0 { -out } else { out };
-            let next = Ray::new(offset_ray_origin(s.p, s.error, s.ng, out), out);
+            let next = Ray::new(offset_ray_origin(s.p, s.position_error, s.ng, out), out);
             assert!(instance.intersect(&next).is_none(), "{name} {ray:?}: hit again");
         }
         assert!(hits > RAYS / 10 && decided > hits / 2 && doubtful < RAYS / 2, "{name} {hits} {decided} {doubtful}");

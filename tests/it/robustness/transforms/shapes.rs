@@ -205,7 +205,7 @@ fn distance_off_shape(own: UnitShape, exact: &Affine, s: &SurfacePoint, hit: DVe
     let half = if matches!(own, UnitShape::Ball | UnitShape::Tube) { 0.5 } else { 1.0 };
     let moved = (p.value() - hit).length();
     let off = half * (value.value().abs() - 2.0 * moved * moved).max(0.0) / exact.normal(gradient).value().length();
-    (moved < 0.1).then(|| off / f64::from(s.ng.abs().dot(s.error)))
+    (moved < 0.1).then(|| off / f64::from(s.ng.abs().dot(s.position_error)))
 }
 
 /// Hits of shapes under transforms of condition number 10⁸ have the right distance and normal.
@@ -255,7 +255,7 @@ fn shape_hits_match_double_double_transforms() {
             if matches!(own, UnitShape::Ball | UnitShape::Disc | UnitShape::Square) {
                 let out = warp::square_to_uniform_sphere(Vec2::new(rng.random(), rng.random()));
                 let out = if out.dot(s.ng) < 0.0 { -out } else { out };
-                let next = Ray::new(offset_ray_origin(s.p, s.error, s.ng, out), out);
+                let next = Ray::new(offset_ray_origin(s.p, s.position_error, s.ng, out), out);
                 assert!(shape.intersect(&next).is_none(), "{own:?} {name} {ray:?}: hit again");
             }
         }

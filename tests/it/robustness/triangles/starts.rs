@@ -40,7 +40,7 @@ impl Walls {
 }
 
 fn leaving_ray(s: &SurfacePoint, d: Vec3) -> Ray {
-    Ray::new(offset_ray_origin(s.p, s.error, s.ng, d), d)
+    Ray::new(offset_ray_origin(s.p, s.position_error, s.ng, d), d)
 }
 
 fn placements() -> Vec<fn(Vec3) -> Vec3> {

@@ -18,7 +18,7 @@ pub enum WrapMode {
 
 /// The reason why a picture cannot be a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum PictureError {
+pub enum MipMapError {
     /// A pixel has a channel below zero.
     #[error("pixel {x}, {y} (from the top left) is negative")]
     Negative {
@@ -42,7 +42,7 @@ pub enum PictureError {
 /// The picture covers the unit square of texture coordinates, with (0, 0) at its lower left corner.
 /// Source: Williams 1983, "Pyramidal parametrics".
 #[derive(Clone, Debug)]
-pub struct Picture {
+pub struct MipMap {
     levels: Vec<MipLevel>,
     wrap: WrapMode,
     mean: Rgb,
@@ -58,17 +58,17 @@ struct MipLevel {
     pixels: Vec<Vec3>,
 }
 
-impl Picture {
+impl MipMap {
     /// Builds the MIP map of `image`, whose pixels are linear colours.
     ///
     /// # Errors
-    /// [`PictureError`] if a value is negative or not finite.
-    pub fn new(image: &Image, wrap: WrapMode) -> Result<Self, PictureError> {
+    /// [`MipMapError`] if a value is negative or not finite.
+    pub fn new(image: &Image, wrap: WrapMode) -> Result<Self, MipMapError> {
         let (width, pixels) = (image.width(), image.pixels());
         if let Some(i) = pixels.iter().position(|p| !(p.is_finite() && p.min_element() >= 0.0)) {
             let (x, y) = ((i % width as usize) as u32, (i / width as usize) as u32);
             let finite = pixels[i].is_finite();
-            return Err(if finite { PictureError::Negative { x, y } } else { PictureError::NotFinite { x, y } });
+            return Err(if finite { MipMapError::Negative { x, y } } else { MipMapError::NotFinite { x, y } });
         }
         let least = pixels.iter().fold(Vec3::INFINITY, |a, b| a.min(*b)).min_element();
         let greatest = pixels.iter().fold(Vec3::ZERO, |a, b| a.max(*b)).max_element();

@@ -22,16 +22,16 @@ pub struct MeanGatherDisc {
 /// The bias of a density estimate grows with its disc. Estimates with nested discs share most of
 /// their noise, so their differences measure the bias.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct NestedEstimates {
+pub struct NestedDifferences {
     /// Two differences of radiance \[W/(m² sr)] between estimates with discs of neighbouring areas:
     /// full minus half, and half minus quarter.
     pub differences: [Rgb; LEVELS - 1],
     /// Mean radius and photon count of the estimates from the caustic map; `None` without an
     /// estimate.
-    pub caustic: Option<MeanGatherDisc>,
+    pub caustic_disc: Option<MeanGatherDisc>,
     /// Mean radius and photon count of the estimates from the indirect and the interreflection map;
     /// `None` without an estimate.
-    pub indirect: Option<MeanGatherDisc>,
+    pub indirect_disc: Option<MeanGatherDisc>,
 }
 
 /// Sums of the gather radii and of the photon counts of a pixel's density estimates from one map.
@@ -60,7 +60,7 @@ impl GatherDiscSum {
 /// Sums of differences between photon estimates with nested gather discs, over one camera ray and
 /// over all rays of one pixel.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct NestedEstimateSum {
+pub(super) struct PixelNestedDifferenceSum {
     /// True if photon estimates are repeated with smaller nested discs; false leaves all sums at 0.
     pub is_wanted: bool,
     /// Sums over the photon estimates of the current camera ray of throughput times difference
@@ -72,13 +72,13 @@ pub(super) struct NestedEstimateSum {
     /// Radiance of the last estimate minus its radiance with half the disc area \[W/(m² sr)].
     pub last_difference: Rgb,
     /// Sums of radius and photon count over the pixel's estimates from the caustic map.
-    pub caustic: GatherDiscSum,
+    pub caustic_discs: GatherDiscSum,
     /// Sums of radius and photon count over the pixel's estimates from the indirect and the
     /// interreflection map.
-    pub indirect: GatherDiscSum,
+    pub indirect_discs: GatherDiscSum,
 }
 
-impl NestedEstimateSum {
+impl PixelNestedDifferenceSum {
     /// Returns empty sums. If `is_wanted` is false, they stay empty.
     pub fn new(is_wanted: bool) -> Self {
         Self { is_wanted, ..Self::default() }
@@ -109,14 +109,18 @@ impl NestedEstimateSum {
         self.ray = [Rgb::ZERO; LEVELS - 1];
     }
 
-    /// Returns the pixel's nested estimates, and resets the sums for the next pixel.
+    /// Returns the pixel's nested differences, and resets the sums for the next pixel.
     ///
     /// Differences of radiance are means over the pixel's `rays` camera rays.
-    pub fn finish_pixel(&mut self, rays: u32) -> NestedEstimates {
+    pub fn finish_pixel(&mut self, rays: u32) -> NestedDifferences {
         let differences = self.pixel.map(|sum| (sum / f64::from(rays)).as_vec3());
-        let estimates = NestedEstimates { differences, caustic: self.caustic.mean(), indirect: self.indirect.mean() };
+        let differences = NestedDifferences {
+            differences,
+            caustic_disc: self.caustic_discs.mean(),
+            indirect_disc: self.indirect_discs.mean(),
+        };
         *self = Self::new(self.is_wanted);
-        estimates
+        differences
     }
 }
 
@@ -126,23 +130,23 @@ mod tests {
 
     #[test]
     fn pixels_are_means_of_their_accepted_rays() {
-        let mut sum = NestedEstimateSum::default();
+        let mut sum = PixelNestedDifferenceSum::default();
         let levels = |a: f32, b: f32, c: f32| [a, b, c].map(Rgb::splat);
         sum.add(Rgb::splat(0.5), levels(4.0, 2.0, 1.0));
         sum.add(Rgb::ONE, levels(1.0, 1.0, 2.0));
-        sum.caustic.add(0.5, 10);
-        sum.caustic.add(1.5, 20);
+        sum.caustic_discs.add(0.5, 10);
+        sum.caustic_discs.add(1.5, 20);
         sum.finish_camera_ray(Some(1.0));
         sum.add(Rgb::ONE, levels(100.0, 0.0, 0.0));
         sum.finish_camera_ray(None);
         sum.add(Rgb::ONE, levels(f32::INFINITY, 0.0, 0.0));
         sum.finish_camera_ray(Some(1.0));
-        let estimates = sum.finish_pixel(2);
-        assert_eq!(estimates.differences, [Rgb::splat(0.5), Rgb::splat(-0.25)]);
+        let found = sum.finish_pixel(2);
+        assert_eq!(found.differences, [Rgb::splat(0.5), Rgb::splat(-0.25)]);
         assert_eq!(
-            (estimates.caustic, estimates.indirect),
+            (found.caustic_disc, found.indirect_disc),
             (Some(MeanGatherDisc { radius: 1.0, mean_count: 15.0 }), None)
         );
-        assert_eq!(sum.finish_pixel(1), NestedEstimates::default());
+        assert_eq!(sum.finish_pixel(1), NestedDifferences::default());
     }
 }

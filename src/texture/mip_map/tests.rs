@@ -20,7 +20,7 @@ fn random_image(width: u32, height: u32) -> Image {
 fn mip_lookups_keep_the_mean_at_all_levels() {
     for (width, height) in [(8, 8), (7, 5), (1, 9), (13, 6)] {
         for wrap in [WrapMode::Repeat, WrapMode::Clamp, WrapMode::Mirror] {
-            let picture = Picture::new(&random_image(width, height), wrap).unwrap();
+            let picture = MipMap::new(&random_image(width, height), wrap).unwrap();
             for (i, level) in picture.levels.iter().enumerate() {
                 let (columns, rows) = (2 * level.width, 2 * level.height);
                 let size =
@@ -46,7 +46,7 @@ fn picture_pixels_have_their_positions_and_wrap() {
     let image = Image::from_pixels(3, 2, pixels).unwrap();
     let at = |wrap, column: f64, row: f64| {
         let uv = DVec2::new((column + 0.5) / 3.0, 1.0 - (row + 0.5) / 2.0);
-        f64::from(Picture::new(&image, wrap).unwrap().box_mean(uv, DVec2::ZERO).x)
+        f64::from(MipMap::new(&image, wrap).unwrap().box_mean(uv, DVec2::ZERO).x)
     };
     for wrap in [WrapMode::Repeat, WrapMode::Clamp, WrapMode::Mirror] {
         for (row, line) in values.iter().enumerate() {
@@ -71,9 +71,9 @@ fn pictures_with_negative_or_nonfinite_values_are_refused() {
     let with = |value: f32| {
         let mut pixels = vec![Vec3::ONE; 6];
         pixels[4].y = value;
-        Picture::new(&Image::from_pixels(3, 2, pixels).unwrap(), WrapMode::Repeat).err()
+        MipMap::new(&Image::from_pixels(3, 2, pixels).unwrap(), WrapMode::Repeat).err()
     };
     assert_eq!(with(0.0), None);
-    assert_eq!(with(-1.0), Some(PictureError::Negative { x: 1, y: 1 }));
-    assert_eq!(with(f32::NAN), Some(PictureError::NotFinite { x: 1, y: 1 }));
+    assert_eq!(with(-1.0), Some(MipMapError::Negative { x: 1, y: 1 }));
+    assert_eq!(with(f32::NAN), Some(MipMapError::NotFinite { x: 1, y: 1 }));
 }

@@ -9,7 +9,7 @@ use crate::scene::Material;
 /// Such a body changes light only where it overlaps another body or the ambient medium. All objects
 /// are therefore kept in a scene with an ambient medium. An object is also kept if it moves, if it
 /// emits light, or if its box overlaps the box of a body other than air.
-pub(super) fn cull_index_matched(
+pub(super) fn cull_air_boundaries(
     mut objects: Vec<SceneObject>,
     mut mesh: MergedMeshes,
     materials: &[Material],
