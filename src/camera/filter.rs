@@ -186,11 +186,32 @@ impl Filter {
     #[must_use]
     pub fn sample(&self, u: Vec2) -> FilterSample {
         let offset = Vec2::new(self.sample_filter_offset(u.x), self.sample_filter_offset(u.y));
+        FilterSample { offset, weight: self.sample_weight(offset) }
+    }
+
+    /// Pdf \[1/pixel²] with which [`Filter::sample`] samples `offset`.
+    #[must_use]
+    pub fn sample_pdf(&self, offset: Vec2) -> f32 {
+        self.offset_pdf(offset.x) * self.offset_pdf(offset.y)
+    }
+
+    /// Weight that [`Filter::sample`] returns with `offset`.
+    #[must_use]
+    pub fn sample_weight(&self, offset: Vec2) -> f32 {
         let sign = |x: f32| {
             if x.abs() < self.negative_beyond { self.absolute_over_signed } else { -self.absolute_over_signed }
         };
-        let weight = if self.has_negative_values() { sign(offset.x) * sign(offset.y) } else { 1.0 };
-        FilterSample { offset, weight }
+        if self.has_negative_values() { sign(offset.x) * sign(offset.y) } else { 1.0 }
+    }
+
+    /// Pdf \[1/pixel] of the sampled offset `x` along one axis: that of the table of quantiles, so
+    /// it is constant between two of them.
+    fn offset_pdf(&self, x: f32) -> f32 {
+        let above = self.quantiles.partition_point(|quantile| *quantile <= x);
+        if above == 0 || above > CELLS {
+            return 0.0;
+        }
+        1.0 / (CELLS as f32 * (self.quantiles[above] - self.quantiles[above - 1]))
     }
 
     /// Samples an offset along one axis \[pixels] by `u` in \[0, 1).

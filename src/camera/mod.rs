@@ -11,7 +11,7 @@ pub use filter::{Filter, FilterKind, FilterSample, UnknownFilter};
 pub use lens::Lens;
 
 use crate::math::{Ray, Transform};
-use glam::{DVec3, Vec2};
+use glam::{DVec2, DVec3, Vec2};
 
 /// A camera, which maps points of the image to rays in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -267,26 +267,20 @@ impl Camera {
     #[inline]
     #[must_use]
     pub fn generate_ray(&self, p: Vec2, lens: Option<Vec2>) -> Ray {
-        let x = f64::from(p.x) - 0.5 * f64::from(self.width);
-        let y = 0.5 * f64::from(self.height) - f64::from(p.y);
-        match (self.projection, lens) {
-            (CameraProjection::Perspective(Some(thin)), Some(u)) => {
-                let on_lens = thin.sample(u) / self.pixel_size;
-                let offset = self.right * on_lens.x + self.up * on_lens.y;
-                // Vectors are relative to the camera center. In world coordinates, a small aperture
-                // with near focus would lose its digits.
-                let in_focus = (self.right * x + self.up * y + self.forward) * thin.focus;
-                Ray::new((self.center + offset).as_vec3(), (in_focus - offset).normalize().as_vec3())
-            }
-            (CameraProjection::Perspective(_), _) => {
+        if let (CameraProjection::Perspective(Some(_)), Some(u)) = (self.projection, lens) {
+            return self.generate_ray_through_lens_point(p, self.sample_lens(u));
+        }
+        let (x, y) = self.centered_coordinates(p);
+        match self.projection {
+            CameraProjection::Perspective(_) => {
                 let direction = (self.right * x + self.up * y + self.forward).normalize();
                 Ray::new(self.center.as_vec3(), direction.as_vec3())
             }
-            (CameraProjection::Orthographic, _) => {
+            CameraProjection::Orthographic => {
                 let origin = self.center + self.right * x + self.up * y;
                 Ray::new(origin.as_vec3(), self.forward.as_vec3())
             }
-            (CameraProjection::Panorama, _) => {
+            CameraProjection::Panorama => {
                 let (sin_longitude, cos_longitude) = libm::sincos(std::f64::consts::TAU * x / f64::from(self.width));
                 let (sin_latitude, cos_latitude) = libm::sincos(std::f64::consts::PI * y / f64::from(self.height));
                 let level = self.right * sin_longitude + self.forward * cos_longitude;
@@ -294,6 +288,39 @@ impl Camera {
                 Ray::new(self.center.as_vec3(), direction.as_vec3())
             }
         }
+    }
+
+    /// Generates the world-space ray through image point `p` \[pixels from the top left] that
+    /// starts at the point `on_lens` of the lens \[length right and up from its center].
+    ///
+    /// The ray has a unit direction. Cameras without a lens ignore `on_lens`.
+    #[inline]
+    #[must_use]
+    pub fn generate_ray_through_lens_point(&self, p: Vec2, on_lens: DVec2) -> Ray {
+        let CameraProjection::Perspective(Some(thin)) = self.projection else { return self.generate_ray(p, None) };
+        let (x, y) = self.centered_coordinates(p);
+        let on_lens = on_lens / self.pixel_size;
+        let offset = self.right * on_lens.x + self.up * on_lens.y;
+        // Vectors are relative to the camera center. In world coordinates, a small aperture with
+        // near focus would lose its digits.
+        let in_focus = (self.right * x + self.up * y + self.forward) * thin.focus;
+        Ray::new((self.center + offset).as_vec3(), (in_focus - offset).normalize().as_vec3())
+    }
+
+    /// Samples a point of the lens uniformly by area, by `u` in \[0, 1)².
+    ///
+    /// Returns the coordinates right and up from the lens center \[length]; zero without a lens.
+    #[inline]
+    #[must_use]
+    pub fn sample_lens(&self, u: Vec2) -> DVec2 {
+        self.lens().map_or(DVec2::ZERO, |lens| lens.sample(u))
+    }
+
+    /// Coordinates of image point `p` \[pixels from the top left] right and up from the image
+    /// center \[pixels].
+    #[inline]
+    fn centered_coordinates(&self, p: Vec2) -> (f64, f64) {
+        (f64::from(p.x) - 0.5 * f64::from(self.width), 0.5 * f64::from(self.height) - f64::from(p.y))
     }
 }
 

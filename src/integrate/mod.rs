@@ -9,6 +9,8 @@
 //! - *Receiver*, *caster*, *caustic*: see [`PhotonKind`](crate::photon::PhotonKind).
 //! - *Prefix*: the part of a camera path up to its first receiver. *Prefix ray*: an extra camera
 //!   path that ends at its first receiver.
+//! - *Image of a lamp*: the part of the film at which camera rays meet the lamp, directly or over
+//!   specular surfaces.
 //! - *Pilot*: a small simulation before the first pass, whose rays and photons no pass uses.
 //! - *Slice*: a part of the shutter interval with its own copy of the scene, photons and camera
 //!   rays.
@@ -70,6 +72,8 @@ mod hybrid;
 mod indirect_division;
 mod indirect_pilot;
 mod integrator;
+mod lamp_image_pilot;
+mod lamp_images;
 mod light_group;
 mod map_builder;
 mod nee;
@@ -94,6 +98,7 @@ mod scatter_point_guide;
 mod scatter_point_pilot;
 mod settings;
 mod shutter;
+mod specular_chain;
 mod sppm;
 mod surface_aovs;
 mod tiles;

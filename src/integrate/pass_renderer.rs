@@ -172,10 +172,14 @@ impl<'a> PassRenderer<'a> {
         let lens = self.policy.effects.has(Effect::Lens);
         FilmSampling {
             relative_ray_counts: self.relative_ray_counts.as_deref(),
-            prefix_rays: self
-                .prefix_rays
-                .as_ref()
-                .map(|rays| PrefixRays { counts: &rays.counts, key: self.prefix_ray_key(pass) }),
+            prefix_rays: self.prefix_rays.as_ref().map(|rays| PrefixRays {
+                counts: &rays.counts,
+                key: self.prefix_ray_key(pass),
+                lamp_images: &rays.lamp_images,
+                aimed_key: Key::new(self.settings.camera_paths.seed)
+                    .purpose_key(Purpose::AimedPrefixRays)
+                    .pass_key(pass),
+            }),
             nested: self.settings.camera_paths.estimate_error && self.policy.reads_photons(),
             ..FilmSampling::of_camera(self.scene.camera(), filter, self.samples, lens)
         }

@@ -21,12 +21,14 @@
 use super::balance;
 use super::camera_path;
 use super::camera_ray::CameraRay;
+use super::lamp_image_pilot::{ImageInPixel, find_lamp_images};
+use super::lamp_images::{LampImages, PixelLampImage};
 use super::map_builder::MapBuildOptions;
 use super::pass::{PassResult, SilentMonitor};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use super::pilot_statistics::{box_mean, positive_median};
-use super::prefix_rays::{PrefixRayCount, PrefixRayCounts, PrefixWeights};
+use super::prefix_rays::{AimedRayWeights, PrefixRayCount, PrefixRayCounts, PrefixWeights};
 use super::tiles::{self, FilmImage};
 use crate::color::{self, Rgb};
 use crate::sampling::{Key, Purpose};
@@ -74,6 +76,16 @@ const MIN_MEAN_COUNT: f64 = 1e-3;
 /// mean variance of one camera path over all pixels. The pilot compares v·n²/V with this threshold.
 /// In passes, more estimates pay only if v·n²/V is about eight times larger.
 const CANDIDATE_VARIANCE: f64 = 1.0 / 24.0;
+
+/// Largest number of images of lamps at which the rays of a pixel are aimed.
+const MAX_PIXEL_IMAGES: usize = 16;
+
+/// Largest number of prefix rays of a pixel that are aimed at images of lamps.
+const MAX_AIMED_RAYS: f64 = 64.0;
+
+/// Number of aimed rays that the pictures of the prefix-ray pilot assume in a pixel with images of
+/// lamps.
+const ASSUMED_AIMED_RAYS: u8 = 8;
 
 /// Running mean and sum of squared differences from it (Welford 1962).
 #[derive(Clone, Copy, Debug, Default)]
@@ -126,12 +138,20 @@ struct PixelVariance {
     up_to_receiver: f64,
     /// Variance of the photon estimate at the first receiver.
     photon_estimate: f64,
+    /// Squared light of the images of lamps at which rays may be aimed.
+    ///
+    /// It is about the variance that one aimed ray has.
+    aimed: f64,
+    /// Variance of the light of these images if no rays are aimed at them.
+    unaimed: f64,
 }
 
-/// Square roots of two variances of [`PixelVariance`], from which numbers of rays follow.
+/// Square roots of variances of [`PixelVariance`], from which numbers of rays follow.
 struct PixelDeviations {
     up_to_receiver: f64,
     photons: f64,
+    aimed: f64,
+    unaimed: f64,
 }
 
 /// Returns the number of [prefix rays](super::prefix_rays) that each pixel should get; `None` if
@@ -145,6 +165,11 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         return None;
     }
 
+    // Find images of lamps.
+    let (width, height) = scene.camera().size();
+    let found_images = find_lamp_images(renderer);
+    let lamp_images = images_of_pixels(&found_images, width as usize * height as usize);
+
     // Trace the pictures of the pilot.
     let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::PrefixRays);
     let mut out = PassResult::default();
@@ -154,11 +179,10 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         let options = MapBuildOptions { connects_to_camera: true, ..MapBuildOptions::for_pilot(key, divisor) };
         renderer.map_builder.build(&options, &SilentMonitor, &mut out)
     });
-    let (width, height) = scene.camera().size();
     let mut light = vec![PixelLightStatistics::default(); width as usize * height as usize];
     let mut whole_work = Counters::default();
     for i in 0..WHOLE_PICTURES {
-        let picture = render_light_parts(renderer, maps.as_ref(), i, |_| PathParts::Whole);
+        let picture = render_light_parts(renderer, maps.as_ref(), &lamp_images, i, |_| PathParts::Whole);
         light.par_iter_mut().zip(&picture.image).for_each(|(light, parts)| {
             let before = parts.x - light.after_receiver.mean;
             light.after_receiver.add(parts.x);
@@ -168,13 +192,13 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         });
         whole_work += picture.counters;
     }
-    let candidates = pixel_variances(&light, width as usize, height as usize)
+    let candidates = pixel_variances(&light, &found_images, (width as usize, height as usize))
         .map_or_else(|| vec![false; light.len()], |variances| find_lookup_candidates(&variances, renderer.samples));
     let candidate_count = candidates.iter().filter(|candidate| **candidate).count();
     let (mut ray_work, mut lookup_work) = (Counters::default(), Counters::default());
     for i in WHOLE_PICTURES..WHOLE_PICTURES + PREFIX_PICTURES {
         let looks_up = |pixel: usize| i < WHOLE_PICTURES + LOOKUP_PICTURES && candidates[pixel];
-        let picture = render_light_parts(renderer, maps.as_ref(), i, |center| {
+        let picture = render_light_parts(renderer, maps.as_ref(), &lamp_images, i, |center| {
             let pixel = center.y as usize * width as usize + center.x as usize;
             if looks_up(pixel) { PathParts::PrefixWithLookup } else { PathParts::Prefix }
         });
@@ -209,11 +233,10 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         lookup: lookup(&lookup_work) / traced_lookups,
     };
 
-    let variances = pixel_variances(&light, width as usize, height as usize)?;
+    let variances = pixel_variances(&light, &found_images, (width as usize, height as usize))?;
     let counts = efficient_ray_counts(&variances, renderer.samples, &work)?;
-    let (rays, lookups) = counts
-        .iter()
-        .fold((0, 0), |(rays, lookups), count| (rays + u64::from(count.rays), lookups + u64::from(count.lookups)));
+    let sum = |number: fn(&PrefixRayCount) -> u8| counts.iter().map(|count| u64::from(number(count))).sum::<u64>();
+    let (rays, lookups) = (sum(|count| count.rays) + sum(|count| count.aimed), sum(|count| count.lookups));
     let scaled = |n: u64, total: u64, traced: f64| (n as f64 * total as f64 / traced).round() as u64;
     let expected_work = Counters {
         camera_rays: rays,
@@ -223,7 +246,26 @@ pub(super) fn find_prefix_ray_counts(renderer: &PassRenderer<'_>) -> Option<Pref
         gathered_photons: scaled(lookup_work.gathered_photons * u64::from(divisor), lookups, traced_lookups),
         ..Counters::default()
     };
-    Some(PrefixRayCounts { counts: counts.into(), expected_work })
+    let lamp_images = lamp_images.in_pixels(|pixel| counts[pixel].aimed > 0);
+    Some(PrefixRayCounts { counts: counts.into(), lamp_images, expected_work })
+}
+
+/// Returns the images of lamps in each of a picture's `pixels` pixels, from `found`, which is
+/// sorted by pixels.
+///
+/// An image gets a share of the aimed rays of a pixel in proportion to its light in the pixel. Of
+/// many images, the [`MAX_PIXEL_IMAGES`] with most light remain.
+fn images_of_pixels(found: &[ImageInPixel], pixels: usize) -> LampImages {
+    let mut images = vec![Vec::new(); pixels];
+    for in_pixel in found.chunk_by(|a, b| a.pixel == b.pixel) {
+        let mut brightest: Vec<&ImageInPixel> = in_pixel.iter().collect();
+        brightest.sort_by(|a, b| b.light.total_cmp(&a.light));
+        brightest.truncate(MAX_PIXEL_IMAGES);
+        let total: f64 = brightest.iter().map(|image| image.light).sum();
+        let share = |image: &&ImageInPixel| PixelLampImage { image: image.image, share: (image.light / total) as f32 };
+        images[in_pixel[0].pixel as usize] = brightest.iter().map(share).collect();
+    }
+    LampImages::from_pixels(&images)
 }
 
 /// Parts of a camera path that the prefix-ray pilot traces.
@@ -255,10 +297,12 @@ fn find_lookup_candidates(variances: &[PixelVariance], samples: u32) -> Vec<bool
 ///
 /// The channels of a pixel hold three parts of its light. First comes the light after the first
 /// receiver, then emission and direct light up to it, then the photon estimate. Each is averaged
-/// over RGB.
+/// over RGB. The light up to the first receiver has the weight that it will have if
+/// [`ASSUMED_AIMED_RAYS`] rays are aimed at the images of lamps in each pixel that has some.
 fn render_light_parts(
     renderer: &PassRenderer<'_>,
     maps: Option<&PhotonMaps<'_>>,
+    lamp_images: &LampImages,
     i: u32,
     parts: impl Fn(Vec2) -> PathParts + Sync,
 ) -> FilmImage {
@@ -267,10 +311,21 @@ fn render_light_parts(
     let pilot = renderer.with_one_sample();
     let (paths, key) = (pilot.path_context(maps, pass), pilot.prefix_ray_key(pass));
     let sampling = tiles::FilmSampling { nested: false, ..pilot.film_sampling(pass) };
+    let (width, _) = renderer.scene.camera().size();
+    let aimed = PrefixRayCount { aimed: ASSUMED_AIMED_RAYS, ..PrefixRayCount::default() };
+    let weights = AimedRayWeights::new(renderer.samples, aimed);
     for_interior!(pilot.policy.effects, <I> {
         tiles::render_tiles(&sampling, key, &SilentMonitor, |camera_ray, task, branches| {
-            let parts = parts(camera_ray.film_position);
+            let center = camera_ray.film_position;
+            let parts = parts(center);
+            let images = lamp_images.of_pixel(center.y as usize * width as usize + center.x as usize);
+            let up_to_receiver = if images.is_empty() {
+                1.0
+            } else {
+                sampling.up_to_receiver_weight(images, &weights, center - 0.5, camera_ray.sampler)
+            };
             let prefix_weights = PrefixWeights {
+                up_to_receiver,
                 ends_at_receiver: parts != PathParts::Whole,
                 lookups: u32::from(parts != PathParts::Prefix),
                 ..PrefixWeights::default()
@@ -288,23 +343,29 @@ fn render_light_parts(
 
 /// Returns the relative variances of one ray of each pixel; `None` if the picture is black.
 ///
-/// Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃ its median over
-/// the picture. This measure lies between the absolute error, which neglects dark pixels, and the
-/// relative error, which neglects bright ones.
-fn pixel_variances(light: &[PixelLightStatistics], width: usize, height: usize) -> Option<Vec<PixelVariance>> {
+/// `light` is that of the pilot's pictures, without the light of `images`. `size` is the picture's
+/// (width, height). Variances are divided by L̃·(L + L̃), where L is the light of the pixel and L̃
+/// its median over the picture. This measure lies between the absolute error, which neglects dark
+/// pixels, and the relative error, which neglects bright ones.
+fn pixel_variances(
+    light: &[PixelLightStatistics],
+    images: &[ImageInPixel],
+    size: (usize, usize),
+) -> Option<Vec<PixelVariance>> {
     let values = |value: fn(&PixelLightStatistics) -> f64| light.par_iter().map(value).collect::<Vec<f64>>();
-    let mean = values(|l| f64::from(l.after_receiver.mean + l.up_to_receiver.mean + l.photon_estimate.mean));
+    let mut mean = values(|l| f64::from(l.after_receiver.mean + l.up_to_receiver.mean + l.photon_estimate.mean));
+    images.iter().for_each(|image| mean[image.pixel as usize] += image.light);
     let median = positive_median(mean.iter().copied())?;
     let after_receiver = values(|l| l.after_receiver.variance());
     let up_to_receiver = values(|l| l.up_to_receiver.variance());
     let (products, photons) = (values(|l| l.products), values(|l| l.photon_estimate.variance()));
     // Few pictures say little about one pixel. Means over neighbours reduce the noise: a small box
     // keeps detail, a larger one includes rare bright rays.
-    let box_mean = |values: &[f64], i: usize, reach: usize| box_mean(|i| values[i], i, reach, (width, height));
+    let box_mean = |values: &[f64], i: usize, reach: usize| box_mean(|i| values[i], i, reach, size);
     let smoothed = |values: &[f64], i: usize| 0.5 * (box_mean(values, i, 1) + box_mean(values, i, 4));
+    let scale = |i: usize| 1.0 / (median * (box_mean(&mean, i, 1) + median));
     let variance = |i: usize| {
-        let brightness = box_mean(&mean, i, 1);
-        let scale = 1.0 / (median * (brightness + median));
+        let scale = scale(i);
         let up_to_receiver = smoothed(&up_to_receiver, i);
         let covariance = smoothed(&products, i) / f64::from(WHOLE_PICTURES - 1);
         let photons = smoothed(&photons, i);
@@ -312,9 +373,18 @@ fn pixel_variances(light: &[PixelLightStatistics], width: usize, height: usize) 
             after_receiver: box_mean(&after_receiver, i, 1) * scale,
             up_to_receiver: (up_to_receiver + 2.0 * covariance.min(0.0)).max(0.0) * scale,
             photon_estimate: photons * scale,
+            ..PixelVariance::default()
         }
     };
-    Some((0..light.len()).into_par_iter().map(variance).collect())
+    let mut variances: Vec<PixelVariance> = (0..light.len()).into_par_iter().map(variance).collect();
+    for in_pixel in images.chunk_by(|a, b| a.pixel == b.pixel) {
+        let pixel = in_pixel[0].pixel as usize;
+        let sum = |value: fn(&ImageInPixel) -> f64| in_pixel.iter().map(value).sum::<f64>();
+        let light = sum(|image| image.light);
+        variances[pixel].aimed = light * light * scale(pixel);
+        variances[pixel].unaimed = sum(|image| image.mean_square) * scale(pixel);
+    }
+    Some(variances)
 }
 
 /// Work of the parts of a pass. The unit is the work of tracing one photon ray.
@@ -338,17 +408,22 @@ struct PassWork {
 fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWork) -> Option<Vec<PrefixRayCount>> {
     let n = f64::from(samples);
     let (ray_scale, lookup_scale) = (1.0 / work.prefix_ray.sqrt(), 1.0 / (work.prefix_ray + work.lookup).sqrt());
-    // Numbers of prefix rays and of photon lookups in a pixel. They give all pixels the same
-    // derivative of variance by work: −1/scale².
+    // Numbers of prefix rays, of photon lookups and of aimed rays in a pixel. They give all pixels
+    // the same derivative of variance by work: −1/scale².
     let count = |deviations: &PixelDeviations, scale: f64| {
         // `max` ignores NaN, so a NaN variance gives no ray.
         let whole = |n: f64| n.max(0.0).floor().min(f64::from(u8::MAX));
         let lookups = whole(deviations.photons * scale * lookup_scale - 1.0);
-        (whole(deviations.up_to_receiver * scale * ray_scale - n).max(lookups), lookups)
+        let rays = whole(deviations.up_to_receiver * scale * ray_scale - n).max(lookups);
+        let pays = deviations.unaimed * scale * ray_scale > n.sqrt();
+        let aimed = if pays { whole(deviations.aimed * scale * ray_scale).clamp(1.0, MAX_AIMED_RAYS) } else { 0.0 };
+        (rays, lookups, aimed)
     };
     let deviations = |v: &PixelVariance| PixelDeviations {
         up_to_receiver: v.up_to_receiver.sqrt(),
         photons: v.photon_estimate.sqrt(),
+        aimed: v.aimed.sqrt(),
+        unaimed: v.unaimed.sqrt(),
     };
     let deviations: Vec<PixelDeviations> = variances.par_iter().map(deviations).collect();
     let pixels = variances.len() as f64;
@@ -356,8 +431,8 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
     let mean = |values: Vec<f64>| values.iter().sum::<f64>() / pixels;
     let prefix_work = |scale: f64| {
         let pixel_work = |deviations: &PixelDeviations| {
-            let (rays, lookups) = count(deviations, scale);
-            work.prefix_ray * rays + work.lookup * lookups
+            let (rays, lookups, aimed) = count(deviations, scale);
+            work.prefix_ray * (rays + aimed) + work.lookup * lookups
         };
         mean(deviations.par_iter().map(pixel_work).collect())
     };
@@ -365,10 +440,12 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
     let photon_variance_factor = rest_work / work.camera.max(f64::MIN_POSITIVE);
     let variance = |scale: f64| {
         let pixel_variance = |(v, deviations): (&PixelVariance, &PixelDeviations)| {
-            let (rays, lookups) = count(deviations, scale);
+            let (rays, lookups, aimed) = count(deviations, scale);
+            let images = if aimed > 0.0 { v.aimed / aimed } else { v.unaimed / n };
             photon_variance_factor * v.after_receiver / n
                 + v.up_to_receiver / (n + rays)
                 + v.photon_estimate / (1.0 + lookups)
+                + images
         };
         mean(variances.par_iter().zip(&deviations).map(pixel_variance).collect())
     };
@@ -393,11 +470,11 @@ fn efficient_ray_counts(variances: &[PixelVariance], samples: u32, work: &PassWo
         scale = low;
     }
     let whole = |deviations: &PixelDeviations| {
-        let (rays, lookups) = count(deviations, scale);
-        PrefixRayCount { rays: rays as u8, lookups: lookups as u8 }
+        let (rays, lookups, aimed) = count(deviations, scale);
+        PrefixRayCount { rays: rays as u8, lookups: lookups as u8, aimed: aimed as u8 }
     };
     let counts: Vec<PrefixRayCount> = deviations.par_iter().map(whole).collect();
-    let mean_count = counts.iter().map(|n| f64::from(n.rays)).sum::<f64>() / pixels;
+    let mean_count = counts.iter().map(|n| f64::from(n.rays) + f64::from(n.aimed)).sum::<f64>() / pixels;
     (mean_count >= MIN_MEAN_COUNT).then_some(counts)
 }
 

@@ -1,5 +1,6 @@
 //! Prefix rays: extra camera paths that end at the first receiver.
 
+use super::lamp_images::LampImages;
 use crate::stats::Counters;
 use std::sync::Arc;
 
@@ -28,11 +29,15 @@ pub(super) struct PrefixWeights {
     pub ends_at_receiver: bool,
 }
 
-/// Number of prefix rays of a pixel, and the number of those that read photon maps.
+/// Numbers of prefix rays of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PrefixRayCount {
+    /// Number of prefix rays that the pixel filter distributes.
     pub rays: u8,
+    /// Number of these that read photon maps.
     pub lookups: u8,
+    /// Number of further prefix rays, which are aimed at images of lamps.
+    pub aimed: u8,
 }
 
 impl Default for PrefixWeights {
@@ -63,6 +68,43 @@ impl PrefixWeights {
         let lookup = weights.lookup * n / m;
         Self { lookups: prefix.lookups.into(), lookup, ends_at_receiver: true, ..weights }
     }
+
+    /// Returns the weights of the light that each prefix ray finds which is aimed at an image of a
+    /// lamp. The pixel's `samples` camera paths set the weight up to the receiver for each ray.
+    pub fn of_aimed_rays() -> Self {
+        Self { lookups: 0, lookup: 0.0, ends_at_receiver: true, ..Self::default() }
+    }
+}
+
+/// Numbers of rays of a pixel that find images of lamps, from which the weights of their light
+/// follow by the balance heuristic.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AimedRayWeights {
+    /// Number of camera paths.
+    camera_paths: f32,
+    /// Number of camera paths and of prefix rays that the pixel filter distributes.
+    filtered_rays: f32,
+    /// Number of prefix rays that are aimed at images of lamps.
+    aimed_rays: f32,
+}
+
+impl AimedRayWeights {
+    /// Returns the weights of a pixel with `samples` camera paths and the prefix rays `prefix`.
+    pub fn new(samples: u32, prefix: PrefixRayCount) -> Self {
+        let camera_paths = samples as f32;
+        let filtered_rays = camera_paths + f32::from(prefix.rays);
+        Self { camera_paths, filtered_rays, aimed_rays: prefix.aimed.into() }
+    }
+
+    /// Returns the weight of light that a ray finds up to its first receiver.
+    ///
+    /// The pdfs \[1/pixel²] of the film point of the ray are those by which the pixel filter and
+    /// aiming sample it.
+    pub fn up_to_receiver_weight(&self, filter_pdf: f32, aimed_pdf: f32) -> f32 {
+        let filtered = self.filtered_rays * filter_pdf;
+        let total = filtered + self.aimed_rays * aimed_pdf;
+        if total > 0.0 { self.camera_paths * filter_pdf / total } else { 0.0 }
+    }
 }
 
 /// Number of prefix rays of each pixel, which a pilot chose, and their work.
@@ -71,6 +113,8 @@ pub(super) struct PrefixRayCounts {
     /// Number of prefix rays of each pixel, and how many of them read photon maps, by rows from the
     /// top.
     pub counts: Arc<[PrefixRayCount]>,
+    /// Images of lamps in the pixels that have aimed rays.
+    pub lamp_images: LampImages,
     /// Rays and gathered photons of all prefix rays of a pass.
     pub expected_work: Counters,
 }
@@ -78,6 +122,26 @@ pub(super) struct PrefixRayCounts {
 impl PrefixRayCounts {
     /// Returns the number of prefix rays per pixel, as a mean over the picture.
     pub fn mean_rays_per_pixel(&self) -> f64 {
-        self.counts.iter().map(|n| f64::from(n.rays)).sum::<f64>() / self.counts.len().max(1) as f64
+        self.counts.iter().map(|n| f64::from(n.rays) + f64::from(n.aimed)).sum::<f64>()
+            / self.counts.len().max(1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rays of all kinds together count light at a film point once: their densities times the
+    /// weight, divided by the number of camera paths, add up to the pdf of the filter.
+    #[test]
+    fn aimed_rays_share_light_with_other_rays() {
+        let prefix = PrefixRayCount { rays: 3, lookups: 0, aimed: 5 };
+        let weights = AimedRayWeights::new(8, prefix);
+        for (filter_pdf, aimed_pdf) in [(0.7f32, 0.0), (0.7, 1e-3), (0.2, 400.0), (0.0, 2.0)] {
+            let density = 11.0 * filter_pdf + 5.0 * aimed_pdf;
+            let weight = weights.up_to_receiver_weight(filter_pdf, aimed_pdf);
+            let counted = density * weight / 8.0;
+            assert!((counted - filter_pdf).abs() <= 1e-6, "{filter_pdf} {aimed_pdf}: {counted}");
+        }
     }
 }

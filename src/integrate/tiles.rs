@@ -1,11 +1,12 @@
 //! Rendering of all pixels of a pass, in parallel by tiles.
 
 use super::camera_ray::CameraRay;
+use super::lamp_images::{LampImages, PixelLampImage, aimed_pdf, sample_aimed_film_point};
 use super::light_group::LightGroup;
 use super::nested_differences::NestedDifferences;
 use super::pass::{PassStage, ProgressMonitor};
 use super::path_task::PathTask;
-use super::prefix_rays::{PrefixRayCount, PrefixWeights};
+use super::prefix_rays::{AimedRayWeights, PrefixRayCount, PrefixWeights};
 use super::shutter::{PixelRaySlices, SlicedCameras};
 use crate::camera::{Camera, CropWindow, Filter, FilterSample};
 use crate::color::Rgb;
@@ -59,10 +60,14 @@ pub(super) struct PrefixRays<'a> {
     /// top.
     pub counts: &'a [PrefixRayCount],
     pub key: Key,
+    /// Images of lamps in each pixel, at which some prefix rays are aimed.
+    pub lamp_images: &'a LampImages,
+    /// Random key of the rays that are aimed.
+    pub aimed_key: Key,
 }
 
 /// Camera rays or prefix rays of one pixel: their number, shutter times, random key and weights.
-struct PixelRays {
+struct PixelRays<'a> {
     /// Random key of the rays.
     key: Key,
     /// Number of rays.
@@ -70,6 +75,23 @@ struct PixelRays {
     /// Division of the rays among the slices of the shutter interval.
     slices: PixelRaySlices,
     /// Weights of the light that the rays find up to their first receiver.
+    ///
+    /// If rays of the pixel are aimed at images of lamps, each ray has a weight `up_to_receiver` of
+    /// its own.
+    prefix_weights: PrefixWeights,
+    /// Images of lamps at which prefix rays of the pixel are aimed, and the numbers of rays that
+    /// share their light; `None` if no ray of the pixel is aimed.
+    lamp_images: Option<(&'a [PixelLampImage], AimedRayWeights)>,
+    /// True if these rays are aimed; false if the pixel filter distributes them.
+    is_aimed: bool,
+}
+
+/// A camera ray or prefix ray of a pixel, with its weights.
+struct PixelRay {
+    ray: Ray,
+    /// Weight of the ray by the pixel filter.
+    filter_weight: f32,
+    /// Weights of the light that the ray finds up to its first receiver.
     prefix_weights: PrefixWeights,
 }
 
@@ -220,26 +242,116 @@ impl FilmSampling<'_> {
         self.prefix_rays.map_or(PrefixRayCount::default(), |rays| rays.counts[pixel])
     }
 
-    /// Returns the camera rays of the pixel in column `x`, row `y` of the whole picture, and its
-    /// prefix rays, if it has any. `key` is the random key of the picture's camera rays.
-    fn rays_of_pixel(&self, key: Key, x: u32, y: u32) -> (PixelRays, Option<PixelRays>) {
+    /// Returns the camera rays of the pixel in column `x`, row `y` of the whole picture, its prefix
+    /// rays, and its aimed prefix rays, if it has any. `key` is the random key of the picture's
+    /// camera rays.
+    fn rays_of_pixel(&self, key: Key, x: u32, y: u32) -> (PixelRays<'_>, Option<PixelRays<'_>>, Option<PixelRays<'_>>) {
         let index = y as usize * self.camera.size().0 as usize + x as usize;
         let (samples, prefix) = (self.ray_count(index), self.prefix_ray_count(index));
         let slices = self.divide_rays(x, y, samples);
         let used_slices = slices.used_slice_count();
+        let has_aimed_rays = self.prefix_rays.filter(|_| prefix.aimed > 0);
+        let lamp_images =
+            has_aimed_rays.map(|rays| (rays.lamp_images.of_pixel(index), AimedRayWeights::new(samples, prefix)));
         let camera_rays = PixelRays {
             key: key.pixel_key(x, y),
             count: samples,
             slices,
             prefix_weights: PrefixWeights::of_camera_paths(samples, used_slices, prefix),
+            lamp_images,
+            is_aimed: false,
         };
         let prefix_rays = self.prefix_rays.filter(|_| prefix.rays > 0).map(|PrefixRays { key, .. }| PixelRays {
             key: key.pixel_key(x, y),
             count: prefix.rays.into(),
             slices: self.divide_rays(x, y, prefix.rays.into()),
             prefix_weights: PrefixWeights::of_prefix_rays(samples, used_slices, prefix),
+            lamp_images,
+            is_aimed: false,
         });
-        (camera_rays, prefix_rays)
+        let aimed_rays = self.prefix_rays.filter(|_| prefix.aimed > 0).map(|PrefixRays { aimed_key, .. }| PixelRays {
+            key: aimed_key.pixel_key(x, y),
+            count: prefix.aimed.into(),
+            slices: self.divide_rays(x, y, prefix.aimed.into()),
+            prefix_weights: PrefixWeights::of_aimed_rays(),
+            lamp_images,
+            is_aimed: true,
+        });
+        (camera_rays, prefix_rays, aimed_rays)
+    }
+
+    /// Makes the ray of `sampler` in slice `slice` of the shutter interval, one of the `rays` of
+    /// the pixel whose upper left corner is `corner`.
+    #[inline]
+    fn generate_pixel_ray(&self, rays: &PixelRays<'_>, slice: usize, corner: Vec2, sampler: Sampler) -> PixelRay {
+        if rays.lamp_images.is_some() {
+            return self.generate_ray_near_lamp_images(rays, slice, corner, sampler);
+        }
+        let (ray, filter_weight) = self.generate_ray(slice, corner, sampler);
+        PixelRay { ray, filter_weight, prefix_weights: rays.prefix_weights }
+    }
+
+    /// Makes a ray as [`FilmSampling::generate_pixel_ray`] does, in a pixel of which prefix rays
+    /// are aimed at images of lamps.
+    ///
+    /// The function is not inlined, so that the loop over rays stays small.
+    #[inline(never)]
+    fn generate_ray_near_lamp_images(
+        &self,
+        rays: &PixelRays<'_>,
+        slice: usize,
+        corner: Vec2,
+        sampler: Sampler,
+    ) -> PixelRay {
+        let (images, weights) = rays.lamp_images.as_ref().expect("rays of the pixel are aimed at images");
+        let on_lens = self.lens_point(sampler);
+        let film = if rays.is_aimed {
+            sample_aimed_film_point(images, sampler, on_lens)
+        } else {
+            self.sample_film_position(corner, sampler).0
+        };
+        let camera = self.slices.as_ref().map_or(self.camera, |slices| slices.cameras[slice]);
+        let lens = self.lens.then(|| sampler.get_2d(Dimension::Lens));
+        let up_to_receiver = self.weight_near_lamp_images(images, weights, corner, film, on_lens);
+        PixelRay {
+            ray: camera.generate_ray(film, lens),
+            filter_weight: self.filter.map_or(1.0, |filter| filter.sample_weight(film - (corner + 0.5))),
+            prefix_weights: PrefixWeights { up_to_receiver, ..rays.prefix_weights },
+        }
+    }
+
+    /// Returns the point of the lens through which the ray of `sampler` goes \[length right and up
+    /// from its center].
+    fn lens_point(&self, sampler: Sampler) -> Vec2 {
+        if self.lens { self.camera.sample_lens(sampler.get_2d(Dimension::Lens)).as_vec2() } else { Vec2::ZERO }
+    }
+
+    /// Returns the weight of light that the ray of `sampler` finds up to its first receiver. The
+    /// ray goes through the pixel whose upper left corner is `corner`, and other rays of the pixel
+    /// are aimed at `images`.
+    pub fn up_to_receiver_weight(
+        &self,
+        images: &[PixelLampImage],
+        weights: &AimedRayWeights,
+        corner: Vec2,
+        sampler: Sampler,
+    ) -> f32 {
+        let (film, _) = self.sample_film_position(corner, sampler);
+        self.weight_near_lamp_images(images, weights, corner, film, self.lens_point(sampler))
+    }
+
+    /// Returns the weight of light that a ray through film point `film` and lens point `on_lens`
+    /// finds up to its first receiver, in the pixel whose upper left corner is `corner`.
+    fn weight_near_lamp_images(
+        &self,
+        images: &[PixelLampImage],
+        weights: &AimedRayWeights,
+        corner: Vec2,
+        film: Vec2,
+        on_lens: Vec2,
+    ) -> f32 {
+        let filter_pdf = self.filter.map_or(0.0, |filter| filter.sample_pdf(film - (corner + 0.5)));
+        weights.up_to_receiver_weight(filter_pdf, aimed_pdf(images, film, on_lens))
     }
 
     /// Makes the camera ray of `sampler` in slice `slice` of the shutter interval, through the
@@ -318,15 +430,15 @@ pub(super) fn render_tiles<Stack: Default>(
             let (x, y) = (window.left + column, window.top + row);
             let corner = Vec2::new(x as f32, y as f32);
             let film_position = corner + 0.5;
-            let (camera_rays, prefix_rays) = sampling.rays_of_pixel(key, x, y);
+            let (camera_rays, prefix_rays, aimed_rays) = sampling.rays_of_pixel(key, x, y);
             let samples = camera_rays.count;
             let mut sums = PixelSums::default();
-            for rays in iter::once(camera_rays).chain(prefix_rays) {
-                let prefix_weights = rays.prefix_weights;
+            for rays in iter::once(camera_rays).chain(prefix_rays).chain(aimed_rays) {
                 for index in 0..rays.count {
                     let sampler = Sampler::new(rays.key, index, rays.count);
                     let shutter_slice = rays.slices.slice(index);
-                    let (ray, filter_weight) = sampling.generate_ray(shutter_slice, corner, sampler);
+                    let PixelRay { ray, filter_weight, prefix_weights } =
+                        sampling.generate_pixel_ray(&rays, shutter_slice, corner, sampler);
                     let camera_ray = CameraRay { ray, sampler, film_position, shutter_slice, prefix_weights };
                     task.counters.camera_rays += 1;
                     task.pixel.photon_radiance = Rgb::ZERO;

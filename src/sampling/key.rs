@@ -24,8 +24,8 @@
 //! | pass of photon paths | `Key::shutter_slice_key` | 2³² + slice | above all words of paths |
 //! | path | `Key::photon_vertex_key` | bounce | one per vertex of a photon path |
 //! | vertex of a photon path | `Key::camera_connection_key` | 1 | the only child of its parent |
-//! | pass of `Camera` or `PrefixRays` | `Key::pixel_key` | y · 2³² + x | one per pixel |
-//! | purpose `Shutter` or `SurfaceAovs` | `Key::pixel_key` | y · 2³² + x | one per pixel |
+//! | pass of `Camera`, `[Aimed]PrefixRays` | `Key::pixel_key` | y · 2³² + x | one per pixel |
+//! | `Shutter`, `SurfaceAovs`, `LampImages` | `Key::pixel_key` | y · 2³² + x | one per pixel |
 //! | pixel of `Shutter` | `Key::pass_key` | pass | one per pass |
 //! | pixel | `Sampler::next_vertex_sampler` | 2 · bounce + transmitted | two branches per split |
 //! | vertex | `Sampler::shadow_ray_sampler` | pass · 2³² | other dimensions than the next vertex |
@@ -86,6 +86,10 @@ pub enum Purpose {
     SurfaceAovs,
     /// Pilot simulation that finds the lit parts of media.
     ScatterPointGuiding,
+    /// Pilot simulation that finds the images of small lamps.
+    LampImages,
+    /// Prefix rays that are aimed at images of lamps.
+    AimedPrefixRays,
 }
 
 /// A random decision at one vertex of a path. Each decision has its own random numbers.

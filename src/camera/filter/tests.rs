@@ -95,3 +95,26 @@ fn normalized_values_have_integral_one() {
         assert_eq!(filter.normalized_value(0.3), filter.normalized_value(-0.3));
     }
 }
+
+/// The pdf of offsets has integral 1, and its integral over a quarter plane is the fraction of
+/// samples there. The pdf is a histogram, whose integral the midpoint rule finds to about a step of
+/// the axis.
+#[test]
+fn filter_offsets_follow_their_pdf() {
+    let n = 20_000;
+    for kind in [FilterKind::Box, FilterKind::Tent, FilterKind::BlackmanHarris, FilterKind::Mitchell] {
+        let f = Filter::new(kind);
+        let step = 2.0 * f.radius() / n as f32;
+        let offset = |i: i32| (i as f32 + 0.5) * step - f.radius();
+        let integral = |below: f32| {
+            (0..n).map(offset).filter(|x| *x < below).map(|x| f64::from(f.offset_pdf(x) * step)).sum::<f64>()
+        };
+        let samples = (0..n).map(|i| f.sample_filter_offset((i as f32 + 0.5) / n as f32));
+        let within = samples.filter(|x| *x < 0.3).count() as f64 / f64::from(n);
+        assert!((integral(f32::INFINITY) - 1.0).abs() < 1e-3, "{kind:?}: {}", integral(f32::INFINITY));
+        assert!((integral(0.3) - within).abs() < 1e-3, "{kind:?}: {} {within}", integral(0.3));
+        assert_eq!(f.sample_pdf(Vec2::new(0.1, f.radius() + 0.01)), 0.0);
+        let both = f.sample_pdf(Vec2::new(0.1, -0.2));
+        assert_eq!(both, f.offset_pdf(0.1) * f.offset_pdf(-0.2));
+    }
+}

@@ -5,7 +5,12 @@ const WORK: PassWork = PassWork { camera: 40.0, photon_work: 10.0, prefix_ray: 2
 
 /// Variances of `n` ordinary pixels and one with a highlight or a caustic.
 fn one_special_pixel(n: usize, special: PixelVariance) -> Vec<PixelVariance> {
-    let ordinary = PixelVariance { after_receiver: 0.1, up_to_receiver: 0.001, photon_estimate: 0.001 };
+    let ordinary = PixelVariance {
+        after_receiver: 0.1,
+        up_to_receiver: 0.001,
+        photon_estimate: 0.001,
+        ..PixelVariance::default()
+    };
     let mut variances = vec![ordinary; n];
     variances.push(PixelVariance { after_receiver: 0.1, ..special });
     variances
@@ -23,16 +28,22 @@ fn only_pixels_with_noisy_prefixes_get_prefix_rays() {
     let counts = efficient_ray_counts(&one_special_pixel(200, caustic), SAMPLES, &WORK).unwrap();
     assert!(counts[200].rays > 8 && counts[200].lookups == counts[200].rays, "{:?}", counts[200]);
 
-    let ordinary = PixelVariance { up_to_receiver: 0.001, photon_estimate: 0.001, after_receiver: 0.1 };
+    let ordinary = PixelVariance {
+        up_to_receiver: 0.001,
+        photon_estimate: 0.001,
+        after_receiver: 0.1,
+        ..PixelVariance::default()
+    };
     assert_eq!(efficient_ray_counts(&[ordinary; 200], SAMPLES, &WORK), None);
 }
 
 /// Numbers of rays twice or half as large give a larger product of variance and work.
 #[test]
 fn ray_counts_minimize_variance_times_work() {
-    let special = PixelVariance { up_to_receiver: 20.0, photon_estimate: 2.0, after_receiver: 0.1 };
+    let special =
+        PixelVariance { up_to_receiver: 20.0, photon_estimate: 2.0, after_receiver: 0.1, ..PixelVariance::default() };
     let variances = one_special_pixel(800, special);
-    let PrefixRayCount { rays, lookups } = efficient_ray_counts(&variances, SAMPLES, &WORK).unwrap()[800];
+    let PrefixRayCount { rays, lookups, .. } = efficient_ray_counts(&variances, SAMPLES, &WORK).unwrap()[800];
     let product = |factor: f64| {
         let (m, l, n) = (f64::from(rays) * factor, f64::from(lookups) * factor, f64::from(SAMPLES));
         let rest_work = WORK.camera + WORK.photon_work;
@@ -50,7 +61,8 @@ fn ray_counts_minimize_variance_times_work() {
 
 #[test]
 fn prefix_rays_take_limited_work() {
-    let noisy = PixelVariance { after_receiver: 0.1, up_to_receiver: 1e6, photon_estimate: 1e6 };
+    let noisy =
+        PixelVariance { after_receiver: 0.1, up_to_receiver: 1e6, photon_estimate: 1e6, ..PixelVariance::default() };
     let counts = efficient_ray_counts(&[noisy; 100], SAMPLES, &WORK).unwrap();
     let work: f64 =
         counts.iter().map(|c| f64::from(c.rays) * WORK.prefix_ray + f64::from(c.lookups) * WORK.lookup).sum();
@@ -60,7 +72,12 @@ fn prefix_rays_take_limited_work() {
 
 #[test]
 fn undefined_variances_give_no_prefix_rays() {
-    let broken = PixelVariance { after_receiver: 0.1, up_to_receiver: f64::NAN, photon_estimate: f64::INFINITY };
+    let broken = PixelVariance {
+        after_receiver: 0.1,
+        up_to_receiver: f64::NAN,
+        photon_estimate: f64::INFINITY,
+        ..PixelVariance::default()
+    };
     assert_eq!(efficient_ray_counts(&[broken; 4], SAMPLES, &WORK), None);
     assert_eq!(efficient_ray_counts(&[PixelVariance::default(); 4], SAMPLES, &WORK), None);
 }

@@ -1,0 +1,442 @@
+//! Pilot that finds the images of small lamps which camera rays see directly or over specular
+//! surfaces.
+//!
+//! The pilot traces camera rays with their neighbours over all chains of specular vertices. Where
+//! the linear approximation says that a lamp has an image nearby, it moves the film point to that
+//! image by Newton's method, with the point on the lens fixed. So an image is found that covers a
+//! tiny part of a pixel. This is the search of Zeltner, Georgiev and Jakob 2020 ("Specular manifold
+//! sampling"), with the film point as unknown. An image counts only if a camera ray there hits the
+//! lamp. An image that is not an ellipse is covered by several.
+
+use super::lamp_images::LampImage;
+use super::pass_renderer::PassRenderer;
+use super::specular_chain::{CameraPoint, LampPassage, LampSphere, RayBundle, SpecularChain};
+use crate::camera::{Camera, Filter};
+use crate::color;
+use crate::light::{Light, LightSurface};
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::scene::{Effect, Effects, Interior, PathEvent, Scene, for_interior};
+use glam::{DVec2, Vec2};
+use rayon::prelude::*;
+use std::collections::{HashMap, HashSet};
+
+/// Number of camera rays per pixel that search images of lamps.
+const RAYS: u32 = 16;
+
+/// Largest number of lamps whose images are searched.
+const MAX_LAMPS: usize = 64;
+
+/// Number of the [`RAYS`] that each pixel gets. The others go through pixels near predicted images.
+const FIRST_RAYS: u32 = 4;
+
+/// Least throughput, as a mean over RGB, of a chain of specular vertices that is followed.
+///
+/// The noise of an image is proportional to the squared throughput. This one keeps chains with one
+/// reflection at glass, and leaves out those with two.
+const MIN_THROUGHPUT: f32 = 0.02;
+
+/// Largest distance from a camera ray of the pilot to the image that it searches, along each axis
+/// \[pixels].
+const MAX_DISTANCE: f64 = 1.0;
+
+/// Largest area of an image at which rays are aimed \[pixels²]. Rays of the pixel find larger ones.
+const MAX_AREA: f64 = 1.0;
+
+/// Edge length of the square of pixels in which images are searched together \[pixels].
+const TILE_SIZE: u32 = 16;
+
+/// Largest number of searches in a tile, per pixel. It limits the work of the pilot; the candidates
+/// with most noise come first.
+const MAX_SEARCHES_PER_PIXEL: f64 = 3.0;
+
+/// Largest number of Newton steps of a search.
+const MAX_STEPS: u32 = 8;
+
+/// Distance from the center of an image to a point just beyond its end, relative to the longest
+/// half axis of the ellipse. From there, the pilot searches other parts of the image.
+const END_DISTANCE: f32 = 1.1;
+
+/// Largest half width and half height of the part of the film that an image covers as the point on
+/// the lens varies \[pixels]. Larger images are blurred or thin, so that no pixel gets much of
+/// their light.
+const MAX_EXTENT: f32 = 12.0;
+
+/// Distance from the center of the lamp at which Newton steps aim, relative to the lamp's radius.
+///
+/// They aim at the near side of the lamp, so that searches from several sides find several parts of
+/// an image.
+const AIMED_MISS: f64 = 0.5;
+
+/// Distance from the center of the lamp within which a search ends, relative to the lamp's radius.
+const END_MISS: f64 = 0.75;
+
+/// Image of a lamp that the pilot has found.
+#[derive(Clone, Copy, Debug)]
+struct FoundLampImage {
+    image: LampImage,
+    /// Film point and lens point of a camera ray that hits the lamp.
+    point: CameraPoint,
+    /// Sampler of that ray.
+    sampler: Sampler,
+    /// Index of the light in the scene.
+    light: u32,
+    chain: SpecularChain,
+    /// Radiance in the image, averaged over RGB \[W/(m² sr)].
+    radiance: f32,
+}
+
+/// Light of an image in a pixel, averaged over RGB.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ImageInPixel {
+    /// Index of the pixel, by rows from the top.
+    pub pixel: u32,
+    pub image: LampImage,
+    /// Radiance that the image adds to the pixel \[W/(m² sr)].
+    pub light: f64,
+    /// Mean square of the radiance that a camera ray of the pixel finds in the image.
+    pub mean_square: f64,
+}
+
+/// A lamp near a camera ray of the pilot, whose image may be near.
+struct Candidate {
+    /// Film point and lens point of the camera ray.
+    point: CameraPoint,
+    /// Sampler of the camera ray.
+    sampler: Sampler,
+    chain: SpecularChain,
+    lamp: LampSphere,
+    /// Vector on the film from the camera ray to the predicted image \[pixels].
+    to_image: Vec2,
+    /// Predicted integral of the squared radiance over the image, on which the noise depends.
+    noise: f64,
+}
+
+/// Returns the images of lamps in each pixel, by pixels. A pixel has an image for each that the
+/// pixel filter reaches.
+pub(super) fn find_lamp_images(renderer: &PassRenderer<'_>) -> Vec<ImageInPixel> {
+    let scene = renderer.scene;
+    let lamps = lamp_spheres(scene);
+    if lamps.is_empty() || !renderer.policy.effects.has(Effect::Specular) {
+        return Vec::new();
+    }
+    let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::LampImages);
+    let effects = renderer.policy.effects;
+    let search = ImageSearch { scene, effects, lamps, key };
+    let (width, height) = scene.camera().size();
+    let columns = width.div_ceil(TILE_SIZE);
+    let tiles = columns * height.div_ceil(TILE_SIZE);
+    let found: Vec<FoundLampImage> = for_interior!(effects, <I> {
+        let images = |tile| search.images_in_tile::<I>(tile % columns * TILE_SIZE, tile / columns * TILE_SIZE);
+        (0..tiles).into_par_iter().flat_map_iter(images).collect()
+    });
+    let lens_radius = search.lens_radius() as f32;
+    let images = distinct_images(found, lens_radius);
+    images_by_pixel(&images, scene.camera(), &renderer.settings.camera_paths.filter, lens_radius)
+}
+
+/// Returns spheres around the brightest lamps of `scene` that are analytic shapes.
+fn lamp_spheres(scene: &Scene) -> Vec<LampSphere> {
+    let mut lamps: Vec<(f32, LampSphere)> = Vec::new();
+    for (light, area) in scene.lights().iter().map(Light::as_area_light).enumerate() {
+        let Some(area) = area else { continue };
+        let LightSurface::Shape(shape) = &area.surface else { continue };
+        let bounds = shape.bounds();
+        let sphere = LampSphere {
+            center: bounds.center().as_dvec3(),
+            radius: 0.5 * f64::from(bounds.extent().max_element()),
+            light: light as u32,
+        };
+        lamps.push((color::channel_mean(area.radiance), sphere));
+    }
+    lamps.sort_by(|a, b| b.0.total_cmp(&a.0));
+    lamps.into_iter().map(|(_, lamp)| lamp).take(MAX_LAMPS).collect()
+}
+
+/// Search for images of lamps.
+struct ImageSearch<'a> {
+    scene: &'a Scene,
+    effects: Effects,
+    lamps: Vec<LampSphere>,
+    key: Key,
+}
+
+impl ImageSearch<'_> {
+    /// Returns the distinct images that camera rays find through the tile whose upper left pixel is
+    /// in column `left`, row `top`.
+    fn images_in_tile<I: Interior>(&self, left: u32, top: u32) -> Vec<FoundLampImage> {
+        let camera = self.scene.camera();
+        let (width, height) = camera.size();
+        let has_lens = self.lens_radius() > 0.0;
+        let (columns, rows) = (left..width.min(left + TILE_SIZE), top..height.min(top + TILE_SIZE));
+        let pixels = f64::from(columns.end - left) * f64::from(rows.end - top);
+
+        // Find lamps near camera rays. After a few rays per pixel, only pixels near a predicted
+        // image get more.
+        let (mut candidates, mut stack) = (Vec::new(), Vec::new());
+        let tile: Vec<(u32, u32)> = rows.flat_map(|y| columns.clone().map(move |x| (x, y))).collect();
+        let mut searched = tile.clone();
+        for index in 0..RAYS {
+            if index == FIRST_RAYS {
+                searched = pixels_near_images(&tile, &candidates);
+            }
+            for &(x, y) in &searched {
+                let sampler = Sampler::new(self.key.pixel_key(x, y), index, RAYS);
+                let point = CameraPoint {
+                    film: Vec2::new(x as f32, y as f32) + sampler.get_2d(Dimension::Film),
+                    on_lens: has_lens.then(|| camera.sample_lens(sampler.get_2d(Dimension::Lens))),
+                };
+                self.find_candidates::<I>(point, sampler, &mut candidates, &mut stack);
+            }
+        }
+        candidates.sort_by(|a: &Candidate, b: &Candidate| b.noise.total_cmp(&a.noise));
+
+        // Move to the images near these rays, and from found images to their other parts.
+        let mut images = ImageSet::new(self.lens_radius() as f32);
+        let mut searches = (MAX_SEARCHES_PER_PIXEL * pixels) as u32;
+        let mut parts = Vec::new();
+        for candidate in candidates {
+            parts.push(candidate);
+            while let Some(candidate) = parts.pop() {
+                let Candidate { point, to_image, lamp, chain, .. } = candidate;
+                if images.covers(point.film + to_image, point.lens_point(), lamp.light, chain) {
+                    continue;
+                }
+                if searches == 0 {
+                    return images.images;
+                }
+                searches -= 1;
+                let Some(image) = self.search_image::<I>(&candidate) else { continue };
+                if images.insert(image) {
+                    parts.extend(image.ends().map(|film| {
+                        let point = CameraPoint { film, ..image.point };
+                        Candidate { point, sampler: image.sampler, to_image: Vec2::ZERO, ..candidate }
+                    }));
+                }
+            }
+        }
+        images.images
+    }
+
+    /// Radius of the lens \[length]; 0 if rays do not sample it.
+    fn lens_radius(&self) -> f64 {
+        let lens = self.scene.camera().lens().filter(|_| self.effects.has(Effect::Lens));
+        lens.map_or(0.0, |lens| lens.radius)
+    }
+
+    /// Adds the lamps near the camera ray through `point` to `candidates`. `stack` is empty before
+    /// and after.
+    fn find_candidates<I: Interior>(
+        &self,
+        point: CameraPoint,
+        sampler: Sampler,
+        candidates: &mut Vec<Candidate>,
+        stack: &mut Vec<RayBundle<I>>,
+    ) {
+        stack.push(RayBundle::from_camera(self.scene, self.effects, point, sampler));
+        while let Some(bundle) = stack.pop() {
+            let mut traced = bundle;
+            let event = traced.next_vertex(self.scene);
+            if bundle.has_wavelength() {
+                continue;
+            }
+            let reach = match &event {
+                PathEvent::Surface(vertex) => f64::from(vertex.distance),
+                PathEvent::Escaped { .. } => f64::INFINITY,
+                PathEvent::Scattered { .. } => 0.0,
+            };
+            for lamp in &self.lamps {
+                let Some(passage) = bundle.lamp_passage(lamp, reach) else { continue };
+                let area = std::f64::consts::PI / passage.to_disc.determinant().abs();
+                let to_image = to_near_side(&passage);
+                if to_image.abs().max_element() <= MAX_DISTANCE && area <= MAX_AREA {
+                    let radiance = color::channel_mean(bundle.throughput) * self.lamp_radiance(lamp);
+                    let noise = area * (f64::from(radiance) * f64::from(radiance));
+                    let to_image = to_image.as_vec2();
+                    candidates.push(Candidate { point, sampler, chain: bundle.chain, lamp: *lamp, to_image, noise });
+                }
+            }
+            if let PathEvent::Surface(vertex) = event {
+                stack.extend(traced.scatter(self.scene, &vertex, MIN_THROUGHPUT).into_iter().flatten());
+            }
+        }
+    }
+
+    /// Radiance of `lamp`, averaged over RGB and its surface \[W/(m² sr)].
+    fn lamp_radiance(&self, lamp: &LampSphere) -> f32 {
+        let area = self.scene.lights()[lamp.light as usize].as_area_light();
+        area.map_or(0.0, |area| color::channel_mean(area.radiance))
+    }
+
+    /// Moves the film point of `candidate` to the image by Newton's method. Returns the image;
+    /// `None` if the search fails, or if the lamp is hidden.
+    fn search_image<I: Interior>(&self, candidate: &Candidate) -> Option<FoundLampImage> {
+        let Candidate { point: start, sampler, chain, lamp, .. } = *candidate;
+        let mut from = start.film;
+        let mut step = candidate.to_image;
+        for _ in 0..MAX_STEPS {
+            let point = CameraPoint { film: from + step, ..start };
+            let bundle = RayBundle::<I>::follow(self.scene, self.effects, point, sampler, chain);
+            let passage = bundle.and_then(|bundle| Some((bundle, bundle.lamp_passage(&lamp, f64::INFINITY)?)));
+            let Some((mut bundle, passage)) = passage else {
+                step *= 0.5;
+                continue;
+            };
+            if passage.miss > END_MISS {
+                from = point.film;
+                let to_image = to_near_side(&passage);
+                let largest = to_image.abs().max_element();
+                step = (to_image * (MAX_DISTANCE / largest).min(1.0)).as_vec2();
+                let moved = (from + step - start.film).abs().max_element();
+                if moved.is_nan() || moved > 3.0 * MAX_DISTANCE as f32 {
+                    return None;
+                }
+                continue;
+            }
+            let PathEvent::Surface(hit) = bundle.next_vertex(self.scene) else { return None };
+            if hit.surface.light != Some(lamp.light) {
+                return None;
+            }
+            let radiance = color::channel_mean(bundle.throughput * hit.transmittance * hit.surface.emission);
+            let lens_shift = passage.lens_shift.as_mat2();
+            let image = LampImage {
+                center: point.film + passage.to_image.as_vec2() - lens_shift * point.lens_point(),
+                lens_shift,
+                to_disc: passage.to_disc.as_mat2(),
+            };
+            let lens_radius = self.lens_radius() as f32;
+            let extent = image.half_extent_over_lens(lens_radius).max_element();
+            let valid = image.area() <= MAX_AREA as f32 && extent <= MAX_EXTENT && radiance > 0.0;
+            return valid.then_some(FoundLampImage { image, point, sampler, light: lamp.light, chain, radiance });
+        }
+        None
+    }
+}
+
+/// Returns the pixels of `tile`, as columns and rows, that are at most one pixel from the pixel of
+/// an image that `candidates` predict.
+fn pixels_near_images(tile: &[(u32, u32)], candidates: &[Candidate]) -> Vec<(u32, u32)> {
+    let around = |candidate: &Candidate| {
+        let at = (candidate.point.film + candidate.to_image).floor().as_ivec2();
+        (at.y - 1..=at.y + 1).flat_map(move |y| (at.x - 1..=at.x + 1).map(move |x| (x, y)))
+    };
+    let near: HashSet<(i32, i32)> = candidates.iter().flat_map(around).collect();
+    tile.iter().copied().filter(|(x, y)| near.contains(&(*x as i32, *y as i32))).collect()
+}
+
+/// Returns the vector on the film from a camera ray to the near side of a lamp that it passes
+/// \[pixels], in the linear approximation `passage`.
+fn to_near_side(passage: &LampPassage) -> DVec2 {
+    passage.to_image * (1.0 - AIMED_MISS / passage.miss).max(0.0)
+}
+
+impl FoundLampImage {
+    /// Returns the film points \[pixels] just beyond both ends of the ellipse, for the lens point
+    /// at which the image was found.
+    fn ends(&self) -> [Vec2; 2] {
+        let longest = self.image.longest_axis() * END_DISTANCE;
+        let center = self.image.film_point(Vec2::ZERO, self.point.lens_point());
+        [center - longest, center + longest]
+    }
+}
+
+/// Images of lamps without repetitions.
+struct ImageSet {
+    images: Vec<FoundLampImage>,
+    /// Radius of the lens \[length]; 0 if rays do not sample it.
+    lens_radius: f32,
+    /// Indices in `images` of the images that reach a pixel for some point of the lens, by column
+    /// and row.
+    by_pixel: HashMap<(i32, i32), Vec<u32>>,
+}
+
+impl ImageSet {
+    fn new(lens_radius: f32) -> Self {
+        Self { images: Vec::new(), lens_radius, by_pixel: HashMap::new() }
+    }
+
+    /// Adds `image` unless an image of the same lamp over the same chain covers the point at which
+    /// it was found. Returns true if it is added.
+    fn insert(&mut self, image: FoundLampImage) -> bool {
+        let FoundLampImage { point, light, chain, .. } = image;
+        if self.covers(point.film, point.lens_point(), light, chain) {
+            return false;
+        }
+        let center = image.image.center;
+        let reach = image.image.half_extent_over_lens(self.lens_radius);
+        let (low, high) = ((center - reach).floor().as_ivec2(), (center + reach).floor().as_ivec2());
+        let index = self.images.len() as u32;
+        for pixel in (low.y..=high.y).flat_map(|y| (low.x..=high.x).map(move |x| (x, y))) {
+            self.by_pixel.entry(pixel).or_default().push(index);
+        }
+        self.images.push(image);
+        true
+    }
+
+    /// True if an image of light `light` over `chain` covers film point `film` \[pixels], for rays
+    /// through the point `on_lens` of the lens.
+    fn covers(&self, film: Vec2, on_lens: Vec2, light: u32, chain: SpecularChain) -> bool {
+        let pixel = film.floor().as_ivec2();
+        let images = self.by_pixel.get(&(pixel.x, pixel.y)).into_iter().flatten().map(|i| &self.images[*i as usize]);
+        images.into_iter().any(|image| {
+            image.light == light && image.chain == chain && image.image.disc_point(film, on_lens).length_squared() < 1.0
+        })
+    }
+}
+
+/// Returns `found` without repetitions: an image is left out if one before it, of the same lamp
+/// over the same chain, covers the point at which it was found.
+fn distinct_images(found: Vec<FoundLampImage>, lens_radius: f32) -> Vec<FoundLampImage> {
+    let mut distinct = ImageSet::new(lens_radius);
+    for image in found {
+        distinct.insert(image);
+    }
+    distinct.images
+}
+
+/// Returns the images of `images` in each pixel that the pixel filter reaches, sorted by pixels.
+///
+/// `lens_radius` is the radius of the lens \[length]; 0 if rays do not sample it.
+fn images_by_pixel(images: &[FoundLampImage], camera: &Camera, filter: &Filter, lens_radius: f32) -> Vec<ImageInPixel> {
+    let (width, height) = camera.size();
+    let grid = |steps: [f32; 4]| steps.into_iter().flat_map(move |y| steps.map(|x| Vec2::new(x, y)));
+    let disc_points = || grid([-0.75, -0.25, 0.25, 0.75]).filter(|p| p.length_squared() < 1.0);
+    let lens_points: Vec<Vec2> = if lens_radius > 0.0 {
+        grid([0.125, 0.375, 0.625, 0.875]).map(|u| camera.sample_lens(u).as_vec2()).collect()
+    } else {
+        vec![Vec2::ZERO]
+    };
+    let mut in_pixels = Vec::new();
+    for FoundLampImage { image, radiance, .. } in images {
+        let area = f64::from(image.area());
+        let points = lens_points.iter().flat_map(|on_lens| disc_points().map(|p| image.film_point(p, *on_lens)));
+        let points: Vec<Vec2> = points.collect();
+        let reach = image.half_extent_over_lens(lens_radius) + filter.radius() + 0.5;
+        let (low, high) = (image.center - reach, image.center + reach);
+        let range =
+            |low: f32, high: f32, end: u32| (low.max(0.0) as u32).min(end)..(high.max(0.0).ceil() as u32).min(end);
+        for y in range(low.y, high.y, height) {
+            for x in range(low.x, high.x, width) {
+                let center = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+                let value = |p: &Vec2| {
+                    let offset = *p - center;
+                    f64::from((filter.normalized_value(offset.x) * filter.normalized_value(offset.y)).abs())
+                };
+                let covered = area * points.iter().map(value).sum::<f64>() / points.len() as f64;
+                if covered > 0.0 {
+                    let radiance = f64::from(*radiance);
+                    in_pixels.push(ImageInPixel {
+                        pixel: y * width + x,
+                        image: *image,
+                        light: radiance * covered,
+                        mean_square: radiance * radiance * covered,
+                    });
+                }
+            }
+        }
+    }
+    in_pixels.sort_by_key(|image| image.pixel);
+    in_pixels
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,163 @@
+//! Images of lamps: the parts of the film at which prefix rays are aimed.
+//!
+//! A small lamp that the camera sees in curved glass or in a mirror has an *image* on the film,
+//! often much smaller than a pixel. Near the image, the point at which a camera ray passes the
+//! lamp is nearly a linear function of the ray's position on the film and on the lens. So the image
+//! is nearly an ellipse, whose center moves with the lens position.
+
+use crate::sampling::{Dimension, Sampler};
+use glam::{Mat2, Vec2};
+use std::f32::consts::{FRAC_1_PI, TAU};
+use std::sync::Arc;
+
+/// Radius of the disc in which most rays are aimed, relative to the image of the lamp.
+///
+/// It is above 1 because images are ellipses only nearly.
+const CORE_RADIUS: f32 = 1.25;
+
+/// Probability that a ray is aimed at the disc of [`CORE_RADIUS`]. Other rays follow a heavy tail.
+const CORE_SHARE: f32 = 0.75;
+
+/// Radius within which half of the rays of the tail fall, relative to the image of the lamp.
+const TAIL_RADIUS: f32 = 2.0;
+
+/// Image of a lamp on the film, as an ellipse.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LampImage {
+    /// Center of the image for rays through the center of the lens \[pixels from the top left].
+    pub center: Vec2,
+    /// Shift of the image by the position on the lens \[pixels/length].
+    pub lens_shift: Mat2,
+    /// Map from vectors on the film \[pixels] to coordinates in which the image is the unit disc.
+    pub to_disc: Mat2,
+}
+
+impl LampImage {
+    /// Area of the image \[pixels²].
+    pub fn area(&self) -> f32 {
+        std::f32::consts::PI / self.to_disc.determinant().abs()
+    }
+
+    /// Half the width and half the height of the part of the film \[pixels] that the image covers
+    /// as the point on the lens varies. `lens_radius` is the radius of the lens \[length].
+    pub fn half_extent_over_lens(&self, lens_radius: f32) -> Vec2 {
+        let from_disc = self.to_disc.inverse();
+        let rows = |matrix: Mat2| Vec2::new(matrix.row(0).length(), matrix.row(1).length());
+        rows(from_disc) + rows(self.lens_shift) * lens_radius
+    }
+
+    /// Returns the longest half axis of the ellipse \[pixels].
+    pub fn longest_axis(&self) -> Vec2 {
+        // The half axes are images of perpendicular vectors whose images are perpendicular.
+        let from_disc = self.to_disc.inverse();
+        let (a, b) = (from_disc.x_axis, from_disc.y_axis);
+        let angle = 0.5 * libm::atan2f(2.0 * a.dot(b), a.length_squared() - b.length_squared());
+        let (sin, cos) = libm::sincosf(angle);
+        from_disc * Vec2::new(cos, sin)
+    }
+
+    /// Returns the film point `film` \[pixels] in coordinates in which the image is the unit disc,
+    /// for rays through the point `on_lens` of the lens.
+    pub fn disc_point(&self, film: Vec2, on_lens: Vec2) -> Vec2 {
+        self.to_disc * (film - self.center - self.lens_shift * on_lens)
+    }
+
+    /// Returns the film point \[pixels] at the point `disc` of the disc, the inverse of
+    /// [`LampImage::disc_point`].
+    pub fn film_point(&self, disc: Vec2, on_lens: Vec2) -> Vec2 {
+        self.center + self.lens_shift * on_lens + self.to_disc.inverse() * disc
+    }
+
+    /// Pdf \[1/pixel²] with which rays are aimed at film point `film`, given their point `on_lens`
+    /// of the lens.
+    fn pdf(&self, film: Vec2, on_lens: Vec2) -> f32 {
+        let squared = self.disc_point(film, on_lens).length_squared();
+        let core = if squared < CORE_RADIUS * CORE_RADIUS { CORE_SHARE / (CORE_RADIUS * CORE_RADIUS) } else { 0.0 };
+        let tail = TAIL_RADIUS / (TAIL_RADIUS * TAIL_RADIUS + squared);
+        (core + (1.0 - CORE_SHARE) * tail * tail) * FRAC_1_PI * self.to_disc.determinant().abs()
+    }
+
+    /// Samples the film point \[pixels] at which a ray through the point `on_lens` of the lens is
+    /// aimed, by `u` in \[0, 1)².
+    fn sample(&self, u: Vec2, on_lens: Vec2) -> Vec2 {
+        let radius = if u.x < CORE_SHARE {
+            CORE_RADIUS * (u.x / CORE_SHARE).sqrt()
+        } else {
+            let x = ((u.x - CORE_SHARE) / (1.0 - CORE_SHARE)).min(1.0 - f32::EPSILON);
+            TAIL_RADIUS * (x / (1.0 - x)).sqrt()
+        };
+        let (sin, cos) = libm::sincosf(TAU * u.y);
+        self.film_point(radius * Vec2::new(cos, sin), on_lens)
+    }
+}
+
+/// Image of a lamp in a pixel, with its share of the rays that the pixel aims at images.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PixelLampImage {
+    pub image: LampImage,
+    /// Probability that an aimed ray of the pixel is aimed at this image.
+    pub share: f32,
+}
+
+/// Returns the pdf \[1/pixel²] with which a ray that is aimed at one of `images` goes through film
+/// point `film`, given its point `on_lens` of the lens.
+pub(super) fn aimed_pdf(images: &[PixelLampImage], film: Vec2, on_lens: Vec2) -> f32 {
+    images.iter().map(|target| target.share * target.image.pdf(film, on_lens)).sum()
+}
+
+/// Samples the film point \[pixels] of a ray that is aimed at one of `images`, given its point
+/// `on_lens` of the lens. `images` must not be empty.
+pub(super) fn sample_aimed_film_point(images: &[PixelLampImage], sampler: Sampler, on_lens: Vec2) -> Vec2 {
+    let mut u = sampler.get_2d(Dimension::Film);
+    let (last, others) = images.split_last().expect("a pixel with aimed rays has an image");
+    for target in others {
+        if u.x < target.share {
+            u.x /= target.share;
+            return target.image.sample(u, on_lens);
+        }
+        u.x -= target.share;
+    }
+    u.x = (u.x / last.share).min(1.0 - f32::EPSILON / 2.0);
+    last.image.sample(u, on_lens)
+}
+
+/// Images of lamps in each pixel of a picture.
+#[derive(Clone, Debug)]
+pub(super) struct LampImages {
+    /// Images of all pixels, by rows from the top.
+    images: Arc<[PixelLampImage]>,
+    /// Index in `images` of each pixel's first image, by rows from the top; last, the number of
+    /// all.
+    starts: Arc<[u32]>,
+}
+
+impl LampImages {
+    /// Returns the images of each pixel of `pixels`, by rows from the top.
+    pub fn from_pixels(pixels: &[Vec<PixelLampImage>]) -> Self {
+        let mut starts = Vec::with_capacity(pixels.len() + 1);
+        starts.push(0);
+        let mut total = 0;
+        for images in pixels {
+            total += images.len() as u32;
+            starts.push(total);
+        }
+        Self { images: pixels.iter().flatten().copied().collect(), starts: starts.into() }
+    }
+
+    /// Returns these images without those in pixels for which `keeps` is false.
+    ///
+    /// The argument of `keeps` is the index of a pixel, by rows from the top.
+    pub fn in_pixels(&self, keeps: impl Fn(usize) -> bool) -> Self {
+        let images = |pixel| if keeps(pixel) { self.of_pixel(pixel).to_vec() } else { Vec::new() };
+        Self::from_pixels(&(0..self.starts.len() - 1).map(images).collect::<Vec<_>>())
+    }
+
+    /// Returns the images in the pixel with index `pixel`, by rows from the top.
+    #[inline]
+    pub fn of_pixel(&self, pixel: usize) -> &[PixelLampImage] {
+        &self.images[self.starts[pixel] as usize..self.starts[pixel + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests;

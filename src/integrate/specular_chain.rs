@@ -1,0 +1,250 @@
+//! Chains of specular vertices that camera rays follow, traced with their derivatives.
+//!
+//! The derivatives come from finite differences: a [`RayBundle`] holds a camera ray and neighbours
+//! of it on the film and on the lens, and traces them over the same vertices.
+
+use crate::bsdf::TransportMode;
+use crate::color::Rgb;
+use crate::math::{Frame, Ray};
+use crate::sampling::{Dimension, Sampler};
+use crate::scene::{Effects, Interior, PathEvent, PathRay, Scene, SurfaceInteraction, SurfaceVertex};
+use glam::{DMat2, DVec2, DVec3, Vec2, Vec3};
+
+/// Distance on the film between a ray of a bundle and its neighbours \[pixels].
+const FILM_STEP: f32 = 0.02;
+
+/// Distance on the lens between a ray of a bundle and its neighbours, relative to the radius of the
+/// lens.
+const LENS_STEP: f64 = 0.02;
+
+/// Number of rays of a bundle: a camera ray, two neighbours on the film, and two on the lens.
+const BUNDLE_RAYS: usize = 5;
+
+/// Largest number of vertices of a chain.
+const MAX_VERTICES: u32 = 24;
+
+/// Choice between reflection and transmission at each vertex of a chain of specular vertices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(super) struct SpecularChain {
+    /// Number of vertices.
+    length: u32,
+    /// Bit i is set if the chain is transmitted at vertex i.
+    transmitted: u32,
+}
+
+impl SpecularChain {
+    fn with_vertex(self, is_transmitted: bool) -> Self {
+        Self { length: self.length + 1, transmitted: self.transmitted | u32::from(is_transmitted) << self.length }
+    }
+
+    fn is_transmitted_at(self, vertex: u32) -> bool {
+        self.transmitted >> vertex & 1 == 1
+    }
+}
+
+/// Point of the film and of the lens through which a camera ray goes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CameraPoint {
+    /// Film point \[pixels from the top left].
+    pub film: Vec2,
+    /// Point on the lens \[length right and up from its center]; `None` for the lens center, if
+    /// rays do not sample the lens.
+    pub on_lens: Option<DVec2>,
+}
+
+impl CameraPoint {
+    /// Point on the lens \[length right and up from its center].
+    pub fn lens_point(&self) -> Vec2 {
+        self.on_lens.map_or(Vec2::ZERO, |on_lens| on_lens.as_vec2())
+    }
+}
+
+/// A camera ray and its neighbours on the film and on the lens, traced over the same vertices.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RayBundle<I> {
+    /// The camera ray, its neighbours right and below on the film, and its neighbours right and up
+    /// on the lens.
+    rays: [PathRay<I>; BUNDLE_RAYS],
+    /// Number of rays that are traced: without a lens, the first three.
+    count: usize,
+    /// Distance between neighbours on the lens \[length].
+    lens_step: f64,
+    /// Factor from radiance that arrives along the camera ray to radiance of the pixel.
+    pub throughput: Rgb,
+    /// Vertices that the rays have passed.
+    pub chain: SpecularChain,
+    /// Sampler of the next vertex's random decisions.
+    sampler: Sampler,
+}
+
+/// A sphere around a lamp.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LampSphere {
+    pub center: DVec3,
+    pub radius: f64,
+    /// Index of the light in the scene.
+    pub light: u32,
+}
+
+/// Linear approximation of how the rays near a camera ray pass a lamp.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LampPassage {
+    /// Distance of the camera ray from the center of the lamp, relative to the lamp's radius.
+    pub miss: f64,
+    /// Vector on the film from the camera ray to the center of the lamp's image \[pixels].
+    pub to_image: DVec2,
+    /// Shift of the image by the position on the lens \[pixels/length].
+    pub lens_shift: DMat2,
+    /// Map from vectors on the film \[pixels] to coordinates in which the image is the unit disc.
+    pub to_disc: DMat2,
+}
+
+impl<I: Interior> RayBundle<I> {
+    /// Returns the bundle of the camera ray through `point`, before its first vertex.
+    pub fn from_camera(scene: &Scene, effects: Effects, point: CameraPoint, sampler: Sampler) -> Self {
+        let camera = scene.camera();
+        let lens_step = camera.lens().map_or(0.0, |lens| lens.radius * LENS_STEP);
+        let count = if point.on_lens.is_some() { BUNDLE_RAYS } else { 3 };
+        let ray = |film: Vec2, on_lens: DVec2| {
+            let ray = match point.on_lens {
+                None => camera.generate_ray(point.film + film, None),
+                Some(at) => camera.generate_ray_through_lens_point(point.film + film, at + on_lens),
+            };
+            let mut path: PathRay<I> = scene.start_camera_path(ray, effects);
+            path.interior.set_wavelength_sample(scene, || sampler.get_1d(Dimension::Wavelength));
+            path
+        };
+        let rays = [
+            ray(Vec2::ZERO, DVec2::ZERO),
+            ray(Vec2::X * FILM_STEP, DVec2::ZERO),
+            ray(Vec2::Y * FILM_STEP, DVec2::ZERO),
+            ray(Vec2::ZERO, DVec2::X * lens_step),
+            ray(Vec2::ZERO, DVec2::Y * lens_step),
+        ];
+        Self { rays, count, lens_step, throughput: Rgb::ONE, chain: SpecularChain::default(), sampler }
+    }
+
+    /// Traces the camera ray to its next vertex, and returns the event there.
+    pub fn next_vertex<'a>(&mut self, scene: &'a Scene) -> PathEvent<'a> {
+        self.rays[0].next_vertex(scene, self.sampler.sample_key(), |_| None)
+    }
+
+    /// Returns the bundles that continue from `vertex`, the next vertex of the camera ray: the
+    /// reflected and the transmitted one. A bundle is `None` if its throughput, as a mean over RGB,
+    /// is below `min_throughput`, or if a neighbour takes another way.
+    pub fn scatter(self, scene: &Scene, vertex: &SurfaceVertex<'_>, min_throughput: f32) -> [Option<Self>; 2] {
+        if self.chain.length >= MAX_VERTICES || !is_specular(&vertex.surface) {
+            return [None; 2];
+        }
+        let mut traced = self;
+        let mut neighbours = [None; BUNDLE_RAYS - 1];
+        for (neighbour, ray) in neighbours.iter_mut().zip(&mut traced.rays[1..self.count]) {
+            match ray.next_vertex(scene, self.sampler.sample_key(), |_| None) {
+                PathEvent::Surface(vertex) if is_specular(&vertex.surface) => *neighbour = Some(vertex.surface),
+                PathEvent::Surface(_) | PathEvent::Scattered { .. } | PathEvent::Escaped { .. } => return [None; 2],
+            }
+        }
+        [false, true].map(|is_transmitted| {
+            let (direction, weight) = scattered_direction(&vertex.surface, is_transmitted, self.sampler)?;
+            let mut next = traced;
+            let factor = next.rays[0].leave_surface_with_wavelength_weight(&vertex.surface, direction, is_transmitted);
+            next.throughput *= vertex.transmittance * weight * factor;
+            if crate::color::channel_mean(next.throughput) < min_throughput {
+                return None;
+            }
+            for (ray, surface) in next.rays[1..self.count].iter_mut().zip(neighbours.iter().flatten()) {
+                let (direction, _) = scattered_direction(surface, is_transmitted, self.sampler)?;
+                ray.leave_surface_with_wavelength_weight(surface, direction, is_transmitted);
+            }
+            next.chain = self.chain.with_vertex(is_transmitted);
+            next.sampler = self.sampler.next_vertex_sampler(self.chain.length, is_transmitted);
+            Some(next)
+        })
+    }
+
+    /// Traces the bundle of the camera ray through `point` over the vertices of `chain`. Returns
+    /// `None` if it takes another way.
+    pub fn follow(
+        scene: &Scene,
+        effects: Effects,
+        point: CameraPoint,
+        sampler: Sampler,
+        chain: SpecularChain,
+    ) -> Option<Self> {
+        let mut bundle = Self::from_camera(scene, effects, point, sampler);
+        for i in 0..chain.length {
+            let PathEvent::Surface(vertex) = bundle.next_vertex(scene) else { return None };
+            bundle = bundle.scatter(scene, &vertex, 0.0)[usize::from(chain.is_transmitted_at(i))]?;
+        }
+        Some(bundle)
+    }
+
+    /// True if the rays carry one wavelength, which determines their way.
+    pub fn has_wavelength(&self) -> bool {
+        self.rays[0].interior.wavelength().is_some()
+    }
+
+    /// Returns how the rays after their last vertex pass `lamp`; `None` if the lamp lies behind
+    /// them or farther than `reach` \[length], or if the neighbours do not differ.
+    pub fn lamp_passage(&self, lamp: &LampSphere, reach: f64) -> Option<LampPassage> {
+        let Ray { origin, direction, .. } = self.rays[0].ray;
+        let distance = (lamp.center - origin.as_dvec3()).dot(direction.as_dvec3());
+        if !(distance > 0.0 && distance < reach + 2.0 * lamp.radius) {
+            return None;
+        }
+        let frame = Frame::from_normal(direction);
+        // Points in the plane through the center of the lamp, perpendicular to the camera ray,
+        // relative to the radius of the lamp.
+        let in_plane = |ray: &Ray| {
+            let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+            let along = direction.as_dvec3();
+            let t = (lamp.center - o).dot(along) / d.dot(along);
+            let p = (o + d * t - lamp.center) / lamp.radius;
+            (t > 0.0).then(|| DVec2::new(p.dot(frame.s.as_dvec3()), p.dot(frame.t.as_dvec3())))
+        };
+        let at = in_plane(&self.rays[0].ray)?;
+        let derivative = |i: usize, step: f64| in_plane(&self.rays[i].ray).map(|p| (p - at) / step);
+        let to_disc = DMat2::from_cols(derivative(1, FILM_STEP.into())?, derivative(2, FILM_STEP.into())?);
+        let from_disc = to_disc.inverse();
+        if !from_disc.is_finite() {
+            return None;
+        }
+        let by_lens = if self.count > 3 {
+            DMat2::from_cols(derivative(3, self.lens_step)?, derivative(4, self.lens_step)?)
+        } else {
+            DMat2::ZERO
+        };
+        Some(LampPassage {
+            miss: at.length(),
+            to_image: -(from_disc * at),
+            lens_shift: -(from_disc * by_lens),
+            to_disc,
+        })
+    }
+}
+
+/// True if light leaves `surface` in delta lobes only.
+fn is_specular(surface: &SurfaceInteraction<'_>) -> bool {
+    surface.bsdf.is_specular()
+}
+
+/// Returns the direction in which a camera ray leaves the specular surface `surface`, reflected or
+/// transmitted, with its weight; `None` if it does not.
+fn scattered_direction(
+    surface: &SurfaceInteraction<'_>,
+    is_transmitted: bool,
+    sampler: Sampler,
+) -> Option<(Vec3, Rgb)> {
+    let (ns, ng) = (surface.point.ns, surface.point.ng);
+    if let Some(split) = surface.bsdf.reflect_and_refract(surface.wo, ns, ng, TransportMode::Radiance) {
+        let (direction, weight) = if is_transmitted {
+            (split.transmitted.0, split.transmitted.1 / split.transmitted_radiance_divisor)
+        } else {
+            split.reflected
+        };
+        return (weight > 0.0).then_some((direction, Rgb::splat(weight)));
+    }
+    let (lobe, u) = (sampler.get_1d(Dimension::BsdfLobe), sampler.get_2d(Dimension::BsdfDirection));
+    let sample = surface.sample(lobe, u, TransportMode::Radiance)?;
+    (sample.is_transmitted == is_transmitted).then_some((sample.wi, sample.weight))
+}
