@@ -9,7 +9,7 @@ use rayon::prelude::*;
 const HALF_WIDTH: usize = 2;
 
 /// Smallest number of pixels of a task of a parallel loop.
-const MIN_PIXELS: usize = 2048;
+const MIN_PIXELS_PER_TASK: usize = 2048;
 
 /// Per-pixel weights that turn squared errors into relative squared errors.
 ///
@@ -41,11 +41,12 @@ impl RelativeErrorWeights {
     pub fn from_pixels(size: (u32, u32), pixels: &[Vec3]) -> Self {
         let (width, height) = (size.0 as usize, size.1 as usize);
         assert_eq!(pixels.len(), width * height);
-        let radiance = pixels.par_iter().with_min_len(MIN_PIXELS).map(|p| p.as_dvec3().element_sum().abs() / 3.0);
+        let radiance =
+            pixels.par_iter().with_min_len(MIN_PIXELS_PER_TASK).map(|p| p.as_dvec3().element_sum().abs() / 3.0);
         let radiance: Vec<f64> = radiance.collect();
         let local: Vec<f64> = (0..width * height)
             .into_par_iter()
-            .with_min_len(MIN_PIXELS)
+            .with_min_len(MIN_PIXELS_PER_TASK)
             .map(|i| {
                 let (x, y) = (i % width, i / width);
                 let rows = y.saturating_sub(HALF_WIDTH)..(y + HALF_WIDTH + 1).min(height);
@@ -65,7 +66,7 @@ impl RelativeErrorWeights {
         let mut lit: Vec<f64> = local.iter().copied().filter(|l| *l > 0.0).collect();
         let middle = lit.len() / 2;
         let median = if lit.is_empty() { 1.0 } else { *lit.select_nth_unstable_by(middle, f64::total_cmp).1 };
-        let local = local.par_iter().with_min_len(MIN_PIXELS);
+        let local = local.par_iter().with_min_len(MIN_PIXELS_PER_TASK);
         let weights = local.map(|l| 1.0 / (3.0 * (l * l + median * median))).collect();
         Self { weights }
     }

@@ -24,7 +24,7 @@ const BINS: usize = SIDE * SIDE;
 const REFINEMENTS: u32 = 3;
 
 /// Number of cells of the finest grid along each axis of the scene.
-const CELLS: u32 = 1 << REFINEMENTS;
+const CELLS_PER_AXIS: u32 = 1 << REFINEMENTS;
 
 /// Fraction of each distribution of shadow-ray directions that is uniform over the unit square
 /// (defensive sampling).
@@ -90,7 +90,7 @@ impl EnvironmentGuideFit {
     /// Makes a fit without rays. The boundaries of its cells divide the positions `points` evenly
     /// along each axis.
     pub fn new(points: &[Vec3]) -> Self {
-        let bins = (CELLS * CELLS * CELLS) as usize * BINS;
+        let bins = (CELLS_PER_AXIS * CELLS_PER_AXIS * CELLS_PER_AXIS) as usize * BINS;
         Self { grid: SceneCellGrid::new(points), counts: vec![0.0; bins], squares: vec![0.0; bins] }
     }
 
@@ -188,7 +188,7 @@ fn distribution(means: &[f64]) -> Option<SquareGridDistribution> {
 #[derive(Clone, Debug)]
 struct SceneCellGrid {
     /// Coordinates of the cell boundaries on each axis, in ascending order \[length].
-    planes: [[f32; CELLS as usize - 1]; 3],
+    planes: [[f32; CELLS_PER_AXIS as usize - 1]; 3],
 }
 
 impl SceneCellGrid {
@@ -196,7 +196,8 @@ impl SceneCellGrid {
         let planes = [0, 1, 2].map(|axis| {
             let mut positions: Vec<f32> = points.iter().map(|p| p[axis]).collect();
             positions.sort_by(f32::total_cmp);
-            let plane = |i: usize| positions.get((i + 1) * positions.len() / CELLS as usize).copied().unwrap_or(0.0);
+            let plane =
+                |i: usize| positions.get((i + 1) * positions.len() / CELLS_PER_AXIS as usize).copied().unwrap_or(0.0);
             std::array::from_fn(plane)
         });
         Self { planes }
@@ -206,7 +207,7 @@ impl SceneCellGrid {
     #[inline]
     fn cell_index(&self, p: Vec3) -> usize {
         let [x, y, z] = [0, 1, 2].map(|axis| self.planes[axis].partition_point(|plane| *plane <= p[axis]));
-        (z * CELLS as usize + y) * CELLS as usize + x
+        (z * CELLS_PER_AXIS as usize + y) * CELLS_PER_AXIS as usize + x
     }
 }
 

@@ -245,7 +245,12 @@ impl FilmSampling<'_> {
     /// Returns the camera rays of the pixel in column `x`, row `y` of the whole picture, its prefix
     /// rays, and its aimed prefix rays, if it has any. `key` is the random key of the picture's
     /// camera rays.
-    fn rays_of_pixel(&self, key: Key, x: u32, y: u32) -> (PixelRays<'_>, Option<PixelRays<'_>>, Option<PixelRays<'_>>) {
+    fn camera_and_prefix_rays(
+        &self,
+        key: Key,
+        x: u32,
+        y: u32,
+    ) -> (PixelRays<'_>, Option<PixelRays<'_>>, Option<PixelRays<'_>>) {
         let index = y as usize * self.camera.size().0 as usize + x as usize;
         let (samples, prefix) = (self.ray_count(index), self.prefix_ray_count(index));
         let slices = self.divide_rays(x, y, samples);
@@ -430,7 +435,7 @@ pub(super) fn render_tiles<Stack: Default>(
             let (x, y) = (window.left + column, window.top + row);
             let corner = Vec2::new(x as f32, y as f32);
             let film_position = corner + 0.5;
-            let (camera_rays, prefix_rays, aimed_rays) = sampling.rays_of_pixel(key, x, y);
+            let (camera_rays, prefix_rays, aimed_rays) = sampling.camera_and_prefix_rays(key, x, y);
             let samples = camera_rays.count;
             let mut sums = PixelSums::default();
             for rays in iter::once(camera_rays).chain(prefix_rays).chain(aimed_rays) {

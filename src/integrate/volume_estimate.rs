@@ -111,7 +111,7 @@ impl NestedKernelSums {
             let all = self.sums[0].element_sum() / radiance.element_sum();
             let mut radius = radius;
             for (sum, ratio) in self.sums.iter_mut().zip(kernel_ratios(self.dimensions, x2)) {
-                let share = if sees { 1.0 / probes.coverage(radius) } else { 0.0 };
+                let share = if sees { 1.0 / probes.visible_fraction(radius) } else { 0.0 };
                 *sum += radiance * (ratio * all * (share - 1.0));
                 radius *= FRAC_1_SQRT_2;
             }

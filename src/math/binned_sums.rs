@@ -43,7 +43,7 @@ const ROUNDER: f64 = (3u64 << 51) as f64;
 const LEVEL_BITS: u16 = 5;
 
 /// Smallest number of pixels of a task of a parallel loop.
-const MIN_PIXELS: usize = 2048;
+const MIN_PIXELS_PER_TASK: usize = 2048;
 
 /// Sums of N channels, for each pixel of a picture. They do not depend on the order of the values.
 ///
@@ -91,7 +91,7 @@ impl<const N: usize> BinnedSums<N> {
     #[inline]
     pub fn add(&mut self, value: impl Fn(usize) -> [f64; N] + Sync) {
         let pixels = self.bins.par_iter_mut().zip(&mut self.tags).enumerate();
-        pixels.with_min_len(MIN_PIXELS).for_each(|(i, (bins, tag))| {
+        pixels.with_min_len(MIN_PIXELS_PER_TASK).for_each(|(i, (bins, tag))| {
             let values = value(i);
             let level = level_of(*tag);
             let limit = LIMITS[level];
@@ -107,7 +107,7 @@ impl<const N: usize> BinnedSums<N> {
     pub fn merge(&mut self, other: &Self) {
         let own = self.bins.par_iter_mut().zip(&mut self.tags);
         let pixels = own.zip(other.bins.par_iter().zip(&other.tags));
-        pixels.with_min_len(MIN_PIXELS).for_each(|((bins, tag), (other_bins, other_tag))| {
+        pixels.with_min_len(MIN_PIXELS_PER_TASK).for_each(|((bins, tag), (other_bins, other_tag))| {
             let mut other_bins = *other_bins;
             let level = level_of(*tag).max(level_of(*other_tag));
             raise_level(&mut other_bins, &mut other_tag.clone(), level);

@@ -61,13 +61,13 @@ impl KernelProbes {
         self.distances[0] > distance
     }
 
-    /// Returns the coverage: the fraction, in \[1/20, 1], of the kernel's integral that is visible
+    /// Returns the fraction, in \[1/20, 1], of the kernel's integral that is visible
     /// from the kernel's center.
     ///
     /// The kernel has radius `radius` \[length]. The result is a mean over the probe rays, and
     /// exactly 1 if none of them hits a surface within `radius`.
     #[must_use]
-    pub fn coverage(&self, radius: f32) -> f32 {
+    pub fn visible_fraction(&self, radius: f32) -> f32 {
         let parts = self.distances[..self.count].iter().map(|d| kernel_fraction_within(d / radius, self.dimensions));
         (parts.sum::<f32>() / self.count as f32).max(MIN_COVERAGE)
     }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Smallest number of pixels of a task of a parallel loop.
-const MIN_PIXELS: usize = 2048;
+const MIN_PIXELS_PER_TASK: usize = 2048;
 
 /// Sums over passes of the radiance of each pixel; see [`Film::mean`] for the picture.
 ///
@@ -77,7 +77,7 @@ impl Film {
     /// top.
     #[must_use]
     pub fn mean(&self) -> Vec<Rgb> {
-        let pixels = (0..self.sums.len()).into_par_iter().with_min_len(MIN_PIXELS);
+        let pixels = (0..self.sums.len()).into_par_iter().with_min_len(MIN_PIXELS_PER_TASK);
         pixels.map(|i| self.pixel_mean(i).as_vec3()).collect()
     }
 

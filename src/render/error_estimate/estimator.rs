@@ -7,7 +7,7 @@ use super::estimate::ErrorEstimate;
 use super::fireflies::FireflyHistogram;
 use super::forecast::ErrorForecast;
 use super::leading_passes::LeadingPasses;
-use super::pixel_sums::{MIN_PIXELS, sum_over_pixels, sums_of_values};
+use super::pixel_sums::{MIN_PIXELS_PER_TASK, sum_over_pixels, sums_of_values};
 use super::pixel_variance::PixelVarianceSums;
 use super::shared_paths::SharedPathErrorSums;
 use super::squared_error::SquaredErrorParts;
@@ -83,8 +83,10 @@ struct NestedDifferenceSums {
 /// Sums over passes of the mean gather radius and photon count of one pixel, for one photon map.
 #[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 struct GatherDiscTotals {
-    radius: f32,
-    photons: f32,
+    /// Sum over passes of the mean radius \[length].
+    radius_sum: f32,
+    /// Sum over passes of the mean photon count of a disc.
+    mean_count_sum: f32,
     passes: u32,
 }
 
@@ -292,7 +294,7 @@ impl ErrorEstimator {
     pub fn error_maps(&self, film: &Film) -> ErrorMaps {
         let n = f64::from(self.passes.max(1));
         let over = (n * (n - 1.0)).max(1.0);
-        let pixels = (0..self.variances.pixels()).into_par_iter().with_min_len(MIN_PIXELS);
+        let pixels = (0..self.variances.pixels()).into_par_iter().with_min_len(MIN_PIXELS_PER_TASK);
         let spreads = pixels.map(|i| self.variances.spread(film, i));
         let noise = spreads.map(|pixel| (pixel.squared_deviations / over).map(f64::sqrt).as_vec3()).collect();
         let Some(sums) = &self.nested_differences else { return ErrorMaps { noise, ..ErrorMaps::default() } };
@@ -335,7 +337,7 @@ impl NestedDifferenceSums {
             let [a, b] = pixels[i].differences.map(|difference| difference.as_dvec3());
             [a.dot(a), a.dot(b), b.dot(b)]
         });
-        let discs = self.discs.par_iter_mut().zip(pixels).with_min_len(MIN_PIXELS);
+        let discs = self.discs.par_iter_mut().zip(pixels).with_min_len(MIN_PIXELS_PER_TASK);
         discs.for_each(|([caustic, indirect], pixel)| {
             caustic.add(pixel.caustic_disc);
             indirect.add(pixel.indirect_disc);
@@ -350,7 +352,7 @@ impl NestedDifferenceSums {
             sums.merge(other);
         }
         self.products.merge(&other.products);
-        let discs = self.discs.par_iter_mut().zip(&other.discs).with_min_len(MIN_PIXELS);
+        let discs = self.discs.par_iter_mut().zip(&other.discs).with_min_len(MIN_PIXELS_PER_TASK);
         discs.for_each(|(discs, others)| discs.iter_mut().zip(others).for_each(|(disc, other)| disc.merge(*other)));
         self.leading.merge(&other.leading, LEADING_PASSES_OF_DIFFERENCES);
     }
@@ -397,17 +399,17 @@ impl NestedDifferenceSums {
 
 impl GatherDiscTotals {
     fn add(&mut self, discs: Option<MeanGatherDisc>) {
-        if let Some(MeanGatherDisc { radius, mean_count: photons }) = discs {
-            self.radius += radius;
-            self.photons += photons;
+        if let Some(MeanGatherDisc { radius, mean_count }) = discs {
+            self.radius_sum += radius;
+            self.mean_count_sum += mean_count;
             self.passes += 1;
         }
     }
 
     /// Adds the totals of `other`, which belong to other passes of the same pixel.
     fn merge(&mut self, other: Self) {
-        self.radius += other.radius;
-        self.photons += other.photons;
+        self.radius_sum += other.radius_sum;
+        self.mean_count_sum += other.mean_count_sum;
         self.passes += other.passes;
     }
 
@@ -415,6 +417,6 @@ impl GatherDiscTotals {
     /// passes.
     fn mean(self) -> MeanGatherDisc {
         let n = self.passes.max(1) as f32;
-        MeanGatherDisc { radius: self.radius / n, mean_count: self.photons / n }
+        MeanGatherDisc { radius: self.radius_sum / n, mean_count: self.mean_count_sum / n }
     }
 }

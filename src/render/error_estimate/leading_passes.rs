@@ -1,6 +1,6 @@
 //! Effective sample count of the noise of a picture, measured between its leading passes.
 
-use super::pixel_sums::{MIN_PIXELS, sum_over_pixels};
+use super::pixel_sums::{MIN_PIXELS_PER_TASK, sum_over_pixels};
 use crate::color::Rgb;
 use rayon::prelude::*;
 
@@ -42,7 +42,7 @@ impl LeadingPasses {
         let at = self.pictures.partition_point(|(other, _)| *other < number);
         if at < most.min(MAX_PASSES) {
             let grey = |value: Rgb| Some((value / 3.0).element_sum()).filter(|grey| grey.is_finite()).unwrap_or(0.0);
-            self.pictures.insert(at, (number, picture.with_min_len(MIN_PIXELS).map(grey).collect()));
+            self.pictures.insert(at, (number, picture.with_min_len(MIN_PIXELS_PER_TASK).map(grey).collect()));
             self.pictures.truncate(most);
         }
     }

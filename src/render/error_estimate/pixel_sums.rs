@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 /// Smallest number of pixels of a task of a parallel loop.
-pub(super) const MIN_PIXELS: usize = 2048;
+pub(super) const MIN_PIXELS_PER_TASK: usize = 2048;
 
 /// Number of pixels that one Rayon task sums.
 const CHUNK: usize = 1024;

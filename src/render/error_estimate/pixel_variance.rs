@@ -1,6 +1,6 @@
 //! Variance of each pixel between passes, and a bound of its kurtosis.
 
-use super::pixel_sums::MIN_PIXELS;
+use super::pixel_sums::MIN_PIXELS_PER_TASK;
 use crate::color::Rgb;
 use crate::math::BinnedSums;
 use crate::render::film::Film;
@@ -37,7 +37,7 @@ impl PixelVarianceSums {
         }
         let square = |value: Rgb| value.as_dvec3() * value.as_dvec3();
         self.squares.add(|i| square(image[i]).to_array());
-        let peaks = self.peaks.par_iter_mut().zip(image).with_min_len(MIN_PIXELS);
+        let peaks = self.peaks.par_iter_mut().zip(image).with_min_len(MIN_PIXELS_PER_TASK);
         peaks.for_each(|(peak, value)| *peak = peak.max(value.abs().max_element()));
     }
 

@@ -27,7 +27,7 @@ use glam::{DVec2, DVec3, Vec3};
 use lights::{CollectedLights, DeltaLight, collect_lights};
 use media::place_media;
 use object::{MergedMeshes, ObjectGeometry, SceneObject};
-use place::{PlacedObjects, place_camera, place_objects};
+use place::{PlacedObjects, place_camera, sort_and_place_objects};
 use recenter::choose_scene_origin;
 use std::sync::Arc;
 use validate::{validate_coordinate_range, validate_light_power, validate_objects};
@@ -220,7 +220,8 @@ impl SceneBuilder {
         let (objects, mesh) =
             cull_air_boundaries(self.objects, self.mesh, &self.materials, self.ambient_medium.is_some());
         let origin = choose_scene_origin(&objects, &mesh, &camera)?;
-        let PlacedObjects { objects, geometry, mappings, mut animation } = place_objects(objects, mesh, origin)?;
+        let PlacedObjects { objects, geometry, mappings, mut animation } =
+            sort_and_place_objects(objects, mesh, origin)?;
         validate_coordinate_range(&geometry, &animation)?;
         let CollectedLights { lights, environment_light_index, legacy_lights, moving, of_object } = collect_lights(
             &self.delta_lights,

@@ -46,7 +46,7 @@ pub(super) struct PlacedTextureMappings {
 
 /// Sorts the objects by [`SceneObject::object_sort_key`], and converts them to coordinates relative
 /// to `origin`, at mid-shutter.
-pub(super) fn place_objects(
+pub(super) fn sort_and_place_objects(
     mut objects: Vec<SceneObject>,
     mesh: MergedMeshes,
     origin: DVec3,
