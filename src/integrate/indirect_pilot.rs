@@ -40,7 +40,8 @@ const MIN_DIVISOR: u32 = 8;
 /// Largest number of photon paths in each of the indirect-light pilot's two trials.
 const MAX_PATHS: u32 = 1 << 17;
 
-/// Number of passes, for the last of which the indirect-light pilot minimizes error times work.
+/// Number of passes of a typical render. The indirect-light pilot minimizes error times work after
+/// this many passes.
 const TYPICAL_PASS_COUNT: u32 = 4;
 
 /// Largest number of passes in which photon estimates carry a part of the indirect light.

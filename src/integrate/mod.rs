@@ -67,6 +67,7 @@ mod distributed;
 mod environment_guide;
 mod environment_pilot;
 mod film_points;
+mod film_sampling;
 mod gather_guide;
 mod hybrid;
 mod indirect_division;

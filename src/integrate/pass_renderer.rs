@@ -2,6 +2,7 @@
 
 use super::camera_path::PathContext;
 use super::environment_pilot::{EnvironmentGuidingReport, guide_environment_light};
+use super::film_sampling::{FilmSampling, PrefixRays};
 use super::map_builder::PhotonMapBuilder;
 use super::nee::{NextEventEstimator, ShadowRayGuides};
 use super::photon_maps::PhotonMaps;
@@ -9,7 +10,7 @@ use super::policy::PathPolicy;
 use super::prefix_rays::PrefixRayCounts;
 use super::settings::Settings;
 use super::shutter::{MAX_PHOTON_SLICES, MAX_SLICES, SLICE_PIXELS, SlicedCameras};
-use super::tiles::{self, FilmSampling, PrefixRays};
+use super::tiles;
 use crate::sampling::{Key, Purpose};
 use crate::scene::{self, Effect, Scene};
 use std::sync::Arc;

@@ -21,6 +21,7 @@
 use super::balance;
 use super::camera_path;
 use super::camera_ray::CameraRay;
+use super::film_sampling::FilmSampling;
 use super::lamp_image_pilot::{ImageInPixel, find_lamp_images};
 use super::lamp_images::{LampImages, PixelLampImage};
 use super::map_builder::MapBuildOptions;
@@ -310,7 +311,7 @@ fn render_light_parts(
     let pass = u32::MAX - i;
     let pilot = renderer.with_one_sample();
     let (paths, key) = (pilot.path_context(maps, pass), pilot.prefix_ray_key(pass));
-    let sampling = tiles::FilmSampling { nested: false, ..pilot.film_sampling(pass) };
+    let sampling = FilmSampling { nested: false, ..pilot.film_sampling(pass) };
     let (width, _) = renderer.scene.camera().size();
     let aimed = PrefixRayCount { aimed: ASSUMED_AIMED_RAYS, ..PrefixRayCount::default() };
     let weights = AimedRayWeights::new(renderer.samples, aimed);

@@ -2,10 +2,11 @@
 //!
 //! It has no shadows, no distance falloff and no ambient term.
 
+use super::film_sampling::FilmSampling;
 use super::integrator::Integrator;
 use super::pass::{PassResult, ProgressMonitor, StageTimes};
 use super::settings::CameraPathSettings;
-use super::tiles::{self, FilmImage, FilmSampling};
+use super::tiles::{self, FilmImage};
 use crate::camera::{CropWindow, Filter};
 use crate::color::Rgb;
 use crate::math::Ray;

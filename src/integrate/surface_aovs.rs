@@ -3,9 +3,9 @@
 //!
 //! They need no light, so rays of their own find them. No pass of the picture changes.
 
+use super::film_sampling::FilmSampling;
 use super::pass::{PassStage, ProgressMonitor};
 use super::settings::CameraPathSettings;
-use super::tiles::FilmSampling;
 use crate::bsdf::TransportMode;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};

@@ -35,8 +35,8 @@ pub(super) struct Resolver<'a> {
     pub source: &'a SourceText,
     pub folder: &'a Path,
     pub assets: &'a EmbeddedAssets,
-    /// Meshes of an earlier version of the scene. The scene shares those that have not changed.
-    /// `None` for a first version.
+    /// Meshes of the previous version of the scene. Meshes whose files have not changed are taken
+    /// from there instead of being read again. `None` for a first version.
     pub earlier_meshes: Option<&'a SceneMeshes>,
     /// Errors of lights and objects so far. Building continues after an error, to report several at
     /// once.

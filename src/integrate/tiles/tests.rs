@@ -1,5 +1,5 @@
 use super::*;
-use crate::camera::FilterKind;
+use crate::camera::{Camera, FilterKind};
 use crate::integrate::pass::SilentMonitor;
 use crate::sampling::Purpose;
 
