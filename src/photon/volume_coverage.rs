@@ -61,8 +61,8 @@ impl KernelProbes {
         self.distances[0] > distance
     }
 
-    /// Returns the fraction, in \[1/20, 1], of the kernel's integral that is visible
-    /// from the kernel's center.
+    /// Returns the fraction, in \[1/20, 1], of the kernel's integral that is visible from the
+    /// kernel's center.
     ///
     /// The kernel has radius `radius` \[length]. The result is a mean over the probe rays, and
     /// exactly 1 if none of them hits a surface within `radius`.

@@ -1,7 +1,7 @@
 //! The live page, tested from outside: by HTTP, and in a headless browser.
 
 use crate::support::devtools::DevTools;
-use crate::support::project_path;
+use crate::support::{PATIENCE, project_path};
 use caustica::image::{self, Image, WriteOptions};
 use glam::Vec3;
 use serde_json::Value;
@@ -28,9 +28,6 @@ Group {
     MaterialName glass  Sphere { center -.4 .4 .5 radius .4 }
 }
 ";
-
-/// Time limit of a wait for a state of the page, on a machine that does much else.
-const PATIENCE: Duration = Duration::from_secs(300);
 
 /// A running program that serves a live page, in a temporary folder of its own.
 struct LiveProgram {
@@ -75,7 +72,7 @@ impl LiveProgram {
     fn request(&self, method: &str, path: &str) -> BufReader<TcpStream> {
         let (host, root) = self.address.strip_prefix("http://").unwrap().split_once('/').unwrap();
         let mut stream = TcpStream::connect(host).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(300))).unwrap();
+        stream.set_read_timeout(Some(PATIENCE)).unwrap();
         write!(
             stream,
             "{method} /{root}{path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\nContent-Length: 0\r\n\r\n"
@@ -185,8 +182,7 @@ fn wrong_addresses_and_references_are_refused() {
         let mut program = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
         let scene = project_path("scenes/ring.txt");
         let words: Vec<&str> = words.split_whitespace().collect();
-        let output =
-            program.arg(words[0]).arg(scene).args(&words[1..]).timeout(Duration::from_secs(300)).output().unwrap();
+        let output = program.arg(words[0]).arg(scene).args(&words[1..]).timeout(PATIENCE).output().unwrap();
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(code) && said.contains(part), "{said}");
     };

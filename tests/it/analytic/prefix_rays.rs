@@ -128,7 +128,8 @@ fn aimed_rays_keep_light_of_lamps_in_mirror_balls() {
 /// A lamp behind a glass ball keeps its light.
 ///
 /// The camera, the ball's center and the lamp lie on one line. So a ray at distance h from this
-/// line stays in a plane, in which Snell's law gives its way.
+/// line stays in a plane, in which Snell's law gives its way. The quadrature over h has a relative
+/// error below 10⁻⁷.
 #[test]
 fn aimed_rays_keep_light_of_lamps_behind_glass_balls() {
     const IOR: f64 = 1.5;
@@ -158,7 +159,7 @@ fn aimed_rays_keep_light_of_lamps_behind_glass_balls() {
     };
     let ring = |h: f64| 2.0 * PI * h * received(h);
     let expected = 1e4 * midpoint_integral(0.0, 0.5 * FILM, 1_000_000, ring) / (FILM * FILM);
-    check_aimed_rays(&b.build(camera).unwrap(), FilterKind::Box, expected, 2e-3);
+    check_aimed_rays(&b.build(camera).unwrap(), FilterKind::Box, expected, 0.0);
 }
 
 /// A lamp out of focus in a flat mirror keeps its light, for filters that are wider than a pixel or

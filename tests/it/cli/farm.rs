@@ -2,7 +2,7 @@
 #![cfg(unix)]
 
 use super::{CliSandbox, ProgramRun, unframed_text};
-use crate::support::project_path;
+use crate::support::{PATIENCE, project_path};
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
@@ -94,7 +94,7 @@ impl FakeSlurm {
 /// Runs `caustica farm slurm` on the box of a sandbox, with the programs of `path`.
 fn farm(sandbox: &CliSandbox, path: &str, words: &str) -> ProgramRun {
     let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
-    command.current_dir(sandbox.path(".")).env("PATH", path).timeout(Duration::from_secs(300));
+    command.current_dir(sandbox.path(".")).env("PATH", path).timeout(PATIENCE);
     command.args(["farm", "slurm", "box.txt", "--photons", "1k", "--poll", "0"]).args(words.split_whitespace());
     let output = command.output().unwrap();
     ProgramRun {
@@ -292,7 +292,7 @@ impl Cluster {
     fn wait_for(&self, line: &str) {
         let start = Instant::now();
         while !self.output("squeue", "--noheader --array --states=all --format=%i|%T").lines().any(|own| own == line) {
-            assert!(start.elapsed() < Duration::from_secs(300), "`{line}` did not come");
+            assert!(start.elapsed() < PATIENCE, "`{line}` did not come");
             std::thread::sleep(Duration::from_millis(50));
         }
     }

@@ -22,9 +22,9 @@ mod study;
 #[cfg(feature = "view")]
 mod tev;
 
+use crate::support::PATIENCE;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// Temporary folder that holds `box.txt`, in which the program runs.
 struct CliSandbox {
@@ -93,11 +93,10 @@ impl CliSandbox {
         names
     }
 
-    /// Runs the program in the folder. Kills it after five minutes, which no run takes even on a
-    /// loaded machine.
+    /// Runs the program in the folder. Kills it after [`PATIENCE`].
     fn run(&self, arguments: &[&str]) -> ProgramRun {
         let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
-        command.current_dir(self.folder.path()).args(arguments).timeout(Duration::from_secs(300));
+        command.current_dir(self.folder.path()).args(arguments).timeout(PATIENCE);
         let output = command.output().unwrap();
         ProgramRun {
             code: output.status.code(),

@@ -1,5 +1,6 @@
 //! A headless browser that tests control by the DevTools protocol, over pipes.
 
+use super::PATIENCE;
 use super::browser::find_browser;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
@@ -8,9 +9,6 @@ use std::time::{Duration, Instant};
 
 /// Time limit of a browser \[s]. A browser that hangs is killed, and its test fails.
 const LIMIT: &str = "1500";
-
-/// Time limit of a wait for one condition, on a machine that does much else.
-const PATIENCE: Duration = Duration::from_secs(300);
 
 /// A browser with one open page.
 pub struct DevTools {

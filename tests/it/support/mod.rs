@@ -15,7 +15,12 @@ use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
 pub use statistics::*;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 pub use transport::*;
+
+/// Time limit of one command or one wait, after which it counts as hung. On a loaded machine, a
+/// command of a test can take more than a minute.
+pub const PATIENCE: Duration = Duration::from_secs(300);
 
 /// Returns the absolute path of a file or folder that is given relative to the repository's root.
 pub fn project_path(name: &str) -> PathBuf {

@@ -1,7 +1,7 @@
 //! Lights of zero power, lights inside walls, and scenes that are black.
 
 use super::{WITH_PHOTONS, assert_finite, flat_camera, rectangle_around, rendered, settings};
-use crate::support::{mean_and_error, render_one_pass, render_passes};
+use crate::support::{PATIENCE, mean_and_error, render_one_pass, render_passes};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings};
@@ -196,7 +196,7 @@ fn run_messages(lights_and_things: &str, more: &[&str]) -> String {
         "PerspectiveCamera { center 0 0 5 lookAt 0 0 0 angle 30 width 8 height 8 }\nBackground { color 0 0 0 }\n";
     std::fs::write(folder.path().join("a.txt"), format!("{camera}{lights_and_things}")).unwrap();
     let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
-    command.current_dir(folder.path()).timeout(std::time::Duration::from_secs(300));
+    command.current_dir(folder.path()).timeout(PATIENCE);
     let output = command.args(["render", "a.txt", "-o", "a.exr", "--passes", "4"]).args(more).output().unwrap();
     let words = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success(), "{words}");

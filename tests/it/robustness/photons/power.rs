@@ -1,7 +1,7 @@
 //! Light powers at the limits of single precision.
 
 use super::{HUE, WITH_PHOTONS, assert_finite, flat_camera, rectangle_around, rendered, settings};
-use crate::support::{mean_and_error, render_one_pass, test_key};
+use crate::support::{PATIENCE, mean_and_error, render_one_pass, test_key};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings, SilentMonitor};
@@ -184,7 +184,7 @@ fn photons_beyond_float_range_are_reported() {
     std::fs::write(folder.path().join("a.txt"), text).unwrap();
     let run = |paths: &str| {
         let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
-        command.current_dir(folder.path()).timeout(std::time::Duration::from_secs(300));
+        command.current_dir(folder.path()).timeout(PATIENCE);
         command.args(["render", "a.txt", "-o", "a.exr", "--integrator", "pm", "--passes", "2", "--radius", ".05"]);
         let output = command.args(["--photons", paths, "--caustic-photons", paths]).output().unwrap();
         String::from_utf8(output.stderr).unwrap()
