@@ -170,7 +170,8 @@ impl FilmSampling<'_> {
     }
 
     /// Makes the ray of `sampler` in slice `slice` of the shutter interval, one of the `rays` of
-    /// the pixel whose upper left corner is `corner`. Some rays of this pixel are aimed at `images`.
+    /// the pixel whose upper left corner is `corner`. Some rays of this pixel are aimed at
+    /// `images`.
     ///
     /// The function is not inlined, so that the loop over rays stays small.
     #[inline(never)]
